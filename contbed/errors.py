@@ -1,0 +1,41 @@
+"""What can go wrong, one class and one exit code each. A message says what, where, the numbers and what to try."""
+
+from __future__ import annotations
+
+
+class ContbedError(Exception):
+    """Base of all errors that a user can meet; `exit_code` is what the command line returns."""
+
+    exit_code = 1
+
+
+class SceneError(ContbedError):
+    """The scene, its mesh or its materials cannot be used. `problems` holds one line for each mistake."""
+
+    exit_code = 2
+
+    def __init__(self, problems: str | list[str]):
+        self.problems = [problems] if isinstance(problems, str) else list(problems)
+        super().__init__("\n".join(self.problems))
+
+
+class ConvergenceError(ContbedError):
+    """Newton, a time step or a linear solve failed. `history` holds the residual norms; the last state was kept."""
+
+    exit_code = 3
+
+    def __init__(self, message: str, history: list[float] | None = None):
+        self.history = history or []
+        super().__init__(message)
+
+
+class ClosureRangeError(ContbedError):
+    """A closure left its declared range in strict mode."""
+
+    exit_code = 4
+
+
+class BalanceError(ContbedError):
+    """A conserved quantity does not close to the tolerance that the scene asks for."""
+
+    exit_code = 5
