@@ -1,0 +1,31 @@
+"""Finite-element continuum models for packed, moving and fluidized bed reactors.
+
+>>> import contbed as cb
+>>> result = cb.run(cb.load("scene.toml"))  # doctest: +SKIP
+
+`load` reads and checks a scene, `plan` says what will be built, `run` solves it and returns a `Result`. Everything
+heavy is imported when it is first used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+__all__ = ["Plan", "Result", "Scene", "load", "plan", "run"]
+
+_HOMES = {"Scene": "settings", "load": "scene", "Plan": "plan", "plan": "plan", "Result": "result", "run": "run"}
+
+if TYPE_CHECKING:
+    from contbed.plan import Plan, plan
+    from contbed.result import Result
+    from contbed.run import run
+    from contbed.scene import load
+    from contbed.settings import Scene
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'contbed' has no attribute {name!r}")
+    return getattr(import_module(f"contbed.{_HOMES[name]}"), name)

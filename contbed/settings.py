@@ -1,0 +1,314 @@
+"""The vocabulary of a scene: every table and key, with unit, bounds and meaning, as frozen pydantic models in SI.
+
+A plain number is SI; a string may carry a unit ("3 mm", "100 degC") and is converted here, at the door, so that
+nothing behind it ever sees a unit. A table that is absent means that its physics is absent. Defaults live here only.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+
+def in_unit(name: str) -> BeforeValidator:
+    """Validator that turns "3 mm" into 0.003 for `name` "m", also inside lists; other values pass."""
+
+    def convert(value: Any) -> Any:
+        if isinstance(value, (list, tuple)):
+            return tuple(convert(item) for item in value)
+        if isinstance(value, str):
+            from contbed.units import to_si
+
+            return to_si(value, name)
+        if isinstance(value, bool):
+            raise ValueError("expected a number, found true or false")
+        return value
+
+    return BeforeValidator(convert)
+
+
+def unit(name: str) -> tuple[Any, ...]:
+    """Annotations of a finite number in the SI unit `name`."""
+    return Field(allow_inf_nan=False, json_schema_extra={"unit": name}), in_unit(name)
+
+
+Number = Annotated[float, *unit("1")]
+Positive = Annotated[Number, Field(gt=0)]
+NonNegative = Annotated[Number, Field(ge=0)]
+Fraction = Annotated[Number, Field(gt=0, lt=1)]
+Position = Annotated[float, *unit("m")]
+Length = Annotated[Position, Field(gt=0)]
+Permeability = Annotated[float, *unit("m**2"), Field(gt=0)]
+Temperature = Annotated[float, *unit("K"), Field(gt=0)]
+Conductivity = Annotated[float, *unit("W/m/K"), Field(ge=0)]
+WallCoefficient = Annotated[float, *unit("W/m**2/K"), Field(ge=0)]
+HeatFlux = Annotated[float, *unit("W/m**2")]
+HeatSource = Annotated[float, *unit("W/m**3")]
+Density = Annotated[float, *unit("kg/m**3"), Field(gt=0)]
+HeatCapacity = Annotated[float, *unit("J/kg/K"), Field(gt=0)]
+Viscosity = Annotated[float, *unit("Pa*s"), Field(gt=0)]
+Pressure = Annotated[float, *unit("Pa"), Field(gt=0)]
+Seconds = Annotated[float, *unit("s"), Field(gt=0)]
+Instant = Annotated[float, *unit("s"), Field(ge=0)]
+FiniteFloat = Annotated[float, Field(allow_inf_nan=False)]
+Velocity = Annotated[
+    FiniteFloat | tuple[FiniteFloat, ...], Field(json_schema_extra={"unit": "m/s"}), in_unit("m/s")
+]
+Cells = Annotated[int, Field(ge=1, le=10_000_000)]
+
+
+class Table(BaseModel):
+    """A TOML table: unknown keys are errors and values do not change after loading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class MeshLine(Table):
+    """A bed along x from 0 to `length`; boundaries `left`, `right`."""
+
+    type: Literal["line"]
+    length: Length
+    cells: Cells | None = Field(None, description="number of cells; automatic grading to the layer widths if absent")
+    refine: int = Field(0, ge=0, le=12, description="uniform refinements after construction")
+
+
+class MeshRectangle(Table):
+    """A planar channel, x along `length`, y along `height`; boundaries `left`, `right`, `bottom`, `top`."""
+
+    type: Literal["rectangle"]
+    length: Length
+    height: Length
+    cells: tuple[Cells, Cells] | None = None
+    shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
+    refine: int = Field(0, ge=0, le=8)
+
+
+class MeshAxisymmetric(Table):
+    """A cylinder in (r, z), z along `length`; boundaries `axis`, `wall`, `bottom`, `top`."""
+
+    type: Literal["axisymmetric"]
+    length: Length
+    radius: Length
+    cells: tuple[Cells, Cells] | None = Field(None, description="cells along r and along z")
+    shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
+    refine: int = Field(0, ge=0, le=8)
+
+
+class MeshBox(Table):
+    """A box, x along `length`, y `width`, z `height`; boundaries `left right front back bottom top`."""
+
+    type: Literal["box"]
+    length: Length
+    width: Length
+    height: Length
+    cells: tuple[Cells, Cells, Cells] | None = None
+    shape: Literal["tetrahedron", "hexahedron"] = "hexahedron"
+    refine: int = Field(0, ge=0, le=6)
+
+
+class MeshFile(Table):
+    """A gmsh geometry (.geo, meshed by gmsh) or a mesh (.msh); physical groups name regions and boundaries."""
+
+    type: Literal["file"]
+    file: str = Field(description="path relative to the scene")
+    dimension: Literal[1, 2, 3] = 2
+    axisymmetric: bool = Field(False, description="coordinates are (r, z)")
+    scale: Positive = Field(1.0, description="factor from the file's length unit to metres")
+    size: Length | None = Field(None, description="target cell size for a .geo; its own sizes if absent")
+    refine: int = Field(0, ge=0, le=8)
+
+
+Mesh = Annotated[MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox | MeshFile, Field(discriminator="type")]
+
+
+class FluidConstant(Table):
+    """A fluid with constant properties."""
+
+    model: Literal["constant"]
+    density: Density
+    viscosity: Viscosity
+    heat_capacity: HeatCapacity | None = Field(None, description="needed with a [heat] table")
+    conductivity: Conductivity | None = Field(None, description="needed with a [heat] table")
+
+
+class FluidCantera(Table):
+    """An ideal-gas mixture with the polynomials of a Cantera mechanism."""
+
+    model: Literal["cantera"]
+    composition: str = Field(description='mole fractions, "N2:0.79, O2:0.21"')
+    pressure: Pressure = 101325.0
+    mechanism: str = "gri30.yaml"
+
+
+class FluidCoolProp(Table):
+    """A real fluid at constant pressure from CoolProp."""
+
+    model: Literal["coolprop"]
+    name: str
+    pressure: Pressure = 101325.0
+    T_range: tuple[Temperature, Temperature] = Field(description="temperatures to tabulate, one phase only")
+
+
+Fluid = Annotated[FluidConstant | FluidCantera | FluidCoolProp, Field(discriminator="model")]
+
+Polynomial = tuple[FiniteFloat, ...]
+
+
+class Solid(Table):
+    """The particles' material: numbers, or polynomials a0 + a1 T + a2 T^2 ... with T in K."""
+
+    density: Density
+    heat_capacity: HeatCapacity | Polynomial
+    conductivity: Conductivity | Polynomial
+
+
+class Closure(Table):
+    """A closure by name; further keys are the closure's own parameters."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    name: str
+
+
+ClosureOr = str | Closure
+
+
+class Bed(Table):
+    """The packing."""
+
+    porosity: Fraction
+    particle_diameter: Length
+    shape: Literal["spheres", "rods"] = Field(
+        "spheres", description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"
+    )
+    permeability: Permeability | ClosureOr = "permeability_ergun"
+    forchheimer: NonNegative | ClosureOr = Field(
+        "forchheimer_ergun", description="inertial drag coefficient c_F"
+    )
+
+
+class Flow(Table):
+    """Superficial velocities; a number is along the bed axis (x, or z when axisymmetric), a list is a vector."""
+
+    velocity: Velocity = Field(description="fluid, mean over the inlet")
+    velocity_solid: Velocity = 0.0
+
+
+class Dispersion(Table):
+    """Constant dispersion conductivities, along and across the flow."""
+
+    axial: Conductivity
+    transverse: Conductivity = 0.0
+
+
+class Heat(Table):
+    """Two energy equations, one for each phase."""
+
+    nusselt: NonNegative | ClosureOr
+    reynolds: NonNegative | None = Field(
+        None, description="fixed Reynolds number for the closures instead of the one from velocities and properties"
+    )
+    conductivity_fluid: Conductivity | ClosureOr = Field(
+        "conductivity_phase", description="effective, without dispersion; conductivity_phase is eps k_fluid"
+    )
+    conductivity_solid: Conductivity | ClosureOr = Field(
+        "conductivity_phase", description="effective; conductivity_phase is (1-eps) k_solid"
+    )
+    tortuosity: Number | ClosureOr | None = Field(
+        None, description="tortuosity parameter G of the cross conduction between the phases; absent means none"
+    )
+    dispersion: Dispersion | ClosureOr | None = None
+
+
+class PhaseCondition(Table):
+    """Thermal condition of one phase on one boundary: exactly one of the four."""
+
+    fixed: Temperature | None = Field(None, description="prescribed temperature")
+    inflow: Temperature | None = Field(None, description="Danckwerts: temperature of the entering stream")
+    flux: HeatFlux | None = Field(None, description="heat into the bed")
+    coefficient: WallCoefficient | ClosureOr | None = Field(
+        None, description="Robin: wall coefficient to `ambient`"
+    )
+    ambient: Temperature | None = None
+
+    @model_validator(mode="after")
+    def _exactly_one(self) -> PhaseCondition:
+        given = [name for name in ("fixed", "inflow", "flux", "coefficient") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"give one of fixed, inflow, flux, coefficient; found {', '.join(given) or 'none'}")
+        if (self.coefficient is None) != (self.ambient is None):
+            raise ValueError("coefficient and ambient belong together")
+        return self
+
+
+class Boundary(Table):
+    """Conditions on one named boundary; what is absent is adiabatic, and a frictionless wall for the flow."""
+
+    flow: Literal["inlet", "outlet", "no_slip", "slip"] | None = Field(
+        None, description="absent: inlet or outlet by the sign of the velocity, slip on walls"
+    )
+    fluid: PhaseCondition | None = None
+    solid: PhaseCondition | None = None
+
+
+class Region(Table):
+    """Heat sources in one named region of the mesh, per bed volume."""
+
+    source_fluid: HeatSource = 0.0
+    source_solid: HeatSource = 0.0
+
+
+class Time(Table):
+    """A transient run; absent means steady."""
+
+    end: Seconds
+    initial_fluid: Temperature
+    initial_solid: Temperature
+    times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
+    scheme: Literal["tr_bdf2", "sdirk2"] = "tr_bdf2"
+    step: Seconds | None = Field(None, description="fixed step; error-controlled if absent")
+    tolerance: Fraction = Field(1e-4, description="local error over the span of temperatures")
+    checkpoint_every: Seconds | None = Field(None, description="wall-clock seconds between checkpoints; 10 if absent")
+
+
+class Solver(Table):
+    """Numerics; the defaults suit nearly all scenes."""
+
+    degree: Literal[1, 2, 3] = Field(2, description="polynomial degree of the temperatures")
+    stabilisation: bool = Field(True, description="residual-based SUPG")
+    tolerance: Fraction = Field(
+        1e-5, description="target error of theta for automatic meshes"
+    )
+    reduce: bool = Field(True, description="solve a plug-flow scene with adiabatic walls in one dimension")
+    newton_tolerance: Fraction = 1e-10
+    newton_iterations: int = Field(30, ge=1, le=1000)
+    balance_tolerance: Positive = 1e-10
+    strict: bool = Field(False, description="a closure out of its range is an error")
+    memory_GB: Positive | None = Field(
+        None, description="refuse a factorisation predicted above this; 60 % of the free memory if absent"
+    )
+
+
+class Output(Table):
+    """What a run writes besides summary.json."""
+
+    positions: tuple[Position, ...] = Field((), description="profile positions along the axis; automatic if empty")
+    fields: bool = True
+    plots: bool = True
+
+
+class Scene(Table):
+    """One run."""
+
+    title: str = ""
+    mesh: Mesh
+    fluid: Fluid
+    solid: Solid | None = None
+    bed: Bed
+    flow: Flow
+    heat: Heat | None = None
+    boundary: dict[str, Boundary] = Field(default_factory=dict)
+    region: dict[str, Region] = Field(default_factory=dict)
+    time: Time | None = None
+    solver: Solver = Solver()
+    output: Output = Output()
