@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 __all__ = ["Plan", "Result", "Scene", "load", "plan", "run"]
 
-_HOMES = {"Scene": "settings", "load": "scene", "Plan": "plan", "plan": "plan", "Result": "result", "run": "run"}
+_HOMES = {"Scene": "settings", "load": "scene", "Plan": "planning", "plan": "planning", "Result": "result", "run": "runner"}
 
 if TYPE_CHECKING:
-    from contbed.plan import Plan, plan
+    from contbed.planning import Plan, plan
     from contbed.result import Result
-    from contbed.run import run
+    from contbed.runner import run
     from contbed.scene import load
     from contbed.settings import Scene
 
