@@ -1,0 +1,57 @@
+"""What every material shares: polynomials that work on dual numbers, and the count of points outside a range."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import SceneError
+
+Range = tuple[float, float]
+
+
+def polynomial(coefficients: Sequence[float], x: Any) -> Any:
+    """a0 + a1 x + a2 x^2 + ... by Horner's rule; the float a0 when there is nothing else."""
+    result: Any = coefficients[-1]
+    for a in coefficients[-2::-1]:
+        result = result * x + a
+    return result
+
+
+def integrated(coefficients: Sequence[float], constant: float = 0.0) -> tuple[float, ...]:
+    """Coefficients of the integral of a polynomial, `constant` at x = 0."""
+    return (constant, *(a / (n + 1) for n, a in enumerate(coefficients)))
+
+
+def share_outside(T: Any, T_range: Range) -> float:
+    """Share of the points of T that lie outside the inclusive range; nan counts as outside, no points as 0."""
+    lo, hi = T_range
+    inside = np.asarray((lo <= T) & (hi >= T))
+    return 1.0 - float(np.count_nonzero(inside)) / inside.size if inside.size else 0.0
+
+
+def checked_range(T_range: Sequence[float], what: str) -> Range:
+    """The range as two floats, or a SceneError."""
+    lo, hi = (float(T) for T in T_range)
+    if not 0.0 <= lo < hi:
+        raise SceneError(f"{what}: T_range ({lo:g}, {hi:g}) K must rise and not start below 0 K; correct the ends")
+    return lo, hi
+
+
+def checked_positive(value: float, what: str, unit: str) -> float:
+    """The value as a float, or a SceneError."""
+    number = float(value)
+    if not (number > 0.0 and math.isfinite(number)):
+        raise SceneError(f"{what} is {number:g} {unit}; it must be positive and finite")
+    return number
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """' (nearest: a, b)' for an error message, or nothing when no known name is close."""
+    by_lower = {k.lower(): k for k in known}
+    close = difflib.get_close_matches(name.lower(), by_lower, n=3, cutoff=0.5)
+    return f" (nearest: {', '.join(by_lower[c] for c in close)})" if close else ""

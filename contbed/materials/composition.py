@@ -1,0 +1,51 @@
+"""Mole fractions from what a person writes."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+
+from contbed.errors import SceneError
+
+
+def mole_fractions(composition: str | Mapping[str, float]) -> dict[str, float]:
+    """Mole fractions that sum to one, only those above zero.
+
+    Parameters
+    ----------
+    composition : "N2:0.79, O2:0.21" or {"N2": 0.79, "O2": 0.21}, in any common scale [mol]; one bare name is a pure gas
+
+    Returns
+    -------
+    species -> mole fraction [-]
+    """
+    pairs = list(composition.items()) if isinstance(composition, Mapping) else _pairs(composition)
+    amounts: dict[str, float] = {}
+    for species, given in pairs:
+        try:
+            amount = float(given)
+        except (TypeError, ValueError):
+            amount = math.nan
+        if not (amount >= 0.0 and math.isfinite(amount)):
+            raise SceneError(f"composition: the amount of {species} is {given!r}; it must be a number, 0 or more")
+        if species in amounts:
+            raise SceneError(f"composition: {species} is given twice")
+        amounts[species] = amount
+    total = sum(amounts.values())
+    if total <= 0.0:
+        raise SceneError(f"composition {composition!r} is empty; give at least one species, such as 'N2:0.79, O2:0.21'")
+    return {species: amount / total for species, amount in amounts.items() if amount > 0.0}
+
+
+def _pairs(text: str) -> list[tuple[str, str]]:
+    words = re.split(r"[,;\s]+", re.sub(r"\s*:\s*", ":", text).strip(" ,;\t\n"))
+    if len(words) == 1 and words[0] and ":" not in words[0]:
+        return [(words[0], "1")]
+    pairs = []
+    for word in filter(None, words):
+        species, _, amount = word.rpartition(":")
+        if not species or not amount:
+            raise SceneError(f"composition {text!r}: cannot read {word!r}; write 'N2:0.79, O2:0.21' (mole fractions)")
+        pairs.append((species, amount))
+    return pairs

@@ -1,0 +1,203 @@
+"""Real fluids at fixed pressure: CoolProp's equations of state, tabulated once to smooth piecewise polynomials in T."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contbed.errors import SceneError
+
+from .common import Range, checked_positive, checked_range, nearest, share_outside
+from .pointwise import pointwise
+
+TOLERANCE = 1e-7  # of every property's value, half way between nodes
+MAX_INTERVALS = 4096
+PROPERTIES = ("density", "heat_capacity", "viscosity", "conductivity")
+
+
+@dataclass(frozen=True, eq=False)
+class RealFluid:
+    """A pure fluid in one phase at fixed pressure; made by `real_fluid`.
+
+    Quintic splines, so values are smooth and derivatives are exact. Outside T_range each property keeps its value at
+    the nearer end, which keeps it positive; `share_outside` tells how often that happened.
+    """
+
+    constant: ClassVar[bool] = False
+    name: str
+    T_range: Range
+    source: str
+    pressure: float
+    table_error: float
+    _tables: dict[str, tuple[Any, Any]] = field(repr=False)
+
+    def density(self, T: Any) -> Any:
+        """[kg/m3]"""
+        return pointwise(*self._tables["density"], T)
+
+    def heat_capacity(self, T: Any) -> Any:
+        """[J/kg/K]"""
+        return pointwise(*self._tables["heat_capacity"], T)
+
+    def enthalpy(self, T: Any) -> Any:
+        """[J/kg], exact integral of heat_capacity, equal to CoolProp's at the lower end of T_range"""
+        return pointwise(*self._tables["enthalpy"], T)
+
+    def viscosity(self, T: Any) -> Any:
+        """[Pa s]"""
+        return pointwise(*self._tables["viscosity"], T)
+
+    def conductivity(self, T: Any) -> Any:
+        """[W/m/K]"""
+        return pointwise(*self._tables["conductivity"], T)
+
+    def share_outside(self, T: Any) -> float:
+        """Share of the points of T outside T_range."""
+        return share_outside(T, self.T_range)
+
+
+def real_fluid(name: str, pressure: float, T_range: Sequence[float] | None = None) -> RealFluid:
+    """A pure fluid from CoolProp, liquid, gas or supercritical.
+
+    Parameters
+    ----------
+    name : a CoolProp fluid such as "Water" or "CO2"; "steam" is the gas side of water
+    pressure : [Pa]
+    T_range : [K], on one side of the boiling temperature at this pressure; for "steam" the default is all of that side
+
+    Source
+    ------
+    Bell, Wronski, Quoilin and Lemort (2014), Ind. Eng. Chem. Res. 53, 2498, doi:10.1021/ie4033999
+    """
+    p = checked_positive(pressure, f"{name}: pressure", "Pa")
+    CoolProp, state = _state(name)
+    boiling = _boiling(CoolProp, state, p)
+    limits, phase = _one_phase(name, p, T_range, (state.Tmin(), state.Tmax()), boiling)
+    if phase:
+        state.specify_phase(getattr(CoolProp, f"iphase_{phase}"))
+
+    def sample(T: np.ndarray) -> np.ndarray:
+        rows = []
+        for T_i in T:
+            try:
+                state.update(CoolProp.PT_INPUTS, p, T_i)
+                rows.append((state.rhomass(), state.cpmass(), state.viscosity(), state.conductivity()))
+            except ValueError as error:
+                raise SceneError(
+                    f"{name}: CoolProp has no properties at {T_i:.6g} K and {p:g} Pa ({error}); narrow T_range"
+                ) from error
+        return np.array(rows)
+
+    nodes, values, error = _refined(sample, limits)
+    if error > 10.0 * TOLERANCE:
+        raise SceneError(
+            f"{name}: properties between {limits[0]:g} and {limits[1]:g} K at {p:g} Pa vary too steeply for the table "
+            f"(error {error:.1e} with {MAX_INTERVALS} intervals); leave out the neighbourhood of the critical point"
+        )
+    state.update(CoolProp.PT_INPUTS, p, limits[0])
+    return RealFluid(
+        name=name,
+        T_range=limits,
+        source=f"CoolProp {CoolProp.get_global_param_string('version')}, {state.fluid_names()[0]}",
+        pressure=p,
+        table_error=error,
+        _tables=_tables(nodes, values, state.hmass()),
+    )
+
+
+def _state(name: str) -> tuple[Any, Any]:
+    try:
+        from CoolProp import AbstractState, CoolProp
+    except ImportError as error:
+        raise SceneError(
+            f"{name}: the package CoolProp is needed for real fluids and cannot be imported ({error}); "
+            "install it (pip install CoolProp) or give the fluid constant properties"
+        ) from error
+    try:
+        return CoolProp, AbstractState("HEOS", "Water" if name.lower() == "steam" else name)
+    except ValueError as error:
+        known = [*CoolProp.FluidsList(), "steam", "CO2"]
+        raise SceneError(f"no real fluid {name!r} in CoolProp{nearest(name, known)}") from error
+
+
+def _boiling(CoolProp: Any, state: Any, p: float) -> Range | None:
+    """Bubble and dew temperature [K], equal for a pure fluid; None above the critical and below the triple pressure."""
+    if p >= state.p_critical() or p < state.trivial_keyed_output(CoolProp.iP_triple):
+        return None
+    ends = []
+    for quality in (0.0, 1.0):
+        state.update(CoolProp.PQ_INPUTS, p, quality)
+        ends.append(state.T())
+    return ends[0], ends[1]
+
+
+def _one_phase(
+    name: str, p: float, T_range: Sequence[float] | None, fluid: Range, boiling: Range | None
+) -> tuple[Range, str]:
+    """The range, and 'liquid' or 'gas' where both exist at this pressure; a SceneError when it holds both."""
+    steam = name.lower() == "steam"
+    if boiling:
+        advice = f"{name} boils at {boiling[0]:.2f} K at {p:g} Pa; stay below it for liquid or above it for gas"
+    else:
+        advice = f"{name} does not boil at {p:g} Pa"
+    if T_range is None and steam and boiling:
+        T_range = (boiling[1], fluid[1])
+    if T_range is None:
+        raise SceneError(f"{name}: T_range is missing; give it within ({fluid[0]:g}, {fluid[1]:g}) K; {advice}")
+    lo, hi = checked_range(T_range, name)
+    if lo < fluid[0] or hi > fluid[1]:
+        raise SceneError(
+            f"{name}: T_range ({lo:g}, {hi:g}) K leaves that of CoolProp, ({fluid[0]:g}, {fluid[1]:g}) K; narrow it; "
+            f"{advice}"
+        )
+    if boiling is None:
+        return (lo, hi), ""
+    if lo >= boiling[1]:
+        return (lo, hi), "gas"
+    if hi <= boiling[0] and not steam:
+        return (lo, hi), "liquid"
+    raise SceneError(
+        f"{name}: T_range ({lo:g}, {hi:g}) K {'is not all steam' if steam else 'crosses the phase change'} at {p:g} Pa; "
+        f"{advice}; evaporation is not modelled"
+    )
+
+
+def _refined(sample: Any, limits: Range) -> tuple[np.ndarray, np.ndarray, float]:
+    """Nodes and values, halving the intervals until the splines meet the tolerance half way between nodes."""
+    from scipy.interpolate import make_interp_spline
+
+    T = np.linspace(*limits, 17)
+    values = sample(T)
+    while True:
+        middle = 0.5 * (T[1:] + T[:-1])
+        exact = sample(middle)
+        error = float(np.max(np.abs(make_interp_spline(T, values, k=5)(middle) / exact - 1.0)))
+        at = np.arange(1, T.size)
+        T, values = np.insert(T, at, middle), np.insert(values, at, exact, axis=0)
+        if error <= TOLERANCE or T.size > MAX_INTERVALS:
+            return T, values, error
+
+
+def _tables(T: np.ndarray, values: np.ndarray, h_start: float) -> dict[str, tuple[Any, Any]]:
+    """Value and derivative of every property; enthalpy is the integral of heat capacity."""
+    from scipy.interpolate import PPoly, make_interp_spline
+
+    tables = {}
+    for i, name in enumerate(PROPERTIES):
+        table = PPoly.from_spline(make_interp_spline(T, values[:, i], k=5))
+        inside = slice(np.searchsorted(table.x, T[0], "right") - 1, np.searchsorted(table.x, T[-1], "left"))
+        c, x = table.c[:, inside], table.x[inside.start : inside.stop + 1]
+        # One constant piece on each side: what lies beyond it is the same constant.
+        ends = np.zeros((6, 2))
+        ends[-1] = values[0, i], values[-1, i]
+        c = np.hstack([ends[:, :1], c, ends[:, 1:]])
+        table = PPoly(c, np.concatenate([[T[0] - 1.0], x, [T[-1] + 1.0]]))
+        tables[name] = (table, table.derivative())
+        if name == "heat_capacity":
+            enthalpy = table.antiderivative()
+            enthalpy.c[-1] += h_start - float(enthalpy(T[0]))
+            tables["enthalpy"] = (enthalpy, table)
+    return tables

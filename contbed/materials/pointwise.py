@@ -1,0 +1,24 @@
+"""Tables meet dual numbers: apply a function known by its value and its derivative at every point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+
+def pointwise(f: Callable[[Any], Any], df: Callable[[Any], Any], T: Any) -> Any:
+    """f(T), carrying the exact derivative df when T is a dual number.
+
+    Parameters
+    ----------
+    f, df : functions of a plain array: the value and its derivative with respect to T
+    T : number, array, or a dual number with `value` (array) and `chain(value, derivative)`, which returns the dual
+        number of that value whose tangents are derivative * dT
+
+    Returns
+    -------
+    f(T), of the kind of T
+    """
+    if hasattr(T, "chain"):
+        return T.chain(f(T.value), df(T.value))
+    return f(T)
