@@ -1,0 +1,359 @@
+"""Stagnant effective thermal conductivity of a two-phase bed [W/m/K]: geometric models and bounds.
+
+Unit-cell models of packed beds, with contact and radiation where they have them, are in conductivity_cell.py.
+All of these return k_fluid where k_solid = k_fluid, and none of them divides by the difference of the two.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contbed.closures.registry import closure
+
+_MAXWELL = "Maxwell 1873, A Treatise on Electricity and Magnetism, Clarendon Press"
+_HASHIN = "Hashin, Shtrikman 1962, J. Appl. Phys. 33, 3125-3131, doi:10.1063/1.1728579"
+_WIENER = "Wiener 1912, Abh. Saechs. Ges. Wiss. Math.-Phys. Kl. 32, 509-604"
+_HSU = "Hsu, Cheng, Wong 1995, J. Heat Transfer 117, 264-269, doi:10.1115/1.2822515"
+_KRUPICZKA = "Krupiczka 1967, Int. Chem. Eng. 7, 122-144"
+
+
+@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_WIENER)
+def conductivity_parallel(k_fluid, k_solid, eps):
+    """Wiener (1912): layers along the heat flux, the upper bound of every medium.
+
+        k = eps k_fluid + (1 - eps) k_solid
+
+    Parameters
+    ----------
+    k_fluid : [W/m/K] conductivity of the fluid
+    k_solid : [W/m/K] conductivity of the solid
+    eps : [-] porosity
+
+    Returns
+    -------
+    [W/m/K] effective stagnant conductivity
+
+    Range
+    -----
+    eps : 0 to 1
+
+    Fitted to
+    ---------
+    nothing: exact
+
+    Limits
+    ------
+    eps -> 1: k_fluid. eps -> 0: k_solid.
+
+    Example
+    -------
+    >>> round(conductivity_parallel(k_fluid=0.025, k_solid=1.0, eps=0.4), 6)
+    0.61
+
+    Source
+    ------
+    Wiener 1912, Abh. Saechs. Ges. Wiss. Math.-Phys. Kl. 32, 509-604.
+    """
+    return eps * k_fluid + (1 - eps) * k_solid
+
+
+@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_WIENER)
+def conductivity_series(k_fluid, k_solid, eps):
+    """Wiener (1912): layers across the heat flux, the lower bound of every medium.
+
+        k = k_fluid k_solid / (eps k_solid + (1 - eps) k_fluid)
+
+    Parameters
+    ----------
+    k_fluid : [W/m/K] conductivity of the fluid
+    k_solid : [W/m/K] conductivity of the solid
+    eps : [-] porosity
+
+    Returns
+    -------
+    [W/m/K] effective stagnant conductivity
+
+    Range
+    -----
+    eps : 0 to 1
+
+    Fitted to
+    ---------
+    nothing: exact
+
+    Limits
+    ------
+    eps -> 1: k_fluid. eps -> 0: k_solid.
+
+    Example
+    -------
+    >>> round(conductivity_series(k_fluid=0.025, k_solid=1.0, eps=0.4), 6)
+    0.060241
+
+    Source
+    ------
+    Wiener 1912, Abh. Saechs. Ges. Wiss. Math.-Phys. Kl. 32, 509-604.
+    """
+    return k_fluid * k_solid / (eps * k_solid + (1 - eps) * k_fluid)
+
+
+def _coated_spheres(k_matrix, k_core, share_core):
+    """Space filled with spheres of k_core, each coated with k_matrix; exact, regular at k_core = k_matrix."""
+    contrast = k_core - k_matrix
+    return k_matrix * (1 + 3 * share_core * contrast / (3 * k_matrix + (1 - share_core) * contrast))
+
+
+@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_MAXWELL)
+def conductivity_maxwell(k_fluid, k_solid, eps):
+    """Maxwell (1873): solid spheres far apart in the fluid.
+
+        k / k_fluid = 1 + 3 (1 - eps) (k_solid - k_fluid) / (3 k_fluid + eps (k_solid - k_fluid))
+
+    Parameters
+    ----------
+    k_fluid : [W/m/K] conductivity of the fluid
+    k_solid : [W/m/K] conductivity of the solid
+    eps : [-] porosity
+
+    Returns
+    -------
+    [W/m/K] effective stagnant conductivity
+
+    Range
+    -----
+    eps : 0 to 1
+
+    Fitted to
+    ---------
+    nothing: exact to first order in 1 - eps
+
+    Limits
+    ------
+    eps -> 1: k_fluid. For k_solid > k_fluid it is the lower Hashin-Shtrikman bound, so too low for a packed bed.
+
+    Example
+    -------
+    >>> round(conductivity_maxwell(k_fluid=0.025, k_solid=1.0, eps=0.4), 6)
+    0.119231
+
+    Source
+    ------
+    Maxwell 1873, A Treatise on Electricity and Magnetism, Clarendon Press, article 314.
+    """
+    return _coated_spheres(k_fluid, k_solid, 1 - eps)
+
+
+@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_HASHIN)
+def conductivity_hashin_shtrikman_lower(k_fluid, k_solid, eps):
+    """Hashin and Shtrikman (1962): lower bound of an isotropic medium.
+
+        k = k_m (1 + 3 s (k_c - k_m) / (3 k_m + (1 - s) (k_c - k_m)))
+        with k_m the smaller and k_c the larger conductivity, s the volume share of k_c
+
+    Parameters
+    ----------
+    k_fluid : [W/m/K] conductivity of the fluid
+    k_solid : [W/m/K] conductivity of the solid
+    eps : [-] porosity
+
+    Returns
+    -------
+    [W/m/K] effective stagnant conductivity
+
+    Range
+    -----
+    eps : 0 to 1
+
+    Fitted to
+    ---------
+    nothing: exact
+
+    Limits
+    ------
+    eps -> 1: k_fluid. At k_solid = k_fluid value, slope and curvature are continuous.
+
+    Example
+    -------
+    >>> round(float(conductivity_hashin_shtrikman_lower(k_fluid=0.025, k_solid=1.0, eps=0.4)), 6)
+    0.119231
+
+    Source
+    ------
+    Hashin, Shtrikman 1962, J. Appl. Phys. 33, 3125-3131, doi:10.1063/1.1728579.
+    """
+    return np.minimum(_coated_spheres(k_fluid, k_solid, 1 - eps), _coated_spheres(k_solid, k_fluid, eps))
+
+
+@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_HASHIN)
+def conductivity_hashin_shtrikman_upper(k_fluid, k_solid, eps):
+    """Hashin and Shtrikman (1962): upper bound of an isotropic medium.
+
+        k = k_m (1 + 3 s (k_c - k_m) / (3 k_m + (1 - s) (k_c - k_m)))
+        with k_m the larger and k_c the smaller conductivity, s the volume share of k_c
+
+    Parameters
+    ----------
+    k_fluid : [W/m/K] conductivity of the fluid
+    k_solid : [W/m/K] conductivity of the solid
+    eps : [-] porosity
+
+    Returns
+    -------
+    [W/m/K] effective stagnant conductivity
+
+    Range
+    -----
+    eps : 0 to 1
+
+    Fitted to
+    ---------
+    nothing: exact
+
+    Limits
+    ------
+    eps -> 1: k_fluid. At k_solid = k_fluid value, slope and curvature are continuous.
+
+    Example
+    -------
+    >>> round(float(conductivity_hashin_shtrikman_upper(k_fluid=0.025, k_solid=1.0, eps=0.4)), 6)
+    0.551724
+
+    Source
+    ------
+    Hashin, Shtrikman 1962, J. Appl. Phys. 33, 3125-3131, doi:10.1063/1.1728579.
+    """
+    return np.maximum(_coated_spheres(k_fluid, k_solid, 1 - eps), _coated_spheres(k_solid, k_fluid, eps))
+
+
+@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_HSU)
+def conductivity_hsu(k_fluid, k_solid, eps):
+    """Hsu, Cheng and Wong (1995): cubes in line that do not touch.
+
+        k / k_fluid = 1 - s^2 + s^2 k_solid / ((1 - s) k_solid + s k_fluid),  s = (1 - eps)^(1/3)
+
+    Parameters
+    ----------
+    k_fluid : [W/m/K] conductivity of the fluid
+    k_solid : [W/m/K] conductivity of the solid
+    eps : [-] porosity
+
+    Returns
+    -------
+    [W/m/K] effective stagnant conductivity
+
+    Range
+    -----
+    eps : 0 to 1
+
+    Fitted to
+    ---------
+    nothing: a lumped cell without contact conduction
+
+    Limits
+    ------
+    eps -> 1: k_fluid, the slope in eps is infinite there. eps -> 0: k_solid.
+
+    Example
+    -------
+    >>> round(conductivity_hsu(k_fluid=1.0, k_solid=40.0, eps=0.4), 7)
+    4.2929334
+
+    Source
+    ------
+    Hsu, Cheng, Wong 1995, J. Heat Transfer 117, 264-269, doi:10.1115/1.2822515.
+    As quoted by Pivem and de Lemos 2012, eq. 34.
+    """
+    side = (1 - eps) ** (1 / 3)
+    return k_fluid * (1 - side**2 + side**2 * k_solid / ((1 - side) * k_solid + side * k_fluid))
+
+
+@closure(kind="tortuosity", unit="-", ranges={"eps": (0, 1)}, source=_HSU)
+def tortuosity_hsu(k_fluid, k_solid, eps):
+    """Hsu, Cheng and Wong (1995): tortuosity parameter of the two-energy model, with the cubes of conductivity_hsu.
+
+        G = (k / k_fluid - eps - (1 - eps) kappa) / (kappa - 1)^2
+          = -s^3 (1 - s) / ((1 - s) kappa + s),  s = (1 - eps)^(1/3), kappa = k_solid / k_fluid
+
+    Parameters
+    ----------
+    k_fluid : [W/m/K] conductivity of the fluid
+    k_solid : [W/m/K] conductivity of the solid
+    eps : [-] porosity
+
+    Returns
+    -------
+    [-] tortuosity parameter G, never positive
+
+    Range
+    -----
+    eps : 0 to 1
+
+    Fitted to
+    ---------
+    nothing: follows from conductivity_hsu
+
+    Limits
+    ------
+    k_solid = k_fluid: -s^3 (1 - s), regular. eps -> 1 and eps -> 0: 0.
+
+    Example
+    -------
+    >>> round(tortuosity_hsu(k_fluid=1.0, k_solid=40.0, eps=0.4), 8)
+    -0.01321964
+
+    Source
+    ------
+    Hsu, Cheng, Wong 1995, J. Heat Transfer 117, 264-269, doi:10.1115/1.2822515.
+    Definition as in Pivem and de Lemos 2012, eq. 33, without the spurious "1" of its numerator; the second line is
+    the first with the common factor (kappa - 1)^2 divided out.
+    """
+    side = (1 - eps) ** (1 / 3)
+    return -(side**3) * (1 - side) / ((1 - side) * k_solid / k_fluid + side)
+
+
+@closure(
+    kind="conductivity",
+    unit="W/m/K",
+    ranges={"eps": (0.215, 0.476), "k_solid/k_fluid": (1, 1e4)},
+    source=_KRUPICZKA,
+)
+def conductivity_krupiczka(k_fluid, k_solid, eps):
+    """Krupiczka (1967): power law for granular beds.
+
+        k / k_fluid = kappa^(0.280 - 0.757 log10(eps) - 0.057 log10(kappa)),  kappa = k_solid / k_fluid
+
+    Parameters
+    ----------
+    k_fluid : [W/m/K] conductivity of the fluid
+    k_solid : [W/m/K] conductivity of the solid
+    eps : [-] porosity
+
+    Returns
+    -------
+    [W/m/K] effective stagnant conductivity
+
+    Range
+    -----
+    eps : 0.215 to 0.476
+    k_solid/k_fluid : 1 to 1e4
+
+    Fitted to
+    ---------
+    numerical solutions for beds of long cylinders and of spheres, adjusted to measurements
+
+    Limits
+    ------
+    k_solid = k_fluid: k_fluid. eps -> 1: does not return to k_fluid, so not for dilute beds.
+
+    Example
+    -------
+    >>> round(float(conductivity_krupiczka(k_fluid=0.025, k_solid=1.0, eps=0.4)), 6)
+    0.151085
+
+    Source
+    ------
+    Krupiczka 1967, Int. Chem. Eng. 7, 122-144; constants and range quoted from secondary sources.
+    """
+    log_ratio = np.log(k_solid / k_fluid)
+    exponent = 0.280 - (0.757 * np.log(eps) + 0.057 * log_ratio) / np.log(10.0)
+    return k_fluid * np.exp(exponent * log_ratio)
