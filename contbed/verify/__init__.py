@@ -1,0 +1,1 @@
+"""Verification that ships with contbed: exact solutions, manufactured solutions, convergence and stress studies."""

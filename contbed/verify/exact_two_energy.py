@@ -1,0 +1,283 @@
+"""Exact steady 1-D solutions of the two-energy-equation model with constant coefficients.
+
+    flux_fluid f' = d_fluid f'' + d_cross s'' + ha (s - f)
+    flux_solid s' = d_cross f'' + d_solid s'' - ha (s - f)
+
+x [m] along the fluid flow; f and s [-] fluid and solid temperature, scaled so that the fluid enters at 0 and the solid at 1.
+flux_fluid = (rho c_p)_f u_D > 0 and flux_solid = (rho c_p)_s u_s [W/m2/K], with superficial velocities; flux_solid < 0 is
+counter-current. d_fluid = phi k_f + dispersion, d_solid = (1 - phi) k_s and d_cross (tortuosity) [W/m/K] form a symmetric
+matrix that is positive definite unless d_cross = 0, where either or both of the others may vanish. ha > 0 [W/m3/K].
+
+Solutions are sums of v exp(l x), where l = 0 or a root of
+(d_f d_s - d_x^2) l^3 - (d_f C_s + C_f d_s) l^2 + (C_f C_s - ha (d_f + d_s + 2 d_x)) l + ha (C_f + C_s) = 0  (C = flux).
+All roots are real: the matrix of the quadratic eigenvalue problem is symmetric and its discriminant is never negative.
+
+Source: Pivem and de Lemos (2012), doi:10.1016/j.ijheatmasstransfer.2011.11.047, Eqs. 11, 12, 28-35;
+Nakayama, Kuwahara, Sugiyama and Xu (2001), doi:10.1016/S0017-9310(01)00069-2.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import factorial
+
+Array = NDArray[np.float64]
+Pair = tuple[Array, Array]
+
+
+def rates(
+    flux_fluid: float, flux_solid: float, d_fluid: float, d_solid: float, ha: float, d_cross: float = 0.0
+) -> Array:
+    """Signed rates l [1/m] of the modes exp(l x), ascending, correctly rounded.
+
+    Three with conduction in both phases, fewer without: one for each root of the cubic. Layers at x = 0 have width 1/|l| with
+    l < 0, layers at x = L have width 1/l with l > 0. Balanced counter-current flow has l = 0 among them. The cubic is
+    evaluated in exact rational arithmetic, so nearly equal roots and any ratio of magnitudes are resolved.
+    """
+    _check(flux_fluid, d_fluid, d_solid, ha, d_cross)
+    c_f, c_s, d_f, d_s, h, d_x = (Fraction(v) for v in (flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross))
+    cubic = (h * (c_f + c_s), c_f * c_s - h * (d_f + d_s + 2 * d_x), -(d_f * c_s + c_f * d_s), d_f * d_s - d_x**2)
+    low_f, high_f = _single_phase_rates(flux_fluid, d_fluid, ha)
+    low_s, high_s = _single_phase_rates(flux_solid, d_solid, ha)
+    net = flux_fluid + flux_solid
+    inner = min(high_f, high_s) if net > 0 else max(low_f, low_s)
+    found = [_outer_root(cubic, start) for start in (min(low_f, low_s), max(high_f, high_s)) if math.isfinite(start)]
+    if math.isfinite(inner):
+        found.append(_root_between(cubic, inner, 0.0) if net else 0.0)
+    return np.sort(np.array(found))
+
+
+def decay_rate(
+    flux_fluid: float, flux_solid: float, d_fluid: float, d_solid: float, ha: float, d_cross: float = 0.0
+) -> tuple[float, float]:
+    """Rate lam [1/m] and direction r [-] of the one mode (1, r) exp(-lam x) that decays from co-current inlets.
+
+    The equilibrium temperature is 1/(1 - r) and the distance to 99 % of it ln(100)/lam. A solid that neither moves nor
+    conducts has no inlet of its own: lam = inf, r = -inf.
+    """
+    if flux_solid < 0:
+        raise ValueError(f"decay_rate needs flux_solid >= 0, got {flux_solid:g}; use rates for counter-current flow")
+    rate = rates(flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross)[0] if flux_solid or d_solid else -math.inf
+    if math.isinf(rate):
+        return math.inf, -math.inf
+    p, q = _directions(np.array([rate]), flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross)
+    return -float(rate), float(np.polyval(q[::-1], rate) / np.polyval(p[::-1], rate))
+
+
+def semi_infinite(
+    x: ArrayLike,
+    flux_fluid: float,
+    flux_solid: float,
+    d_fluid: float,
+    d_solid: float,
+    ha: float,
+    d_cross: float = 0.0,
+) -> Pair:
+    """f(x) and s(x) for f(0) = 0, s(0) = 1, bounded for x -> inf, flux_solid >= 0. Returns two arrays of the shape of x.
+
+    f = theta_eq (1 - exp(-lam x)), s = theta_eq + (1 - theta_eq) exp(-lam x), theta_eq = 1/(1 - r).
+    """
+    lam, r = decay_rate(flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross)
+    x = np.asarray(x, dtype=float)
+    equilibrium = 1.0 / (1.0 - r)
+    exponent = -lam * x if math.isfinite(lam) else np.where(x > 0, -np.inf, 0.0)
+    return -equilibrium * np.expm1(exponent), equilibrium + (1.0 - equilibrium) * np.exp(exponent)
+
+
+def finite_length(
+    x: ArrayLike,
+    length: float,
+    flux_fluid: float,
+    flux_solid: float,
+    d_fluid: float,
+    d_solid: float,
+    ha: float,
+    d_cross: float = 0.0,
+    derivative: int = 0,
+) -> Pair:
+    """f(x) and s(x), or their derivatives of the given order [1/m^order], on 0 <= x <= length [m]; arrays of the shape of x.
+
+    f(0) = 0 and f'(L) = 0; s = 1 at the inlet of the solid and s' = 0 at its outlet. The inlet of the solid is at 0 for
+    flux_solid >= 0 and at L for flux_solid < 0. A phase without conduction has no outlet condition, a solid that
+    neither moves nor conducts has none at all. Rates closer than 1/L share divided differences of exp(l x) instead of
+    exponentials, so balanced (l = 0 twice), nearly balanced and conduction-dominated beds keep full accuracy.
+    """
+    nodes = length * np.append(rates(flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross), 0.0)
+    nodes.sort()
+    clusters = np.split(nodes, np.flatnonzero(np.diff(nodes) >= 1.0) + 1)
+    scaled = (flux_fluid / length, flux_solid / length, d_fluid / length**2, d_solid / length**2, ha, d_cross / length**2)
+
+    def modes(xi: Array, order: int) -> Array:
+        columns = [_cluster_modes(cluster, _directions(cluster, *scaled), xi, order) for cluster in clusters]
+        return np.concatenate(columns, axis=1)
+
+    ends = np.array([0.0, 1.0])
+    value, slope = modes(ends, 0), modes(ends, 1)
+    solid_inlet = 0 if flux_solid >= 0 else 1
+    rows, right_side = [value[0, :, 0]], [0.0]
+    if flux_solid or d_solid:
+        rows.append(value[1, :, solid_inlet])
+        right_side.append(1.0)
+    if d_fluid:
+        rows.append(slope[0, :, 1])
+        right_side.append(0.0)
+    if d_solid:
+        rows.append(slope[1, :, 1 - solid_inlet])
+        right_side.append(0.0)
+    matrix = np.array(rows)
+    column_scale = np.abs(value).max(axis=(0, 2))
+    row_scale = np.abs(matrix / column_scale).max(axis=1)
+    weights = np.linalg.solve(matrix / column_scale / row_scale[:, None], right_side / row_scale) / column_scale
+    xi = np.asarray(x, dtype=float) / length
+    f, s = np.tensordot(modes(xi, derivative), weights, axes=(1, 0)) / length**derivative
+    return f, s
+
+
+def tortuosity_parameter(porosity: float, conductivity_ratio: float) -> float:
+    """Tortuosity parameter G [-] of a bed with stagnant conductivity k_stg; conductivity_ratio = k_s/k_f.
+
+    k_stg/k_f = 1 - b^2 + b^2 c/((1 - b) c + b), b = (1 - phi)^(1/3), c = k_s/k_f  (Hsu et al. 1995; Eq. 34), and
+    G = (k_stg/k_f - phi - (1 - phi) c)/(c - 1)^2  (Eq. 33 without its spurious "1", as its Table 1 requires).
+    """
+    b, c = (1.0 - porosity) ** (1.0 / 3.0), conductivity_ratio
+    stagnant = 1.0 - b**2 + b**2 * c / ((1.0 - b) * c + b)
+    return (stagnant - porosity - (1.0 - porosity) * c) / (c - 1.0) ** 2
+
+
+def nakayama_peclet(peclet_d: float, prandtl: float, porosity: float) -> float:
+    """Peclet number [-] on the exchange length sqrt(k_f/(a h)), spheres with Wakao's coefficient (Eq. 30).
+
+    Pe = Pe_d/sqrt(6 (1 - phi) (2 + 1.1 Pr^(-4/15) Pe_d^0.6)), Pe_d = rho_f c_pf u_D D/k_f.
+    """
+    return peclet_d / math.sqrt(6.0 * (1.0 - porosity) * (2.0 + 1.1 * prandtl ** (-4.0 / 15.0) * peclet_d**0.6))
+
+
+def nakayama_coefficients(
+    peclet: float, porosity: float, conductivity_ratio: float, dispersion_ratio: float, tortuosity: float
+) -> dict[str, float]:
+    """Keyword arguments of decay_rate, semi_infinite and finite_length for the stationary bed of Nakayama et al.
+
+    Pe f' = (phi + G + K) f'' - c G s'' + (s - f),  0 = ((1 - phi) c + c^2 G) s'' - c G f'' - (s - f)
+    with c = k_s/k_f, K = dispersion_ratio = K_xx/k_f, G = tortuosity, and X = x/sqrt(k_f/(a h)) as the coordinate [-].
+    Hot fluid over a cold bed (f(0) = 1, s(0) = 0): take one minus the temperatures of semi_infinite.
+    """
+    c = conductivity_ratio
+    return {
+        "flux_fluid": peclet,
+        "flux_solid": 0.0,
+        "d_fluid": porosity + tortuosity + dispersion_ratio,
+        "d_solid": (1.0 - porosity) * c + c**2 * tortuosity,
+        "ha": 1.0,
+        "d_cross": -c * tortuosity,
+    }
+
+
+def _check(flux_fluid: float, d_fluid: float, d_solid: float, ha: float, d_cross: float) -> None:
+    if not (flux_fluid > 0 and ha > 0 and d_fluid >= 0 and d_solid >= 0):
+        raise ValueError(
+            f"two-energy solution: need flux_fluid > 0, ha > 0, d_fluid >= 0, d_solid >= 0, "
+            f"got {flux_fluid:g}, {ha:g}, {d_fluid:g}, {d_solid:g}"
+        )
+    if d_cross and d_cross**2 >= d_fluid * d_solid:
+        raise ValueError(f"two-energy solution: need d_cross^2 < d_fluid d_solid, got d_cross = {d_cross:g}")
+
+
+def _single_phase_rates(flux: float, d: float, ha: float) -> tuple[float, float]:
+    """Roots of d l^2 - flux l - ha = 0, negative and positive: the other phase held at zero. Infinite where absent."""
+    large = abs(flux) + math.sqrt(flux**2 + 4.0 * d * ha)
+    near = 2.0 * ha / large if large else math.inf
+    far = large / (2.0 * d) if d else math.inf
+    return (-near, far) if flux >= 0 else (-far, near)
+
+
+def _cubic(cubic: tuple[Fraction, ...], at: float) -> tuple[Fraction, Fraction]:
+    """Value and derivative of the cubic, exactly."""
+    a0, a1, a2, a3 = cubic
+    x = Fraction(at)
+    return a0 + x * (a1 + x * (a2 + x * a3)), a1 + x * (2 * a2 + x * 3 * a3)
+
+
+def _outer_root(cubic: tuple[Fraction, ...], start: float) -> float:
+    """Root beyond `start`, the larger single-phase rate in magnitude, where the cubic times `start` is negative."""
+    end = 2.0 * start
+    while _cubic(cubic, end)[0] * Fraction(end) < 0:
+        end *= 2.0
+    return _root_between(cubic, start, end)
+
+
+def _root_between(cubic: tuple[Fraction, ...], start: float, end: float) -> float:
+    """Newton iteration kept inside the bracket, to the last bit; `start` itself where rounding put it past the root."""
+    if _cubic(cubic, start)[0] * Fraction(start) >= 0:
+        return start
+    x = 0.5 * (start + end)
+    while x not in (start, end):
+        value, derivative = _cubic(cubic, x)
+        if value == 0:
+            return x
+        if value * Fraction(x) < 0:
+            start = x
+        else:
+            end = x
+        newton = float(Fraction(x) - value / derivative) if derivative else math.inf
+        if newton == x:
+            return x
+        x = newton if min(start, end) < newton < max(start, end) else 0.5 * (start + end)
+    return x
+
+
+def _directions(
+    nodes: Array, c_f: float, c_s: float, d_f: float, d_s: float, ha: float, d_x: float
+) -> tuple[Array, Array]:
+    """Coefficients (ascending powers of l) of polynomials p, q such that (p, q) exp(l x) solves the equations at the nodes.
+
+    Either equation gives one; the one with less cancellation is taken.
+    """
+    cross = np.array([1.0, 0.0, d_x / ha])
+    fluid = np.array([1.0, c_f / ha, -d_f / ha])
+    solid = np.array([1.0, c_s / ha, -d_s / ha])
+    powers = np.vander(nodes, 3, increasing=True)
+    loss_fluid, loss_solid = (
+        np.abs(powers) @ np.abs(row) * np.abs(powers @ other) for row, other in ((fluid, solid), (solid, fluid))
+    )
+    return (cross, fluid) if loss_fluid.max() <= loss_solid.max() else (solid, cross)
+
+
+def _homogeneous(nodes: Array, degree: int) -> Array:
+    """Complete homogeneous symmetric polynomials h_0 ... h_degree of the nodes."""
+    h = np.zeros(degree + 1)
+    h[0] = 1.0
+    for node in nodes:
+        for m in range(1, degree + 1):
+            h[m] += node * h[m - 1]
+    return h
+
+
+def _exp_difference(nodes: Array, y: Array, terms: int = 32) -> Array:
+    """Divided difference of exp(z y) over nodes z that span at most 3, |y| <= 1, by its Taylor series about their mean."""
+    k, centre = len(nodes) - 1, nodes.mean()
+    series = _homogeneous(nodes - centre, terms)
+    series /= factorial(np.arange(k, k + terms + 1))
+    return np.exp(centre * y) * y**k * np.polynomial.polynomial.polyval(y, series)
+
+
+def _cluster_modes(nodes: Array, vector: tuple[Array, Array], xi: Array, order: int) -> Array:
+    """Derivatives of a basis of the solutions with the given rates; shape (2, number of nodes) + shape of xi.
+
+    Member j is the divided difference of z^order (p(z), q(z)) exp(z y) over the nodes 0 ... j, by the product rule, with y
+    measured from the end where the exponentials are largest.
+    """
+    y = xi - (1.0 if nodes.mean() > 0 else 0.0)
+    count = len(nodes)
+    modes = np.zeros((2, count, *np.shape(xi)))
+    for i in range(count):
+        powers = np.concatenate([np.zeros(i), _homogeneous(nodes[: i + 1], order + 2)])
+        p, q = (float(powers[order : order + 3] @ polynomial) for polynomial in vector)
+        for j in range(i, count):
+            difference = _exp_difference(nodes[i : j + 1], y)
+            modes[0, j] += p * difference
+            modes[1, j] += q * difference
+    return modes
