@@ -19,3 +19,87 @@ Or by name, as a scene does, and ask what was used outside of the declared range
 conductivity [W/m/K], tortuosity [-], dispersion [W/m/K], permeability [m2], forchheimer [-],
 pressure_gradient [Pa/m], wall [W/m2/K].
 """
+
+from contbed.closures.conductivity import conductivity_hsu, conductivity_krupiczka, tortuosity_hsu
+from contbed.closures.conductivity_bounds import (
+    conductivity_hashin_shtrikman_lower,
+    conductivity_hashin_shtrikman_upper,
+    conductivity_maxwell,
+    conductivity_parallel,
+    conductivity_series,
+)
+from contbed.closures.conductivity_cell import (
+    conductivity_kunii_smith,
+    conductivity_zehner_bauer_schluender,
+    conductivity_zehner_schluender,
+)
+from contbed.closures.dispersion import (
+    DispersionPair,
+    dispersion_pair,
+    dispersion_vdi_axial,
+    dispersion_vdi_transverse,
+    dispersion_wakao_kaguei_axial,
+    dispersion_wakao_kaguei_transverse,
+)
+from contbed.closures.nusselt import (
+    nusselt_gunn,
+    nusselt_kuwahara,
+    nusselt_kuwahara_pivem,
+    nusselt_power,
+    nusselt_ranz_marshall,
+    nusselt_wakao_kaguei,
+)
+from contbed.closures.pressure_drop import (
+    forchheimer_ergun,
+    forchheimer_ward,
+    permeability_carman_kozeny,
+    permeability_ergun,
+    permeability_kuwahara,
+    permeability_pivem,
+    pressure_gradient_ergun,
+)
+from contbed.closures.registry import RangeUse, Sheet, closure, data_sheet, get, names, sheet, usage
+from contbed.closures.wall import wall_li_finlayson, wall_martin_nilles
+
+__all__ = [
+    "DispersionPair",
+    "RangeUse",
+    "Sheet",
+    "closure",
+    "conductivity_hashin_shtrikman_lower",
+    "conductivity_hashin_shtrikman_upper",
+    "conductivity_hsu",
+    "conductivity_krupiczka",
+    "conductivity_kunii_smith",
+    "conductivity_maxwell",
+    "conductivity_parallel",
+    "conductivity_series",
+    "conductivity_zehner_bauer_schluender",
+    "conductivity_zehner_schluender",
+    "data_sheet",
+    "dispersion_pair",
+    "dispersion_vdi_axial",
+    "dispersion_vdi_transverse",
+    "dispersion_wakao_kaguei_axial",
+    "dispersion_wakao_kaguei_transverse",
+    "forchheimer_ergun",
+    "forchheimer_ward",
+    "get",
+    "names",
+    "nusselt_gunn",
+    "nusselt_kuwahara",
+    "nusselt_kuwahara_pivem",
+    "nusselt_power",
+    "nusselt_ranz_marshall",
+    "nusselt_wakao_kaguei",
+    "permeability_carman_kozeny",
+    "permeability_ergun",
+    "permeability_kuwahara",
+    "permeability_pivem",
+    "pressure_gradient_ergun",
+    "sheet",
+    "tortuosity_hsu",
+    "usage",
+    "wall_li_finlayson",
+    "wall_martin_nilles",
+]

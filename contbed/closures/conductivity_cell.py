@@ -79,7 +79,7 @@ def conductivity_zehner_schluender(k_fluid, k_solid, eps, shape=1.25):
     Example
     -------
     >>> round(float(conductivity_zehner_schluender(k_fluid=0.025, k_solid=1.0, eps=0.4)), 6)
-    0.165041
+    0.163839
 
     Source
     ------
@@ -144,7 +144,7 @@ def conductivity_zehner_bauer_schluender(
     >>> k = conductivity_zehner_bauer_schluender(
     ...     k_fluid=0.06, k_solid=1.5, eps=0.4, T=1000.0, d_p=0.01, emissivity=0.8)
     >>> round(float(k), 6)
-    1.543068
+    1.132924
 
     Source
     ------
@@ -206,7 +206,7 @@ def conductivity_kunii_smith(k_fluid, k_solid, eps, beta=1.0):
     Example
     -------
     >>> round(float(conductivity_kunii_smith(k_fluid=0.025, k_solid=1.0, eps=0.4)), 6)
-    0.170591
+    0.156325
 
     Source
     ------
