@@ -6,7 +6,7 @@ Use one from a script, on numbers or arrays of any shape that broadcasts:
     >>> from contbed import closures
     >>> Re = np.array([50.0, 400.0])
     >>> closures.nusselt_wakao_kaguei(Re=Re, Pr=0.7).round(3)
-    array([12.213, 37.561])
+    array([12.213, 37.563])
 
 Or by name, as a scene does, and ask what was used outside of the declared range (bounds are inclusive):
 

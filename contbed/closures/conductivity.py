@@ -1,6 +1,6 @@
 """Stagnant effective thermal conductivity of a bed [W/m/K]: closed formulas without contact and radiation.
 
-Bounds are in conductivity_bounds.py; unit-cell models of packed spheres, which treat the contact, in conductivity_cell.py.
+Bounds are in conductivity_bounds.py, unit-cell models of packed spheres in conductivity_cell.py.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ def _log_tail(q, order):
     head = sum(far_z**n / n for n in range(1, order))
     far = (-np.log(far_q) - head) / far_z**order
     near_z = np.where(near, 1 - q, 0.0)
-    series = 0.0
+    series = 0.0 * near_z
     for n in reversed(range(order, order + 16)):
         series = series * near_z + 1 / n
     return np.where(near, series, far)
@@ -99,9 +99,7 @@ def conductivity_zehner_schluender(k_fluid, k_solid, eps, shape=1.25):
     ranges={"eps": (0.26, 0.6), "T": (100, 2000), "emissivity": (0, 1)},
     source=_BAUER,
 )
-def conductivity_zehner_bauer_schluender(
-    k_fluid, k_solid, eps, T, d_p, emissivity, shape=1.25, contact=0.0
-):
+def conductivity_zehner_bauer_schluender(k_fluid, k_solid, eps, T, d_p, emissivity, shape=1.25, contact=0.0):
     """Zehner, Bauer and Schluender (1978): the Zehner-Schluender cell with radiation and contact areas.
 
         k / k_fluid = (1 - sqrt(1 - eps)) (1 + eps R) + sqrt(1 - eps) (contact kappa + (1 - contact) c)
@@ -175,7 +173,7 @@ def conductivity_kunii_smith(k_fluid, k_solid, eps, beta=1.0):
 
         k / k_fluid = eps + beta (1 - eps) / (phi + 2 / (3 kappa)),  kappa = k_solid / k_fluid
         phi = phi_2 + (phi_1 - phi_2) (eps - 0.260) / 0.216
-        phi_i = 1/2 ((kappa - 1) / kappa)^2 S / (ln(kappa - (kappa - 1) C) - (kappa - 1) / kappa (1 - C)) - 2 / (3 kappa)
+        phi_i = 1/2 e^2 S / (ln(kappa - (kappa - 1) C) - e (1 - C)) - 2 / (3 kappa),  e = (kappa - 1) / kappa
         S = sin^2(theta_i) = 1 / n_i,  C = cos(theta_i),  n_1 = 1.5,  n_2 = 4 sqrt(3)
 
     Parameters

@@ -92,7 +92,7 @@ def closure(
     def decorate(function: Function) -> Function:
         name = function.__name__
         parameters = inspect.signature(function).parameters
-        if name in _register:
+        if name in _register and _register[name].__module__ != function.__module__:
             raise ValueError(f"closure {name}: the name is taken")
         for key in ranges:
             if not set(key.split("/")) <= set(parameters):
@@ -121,7 +121,7 @@ def closure(
 
 def names(kind: str | None = None) -> tuple[str, ...]:
     """The names of all closures, or of those of one kind, in alphabetical order."""
-    return tuple(sorted(name for name in _register if kind is None or sheet(name).kind == kind))
+    return tuple(sorted(name for name in _register if kind is None or _sheet(name).kind == kind))
 
 
 def get(name: str, kind: str | None = None) -> Callable[..., Any]:
@@ -129,7 +129,7 @@ def get(name: str, kind: str | None = None) -> Callable[..., Any]:
     function = _register.get(name)
     if function is None:
         raise unknown(name, names(kind), kind)
-    found = sheet(name).kind
+    found = _sheet(name).kind
     if kind is not None and found != kind:
         raise SceneError(f"closure {name!r} is of kind {found!r}, wanted kind {kind!r}: {', '.join(names(kind))}")
     return function
@@ -137,7 +137,8 @@ def get(name: str, kind: str | None = None) -> Callable[..., Any]:
 
 def sheet(name: str) -> Sheet:
     """The data sheet of the closure of that name."""
-    return get(name).sheet  # type: ignore[attr-defined]
+    get(name)
+    return _sheet(name)
 
 
 def data_sheet(name: str) -> str:
@@ -175,6 +176,10 @@ def unknown(name: str, known: Iterable[str], kind: str | None = None) -> SceneEr
     if near := get_close_matches(name, known, n=3, cutoff=0.5):
         return SceneError(f"unknown {what} {name!r}; nearest: {', '.join(near)}")
     return SceneError(f"unknown {what} {name!r}; known: {', '.join(known) or 'none'}")
+
+
+def _sheet(name: str) -> Sheet:
+    return _register[name].sheet  # type: ignore[attr-defined]
 
 
 def _argument_use(values: np.ndarray, declared: tuple[float, float]) -> ArgumentUse:
