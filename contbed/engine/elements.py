@@ -1,0 +1,139 @@
+"""Nodal Lagrange elements of degree 1 to 3 on all cell shapes, and their numbering on a scikit-fem mesh.
+
+The basis is kept as monomial coefficients, so values, gradients and second derivatives are exact polynomials.
+Nodes are the equispaced lattice. Numbering is scikit-fem's `Dofs`; the two inner nodes of a cubic edge are swapped
+where the cell runs along it from the higher to the lower vertex, so that neighbours agree.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import product
+from types import SimpleNamespace
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem.assembly.dofs import Dofs
+from skfem.refdom import RefHex, RefLine, RefQuad
+
+from contbed.errors import SceneError
+
+Array = NDArray[np.float64]
+_TENSOR = (RefQuad, RefHex)
+
+
+class Lagrange:
+    """Reference element: `nodes` (nb, dim) and the basis as polynomials."""
+
+    def __init__(self, refdom: type, degree: int):
+        if refdom is RefHex and degree > 2:
+            raise SceneError("solver.degree = 3 is not available on hexahedra; use degree 2 or tetrahedra")
+        self.refdom, self.degree, self.dim = refdom, degree, refdom.dim()
+        vertices = refdom.p.T
+        inner = [i / degree for i in range(1, degree)]
+        self.edges = refdom.facets if self.dim == 2 else (refdom.edges or [])
+        edge_nodes = [vertices[a] + s * (vertices[b] - vertices[a]) for a, b in self.edges for s in inner]
+        self.per_edge = len(inner) if self.edges else 0
+        face_nodes: list[Array] = []
+        if self.dim == 3:
+            for face in refdom.facets:
+                face_nodes += list(self._inner_lattice(vertices[face], inner, refdom is RefHex))
+        self.per_face = len(face_nodes) // len(refdom.facets) if face_nodes else 0
+        cell_nodes = self._cell_lattice(inner)
+        self.per_cell = len(cell_nodes)
+        self.nodes = np.array([*vertices, *edge_nodes, *face_nodes, *cell_nodes], dtype=float)
+        powers = list(product(range(degree + 1), repeat=self.dim))
+        if refdom not in _TENSOR:
+            powers = [p for p in powers if sum(p) <= degree]
+        self.powers = np.array(powers)
+        self.coefficients = np.linalg.inv(self._monomials(self.nodes.T, (0,) * self.dim).T)
+        self.nvertices = len(vertices)
+
+    @staticmethod
+    def _inner_lattice(corners: Array, inner: list[float], tensor: bool) -> Array:
+        a, b, c = corners[0], corners[1], corners[-1]
+        pairs = [(s, t) for s in inner for t in inner if tensor or s + t < 1 - 1e-9]
+        return np.array([a + s * (b - a) + t * (c - a) for s, t in pairs]).reshape(-1, len(a))
+
+    def _cell_lattice(self, inner: list[float]) -> list[Array]:
+        points = product(inner, repeat=self.dim)
+        return [np.array(p) for p in points if self.refdom in (*_TENSOR, RefLine) or sum(p) < 1 - 1e-9]
+
+    def _monomials(self, X: Array, order: tuple[int, ...]) -> Array:
+        """Derivative of `order` of each monomial at X (dim, nq): (nmonomials, nq)."""
+        out = np.ones((len(self.powers), X.shape[1]))
+        for axis, times in enumerate(order):
+            power = self.powers[:, axis]
+            factor = np.ones(len(power))
+            for k in range(times):
+                factor = factor * (power - k)
+            out *= factor[:, None] * X[axis][None, :] ** np.maximum(power - times, 0)[:, None]
+        return out
+
+    def table(self, X: Array, *axes: int) -> Array:
+        """Basis functions differentiated along `axes` at reference points X (dim, nq): (nb, nq)."""
+        order = tuple(axes.count(axis) for axis in range(self.dim))
+        return self.coefficients.T @ self._monomials(X, order)
+
+
+@lru_cache(maxsize=64)
+def lagrange(refdom: type, degree: int) -> Lagrange:
+    """The element, made once."""
+    return Lagrange(refdom, degree)
+
+
+class Space:
+    """Continuous piecewise polynomials on a scikit-fem mesh: `dofs` (nb, ncells), `size`, `points` (dim, size)."""
+
+    def __init__(self, mesh, degree: int):
+        self.mesh, self.degree = mesh, degree
+        self.element = element = lagrange(mesh.elem.refdom, degree)
+        three = element.dim == 3
+        counts = SimpleNamespace(
+            dim=element.dim,
+            nodal_dofs=1,
+            edge_dofs=element.per_edge if three else 0,
+            facet_dofs=element.per_face if three else element.per_edge,
+            interior_dofs=element.per_cell,
+        )
+        self._numbering = Dofs(mesh, counts)
+        self.dofs = self._numbering.element_dofs
+        if degree == 3 and element.edges:
+            self.dofs = self._aligned(self.dofs.copy())
+        self.size = int(self._numbering.N)
+
+    def _aligned(self, dofs: NDArray[np.int32]) -> NDArray[np.int32]:
+        t, element = self.mesh.t, self.element
+        for k, (a, b) in enumerate(element.edges):
+            first = element.nvertices + 2 * k
+            flip = t[a] > t[b]
+            dofs[first, flip], dofs[first + 1, flip] = dofs[first + 1, flip], dofs[first, flip].copy()
+        return dofs
+
+    @property
+    def points(self) -> Array:
+        """Coordinates of the nodes (dim, size)."""
+        geometry = lagrange(self.mesh.elem.refdom, 1).table(self.element.nodes.T)
+        points = np.empty((self.mesh.dim(), self.size))
+        points[:, self.dofs] = np.einsum("dkc,kn->dnc", self.mesh.p[:, self.mesh.t], geometry)
+        return points
+
+    def on_facets(self, facets: NDArray[np.int32]) -> NDArray[np.int64]:
+        """Nodes on the closure of these facets."""
+        numbering, mesh = self._numbering, self.mesh
+        parts = [numbering.nodal_dofs[:, np.unique(mesh.facets[:, facets])].ravel()]
+        if mesh.dim() == 3 and numbering.edge_dofs.size:
+            parts.append(numbering.edge_dofs[:, self._edges_of(facets)].ravel())
+        if numbering.facet_dofs.size:
+            parts.append(numbering.facet_dofs[:, facets].ravel())
+        return np.unique(np.concatenate(parts)).astype(np.int64)
+
+    def _edges_of(self, facets: NDArray[np.int32]) -> NDArray[np.int64]:
+        """3-D: the edges in the closure of these facets."""
+        mesh = self.mesh
+        on = np.zeros(mesh.nvertices, dtype=bool)
+        on[np.unique(mesh.facets[:, facets])] = True
+        candidates = np.unique(mesh.t2e[:, mesh.f2t[0, facets]])
+        candidates = candidates[on[mesh.edges[:, candidates]].all(axis=0)]
+        corners = {tuple(sorted(pair)) for face in mesh.facets[:, facets].T for pair in product(face, face)}
+        return np.array([e for e in candidates if tuple(sorted(mesh.edges[:, e])) in corners], dtype=np.int64)
