@@ -3,10 +3,11 @@
     flux_fluid f' = d_fluid f'' + d_cross s'' + ha (s - f)
     flux_solid s' = d_cross f'' + d_solid s'' - ha (s - f)
 
-x [m] along the fluid flow; f and s [-] fluid and solid temperature, scaled so that the fluid enters at 0 and the solid at 1.
-flux_fluid = (rho c_p)_f u_D > 0 and flux_solid = (rho c_p)_s u_s [W/m2/K], with superficial velocities; flux_solid < 0 is
-counter-current. d_fluid = phi k_f + dispersion, d_solid = (1 - phi) k_s and d_cross (tortuosity) [W/m/K] form a symmetric
-matrix that is positive definite unless d_cross = 0, where either or both of the others may vanish. ha > 0 [W/m3/K].
+x [m] runs along the fluid flow; f and s [-] are the fluid and solid temperature, scaled so that the fluid enters at 0
+and the solid at 1. flux_fluid = (rho c_p)_f u_D > 0 and flux_solid = (rho c_p)_s u_s [W/m2/K], with superficial
+velocities; flux_solid < 0 is counter-current. d_fluid = phi k_f + dispersion, d_solid = (1 - phi) k_s and d_cross
+(tortuosity) [W/m/K] form a symmetric matrix, positive definite unless d_cross = 0: then d_fluid, d_solid may vanish.
+ha > 0 [W/m3/K] is the volumetric exchange coefficient.
 
 Solutions are sums of v exp(l x), where l = 0 or a root of
 (d_f d_s - d_x^2) l^3 - (d_f C_s + C_f d_s) l^2 + (C_f C_s - ha (d_f + d_s + 2 d_x)) l + ha (C_f + C_s) = 0  (C = flux).
@@ -34,8 +35,8 @@ def rates(
 ) -> Array:
     """Signed rates l [1/m] of the modes exp(l x), ascending, correctly rounded.
 
-    Three with conduction in both phases, fewer without: one for each root of the cubic. Layers at x = 0 have width 1/|l| with
-    l < 0, layers at x = L have width 1/l with l > 0. Balanced counter-current flow has l = 0 among them. The cubic is
+    One for each root of the cubic: three with conduction in both phases, fewer without. Layers at x = 0 are 1/|l| wide
+    with l < 0, layers at x = L are 1/l wide with l > 0. Balanced counter-current flow has l = 0 among them. The cubic is
     evaluated in exact rational arithmetic, so nearly equal roots and any ratio of magnitudes are resolved.
     """
     _check(flux_fluid, d_fluid, d_solid, ha, d_cross)
@@ -77,7 +78,7 @@ def semi_infinite(
     ha: float,
     d_cross: float = 0.0,
 ) -> Pair:
-    """f(x) and s(x) for f(0) = 0, s(0) = 1, bounded for x -> inf, flux_solid >= 0. Returns two arrays of the shape of x.
+    """f(x) and s(x) for f(0) = 0, s(0) = 1, bounded for x -> inf, flux_solid >= 0; two arrays of the shape of x.
 
     f = theta_eq (1 - exp(-lam x)), s = theta_eq + (1 - theta_eq) exp(-lam x), theta_eq = 1/(1 - r).
     """
@@ -99,7 +100,7 @@ def finite_length(
     d_cross: float = 0.0,
     derivative: int = 0,
 ) -> Pair:
-    """f(x) and s(x), or their derivatives of the given order [1/m^order], on 0 <= x <= length [m]; arrays of the shape of x.
+    """f(x) and s(x), or derivatives of the given order [1/m^order], on 0 <= x <= length [m]; arrays of the shape of x.
 
     f(0) = 0 and f'(L) = 0; s = 1 at the inlet of the solid and s' = 0 at its outlet. The inlet of the solid is at 0 for
     flux_solid >= 0 and at L for flux_solid < 0. A phase without conduction has no outlet condition, a solid that
@@ -109,7 +110,8 @@ def finite_length(
     nodes = length * np.append(rates(flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross), 0.0)
     nodes.sort()
     clusters = np.split(nodes, np.flatnonzero(np.diff(nodes) >= 1.0) + 1)
-    scaled = (flux_fluid / length, flux_solid / length, d_fluid / length**2, d_solid / length**2, ha, d_cross / length**2)
+    fluxes = (flux_fluid / length, flux_solid / length)
+    scaled = (*fluxes, d_fluid / length**2, d_solid / length**2, ha, d_cross / length**2)
 
     def modes(xi: Array, order: int) -> Array:
         columns = [_cluster_modes(cluster, _directions(cluster, *scaled), xi, order) for cluster in clusters]
@@ -232,18 +234,20 @@ def _root_between(cubic: tuple[Fraction, ...], start: float, end: float) -> floa
 def _directions(
     nodes: Array, c_f: float, c_s: float, d_f: float, d_s: float, ha: float, d_x: float
 ) -> tuple[Array, Array]:
-    """Coefficients (ascending powers of l) of polynomials p, q such that (p, q) exp(l x) solves the equations at the nodes.
+    """Coefficients (ascending powers) of p(l), q(l) such that (p, q) exp(l x) solves the equations at the nodes.
 
-    Either equation gives one; the one with less cancellation is taken.
+    Either equation gives one; taken is the one with less cancellation at the nodes and in differences over a cluster.
     """
     cross = np.array([1.0, 0.0, d_x / ha])
     fluid = np.array([1.0, c_f / ha, -d_f / ha])
     solid = np.array([1.0, c_s / ha, -d_s / ha])
     powers = np.vander(nodes, 3, increasing=True)
+    sizes = np.vander(np.abs(nodes) + (len(nodes) > 1), 3, increasing=True)
+    coupling = np.abs(powers @ cross)
     loss_fluid, loss_solid = (
-        np.abs(powers) @ np.abs(row) * np.abs(powers @ other) for row, other in ((fluid, solid), (solid, fluid))
+        (sizes @ np.abs(row) / np.maximum(coupling, np.abs(powers @ row))).max() for row in (fluid, solid)
     )
-    return (cross, fluid) if loss_fluid.max() <= loss_solid.max() else (solid, cross)
+    return (cross, fluid) if loss_fluid <= loss_solid else (solid, cross)
 
 
 def _homogeneous(nodes: Array, degree: int) -> Array:
@@ -257,7 +261,7 @@ def _homogeneous(nodes: Array, degree: int) -> Array:
 
 
 def _exp_difference(nodes: Array, y: Array, terms: int = 32) -> Array:
-    """Divided difference of exp(z y) over nodes z that span at most 3, |y| <= 1, by its Taylor series about their mean."""
+    """Divided difference of exp(z y) over nodes z that span at most 3, |y| <= 1: Taylor series about their mean."""
     k, centre = len(nodes) - 1, nodes.mean()
     series = _homogeneous(nodes - centre, terms)
     series /= factorial(np.arange(k, k + terms + 1))
@@ -267,7 +271,7 @@ def _exp_difference(nodes: Array, y: Array, terms: int = 32) -> Array:
 def _cluster_modes(nodes: Array, vector: tuple[Array, Array], xi: Array, order: int) -> Array:
     """Derivatives of a basis of the solutions with the given rates; shape (2, number of nodes) + shape of xi.
 
-    Member j is the divided difference of z^order (p(z), q(z)) exp(z y) over the nodes 0 ... j, by the product rule, with y
+    Member j is the divided difference of z^order (p(z), q(z)) exp(z y) over nodes 0 ... j, by the product rule; y is
     measured from the end where the exponentials are largest.
     """
     y = xi - (1.0 if nodes.mean() > 0 else 0.0)

@@ -1,0 +1,253 @@
+"""Exact solutions against published values, their own equations, and independent high-precision solves."""
+
+import numpy as np
+import pytest
+
+from contbed.verify import exact_two_energy as te
+
+# Pivem and de Lemos (2012): Table 2 properties; Table 3 rows as
+# name: (u_D, u_s/u_D, D, porosity, Re_D, C_s/C_f, k_s/k_f), then theta_eq and L_1% computed for contbed with 50 digits.
+K_FLUID, RHO_FLUID, CP_FLUID, MU_FLUID = 0.0345, 0.4345, 1986.8, 173.1e-7
+PIVEM = {
+    "reynolds_10": ((0.05666, 0.5, 0.006, 0.9, 10.0, 1.5, 25.0), 0.448666, 0.090016),
+    "reynolds_50": ((0.2833, 0.5, 0.006, 0.9, 50.0, 1.5, 25.0), 0.431387, 0.136255),
+    "reynolds_100": ((0.5666, 0.5, 0.006, 0.9, 100.0, 1.5, 25.0), 0.429884, 0.146821),
+    "slip_0.00": ((0.2833, 0.0, 0.006, 0.9, 100.0, 1.5, 25.0), 0.089823, 0.015872),
+    "slip_0.25": ((0.2833, 0.25, 0.006, 0.9, 75.0, 1.5, 25.0), 0.284159, 0.063396),
+    "slip_0.75": ((0.2833, 0.75, 0.006, 0.9, 25.0, 1.5, 25.0), 0.530149, 0.289395),
+    "slip_0.95": ((0.2833, 0.95, 0.006, 0.9, 5.0, 1.5, 25.0), 0.587803, 0.773571),
+    "darcy_9.365e-5": ((0.2125, 0.5, 0.001, 0.9, 6.25, 1.5, 25.0), 0.465110, 0.012443),
+    "darcy_8.429e-4": ((0.2125, 0.5, 0.003, 0.9, 18.75, 1.5, 25.0), 0.437599, 0.055489),
+    "darcy_9.365e-3": ((0.2125, 0.5, 0.01, 0.9, 62.5, 1.5, 25.0), 0.430763, 0.233805),
+    "porosity_0.4": ((0.2125, 0.5, 0.01, 0.4, 62.5, 1.5, 25.0), 0.582430, 0.019398),
+    "porosity_0.6": ((0.2125, 0.5, 0.01, 0.6, 62.5, 1.5, 25.0), 0.498948, 0.033130),
+    "porosity_0.8": ((0.2125, 0.5, 0.01, 0.8, 62.5, 1.5, 25.0), 0.442641, 0.085574),
+    "capacity_0.25": ((0.2125, 0.5, 0.004, 0.9, 25.0, 0.25, 25.0), 0.161158, 0.030028),
+    "capacity_0.5": ((0.2125, 0.5, 0.004, 0.9, 25.0, 0.5, 25.0), 0.228286, 0.042225),
+    "capacity_1": ((0.2125, 0.5, 0.004, 0.9, 25.0, 1.0, 25.0), 0.345388, 0.063497),
+    "capacity_10": ((0.2125, 0.5, 0.004, 0.9, 25.0, 10.0, 25.0), 0.833018, 0.152063),
+    "conductivity_1_slip_0": ((0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 1.0), 0.082007, None),
+    "conductivity_10_slip_0": ((0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 10.0), 0.255738, None),
+    "conductivity_100_slip_0": ((0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 100.0), 0.606041, None),
+    "conductivity_1000_slip_0": ((0.2125, 0.0, 0.01, 0.6, 125.0, 1.5, 1000.0), 0.912118, None),
+    "conductivity_1_slip_0.1": ((0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 1.0), 0.157877, None),
+    "conductivity_10_slip_0.1": ((0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 10.0), 0.295613, None),
+    "conductivity_100_slip_0.1": ((0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 100.0), 0.607410, None),
+    "conductivity_1000_slip_0.1": ((0.2125, 0.1, 0.01, 0.6, 112.5, 1.5, 1000.0), 0.906221, None),
+    "conductivity_1_slip_0.4": ((0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 1.0), 0.375613, None),
+    "conductivity_10_slip_0.4": ((0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 10.0), 0.421351, None),
+    "conductivity_100_slip_0.4": ((0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 100.0), 0.611534, None),
+    "conductivity_1000_slip_0.4": ((0.2125, 0.4, 0.01, 0.6, 75.0, 1.5, 1000.0), 0.881960, None),
+}
+
+# L, flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross. At unit flux and length ha is NTU and 1/d the Peclet number.
+EXTREME = {
+    "ntu_1e-2_pe_1e-3": (1.0, 1.0, 0.3, 1e3, 1e7, 1e-2, 0.0),
+    "ntu_1e6_pe_1e6": (1.0, 1.0, 0.3, 1e-6, 1e-2, 1e6, 0.0),
+    "ntu_1e6_pe_1e-3": (1.0, 1.0, 0.95, 1e3, 1e3, 1e6, 0.0),
+    "ntu_1e-2_pe_1e6_equal_phases": (1.0, 1.0, 1.0, 1e-6, 1e-6, 1e-2, 0.0),
+    "fixed_bed": (1.0, 1.0, 0.0, 1e-2, 1.0, 1e3, 0.0),
+    "fixed_bed_without_solid_conduction": (1.0, 1.0, 0.0, 1e-2, 0.0, 1e3, 0.0),
+    "fixed_bed_without_conduction": (1.0, 1.0, 0.0, 0.0, 0.0, 1e3, 0.0),
+    "no_fluid_conduction": (1.0, 1.0, -5.0, 0.0, 1e7, 1.0, 0.0),
+    "no_conduction": (1.0, 1.0, 0.5, 0.0, 0.0, 50.0, 0.0),
+    "no_conduction_balanced": (1.0, 1.0, -1.0, 0.0, 0.0, 1e6, 0.0),
+    "no_solid_conduction_counter": (1.0, 1.0, -0.3, 1e-3, 0.0, 1e3, 0.0),
+    "balanced": (1.0, 1.0, -1.0, 1e-2, 0.25, 30.0, 0.0),
+    "balanced_ntu_1e6": (1.0, 1.0, -1.0, 1e-6, 1e-2, 1e6, 0.0),
+    "nearly_balanced_fluid_rich": (1.0, 1.0, -1.0 + 1e-13, 1e-2, 0.25, 30.0, 0.0),
+    "nearly_balanced_solid_rich": (1.0, 1.0, -1.0 - 1e-9, 1e3, 1e7, 1e-2, 0.0),
+    "counter_solid_rich": (1.0, 1.0, -5.0, 1e-6, 1e-6, 1e6, 0.0),
+    "cross_conduction": (20.0, 11.951, 0.0, 50.387, 2.848, 1.0, 0.5288),
+    "cross_conduction_counter": (0.5, 700.0, -700.0, 5.0, 8.0, 2e4, 3.0),
+    "si_magnitudes": (0.25, 244.6, 183.4, 0.03105, 0.08625, 8e4, 0.0),
+}
+STATIONS = np.concatenate([[0.0, 1e-6, 1e-4, 1e-2], np.linspace(0.05, 0.95, 19), [0.99, 1.0 - 1e-4, 1.0 - 1e-6, 1.0]])
+
+
+def bed(u_d, slip, diameter, porosity, reynolds, capacity, conductivity):
+    """Coefficients of Eqs. 11, 12 with a_i = 4 (1 - phi)/D, Eq. 20 and Table 2 as printed."""
+    c_fluid = RHO_FLUID * CP_FLUID
+    prandtl = MU_FLUID * CP_FLUID / K_FLUID
+    nusselt = 1.0 + 4.0 * (1.0 - porosity) / porosity + 0.5 * np.sqrt(1.0 - porosity) * reynolds * prandtl ** (1 / 3)
+    ha = nusselt * K_FLUID / diameter * 4.0 * (1.0 - porosity) / diameter
+    d_solid = (1.0 - porosity) * conductivity * K_FLUID
+    return c_fluid * u_d, capacity * c_fluid * slip * u_d, porosity * K_FLUID, d_solid, ha
+
+
+def multiprecision(length, *coefficients, digits=50):
+    """Temperatures at STATIONS * length by plain modes and one linear solve with mpmath."""
+    mp = pytest.importorskip("mpmath")
+    with mp.workdps(digits):
+        length, c_f, c_s, d_f, d_s, ha, d_x = (mp.mpf(v) for v in (length, *coefficients))
+        cubic = [d_f * d_s - d_x**2, -(d_f * c_s + c_f * d_s), c_f * c_s - ha * (d_f + d_s + 2 * d_x), ha * (c_f + c_s)]
+        while cubic and cubic[0] == 0:
+            cubic.pop(0)
+        balanced = c_f + c_s == 0
+        if balanced:
+            cubic.pop()
+        roots = mp.polyroots(cubic[::-1], asc=True, maxsteps=5000, extraprec=1500) if len(cubic) > 1 else []
+        rates = [mp.re(root) for root in roots]
+
+        def temperatures(x, order=0):
+            modes = [(mp.mpf(order == 0), mp.mpf(order == 0))]
+            if balanced:
+                modes.append((mp.mpf(1), mp.mpf(1)) if order else (x, x + c_f / ha))
+            for rate in rates:
+                wave = rate**order * mp.exp(rate * (x - (length if rate > 0 else 0)))
+                modes.append(((ha + d_x * rate**2) * wave, (ha + c_f * rate - d_f * rate**2) * wave))
+            return modes
+
+        inlet, outlet = (mp.mpf(0), length) if c_s >= 0 else (length, mp.mpf(0))
+        rows, right_side = [[mode[0] for mode in temperatures(mp.mpf(0))]], [0]
+        if c_s or d_s:
+            rows.append([mode[1] for mode in temperatures(inlet)])
+            right_side.append(1)
+        if d_f:
+            rows.append([mode[0] for mode in temperatures(length, 1)])
+            right_side.append(0)
+        if d_s:
+            rows.append([mode[1] for mode in temperatures(outlet, 1)])
+            right_side.append(0)
+        weights = mp.lu_solve(mp.matrix(rows), mp.matrix(right_side))
+        fields = [temperatures(mp.mpf(float(x)) * length) for x in STATIONS]
+        return np.array([[float(mp.fdot(weights, [m[phase] for m in modes])) for modes in fields] for phase in (0, 1)])
+
+
+def relative_residuals(x, length, c_f, c_s, d_f, d_s, ha, d_x):
+    """Residuals of both equations over the largest term in the bed or, if larger, what a unit temperature makes."""
+    (f, s), (df, ds), (ddf, dds) = (
+        te.finite_length(x, length, c_f, c_s, d_f, d_s, ha, d_x, derivative=order) for order in range(3)
+    )
+    fluid = [c_f * df, -d_f * ddf, -d_x * dds, -ha * s, ha * f]
+    solid = [c_s * ds, -d_x * ddf, -d_s * dds, ha * s, -ha * f]
+    units = [ha + abs(c) / length + (d + d_x) / length**2 for c, d in ((c_f, d_f), (c_s, d_s))]
+    pairs = zip((fluid, solid), units, strict=True)
+    return [np.abs(sum(terms)).max() / max(np.abs(terms).max(), unit) for terms, unit in pairs]
+
+
+@pytest.mark.parametrize("name", PIVEM)
+def test_pivem_equilibrium_and_length(name):
+    """All six printed digits; the reference lengths of the conductivity rows were not recorded."""
+    row, equilibrium, length = PIVEM[name]
+    lam, r = te.decay_rate(*bed(*row))
+    assert 1.0 / (1.0 - r) == pytest.approx(equilibrium, abs=5.1e-7)
+    if length is not None:
+        assert np.log(100.0) / lam == pytest.approx(length, abs=5.1e-7)
+
+
+def test_mixing_value_differs_from_equilibrium():
+    """Prescribed inlet temperatures let heat conduct in: equilibrium lies above the ratio of the convective fluxes."""
+    _, r = te.decay_rate(*bed(*PIVEM["reynolds_10"][0]))
+    assert 1.0 / (1.0 - r) - 0.75 / 1.75 == pytest.approx(0.448666 - 0.428571, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", EXTREME)
+def test_finite_length_against_multiprecision(name):
+    """4e-15: a few ulp of the unit temperature scale; the reference has 50 digits."""
+    length, *coefficients = EXTREME[name]
+    computed = np.array(te.finite_length(STATIONS * length, length, *coefficients))
+    assert np.abs(computed - multiprecision(length, *coefficients)).max() < 4e-15
+
+
+@pytest.mark.parametrize("name", EXTREME)
+def test_finite_length_solves_its_equations(name):
+    """2e-15: round-off, the derivatives being analytic. Weakly coupled equal phases have two rates that agree to 1e-8,
+    and half an ulp in a rate is 1e-10 of the exchange term there."""
+    length, *coefficients = EXTREME[name]
+    tolerance = 1e-10 if name == "ntu_1e-2_pe_1e6_equal_phases" else 2e-15
+    assert max(relative_residuals(STATIONS * length, length, *coefficients)) < tolerance
+
+
+@pytest.mark.parametrize("name", EXTREME)
+def test_finite_length_boundary_conditions(name):
+    """Inlet values to 4e-15. Outlet slopes to 1e-13 of the largest slope or of a unit temperature over L."""
+    length, c_f, c_s, d_f, d_s, *rest = EXTREME[name]
+    x = STATIONS * length
+    f, s = te.finite_length(x, length, c_f, c_s, d_f, d_s, *rest)
+    df, ds = te.finite_length(x, length, c_f, c_s, d_f, d_s, *rest, derivative=1)
+    inlet, outlet = (0, -1) if c_s >= 0 else (-1, 0)
+    assert abs(f[0]) < 4e-15
+    if c_s or d_s:
+        assert abs(s[inlet] - 1.0) < 4e-15
+    if d_f:
+        assert abs(df[-1]) < 1e-13 * max(np.abs(df).max(), 1.0 / length)
+    if d_s:
+        assert abs(ds[outlet]) < 1e-13 * max(np.abs(ds).max(), 1.0 / length)
+
+
+def test_balanced_without_conduction_is_linear():
+    """Equal and opposite fluxes: f = NTU x/L/(1 + NTU), s - f constant. 1e-15 is round-off."""
+    x = np.linspace(0.0, 2.0, 11)
+    ntu = 3.0 * 2.0 / 7.0
+    f, s = te.finite_length(x, 2.0, 7.0, -7.0, 0.0, 0.0, 3.0)
+    np.testing.assert_allclose(f, ntu * x / 2.0 / (1.0 + ntu), atol=1e-15)
+    np.testing.assert_allclose(s - f, 1.0 / (1.0 + ntu), atol=1e-15)
+
+
+def test_long_bed_approaches_semi_infinite():
+    """A bed of 40 decay lengths: exp(-40) = 4e-18 is left at the outlet, so only round-off (1e-14) differs upstream."""
+    coefficients = bed(*PIVEM["reynolds_50"][0])
+    lam, _ = te.decay_rate(*coefficients)
+    x = np.linspace(0.0, 20.0 / lam, 50)
+    np.testing.assert_allclose(
+        te.finite_length(x, 40.0 / lam, *coefficients), te.semi_infinite(x, *coefficients), atol=1e-14
+    )
+
+
+def test_semi_infinite_at_huge_distance_and_without_solid_inlet():
+    """No overflow at lam x = 1e6; a solid that neither moves nor conducts takes the fluid's temperature at once."""
+    f, s = te.semi_infinite(np.array([0.0, 1e6]), 1.0, 1.0, 0.0, 0.0, 0.5)
+    np.testing.assert_array_equal([f, s], [[0.0, 0.5], [1.0, 0.5]])
+    f, s = te.semi_infinite([0.0, 1e-9, 1.0], 1.0, 0.0, 0.1, 0.0, 10.0)
+    np.testing.assert_array_equal([f, s], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+
+
+@pytest.mark.parametrize("name", EXTREME)
+def test_rates_are_the_roots_of_the_cubic(name):
+    """Correctly rounded: 2 ulp against 50-digit roots, in number and sign as well."""
+    mp = pytest.importorskip("mpmath")
+    _, *coefficients = EXTREME[name]
+    with mp.workdps(50):
+        c_f, c_s, d_f, d_s, ha, d_x = (mp.mpf(v) for v in coefficients)
+        cubic = [d_f * d_s - d_x**2, -(d_f * c_s + c_f * d_s), c_f * c_s - ha * (d_f + d_s + 2 * d_x), ha * (c_f + c_s)]
+        while cubic and cubic[0] == 0:
+            cubic.pop(0)
+        roots = mp.polyroots(cubic[::-1], asc=True, maxsteps=5000, extraprec=1500) if len(cubic) > 1 else []
+        expected = sorted(float(mp.re(root)) if abs(root) > mp.mpf(10) ** -30 else 0.0 for root in roots)
+    np.testing.assert_allclose(te.rates(*coefficients), expected, rtol=4.5e-16)
+
+
+def test_impossible_coefficients_are_refused():
+    for bad in ((-1.0, 1.0, 0.1, 0.1, 1.0), (1.0, 1.0, -0.1, 0.1, 1.0), (1.0, 1.0, 0.1, 0.1, 0.0)):
+        with pytest.raises(ValueError, match="two-energy solution"):
+            te.rates(*bad)
+    with pytest.raises(ValueError, match="d_cross"):
+        te.rates(1.0, 1.0, 0.1, 0.1, 1.0, 0.2)
+    with pytest.raises(ValueError, match="counter-current"):
+        te.decay_rate(1.0, -1.0, 0.1, 0.1, 1.0)
+
+
+def test_nakayama():
+    """Pivem's Table 1 (k_s/k_f = 40, porosity 0.4, K_xx/k_f = 50) with Pr of Table 2: all recorded digits, 1e-8."""
+    tortuosity = te.tortuosity_parameter(0.4, 40.0)
+    peclet = te.nakayama_peclet(100.0, MU_FLUID * CP_FLUID / K_FLUID, 0.4)
+    coefficients = te.nakayama_coefficients(peclet, 0.4, 40.0, 50.0, tortuosity)
+    lam, r = te.decay_rate(**coefficients)
+    assert tortuosity == pytest.approx(-0.01321964, abs=5e-9)
+    assert tortuosity * 39.0**2 + 0.4 + 0.6 * 40.0 == pytest.approx(4.2929334, abs=5e-8)
+    assert peclet == pytest.approx(11.951048, abs=5e-7)
+    assert lam == pytest.approx(0.60922966, abs=5e-9)
+    assert 1.0 / (1.0 - r) == pytest.approx(0.04569593, abs=5e-9)
+    f, s = te.semi_infinite([0.0, 1e3], **coefficients)
+    np.testing.assert_allclose([1.0 - f, 1.0 - s], [[1.0, 0.95430407], [0.0, 0.95430407]], atol=5e-9)
+
+
+def test_nakayama_prefactor_of_the_paper():
+    """Eqs. 28, 29 write 1 - theta_eq through alpha; 1e-13 because both sides come from the same root."""
+    tortuosity = te.tortuosity_parameter(0.4, 40.0)
+    coefficients = te.nakayama_coefficients(11.951048, 0.4, 40.0, 50.0, tortuosity)
+    alpha, r = te.decay_rate(**coefficients)
+    stagnant = tortuosity * 39.0**2 + 0.4 + 0.6 * 40.0
+    paper = alpha * 40.0 * (0.6 + 39.0 * tortuosity) / (11.951048 + alpha * (stagnant + 50.0))
+    assert 1.0 / (1.0 - r) == pytest.approx(paper, rel=1e-13)
