@@ -204,6 +204,11 @@ class Ops:
             Components(field.slot(("h", *sorted((k, m)))) for m in range(self.dim)) for k in range(self.dim)
         )
 
+    def laplacian(self, field: Any) -> Any:
+        """Laplacian of a scalar field, with its first-derivative term when axisymmetric."""
+        total = _sum(field.slot(("h", k, k)) for k in range(self.dim))
+        return total + field.slot(("g", 0)) / self.x[0] if self.axisymmetric else total
+
     def low(self, field: Any) -> Any:
         """The piecewise linear interpolant of a scalar field at the vertices."""
         return field.slot("low")

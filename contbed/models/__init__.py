@@ -1,0 +1,1 @@
+"""One file, one physics: equations, fields, residual, boundary terms, balances."""

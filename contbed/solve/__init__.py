@@ -1,0 +1,1 @@
+"""Linear systems by policy, Newton, time steps."""

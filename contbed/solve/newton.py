@@ -1,0 +1,59 @@
+"""Newton's method with exact Jacobians, step control and a history that is kept when it fails."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import ConvergenceError
+from contbed.solve.linear import Policy, Solver, constrain
+
+Assemble = Callable[[Any, bool], tuple[Any, Any]]
+
+
+def newton(
+    assemble: Assemble,
+    state: Any,
+    fixed: Any,
+    policy: Policy,
+    *,
+    tolerance: float = 1e-10,
+    iterations: int = 30,
+    linear: bool = False,
+    what: str = "Newton",
+) -> tuple[Any, list[float]]:
+    """Solve `assemble(state, jacobian) -> (residual, matrix)` for the unknowns not in `fixed`.
+
+    `state` already holds the fixed values. The norm is that of the residual relative to the first one; a step that
+    raises it is halved. A linear problem takes one step. Returns the state and the history of norms.
+    """
+    state = state.copy()
+    residual, matrix = assemble(state, True)
+    residual[fixed] = 0.0
+    scale = max(float(np.linalg.norm(residual)), 1e-300)
+    floor = 1e-14 * float(np.abs(matrix).max() * max(1.0, np.abs(state).max()) * len(state) ** 0.5)
+    history = [1.0]
+    for _ in range(iterations):
+        step = Solver(constrain(matrix, fixed), policy)(-residual)
+        if linear:
+            return state + step, history
+        damping = 1.0
+        while True:
+            trial = state + damping * step
+            residual, _ = assemble(trial, False)
+            residual[fixed] = 0.0
+            norm = float(np.linalg.norm(residual))
+            if np.isfinite(norm) and (norm <= (1 - 0.1 * damping) * history[-1] * scale or norm <= floor):
+                break
+            damping /= 2
+            if damping < 1e-3:
+                raise ConvergenceError(f"{what}: no descent after {len(history)} iterations", [*history, norm / scale])
+        state = trial
+        history.append(norm / scale)
+        small = damping == 1.0 and np.abs(step).max() <= tolerance * max(1e-300, np.abs(state).max())
+        if norm <= tolerance * 1e-2 * scale or norm <= floor or small:
+            return state, history
+        _, matrix = assemble(state, True)
+    raise ConvergenceError(f"{what}: not converged in {iterations} iterations, residual {history[-1]:.2g}", history)
