@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,8 +14,10 @@ from contbed.errors import SceneError
 from .common import Range, checked_positive, checked_range, nearest, share_outside
 from .pointwise import pointwise
 
-TOLERANCE = 1e-7  # of every property's value, half way between nodes
-MAX_INTERVALS = 4096
+TOLERANCE = 1e-7  # relative, for every property half way between nodes; nodes are added until it is met
+ACCEPTED = 1e-4  # where it cannot be met: near a critical point and at kinks of CoolProp's own
+NARROWEST = 0.01  # K; intervals below it are not halved: CoolProp's own scatter near a critical point shows there
+ROUNDING = 0.01  # K; a range may end at the boiling temperature as an error message prints it
 PROPERTIES = ("density", "heat_capacity", "viscosity", "conductivity")
 
 
@@ -22,8 +25,10 @@ PROPERTIES = ("density", "heat_capacity", "viscosity", "conductivity")
 class RealFluid:
     """A pure fluid in one phase at fixed pressure; made by `real_fluid`.
 
-    Quintic splines, so values are smooth and derivatives are exact. Outside T_range each property keeps its value at
-    the nearer end, which keeps it positive; `share_outside` tells how often that happened.
+    Quintic splines, so values are smooth and derivatives are exact. `table_error` is the largest relative error of any
+    property half way between nodes: below 1e-7, but up to 1e-4 within some 0.01 K of the places where CoolProp itself
+    scatters or has kinks (supercritical, near the critical point). Outside T_range each property keeps its value at the
+    nearer end, which keeps it positive; `share_outside` tells how often that happened.
     """
 
     constant: ClassVar[bool] = False
@@ -79,23 +84,21 @@ def real_fluid(name: str, pressure: float, T_range: Sequence[float] | None = Non
     if phase:
         state.specify_phase(getattr(CoolProp, f"iphase_{phase}"))
 
-    def sample(T: np.ndarray) -> np.ndarray:
-        rows = []
-        for T_i in T:
-            try:
-                state.update(CoolProp.PT_INPUTS, p, T_i)
-                rows.append((state.rhomass(), state.cpmass(), state.viscosity(), state.conductivity()))
-            except ValueError as error:
-                raise SceneError(
-                    f"{name}: CoolProp has no properties at {T_i:.6g} K and {p:g} Pa ({error}); narrow T_range"
-                ) from error
-        return np.array(rows)
+    @cache
+    def at(T: float) -> tuple[float, ...]:
+        try:
+            state.update(CoolProp.PT_INPUTS, p, T)
+            return state.rhomass(), state.cpmass(), state.viscosity(), state.conductivity()
+        except ValueError as error:
+            raise SceneError(
+                f"{name}: CoolProp has no properties at {T:.6g} K and {p:g} Pa ({error}); narrow T_range"
+            ) from error
 
-    nodes, values, error = _refined(sample, limits)
-    if error > 10.0 * TOLERANCE:
+    nodes, values, error, worst = _refined(lambda T: np.array([at(T_i) for T_i in T.tolist()]), limits)
+    if error > ACCEPTED:
         raise SceneError(
-            f"{name}: properties between {limits[0]:g} and {limits[1]:g} K at {p:g} Pa vary too steeply for the table "
-            f"(error {error:.1e} with {MAX_INTERVALS} intervals); leave out the neighbourhood of the critical point"
+            f"{name}: CoolProp's properties at {p:g} Pa jump or vary too steeply near {worst:.6g} K for the table "
+            f"(error {error:.1e}); choose a T_range on one side, or another pressure"
         )
     state.update(CoolProp.PT_INPUTS, p, limits[0])
     return RealFluid(
@@ -155,18 +158,22 @@ def _one_phase(
         )
     if boiling is None:
         return (lo, hi), ""
-    if lo >= boiling[1]:
+    if lo >= boiling[1] - ROUNDING:
         return (lo, hi), "gas"
-    if hi <= boiling[0] and not steam:
+    if hi <= boiling[0] + ROUNDING and not steam:
         return (lo, hi), "liquid"
     raise SceneError(
-        f"{name}: T_range ({lo:g}, {hi:g}) K {'is not all steam' if steam else 'crosses the phase change'} at {p:g} Pa; "
-        f"{advice}; evaporation is not modelled"
+        f"{name}: T_range ({lo:g}, {hi:g}) K {'is not all steam' if steam else 'crosses the phase change'}; {advice}; "
+        "evaporation is not modelled"
     )
 
 
-def _refined(sample: Any, limits: Range) -> tuple[np.ndarray, np.ndarray, float]:
-    """Nodes and values, halving the intervals until the splines meet the tolerance half way between nodes."""
+def _refined(sample: Any, limits: Range) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """Nodes, values, the largest relative error half way between nodes, and where it is.
+
+    Intervals that miss the tolerance are halved with their neighbours: that resolves a heat capacity peak, or the kink
+    where CoolProp switches off the critical enhancement of conductivity, without a fine grid elsewhere.
+    """
     from scipy.interpolate import make_interp_spline
 
     T = np.linspace(*limits, 17)
@@ -174,11 +181,16 @@ def _refined(sample: Any, limits: Range) -> tuple[np.ndarray, np.ndarray, float]
     while True:
         middle = 0.5 * (T[1:] + T[:-1])
         exact = sample(middle)
-        error = float(np.max(np.abs(make_interp_spline(T, values, k=5)(middle) / exact - 1.0)))
-        at = np.arange(1, T.size)
-        T, values = np.insert(T, at, middle), np.insert(values, at, exact, axis=0)
-        if error <= TOLERANCE or T.size > MAX_INTERVALS:
-            return T, values, error
+        errors = np.max(np.abs(make_interp_spline(T, values, k=5)(middle) / exact - 1.0), axis=1)
+        worst = int(np.argmax(errors))
+        split = np.convolve((errors > TOLERANCE) & (np.diff(T) > NARROWEST), np.ones(5), "same") > 0.0
+        done = not split.any()
+        if done:  # the last middles are known already: use them
+            split[:] = True
+        at = np.flatnonzero(split) + 1
+        T, values = np.insert(T, at, middle[split]), np.insert(values, at, exact[split], axis=0)
+        if done:
+            return T, values, float(errors[worst]), float(middle[worst])
 
 
 def _tables(T: np.ndarray, values: np.ndarray, h_start: float) -> dict[str, tuple[Any, Any]]:

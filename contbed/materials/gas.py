@@ -213,7 +213,7 @@ def _nasa(
     """Mid temperatures, and the mixture's heat capacity and enthalpy polynomials below, between and above them."""
     for s in species:
         if s.thermo.n_coeffs != 15:
-            raise SceneError(f"gas: {s.name} has no NASA 7-coefficient polynomials; take a mechanism that has (gri30.yaml)")
+            raise SceneError(f"gas: {s.name} has no NASA 7-coefficient polynomials; take a mechanism with them")
     data = [s.thermo.coeffs for s in species]
     T_mid = tuple(sorted({float(c[0]) for c in data}))
     heat_capacity = []
