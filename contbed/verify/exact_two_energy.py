@@ -36,8 +36,8 @@ def rates(
     """Signed rates l [1/m] of the modes exp(l x), ascending, correctly rounded.
 
     One for each root of the cubic: three with conduction in both phases, fewer without. Layers at x = 0 are 1/|l| wide
-    with l < 0, layers at x = L are 1/l wide with l > 0. Balanced counter-current flow has l = 0 among them. The cubic is
-    evaluated in exact rational arithmetic, so nearly equal roots and any ratio of magnitudes are resolved.
+    with l < 0, layers at x = L are 1/l wide with l > 0. Balanced counter-current flow has l = 0. The cubic is evaluated
+    in exact rational arithmetic, so nearly equal roots and any ratio of magnitudes are resolved.
     """
     _check(flux_fluid, d_fluid, d_solid, ha, d_cross)
     c_f, c_s, d_f, d_s, h, d_x = (Fraction(v) for v in (flux_fluid, flux_solid, d_fluid, d_solid, ha, d_cross))

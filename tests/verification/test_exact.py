@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
+from contbed.verify import exact_packed_bed as pb
 from contbed.verify import exact_two_energy as te
 
 # Pivem and de Lemos (2012): Table 2 properties; Table 3 rows as
@@ -251,3 +253,85 @@ def test_nakayama_prefactor_of_the_paper():
     stagnant = tortuosity * 39.0**2 + 0.4 + 0.6 * 40.0
     paper = alpha * 40.0 * (0.6 + 39.0 * tortuosity) / (11.951048 + alpha * (stagnant + 50.0))
     assert 1.0 / (1.0 - r) == pytest.approx(paper, rel=1e-13)
+
+
+# Patil et al., test of a heated bed of copper spheres in water: u [m/s], A [1/s], B [1/s].
+SCHUMANN_A = (0.20169758196457, 3.5576862041633, 4.5291839336383)
+SCHUMANN_B = (0.13370845112591, 0.62634257988163, 2.4056701787414)
+
+
+def test_schumann_published():
+    """Bed A at t = 2.25 s, z = 0.1, 0.2, 0.25, 0.3 m: all eight recorded digits."""
+    f, s = pb.schumann([0.1, 0.2, 0.25, 0.3], 2.25, *SCHUMANN_A)
+    np.testing.assert_allclose(f, [0.98902260, 0.81327151, 0.58935161, 0.32609428], atol=5e-9)
+    np.testing.assert_allclose(s, [0.97293030, 0.70894060, 0.45448543, 0.21209334], atol=5e-9)
+
+
+def test_schumann_against_quadrature_of_many_digits():
+    """1e-14 relative, ahead of the front, in it and behind it; xi = 1e-3 ... 1e3."""
+    mp = pytest.importorskip("mpmath")
+
+    def bell(a):
+        return lambda s: mp.exp(-s - a) * mp.besseli(0, 2 * mp.sqrt(s * a))
+
+    with mp.workdps(30):
+        for xi, tau in [(1e-3, 1e-3), (0.1, 3.0), (3.0, 0.1), (10.0, 10.0), (100.0, 140.0), (200.0, 100.0), (1e3, 1e3)]:
+            width = 12 * mp.sqrt(max(xi, tau)) + 100
+            fluid = mp.quad(bell(mp.mpf(tau)), [xi, max(xi, tau), xi + width / 2, max(xi, tau) + width])
+            solid = mp.quad(bell(mp.mpf(xi)), sorted({mp.mpf(0), mp.mpf(tau) / 2, min(xi, tau), mp.mpf(tau)}))
+            computed = pb.schumann(xi, xi + tau, 1.0, 1.0, 1.0)
+            np.testing.assert_allclose(computed, [float(fluid), float(solid)], rtol=1e-14)
+
+
+@pytest.mark.parametrize("bed_parameters", [SCHUMANN_A, SCHUMANN_B])
+def test_schumann_solves_its_equations(bed_parameters):
+    """Fourth-order central differences with step 1e-3 s and velocity * 1e-3 s: 1e-10 of truncation and round-off."""
+    u, a, b = bed_parameters
+    z, t = np.linspace(0.02, 0.45, 9), 6.0
+    step, stencil = 1e-3, np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
+    offsets = step * np.array([-2.0, -1.0, 1.0, 2.0])[:, None]
+    f, s = pb.schumann(z, t, *bed_parameters)
+    f_t, s_t = (stencil @ values / step for values in pb.schumann(z, t + offsets, *bed_parameters))
+    f_z = stencil @ pb.schumann(z + u * offsets, t, *bed_parameters)[0] / (u * step)
+    np.testing.assert_allclose(f_t + u * f_z, a * (s - f), atol=1e-10)
+    np.testing.assert_allclose(s_t, b * (f - s), atol=1e-10)
+
+
+def test_schumann_limits():
+    """Nothing ahead of the front, exp(-A z/u) just behind it, the inlet's own solid 1 - exp(-B t), all hot at last."""
+    u, a, b = SCHUMANN_A
+    z = np.array([[0.1], [0.3]])
+    f, s = pb.schumann(z, np.array([0.0, 0.4, 1e3]), u, a, b)
+    assert f.shape == s.shape == (2, 3)
+    np.testing.assert_array_equal(f[:, 0], 0.0)
+    np.testing.assert_array_equal(s[:, 0], 0.0)
+    np.testing.assert_allclose([f[:, 2], s[:, 2]], 1.0, atol=1e-14)
+    np.testing.assert_allclose(pb.schumann(0.5, 0.5, 1.0, 7.0, 2.0), [np.exp(-3.5), 0.0], atol=1e-15)
+    np.testing.assert_allclose(pb.schumann(0.0, 0.25, u, a, b), [1.0, -np.expm1(-b / 4.0)], atol=1e-15)
+
+
+@pytest.mark.parametrize("losses", [(0.0, 0.0), (300.0, 0.0), (0.0, 50.0), (2e3, 1e3)])
+def test_relaxation_is_the_matrix_exponential(losses):
+    """1e-12 of the temperature scale, the accuracy of expm."""
+    capacity, ha, start, ambient = np.array([900.0, 2.1e3]), 1.7e3, np.array([300.0, 450.0]), 280.0
+    matrix = (np.diag([ha + losses[0], ha + losses[1]]) - ha * np.eye(2)[::-1]) / capacity[:, None]
+    for t in (0.0, 0.1, 3.0, 50.0):
+        expected = ambient + expm(-matrix * t) @ (start - ambient)
+        computed = pb.two_temperature_relaxation(t, *capacity, ha, *start, *losses, ambient)
+        np.testing.assert_allclose(computed, expected, rtol=1e-12)
+
+
+def test_relaxation_conserves_heat():
+    """Without losses: heat content to round-off and one rate, from 1e-6 to 1e9 of its time constant."""
+    t = np.logspace(-6, 9, 31)
+    f, s = pb.two_temperature_relaxation(t, 2.0, 5.0, 3.0, 10.0, 80.0)
+    np.testing.assert_allclose(2.0 * f + 5.0 * s, 420.0, rtol=1e-14)
+    np.testing.assert_allclose(s - f, 70.0 * np.exp(-3.0 * (1 / 2.0 + 1 / 5.0) * t), atol=1e-13)
+
+
+def test_fin_is_the_limit_of_infinite_fluid_flux():
+    """flux = 1e12: the fluid stays at zero to 1e-9. Ends: s(0) = 1, s(L) = 1/cosh(m L)."""
+    x = np.linspace(0.0, 0.3, 13)
+    s = pb.fin(x, 0.3, 2.0, 500.0)
+    np.testing.assert_allclose(s, te.finite_length(x, 0.3, 1e12, 0.0, 0.1, 2.0, 500.0)[1], atol=1e-9)
+    np.testing.assert_allclose(s[[0, -1]], [1.0, 1.0 / np.cosh(0.3 * np.sqrt(250.0))], rtol=1e-15)
