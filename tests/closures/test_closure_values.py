@@ -16,12 +16,13 @@ from hypothesis import strategies as st
 from contbed import closures
 from contbed.closures.conductivity_cell import _log_tail
 
-PAIRS = [
-    closures.conductivity_hsu,
-    closures.conductivity_krupiczka,
-    closures.conductivity_kunii_smith,
-    closures.conductivity_zehner_schluender,
-]
+# Bed models, and how far each falls below the exact series bound where the conductivities are nearly equal: a property
+# of the published formulas (their slope at k_solid = k_fluid is not 1 - eps), stated in their data sheets.
+BEDS = {
+    closures.conductivity_krupiczka: 0.002,
+    closures.conductivity_kunii_smith: 0.016,
+    closures.conductivity_zehner_schluender: 5e-5,
+}
 EXACT = [
     closures.conductivity_parallel,
     closures.conductivity_series,
@@ -112,20 +113,19 @@ def test_hsu_and_maxwell_respect_the_bounds(ratio, eps):
     assert low <= closures.conductivity_maxwell(1.0, ratio, eps) <= high
 
 
-@pytest.mark.parametrize("function", PAIRS)
+@pytest.mark.parametrize("function", BEDS)
 @given(share=st.tuples(st.floats(0, 1), st.floats(0, 1)))
 def test_bed_models_lie_between_series_and_parallel_in_their_range(function, share):
     low, high = function.sheet.ranges["eps"]
     eps = low + share[0] * (high - low)
-    ratio = function.sheet.ranges.get("k_solid/k_fluid", (1, 1e4))[1] ** share[1]
+    ratio = function.sheet.ranges["k_solid/k_fluid"][1] ** share[1]
     k = function(1.0, ratio, eps)
-    # Krupiczka's power law is a fit: it leaves the exact bounds by up to 2 % where the ratio is below 2.
-    slack = 0.02 if function is closures.conductivity_krupiczka else 1e-12
+    slack = BEDS[function] if ratio < 2 else 1e-12
     assert closures.conductivity_series(1.0, ratio, eps) * (1 - slack) <= k
     assert k <= closures.conductivity_parallel(1.0, ratio, eps) * (1 + slack)
 
 
-@pytest.mark.parametrize("function", sorted({*EXACT, *PAIRS}, key=lambda function: function.__name__))
+@pytest.mark.parametrize("function", [*EXACT, *BEDS])
 @given(k=st.floats(1e-3, 1e3), eps=st.floats(0.05, 0.95))
 def test_equal_phases_conduct_like_one(function, k, eps):
     assert function(k, k, eps) == pytest.approx(k, rel=1e-12)
