@@ -1,0 +1,220 @@
+"""The bed of one scene as functions of state: materials and closures resolved, with a record of the ranges used.
+
+Every function takes pointwise values (numbers, arrays or dual numbers) and returns the same, so that constants stay
+numbers and a problem with constant properties stays linear by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from contbed import settings as s
+from contbed.closures import registry
+from contbed.closures.dispersion import dispersion_pair
+from contbed.materials import ConstantFluid, Solid, gas_mixture, real_fluid
+from contbed.materials.pointwise import pointwise
+
+_AREA = {"spheres": 6.0, "rods": 4.0}
+
+
+def fluid_of(settings: s.FluidConstant | s.FluidCantera | s.FluidCoolProp) -> Any:
+    """The fluid of a scene; Cantera and CoolProp are imported only when named."""
+    if isinstance(settings, s.FluidCantera):
+        return gas_mixture(settings.composition, settings.pressure, settings.mechanism)
+    if isinstance(settings, s.FluidCoolProp):
+        return real_fluid(settings.name, settings.pressure, settings.T_range)
+    return ConstantFluid(settings.density, settings.heat_capacity or 1.0, settings.viscosity,
+                         settings.conductivity or 0.0)
+
+
+@dataclass(frozen=True)
+class Medium:
+    """Materials, packing and closures. Velocities are superficial; `T_fluid_in` fixes the density of the mass flux."""
+
+    scene: s.Scene
+    fluid: Any
+    solid: Any
+    T_fluid_in: float
+    bed_diameter: float
+    uses: dict[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, scene: s.Scene, T_fluid_in: float, bed_diameter: float) -> Medium:
+        """Resolve the materials of a scene."""
+        solid = scene.solid
+        return cls(
+            scene,
+            fluid_of(scene.fluid),
+            None if solid is None else Solid(solid.density, solid.heat_capacity, solid.conductivity),
+            T_fluid_in,
+            bed_diameter,
+        )
+
+    @property
+    def constant(self) -> bool:
+        """Whether no property depends on temperature."""
+        return self.fluid.constant and (self.solid is None or self.solid.constant) and not self._radiating()
+
+    def _radiating(self) -> bool:
+        heat = self.scene.heat
+        specs = () if heat is None else (heat.conductivity_fluid, heat.conductivity_solid)
+        closures = [self._closure(spec, "conductivity")[0] for spec in specs if _named(spec)]
+        return any("T" in closure.sheet.arguments for closure in closures)
+
+    @property
+    def area(self) -> float:
+        """Specific surface of the packing [1/m]."""
+        bed = self.scene.bed
+        return _AREA[bed.shape] * (1.0 - bed.porosity) / bed.particle_diameter
+
+    def packing(self, kind: str) -> float:
+        """Permeability [m2] or Forchheimer coefficient [1] of the bed."""
+        bed = self.scene.bed
+        spec = getattr(bed, kind)
+        if isinstance(spec, int | float):
+            return float(spec)
+        return float(self.evaluate(spec, kind, eps=bed.porosity, d_p=bed.particle_diameter))
+
+    def mass_flux_scale(self) -> float:
+        """Density that turns superficial velocity into mass flux [kg/m3]."""
+        return float(self.fluid.density(self.T_fluid_in))
+
+    def reynolds(self, T: Any, speed: Callable[[Any], Any]) -> Any:
+        """Particle Reynolds number; `speed(density)` is the relative superficial mass flux over density [m/s]."""
+        fixed = self.scene.heat.reynolds
+        if fixed is not None:
+            return fixed
+        density = self.fluid.density(T)
+        return density * speed(density) * self.scene.bed.particle_diameter / self.fluid.viscosity(T)
+
+    def prandtl(self, T: Any) -> Any:
+        """Prandtl number of the fluid."""
+        return self.fluid.viscosity(T) * self.fluid.heat_capacity(T) / self.fluid.conductivity(T)
+
+    def exchange(self, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
+        """Volumetric exchange coefficient h a [W/m3/K]."""
+        bed, heat = self.scene.bed, self.scene.heat
+        nusselt = heat.nusselt
+        if _named(nusselt):
+            nusselt = self.evaluate(nusselt, "nusselt", **self._state(T_fluid, speed))
+        return nusselt * self.fluid.conductivity(T_fluid) * (self.area / bed.particle_diameter)
+
+    def wall(self, spec: Any, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
+        """Wall coefficient [W/m2/K]."""
+        if not _named(spec):
+            return spec
+        return self.evaluate(spec, "wall", **self._state(T_fluid, speed), k_stagnant=self._stagnant(T_fluid))
+
+    def _stagnant(self, T: Any) -> Any:
+        return self.conductivity_fluid(T) + self.conductivity_solid(T)
+
+    def _state(self, T: Any, speed: Callable[[Any], Any]) -> dict[str, Any]:
+        Re, Pr = self.reynolds(T, speed), self.prandtl(T)
+        return {
+            "Re": Re, "Pr": Pr, "Pe": Re * Pr, "eps": self.scene.bed.porosity, "T": T,
+            "d_p": self.scene.bed.particle_diameter, "D_bed": self.bed_diameter,
+            "k_fluid": self.fluid.conductivity(T),
+        }  # fmt: skip
+
+    def conductivity_fluid(self, T: Any) -> Any:
+        """Effective conductivity of the fluid phase without dispersion [W/m/K]."""
+        spec = self.scene.heat.conductivity_fluid
+        if spec == "conductivity_phase":
+            return self.scene.bed.porosity * self.fluid.conductivity(T)
+        return self._conductivity(spec, T)
+
+    def conductivity_solid(self, T: Any) -> Any:
+        """Effective conductivity of the solid phase [W/m/K]."""
+        spec = self.scene.heat.conductivity_solid
+        if spec == "conductivity_phase":
+            return (1.0 - self.scene.bed.porosity) * self.solid.conductivity(T)
+        return self._conductivity(spec, T)
+
+    def _conductivity(self, spec: Any, T: Any) -> Any:
+        if not _named(spec):
+            return spec
+        return self.evaluate(spec, "conductivity", **self._pair(T), T=T, d_p=self.scene.bed.particle_diameter)
+
+    def _pair(self, T: Any) -> dict[str, Any]:
+        eps = self.scene.bed.porosity
+        return {"k_fluid": self.fluid.conductivity(T), "k_solid": self.solid.conductivity(T), "eps": eps}
+
+    def tortuosity(self) -> tuple[float, float, float] | None:
+        """Additions to the conductivities of fluid and solid and the cross conductivity [W/m/K] (Nakayama 2001)."""
+        spec = self.scene.heat.tortuosity
+        if spec is None:
+            return None
+        pair = self._pair(self.T_fluid_in)
+        G = self.evaluate(spec, "tortuosity", **pair) if _named(spec) else spec
+        k_fluid, ratio = pair["k_fluid"], pair["k_solid"] / pair["k_fluid"]
+        return float(G * k_fluid), float(ratio**2 * G * k_fluid), float(-ratio * G * k_fluid)
+
+    def dispersion(self, T: Any, speed: Callable[[Any], Any]) -> tuple[Any, Any] | None:
+        """Dispersion conductivities along and across the flow [W/m/K]."""
+        spec = self.scene.heat.dispersion
+        if spec is None:
+            return None
+        if isinstance(spec, s.Dispersion):
+            return spec.axial, spec.transverse
+        stem, parameters = _spec(spec, "dispersion")
+        pair, state = dispersion_pair(stem), self._state(T, speed)
+        return tuple(self._call(function, parameters, state) for function in pair)  # type: ignore[return-value]
+
+    def content_fluid(self, T: Any) -> Any:
+        """Heat content of the fluid per bed volume [J/m3], the integral of eps rho c_p over temperature."""
+        eps = self.scene.bed.porosity
+        if self.fluid.constant:
+            return eps * self.fluid.density(T) * self.fluid.enthalpy(T)
+        integral, slope = self._content_table()
+        return pointwise(lambda t: eps * integral(t), lambda t: eps * slope(t), T)
+
+    def _content_table(self) -> tuple[Any, Any]:
+        if "content" not in self.uses:
+            low, high = self.fluid.T_range
+            series = np.polynomial.Chebyshev.interpolate(
+                lambda t: self.fluid.density(t) * self.fluid.heat_capacity(t), 120, [max(low, 1.0), min(high, 6000.0)]
+            )
+            self.uses["content"] = (series.integ(), series)
+        return self.uses["content"]
+
+    def content_solid(self, T: Any) -> Any:
+        """Heat content of the solid per bed volume [J/m3]."""
+        return (1.0 - self.scene.bed.porosity) * self.solid.density(T) * self.solid.enthalpy(T)
+
+    def evaluate(self, spec: Any, kind: str, **available: Any) -> Any:
+        """Value of a closure that takes what it needs from `available`."""
+        function, parameters = self._closure(spec, kind)
+        return self._call(function, parameters, available)
+
+    @staticmethod
+    def _closure(spec: Any, kind: str) -> tuple[Any, dict[str, Any]]:
+        name, parameters = _spec(spec, kind)
+        return registry.get(name, kind), parameters
+
+    def _call(self, function: Any, parameters: dict[str, Any], available: dict[str, Any]) -> Any:
+        sheet = function.sheet
+        arguments = {name: available[name] for name in sheet.arguments if name not in parameters}
+        arguments |= parameters
+        self.uses[sheet.name] = (function, arguments)
+        return function(**arguments)
+
+    def ranges(self) -> list[registry.RangeUse]:
+        """How each closure was used in its last evaluation."""
+        return [
+            registry.usage(function, **{name: getattr(value, "value", value) for name, value in arguments.items()})
+            for key, (function, arguments) in self.uses.items()
+            if key != "content"
+        ]
+
+
+def _named(spec: Any) -> bool:
+    return isinstance(spec, str | s.Closure)
+
+
+def _spec(spec: Any, kind: str) -> tuple[str, dict[str, Any]]:
+    name, parameters = (spec, {}) if isinstance(spec, str) else (spec.name, dict(spec.model_extra or {}))
+    return (name if name.startswith(f"{kind}_") else f"{kind}_{name}"), parameters
