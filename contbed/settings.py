@@ -6,9 +6,22 @@ nothing behind it ever sees a unit. A table that is absent means that its physic
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PrivateAttr,
+    Strict,
+    Tag,
+    model_validator,
+)
+
+from contbed.toml_lines import Origin
 
 
 def in_unit(name: str) -> BeforeValidator:
@@ -22,10 +35,34 @@ def in_unit(name: str) -> BeforeValidator:
 
             return to_si(value, name)
         if isinstance(value, bool):
-            raise ValueError("expected a number, found true or false")
+            raise ValueError(f"expected a number, found {str(value).lower()}")
         return value
 
     return BeforeValidator(convert)
+
+
+def form(value: Any) -> str:
+    """Which way of writing a value was chosen where there are several; a union's members carry these as tags."""
+    if isinstance(value, (dict, Table)):
+        return "parameters"
+    if isinstance(value, (list, tuple)):
+        return "list"
+    if isinstance(value, str) and not value.strip()[:1].isdigit() and value.strip()[:1] not in {"-", "+", "."}:
+        return "name"
+    return "number"
+
+
+def dispersion_form(value: Any) -> str:
+    """`form`, where a table without a name holds the two conductivities themselves."""
+    nameless = isinstance(value, Dispersion) or (isinstance(value, dict) and "name" not in value)
+    return "table" if nameless else form(value)
+
+
+def no_switch(value: Any) -> Any:
+    """Python takes true for 1; a scene does not."""
+    if isinstance(value, bool):
+        raise ValueError(f"expected a whole number, found {str(value).lower()}")
+    return value
 
 
 def unit(name: str) -> tuple[Any, ...]:
@@ -51,11 +88,17 @@ Viscosity = Annotated[float, *unit("Pa*s"), Field(gt=0)]
 Pressure = Annotated[float, *unit("Pa"), Field(gt=0)]
 Seconds = Annotated[float, *unit("s"), Field(gt=0)]
 Instant = Annotated[float, *unit("s"), Field(ge=0)]
-FiniteFloat = Annotated[float, Field(allow_inf_nan=False)]
+FiniteFloat = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Velocity = Annotated[
-    FiniteFloat | tuple[FiniteFloat, ...], Field(json_schema_extra={"unit": "m/s"}), in_unit("m/s")
+    Annotated[FiniteFloat, Tag("number")] | Annotated[tuple[FiniteFloat, ...], Tag("list")],
+    Field(json_schema_extra={"unit": "m/s"}),
+    Discriminator(form),
+    in_unit("m/s"),
 ]
-Cells = Annotated[int, Field(ge=1, le=10_000_000)]
+Order = Annotated[Literal[1, 2, 3], BeforeValidator(no_switch)]
+Cells = Annotated[int, Strict(), Field(ge=1, le=10_000_000)]
+Whole = Annotated[int, Strict()]
+Switch = Annotated[bool, Strict()]
 
 
 class Table(BaseModel):
@@ -67,44 +110,52 @@ class Table(BaseModel):
 class MeshLine(Table):
     """A bed along x from 0 to `length`; boundaries `left`, `right`."""
 
+    dimension: ClassVar[int] = 1
+    sides: ClassVar = (("left", "right"),)
     type: Literal["line"]
     length: Length
     cells: Cells | None = Field(None, description="number of cells; automatic grading to the layer widths if absent")
-    refine: int = Field(0, ge=0, le=12, description="uniform refinements after construction")
+    refine: Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
 
 
 class MeshRectangle(Table):
     """A planar channel, x along `length`, y along `height`; boundaries `left`, `right`, `bottom`, `top`."""
 
+    dimension: ClassVar[int] = 2
+    sides: ClassVar = (("left", "right"), ("bottom", "top"))
     type: Literal["rectangle"]
     length: Length
     height: Length
     cells: tuple[Cells, Cells] | None = None
     shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
-    refine: int = Field(0, ge=0, le=8)
+    refine: Whole = Field(0, ge=0, le=8)
 
 
 class MeshAxisymmetric(Table):
     """A cylinder in (r, z), z along `length`; boundaries `axis`, `wall`, `bottom`, `top`."""
 
+    dimension: ClassVar[int] = 2
+    sides: ClassVar = (("axis", "wall"), ("bottom", "top"))
     type: Literal["axisymmetric"]
     length: Length
     radius: Length
     cells: tuple[Cells, Cells] | None = Field(None, description="cells along r and along z")
     shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
-    refine: int = Field(0, ge=0, le=8)
+    refine: Whole = Field(0, ge=0, le=8)
 
 
 class MeshBox(Table):
     """A box, x along `length`, y `width`, z `height`; boundaries `left right front back bottom top`."""
 
+    dimension: ClassVar[int] = 3
+    sides: ClassVar = (("left", "right"), ("front", "back"), ("bottom", "top"))
     type: Literal["box"]
     length: Length
     width: Length
     height: Length
     cells: tuple[Cells, Cells, Cells] | None = None
     shape: Literal["tetrahedron", "hexahedron"] = "hexahedron"
-    refine: int = Field(0, ge=0, le=6)
+    refine: Whole = Field(0, ge=0, le=6)
 
 
 class MeshFile(Table):
@@ -112,11 +163,11 @@ class MeshFile(Table):
 
     type: Literal["file"]
     file: str = Field(description="path relative to the scene")
-    dimension: Literal[1, 2, 3] = 2
-    axisymmetric: bool = Field(False, description="coordinates are (r, z)")
+    dimension: Order = 2
+    axisymmetric: Switch = Field(False, description="coordinates are (r, z)")
     scale: Positive = Field(1.0, description="factor from the file's length unit to metres")
     size: Length | None = Field(None, description="target cell size for a .geo; its own sizes if absent")
-    refine: int = Field(0, ge=0, le=8)
+    refine: Whole = Field(0, ge=0, le=8)
 
 
 Mesh = Annotated[MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox | MeshFile, Field(discriminator="type")]
@@ -152,15 +203,15 @@ class FluidCoolProp(Table):
 
 Fluid = Annotated[FluidConstant | FluidCantera | FluidCoolProp, Field(discriminator="model")]
 
-Polynomial = tuple[FiniteFloat, ...]
+Polynomial = Annotated[tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=12)]
 
 
 class Solid(Table):
     """The particles' material: numbers, or polynomials a0 + a1 T + a2 T^2 ... with T in K."""
 
     density: Density
-    heat_capacity: HeatCapacity | Polynomial
-    conductivity: Conductivity | Polynomial
+    heat_capacity: Annotated[Annotated[HeatCapacity, Tag("number")] | Polynomial, Discriminator(form)]
+    conductivity: Annotated[Annotated[Conductivity, Tag("number")] | Polynomial, Discriminator(form)]
 
 
 class Closure(Table):
@@ -170,7 +221,12 @@ class Closure(Table):
     name: str
 
 
-ClosureOr = str | Closure
+Named = Annotated[str, Tag("name")] | Annotated[Closure, Tag("parameters")]
+PermeabilityOrClosure = Annotated[Annotated[Permeability, Tag("number")] | Named, Discriminator(form)]
+NonNegativeOrClosure = Annotated[Annotated[NonNegative, Tag("number")] | Named, Discriminator(form)]
+ConductivityOrClosure = Annotated[Annotated[Conductivity, Tag("number")] | Named, Discriminator(form)]
+NumberOrClosure = Annotated[Annotated[Number, Tag("number")] | Named, Discriminator(form)]
+WallCoefficientOrClosure = Annotated[Annotated[WallCoefficient, Tag("number")] | Named, Discriminator(form)]
 
 
 class Bed(Table):
@@ -181,8 +237,8 @@ class Bed(Table):
     shape: Literal["spheres", "rods"] = Field(
         "spheres", description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"
     )
-    permeability: Permeability | ClosureOr = "permeability_ergun"
-    forchheimer: NonNegative | ClosureOr = Field(
+    permeability: PermeabilityOrClosure = "permeability_ergun"
+    forchheimer: NonNegativeOrClosure = Field(
         "forchheimer_ergun", description="inertial drag coefficient c_F"
     )
 
@@ -201,23 +257,26 @@ class Dispersion(Table):
     transverse: Conductivity = 0.0
 
 
+DispersionOrClosure = Annotated[Annotated[Dispersion, Tag("table")] | Named, Discriminator(dispersion_form)]
+
+
 class Heat(Table):
     """Two energy equations, one for each phase."""
 
-    nusselt: NonNegative | ClosureOr
+    nusselt: NonNegativeOrClosure
     reynolds: NonNegative | None = Field(
         None, description="fixed Reynolds number for the closures instead of the one from velocities and properties"
     )
-    conductivity_fluid: Conductivity | ClosureOr = Field(
+    conductivity_fluid: ConductivityOrClosure = Field(
         "conductivity_phase", description="effective, without dispersion; conductivity_phase is eps k_fluid"
     )
-    conductivity_solid: Conductivity | ClosureOr = Field(
+    conductivity_solid: ConductivityOrClosure = Field(
         "conductivity_phase", description="effective; conductivity_phase is (1-eps) k_solid"
     )
-    tortuosity: Number | ClosureOr | None = Field(
+    tortuosity: NumberOrClosure | None = Field(
         None, description="tortuosity parameter G of the cross conduction between the phases; absent means none"
     )
-    dispersion: Dispersion | ClosureOr | None = None
+    dispersion: DispersionOrClosure | None = None
 
 
 class PhaseCondition(Table):
@@ -226,7 +285,7 @@ class PhaseCondition(Table):
     fixed: Temperature | None = Field(None, description="prescribed temperature")
     inflow: Temperature | None = Field(None, description="Danckwerts: temperature of the entering stream")
     flux: HeatFlux | None = Field(None, description="heat into the bed")
-    coefficient: WallCoefficient | ClosureOr | None = Field(
+    coefficient: WallCoefficientOrClosure | None = Field(
         None, description="Robin: wall coefficient to `ambient`"
     )
     ambient: Temperature | None = None
@@ -274,16 +333,16 @@ class Time(Table):
 class Solver(Table):
     """Numerics; the defaults suit nearly all scenes."""
 
-    degree: Literal[1, 2, 3] = Field(2, description="polynomial degree of the temperatures")
-    stabilisation: bool = Field(True, description="residual-based SUPG")
+    degree: Order = Field(2, description="polynomial degree of the temperatures")
+    stabilisation: Switch = Field(True, description="residual-based SUPG")
     tolerance: Fraction = Field(
         1e-5, description="target error of theta for automatic meshes"
     )
-    reduce: bool = Field(True, description="solve a plug-flow scene with adiabatic walls in one dimension")
+    reduce: Switch = Field(True, description="solve a plug-flow scene with adiabatic walls in one dimension")
     newton_tolerance: Fraction = 1e-10
-    newton_iterations: int = Field(30, ge=1, le=1000)
+    newton_iterations: Whole = Field(30, ge=1, le=1000)
     balance_tolerance: Positive = 1e-10
-    strict: bool = Field(False, description="a closure out of its range is an error")
+    strict: Switch = Field(False, description="a closure out of its range is an error")
     memory_GB: Positive | None = Field(
         None, description="refuse a factorisation predicted above this; 60 % of the free memory if absent"
     )
@@ -293,8 +352,8 @@ class Output(Table):
     """What a run writes besides summary.json."""
 
     positions: tuple[Position, ...] = Field((), description="profile positions along the axis; automatic if empty")
-    fields: bool = True
-    plots: bool = True
+    fields: Switch = True
+    plots: Switch = True
 
 
 class Scene(Table):
@@ -312,3 +371,15 @@ class Scene(Table):
     time: Time | None = None
     solver: Solver = Solver()
     output: Output = Output()
+
+    _origin: Origin = PrivateAttr(default_factory=Origin)
+
+    @property
+    def origin(self) -> Origin:
+        """Where the values come from: a name for messages, the lines of the keys, the folder of the file."""
+        return self._origin
+
+    @property
+    def mesh_path(self) -> Path | None:
+        """The mesh file of this scene, found from any working directory; None for a built-in mesh."""
+        return self._origin.base / self.mesh.file if isinstance(self.mesh, MeshFile) else None

@@ -43,7 +43,7 @@ def test_polynomial_solid():
     np.testing.assert_allclose(solid.heat_capacity(T), 700.0 + 0.5 * T - 1e-4 * T**2, rtol=1e-14)
     np.testing.assert_allclose(solid.conductivity(T), 2.0 + 1e-3 * T, rtol=1e-14)
     np.testing.assert_allclose(solid.enthalpy(T + 1e-20j).imag / 1e-20, solid.heat_capacity(T), rtol=1e-14)
-    assert solid.share_outside(np.array([200.0, 300.0, 1200.0, np.nan])) == 0.5
+    assert solid.share_outside(np.array([300.0, 1200.0, 500.0, np.nan])) == 0.25
     assert solid.share_outside(np.array([])) == 0.0
 
 

@@ -1,0 +1,179 @@
+"""What the schema says about a table or key of a scene: type, unit, bounds, default, meaning.
+
+Errors, `contbed explain` and table headers all read the JSON schema of `settings.Scene` through here, so that a
+fact stands in one place. A name that the user chooses, like that of a boundary, is written NAME.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+from contbed.errors import SceneError
+from contbed.toml_lines import KeyPath, dotted
+
+Node = dict[str, Any]
+_BOUNDS = {
+    "gt": ">",
+    "exclusiveMinimum": ">",
+    "ge": ">=",
+    "minimum": ">=",
+    "lt": "<",
+    "exclusiveMaximum": "<",
+    "le": "<=",
+    "maximum": "<=",
+}
+_TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false", "string": "text"}
+
+
+@cache
+def schema() -> Node:
+    """The JSON schema of a scene."""
+    from contbed.settings import Scene
+
+    return Scene.model_json_schema()
+
+
+def options(node: Node) -> list[Node]:
+    """The ways in which a value may be written, references followed and null left out."""
+    if "$ref" in node:
+        return options(schema()["$defs"][node["$ref"].rpartition("/")[2]])
+    members = node.get("oneOf") or node.get("anyOf")
+    if members is None:
+        return [] if node.get("type") == "null" else [node]
+    inherited = {key: node[key] for key in ("unit",) if key in node}
+    return [{**inherited, **option} for member in members for option in options(member)]
+
+
+def children(node: Node, key: str | int) -> list[Node]:
+    """What `key` may hold in the tables or lists that `node` allows."""
+    found = []
+    for option in options(node):
+        if isinstance(key, int):
+            parts = option.get("prefixItems", [])
+            item = parts[key] if key < len(parts) else option.get("items")
+            if item is not None:
+                found.append({**{"unit": option[k] for k in ("unit",) if k in option}, **item})
+        elif key in option.get("properties", {}):
+            found.append(option["properties"][key])
+        elif isinstance(option.get("additionalProperties"), dict):
+            found.append(option["additionalProperties"])
+    return found
+
+
+def keys(node: Node) -> list[str]:
+    """The keys of the tables that `node` allows; NAME where they are free."""
+    found: list[str] = []
+    for option in options(node):
+        names = list(option.get("properties", {}))
+        if isinstance(option.get("additionalProperties"), dict):
+            names.append("NAME")
+        found += [name for name in names if name not in found]
+    return found
+
+
+def at(path: KeyPath) -> list[Node]:
+    """The nodes of a key path; several if the table has several types, none if the schema does not know it."""
+    nodes = [schema()]
+    for key in path:
+        nodes = [child for node in nodes for child in children(node, key)]
+    return nodes
+
+
+def choices(node: Node) -> list[Any]:
+    """The permitted values of a key that is a choice, or that selects the type of its table."""
+    return [value for option in options(node) for value in option.get("enum", [option["const"]] * ("const" in option))]
+
+
+def unit(path: KeyPath) -> str | None:
+    """The SI unit of a key; None if it has none or is not a number."""
+    for node in at(path):
+        for option in [node, *options(node)]:
+            item = next(iter(option.get("prefixItems", [])), option.get("items", option))
+            if found := option.get("unit") or item.get("unit"):
+                return str(found)
+    return None
+
+
+def allowed(node: Node) -> str:
+    """The permitted values in words: "> 0 m", "'line' or 'box'", "a number >= 0, a closure's name or table"."""
+    if values := choices(node):
+        return " or ".join(json.dumps(value) for value in values)
+    return ", or ".join(dict.fromkeys(map(_one, options(node))))
+
+
+def _one(option: Node) -> str:
+    kind = option.get("type")
+    if kind == "object":
+        if "name" in option.get("properties", {}):
+            return "a table with a closure's name and parameters"
+        return f"a table with {', '.join(keys(option))}"
+    if kind == "array":
+        if parts := option.get("prefixItems"):
+            return f"a list of {len(parts)}: {_one(parts[0])}"
+        return f"a list, each {_one(option.get('items', {}))}"
+    bounds = [f"{_BOUNDS[key]} {value:g}" for key, value in option.items() if key in _BOUNDS]
+    words = ["a", _TYPES.get(str(kind), "value"), " and ".join(bounds), option.get("unit", "").removeprefix("1")]
+    if kind == "boolean":
+        del words[0]
+    return " ".join(filter(None, words))
+
+
+def explain(name: str) -> str:
+    """The data sheet of a table or key: "heat", "heat.nusselt", "boundary.NAME.fluid", "mesh.line"."""
+    path: KeyPath = tuple(name.split("."))
+    nodes = at(path)
+    if not nodes and len(path) > 1:  # mesh.line: one type of a table
+        nodes = [
+            option
+            for node in at(path[:-1])
+            for option in options(node)
+            if any(value == path[-1] for key in option.get("properties", {}).values() for value in choices(key))
+        ]
+    if not nodes:
+        raise SceneError(f"the scene has no table or key {name!r}")
+    return "\n".join(line for node in nodes for line in _sheet(name, node))
+
+
+def _sheet(name: str, node: Node) -> Iterator[str]:
+    tables = [option for option in options(node) if "properties" in option and "name" not in option["required"]]
+    if not tables:
+        yield f"{name} - {node['description']}" if "description" in node else name
+        yield f"    allowed: {allowed(node)}"
+        if any(option.get("type") == "string" and not choices(option) for option in options(node)) and len(
+            options(node)
+        ) > 1:
+            yield "    a text names a closure; `contbed list` shows them"
+        if "default" in node:
+            value = node["default"]
+            yield f"    default: {'absent' if value is None else json.dumps(value)}"
+        return
+    for table in tables:
+        yield f"[{name}] {table.get('description', '')}"
+        required = table.get("required", [])
+        for key, child in table["properties"].items():
+            if "$ref" in child or "properties" in next(iter(options(child)), {}):
+                text = f"table, see {dotted((*name.split('.'), key))}"
+            else:
+                text = allowed(child)
+            if key in required:
+                text += "; required"
+            elif child.get("default") not in (None, [], ""):
+                text += f"; default {json.dumps(child['default'])}"
+            meaning = f"  # {child['description']}" if "description" in child else ""
+            yield f"    {key}: {text}{meaning}"
+        yield ""
+
+
+def tables() -> list[str]:
+    """The tables of a scene, with their types: "mesh", "heat", "boundary.NAME"."""
+    found = []
+    for name, node in schema()["properties"].items():
+        free = [option for option in options(node) if isinstance(option.get("additionalProperties"), dict)]
+        if free:
+            found.append(f"{name}.NAME")
+        elif any("properties" in option for option in options(node)):
+            found.append(name)
+    return found

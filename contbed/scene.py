@@ -1,0 +1,195 @@
+"""TOML -> settings.Scene. All mistakes are collected and reported at once, each with file, line, key and remedy."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from copy import deepcopy
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from contbed import reference
+from contbed.errors import SceneError
+from contbed.scene_checks import mistakes
+from contbed.settings import MeshFile, Scene
+from contbed.toml_lines import KeyPath, Origin, dotted, one_line, parse, parse_key, read
+
+_LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
+
+
+def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Scene:
+    """The scene of a file. `overrides` such as {"mesh.refine": 2} replace values before anything is checked."""
+    return _build(*read(path), overrides or {})
+
+
+def loads(
+    text: str, name: str = "scene.toml", overrides: Mapping[str, Any] | None = None, base: str | Path = "."
+) -> Scene:
+    """The scene of a TOML text; `name` stands in messages and a mesh file is looked for in `base`."""
+    return _build(*parse(text, name, Path(base)), overrides or {})
+
+
+def from_dict(values: Mapping[str, Any], name: str = "scene", base: str | Path = ".") -> Scene:
+    """The scene of plain nested dicts, as `resolved` returns them."""
+    return _build(deepcopy(dict(values)), Origin(name, Path(base)), {})
+
+
+def resolved(scene: Scene) -> dict[str, Any]:
+    """All values in SI, defaults included, as plain JSON data. What is absent is left out."""
+    return scene.model_dump(mode="json", exclude_none=True)
+
+
+def scene_hash(scene: Scene) -> str:
+    """A hash of what a run depends on: the values and the content of the mesh file, not the title."""
+    values = {key: value for key, value in resolved(scene).items() if key != "title"}
+    digest = hashlib.sha256(json.dumps(values, sort_keys=True).encode())
+    if isinstance(scene.mesh, MeshFile):
+        digest.update((scene.origin.base / scene.mesh.file).read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any]) -> Scene:
+    problems: list[tuple[KeyPath, str]] = []
+    origin = _override(values, origin, overrides, problems)
+    if isinstance(fluid := values.get("fluid"), dict):
+        fluid.setdefault("model", "constant")
+    if not values:
+        raise SceneError(f"{origin.name}:1: the scene is empty; it needs [mesh], [fluid], [bed] and [flow]")
+    parts, broken = _validate(values, problems)
+    for path, text in mistakes(parts, broken, origin):
+        problems.append((path, text))
+    if problems:
+        problems.sort(key=lambda problem: origin.lines.get(problem[0][:1], 0))
+        raise SceneError(list(dict.fromkeys(_line(origin, values, path, text) for path, text in problems)))
+    scene = Scene(**parts)
+    scene._origin = origin
+    return scene
+
+
+def _override(
+    values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any], problems: list[tuple[KeyPath, str]]
+) -> Origin:
+    """Put the overrides into `values`, creating tables on the way."""
+    paths: list[KeyPath] = []
+    for key, value in overrides.items():
+        try:
+            path = parse_key(key)
+        except ValueError:
+            path = (key,)
+        paths.append(path)
+        table: Any = values
+        for step in path[:-1]:
+            table = table.setdefault(step, {}) if isinstance(table, dict) else None
+        if isinstance(table, dict):
+            # numpy's numbers become Python's
+            table[str(path[-1])] = value.item() if hasattr(value, "item") else value
+        else:
+            problems.append((path, "cannot be set: a key on the way to it is not a table"))
+    return Origin(origin.name, origin.base, origin.lines, tuple(paths))
+
+
+def _validate(values: dict[str, Any], problems: list[tuple[KeyPath, str]]) -> tuple[dict[str, Any], set[str]]:
+    """Each table by itself, so that mistakes in one do not hide the contradictions between the others."""
+    parts: dict[str, Any] = {}
+    broken: set[str] = set()
+    errors: list[Any] = []
+    try:
+        scene = Scene.model_validate(values)
+        return {name: getattr(scene, name) for name in Scene.model_fields}, broken
+    except ValidationError as error:
+        errors = error.errors(include_url=False)
+    for error in errors:
+        path, text = _translate(error, values)
+        problems.append((path, text))
+        broken.add(str(path[0]))
+    for name, field in Scene.model_fields.items():
+        if name in broken:
+            continue
+        if name in values:
+            # the annotation without its field description is all that a table needs
+            parts[name] = TypeAdapter(field.rebuild_annotation()).validate_python(values[name])
+        else:
+            parts[name] = field.get_default(call_default_factory=True)
+    return parts, broken
+
+
+def _translate(error: Mapping[str, Any], values: dict[str, Any]) -> tuple[KeyPath, str]:
+    """The key path without pydantic's union tags, and what is wrong in our words."""
+    path, node = _locate(error["loc"])
+    kind, context = error["type"], error.get("ctx", {})
+    found = _value(values, path)
+    if kind == "extra_forbidden":
+        known = reference.keys(_locate(error["loc"][:-1])[1])
+        return path, f"unknown key; {_nearest(str(path[-1]), known)}"
+    if kind == "missing":
+        table = node.get("type") == "object" or "$ref" in node or "discriminator" in node
+        needs = reference.allowed(node)
+        return path, f"this table is missing; it is {needs}" if table else f"missing; allowed: {needs}"
+    if kind in ("union_tag_not_found", "union_tag_invalid") and "discriminator" in node:
+        selector = node["discriminator"]["propertyName"]
+        known = list(node["discriminator"]["mapping"])
+        if kind == "union_tag_not_found":
+            return (*path, selector), f"missing; allowed: {', '.join(map(repr, known))}"
+        tag = found.get(selector) if isinstance(found, dict) else None
+        return (*path, selector), f"unknown choice; {_nearest(str(tag), known)}"
+    if kind in ("literal_error", "enum"):
+        return path, f"unknown choice; {_nearest(str(found), reference.choices(node))}"
+    if kind in _LIMITS:
+        return path, f"out of range; allowed: {reference.allowed(node)}"
+    if kind == "value_error":
+        return path, str(context["error"])
+    if kind == "finite_number":
+        return path, f"not a finite number; allowed: {reference.allowed(node)}"
+    return path, f"wrong kind of value; allowed: {reference.allowed(node)}"
+
+
+def _locate(loc: tuple[Any, ...]) -> tuple[KeyPath, dict[str, Any]]:
+    """Follow pydantic's location through the schema; a step at a union is the tag of a member, not a key."""
+    path: KeyPath = ()
+    node: dict[str, Any] = reference.schema()
+    steps = list(loc)
+    while steps:
+        step = steps.pop(0)
+        members = reference.options(node)
+        if len(members) > 1:
+            # Each further step looks into the members, so only the tag itself is left out.
+            mapping = node.get("discriminator", {}).get("mapping")
+            if mapping:
+                node = {"$ref": mapping[step]}
+            else:
+                wanted = {"number": "number", "name": "string", "list": "array"}.get(step, "object")
+                fits = [m for m in members if m.get("type") == wanted]
+                named = [m for m in fits if ("name" in m.get("properties", {})) == (step == "parameters")]
+                node = (named or fits or members)[0]
+            continue
+        path += (step,)
+        node = next(iter(reference.children(node, step)), {})
+    return path, node
+
+
+def _nearest(name: str, known: list[Any]) -> str:
+    allowed = f"allowed: {', '.join(str(item) if isinstance(item, str) else json.dumps(item) for item in known)}"
+    near = get_close_matches(name.lower(), [item for item in known if isinstance(item, str)], n=1, cutoff=0.6)
+    return f"{allowed}; did you mean '{near[0]}'?" if near else allowed
+
+
+def _value(values: Any, path: KeyPath) -> Any:
+    for key in path:
+        try:
+            values = values[key]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return values
+
+
+def _line(origin: Origin, values: dict[str, Any], path: KeyPath, text: str) -> str:
+    value = _value(values, path)
+    shown = ""
+    if value is not None and not isinstance(value, dict):
+        shown = json.dumps(value, default=str, ensure_ascii=False) if not isinstance(value, int) or value < 10**60 else "..."
+        shown = f" = {shown if len(shown) <= 60 else shown[:57] + '...'}"
+    return one_line(f"{origin.at(path)}: {dotted(path)}{shown}: {text}")

@@ -1,0 +1,226 @@
+"""TOML with line numbers: tomllib gives the values, a small scanner gives the line of every key."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from contbed.errors import SceneError
+
+KeyPath = tuple[str | int, ...]
+_SPACE = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+_BLANK = re.compile(r"[ \t]*")
+_STRINGS = [
+    re.compile(r'"""(?:[^\\]|\\.)*?"{3,5}', re.DOTALL),
+    re.compile(r"'''.*?'{3,5}", re.DOTALL),
+    re.compile(r'"(?:[^"\\\n]|\\.)*"'),
+    re.compile(r"'[^'\n]*'"),
+]
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+_SCALAR = re.compile(r"[^,\]}#\n]*")
+_MOVED_DUPLICATES = re.compile(r"Cannot (?:overwrite a value|mutate immutable namespace)")
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where the values of a scene come from. It takes no part in comparisons: equal values are equal scenes."""
+
+    name: str = field(default="scene", compare=False)
+    base: Path = field(default=Path(), compare=False)
+    lines: Mapping[KeyPath, int] = field(default_factory=dict, compare=False)
+    overrides: tuple[KeyPath, ...] = field(default=(), compare=False)
+
+    def at(self, path: KeyPath) -> str:
+        """ "file:line" of a key, or of the nearest table around it; "override" where an override has set it."""
+        if any(path[: len(key)] == key for key in self.overrides):
+            return "override"
+        for end in range(len(path), 0, -1):
+            if path[:end] in self.lines:
+                return f"{self.name}:{self.lines[path[:end]]}"
+        return f"{self.name}:1"
+
+
+def parse(text: str, name: str, base: Path = Path()) -> tuple[dict[str, Any], Origin]:
+    """The values of a TOML text and where they stand. SceneError with file:line if it is not TOML."""
+    text = text.replace("\r\n", "\n")
+    try:
+        values = tomllib.loads(text)
+        lines = key_lines(text)
+    except ValueError as error:  # TOMLDecodeError, and Python's own limit on the digits of an integer
+        raise SceneError(_syntax(str(error), text, name)) from None
+    except RecursionError:
+        raise SceneError(f"{name}:1: arrays or tables are nested too deeply") from None
+    return values, Origin(name, base, lines)
+
+
+def read(path: str | Path) -> tuple[dict[str, Any], Origin]:
+    """`parse` for a file; every way in which a file cannot be read is a SceneError."""
+    path = Path(path)
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise SceneError(f"{path}:1: no such file") from None
+    except IsADirectoryError:
+        raise SceneError(f"{path}:1: is a directory; give the TOML file in it") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise SceneError(one_line(f"{path}:1: cannot be read: {reason}")) from None
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise SceneError(f"{path}:{line}: not UTF-8 text (byte 0x{data[error.start]:02x}); save it as UTF-8") from None
+    return parse(text, str(path), path.parent)
+
+
+def dotted(path: KeyPath) -> str:
+    """A key path as it reads in TOML: boundary.left.fluid, flow.velocity[1]."""
+    shown = ""
+    for key in path:
+        if isinstance(key, int):
+            shown += f"[{key}]"
+        else:
+            shown += ("." if shown else "") + (key if _BARE_KEY.fullmatch(key) else json.dumps(key))
+    return shown
+
+
+def one_line(text: str) -> str:
+    """The text without line breaks, control characters and the like."""
+    return "".join(letter if letter.isprintable() else " " for letter in text)
+
+
+def key_lines(text: str) -> dict[KeyPath, int]:
+    """The line, from 1, of every key, table header and array item of a text that is valid TOML."""
+    return _Scanner(text).lines
+
+
+def parse_key(text: str) -> KeyPath:
+    """A dotted key, quotes allowed, as a path. ValueError if it is not one."""
+    scanner = _Scanner("")
+    scanner.text = text
+    path = scanner.key()
+    if not path or scanner.position != len(text):
+        raise ValueError(f"not a dotted key: {text!r}")
+    return path
+
+
+def _syntax(message: str, text: str, name: str) -> str:
+    found = re.search(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)", message)
+    line = int(found[1]) if found and found[1] else text.rstrip("\n").count("\n") + 1
+    if found:
+        message = message[: found.start()]
+    if _MOVED_DUPLICATES.match(message):
+        message = "this key stands twice in its table"
+    return one_line(f"{name}:{line}: not valid TOML: {message[:1].lower()}{message[1:]}")
+
+
+class _Scanner:
+    """One pass over text that tomllib has accepted, so that no error handling is needed."""
+
+    def __init__(self, text: str):
+        self.text = text
+        self.position = 0
+        self.counted = (0, 1)
+        self.lines: dict[KeyPath, int] = {}
+        self.arrays: dict[KeyPath, int] = {}
+        table: KeyPath = ()
+        while True:
+            self.skip(_SPACE)
+            if self.position >= len(text):
+                return
+            if text[self.position] == "[":
+                table = self.header()
+            else:
+                self.pair(table)
+
+    def skip(self, pattern: re.Pattern[str]) -> str:
+        match = pattern.match(self.text, self.position)
+        if not match:
+            return ""
+        self.position = match.end()
+        return match.group()
+
+    def note(self, path: KeyPath) -> None:
+        position, line = self.counted
+        line += self.text.count("\n", position, self.position)
+        self.counted = (self.position, line)
+        for end in range(1, len(path) + 1):
+            self.lines.setdefault(path[:end], line)
+
+    def header(self) -> KeyPath:
+        double = self.text.startswith("[[", self.position)
+        self.position += 2 if double else 1
+        # A parent that is an array of tables means its latest item.
+        path: KeyPath = ()
+        keys = self.key()
+        for key in keys[:-1]:
+            path += (key,)
+            if path in self.arrays:
+                path += (self.arrays[path],)
+        path += keys[-1:]
+        if double:
+            self.arrays[path] = self.arrays.get(path, -1) + 1
+            path += (self.arrays[path],)
+        self.note(path)
+        # A header is the best place to point at, even if a table below it came first.
+        self.lines[path] = self.counted[1]
+        self.position += 2 if double else 1
+        return path
+
+    def key(self) -> KeyPath:
+        path: KeyPath = ()
+        while True:
+            self.skip(_BLANK)
+            if self.text.startswith(('"', "'"), self.position):
+                path += (self.unquoted(),)
+            else:
+                path += tuple(filter(None, [self.skip(_BARE_KEY)]))
+            self.skip(_BLANK)
+            if not self.text.startswith(".", self.position):
+                return path
+            self.position += 1
+
+    def unquoted(self) -> str:
+        quoted = self.skip(_STRINGS[2]) or self.skip(_STRINGS[3])
+        if not quoted:
+            self.position += 1
+            return ""
+        return str(tomllib.loads(f"key = {quoted}")["key"])
+
+    def pair(self, table: KeyPath) -> None:
+        path = table + self.key()
+        self.note(path)
+        self.position += 1  # the equals sign
+        self.value(path)
+
+    def value(self, path: KeyPath) -> None:
+        self.skip(_SPACE)
+        opening = self.text[self.position]
+        if opening in "\"'":
+            any(self.skip(pattern) for pattern in _STRINGS)
+        elif opening in "[{":
+            self.collection(path, opening)
+        else:
+            self.skip(_SCALAR)
+
+    def collection(self, path: KeyPath, opening: str) -> None:
+        self.position += 1
+        item = 0
+        while True:
+            self.skip(_SPACE)
+            if self.text[self.position] in "]}":
+                self.position += 1
+                return
+            if self.text[self.position] == ",":
+                self.position += 1
+            elif opening == "{":
+                self.pair(path)
+            else:
+                self.note((*path, item))
+                self.value((*path, item))
+                item += 1

@@ -1,0 +1,86 @@
+"""Units at the door: "3 mm" becomes 0.003. pint is imported only when a unit string occurs."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+QUANTITIES = {
+    "1": "plain number",
+    "m": "length",
+    "m**2": "permeability",
+    "K": "temperature",
+    "s": "time",
+    "Pa": "pressure",
+    "m/s": "velocity",
+    "W/m/K": "conductivity",
+    "W/m**2/K": "heat transfer coefficient",
+    "W/m**2": "heat flux",
+    "W/m**3": "heat source",
+    "kg/m**3": "density",
+    "J/kg/K": "heat capacity",
+    "Pa*s": "viscosity",
+}
+_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+_DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d")
+# What may stand in a unit; anything else never reaches pint's parser.
+_UNIT = re.compile(r"[A-Za-z%\u00b0\u00b5\u03bc\u00b2\u00b3\u2103][A-Za-z0-9_%\u00b0\u00b5\u03bc\u00b2\u00b3 .*/^()+-]{0,60}")
+
+# Powers of numbers and long exponents could keep the parser busy for hours.
+_LARGE_POWER = re.compile(r"\d\s*(?:\*\*|\^)|\d{3}|\)\s*(?:\*\*|\^)")
+
+
+def to_si(text: str, unit: str) -> float:
+    """The number in `text`, a quantity like "3 mm", in the SI unit `unit`. ValueError says what is wrong.
+
+    >>> to_si("100 degC", "K")
+    373.15
+    """
+    expected = f"expected a {QUANTITIES.get(unit, 'quantity')}"
+    if unit != "1":
+        expected += f" like '{unit}'"
+    shown = text if len(text) <= 60 else text[:57] + "..."
+    match = _QUANTITY.fullmatch(text)
+    if not match or _DECIMAL_COMMA.match(text):
+        hint = "; the decimal sign is a point" if _DECIMAL_COMMA.match(text) else ""
+        raise ValueError(f"{expected}, found '{shown}'{hint}")
+    number, name = float(match[1]), match[2]
+    if not name:
+        if unit == "1":
+            return number
+        raise ValueError(f"{expected}, found '{shown}' without a unit; write {match[1]} for SI, or '{match[1]} {unit}'")
+    if not _UNIT.fullmatch(name) or _LARGE_POWER.search(name):
+        raise ValueError(f"unknown unit '{name[:60]}'; {expected}")
+    found = _parse(name)
+    if found is None:
+        raise ValueError(f"unknown unit '{name}'; {expected}")
+    registry = _registry()
+    wanted = registry.parse_units("" if unit == "1" else unit)
+    if found.dimensionality != wanted.dimensionality:
+        celsius = "; degrees Celsius are 'degC'" if unit == "K" and name in {"C", "c"} else ""
+        raise ValueError(f"{expected}, found '{shown}'{celsius}")
+    try:
+        return float(registry.Quantity(number, found).to(wanted).magnitude)
+    except OverflowError:
+        raise ValueError(f"'{shown}' is too large") from None
+
+
+@cache
+def _registry() -> UnitRegistry:
+    from pint import UnitRegistry
+
+    return UnitRegistry()
+
+
+def _parse(name: str):  # type: ignore[no-untyped-def]
+    """pint's unit of that name, or None; "kg/m3" and "W m-2" are understood like "kg/m**3" and "W m**-2"."""
+    for spelling in (name, re.sub(r"([A-Za-z])(-?\d)", r"\1**\2", name)):
+        try:
+            return _registry().parse_units(spelling)
+        except Exception:  # noqa: S112  pint's parser raises half a dozen unrelated types on malformed text
+            continue
+    return None
