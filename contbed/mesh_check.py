@@ -39,7 +39,7 @@ MIRROR = {
     "tetra": [0, 2, 1, 3],
     "hexahedron": [4, 5, 6, 7, 0, 1, 2, 3],
 }
-HEXAHEDRON_TO_SKFEM = [0, 4, 3, 1, 7, 5, 2, 6]
+HEXAHEDRON_TO_SKFEM = [0, 1, 3, 4, 2, 5, 7, 6]
 GROUP = ["Physical Point", "Physical Curve", "Physical Surface", "Physical Volume"]
 FLAT = 1e-13  # sine of the angle at a corner; round-off of a flat corner is some 1e-16, thin layers have 1e-9
 

@@ -20,7 +20,7 @@ Plane Surface(1) = {1};
 // the top cell is 1.022^(along - 1) times the bottom one
 Transfinite Curve {1, 3} = across + 1;
 Transfinite Curve {2, -4} = along + 1 Using Progression 1.022;
-Transfinite Surface {1} Alternated;
+Transfinite Surface {1} AlternateLeft;
 
 Physical Curve("bottom", 1) = {1};
 Physical Curve("wall", 2) = {2};
