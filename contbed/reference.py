@@ -25,7 +25,7 @@ _BOUNDS = {
     "le": "<=",
     "maximum": "<=",
 }
-_TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false", "string": "text"}
+_TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false"}
 
 
 @cache
@@ -43,8 +43,12 @@ def options(node: Node) -> list[Node]:
     members = node.get("oneOf") or node.get("anyOf")
     if members is None:
         return [] if node.get("type") == "null" else [node]
-    inherited = {key: node[key] for key in ("unit",) if key in node}
-    return [{**inherited, **option} for member in members for option in options(member)]
+    return [{**_unit_of(node), **option} for member in members for option in options(member)]
+
+
+def _unit_of(node: Node) -> Node:
+    """The unit, which stands at the list or union and holds for its items or members."""
+    return {"unit": node["unit"]} if "unit" in node else {}
 
 
 def children(node: Node, key: str | int) -> list[Node]:
@@ -55,7 +59,7 @@ def children(node: Node, key: str | int) -> list[Node]:
             parts = option.get("prefixItems", [])
             item = parts[key] if key < len(parts) else option.get("items")
             if item is not None:
-                found.append({**{"unit": option[k] for k in ("unit",) if k in option}, **item})
+                found.append({**_unit_of(option), **item})
         elif key in option.get("properties", {}):
             found.append(option["properties"][key])
         elif isinstance(option.get("additionalProperties"), dict):
@@ -84,7 +88,10 @@ def at(path: KeyPath) -> list[Node]:
 
 def choices(node: Node) -> list[Any]:
     """The permitted values of a key that is a choice, or that selects the type of its table."""
-    return [value for option in options(node) for value in option.get("enum", [option["const"]] * ("const" in option))]
+    found = []
+    for option in options(node):
+        found += option.get("enum", []) + ([option["const"]] if "const" in option else [])
+    return found
 
 
 def unit(path: KeyPath) -> str | None:
@@ -101,7 +108,9 @@ def allowed(node: Node) -> str:
     """The permitted values in words: "> 0 m", "'line' or 'box'", "a number >= 0, a closure's name or table"."""
     if values := choices(node):
         return " or ".join(json.dumps(value) for value in values)
-    return ", or ".join(dict.fromkeys(map(_one, options(node))))
+    ways = options(node)
+    text = "a closure's name" if len(ways) > 1 else "a text"
+    return ", or ".join(dict.fromkeys(text if way.get("type") == "string" else _one(way) for way in ways))
 
 
 def _one(option: Node) -> str:
@@ -114,7 +123,7 @@ def _one(option: Node) -> str:
         if parts := option.get("prefixItems"):
             return f"a list of {len(parts)}: {_one(parts[0])}"
         return f"a list, each {_one(option.get('items', {}))}"
-    bounds = [f"{_BOUNDS[key]} {value:g}" for key, value in option.items() if key in _BOUNDS]
+    bounds = [f"{sign} {option[key]:g}" for key, sign in _BOUNDS.items() if key in option]
     words = ["a", _TYPES.get(str(kind), "value"), " and ".join(bounds), option.get("unit", "").removeprefix("1")]
     if kind == "boolean":
         del words[0]

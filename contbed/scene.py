@@ -60,10 +60,9 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     if not values:
         raise SceneError(f"{origin.name}:1: the scene is empty; it needs [mesh], [fluid], [bed] and [flow]")
     parts, broken = _validate(values, problems)
-    for path, text in mistakes(parts, broken, origin):
-        problems.append((path, text))
+    problems += mistakes(parts, broken, origin)
     if problems:
-        problems.sort(key=lambda problem: origin.lines.get(problem[0][:1], 0))
+        problems.sort(key=lambda problem: origin.line(problem[0]))
         raise SceneError(list(dict.fromkeys(_line(origin, values, path, text) for path, text in problems)))
     scene = Scene(**parts)
     scene._origin = origin
@@ -96,16 +95,16 @@ def _validate(values: dict[str, Any], problems: list[tuple[KeyPath, str]]) -> tu
     """Each table by itself, so that mistakes in one do not hide the contradictions between the others."""
     parts: dict[str, Any] = {}
     broken: set[str] = set()
-    errors: list[Any] = []
     try:
         scene = Scene.model_validate(values)
         return {name: getattr(scene, name) for name in Scene.model_fields}, broken
-    except ValidationError as error:
-        errors = error.errors(include_url=False)
+    except ValidationError as invalid:
+        errors = invalid.errors(include_url=False)
     for error in errors:
         path, text = _translate(error, values)
         problems.append((path, text))
-        broken.add(str(path[0]))
+        # A misspelt table is not an absent one: what it breaks is not told twice.
+        broken.update({str(path[0]), *_near(str(path[0]), list(Scene.model_fields))})
     for name, field in Scene.model_fields.items():
         if name in broken:
             continue
@@ -173,8 +172,12 @@ def _locate(loc: tuple[Any, ...]) -> tuple[KeyPath, dict[str, Any]]:
 
 def _nearest(name: str, known: list[Any]) -> str:
     allowed = f"allowed: {', '.join(str(item) if isinstance(item, str) else json.dumps(item) for item in known)}"
-    near = get_close_matches(name.lower(), [item for item in known if isinstance(item, str)], n=1, cutoff=0.6)
+    near = _near(name, known)
     return f"{allowed}; did you mean '{near[0]}'?" if near else allowed
+
+
+def _near(name: str, known: list[Any]) -> list[str]:
+    return get_close_matches(name.lower(), [item for item in known if isinstance(item, str)], n=1, cutoff=0.6)
 
 
 def _value(values: Any, path: KeyPath) -> Any:
@@ -188,8 +191,13 @@ def _value(values: Any, path: KeyPath) -> Any:
 
 def _line(origin: Origin, values: dict[str, Any], path: KeyPath, text: str) -> str:
     value = _value(values, path)
-    shown = ""
-    if value is not None and not isinstance(value, dict):
-        shown = json.dumps(value, default=str, ensure_ascii=False) if not isinstance(value, int) or value < 10**60 else "..."
-        shown = f" = {shown if len(shown) <= 60 else shown[:57] + '...'}"
+    shown = "" if value is None or isinstance(value, dict) else f" = {_shown(value)}"
     return one_line(f"{origin.at(path)}: {dotted(path)}{shown}: {text}")
+
+
+def _shown(value: Any) -> str:
+    try:
+        text = json.dumps(value, default=str, ensure_ascii=False)
+    except ValueError:  # Python's limit on the digits of an integer
+        return "..."
+    return text if len(text) <= 60 else text[:57] + "..."

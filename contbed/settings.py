@@ -101,6 +101,9 @@ Whole = Annotated[int, Strict()]
 Switch = Annotated[bool, Strict()]
 
 
+REGION = "bed"  # the only region of a built-in mesh
+
+
 class Table(BaseModel):
     """A TOML table: unknown keys are errors and values do not change after loading."""
 

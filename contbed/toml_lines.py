@@ -23,7 +23,7 @@ _STRINGS = [
 ]
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _SCALAR = re.compile(r"[^,\]}#\n]*")
-_MOVED_DUPLICATES = re.compile(r"Cannot (?:overwrite a value|mutate immutable namespace)")
+_DUPLICATE = re.compile(r"Cannot (?:overwrite a value|mutate immutable namespace)")
 
 
 @dataclass(frozen=True)
@@ -35,14 +35,17 @@ class Origin:
     lines: Mapping[KeyPath, int] = field(default_factory=dict, compare=False)
     overrides: tuple[KeyPath, ...] = field(default=(), compare=False)
 
+    def line(self, path: KeyPath) -> int:
+        """The line of a key, or of the nearest table around it; 0 where an override has set it."""
+        for key in self.overrides:
+            if path[: len(key)] == key or (key[: len(path)] == path and path not in self.lines):
+                return 0
+        return next((self.lines[path[:end]] for end in range(len(path), 0, -1) if path[:end] in self.lines), 1)
+
     def at(self, path: KeyPath) -> str:
-        """ "file:line" of a key, or of the nearest table around it; "override" where an override has set it."""
-        if any(path[: len(key)] == key for key in self.overrides):
-            return "override"
-        for end in range(len(path), 0, -1):
-            if path[:end] in self.lines:
-                return f"{self.name}:{self.lines[path[:end]]}"
-        return f"{self.name}:1"
+        """ "file:line" of a key, or "override"."""
+        line = self.line(path)
+        return f"{self.name}:{line}" if line else "override"
 
 
 def parse(text: str, name: str, base: Path = Path()) -> tuple[dict[str, Any], Origin]:
@@ -101,10 +104,9 @@ def key_lines(text: str) -> dict[KeyPath, int]:
 
 def parse_key(text: str) -> KeyPath:
     """A dotted key, quotes allowed, as a path. ValueError if it is not one."""
-    scanner = _Scanner("")
-    scanner.text = text
+    scanner = _Scanner(text, scan=False)
     path = scanner.key()
-    if not path or scanner.position != len(text):
+    if scanner.position != len(text) or len(path) != scanner.dots + 1:
         raise ValueError(f"not a dotted key: {text!r}")
     return path
 
@@ -114,7 +116,7 @@ def _syntax(message: str, text: str, name: str) -> str:
     line = int(found[1]) if found and found[1] else text.rstrip("\n").count("\n") + 1
     if found:
         message = message[: found.start()]
-    if _MOVED_DUPLICATES.match(message):
+    if _DUPLICATE.match(message):
         message = "this key stands twice in its table"
     return one_line(f"{name}:{line}: not valid TOML: {message[:1].lower()}{message[1:]}")
 
@@ -122,18 +124,23 @@ def _syntax(message: str, text: str, name: str) -> str:
 class _Scanner:
     """One pass over text that tomllib has accepted, so that no error handling is needed."""
 
-    def __init__(self, text: str):
+    def __init__(self, text: str, scan: bool = True):
         self.text = text
         self.position = 0
+        self.dots = 0
         self.counted = (0, 1)
         self.lines: dict[KeyPath, int] = {}
         self.arrays: dict[KeyPath, int] = {}
+        if scan:
+            self.document()
+
+    def document(self) -> None:
         table: KeyPath = ()
         while True:
             self.skip(_SPACE)
-            if self.position >= len(text):
+            if self.position >= len(self.text):
                 return
-            if text[self.position] == "[":
+            if self.text[self.position] == "[":
                 table = self.header()
             else:
                 self.pair(table)
@@ -184,6 +191,7 @@ class _Scanner:
             if not self.text.startswith(".", self.position):
                 return path
             self.position += 1
+            self.dots += 1
 
     def unquoted(self) -> str:
         quoted = self.skip(_STRINGS[2]) or self.skip(_STRINGS[3])

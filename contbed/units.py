@@ -28,7 +28,8 @@ QUANTITIES = {
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d")
 # What may stand in a unit; anything else never reaches pint's parser.
-_UNIT = re.compile(r"[A-Za-z%\u00b0\u00b5\u03bc\u00b2\u00b3\u2103][A-Za-z0-9_%\u00b0\u00b5\u03bc\u00b2\u00b3 .*/^()+-]{0,60}")
+_LETTERS = r"A-Za-z%\u00b0\u00b5\u03bc\u00b2\u00b3\u2103"
+_UNIT = re.compile(rf"[{_LETTERS}][{_LETTERS}0-9_ .*/^()+-]{{0,60}}")
 
 # Powers of numbers and long exponents could keep the parser busy for hours.
 _LARGE_POWER = re.compile(r"\d\s*(?:\*\*|\^)|\d{3}|\)\s*(?:\*\*|\^)")
@@ -81,6 +82,6 @@ def _parse(name: str):  # type: ignore[no-untyped-def]
     for spelling in (name, re.sub(r"([A-Za-z])(-?\d)", r"\1**\2", name)):
         try:
             return _registry().parse_units(spelling)
-        except Exception:  # noqa: S112  pint's parser raises half a dozen unrelated types on malformed text
+        except Exception:
             continue
     return None
