@@ -110,7 +110,7 @@ def _load(settings: MeshFile, path: Path) -> tuple[np.ndarray, dict[int, Cells]]
             mesh = meshio.gmsh.read(path)
     except (Exception, SystemExit) as error:  # meshio lets any error of its parser through
         reason = _one_line(error) or "meshio gives no reason"
-        hint = "write it again with gmsh, version 4.1 and Mesh.SaveAll = 0"
+        hint = "write it again with gmsh, Mesh.SaveAll = 0 and Mesh.SaveParametric = 0"
         raise SceneError(f"{file}: broken or unsupported mesh ({type(error).__name__}: {reason}); {hint}") from None
 
     section = re.search(rb"\$PhysicalNames(.*?)\$EndPhysicalNames", data, re.DOTALL)

@@ -157,12 +157,20 @@ def test_missing_system_library_is_named(tmp_path, monkeypatch):
     assert "libGLU.so.1" in line and "apt install libglu1-mesa" in line
 
 
-def test_broken_geometry(gmsh, tmp_path):
+def test_broken_geometry(gmsh, tmp_path, capfd):
     (tmp_path / "a.geo").write_text("Point(1) = {0, 0, 0;\nLine(")
     assert "gmsh cannot mesh it" in problems(tmp_path / "a.geo")[0]
     assert not gmsh.isInitialized()
     (tmp_path / "b.geo").write_text("Point(1) = {0, 0, 0};\n")
     assert "holds no cells" in problems(tmp_path / "b.geo")[0]
+    assert capfd.readouterr() == ("", "")
+
+
+def test_curve_in_two_groups_of_a_geometry(gmsh, tmp_path):
+    source = (MESHES / "channel.geo").read_text()
+    (tmp_path / "a.geo").write_text(source + 'Physical Curve("walls", 9) = {1, 3};\n')
+    (line,) = problems(tmp_path / "a.geo")
+    assert "72 facets are in more than one Physical Curve" in line and "'bottom', 'walls'" in line
 
 
 def test_cells_are_oriented_and_unused_nodes_dropped(tmp_path):
