@@ -62,7 +62,7 @@ class Medium:
     def _radiating(self) -> bool:
         heat = self.scene.heat
         specs = () if heat is None else (heat.conductivity_fluid, heat.conductivity_solid)
-        closures = [self._closure(spec, "conductivity")[0] for spec in specs if _named(spec)]
+        closures = [self._closure(spec, "conductivity")[0] for spec in specs if _named(spec) and spec != "conductivity_phase"]
         return any("T" in closure.sheet.arguments for closure in closures)
 
     @property

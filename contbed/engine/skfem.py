@@ -27,11 +27,20 @@ Form = Callable[[Any, Any, Any, Any], Any]
 class Domain:
     """Quadrature points of one integral: all cells, or the cells behind facets that share a local number.
 
-    `x` (dim entries of (ncells, nq)), `weight` (ncells, nq) with the measure (2 pi r when axisymmetric),
+    `x` (dim entries of (ncells, nq)), `weight` (ncells, nq) with the measure (times 2 pi r when axisymmetric),
     `inverse[a][k]` = dX_a/dx_k, `h` the longest edge (ncells, 1), `n` the outward normal on facets.
     """
 
-    def __init__(self, mesh, axisymmetric: bool, order: int, cells: NDArray | None = None, facet: int | None = None):
+    def __init__(
+        self,
+        mesh,
+        order: int,
+        *,
+        axisymmetric: bool = False,
+        section: float = 1.0,
+        cells: NDArray | None = None,
+        facet: int | None = None,
+    ):
         refdom = mesh.elem.refdom
         self.refdom, self.dim, self.axisymmetric = refdom, mesh.dim(), axisymmetric
         self.cells = slice(None) if cells is None else cells
@@ -46,7 +55,6 @@ class Domain:
         slopes = np.array([geometry.table(X, a) for a in range(self.dim)])
         jacobian = np.einsum("ikc,akq->iacq", corners, slopes)
         inverse, determinant = _invert(jacobian)
-        self.determinant_sign = np.sign(determinant).min()
         self.inverse = [[inverse[a, k] for k in range(self.dim)] for a in range(self.dim)]
         self.x = Components(np.einsum("kc,kq->cq", corners[i], geometry.table(self.X)) for i in range(self.dim))
         weight = np.abs(determinant) * W
@@ -60,7 +68,7 @@ class Domain:
             self.n = Components(normal / length)
         if axisymmetric:
             weight = weight * 2.0 * np.pi * self.x[0]
-        self.weight = np.broadcast_to(weight, self.x[0].shape)
+        self.weight = np.broadcast_to(section * weight, self.x[0].shape)
         edges = [(a, b) for a in range(refdom.nnodes) for b in range(a)] if affine else _edges(refdom)
         self.h = np.sqrt(np.max([((corners[:, a] - corners[:, b]) ** 2).sum(axis=0) for a, b in edges], axis=0))[:, None]
         self._curvature = None if affine else [
@@ -248,10 +256,11 @@ class System:
     """Unknown fields on a mesh, the numbering of all their nodes, and assembly over domains.
 
     `fields` maps a name to (degree, ncomponents); ncomponents is 0 for a scalar. Vectors store component after component.
+    `measure` may hold `axisymmetric` and `section`, the cross-section [m2] that a line stands for.
     """
 
-    def __init__(self, mesh, fields: Mapping[str, tuple[int, int]], order: int, *, axisymmetric: bool = False):
-        self.mesh, self.axisymmetric, self.order = mesh, axisymmetric, order
+    def __init__(self, mesh, fields: Mapping[str, tuple[int, int]], order: int, **measure: Any):
+        self.mesh, self.order, self.measure = mesh, order, measure
         spaces: dict[int, Space] = {}
         self.fields: dict[str, tuple[Space, int]] = {}
         self.offset: dict[tuple[str, int], int] = {}
@@ -263,7 +272,7 @@ class System:
                 self.offset[name, component] = size
                 size += space.size
         self.size = size
-        self.cells = Domain(mesh, axisymmetric, order)
+        self.cells = Domain(mesh, order, **measure)
         self._facets: dict[str, list[Domain]] = {}
         self._patterns: dict[Any, tuple[Array, Array, Array, int]] = {}
 
@@ -274,7 +283,7 @@ class System:
             cells = mesh.f2t[0, facets]
             local = np.argmax(mesh.t2f[:, cells] == facets, axis=0)
             self._facets[name] = [
-                Domain(mesh, self.axisymmetric, self.order, cells[local == k], int(k)) for k in np.unique(local)
+                Domain(mesh, self.order, cells=cells[local == k], facet=int(k), **self.measure) for k in np.unique(local)
             ]
         return self._facets[name]
 

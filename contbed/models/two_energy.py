@@ -113,20 +113,20 @@ def storage(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
 
 @dataclass(frozen=True)
 class Wall:
-    """One phase on one boundary. `inflow` is the enthalpy of a Danckwerts stream, else None; heat fluxes go in."""
+    """One phase on one boundary domain; heat fluxes are counted into the bed."""
 
     name: str
     mass_flux: Any  # None where no stream crosses
-    enthalpy: Any
-    inflow: float | None = None
-    flux: float = 0.0
-    coefficient: Any = 0.0
-    ambient: float = 0.0
+    enthalpy: Any  # function of T [J/kg]
+    inflow: Any = None  # enthalpy of the entering Danckwerts stream [J/kg], None otherwise
+    flux: float = 0.0  # [W/m2]
+    coefficient: Any = None  # function of the unknowns [W/m2/K]
+    ambient: float = 0.0  # [K]
 
 
 def boundary(unknowns: Any, tests: Any, c: Wall, o: Any) -> Any:
     """Convection through a boundary, prescribed flux and wall coefficient."""
-    return (convected(unknowns, c, o) - supplied(unknowns, c, o)) * getattr(tests, c.name)
+    return (convected(unknowns, c, o) - supplied(unknowns, c)) * getattr(tests, c.name)
 
 
 def convected(unknowns: Any, c: Wall, o: Any) -> Any:
@@ -137,6 +137,18 @@ def convected(unknowns: Any, c: Wall, o: Any) -> Any:
     return o.dot(c.mass_flux, o.n) * enthalpy
 
 
-def supplied(unknowns: Any, c: Wall, o: Any) -> Any:
+def supplied(unknowns: Any, c: Wall) -> Any:
     """Heat given to the bed by flux and wall coefficient [W/m2]."""
-    return c.flux + c.coefficient * (c.ambient - getattr(unknowns, c.name))
+    if c.coefficient is None:
+        return c.flux
+    return c.flux + c.coefficient(unknowns) * (c.ambient - getattr(unknowns, c.name))
+
+
+def tau(c_flux: Any, conductivity: Any, exchange: Any, capacity: float, h: Any, degree: int) -> Any:
+    """Stabilisation parameter for cells of size `h`: its three limits are convection, conduction and exchange.
+
+    tau / capacity = ((2 C u / h)^2 + 9 (4 k / h^2)^2 + (h a)^2)^(-1/2) with h over the degree; `c_flux` is C u [W/m2/K].
+    Shakib, Hughes & Johan 1991, doi:10.1016/0045-7825(91)90041-4.
+    """
+    h = h / degree
+    return capacity / ((2.0 * c_flux / h) ** 2 + 9.0 * (4.0 * conductivity / h**2) ** 2 + exchange**2) ** 0.5

@@ -1,0 +1,258 @@
+"""The two-energy problem of one scene on one mesh: coefficients, boundary conditions, solution, balances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contbed import settings as s
+from contbed.engine.dual import Components
+from contbed.engine.skfem import Domain, Ops, System
+from contbed.flow_problem import Flow
+from contbed.medium import Medium
+from contbed.mesh import Mesh
+from contbed.models import two_energy
+from contbed.solve.linear import Policy
+from contbed.solve.newton import newton
+
+PHASES = ("fluid", "solid")
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Superficial velocities of both phases: uniform vectors, or a computed flow for the fluid."""
+
+    fluid: Any
+    solid: Any
+    flow: Flow | None = None
+
+
+class HeatProblem:
+    """Residual, Jacobian and heat content of both phases; see `contbed.models.two_energy`.
+
+    `linear` is true for constant properties; `fixed` and `fixed_values` are the prescribed temperatures.
+    """
+
+    def __init__(self, scene: s.Scene, mesh: Mesh, medium: Medium, motion: Motion, section: float = 1.0):
+        self.scene, self.mesh, self.medium, self.motion = scene, mesh, medium, motion
+        self.degree = degree = scene.solver.degree
+        order = 2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
+        fields = {name: (degree, 0) for name in two_energy.FIELDS}
+        self.system = System(mesh.skfem, fields, order, axisymmetric=mesh.axisymmetric, section=section)
+        self.linear = medium.constant
+        self.T_span = self._span()
+        cells = self.system.cells
+        self.coefficients = self._coefficients(cells)
+        self._interior = [(two_energy.residual, cells, self.coefficients)]
+        self._storage = [(two_energy.storage, cells, self.coefficients)]
+        self.walls = [
+            (name, part, self._wall(name, phase, part))
+            for name in mesh.boundaries
+            for phase in PHASES
+            for part in self.system.boundary(name)
+        ]
+        self._boundary = [
+            (two_energy.boundary, part, wall)
+            for _, part, wall in self.walls
+            if wall.mass_flux is not None or wall.coefficient is not None or wall.flux
+        ]
+        self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
+
+    def condition(self, boundary: str, phase: str) -> s.PhaseCondition | None:
+        """Thermal condition of one phase on one boundary."""
+        table = self.scene.boundary.get(boundary)
+        return None if table is None else getattr(table, phase)
+
+    def _span(self) -> tuple[float, float]:
+        found = [value for table in self.scene.boundary.values() for phase in PHASES
+                 if (c := getattr(table, phase)) is not None
+                 for value in (c.fixed, c.inflow, c.ambient) if value is not None]
+        if self.scene.time is not None:
+            found += [self.scene.time.initial_fluid, self.scene.time.initial_solid]
+        return min(found), max(found)
+
+    def _velocity(self, phase: str, where: Domain) -> Any:
+        """Velocity on a domain, None when the phase rests."""
+        if phase == "fluid" and self.motion.flow is not None:
+            flow = self.motion.flow
+            return self.system.known(where, flow.system.fields["u"][0], flow.velocity)
+        vector = getattr(self.motion, phase)
+        return Components(float(v) for v in vector) if np.any(vector) else None
+
+    def _speed(self, where: Domain) -> Callable[[Any], Any]:
+        """Relative superficial speed as a function of the fluid's density (its mass flux is what is given)."""
+        scale = self.medium.mass_flux_scale()
+        fluid, solid = self._velocity("fluid", where), self._velocity("solid", where)
+        if self.motion.flow is None and self.medium.fluid.constant:
+            speed = float(np.linalg.norm(np.asarray(self.motion.fluid) - np.asarray(self.motion.solid)))
+            return lambda density: speed
+        still = Components([0.0] * self.mesh.skfem.dim())
+
+        def speed_of(density: Any) -> Any:
+            w = (still if fluid is None else fluid) * (scale / density) - (still if solid is None else solid)
+            return np.sqrt(Ops.dot(w, w))
+
+        return speed_of
+
+    def _coefficients(self, where: Domain) -> two_energy.Coefficients:
+        medium, ops = self.medium, Ops(where)
+        speed = self._speed(where)
+        T_ref = medium.T_fluid_in
+        tortuosity = medium.tortuosity()
+        add_fluid, add_solid, cross = tortuosity or (0.0, 0.0, None)
+        exchange_ref = _value(medium.exchange(T_ref, speed))
+        dispersion = medium.dispersion(T_ref, speed)
+        phases = {}
+        for phase, addition in (("fluid", add_fluid), ("solid", add_solid)):
+            material = getattr(medium, phase)
+            conductivity = getattr(medium, f"conductivity_{phase}")
+            velocity = self._velocity(phase, where)
+            density = medium.mass_flux_scale() if phase == "fluid" else material.density(T_ref)
+            flux = None if velocity is None else velocity * density
+            moving_with = phase == "fluid" and self.motion.flow is not None
+            capacity = float(material.heat_capacity(T_ref))
+            spread = None
+            if phase == "fluid" and dispersion is not None and velocity is not None:
+                along, across = dispersion
+                size = np.sqrt(Ops.dot(velocity, velocity) + 1e-30)
+                spread = (across, along - across, velocity / size)
+            phases[phase] = two_energy.Phase(
+                mass_flux=flux,
+                divergence=ops.div(velocity) * density if moving_with else None,
+                enthalpy=material.enthalpy,
+                heat_capacity=material.heat_capacity,
+                capacity=capacity,
+                offset=float(material.enthalpy(T_ref)) - capacity * T_ref,
+                conductivity=_plus(conductivity, addition),
+                dispersion=spread,
+                content=getattr(medium, f"content_{phase}"),
+                source=self._source(phase),
+                tau=None if flux is None or not self.scene.solver.stabilisation else _value(two_energy.tau(
+                    np.sqrt(_value(Ops.dot(flux, flux))) * capacity,
+                    conductivity(T_ref) + addition + (0.0 if spread is None else dispersion[0]),
+                    exchange_ref, capacity, where.h, self.degree)),
+            )  # fmt: skip
+        return two_energy.Coefficients(
+            fluid=phases["fluid"],
+            solid=phases["solid"],
+            exchange=lambda T_fluid, T_solid: medium.exchange(T_fluid, speed),
+            cross=cross,
+        )
+
+    def _source(self, phase: str) -> Any:
+        values = {name: getattr(region, f"source_{phase}") for name, region in self.scene.region.items()}
+        if not any(values.values()):
+            return 0.0
+        field = np.zeros((self.mesh.skfem.nelements, 1))
+        for name, value in values.items():
+            field[self.mesh.skfem.subdomains[name]] += value
+        return field
+
+    def _wall(self, name: str, phase: str, where: Domain) -> two_energy.Wall:
+        material = getattr(self.medium, phase)
+        velocity = self._velocity(phase, where)
+        flux = None
+        if velocity is not None:
+            density = self.medium.mass_flux_scale() if phase == "fluid" else material.density(self.medium.T_fluid_in)
+            normal = _value(Ops.dot(velocity, where.n))
+            if np.abs(normal).max() > 1e-12 * max(np.abs(_value(v)).max() for v in velocity.items):
+                flux = velocity * density
+        condition = self.condition(name, phase)
+        options: dict[str, Any] = {}
+        if condition is not None and condition.inflow is not None:
+            options["inflow"] = float(material.enthalpy(condition.inflow))
+        if condition is not None and condition.flux is not None:
+            options["flux"] = condition.flux
+        if condition is not None and condition.coefficient is not None:
+            spec, speed = condition.coefficient, self._speed(where)
+            options["ambient"] = condition.ambient
+            options["coefficient"] = lambda unknowns: self.medium.wall(spec, unknowns.T_fluid, speed)
+        return two_energy.Wall(f"T_{phase}", flux, material.enthalpy, **options)
+
+    def _fixed(self) -> tuple[Any, Any, Any]:
+        nodes, values, owners = [], [], []
+        for name in self.mesh.boundaries:
+            for phase in PHASES:
+                condition = self.condition(name, phase)
+                if condition is not None and condition.fixed is not None:
+                    found = self.system.nodes(f"T_{phase}", self.mesh.skfem.boundaries[name])
+                    nodes.append(found)
+                    values.append(np.full(len(found), condition.fixed))
+                    owners.append(np.full(len(found), self.mesh.boundaries.index(name)))
+        if not nodes:
+            return np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64)
+        unique, first = np.unique(np.concatenate(nodes), return_index=True)
+        return unique, np.concatenate(values)[first], np.concatenate(owners)[first]
+
+    def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Residual of the steady balances and its Jacobian."""
+        return self.system.assemble(self._interior + self._boundary, state, jacobian)
+
+    def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Tested heat content and its Jacobian."""
+        return self.system.assemble(self._storage, state, jacobian)
+
+    def initial(self) -> Any:
+        """State at the start of a transient, or a guess for the steady solution, with prescribed values in place."""
+        time, state = self.scene.time, np.empty(self.system.size)
+        low, high = self.T_span
+        for phase in PHASES:
+            start = getattr(time, f"initial_{phase}") if time is not None else 0.5 * (low + high)
+            self.system.part(state, f"T_{phase}")[:] = start
+        state[self.fixed] = self.fixed_values
+        return state
+
+    def solve(self, policy: Policy) -> tuple[Any, list[float]]:
+        """Steady state by Newton, and by continuation in time where Newton fails."""
+        from contbed.errors import ConvergenceError
+        from contbed.solve.continuation import relax
+
+        options = {
+            "tolerance": self.scene.solver.newton_tolerance,
+            "iterations": self.scene.solver.newton_iterations,
+            "what": "heat",
+        }
+        try:
+            return newton(self.steady, self.initial(), self.fixed, policy, linear=self.linear, **options)
+        except ConvergenceError:
+            if self.linear:
+                raise
+        start = relax(self, self.initial(), policy)
+        return newton(self.steady, start, self.fixed, policy, **options)
+
+    def fluxes(self, state: Any) -> dict[str, dict[str, float]]:
+        """Heat into the bed through each boundary by streams and by walls [W]; `fixed` shares are in `reactions`."""
+        T_ref = self.T_span[0]
+        out: dict[str, dict[str, float]] = {name: {"stream": 0.0, "wall": 0.0} for name in self.mesh.boundaries}
+        for name, part, wall in self.walls:
+            reference = wall.enthalpy(T_ref)
+            if wall.mass_flux is not None:
+                out[name]["stream"] -= self.system.integrate(
+                    lambda u, o, c=wall, h=reference: two_energy.convected(u, c, o) - Ops.dot(c.mass_flux, o.n) * h,
+                    [part], state,
+                )  # fmt: skip
+            out[name]["wall"] += self.system.integrate(lambda u, o, c=wall: two_energy.supplied(u, c), [part], state)
+        return out
+
+    def reactions(self, residual: Any) -> dict[str, float]:
+        """Heat that the prescribed temperatures conduct into the bed [W], by boundary, from an unconstrained residual."""
+        sums = np.bincount(self.fixed_owner, weights=residual[self.fixed], minlength=len(self.mesh.boundaries))
+        return {name: float(value) for name, value in zip(self.mesh.boundaries, sums, strict=True)}
+
+    def source(self) -> float:
+        """Heat released in the bed [W]."""
+        c = self.coefficients
+        if not (np.any(c.fluid.source) or np.any(c.solid.source)):
+            return 0.0
+        return float(np.sum(self.system.cells.weight * (c.fluid.source + c.solid.source)))
+
+
+def _value(item: Any) -> Any:
+    return getattr(item, "value", item)
+
+
+def _plus(function: Callable[[Any], Any], addition: float) -> Callable[[Any], Any]:
+    return (lambda T: function(T) + addition) if addition else function

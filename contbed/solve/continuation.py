@@ -1,0 +1,39 @@
+"""Steady states that Newton does not reach from a cold start: implicit Euler steps that grow until time is irrelevant."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import ConvergenceError
+from contbed.solve.linear import Policy
+from contbed.solve.newton import newton
+from contbed.solve.timestep import Problem
+
+GROWTH = 4.0
+STEPS = 200
+
+
+def relax(problem: Problem, state: Any, policy: Policy, first: float = 1e-3, last: float = 1e12) -> Any:
+    """March from `state` with steps from `first` to `last` [s]; a step that fails is shortened."""
+    dt, history = first, []
+    for _ in range(STEPS):
+        before = problem.content(state, False)[0]
+
+        def assemble(x: Any, jacobian: bool, before: Any = before, dt: float = dt) -> tuple[Any, Any]:
+            content, mass = problem.content(x, jacobian)
+            steady, stiffness = problem.steady(x, jacobian)
+            return (content - before) / dt + steady, mass / dt + stiffness if jacobian else None
+
+        try:
+            state, history = newton(assemble, state, problem.fixed, policy, tolerance=1e-6, what="continuation")
+        except ConvergenceError:
+            dt /= GROWTH**2
+            if dt < 1e-6 * first:
+                raise
+            continue
+        if dt >= last:
+            return state
+        dt *= GROWTH
+    raise ConvergenceError(f"continuation: no steady state after {STEPS} steps, step {dt:.3g} s", list(np.array(history)))
