@@ -69,8 +69,10 @@ def _run_gmsh(settings: MeshFile, source: Path, target: Path) -> None:
         gmsh.logger.start()
         gmsh.open(str(source))
         gmsh.option.setNumber("General.Terminal", 0)
-        for option, value in {"Mesh.ElementOrder": 1, "Mesh.SaveAll": 0, "Mesh.MshFileVersion": 4.1}.items():
-            gmsh.option.setNumber(option, value)
+        for option in ("Mesh.SaveAll", "Mesh.SaveParametric"):
+            gmsh.option.setNumber(option, 0)
+        gmsh.option.setNumber("Mesh.ElementOrder", 1)
+        gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
         if settings.size is not None:
             for option in ("Mesh.MeshSizeMin", "Mesh.MeshSizeMax"):
                 gmsh.option.setNumber(option, settings.size / settings.scale)
