@@ -94,10 +94,11 @@ def conductivity_series(k_fluid, k_solid, eps):
     return k_fluid * k_solid / (eps * k_solid + (1 - eps) * k_fluid)
 
 
-def _coated_spheres(k_matrix, k_core, share_core):
-    """Space filled with spheres of k_core, each coated with k_matrix; exact, regular at k_core = k_matrix."""
-    contrast = k_core - k_matrix
-    return k_matrix * (1 + 3 * share_core * contrast / (3 * k_matrix + (1 - share_core) * contrast))
+def _coated_spheres(k_matrix, k_core, share):
+    """Space filled with spheres of k_core, each coated with k_matrix; a quotient of sums, so that no digits are lost."""
+    return k_matrix * (2 * (1 - share) * k_matrix + (1 + 2 * share) * k_core) / (
+        (2 + share) * k_matrix + (1 - share) * k_core
+    )
 
 
 @closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0, 1)}, source=_MAXWELL)

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from contbed import closures
@@ -108,6 +108,7 @@ def difference(function, arguments, name, step):
 
 
 @pytest.mark.parametrize("function", ALL, ids=lambda function: function.__name__)
+@settings(deadline=None)
 @given(shares=shares)
 def test_dual_numbers_give_the_slope(function, shares):
     arguments = point(function, shares)
@@ -120,6 +121,7 @@ def test_dual_numbers_give_the_slope(function, shares):
 
 
 @pytest.mark.parametrize("function", ALL, ids=lambda function: function.__name__)
+@settings(deadline=None)
 @given(shares=shares)
 def test_no_nan_no_jump_no_kink_along_any_argument(function, shares):
     arguments = point(function, shares)
