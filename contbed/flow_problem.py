@@ -100,18 +100,6 @@ def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:
     return {int(np.argmax(np.abs(normal))): 0.0}
 
 
-def velocity_vector(velocity: float | tuple[float, ...], mesh: Mesh) -> Any:
-    """A velocity of the scene as vector; a number points along the bed axis."""
-    dim = mesh.skfem.dim()
-    if isinstance(velocity, tuple):
-        if len(velocity) != dim:
-            raise SceneError(f"flow: a velocity of {len(velocity)} components on a {dim}-dimensional mesh")
-        return np.array(velocity)
-    vector = np.zeros(dim)
-    vector[mesh.axis] = velocity
-    return vector
-
-
 def coefficients(scene: Any, medium: Any, velocity: Any, velocity_solid: Any) -> porous_flow.Coefficients:
     """Momentum coefficients of a scene at the fluid's inlet temperature."""
     return porous_flow.Coefficients(

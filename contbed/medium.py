@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from contbed import settings as s
+from contbed.closure_choice import is_phase, own_parameters, resolve_closure, resolve_dispersion
 from contbed.closures import registry
-from contbed.closures.dispersion import dispersion_pair
 from contbed.materials import ConstantFluid, Solid, gas_mixture, real_fluid
 from contbed.materials.pointwise import pointwise
 
@@ -62,7 +62,7 @@ class Medium:
     def _radiating(self) -> bool:
         heat = self.scene.heat
         specs = () if heat is None else (heat.conductivity_fluid, heat.conductivity_solid)
-        closures = [self._closure(spec, "conductivity")[0] for spec in specs if _named(spec) and spec != "conductivity_phase"]
+        closures = [resolve_closure(spec, "conductivity")[0] for spec in specs if _named(spec) and not is_phase(spec)]
         return any("T" in closure.sheet.arguments for closure in closures)
 
     @property
@@ -123,14 +123,14 @@ class Medium:
     def conductivity_fluid(self, T: Any) -> Any:
         """Effective conductivity of the fluid phase without dispersion [W/m/K]."""
         spec = self.scene.heat.conductivity_fluid
-        if spec == "conductivity_phase":
+        if is_phase(spec):
             return self.scene.bed.porosity * self.fluid.conductivity(T)
         return self._conductivity(spec, T)
 
     def conductivity_solid(self, T: Any) -> Any:
         """Effective conductivity of the solid phase [W/m/K]."""
         spec = self.scene.heat.conductivity_solid
-        if spec == "conductivity_phase":
+        if is_phase(spec):
             return (1.0 - self.scene.bed.porosity) * self.solid.conductivity(T)
         return self._conductivity(spec, T)
 
@@ -160,9 +160,9 @@ class Medium:
             return None
         if isinstance(spec, s.Dispersion):
             return spec.axial, spec.transverse
-        stem, parameters = _spec(spec, "dispersion")
-        pair, state = dispersion_pair(stem), self._state(T, speed)
-        return tuple(self._call(function, parameters, state) for function in pair)  # type: ignore[return-value]
+        axial, transverse, parameters = resolve_dispersion(spec)
+        state = self._state(T, speed)
+        return self._call(axial, parameters, state), self._call(transverse, parameters, state)
 
     def content_fluid(self, T: Any) -> Any:
         """Heat content of the fluid per bed volume [J/m3], the integral of eps rho c_p over temperature."""
@@ -187,18 +187,13 @@ class Medium:
 
     def evaluate(self, spec: Any, kind: str, **available: Any) -> Any:
         """Value of a closure that takes what it needs from `available`."""
-        function, parameters = self._closure(spec, kind)
+        function, parameters = resolve_closure(spec, kind)
         return self._call(function, parameters, available)
-
-    @staticmethod
-    def _closure(spec: Any, kind: str) -> tuple[Any, dict[str, Any]]:
-        name, parameters = _spec(spec, kind)
-        return registry.get(name, kind), parameters
 
     def _call(self, function: Any, parameters: dict[str, Any], available: dict[str, Any]) -> Any:
         sheet = function.sheet
         arguments = {name: available[name] for name in sheet.arguments if name not in parameters}
-        arguments |= parameters
+        arguments |= own_parameters(function, parameters)
         self.uses[sheet.name] = (function, arguments)
         return function(**arguments)
 
@@ -214,7 +209,3 @@ class Medium:
 def _named(spec: Any) -> bool:
     return isinstance(spec, str | s.Closure)
 
-
-def _spec(spec: Any, kind: str) -> tuple[str, dict[str, Any]]:
-    name, parameters = (spec, {}) if isinstance(spec, str) else (spec.name, dict(spec.model_extra or {}))
-    return (name if name.startswith(f"{kind}_") else f"{kind}_{name}"), parameters

@@ -327,10 +327,9 @@ class Time(Table):
     initial_fluid: Temperature
     initial_solid: Temperature
     times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
-    scheme: Literal["tr_bdf2", "sdirk2"] = "tr_bdf2"
     step: Seconds | None = Field(None, description="fixed step; error-controlled if absent")
     tolerance: Fraction = Field(1e-4, description="local error over the span of temperatures")
-    checkpoint_every: Seconds | None = Field(None, description="wall-clock seconds between checkpoints; 10 if absent")
+    checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
 
 
 class Solver(Table):
