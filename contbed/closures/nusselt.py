@@ -227,7 +227,7 @@ def nusselt_ranz_marshall(Re, Pr):
 
 @closure(kind="nusselt", unit="-", ranges={"Re": (0, float("inf"))}, source="user")
 def nusselt_power(Re, Pr, a, b):
-    """Power law with free constants (Froessling 1938 form).
+    """Froessling (1938): the form of his law for drops, with free constants.
 
         Nu = 2 + a Re^b Pr^(1/3)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
-import math
 
 import numpy as np
 import pytest
@@ -196,5 +194,3 @@ def test_slope_of_the_ergun_gradient_at_rest_is_the_viscous_one():
 def test_every_argument_has_a_standard_name():
     used = {name for function in ALL for name in function.sheet.arguments}
     assert used == set(BOX)
-    assert all(math.isfinite(bound) for box in BOX.values() for bound in box)
-    assert all(inspect.signature(function).parameters for function in ALL)
