@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import quad, solve_bvp
 from scipy.linalg import expm
 
-from contbed.verify import exact_packed_bed as pb
-from contbed.verify import exact_two_energy as te
+from contbed.verify import exact
 
 # Pivem and de Lemos (2012): Table 2 properties; Table 3 rows as
 # name: (u_D, u_s/u_D, D, porosity, Re_D, C_s/C_f, k_s/k_f), then theta_eq and L_1% computed for contbed with 50 digits.
@@ -119,7 +119,7 @@ def multiprecision(length, *coefficients, digits=50):
 def relative_residuals(x, length, c_f, c_s, d_f, d_s, ha, d_x):
     """Residuals of both equations over the largest term in the bed or, if larger, what a unit temperature makes."""
     (f, s), (df, ds), (ddf, dds) = (
-        te.finite_length(x, length, c_f, c_s, d_f, d_s, ha, d_x, derivative=order) for order in range(3)
+        exact.finite_length(x, length, c_f, c_s, d_f, d_s, ha, d_x, derivative=order) for order in range(3)
     )
     fluid = [c_f * df, -d_f * ddf, -d_x * dds, -ha * s, ha * f]
     solid = [c_s * ds, -d_x * ddf, -d_s * dds, ha * s, -ha * f]
@@ -132,7 +132,7 @@ def relative_residuals(x, length, c_f, c_s, d_f, d_s, ha, d_x):
 def test_pivem_equilibrium_and_length(name):
     """All six printed digits; the reference lengths of the conductivity rows were not recorded."""
     row, equilibrium, length = PIVEM[name]
-    lam, r = te.decay_rate(*bed(*row))
+    lam, r = exact.decay_rate(*bed(*row))
     assert 1.0 / (1.0 - r) == pytest.approx(equilibrium, abs=5.1e-7)
     if length is not None:
         assert np.log(100.0) / lam == pytest.approx(length, abs=5.1e-7)
@@ -140,7 +140,7 @@ def test_pivem_equilibrium_and_length(name):
 
 def test_mixing_value_differs_from_equilibrium():
     """Prescribed inlet temperatures let heat conduct in: equilibrium lies above the ratio of the convective fluxes."""
-    _, r = te.decay_rate(*bed(*PIVEM["reynolds_10"][0]))
+    _, r = exact.decay_rate(*bed(*PIVEM["reynolds_10"][0]))
     assert 1.0 / (1.0 - r) - 0.75 / 1.75 == pytest.approx(0.448666 - 0.428571, abs=1e-6)
 
 
@@ -148,7 +148,7 @@ def test_mixing_value_differs_from_equilibrium():
 def test_finite_length_against_multiprecision(name):
     """4e-15: a few ulp of the unit temperature scale; the reference has 50 digits."""
     length, *coefficients = EXTREME[name]
-    computed = np.array(te.finite_length(STATIONS * length, length, *coefficients))
+    computed = np.array(exact.finite_length(STATIONS * length, length, *coefficients))
     assert np.abs(computed - multiprecision(length, *coefficients)).max() < 4e-15
 
 
@@ -166,8 +166,8 @@ def test_finite_length_boundary_conditions(name):
     """Inlet values to 4e-15. Outlet slopes to 1e-13 of the largest slope or of a unit temperature over L."""
     length, c_f, c_s, d_f, d_s, *rest = EXTREME[name]
     x = STATIONS * length
-    f, s = te.finite_length(x, length, c_f, c_s, d_f, d_s, *rest)
-    df, ds = te.finite_length(x, length, c_f, c_s, d_f, d_s, *rest, derivative=1)
+    f, s = exact.finite_length(x, length, c_f, c_s, d_f, d_s, *rest)
+    df, ds = exact.finite_length(x, length, c_f, c_s, d_f, d_s, *rest, derivative=1)
     inlet, outlet = (0, -1) if c_s >= 0 else (-1, 0)
     assert abs(f[0]) < 4e-15
     if c_s or d_s:
@@ -182,7 +182,7 @@ def test_balanced_without_conduction_is_linear():
     """Equal and opposite fluxes: f = NTU x/L/(1 + NTU), s - f constant. 1e-15 is round-off."""
     x = np.linspace(0.0, 2.0, 11)
     ntu = 3.0 * 2.0 / 7.0
-    f, s = te.finite_length(x, 2.0, 7.0, -7.0, 0.0, 0.0, 3.0)
+    f, s = exact.finite_length(x, 2.0, 7.0, -7.0, 0.0, 0.0, 3.0)
     np.testing.assert_allclose(f, ntu * x / 2.0 / (1.0 + ntu), atol=1e-15)
     np.testing.assert_allclose(s - f, 1.0 / (1.0 + ntu), atol=1e-15)
 
@@ -190,18 +190,18 @@ def test_balanced_without_conduction_is_linear():
 def test_long_bed_approaches_semi_infinite():
     """A bed of 40 decay lengths: exp(-40) = 4e-18 is left at the outlet, so only round-off (1e-14) differs upstream."""
     coefficients = bed(*PIVEM["reynolds_50"][0])
-    lam, _ = te.decay_rate(*coefficients)
+    lam, _ = exact.decay_rate(*coefficients)
     x = np.linspace(0.0, 20.0 / lam, 50)
     np.testing.assert_allclose(
-        te.finite_length(x, 40.0 / lam, *coefficients), te.semi_infinite(x, *coefficients), atol=1e-14
+        exact.finite_length(x, 40.0 / lam, *coefficients), exact.semi_infinite(x, *coefficients), atol=1e-14
     )
 
 
 def test_semi_infinite_at_huge_distance_and_without_solid_inlet():
     """No overflow at lam x = 1e6; a solid that neither moves nor conducts takes the fluid's temperature at once."""
-    f, s = te.semi_infinite(np.array([0.0, 1e6]), 1.0, 1.0, 0.0, 0.0, 0.5)
+    f, s = exact.semi_infinite(np.array([0.0, 1e6]), 1.0, 1.0, 0.0, 0.0, 0.5)
     np.testing.assert_array_equal([f, s], [[0.0, 0.5], [1.0, 0.5]])
-    f, s = te.semi_infinite([0.0, 1e-9, 1.0], 1.0, 0.0, 0.1, 0.0, 10.0)
+    f, s = exact.semi_infinite([0.0, 1e-9, 1.0], 1.0, 0.0, 0.1, 0.0, 10.0)
     np.testing.assert_array_equal([f, s], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
 
 
@@ -217,39 +217,39 @@ def test_rates_are_the_roots_of_the_cubic(name):
             cubic.pop(0)
         roots = mp.polyroots(cubic[::-1], asc=True, maxsteps=5000, extraprec=1500) if len(cubic) > 1 else []
         expected = sorted(float(mp.re(root)) if abs(root) > mp.mpf(10) ** -30 else 0.0 for root in roots)
-    np.testing.assert_allclose(te.rates(*coefficients), expected, rtol=4.5e-16)
+    np.testing.assert_allclose(exact.rates(*coefficients), expected, rtol=4.5e-16)
 
 
 def test_impossible_coefficients_are_refused():
     for bad in ((-1.0, 1.0, 0.1, 0.1, 1.0), (1.0, 1.0, -0.1, 0.1, 1.0), (1.0, 1.0, 0.1, 0.1, 0.0)):
         with pytest.raises(ValueError, match="two-energy solution"):
-            te.rates(*bad)
+            exact.rates(*bad)
     with pytest.raises(ValueError, match="d_cross"):
-        te.rates(1.0, 1.0, 0.1, 0.1, 1.0, 0.2)
+        exact.rates(1.0, 1.0, 0.1, 0.1, 1.0, 0.2)
     with pytest.raises(ValueError, match="counter-current"):
-        te.decay_rate(1.0, -1.0, 0.1, 0.1, 1.0)
+        exact.decay_rate(1.0, -1.0, 0.1, 0.1, 1.0)
 
 
 def test_nakayama():
     """Pivem's Table 1 (k_s/k_f = 40, porosity 0.4, K_xx/k_f = 50) with Pr of Table 2: all recorded digits, 1e-8."""
-    tortuosity = te.tortuosity_parameter(0.4, 40.0)
-    peclet = te.nakayama_peclet(100.0, MU_FLUID * CP_FLUID / K_FLUID, 0.4)
-    coefficients = te.nakayama_coefficients(peclet, 0.4, 40.0, 50.0, tortuosity)
-    lam, r = te.decay_rate(**coefficients)
+    tortuosity = exact.tortuosity_parameter(0.4, 40.0)
+    peclet = exact.nakayama_peclet(100.0, MU_FLUID * CP_FLUID / K_FLUID, 0.4)
+    coefficients = exact.nakayama_coefficients(peclet, 0.4, 40.0, 50.0, tortuosity)
+    lam, r = exact.decay_rate(**coefficients)
     assert tortuosity == pytest.approx(-0.01321964, abs=5e-9)
     assert tortuosity * 39.0**2 + 0.4 + 0.6 * 40.0 == pytest.approx(4.2929334, abs=5e-8)
     assert peclet == pytest.approx(11.951048, abs=5e-7)
     assert lam == pytest.approx(0.60922966, abs=5e-9)
     assert 1.0 / (1.0 - r) == pytest.approx(0.04569593, abs=5e-9)
-    f, s = te.semi_infinite([0.0, 1e3], **coefficients)
+    f, s = exact.semi_infinite([0.0, 1e3], **coefficients)
     np.testing.assert_allclose([1.0 - f, 1.0 - s], [[1.0, 0.95430407], [0.0, 0.95430407]], atol=5e-9)
 
 
 def test_nakayama_prefactor_of_the_paper():
     """Eqs. 28, 29 write 1 - theta_eq through alpha; 1e-13 because both sides come from the same root."""
-    tortuosity = te.tortuosity_parameter(0.4, 40.0)
-    coefficients = te.nakayama_coefficients(11.951048, 0.4, 40.0, 50.0, tortuosity)
-    alpha, r = te.decay_rate(**coefficients)
+    tortuosity = exact.tortuosity_parameter(0.4, 40.0)
+    coefficients = exact.nakayama_coefficients(11.951048, 0.4, 40.0, 50.0, tortuosity)
+    alpha, r = exact.decay_rate(**coefficients)
     stagnant = tortuosity * 39.0**2 + 0.4 + 0.6 * 40.0
     paper = alpha * 40.0 * (0.6 + 39.0 * tortuosity) / (11.951048 + alpha * (stagnant + 50.0))
     assert 1.0 / (1.0 - r) == pytest.approx(paper, rel=1e-13)
@@ -262,7 +262,7 @@ SCHUMANN_B = (0.13370845112591, 0.62634257988163, 2.4056701787414)
 
 def test_schumann_published():
     """Bed A at t = 2.25 s, z = 0.1, 0.2, 0.25, 0.3 m: all eight recorded digits."""
-    f, s = pb.schumann([0.1, 0.2, 0.25, 0.3], 2.25, *SCHUMANN_A)
+    f, s = exact.schumann([0.1, 0.2, 0.25, 0.3], 2.25, *SCHUMANN_A)
     np.testing.assert_allclose(f, [0.98902260, 0.81327151, 0.58935161, 0.32609428], atol=5e-9)
     np.testing.assert_allclose(s, [0.97293030, 0.70894060, 0.45448543, 0.21209334], atol=5e-9)
 
@@ -279,7 +279,7 @@ def test_schumann_against_quadrature_of_many_digits():
             width = 12 * mp.sqrt(max(xi, tau)) + 100
             fluid = mp.quad(bell(mp.mpf(tau)), [xi, max(xi, tau), xi + width / 2, max(xi, tau) + width])
             solid = mp.quad(bell(mp.mpf(xi)), sorted({mp.mpf(0), mp.mpf(tau) / 2, min(xi, tau), mp.mpf(tau)}))
-            computed = pb.schumann(xi, xi + tau, 1.0, 1.0, 1.0)
+            computed = exact.schumann(xi, xi + tau, 1.0, 1.0, 1.0)
             np.testing.assert_allclose(computed, [float(fluid), float(solid)], rtol=1e-14)
 
 
@@ -290,9 +290,9 @@ def test_schumann_solves_its_equations(bed_parameters):
     z, t = np.linspace(0.02, 0.45, 9), 6.0
     step, stencil = 1e-3, np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
     offsets = step * np.array([-2.0, -1.0, 1.0, 2.0])[:, None]
-    f, s = pb.schumann(z, t, *bed_parameters)
-    f_t, s_t = (stencil @ values / step for values in pb.schumann(z, t + offsets, *bed_parameters))
-    f_z = stencil @ pb.schumann(z + u * offsets, t, *bed_parameters)[0] / (u * step)
+    f, s = exact.schumann(z, t, *bed_parameters)
+    f_t, s_t = (stencil @ values / step for values in exact.schumann(z, t + offsets, *bed_parameters))
+    f_z = stencil @ exact.schumann(z + u * offsets, t, *bed_parameters)[0] / (u * step)
     np.testing.assert_allclose(f_t + u * f_z, a * (s - f), atol=1e-10)
     np.testing.assert_allclose(s_t, b * (f - s), atol=1e-10)
 
@@ -301,13 +301,13 @@ def test_schumann_limits():
     """Nothing ahead of the front, exp(-A z/u) just behind it, the inlet's own solid 1 - exp(-B t), all hot at last."""
     u, a, b = SCHUMANN_A
     z = np.array([[0.1], [0.3]])
-    f, s = pb.schumann(z, np.array([0.0, 0.4, 1e3]), u, a, b)
+    f, s = exact.schumann(z, np.array([0.0, 0.4, 1e3]), u, a, b)
     assert f.shape == s.shape == (2, 3)
     np.testing.assert_array_equal(f[:, 0], 0.0)
     np.testing.assert_array_equal(s[:, 0], 0.0)
     np.testing.assert_allclose([f[:, 2], s[:, 2]], 1.0, atol=1e-14)
-    np.testing.assert_allclose(pb.schumann(0.5, 0.5, 1.0, 7.0, 2.0), [np.exp(-3.5), 0.0], atol=1e-15)
-    np.testing.assert_allclose(pb.schumann(0.0, 0.25, u, a, b), [1.0, -np.expm1(-b / 4.0)], atol=1e-15)
+    np.testing.assert_allclose(exact.schumann(0.5, 0.5, 1.0, 7.0, 2.0), [np.exp(-3.5), 0.0], atol=1e-15)
+    np.testing.assert_allclose(exact.schumann(0.0, 0.25, u, a, b), [1.0, -np.expm1(-b / 4.0)], atol=1e-15)
 
 
 @pytest.mark.parametrize("losses", [(0.0, 0.0), (300.0, 0.0), (0.0, 50.0), (2e3, 1e3)])
@@ -317,14 +317,14 @@ def test_relaxation_is_the_matrix_exponential(losses):
     matrix = (np.diag([ha + losses[0], ha + losses[1]]) - ha * np.eye(2)[::-1]) / capacity[:, None]
     for t in (0.0, 0.1, 3.0, 50.0):
         expected = ambient + expm(-matrix * t) @ (start - ambient)
-        computed = pb.two_temperature_relaxation(t, *capacity, ha, *start, *losses, ambient)
+        computed = exact.two_temperature_relaxation(t, *capacity, ha, *start, *losses, ambient)
         np.testing.assert_allclose(computed, expected, rtol=1e-12)
 
 
 def test_relaxation_conserves_heat():
     """Without losses: heat content to round-off and one rate, from 1e-6 to 1e9 of its time constant."""
     t = np.logspace(-6, 9, 31)
-    f, s = pb.two_temperature_relaxation(t, 2.0, 5.0, 3.0, 10.0, 80.0)
+    f, s = exact.two_temperature_relaxation(t, 2.0, 5.0, 3.0, 10.0, 80.0)
     np.testing.assert_allclose(2.0 * f + 5.0 * s, 420.0, rtol=1e-14)
     np.testing.assert_allclose(s - f, 70.0 * np.exp(-3.0 * (1 / 2.0 + 1 / 5.0) * t), atol=1e-13)
 
@@ -332,6 +332,122 @@ def test_relaxation_conserves_heat():
 def test_fin_is_the_limit_of_infinite_fluid_flux():
     """flux = 1e12: the fluid stays at zero to 1e-9. Ends: s(0) = 1, s(L) = 1/cosh(m L)."""
     x = np.linspace(0.0, 0.3, 13)
-    s = pb.fin(x, 0.3, 2.0, 500.0)
-    np.testing.assert_allclose(s, te.finite_length(x, 0.3, 1e12, 0.0, 0.1, 2.0, 500.0)[1], atol=1e-9)
+    s = exact.fin(x, 0.3, 2.0, 500.0)
+    np.testing.assert_allclose(s, exact.finite_length(x, 0.3, 1e12, 0.0, 0.1, 2.0, 500.0)[1], atol=1e-9)
     np.testing.assert_allclose(s[[0, -1]], [1.0, 1.0 / np.cosh(0.3 * np.sqrt(250.0))], rtol=1e-15)
+
+
+# Pivem slip row: H, u_D, mu, rho, K = Da H^2 with the printed Da, porosity; c_F (Ward) is not in the paper.
+HEIGHT, U_MEAN, PERMEABILITY, POROSITY, WARD = 0.0775, 0.2833, 0.003371 * 0.0775**2, 0.9, 0.55
+
+
+def channel(y, slip, forchheimer, height=HEIGHT, permeability=PERMEABILITY):
+    bed_velocity = slip * U_MEAN
+    return exact.brinkman_forchheimer_channel(
+        y, height, U_MEAN, bed_velocity, MU_FLUID, RHO_FLUID, permeability, forchheimer, POROSITY
+    )
+
+
+@pytest.mark.parametrize(
+    ("slip", "forchheimer", "peak", "gradient"),
+    [
+        (0.0, 0.0, 1.13882860484, -304.220213669),
+        (0.0, WARD, 1.02258988973, -5186.27483203),
+        (0.5, WARD, 1.03420491277, -1483.48100097),
+        (0.95, WARD, 1.05824569991, -83.9537394),
+        (-0.25, WARD, 1.01986575808, -7915.77361637),
+    ],
+)
+def test_channel_published(slip, forchheimer, peak, gradient):
+    """All recorded digits: 6e-12 of u_max/u_D and 1e-9 of d(phi <p>)/dx H^2/(mu u_D)."""
+    result = channel(0.0, slip, forchheimer)
+    assert result.u_max / U_MEAN == pytest.approx(peak, abs=6e-12)
+    assert result.pressure_gradient * HEIGHT**2 / (MU_FLUID * U_MEAN) == pytest.approx(gradient, rel=1e-9)
+
+
+@pytest.mark.parametrize("slip", [-0.25, 0.0, 0.5, 0.95, 1.02, 1.3])
+@pytest.mark.parametrize("darcy", [0.3, 1.0, 30.0])
+def test_channel_first_integral(slip, darcy):
+    """Width and mean from the first integral u'^2/2 = Psi(u) - Psi(u_max) by quadrature over u = u_max - s^2.
+
+    1e-8: the width is a logarithm of the distance of u_max from its plug value; exp(H/layer) magnifies round-off.
+    """
+    result = channel(0.0, slip, WARD, permeability=darcy * HEIGHT**2)
+    peak, bed_speed = result.u_max, slip * U_MEAN
+    linear = POROSITY / (darcy * HEIGHT**2)
+    quadratic = WARD * POROSITY * RHO_FLUID / (MU_FLUID * np.sqrt(darcy) * HEIGHT)
+    pressure = result.pressure_gradient / MU_FLUID
+
+    def curvature(u):
+        return pressure + linear * (u - bed_speed) + quadratic * abs(u - bed_speed) * (u - bed_speed)
+
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+
+    def spacing(s):
+        """dy/ds = 2 s/u' with u'^2/2 = -s^2 int_0^1 curvature(u_max - s^2 q) dq, the integral split at the kink."""
+        cut = min(max((peak - bed_speed) / (s * s), 0.0), 1.0)
+        mean = sum(
+            0.5 * (b - a) * (weights @ curvature(peak - s * s * (a + 0.5 * (b - a) * (1.0 + nodes))))
+            for a, b in ((0.0, cut), (cut, 1.0))
+        )
+        return 2.0 / np.sqrt(-2.0 * mean)
+
+    top = np.sqrt(peak)
+    kink = [np.sqrt(peak - bed_speed)] if 0.0 < bed_speed < peak else None
+    options = {"points": kink, "epsabs": 0.0, "epsrel": 1e-10, "limit": 400}
+    half_width = quad(spacing, 0.0, top, **options)[0]
+    half_flow = quad(lambda s: (peak - s * s) * spacing(s), 0.0, top, **options)[0]
+    assert half_width == pytest.approx(HEIGHT / 2.0, rel=1e-8)
+    assert half_flow == pytest.approx(U_MEAN * HEIGHT / 2.0, rel=1e-8)
+
+
+@pytest.mark.parametrize("slip", [-0.25, 0.0, 0.5, 0.95])
+def test_channel_profile_against_solve_bvp(slip):
+    """Profile by scipy's collocation with tolerance 1e-9: 1e-7 of the mean velocity (the kink costs it an order)."""
+    result = channel(np.linspace(0.0, HEIGHT, 41), slip, WARD)
+    darcy = POROSITY * HEIGHT**2 / PERMEABILITY
+    inertia = WARD * POROSITY * RHO_FLUID * U_MEAN * HEIGHT**2 / (MU_FLUID * np.sqrt(PERMEABILITY))
+    pressure = result.pressure_gradient * HEIGHT**2 / (MU_FLUID * U_MEAN)
+
+    def equations(_, w):
+        return np.array([w[1], pressure + darcy * (w[0] - slip) + inertia * abs(w[0] - slip) * (w[0] - slip)])
+
+    eta = 0.25 * (1.0 - np.cos(np.linspace(0.0, np.pi, 401)))
+    guess = np.array([1.0 - np.exp(-eta * 60.0), 60.0 * np.exp(-eta * 60.0)])
+    solution = solve_bvp(equations, lambda a, b: np.array([a[0], b[1]]), eta, guess, tol=1e-9, max_nodes=40000)
+    assert solution.success
+    np.testing.assert_allclose(result.u[:21] / U_MEAN, solution.sol(np.linspace(0.0, 0.5, 21))[0], atol=1e-7)
+
+
+@pytest.mark.parametrize("darcy", [1e-8, 1e-5, 1e-3, 10.0])
+@pytest.mark.parametrize("slip", [-5.0, 0.0, 0.5, 0.95, 1.0, 1.05, 3.0])
+def test_channel_extremes(slip, darcy):
+    """No slip and the mean velocity from beds of pure plug to an open channel; 1e-9, Gauss's rule in graded panels."""
+    edges = HEIGHT / 2.0 * np.concatenate([[0.0], 2.0 ** np.arange(-40.0, 1.0)])
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    half = 0.5 * np.diff(edges)[:, None]
+    result = channel(edges[:-1, None] + half * (1.0 + nodes), slip, WARD, permeability=darcy * HEIGHT**2)
+    assert np.sum(half * weights * result.u) == pytest.approx(U_MEAN * HEIGHT / 2.0, rel=1e-9)
+    walls = channel(np.array([0.0, HEIGHT]), slip, WARD, permeability=darcy * HEIGHT**2).u
+    np.testing.assert_allclose(walls, 0.0, atol=1e-14)
+
+
+def test_channel_without_inertia_is_the_limit():
+    """c_F = 1e-13 goes through the spectral solver, c_F = 0 through cosh: 1e-11 of the mean velocity."""
+    y = np.linspace(0.0, HEIGHT, 31)
+    np.testing.assert_allclose(channel(y, 0.5, 1e-13).u, channel(y, 0.5, 0.0).u, atol=1e-11 * U_MEAN)
+
+
+def test_wide_channel_is_plug_flow():
+    """H = 1e4 sqrt(K): the walls take 2/1e4 of the width, so core and gradient differ from plug flow by some 1e-3."""
+    result = channel(HEIGHT / 2.0, 0.5, WARD, permeability=1e-8 * HEIGHT**2)
+    plug = exact.plug_pressure_gradient(
+        float(result.u), 0.5 * U_MEAN, MU_FLUID, RHO_FLUID, 1e-8 * HEIGHT**2, WARD, POROSITY
+    )
+    assert result.pressure_gradient == pytest.approx(plug, rel=1e-11)
+    assert float(result.u) == pytest.approx(U_MEAN, rel=1e-3)
+
+
+def test_channel_refuses_impossible_data():
+    with pytest.raises(ValueError, match="channel flow"):
+        exact.brinkman_forchheimer_channel(0.0, 1.0, -1.0, 0.0, 1e-5, 1.0, 1e-6, 0.5, 0.4)
