@@ -205,9 +205,7 @@ def _newton(
     )
 
 
-def _linearise(
-    elements: _Elements, gradient: float, slip: float, darcy: float, inertia: float
-) -> tuple[Array, Array]:
+def _linearise(elements: _Elements, gradient: float, slip: float, darcy: float, inertia: float) -> tuple[Array, Array]:
     """Jacobian and residual: momentum in each element, then walls, symmetry, smooth joints, kink and mean."""
     c, widths = elements.coefficients, elements.widths
     below, count, tracked = len(elements.below), len(widths), len(elements.above) > 0

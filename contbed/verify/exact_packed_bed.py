@@ -14,9 +14,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(80)
 _REACH = 7.0  # exp(-7^2) = 5e-22: beyond this distance from its peak the integrand of _bessel_integral is nothing
 
 
-def schumann(
-    z: ArrayLike, t: ArrayLike, velocity: float, rate_fluid: float, rate_solid: float
-) -> tuple[Array, Array]:
+def schumann(z: ArrayLike, t: ArrayLike, velocity: float, rate_fluid: float, rate_solid: float) -> tuple[Array, Array]:
     """Fluid and solid temperature after a step at the inlet of a packed bed without conduction (Schumann 1929).
 
         d theta_f/dt + u d theta_f/dz = A (theta_s - theta_f),   d theta_s/dt = B (theta_f - theta_s)
