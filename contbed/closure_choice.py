@@ -12,8 +12,18 @@ from contbed.errors import SceneError
 from contbed.settings import Closure
 
 PHASE = "conductivity_phase"
-# Arguments that a model knows and passes by itself; all others without a default come from the scene.
-SUPPLIED = frozenset({"Re", "Pr", "Pe", "eps", "d_p", "k_fluid", "k_solid", "k_stagnant", "T", "D_bed"})
+# Arguments that a model knows and passes by itself, by kind; all others without a default come from the scene.
+_STREAM = frozenset({"Re", "Pr", "Pe", "eps", "T", "d_p", "D_bed", "k_fluid"})
+_PACKING = frozenset({"d_p", "eps"})
+SUPPLIED = {
+    "nusselt": _STREAM,
+    "dispersion": _STREAM,
+    "wall": _STREAM | {"k_stagnant"},
+    "conductivity": frozenset({"k_fluid", "k_solid", "eps", "T", "d_p"}),
+    "tortuosity": frozenset({"k_fluid", "k_solid", "eps"}),
+    "permeability": _PACKING,
+    "forchheimer": _PACKING,
+}
 
 Function = Callable[..., Any]
 
@@ -60,17 +70,18 @@ def _full_name(name: str, kind: str, known: tuple[str, ...] | list[str]) -> str:
 
 def _check(name: str, parameters: dict[str, Any], functions: list[Function]) -> None:
     sheets = [function.sheet for function in functions]  # type: ignore[attr-defined]
+    supplied = SUPPLIED[sheets[0].kind]
     options = {key: value for sheet in sheets for key, value in sheet.options.items()}
     arguments = dict.fromkeys(argument for sheet in sheets for argument in sheet.arguments)
     for key, value in parameters.items():
         if key not in options and key not in arguments:
-            known = ", ".join([*(key for key in arguments if key not in SUPPLIED), *options]) or "none"
+            known = ", ".join([*(key for key in arguments if key not in supplied), *options]) or "none"
             raise SceneError(f"closure {name!r} has no parameter {key!r}; its parameters: {known}")
         if isinstance(options.get(key), str):
             if not isinstance(value, str):
                 raise SceneError(f"parameter {key!r} of closure {name!r} is a text, found {value!r}")
         elif isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             raise SceneError(f"parameter {key!r} of closure {name!r} is a finite number in SI, found {value!r}")
-    if missing := [key for key in arguments if key not in SUPPLIED and key not in parameters]:
+    if missing := [key for key in arguments if key not in supplied and key not in parameters]:
         example = ", ".join(f"{key} = ..." for key in missing)
         raise SceneError(f'closure {name!r} needs {", ".join(missing)}: {{name = "{name}", {example}}}')

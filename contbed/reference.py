@@ -86,6 +86,11 @@ def at(path: KeyPath) -> list[Node]:
     return nodes
 
 
+def is_closure(option: Node) -> bool:
+    """Whether this way of writing a value is a closure's table, the only one that may have further keys."""
+    return option.get("additionalProperties") is True
+
+
 def choices(node: Node) -> list[Any]:
     """The permitted values of a key that is a choice, or that selects the type of its table."""
     found = []
@@ -116,7 +121,7 @@ def allowed(node: Node) -> str:
 def _one(option: Node) -> str:
     kind = option.get("type")
     if kind == "object":
-        if "name" in option.get("properties", {}):
+        if is_closure(option):
             return "a table with a closure's name and parameters"
         return f"a table with {', '.join(keys(option))}"
     if kind == "array":
@@ -147,14 +152,12 @@ def explain(name: str) -> str:
 
 
 def _sheet(name: str, node: Node) -> Iterator[str]:
-    tables = [option for option in options(node) if "properties" in option and "name" not in option["required"]]
+    tables = [option for option in options(node) if "properties" in option and not is_closure(option)]
     if not tables:
         yield f"{name} - {node['description']}" if "description" in node else name
         yield f"    allowed: {allowed(node)}"
-        if any(option.get("type") == "string" and not choices(option) for option in options(node)) and len(
-            options(node)
-        ) > 1:
-            yield "    a text names a closure; `contbed list` shows them"
+        if any(is_closure(option) for option in options(node)):
+            yield "    `contbed list` shows the closures"
         if "default" in node:
             value = node["default"]
             yield f"    default: {'absent' if value is None else json.dumps(value)}"
@@ -163,7 +166,7 @@ def _sheet(name: str, node: Node) -> Iterator[str]:
         yield f"[{name}] {table.get('description', '')}"
         required = table.get("required", [])
         for key, child in table["properties"].items():
-            if "$ref" in child or "properties" in next(iter(options(child)), {}):
+            if all("properties" in option and not is_closure(option) for option in options(child)):
                 text = f"table, see {dotted((*name.split('.'), key))}"
             else:
                 text = allowed(child)

@@ -162,7 +162,7 @@ def _locate(loc: tuple[Any, ...]) -> tuple[KeyPath, dict[str, Any]]:
             else:
                 wanted = {"number": "number", "name": "string", "list": "array"}.get(step, "object")
                 fits = [m for m in members if m.get("type") == wanted]
-                named = [m for m in fits if ("name" in m.get("properties", {})) == (step == "parameters")]
+                named = [m for m in fits if reference.is_closure(m) == (step == "parameters")]
                 node = (named or fits or members)[0]
             continue
         path += (step,)

@@ -296,9 +296,9 @@ def closures_exist(mesh: s.Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boun
             continue
         given = spec.model_extra or {} if isinstance(spec, s.Closure) else {}
         asks = any("D_bed" in function.sheet.arguments for function in functions)  # type: ignore[attr-defined]
-        if asks and "D_bed" not in given and not isinstance(mesh, s.MeshAxisymmetric):
+        if asks and "D_bed" not in given and isinstance(mesh, s.MeshLine):
             name = spec if isinstance(spec, str) else spec.name
-            yield path, f'needs the diameter of the bed, not known from this mesh: {{name = "{name}", D_bed = ...}}'
+            yield path, f'needs the diameter of the bed, which a line does not tell: {{name = "{name}", D_bed = ...}}'
 
 
 CHECKS: tuple[Callable[..., Mistakes], ...] = (

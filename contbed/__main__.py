@@ -1,0 +1,7 @@
+"""`python -m contbed` is `contbed`."""
+
+import sys
+
+from contbed.cli import main
+
+sys.exit(main())

@@ -1,0 +1,193 @@
+"""The command line. Commands import what they need when they run, so that help and mistakes come at once."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer import Argument, Option
+
+from contbed import __version__
+from contbed.errors import ContbedError, SceneError
+
+app = typer.Typer(
+    name="contbed",
+    help="Finite-element continuum models for packed, moving and fluidized beds.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+SceneFile = Annotated[Path, Argument(metavar="SCENE", help="a TOML file")]
+OutFolder = Annotated[Path | None, Option("--out", metavar="DIR", help="folder for the results")]
+Settings = Annotated[
+    list[str] | None, Option("--set", metavar="KEY=VALUE", help="replace a value, such as mesh.refine=2; repeatable")
+]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code. Errors are plain lines on stderr, never a traceback."""
+    try:
+        code = app(list(sys.argv[1:] if arguments is None else arguments), "contbed", standalone_mode=False)
+        sys.stdout.flush()
+        return int(code or 0)
+    except ContbedError as error:
+        _complain(str(error) or type(error).__name__)
+        return error.exit_code
+    except (KeyboardInterrupt, typer.Abort):
+        _complain("interrupted")
+        return 130
+    except BrokenPipeError:  # the reader, such as head, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    except OSError as error:
+        _complain(f"contbed: {error.filename or 'file'}: {error.strerror or error}")
+        return 1
+    except Exception as error:
+        # The base of typer's usage errors is private; they alone can describe themselves.
+        if not hasattr(error, "format_message"):
+            raise
+        _complain(f"contbed: {error.format_message()}")
+        _complain("contbed --help shows the commands")
+        return 2
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"contbed {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[bool, Option("--version", help="print the version", is_eager=True, callback=_version)] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def run(
+    scene: SceneFile,
+    out: OutFolder = None,
+    quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
+    restart: Annotated[Path | None, Option("--restart", metavar="DIR", help="continue from its checkpoint")] = None,
+    settings: Settings = None,
+) -> None:
+    """Solve a scene and write its results to DIR, results/SCENE if not given."""
+    loaded = _load(scene, settings)
+    from contbed.runner import run as solve
+
+    folder = out or Path("results") / scene.stem
+    result = solve(loaded, out=folder, quiet=quiet, restart=restart)
+    if not quiet:
+        print(result.table())
+        print(f"results are in {folder}")
+
+
+@app.command()
+def check(
+    scenes: Annotated[list[Path], Argument(metavar="SCENE...", help="TOML files")], settings: Settings = None
+) -> None:
+    """Say whether scenes are right; all mistakes with file, line and remedy. Nothing is solved or written."""
+    problems = []
+    for scene in scenes:
+        try:
+            _load(scene, settings)
+        except SceneError as error:
+            problems += error.problems
+        else:
+            print(f"{scene}: ok")
+    if problems:
+        raise SceneError(problems)
+
+
+@app.command()
+def plan(scene: SceneFile, settings: Settings = None) -> None:
+    """Show what a scene builds and what it leaves out, with unknowns and memory."""
+    loaded = _load(scene, settings)
+    from contbed.planning import plan as make
+
+    print(make(loaded))
+
+
+@app.command()
+def explain(name: Annotated[str, Argument(metavar="NAME", help="nusselt_gunn, two_energy, heat.nusselt")]) -> None:
+    """Show the data sheet of a closure, of a model, or of a table or key of a scene."""
+    from contbed.catalogue import explain as sheet
+
+    print(sheet(name))
+
+
+@app.command("list")
+def list_() -> None:
+    """List models, closures by kind, tables of a scene, and the studies in this folder."""
+    from contbed.catalogue import listing
+
+    print(listing(Path("studies")))
+
+
+@app.command()
+def converge(
+    scene: SceneFile,
+    levels: Annotated[int, Option("--levels", metavar="N", min=2, max=12, help="number of meshes")] = 4,
+    out: OutFolder = None,
+) -> None:
+    """Refine the mesh of a scene: error or difference, observed order and time of each level."""
+    from contbed.verify.converge import converge as study
+
+    print(study(scene, levels, out or Path("results") / f"{scene.stem}-converge"))
+
+
+@app.command()
+def bench(study: Annotated[Path, Argument(metavar="STUDY", help="a study's folder")], out: OutFolder = None) -> None:
+    """Run time against error of a study."""
+    from contbed.verify.bench import bench as measure
+
+    print(measure(study, out or Path("results") / f"{study.name}-bench"))
+
+
+@app.command()
+def sweep(
+    study: Annotated[Path, Argument(metavar="STUDY", help="a TOML file with a scene and lists of values")],
+    jobs: Annotated[int, Option("--jobs", metavar="N", help="processes; -1 for all processors")] = 1,
+    out: OutFolder = None,
+    quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
+) -> None:
+    """Run every combination of a study's values. Finished runs are kept, failed ones are tried again."""
+    from contbed.sweeping import sweep as run_all
+
+    if jobs == 0:
+        raise typer.BadParameter("a number of processes, or -1", param_hint="--jobs")
+    folder = out or Path("results") / study.stem
+    rows = run_all(study, jobs, folder, progress=not quiet)
+    failed = sum(bool(row.problem) for row in rows)
+    print(f"{len(rows) - failed} of {len(rows)} runs are finished, see {folder / 'sweep.csv'}")
+    if failed:
+        raise typer.Exit(3)
+
+
+def _load(path: Path, settings: list[str] | None) -> Any:
+    from contbed.scene import load
+
+    return load(path, dict(_assignment(text) for text in settings or []))
+
+
+def _assignment(text: str) -> tuple[str, Any]:
+    """KEY=VALUE, the value as in TOML; what is not TOML is a text, so that units need no second pair of quotes."""
+    import tomllib
+
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise typer.BadParameter(f"{text!r} is not KEY=VALUE", param_hint="--set")
+    try:
+        return key.strip(), tomllib.loads(f"value = {value}")["value"]
+    except (ValueError, RecursionError):
+        return key.strip(), value.strip()
+
+
+def _complain(text: str) -> None:
+    print(text, file=sys.stderr)
