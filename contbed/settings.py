@@ -118,6 +118,7 @@ class MeshLine(Table):
     type: Literal["line"]
     length: Length
     cells: Cells | None = Field(None, description="number of cells; automatic grading to the layer widths if absent")
+    graded: Switch = Field(False, description="grade the given number of cells to the layer widths; uniform otherwise")
     refine: Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
 
 

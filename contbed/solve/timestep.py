@@ -48,13 +48,18 @@ class Problem(Protocol):
 
 @dataclass(frozen=True)
 class Step:
-    """One accepted step: times [s], states at the start, the stage and the end, and the position on the ladder."""
+    """One accepted step: times [s], states at the start, the stage and the end with their steady residuals, the gain in
+    tested content, and the position on the ladder now (`tick`, `level`) and for the next step.
+    """
 
     start: float
     size: float
     states: tuple[Any, Any, Any]
+    rates: tuple[Any, Any, Any]
+    gain: Any
     tick: int
     level: int
+    next_level: int
 
     @property
     def end(self) -> float:
@@ -95,12 +100,11 @@ def march(
         total = 2**FINEST
         unit, adaptive = end / total, True
         level = FINEST - FIRST if level is None else level
-    stage = _Stages(problem, policy, newton_options or {})
-    steady = problem.steady(state, False)[0]
+    stage = _Stages(_Affine(problem, state) if problem.linear else problem, policy, newton_options or {})
     while tick < total:
         width = 2**level
         dt = unit * width
-        states, rates, error = stage.take(state, steady, dt, level)
+        states, rates, gain, error = stage.take(state, dt, level)
         if adaptive:
             norm = float(np.abs(error).max()) / (tolerance * span)
             if not norm <= 1.0:
@@ -108,11 +112,31 @@ def march(
                     raise ConvergenceError(f"time step below {dt:.3g} s at t = {tick * unit:.6g} s: state blows up")
                 level -= 1
                 continue
-        yield Step(tick * unit, dt, states, tick, level)
-        state, steady = states[-1], rates[-1]
-        tick += width
-        if adaptive and norm < 0.05 and tick % (2 * width) == 0 and tick + 2 * width <= total:
-            level += 1
+        after, wider = tick + width, level
+        if adaptive and norm < 0.05 and after % (2 * width) == 0 and after + 2 * width <= total:
+            wider = level + 1
+        yield Step(tick * unit, dt, states, rates, gain, tick, level, wider)
+        state, tick, level = states[-1], after, wider
+
+
+class _Affine:
+    """A linear problem as two matrices and two vectors: residuals cost a product instead of an assembly."""
+
+    linear = True
+
+    def __init__(self, problem: Problem, state: Any):
+        self.fixed = problem.fixed
+        zero = np.zeros_like(state)
+        self._content = problem.content(zero, True)
+        self._steady = problem.steady(zero, True)
+
+    def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        vector, matrix = self._content
+        return vector + matrix @ state, matrix
+
+    def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        vector, matrix = self._steady
+        return vector + matrix @ state, matrix
 
 
 class _Stages:
@@ -121,11 +145,13 @@ class _Stages:
     def __init__(self, problem: Problem, policy: Policy, options: dict[str, Any]):
         self.problem, self.policy, self.options = problem, policy, options
         self.solvers: dict[int, Solver] = {}
-        self.matrices: tuple[Any, Any] | None = None
+        self.last: tuple[Any, Any, Any] | None = None
 
-    def take(self, state: Any, steady: Any, dt: float, level: int) -> tuple[Any, Any, Any]:
+    def take(self, state: Any, dt: float, level: int) -> tuple[Any, Any, Any, Any]:
         problem, fixed = self.problem, self.problem.fixed
-        content = problem.content(state, False)[0]
+        if self.last is None or self.last[0] is not state:
+            self.last = (state, problem.content(state, False)[0], problem.steady(state, False)[0])
+        _, content, steady = self.last
         first = self._solve(state, content - D * dt * steady, dt, level)
         steady_first = problem.steady(first, False)[0]
         last = self._solve(first, content - W * dt * (steady + steady_first), dt, level)
@@ -133,7 +159,10 @@ class _Stages:
         defect = -dt * (_ERROR[0] * steady + _ERROR[1] * steady_first + _ERROR[2] * steady_last)
         defect[fixed] = 0.0
         error = self._solver(last, dt, level)(defect)
-        return (state, first, last), (steady, steady_first, steady_last), error
+        content_last = problem.content(last, False)[0]
+        if np.isfinite(error).all():
+            self.last = (last, content_last, steady_last)
+        return (state, first, last), (steady, steady_first, steady_last), content_last - content, error
 
     def _system(self, dt: float) -> Callable[[Any, bool], tuple[Any, Any]]:
         def assemble(state: Any, jacobian: bool) -> tuple[Any, Any]:
@@ -148,9 +177,7 @@ class _Stages:
             matrix = self._system(dt)(state, True)[1]
             return Solver(constrain(matrix, self.problem.fixed), self.policy)
         if level not in self.solvers:
-            if self.matrices is None:
-                self.matrices = (self.problem.content(state, True)[1], self.problem.steady(state, True)[1])
-            mass, stiffness = self.matrices
+            mass, stiffness = self.problem.content(state, True)[1], self.problem.steady(state, True)[1]
             while len(self.solvers) >= KEPT:
                 self.solvers.pop(next(iter(self.solvers)))
             self.solvers[level] = Solver(constrain(mass + D * dt * stiffness, self.problem.fixed), self.policy)

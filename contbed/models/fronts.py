@@ -1,0 +1,96 @@
+"""A bed at rest without conduction, heated by a stream: fronts move along characteristics and stay sharp.
+
+    C_f (dT_f/dt + v dT_f/dz) = h a (T_s - T_f)          C_f = eps rho_f c_f,   v = u/eps
+    C_s dT_s/dt               = h a (T_f - T_s)          C_s = (1-eps) rho_s c_s
+
+Fluid parcels one cell long move one cell in each step dt = dz/v, which is exact, so a front stays where it belongs; half
+steps of exchange before and after use the exact exponential of each parcel with its cell (Strang splitting, second
+order). Both parts conserve heat to round-off.
+
+Source: Schumann, J. Franklin Inst. 208 (1929) 405, doi:10.1016/S0016-0032(29)91186-8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+Array = Any
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Temperatures [K] at one time [s]: of the parcels, centred at `z_fluid` [m], and of the cells at `z_solid`."""
+
+    time: float
+    z_fluid: Array
+    T_fluid: Array
+    z_solid: Array
+    T_solid: Array
+
+    def at(self, z: Array) -> tuple[Array, Array]:
+        """Both temperatures at positions z, linear between centres, without smearing the front between two parcels."""
+        return _sharp(z, self.z_fluid, self.T_fluid), _sharp(z, self.z_solid, self.T_solid)
+
+
+def _sharp(z: Array, centres: Array, values: Array) -> Array:
+    """Linear reconstruction in each cell with the smaller of the two one-sided slopes, which keeps a jump a jump."""
+    width = centres[1] - centres[0]
+    steps = np.diff(values)
+    left, right = np.concatenate(([steps[0]], steps)), np.concatenate((steps, [steps[-1]]))
+    slope = np.where(np.abs(left) < np.abs(right), left, right) / width
+    cell = np.clip(np.floor((z - centres[0]) / width + 0.5).astype(int), 0, len(centres) - 1)
+    return values[cell] + slope[cell] * (z - centres[cell])
+
+
+def track(
+    length: float,
+    cells: int,
+    velocity: float,
+    capacity_fluid: float,
+    capacity_solid: float,
+    exchange: float,
+    inlet: float,
+    initial: tuple[float, float],
+    times: Sequence[float],
+    advance: Callable[[float], None] = lambda time: None,
+) -> tuple[list[Snapshot], dict[str, float]]:
+    """Temperatures at `times` [s] (rising) in a bed of `length` [m] that a stream of `velocity` v > 0 [m/s] enters.
+
+    Capacities are per bed volume [J/m3/K], `exchange` is h a [W/m3/K]. Also returns the heat balance per cross-section
+    [J/m2]: entered and left with the stream, relative to the fluid's initial temperature, and stored.
+    """
+    dz = length / cells
+    dt = dz / velocity
+    z = (np.arange(cells) + 0.5) * dz
+    fluid, solid = np.full(cells, float(initial[0])), np.full(cells, float(initial[1]))
+    rate = exchange * (1.0 / capacity_fluid + 1.0 / capacity_solid)
+    share = capacity_fluid / (capacity_fluid + capacity_solid)
+
+    def exchanged(fluid: Array, solid: Array, time: float) -> tuple[Array, Array]:
+        moved = -np.expm1(-rate * time) * (solid - fluid)
+        return fluid + (1.0 - share) * moved, solid - share * moved
+
+    snapshots: list[Snapshot] = []
+    entered = left = 0.0
+    parcel = capacity_fluid * dz
+    step = 0
+    for time in times:
+        while (step + 1) * dt <= time * (1 + 1e-12):
+            fluid, solid = exchanged(fluid, solid, 0.5 * dt)
+            left += parcel * (fluid[-1] - initial[0])
+            entered += parcel * (inlet - initial[0])
+            fluid = np.concatenate(([inlet], fluid[:-1]))
+            fluid, solid = exchanged(fluid, solid, 0.5 * dt)
+            step += 1
+            advance(step * dt)
+        rest = max(time - step * dt, 0.0)
+        parcels, cells_now = exchanged(fluid, solid, rest)
+        entering = np.concatenate(([inlet], parcels))
+        centres = np.concatenate(([z[0] - dz], z)) + velocity * rest
+        snapshots.append(Snapshot(time, centres, entering, z, cells_now))
+    stored = parcel * float(np.sum(fluid - initial[0])) + capacity_solid * dz * float(np.sum(solid - initial[1]))
+    return snapshots, {"in": entered, "out": left, "stored": stored}

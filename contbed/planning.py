@@ -1,0 +1,292 @@
+"""Scene -> Plan: the only place that asks "is it there?". Says what is built, what is skipped and why.
+
+Two recognitions make a scene cheap. *Plug flow*: without a no-slip wall and with a uniform inlet along the walls the
+velocity is the inlet velocity everywhere, so no momentum is solved. *One dimension*: plug flow along the bed axis with
+adiabatic sides does not vary across the bed, so a line is solved, and its cross-section kept for the balances.
+A mesh without prescribed cells is graded to the layers that the closed-form rates predict.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contbed import settings as s
+from contbed.errors import SceneError
+from contbed.medium import Medium
+from contbed.mesh import Mesh, build, graded
+from contbed.scene_flow import role, velocity_vector
+from contbed.solve.linear import Policy
+
+GRADING_ERROR = 4e-4  # error of theta on a mesh of grading scale 1 with quadratic elements, measured
+FRONT_CELLS = 4000  # cells of a bed with tracked fronts
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a run builds. `velocity` and `velocity_solid` are vectors on `mesh`; `conditions` has one entry a boundary."""
+
+    scene: s.Scene
+    medium: Medium
+    mesh: Mesh
+    section: float
+    velocity: Any
+    velocity_solid: Any
+    conditions: dict[str, str]
+    plug: bool
+    fronts: bool
+    built: tuple[tuple[str, str], ...]
+    skipped: tuple[tuple[str, str], ...]
+
+    @property
+    def policy(self) -> Policy:
+        """How linear systems are solved."""
+        return Policy(self.mesh.skfem.dim(), self.scene.solver.memory_GB)
+
+    def unknowns(self) -> dict[str, int]:
+        """Number of unknowns of each part that is solved."""
+        from contbed.engine.elements import Space
+
+        grid, out = self.mesh.skfem, {}
+        if not self.plug:
+            out["flow"] = grid.dim() * Space(grid, 2).size + grid.nvertices
+        if self.fronts:
+            out["heat"] = 2 * grid.nelements
+        elif self.scene.heat is not None:
+            out["heat"] = 2 * Space(grid, self.scene.solver.degree).size
+        return out
+
+    def __str__(self) -> str:
+        rows = [("BUILT", what, why) for what, why in self.built]
+        rows += [("SKIPPED", what, why) for what, why in self.skipped]
+        width = max(len(what) for _, what, _ in rows)
+        lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
+        for part, size in self.unknowns().items():
+            lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * self.policy.predicted_GB(size)):.0f} MB")
+        return "\n".join(lines)
+
+
+def plan(scene: s.Scene) -> Plan:
+    """Decide what a scene needs and build its mesh; SceneError if the mesh or the flow cannot be used."""
+    built: list[tuple[str, str]] = []
+    skipped: list[tuple[str, str]] = []
+    medium = Medium.of(scene, _inlet_temperature(scene), _bed_diameter(scene.mesh))
+    line = _reduced(scene) if scene.solver.reduce else None
+    if line is not None:
+        skipped.append(("2-D and 3-D mesh", "plug flow between adiabatic walls varies along the bed only"))
+    target, section = line or (scene, 1.0)
+    grid = target.mesh
+    velocity = np.array(velocity_vector(grid, target.flow.velocity), dtype=float)
+    solid = np.array(velocity_vector(grid, target.flow.velocity_solid), dtype=float)
+    fronts = _tracks_fronts(target, medium)
+    mesh = build(grid, _nodes(target, medium, velocity, solid, fronts), str(scene.origin.base))
+    _check_names(target, mesh)
+    conditions = {name: _role(target, mesh, name, velocity) for name in mesh.boundaries}
+    plug = "no_slip" not in conditions.values()
+    if plug and scene.heat is None:
+        raise SceneError(scene.origin.at(("flow",)) + ": flow: nothing to solve: no wall has flow = \"no_slip\" and "
+                         "there is no [heat] table")
+    cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
+    built.append((f"mesh, {mesh.skfem.dim()}-D", cells))
+    (skipped if plug else built).append(
+        ("porous flow", "plug flow: no no-slip wall, uniform inlet" if plug else "Taylor-Hood, Newton")
+    )
+    if scene.heat is None:
+        skipped.append(("two-energy", "no [heat] table"))
+    else:
+        built.append(("two-energy", _how_heat(scene, medium, fronts)))
+        if scene.heat.dispersion is None:
+            skipped.append(("dispersion", "no heat.dispersion"))
+        if scene.heat.tortuosity is None:
+            skipped.append(("cross conduction", "no heat.tortuosity"))
+        if medium.constant:
+            skipped.append(("Newton for temperatures", "constant properties: linear"))
+        if scene.time is None:
+            skipped.append(("time stepping", "no [time] table"))
+    return Plan(scene if line is None else target, medium, mesh, section, velocity, solid, conditions, plug, fronts,
+                tuple(built), tuple(skipped))  # fmt: skip
+
+
+def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
+    if fronts:
+        return "no conduction in a bed at rest: fronts tracked along characteristics"
+    time = "steady" if scene.time is None else "transient, TR-BDF2"
+    form = "linear" if medium.constant else "temperature-dependent"
+    return f"{time}, {form}, degree {scene.solver.degree}{', SUPG' if scene.solver.stabilisation else ''}"
+
+
+def _inlet_temperature(scene: s.Scene) -> float:
+    """Temperature of the entering fluid: a prescribed one, on the inlet if that is known."""
+    found = [(name, table.fluid) for name, table in scene.boundary.items() if table.fluid is not None]
+    velocity = velocity_vector(scene.mesh, scene.flow.velocity)
+    ranked = sorted(found, key=lambda item: role(scene.mesh, velocity, item[0], scene.boundary) != "inlet")
+    for _, condition in ranked:
+        for value in (condition.inflow, condition.fixed, condition.ambient):
+            if value is not None:
+                return value
+    return scene.time.initial_fluid if scene.time is not None else 300.0
+
+
+def _bed_diameter(mesh: s.Mesh) -> float:
+    """Hydraulic diameter of a built-in bed [m]; a line has no walls."""
+    if isinstance(mesh, s.MeshRectangle):
+        return 2.0 * mesh.height
+    if isinstance(mesh, s.MeshAxisymmetric):
+        return 2.0 * mesh.radius
+    if isinstance(mesh, s.MeshBox):
+        return 2.0 * mesh.width * mesh.height / (mesh.width + mesh.height)
+    return float("inf")
+
+
+def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
+    """The same scene on a line and its cross-section [m2], where nothing varies across the bed."""
+    mesh = scene.mesh
+    if isinstance(mesh, s.MeshFile | s.MeshLine) or scene.heat is None or mesh.cells is not None and mesh.refine:
+        return None
+    axis = 1 if isinstance(mesh, s.MeshAxisymmetric) else 0
+    vectors = [velocity_vector(mesh, v) for v in (scene.flow.velocity, scene.flow.velocity_solid)]
+    if any(component for vector in vectors for k, component in enumerate(vector) if k != axis):
+        return None
+    low, high = mesh.sides[axis]
+    for name, table in scene.boundary.items():
+        if name not in (low, high) and (table.fluid or table.solid or table.flow not in (None, "slip")):
+            return None
+    if isinstance(mesh, s.MeshRectangle):
+        section, cells = mesh.height, mesh.cells and mesh.cells[0]
+    elif isinstance(mesh, s.MeshAxisymmetric):
+        section, cells = np.pi * mesh.radius**2, mesh.cells and mesh.cells[1]
+    else:
+        section, cells = mesh.width * mesh.height, mesh.cells and mesh.cells[0]
+    ends = {low: "left", high: "right"}
+    line = scene.model_copy(update={
+        "mesh": s.MeshLine(type="line", length=mesh.length, cells=cells, refine=mesh.refine),
+        "flow": s.Flow(velocity=vectors[0][axis], velocity_solid=vectors[1][axis]),
+        "boundary": {ends[name]: table for name, table in scene.boundary.items() if name in ends},
+    })  # fmt: skip
+    return line, float(section)
+
+
+def _tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
+    """Whether nothing conducts in a one-dimensional bed at rest that a stream enters: then fronts stay sharp."""
+    if scene.time is None or scene.heat is None or not isinstance(scene.mesh, s.MeshLine) or not medium.constant:
+        return False
+    if scene.flow.velocity_solid or scene.heat.dispersion is not None or scene.heat.tortuosity is not None:
+        return False
+    ends = [table.fluid for table in scene.boundary.values() if table.fluid is not None]
+    only_inlet = all(condition.fixed is not None or condition.inflow is not None for condition in ends)
+    solid_free = all(table.solid is None for table in scene.boundary.values())
+    T = medium.T_fluid_in
+    still = not medium.conductivity_fluid(T) and not medium.conductivity_solid(T) and not scene.region
+    return bool(still and only_inlet and solid_free and scene.flow.velocity)
+
+
+def _role(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
+    """inlet, outlet, slip or no_slip of one boundary."""
+    given = role(scene.mesh, tuple(velocity), name, scene.boundary)
+    if given is not None:
+        return given
+    if mesh.axisymmetric and np.abs(mesh.skfem.p[0, mesh.skfem.facets[:, mesh.skfem.boundaries[name]]]).max() < 1e-12:
+        return "slip"
+    from contbed.flow_problem import constant_normal
+
+    normal = constant_normal(mesh, name)
+    across = None if normal is None else float(normal @ velocity) / max(float(np.linalg.norm(velocity)), 1e-300)
+    if across is None or 1e-9 < abs(across) < 0.5:
+        raise SceneError(
+            f"{scene.origin.name}: boundary.{name} is neither along nor across the flow; "
+            f'say [boundary.{name}] flow = "inlet", "outlet", "no_slip" or "slip"'
+        )
+    return "slip" if abs(across) <= 1e-9 else "inlet" if across < 0 else "outlet"
+
+
+def _check_names(scene: s.Scene, mesh: Mesh) -> None:
+    """Boundaries and regions of a mesh file are known only now."""
+    from difflib import get_close_matches
+
+    problems = []
+    for kind, given, known in (("boundary", scene.boundary, mesh.boundaries), ("region", scene.region, mesh.regions)):
+        for name in given:
+            if name not in known:
+                near = get_close_matches(name, known, n=1)
+                hint = f"; did you mean '{near[0]}'?" if near else ""
+                where = scene.origin.at((kind, name))
+                problems.append(f"{where}: {kind}.{name}: the mesh has no such {kind}; it has {', '.join(known)}{hint}")
+    if problems:
+        raise SceneError(problems)
+
+
+def _nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: bool) -> list[Any] | None:
+    """Graded coordinates for each direction of a built-in mesh without prescribed cells."""
+    mesh = scene.mesh
+    if isinstance(mesh, s.MeshFile):
+        return None
+    if isinstance(mesh, s.MeshLine) and (mesh.cells is None or mesh.graded):
+        if fronts:
+            return [np.linspace(0.0, mesh.length, FRONT_CELLS + 1)]
+        layers = axial_layers(scene, medium, float(velocity[0]), float(solid[0]), mesh.length)
+        degree = scene.solver.degree
+        scale = min(1.0, (scene.solver.tolerance / GRADING_ERROR) ** (1.0 / (degree + 1)))
+        if mesh.cells is None:
+            coarse = mesh.length / (400 if scene.time is not None else 40)
+            return [graded(mesh.length, layers, scale=scale, coarse=coarse)]
+        count = len(graded(mesh.length, layers)) - 1
+        return [graded(mesh.length, layers, scale=count / mesh.cells)]
+    if mesh.cells is not None:
+        return None
+    return [_across(scene, medium, velocity, solid, k) for k in range(mesh.dimension)]
+
+
+def _across(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction: int) -> Any:
+    """Graded coordinates of one direction of a 2-D or 3-D bed."""
+    mesh = scene.mesh
+    axis = 1 if isinstance(mesh, s.MeshAxisymmetric) else 0
+    if isinstance(mesh, s.MeshRectangle):
+        extents = [mesh.length, mesh.height]
+    elif isinstance(mesh, s.MeshAxisymmetric):
+        extents = [mesh.radius, mesh.length]
+    else:
+        extents = [mesh.length, mesh.width, mesh.height]  # type: ignore[union-attr]
+    extent, layers = extents[direction], []
+    if direction == axis and scene.heat is not None:
+        layers += axial_layers(scene, medium, float(velocity[axis]), float(solid[axis]), extent)
+    for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):  # type: ignore[union-attr]
+        table = scene.boundary.get(name)
+        if direction != axis and table is not None and (table.flow == "no_slip" or table.fluid or table.solid):
+            layers.append((position, max(_wall_layer(scene, medium), 1e-3 * extent)))
+    return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
+
+
+def _wall_layer(scene: s.Scene, medium: Medium) -> float:
+    """Width of the Brinkman layer on a wall [m]."""
+    return float((medium.packing("permeability") / scene.bed.porosity) ** 0.5)
+
+
+def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> list[tuple[float, float]]:
+    """Positions and widths of the exchange and conduction layers at both ends of a bed, from the closed-form rates."""
+    from contbed.verify.exact_two_energy import rates
+
+    T = medium.T_fluid_in
+    scale = medium.mass_flux_scale()
+    flux_fluid = scale * float(medium.fluid.heat_capacity(T)) * u
+    flux_solid = float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)) * u_solid
+
+    def speed(density: Any) -> float:
+        return abs(scale / density * u - u_solid)
+
+    d_fluid = float(medium.conductivity_fluid(T))
+    if (dispersion := medium.dispersion(T, speed)) is not None:
+        d_fluid += float(dispersion[0])
+    d_solid = float(medium.conductivity_solid(T))
+    exchange = float(medium.exchange(T, speed))
+    add_fluid, add_solid, cross = medium.tortuosity() or (0.0, 0.0, 0.0)
+    if exchange == 0.0 or flux_fluid == 0.0 and d_fluid == 0.0:
+        return []
+    found = rates(flux_fluid, flux_solid, d_fluid + add_fluid, d_solid + add_solid, exchange, cross)
+    finite = [rate for rate in found if rate and np.isfinite(rate)]
+    widths = [(0.0 if rate < 0 else length, min(1.0 / abs(rate), length)) for rate in finite]
+    return [(position, width) for position, width in widths if width > 1e-10 * length]
+
+
+
