@@ -1,0 +1,44 @@
+"""Tables as CSV: one header line `name [unit]`, 12 significant digits."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contbed.errors import ContbedError
+from contbed.output.files import atomic
+
+
+def write_table(path: Path | str, columns: Mapping[str, ArrayLike]) -> None:
+    """Write columns of equal length under their headers."""
+    data = [np.asarray(column, dtype=float) for column in columns.values()]
+    shapes = {header: column.shape for header, column in zip(columns, data, strict=True)}
+    if not data or data[0].ndim != 1 or len(set(shapes.values())) > 1:
+        raise ValueError(f"{path}: a table needs columns of one length, found {shapes}")
+    with atomic(path) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerow(columns)
+        np.savetxt(file, np.column_stack(data), fmt="%.12g", delimiter=",")
+
+
+def read_table(path: Path | str) -> dict[str, NDArray[np.float64]]:
+    """Columns of a table by header.
+
+    Raises
+    ------
+    ContbedError : the file cannot be read or is not a table of numbers
+    """
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            headers, *rows = csv.reader(file)
+        data = np.array([[float(item) for item in row] for row in rows]).reshape(-1, len(headers))
+        if len(data) != len(rows) or len(set(headers)) != len(headers):
+            raise ValueError("columns do not fit the header")
+    except OSError as error:
+        raise ContbedError(f"cannot read {path}: {error.strerror}") from error
+    except (ValueError, csv.Error) as error:
+        raise ContbedError(f"{path}: not a table of numbers with one header line: {error}") from error
+    return dict(zip(headers, data.T.copy(), strict=True))

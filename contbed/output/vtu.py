@@ -1,0 +1,130 @@
+"""Fields as VTU files with quadratic cells, and time series of them, for ParaView and meshio."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem.refdom import RefHex, RefLine, RefQuad, RefTet, RefTri
+
+from contbed.engine.elements import Space, lagrange
+from contbed.output.files import atomic
+
+if TYPE_CHECKING:
+    import skfem
+
+Array = NDArray[np.float64]
+
+_SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+_CUBE = [(*corner, z) for z in (0, 1) for corner in _SQUARE]
+_CUBE_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+# VTK's cells: name, corners, edges, then the remaining nodes (faces and centre), on the unit reference cell
+_CELLS: dict[type, tuple[str, list, list, list]] = {
+    RefLine: ("line3", [(0,), (1,)], [(0, 1)], []),
+    RefTri: ("triangle6", [(0, 0), (1, 0), (0, 1)], [(0, 1), (1, 2), (2, 0)], []),
+    RefQuad: ("quad9", _SQUARE, [(0, 1), (1, 2), (2, 3), (3, 0)], [(0.5, 0.5)]),
+    RefTet: (
+        "tetra10",
+        [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)],
+        [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
+        [],
+    ),
+    RefHex: (
+        "hexahedron27",
+        _CUBE,
+        _CUBE_EDGES,
+        [(0, 0.5, 0.5), (1, 0.5, 0.5), (0.5, 0, 0.5), (0.5, 1, 0.5), (0.5, 0.5, 0), (0.5, 0.5, 1), (0.5, 0.5, 0.5)],
+    ),
+}
+
+
+def _order(refdom: type, mirrored: bool) -> NDArray[np.int64]:
+    """Local node of the quadratic element at each VTK position; `mirrored` exchanges the first two axes."""
+    _, corners, edges, others = _CELLS[refdom]
+    vertices = np.array(corners, dtype=float)
+    nodes = np.vstack([vertices, *(vertices[[a, b]].mean(axis=0) for a, b in edges), *others])
+    if mirrored:
+        nodes[:, [0, 1]] = nodes[:, [1, 0]]
+    distance = np.abs(nodes[:, None] - lagrange(refdom, 2).nodes).sum(axis=2)
+    return distance.argmin(axis=1)
+
+
+def quadratic_cells(space: Space) -> tuple[str, NDArray[np.int64]]:
+    """Name and nodes (ncells, n) of VTK's quadratic cells on a space of degree 2, all of positive orientation."""
+    mesh = space.mesh
+    refdom: Any = space.element.refdom
+    cells = space.dofs[_order(refdom, False)].T.astype(np.int64)
+    if mesh.dim() > 1:
+        corner = refdom.p.mean(axis=1, keepdims=True)
+        slopes = [lagrange(refdom, 1).table(corner, axis)[:, 0] for axis in range(mesh.dim())]
+        jacobian = np.einsum("ikc,ak->cia", mesh.p[:, mesh.t], slopes)
+        negative = np.linalg.det(jacobian) < 0
+        cells[negative] = space.dofs[_order(refdom, True)].T[negative]
+    return _CELLS[refdom][0], cells
+
+
+def at_nodes(space: Space, values: Array, target: Space) -> Array:
+    """Values (size,) or (ncomponents, size) of a field at the nodes of another space on the same mesh."""
+    values = np.asarray(values, dtype=float)
+    if values.shape[-1] != space.size:
+        raise ValueError(f"{values.shape[-1]} values on a space of {space.size} nodes")
+    if space.degree == target.degree:
+        return values
+    table = space.element.table(target.element.nodes.T)
+    out = np.empty((*values.shape[:-1], target.size))
+    out[..., target.dofs] = np.einsum("...kc,kn->...nc", values[..., space.dofs], table)
+    return out
+
+
+def write_fields(
+    path: Path | str, mesh: skfem.Mesh, nodal: Mapping[str, tuple[Space, Array]], region: bool = True
+) -> None:
+    """Write fields on Lagrange spaces of degree 1 to 3 as one .vtu with quadratic cells.
+
+    Parameters
+    ----------
+    path : the file
+    mesh : mesh of all spaces
+    nodal : space and values, (size,) or (ncomponents, size), of each field; names ASCII without spaces
+    region : add the cells' region, numbered in the order of `mesh.subdomains`, when there is more than one
+    """
+    import meshio
+
+    quadratic = Space(mesh, 2)
+    name, cells = quadratic_cells(quadratic)
+    data = {}
+    for field, (space, values) in nodal.items():
+        if not field.isascii() or not field.isprintable() or " " in field:
+            raise ValueError(f"{path}: field name {field!r} is not plain ASCII without spaces")
+        sampled = at_nodes(space, values, quadratic)
+        data[field] = sampled if sampled.ndim == 1 else _padded(sampled)
+    subdomains = mesh.subdomains or {}
+    cell_data: dict[str, Any] = {}
+    if region and len(subdomains) > 1:
+        number = np.full(mesh.nelements, -1, dtype=np.int32)
+        for k, members in enumerate(subdomains.values()):
+            number[members] = k
+        cell_data["region"] = [number]
+    content = meshio.Mesh(_padded(quadratic.points), [(name, cells)], point_data=data, cell_data=cell_data)
+    with atomic(path) as temporary:
+        content.write(temporary, file_format="vtu")
+
+
+def _padded(rows: Array) -> Array:
+    """(ncomponents, n) -> (n, 3)."""
+    out = np.zeros((rows.shape[1], 3))
+    out[:, : len(rows)] = rows.T
+    return out
+
+
+def write_series(path: Path | str, files: Sequence[tuple[float, str]]) -> None:
+    """Write a .pvd that lists (time [s], file name relative to it)."""
+    lines = [f'    <DataSet timestep="{time:.17g}" part="0" file={quoteattr(name)}/>' for time, name in files]
+    head = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>"]
+    text = "\n".join([*head, *lines, "  </Collection>", "</VTKFile>", ""])
+    with atomic(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
