@@ -1,0 +1,297 @@
+"""Every form, compiled by FFCx from its UFL side, gives the element residual that scikit-fem assembles.
+
+One general cell of each shape, random unknowns, the same quadrature points on both sides. Both sum the same terms in
+another order: they agree to 1e-12 of the largest entry, some thousand roundings.
+"""
+
+import shutil
+import sysconfig
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import skfem
+from skfem.quadrature import get_quadrature
+
+from contbed.closures import dispersion_wakao_kaguei_axial, nusselt_gunn, wall_li_finlayson
+from contbed.engine import dual
+from contbed.engine.dual import Components
+from contbed.engine.elements import lagrange
+from contbed.engine.skfem import Ops, System
+from contbed.materials import ConstantFluid, Solid, gas_mixture
+from contbed.models import porous_flow, two_energy
+
+basix = pytest.importorskip("basix", reason="fenics-basix is not installed")
+ufl = pytest.importorskip("ufl", reason="fenics-ufl is not installed")
+jit = pytest.importorskip("ffcx.codegeneration.jit", reason="fenics-ffcx is not installed")
+ufl_forms = pytest.importorskip("contbed.engine.ufl_forms", reason="fenics-basix is not installed")
+pytestmark = [
+    pytest.mark.skipif(not (shutil.which("cc") or shutil.which("gcc")), reason="FFCx needs a C compiler: no cc, gcc"),
+    pytest.mark.skipif(
+        not Path(sysconfig.get_paths()["include"], "Python.h").exists(), reason="FFCx needs the header Python.h"
+    ),
+]
+
+TOLERANCE = 1e-12
+MESHES = {
+    "triangle": skfem.MeshTri(np.array([[0.6, 1.7, 1.1], [0.2, 0.5, 1.3]]), np.array([[0], [1], [2]])),
+    "quadrilateral": skfem.MeshQuad(
+        np.array([[0.5, 1.8, 1.5, 0.7], [0.1, 0.4, 1.6, 1.2]]), np.array([[0], [1], [2], [3]])
+    ),
+    "tetrahedron": skfem.MeshTet(
+        np.array([[0.1, 1.2, 0.3, 0.4], [0.0, 0.2, 1.1, 0.3], [0.1, 0.3, 0.2, 0.9]]), np.array([[0], [1], [2], [3]])
+    ),
+}
+BASIX_ORDER = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2], "tetrahedron": [0, 1, 2, 3]}
+POROSITY, DIAMETER, BED = 0.4, 3e-3, 0.1
+
+
+def flow_coefficients(o: Any, known: Any) -> porous_flow.Coefficients:
+    """All terms of comparable size at velocities and pressures of order one."""
+    return porous_flow.Coefficients(1.3, 0.7, POROSITY, 0.5, 0.6, Components([0.3, -0.2, 0.1][: o.dim]), 1.0)
+
+
+def constant_properties() -> tuple[Any, Any]:
+    """Heat capacities, conductivities and velocities of order one."""
+    return ConstantFluid(1.2, 0.9, 0.4, 0.3), Solid(1.5, 0.8, 0.6)
+
+
+def real_properties() -> tuple[Any, Any]:
+    """A gas of three species and a solid with polynomial properties."""
+    return gas_mixture("N2:0.7, O2:0.2, H2O:0.1", 101325.0), Solid(2000.0, (500.0, 0.4), (0.8, 1e-3, 1e-7))
+
+
+def heat_coefficients(o: Any, velocity: Any, materials: Any, *, uniform: bool, stabilised: bool) -> Any:
+    """Everything the two-energy form can hold: exchange by Gunn, dispersion by Wakao, tortuosity, tau, sources."""
+    fluid, solid = materials()
+    T_ref = 700.0
+    density = float(fluid.density(T_ref))
+    velocity_solid = Components([0.2, 0.1, -0.3][: o.dim])
+    if uniform:
+        velocity = Components([0.9, -0.4, 0.5][: o.dim])
+    w = velocity - velocity_solid
+    speed = np.sqrt(o.dot(w, w))
+
+    def exchange(T_fluid: Any, T_solid: Any) -> Any:
+        k, mu = fluid.conductivity(T_fluid), fluid.viscosity(T_fluid)
+        Re = fluid.density(T_fluid) * speed * DIAMETER / mu
+        return nusselt_gunn(Re, mu * fluid.heat_capacity(T_fluid) / k, POROSITY) * k * 500.0
+
+    size = np.sqrt(o.dot(velocity, velocity))
+    Pe = density * float(fluid.heat_capacity(T_ref)) * size * DIAMETER / float(fluid.conductivity(T_ref))
+    along = dispersion_wakao_kaguei_axial(Pe, float(fluid.conductivity(T_ref)))
+    phases = {}
+    for name, material, u, fraction in (("fluid", fluid, velocity, POROSITY), ("solid", solid, velocity_solid, 0.6)):
+        flux = u * float(material.density(T_ref))
+        capacity, k = float(material.heat_capacity(T_ref)), float(material.conductivity(T_ref))
+        tau = two_energy.tau(np.sqrt(o.dot(flux, flux)) * capacity, k, 40.0, capacity, o.h, 2)
+        phases[name] = two_energy.Phase(
+            mass_flux=flux,
+            divergence=None if uniform or name == "solid" else o.div(velocity) * density,
+            enthalpy=material.enthalpy,
+            heat_capacity=material.heat_capacity,
+            capacity=capacity,
+            offset=float(material.enthalpy(T_ref)) - capacity * T_ref,
+            conductivity=lambda T, material=material, fraction=fraction: fraction * material.conductivity(T),
+            dispersion=(0.1 * along, 0.9 * along, velocity / size) if name == "fluid" else None,
+            content=lambda T, m=material, fraction=fraction: fraction * m.density(T) * m.enthalpy(T),
+            source=3.0,
+            tau=tau if stabilised else None,
+        )
+    return two_energy.Coefficients(phases["fluid"], phases["solid"], exchange, 0.05 * float(solid.conductivity(T_ref)))
+
+
+def wall_coefficients(o: Any, velocity: Any, inflow: float | None) -> two_energy.Wall:
+    """A stream, a heat flux and a wall coefficient by Li and Finlayson on one boundary."""
+    fluid, _ = real_properties()
+
+    def coefficient(unknowns: Any) -> Any:
+        T = unknowns.T_fluid
+        k, mu = fluid.conductivity(T), fluid.viscosity(T)
+        Re = np.sqrt(o.dot(velocity, velocity)) * fluid.density(T) * DIAMETER / mu
+        return wall_li_finlayson(Re, mu * fluid.heat_capacity(T) / k, k, DIAMETER, BED)
+
+    return two_energy.Wall("T_fluid", velocity * 1.3, fluid.enthalpy, inflow, 200.0, coefficient, 350.0)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A form with its coefficients, `coeffs(ops, velocity field)`."""
+
+    form: Callable[..., Any]
+    coeffs: Callable[[Any, Any], Any]
+    fields: Callable[[int], dict[str, tuple[int, int]]]
+    order: int = 5
+    axisymmetric: bool = False
+    facet: int | None = None
+    scale: tuple[float, float] = (-1.0, 1.0)
+
+
+def flow(axisymmetric: bool = False) -> Case:
+    """Flow on Taylor-Hood elements."""
+    fields = lambda dim: {"u": (2, dim), "p": (1, 0)}  # noqa: E731
+    return Case(porous_flow.residual, flow_coefficients, fields, axisymmetric=axisymmetric)
+
+
+def heat(
+    form: Any, materials: Any, *, uniform: bool = False, stabilised: bool = True, degree: int = 2,
+    axisymmetric: bool = False,
+) -> Case:  # fmt: skip
+    """Both energy equations."""
+    return Case(
+        form,
+        lambda o, known: heat_coefficients(o, known, materials, uniform=uniform, stabilised=stabilised),
+        lambda dim: dict.fromkeys(two_energy.FIELDS, (degree, 0)),
+        axisymmetric=axisymmetric,
+        scale=(300.0, 1200.0),
+    )
+
+
+def wall(facet: int, inflow: float | None, axisymmetric: bool = False) -> Case:
+    """One phase on one facet."""
+    return Case(
+        two_energy.boundary,
+        lambda o, known: wall_coefficients(o, known, inflow),
+        lambda dim: dict.fromkeys(two_energy.FIELDS, (2, 0)),
+        axisymmetric=axisymmetric,
+        facet=facet,
+        scale=(300.0, 1200.0),
+    )
+
+
+CASES = {
+    "flow": flow(),
+    "heat_uniform_velocity_degree_1": heat(two_energy.residual, constant_properties, uniform=True, degree=1),
+    "heat_constant_properties": heat(two_energy.residual, constant_properties),
+    "heat_gas_without_supg": heat(two_energy.residual, real_properties, stabilised=False),
+    "heat_gas": heat(two_energy.residual, real_properties),
+    "heat_gas_degree_3": heat(two_energy.residual, real_properties, degree=3),
+    "storage": heat(two_energy.storage, real_properties),
+    "wall_outflow": wall(0, None),
+    "wall_inflow": wall(1, 2e5),
+}
+ROUND = {
+    "flow_axisymmetric": flow(axisymmetric=True),
+    "heat_axisymmetric": heat(two_energy.residual, real_properties, axisymmetric=True),
+    "storage_axisymmetric": heat(two_energy.storage, real_properties, axisymmetric=True),
+    "wall_axisymmetric": wall(2, None, axisymmetric=True),
+}
+ALL = [(cell, name) for cell in MESHES for name in (CASES if cell == "tetrahedron" else CASES | ROUND)]
+
+
+class Element:
+    """One case on one cell: the UFL form, the scikit-fem system, and data for both."""
+
+    def __init__(self, cell: str, case: Case):
+        mesh = MESHES[cell]
+        self.cell, self.case = cell, case
+        fields = case.fields(mesh.dim())
+        mesh = mesh.with_boundaries({"facet": np.array([case.facet or 0])})
+        self.system = System(mesh, fields, case.order, axisymmetric=case.axisymmetric)
+        self.ufl_system = ufl_forms.UflSystem(cell, fields, case.axisymmetric)
+        self.velocity_system = System(mesh, {"u": (2, mesh.dim())}, case.order)
+        self.velocity, known = self.ufl_system.known(2, mesh.dim())
+        self.velocity_element = SimpleNamespace(sub_elements=[self.velocity.ufl_element()])
+        refdom = mesh.elem.refdom
+        rule = get_quadrature(refdom if case.facet is None else refdom.brefdom, case.order)
+        self.form = self.ufl_system.form(
+            case.form, case.coeffs(self.ufl_system.ops, known), order=case.order, rule=(rule[0].T.copy(), rule[1]),
+            facets=case.facet is not None,
+        )  # fmt: skip
+        random = np.random.default_rng(7)
+        self.state = random.uniform(*case.scale, self.system.size)
+        self.velocity_state = random.uniform(-1.0, 1.0, self.velocity_system.size)
+
+    def scikit_fem(self, jacobian: bool = False) -> tuple[Any, Any]:
+        """Residual and Jacobian of `System`."""
+        system, case = self.system, self.case
+        where = system.cells if case.facet is None else system.boundary("facet")[0]
+        space = self.velocity_system.fields["u"][0]
+        known = system.known(where, space, self.velocity_system.part(self.velocity_state, "u"))
+        return system.assemble([(case.form, where, case.coeffs(Ops(where), known))], self.state, jacobian)
+
+    def places(self, system: System, element: Any) -> Any:
+        """Number in the system of each local unknown of a UFL element, found by the coordinates of its node."""
+        corners, geometry = system.mesh.p[:, system.mesh.t[:, 0]], lagrange(system.mesh.elem.refdom, 1)
+        out = []
+        for (name, (space, ncomponents)), part in zip(system.fields.items(), element.sub_elements, strict=True):
+            nodes = corners @ geometry.table(part.basix_element.points.T)
+            distance = np.abs(space.points[:, None, :] - nodes[:, :, None]).max(axis=0)
+            assert distance.min(axis=1).max() < 1e-12
+            components = [system.offset[name, k] for k in range(max(ncomponents, 1))]
+            out.append((distance.argmin(axis=1)[:, None] + components).ravel())
+        return np.concatenate(out)
+
+    def tabulate(self, form: Any, compiled: Any, ffi: Any) -> Any:
+        """The element tensor of a compiled form, in the numbering of the scikit-fem system."""
+        places = self.places(self.system, self.ufl_system.element)
+        vertices = self.places(self.system, self.ufl_system.element_low)
+        velocity = self.places(self.velocity_system, self.velocity_element)
+        data = {
+            self.ufl_system.state: self.state[places],
+            self.ufl_system.state_low: self.state[vertices],
+            self.velocity: self.velocity_state[velocity],
+        }
+        used = [compiled.original_coefficient_positions[k] for k in range(compiled.num_coefficients)]
+        w = np.concatenate([data[form.coefficients()[k]] for k in used])
+        mesh, order = self.system.mesh, BASIX_ORDER[self.cell]
+        x = np.zeros((len(order), 3))
+        x[:, : mesh.dim()] = mesh.p[:, mesh.t[order, 0]].T
+        on_facet = [k for k, vertex in enumerate(order) if vertex in mesh.facets[:, self.case.facet or 0]]
+        facet = np.array([basix.topology(basix.CellType[self.cell])[-2].index(on_facet)], dtype=np.int32)
+        A = np.zeros((len(places),) * compiled.rank)
+        pointer = [ffi.cast("double*", array.ctypes.data) for array in (A, w, np.zeros(1), x)]
+        kernel = compiled.form_integrals[0].tabulate_tensor_float64
+        kernel(*pointer, ffi.cast("int*", facet.ctypes.data), ffi.NULL, ffi.NULL)
+        out = np.zeros((self.system.size,) * compiled.rank)
+        out[np.ix_(*[places] * compiled.rank)] = A
+        return out
+
+
+@lru_cache
+def compiled(cell: str) -> dict[str, tuple[Element, Any]]:
+    """All forms of a cell in one compilation: name -> (element, tensor); the flow's Jacobian too on triangles."""
+    cases = CASES if cell == "tetrahedron" else CASES | ROUND
+    elements = {name: Element(cell, case) for name, case in cases.items()}
+    forms = {name: element.form for name, element in elements.items()}
+    if cell == "triangle":
+        elements["flow_jacobian"] = elements["flow"]
+        forms["flow_jacobian"] = ufl.derivative(forms["flow"], elements["flow"].ufl_system.state)
+    with TemporaryDirectory() as folder:
+        found, module, _ = jit.compile_forms(
+            list(forms.values()), cache_dir=folder, cffi_extra_compile_args=["-O0"], timeout=60
+        )
+        return {
+            name: (element, element.tabulate(forms[name], one, module.ffi))
+            for (name, element), one in zip(elements.items(), found, strict=True)
+        }
+
+
+@pytest.mark.parametrize(("cell", "name"), ALL)
+def test_element_residual(cell: str, name: str) -> None:
+    element, tensor = compiled(cell)[name]
+    expected = element.scikit_fem()[0]
+    assert np.abs(expected).max() > 0
+    assert np.abs(tensor - expected).max() <= TOLERANCE * np.abs(expected).max()
+
+
+def test_derivative_equals_dual_numbers() -> None:
+    element, tensor = compiled("triangle")["flow_jacobian"]
+    expected = element.scikit_fem(jacobian=True)[1].toarray()
+    assert np.abs(tensor - expected).max() <= TOLERANCE * np.abs(expected).max()
+
+
+def test_every_differentiable_ufunc_has_a_counterpart() -> None:
+    assert set(dual._UNARY) | set(dual._BINARY) | dual._COMPARISONS <= set(ufl_forms.UFUNCS)
+
+
+def test_unsupported_ufunc() -> None:
+    field = ufl_forms.UflSystem("triangle", {"T": (1, 0)}).unknowns.T
+    with pytest.raises(TypeError, match=r"numpy\.sinh"):
+        np.sinh(field)
