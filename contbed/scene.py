@@ -30,12 +30,12 @@ def loads(
     text: str, name: str = "scene.toml", overrides: Mapping[str, Any] | None = None, base: str | Path = "."
 ) -> Scene:
     """The scene of a TOML text; `name` stands in messages and a mesh file is looked for in `base`."""
-    return _build(*parse(text, name, Path(base)), overrides or {})
+    return _build(*parse(text, name, Path(base).absolute()), overrides or {})
 
 
 def from_dict(values: Mapping[str, Any], name: str = "scene", base: str | Path = ".") -> Scene:
     """The scene of plain nested dicts, as `resolved` returns them."""
-    return _build(deepcopy(dict(values)), Origin(name, Path(base)), {})
+    return _build(deepcopy(dict(values)), Origin(name, Path(base).absolute()), {})
 
 
 def resolved(scene: Scene) -> dict[str, Any]:

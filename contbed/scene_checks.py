@@ -7,7 +7,7 @@ out when the schema has rejected one of these tables. `see` says where the other
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from typing import Any
 
@@ -147,7 +147,7 @@ def temperatures_lie_in_the_fluid_table(
     if not isinstance(fluid, s.FluidCoolProp):
         return
     low, high = fluid.T_range
-    for path, temperature in _temperatures(boundary, time):
+    for path, temperature in _temperatures(["fluid"], boundary, time):
         if low < high and not low <= temperature <= high:
             yield path, f"outside of the fluid's table, {low:g} to {high:g} K; see {see('fluid.T_range')}"
 
@@ -159,7 +159,7 @@ def polynomials_stay_positive(solid: s.Solid | None, boundary: Boundaries, time:
         coefficients = getattr(solid, key)
         if not isinstance(coefficients, tuple):
             continue
-        for path, temperature in _temperatures(boundary, time):
+        for path, temperature in _temperatures(PHASES, boundary, time):
             value = sum(a * temperature**power for power, a in enumerate(coefficients))
             if not value > 0:
                 yield ("solid", key), f"is {value:.4g} at {dotted(path)} = {temperature:g} K; it must be above 0"
@@ -320,14 +320,15 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
 )
 
 
-def _temperatures(boundary: Boundaries, time: s.Time | None) -> Iterator[tuple[KeyPath, float]]:
-    """Every temperature that the scene gives."""
-    for name, conditions in boundary.items():
-        for phase in PHASES:
+def _temperatures(
+    phases: Iterable[str], boundary: Boundaries, time: s.Time | None
+) -> Iterator[tuple[KeyPath, float]]:
+    """Every temperature that the scene gives for these phases."""
+    for phase in phases:
+        for name, conditions in boundary.items():
             condition = getattr(conditions, phase)
             for key in ("fixed", "inflow", "ambient"):
                 if condition is not None and getattr(condition, key) is not None:
                     yield ("boundary", name, phase, key), getattr(condition, key)
-    if time is not None:
-        yield ("time", "initial_fluid"), time.initial_fluid
-        yield ("time", "initial_solid"), time.initial_solid
+        if time is not None:
+            yield ("time", f"initial_{phase}"), getattr(time, f"initial_{phase}")

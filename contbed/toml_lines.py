@@ -54,8 +54,12 @@ def parse(text: str, name: str, base: Path = Path()) -> tuple[dict[str, Any], Or
     try:
         values = tomllib.loads(text)
         lines = key_lines(text)
-    except ValueError as error:  # TOMLDecodeError, and Python's own limit on the digits of an integer
+    except tomllib.TOMLDecodeError as error:
         raise SceneError(_syntax(str(error), text, name)) from None
+    except ValueError:
+        long = re.search(r"\d{4301}", text)
+        line = text.count("\n", 0, long.start()) + 1 if long else 1
+        raise SceneError(f"{name}:{line}: an integer with more than 4300 digits") from None
     except RecursionError:
         raise SceneError(f"{name}:1: arrays or tables are nested too deeply") from None
     return values, Origin(name, base, lines)
@@ -78,7 +82,7 @@ def read(path: str | Path) -> tuple[dict[str, Any], Origin]:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise SceneError(f"{path}:{line}: not UTF-8 text (byte 0x{data[error.start]:02x}); save it as UTF-8") from None
-    return parse(text, str(path), path.parent)
+    return parse(text, str(path), path.absolute().parent)
 
 
 def dotted(path: KeyPath) -> str:

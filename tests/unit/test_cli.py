@@ -1,0 +1,251 @@
+"""The command line: exit codes, plain lines on stderr, and what a sweep keeps."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import pytest
+
+import contbed
+from contbed import cli
+from contbed.errors import BalanceError, ClosureRangeError, ConvergenceError, SceneError
+
+SCENE = """\
+[mesh]
+type = "line"
+length = 2
+[fluid]
+density = 1
+viscosity = 2e-5
+[bed]
+porosity = 0.4
+particle_diameter = "3 mm"
+[flow]
+velocity = 0.1
+"""
+
+
+@pytest.fixture
+def scene(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return tmp_path / "scene.toml"
+
+
+@pytest.fixture
+def runner(monkeypatch):
+    """A runner that only records its calls; `runner.error` is what it raises."""
+    module = types.ModuleType("contbed.runner")
+    module.calls, module.error = [], None
+
+    def run(scene, out=None, quiet=False, restart=None, progress=None):
+        module.calls.append((scene, out, quiet, restart))
+        if module.error:
+            raise module.error
+        out.mkdir(parents=True, exist_ok=True)
+        result = types.SimpleNamespace(summary={"qoi": {"pressure_drop": 2.0 / scene.bed.particle_diameter}})
+        result.table = lambda: "the table"
+        return result
+
+    module.run = run
+    monkeypatch.setitem(sys.modules, "contbed.runner", module)
+    return module
+
+
+def python(*arguments):
+    environment = {**os.environ, "PYTHONPATH": str(Path(contbed.__file__).parents[1])}
+    return subprocess.run([sys.executable, *arguments], env=environment, capture_output=True, text=True)
+
+
+def test_the_command_itself(scene):
+    """The entry point in a process of its own: help is fast and light, a bad scene ends with 2 and writes nothing."""
+    scene.write_text(SCENE.replace("0.4", "4"))
+    before = set(scene.parent.iterdir())
+    done = python("-m", "contbed", "run", "scene.toml", "--out", "out")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr == "scene.toml:8: bed.porosity = 4: out of range; allowed: a number > 0 and < 1\n"
+    assert set(scene.parent.iterdir()) == before
+    code = (
+        "import sys; from contbed.cli import main; assert main(['--help']) == 0; "
+        "print([m for m in ('numpy', 'pydantic', 'scipy', 'skfem', 'gmsh', 'CoolProp', 'joblib') if m in sys.modules])"
+    )
+    done = python("-c", code)
+    assert "converge" in done.stdout
+    assert done.stdout.splitlines()[-1] in ("[]", "['numpy']")
+
+
+def test_check(scene, capsys):
+    assert cli.main(["check", "scene.toml"]) == 0
+    assert capsys.readouterr().out == "scene.toml: ok\n"
+    assert cli.main(["check", "scene.toml", "no.toml", "--set", "bed.porosity=2", "--set", "flow.velocity=1 kg"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.splitlines() == [
+        "override: bed.porosity = 2: out of range; allowed: a number > 0 and < 1",
+        "override: flow.velocity = \"1 kg\": expected a velocity like 'm/s', found '1 kg'",
+        "no.toml:1: no such file",
+    ]
+
+
+def test_run(scene, runner, capsys):
+    assert cli.main(["run", "scene.toml", "--set", "mesh.length=3 m"]) == 0
+    loaded, out, quiet, restart = runner.calls[-1]
+    assert (loaded.mesh.length, str(out), quiet, restart) == (3.0, "results/scene", False, None)
+    assert "the table" in capsys.readouterr().out
+    assert cli.main(["run", "scene.toml", "--out", "there", "--quiet", "--restart", "here"]) == 0
+    assert [str(value) for value in runner.calls[-1][1:]] == ["there", "True", "here"]
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (SceneError(["a:1: b", "a:2: c"]), 2),
+        (ConvergenceError("Newton stalled"), 3),
+        (ClosureRangeError("Re"), 4),
+        (BalanceError("mass"), 5),
+        (KeyboardInterrupt(), 130),
+        (PermissionError(13, "Permission denied", "/there"), 1),
+    ],
+)
+def test_each_error_has_its_exit_code_and_no_traceback(scene, runner, capsys, error, code):
+    runner.error = error
+    assert cli.main(["run", "scene.toml"]) == code
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err or code == 130
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["frobnicate"],
+        ["run"],
+        ["run", "a", "--bad"],
+        ["converge", "a", "--levels", "1"],
+        ["sweep", "a", "--jobs", "0"],
+        ["check", "scene.toml", "--set", "porosity"],
+        ["explain", "nuselt"],
+        ["plan", "no.toml"],
+        ["sweep", "no.toml"],
+    ],
+)
+def test_usage_errors_end_with_2(scene, capsys, arguments):
+    assert cli.main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert 1 <= len(err.splitlines()) <= 2
+
+
+def test_version_and_help(capsys):
+    assert cli.main(["--version"]) == 0
+    assert capsys.readouterr().out.startswith("contbed ")
+    for command in ("run", "check", "plan", "explain", "list", "converge", "bench", "sweep"):
+        assert cli.main([command, "--help"]) == 0
+        assert command in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("name", "part"),
+    [
+        ("gunn", "kind nusselt"),
+        ("nusselt_gunn", "Gunn (1978)"),
+        ("wakao_kaguei", "dispersion_wakao_kaguei_transverse"),
+        ("two_energy", "energy equations"),
+        ("heat", "nusselt: a number >= 0, or a closure's name"),
+        ("heat.nusselt", "contbed list"),
+        ("mesh.length", "allowed: a number > 0 m"),
+        ("mesh.box", "width: a number > 0 m; required"),
+        ("solver.degree", "allowed: 1 or 2 or 3\n    default: 2"),
+        ("boundary.wall.fluid", "Thermal condition"),
+    ],
+)
+def test_explain(capsys, name, part):
+    assert cli.main(["explain", name]) == 0
+    assert part in capsys.readouterr().out
+
+
+def test_list_shows_everything_by_name(scene, capsys):
+    study = scene.parent / "studies" / "author_2020"
+    study.mkdir(parents=True)
+    (study / "case.toml").write_text(SCENE)
+    assert cli.main(["list"]) == 0
+    out = capsys.readouterr().out
+    for part in ("two_energy", "closures: nusselt", "nusselt_gunn", "boundary.NAME", "author_2020", "case.toml"):
+        assert part in out
+
+
+STUDY = """\
+scene = "scene.toml"
+[parameters]
+flow.velocity = [0.1, "20 cm/s"]
+"bed.particle_diameter" = ["1 mm", "2 mm"]
+"""
+
+
+def read_table(folder):
+    with open(folder / "sweep.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_sweep_runs_all_combinations_once_and_retries_failures(scene, runner, capsys):
+    (scene.parent / "study.toml").write_text(STUDY)
+    out = scene.parent / "out"
+    runner.error = ConvergenceError("stalled")
+    assert cli.main(["sweep", "study.toml", "--out", "out"]) == 3
+    assert [row["problem"] for row in read_table(out)] == ["stalled"] * 4
+    assert len(runner.calls) == 4
+
+    runner.error = None
+    assert cli.main(["sweep", "study.toml", "--out", "out"]) == 0
+    rows = read_table(out)
+    assert len(runner.calls) == 8
+    assert list(rows[0]) == ["flow.velocity [m/s]", "bed.particle_diameter [m]", "pressure_drop", "run", "problem"]
+    assert [row["flow.velocity [m/s]"] for row in rows] == ["0.1", "0.1", "0.2", "0.2"]
+    assert [float(row["pressure_drop"]) for row in rows] == [2000.0, 1000.0, 2000.0, 1000.0]
+    assert not list(out.glob(".*"))
+
+    table = (out / "sweep.csv").read_bytes()
+    assert cli.main(["sweep", "study.toml", "--out", "out"]) == 0
+    assert len(runner.calls) == 8
+    assert (out / "sweep.csv").read_bytes() == table
+
+    (scene.parent / "study.toml").write_text(STUDY.replace("0.1,", "0.1, 0.3,"))
+    (out / rows[0]["run"] / "finished.json").write_text("{ broken")
+    assert cli.main(["sweep", "study.toml", "--out", "out"]) == 0
+    assert len(runner.calls) == 11
+    assert json.loads((out / rows[0]["run"] / "finished.json").read_text()) == {"pressure_drop": 2000.0}
+
+
+def test_a_crash_in_one_run_does_not_lose_the_others(scene, runner):
+    (scene.parent / "study.toml").write_text(STUDY)
+    runner.error = ZeroDivisionError("a\nb")
+    assert cli.main(["sweep", "study.toml", "--out", "out", "--quiet"]) == 3
+    assert {row["problem"] for row in read_table(scene.parent / "out")} == {"ZeroDivisionError: a; b"}
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (STUDY.replace("0.1,", "-9e999,"), "study.toml:3: flow.velocity = -Infinity: not a finite number"),
+        (STUDY.replace("flow.velocity", "flow.velocty"), "study.toml:3: flow.velocty = 0.1: unknown key"),
+        (STUDY.replace('[0.1, "20 cm/s"]', "0.1"), "study.toml:3: flow.velocity: expected a list of values"),
+        (STUDY.replace("scene =", "scenes ="), "study.toml:1: scenes: unknown key; allowed: scene, parameters"),
+        ('scene = "scene.toml"', "study.toml:1: parameters: missing"),
+        (STUDY.replace("scene.toml", "no.toml"), "no.toml:1: no such file"),
+        (STUDY.replace("0.1,", f"{'0.1, ' * 60000}"), "study.toml:2: parameters: 120002 runs; at most 100000"),
+    ],
+)
+def test_mistakes_in_a_study_are_told_before_the_first_run(scene, runner, capsys, text, line):
+    (scene.parent / "study.toml").write_text(text)
+    assert cli.main(["sweep", "study.toml", "--out", "out"]) == 2
+    assert line in capsys.readouterr().err
+    assert not runner.calls
+    assert not (scene.parent / "out").exists()

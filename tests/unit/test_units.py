@@ -1,0 +1,87 @@
+"""Units at the door."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import contbed
+from contbed.units import QUANTITIES, to_si
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("3 mm", "m", 0.003),
+        ("3mm", "m", 0.003),
+        (" 1e-3 m ", "m", 0.001),
+        ("+.5 km", "m", 500.0),
+        ("100 degC", "K", 373.15),
+        ("-10 \u00b0C", "K", 263.15),
+        ("212 degF", "K", 373.15),
+        ("300 K", "K", 300.0),
+        ("1 bar", "Pa", 1e5),
+        ("0.1 m/s", "m/s", 0.1),
+        ("36 km/h", "m/s", 10.0),
+        ("2 min", "s", 120.0),
+        ("1 cP", "Pa*s", 1e-3),
+        ("1.2 kg/m3", "kg/m**3", 1.2),
+        ("1.2 g/cm^3", "kg/m**3", 1200.0),
+        ("2 W m-2 K-1", "W/m**2/K", 2.0),
+        ("2 W/m^2/degC", "W/m**2/K", 2.0),
+        ("1 kJ/kg/K", "J/kg/K", 1000.0),
+        ("1e-9 m^2", "m**2", 1e-9),
+        ("40 %", "1", 0.4),
+        ("0.4", "1", 0.4),
+    ],
+)
+def test_quantities(text, unit, value):
+    assert to_si(text, unit) == pytest.approx(value, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "message"),
+    [
+        ("3 kg", "m", "expected a length like 'm', found '3 kg'"),
+        ("2 L/min", "m/s", "expected a velocity like 'm/s', found '2 L/min'"),
+        ("3", "m", "found '3' without a unit; write 3 for SI, or '3 m'"),
+        ("3 mm mm", "m", "expected a length like 'm', found '3 mm mm'"),
+        ("mm", "m", "expected a length like 'm', found 'mm'"),
+        ("", "m", "expected a length like 'm', found ''"),
+        ("3,5 mm", "m", "the decimal sign is a point"),
+        ("100 C", "K", "degrees Celsius are 'degC'"),
+        ("3 quux", "m", "unknown unit 'quux'"),
+        ("3 m", "1", "expected a plain number, found '3 m'"),
+        ("3 __import__('os').getcwd()", "m", "unknown unit"),
+        ("3 m**9**9**9**9", "m", "unknown unit"),
+        ("3 (m", "m", "unknown unit"),
+        ("nan m", "m", "expected a length"),
+        ("3 m" + "m" * 1000, "m", "unknown unit"),
+    ],
+)
+def test_what_is_no_quantity(text, unit, message):
+    with pytest.raises(ValueError) as error:
+        to_si(text, unit)
+    assert message in str(error.value)
+    assert len(str(error.value)) < 250
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.text("0123456789.eE+-*/^() mKPasgWJdC%_,", max_size=20), st.sampled_from(sorted(QUANTITIES)))
+def test_any_text_gives_a_number_or_a_value_error(text, unit):
+    try:
+        assert isinstance(to_si(text, unit), float)
+    except ValueError as error:
+        assert type(error) is ValueError
+
+
+def test_pint_is_imported_by_the_first_unit_only():
+    code = "import sys, contbed.units as u; print('pint' in sys.modules); u.to_si('1 m', 'm')"
+    code += "; print('pint' in sys.modules)"
+    environment = {**os.environ, "PYTHONPATH": str(Path(contbed.__file__).parents[1])}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", "True"]
