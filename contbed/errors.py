@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class ContbedError(Exception):
     """Base of all errors that a user can meet; `exit_code` is what the command line returns."""
@@ -20,12 +22,13 @@ class SceneError(ContbedError):
 
 
 class ConvergenceError(ContbedError):
-    """Newton, a time step or a linear solve failed. `history` holds the residual norms; the last state was kept."""
+    """Newton, a time step or a linear solve failed. `history` holds the residual norms, `state` the last state."""
 
     exit_code = 3
 
-    def __init__(self, message: str, history: list[float] | None = None):
+    def __init__(self, message: str, history: list[float] | None = None, state: Any = None):
         self.history = history or []
+        self.state = state
         super().__init__(message)
 
 

@@ -239,7 +239,11 @@ class HeatProblem:
 
     def reactions(self, residual: Any) -> dict[str, float]:
         """Heat that the prescribed temperatures conduct into the bed [W], by boundary, from an unconstrained residual."""
-        sums = np.bincount(self.fixed_owner, weights=residual[self.fixed], minlength=len(self.mesh.boundaries))
+        return self.reaction_sums(residual[self.fixed])
+
+    def reaction_sums(self, reaction: Any) -> dict[str, float]:
+        """Sum of the reactions at the prescribed nodes, by boundary."""
+        sums = np.bincount(self.fixed_owner, weights=reaction, minlength=len(self.mesh.boundaries))
         return {name: float(value) for name, value in zip(self.mesh.boundaries, sums, strict=True)}
 
     def source(self) -> float:

@@ -26,15 +26,19 @@ FRONT_CELLS = 4000  # cells of a bed with tracked fronts
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run builds. `velocity` and `velocity_solid` are vectors on `mesh`; `conditions` has one entry a boundary."""
+    """What a run builds: `scene` as written, `solved` the scene after reduction to a line. `velocity` and `velocity_solid` are
+    vectors on `mesh`, `section` is the cross-section [m2] of a reduced bed, `conditions` has one entry a boundary.
+    """
 
     scene: s.Scene
+    solved: s.Scene
     medium: Medium
     mesh: Mesh
     section: float
     velocity: Any
     velocity_solid: Any
     conditions: dict[str, str]
+    coordinate: str
     plug: bool
     fronts: bool
     built: tuple[tuple[str, str], ...]
@@ -88,6 +92,7 @@ def plan(scene: s.Scene) -> Plan:
     if plug and scene.heat is None:
         raise SceneError(scene.origin.at(("flow",)) + ": flow: nothing to solve: no wall has flow = \"no_slip\" and "
                          "there is no [heat] table")
+    coordinate = "z" if getattr(scene.mesh, "axisymmetric", False) or isinstance(scene.mesh, s.MeshAxisymmetric) else "x"
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
     built.append((f"mesh, {mesh.skfem.dim()}-D", cells))
     (skipped if plug else built).append(
@@ -105,8 +110,8 @@ def plan(scene: s.Scene) -> Plan:
             skipped.append(("Newton for temperatures", "constant properties: linear"))
         if scene.time is None:
             skipped.append(("time stepping", "no [time] table"))
-    return Plan(scene if line is None else target, medium, mesh, section, velocity, solid, conditions, plug, fronts,
-                tuple(built), tuple(skipped))  # fmt: skip
+    return Plan(scene, target, medium, mesh, section, velocity, solid, conditions, coordinate, plug,
+                fronts, tuple(built), tuple(skipped))  # fmt: skip
 
 
 def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
@@ -184,7 +189,7 @@ def _tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
 
 def _role(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
     """inlet, outlet, slip or no_slip of one boundary."""
-    given = role(scene.mesh, tuple(velocity), name, scene.boundary)
+    given = role(scene.mesh, tuple(velocity.tolist()), name, scene.boundary)
     if given is not None:
         return given
     if mesh.axisymmetric and np.abs(mesh.skfem.p[0, mesh.skfem.facets[:, mesh.skfem.boundaries[name]]]).max() < 1e-12:
@@ -281,12 +286,29 @@ def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, lengt
     d_solid = float(medium.conductivity_solid(T))
     exchange = float(medium.exchange(T, speed))
     add_fluid, add_solid, cross = medium.tortuosity() or (0.0, 0.0, 0.0)
-    if exchange == 0.0 or flux_fluid == 0.0 and d_fluid == 0.0:
+    if exchange == 0.0 or (flux_fluid == 0.0 and d_fluid == 0.0):
         return []
     found = rates(flux_fluid, flux_solid, d_fluid + add_fluid, d_solid + add_solid, exchange, cross)
     finite = [rate for rate in found if rate and np.isfinite(rate)]
-    widths = [(0.0 if rate < 0 else length, min(1.0 / abs(rate), length)) for rate in finite]
-    return [(position, width) for position, width in widths if width > 1e-10 * length]
+    layers = [(0.0 if rate < 0 else length, min(1.0 / abs(rate), length)) for rate in finite]
+    if flux_fluid * flux_solid >= 0 and finite:
+        layers = [layer for layer in layers if _matters(scene, layer, finite, flux_fluid + flux_solid, length)]
+    return [(position, width) for position, width in layers if width > 1e-10 * length]
 
 
+def _matters(scene: s.Scene, layer: tuple[float, float], rates: list[float], flux: float, length: float) -> bool:
+    """Whether a layer where all streams leave is strong enough to be seen: the gap there has decayed along the bed."""
+    position, width = layer
+    if (position > 0) != (flux > 0) or any(
+        table.fluid or table.solid for name, table in scene.boundary.items() if name == _end(scene, position)
+    ):
+        return True
+    slow = min((abs(rate) for rate in rates if (rate < 0) == (flux > 0)), default=0.0)
+    strength = np.exp(-slow * length) * min(1.0, slow * width)
+    return bool(strength * GRADING_ERROR > scene.solver.tolerance)
 
+
+def _end(scene: s.Scene, position: float) -> str:
+    mesh = scene.mesh
+    low, high = mesh.sides[1 if isinstance(mesh, s.MeshAxisymmetric) else 0]  # type: ignore[union-attr]
+    return high if position > 0 else low

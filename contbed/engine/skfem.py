@@ -159,8 +159,9 @@ class _Unknown(Dual):
         super().__init__(self.at("v"), {} if key is None else {(*key, "v"): 1.0})
 
     def at(self, kind: Any) -> Array:
-        """Value of one reference slot at all points."""
-        return self.local @ self.where.table(self.space, kind)
+        """Value of one reference slot at all points; derivatives from differences, which loses no digits to offsets."""
+        local = self.local if kind in ("v", "low") else self.local - self.local[:, :1]
+        return local @ self.where.table(self.space, kind)
 
     def slot(self, kind: Any) -> Dual:
         """The value of a physical slot with its derivative to itself."""

@@ -1,0 +1,88 @@
+"""What a run found: profiles, named results, balances, closure ranges, cost; and how it is written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from contbed.planning import Plan
+
+
+@dataclass
+class Result:
+    """`profiles` maps CSV headers to columns; `nodal` maps field names to (Space, values) at the last time;
+    `series` holds (time, nodal) of a transient; `summary` is what summary.json says.
+    """
+
+    plan: Plan
+    profiles: dict[str, Any] = field(default_factory=dict)
+    nodal: dict[str, Any] = field(default_factory=dict)
+    series: list[tuple[float, dict[str, Any]]] = field(default_factory=list)
+    qoi: dict[str, Any] = field(default_factory=dict)
+    balances: dict[str, dict[str, Any]] = field(default_factory=dict)
+    closures: list[dict[str, Any]] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    timings: dict[str, float] = field(default_factory=dict)
+    history: list[float] = field(default_factory=list)
+    status: str = "ok"
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The contents of summary.json."""
+        from contbed.scene import resolved
+        from contbed.versions import versions
+
+        return {
+            "status": self.status,
+            "versions": versions(),
+            "scene": resolved(self.plan.scene),
+            "dofs": self.plan.unknowns(),
+            "timings": self.timings,
+            "balances": self.balances,
+            "closures": self.closures,
+            "built": [{"what": what, "why": why} for what, why in self.plan.built],
+            "skipped": [{"what": what, "why": why} for what, why in self.plan.skipped],
+            "warnings": self.warnings,
+            "qoi": self.qoi,
+            "newton": self.history,
+        }
+
+    def table(self) -> str:
+        """The result as a table for a terminal."""
+        from contbed.output.summary import table
+
+        return table(self.summary)
+
+    def write(self, out: Path) -> None:
+        """Write summary.json, profiles.csv, fields and plots into `out`."""
+        from contbed.output.summary import write_json
+        from contbed.output.tables import write_table
+
+        out.mkdir(parents=True, exist_ok=True)
+        settings, mesh = self.plan.scene.output, self.plan.mesh
+        if self.profiles:
+            write_table(out / "profiles.csv", self.profiles)
+        if settings.fields and self.nodal:
+            from contbed.output.vtu import write_fields, write_series
+
+            if self.series:
+                names = [(time, f"fields_{k:04d}.vtu") for k, (time, _) in enumerate(self.series)]
+                for (_, name), (_, nodal) in zip(names, self.series, strict=True):
+                    write_fields(out / name, mesh.skfem, nodal)
+                write_series(out / "fields.pvd", names)
+            else:
+                write_fields(out / "fields.vtu", mesh.skfem, self.nodal)
+        if settings.plots and self.profiles:
+            self._plot(out)
+        write_json(out / "summary.json", self.summary)
+
+    def _plot(self, out: Path) -> None:
+        from contbed.output.plots import field_plot, profile_plot, transient_plot
+
+        scene, mesh = self.plan.scene, self.plan.mesh
+        coordinate = next(iter(self.profiles))
+        draw = transient_plot if "t [s]" in self.profiles else profile_plot
+        draw(out / "profiles.png", self.profiles, coordinate, scene.title)
+        if mesh.skfem.dim() == 2 and self.nodal:
+            field_plot(out / "fields.png", mesh, self.nodal, mesh.axisymmetric, scene.title)

@@ -1,0 +1,272 @@
+"""Run one scene: plan, flow, heat, results. Whatever stops a run, its last state is kept."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed import settings as s
+from contbed.errors import BalanceError, ClosureRangeError, ConvergenceError, SceneError
+from contbed.planning import Plan
+from contbed.planning import plan as make_plan
+from contbed.result import Result
+
+OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
+
+
+def run(
+    scene: s.Scene, out: str | Path | None = None, quiet: bool = True, restart: str | Path | None = None
+) -> Result:
+    """Solve a scene.
+
+    Parameters
+    ----------
+    scene : from `contbed.load`
+    out : folder for the results; nothing is written, plotted or imported for it if None
+    quiet : no progress bar
+    restart : folder of an earlier run of the same scene whose checkpoint is continued
+
+    Raises
+    ------
+    SceneError, ConvergenceError, ClosureRangeError, BalanceError : after what was found has been written to `out`
+    """
+    start = clock.perf_counter()
+    folder = Path(out) if out is not None else Path(restart) if restart is not None else None
+    plan = make_plan(scene)
+    result = Result(plan)
+    result.timings["plan"] = clock.perf_counter() - start
+    try:
+        _solve(scene, plan, result, folder, quiet, restart)
+    except ConvergenceError as error:
+        result.status, result.history = "not converged", error.history
+        result.warnings.append(str(error))
+        _keep_last(scene, error, folder)
+        raise
+    except KeyboardInterrupt:
+        result.status = "interrupted"
+        raise
+    finally:
+        result.timings["total"] = clock.perf_counter() - start
+        if folder is not None and (result.status != "ok" or result.profiles):
+            with _timed(result, "output"):
+                result.write(folder)
+    _verdict(scene, result)
+    return result
+
+
+def _verdict(scene: s.Scene, result: Result) -> None:
+    """Turn an open balance, or in strict mode a closure out of its range, into an error."""
+    for name, balance in result.balances.items():
+        if not abs(balance["relative_residual"]) <= scene.solver.balance_tolerance:
+            raise BalanceError(
+                f"balance of {name} is open by {balance['relative_residual']:.2g} of its largest part, allowed "
+                f"{scene.solver.balance_tolerance:.2g}; lower solver.newton_tolerance or raise solver.balance_tolerance"
+            )
+    outside = [closure for closure in result.closures if closure["share_outside"] > 0]
+    if scene.solver.strict and outside:
+        raise ClosureRangeError("; ".join(_outside(closure) for closure in outside))
+
+
+def _outside(closure: dict[str, Any]) -> str:
+    parts = [
+        f"{name} {use['used'][0]:.4g} to {use['used'][1]:.4g}, declared {use['declared'][0]} to {use['declared'][1]}"
+        for name, use in closure["ranges"].items()
+        if use["share_outside"] > 0
+    ]
+    return f"closure {closure['name']} is out of its range: {', '.join(parts)}"
+
+
+@contextmanager
+def _timed(result: Result, phase: str) -> Iterator[None]:
+    start = clock.perf_counter()
+    try:
+        yield
+    finally:
+        result.timings[phase] = result.timings.get(phase, 0.0) + clock.perf_counter() - start
+
+
+def _solve(
+    scene: s.Scene, plan: Plan, result: Result, folder: Path | None, quiet: bool, restart: str | Path | None
+) -> None:
+    if restart is not None and (scene.time is None or plan.fronts):
+        raise SceneError(f"{scene.origin.name}: nothing to restart, the scene takes no time steps; leave out --restart")
+    flow = None
+    if not plan.plug:
+        with _timed(result, "flow"):
+            flow = _flow(plan, result)
+    if scene.heat is None:
+        return
+    if plan.fronts:
+        with _timed(result, "heat"):
+            _track_fronts(plan, result)
+        return
+    from contbed.heat_problem import HeatProblem, Motion
+
+    with _timed(result, "heat setup"):
+        motion = Motion(plan.velocity, plan.velocity_solid, flow)
+        problem = HeatProblem(plan.solved, plan.mesh, plan.medium, motion, plan.section)
+    if scene.time is None:
+        _steady(plan, problem, result)
+    else:
+        _transient(scene, plan, problem, result, folder, quiet, restart)
+
+
+def _flow(plan: Plan, result: Result) -> Any:
+    from contbed.flow_problem import coefficients, solve_flow
+
+    scene, options = plan.scene, plan.scene.solver
+    c = coefficients(scene, plan.medium, plan.velocity, plan.velocity_solid)
+    flow = solve_flow(
+        plan.mesh, c, plan.velocity, plan.conditions, plan.policy,
+        tolerance=options.newton_tolerance, iterations=options.newton_iterations,
+    )  # fmt: skip
+    result.history += flow.history
+    outflow = {name: flow.outflow(name) for name in plan.mesh.boundaries}
+    entering = -sum(v for v in outflow.values() if v < 0)
+    leaving = sum(v for v in outflow.values() if v > 0)
+    result.balances["fluid volume"] = _balance(entering, leaving, 0.0, 0.0, "m3/s")
+    result.nodal |= {"u": (flow.system.fields["u"][0], flow.velocity), "p": (flow.system.fields["p"][0], flow.pressure)}
+    from contbed.findings import flow_findings
+
+    flow_findings(plan, flow, result)
+    return flow
+
+
+def _balance(entering: float, leaving: float, source: float, stored: float, unit: str) -> dict[str, Any]:
+    scale = max(abs(entering), abs(leaving), abs(source), abs(stored), 1e-300)
+    residual = (entering + source - leaving - stored) / scale
+    return {
+        "in": entering, "out": leaving, "source": source, "stored": stored,
+        "relative_residual": residual, "unit": unit,
+    }  # fmt: skip
+
+
+def _heat_balance(fluxes: Any, reactions: Any, source: float, stored: float, unit: str) -> dict[str, Any]:
+    parts = [value for flux in fluxes.values() for value in flux.values()] + list(reactions.values())
+    entering, leaving = sum(v for v in parts if v > 0), -sum(v for v in parts if v < 0)
+    return _balance(entering, leaving, source, stored, unit)
+
+
+def _steady(plan: Plan, problem: Any, result: Result) -> None:
+    from contbed.findings import steady_findings
+
+    with _timed(result, "heat"):
+        state, history = problem.solve(plan.policy)
+        result.history += history
+        residual, _ = problem.steady(state, False)
+    with _timed(result, "results"):
+        fluxes, reactions = problem.fluxes(state), problem.reactions(residual)
+        result.balances["energy"] = _heat_balance(fluxes, reactions, problem.source(), 0.0, "W")
+        steady_findings(plan, problem, state, fluxes, reactions, result)
+        _check_state(plan, problem, [state], result)
+
+
+def _transient(
+    scene: s.Scene, plan: Plan, problem: Any, result: Result, folder: Path | None, quiet: bool,
+    restart: str | Path | None,
+) -> None:  # fmt: skip
+    from contbed.findings import transient_findings
+    from contbed.output import checkpoint
+    from contbed.output.progress import Progress
+    from contbed.scene import scene_hash
+    from contbed.transient import History, integrated_fluxes, run_transient
+
+    assert scene.time is not None
+    label = scene_hash(scene)
+    history = History(problem.initial())
+    if restart is not None:
+        arrays, meta = checkpoint.load(Path(restart))
+        checkpoint.require_same(meta, label)
+        history = History.unpack(arrays, meta)
+
+    def save(arrays: dict[str, Any], meta: dict[str, Any]) -> None:
+        assert folder is not None
+        folder.mkdir(parents=True, exist_ok=True)
+        checkpoint.save(folder, arrays, meta | {"scene_hash": label})
+
+    try:
+        with _timed(result, "heat"), Progress(scene.time.end, "s", quiet) as progress:
+            run_transient(
+                problem, history, plan.policy, advance=progress.advance_to, save=save if folder is not None else None
+            )
+    finally:
+        with _timed(result, "results"):
+            if history.steps:
+                fluxes, reactions = integrated_fluxes(problem, history), problem.reaction_sums(history.reaction)
+                source = problem.source() * history.time
+                result.balances["energy"] = _heat_balance(fluxes, reactions, source, history.gain, "J")
+            transient_findings(plan, problem, history, result)
+            _check_state(plan, problem, history.snapshots, result)
+        if folder is not None:
+            save(*history.pack())
+
+
+def _track_fronts(plan: Plan, result: Result) -> None:
+    from contbed.findings import front_findings
+    from contbed.models.fronts import track
+
+    scene, medium = plan.scene, plan.medium
+    time, bed = scene.time, scene.bed
+    assert time is not None
+    u = float(plan.velocity[0])
+    times = sorted({*time.times, time.end})
+    snapshots, sums = track(
+        scene.mesh.length,  # type: ignore[union-attr]
+        plan.mesh.skfem.nelements,
+        abs(u) / bed.porosity,
+        bed.porosity * medium.fluid.density(300.0) * medium.fluid.heat_capacity(300.0),
+        (1.0 - bed.porosity) * medium.solid.density(300.0) * medium.solid.heat_capacity(300.0),
+        float(medium.exchange(medium.T_fluid_in, lambda density: abs(u))),
+        medium.T_fluid_in,
+        (time.initial_fluid, time.initial_solid),
+        times,
+    )
+    result.closures = [use.to_dict() for use in medium.ranges()]
+    sums = {name: value * plan.section for name, value in sums.items()}
+    result.balances["energy"] = _balance(sums["in"], sums["out"], 0.0, sums["stored"], "J")
+    front_findings(plan, snapshots, u < 0, result)
+
+
+def _check_state(plan: Plan, problem: Any, states: list[Any], result: Result) -> None:
+    """Closure ranges at the last state, material ranges and bounds of theta over all states; nothing is clipped."""
+    if not states:
+        return
+    problem.steady(states[-1], False)
+    result.closures = [use.to_dict() for use in plan.medium.ranges()]
+    result.warnings += [_outside(closure) for closure in result.closures if closure["share_outside"] > 0]
+    for phase in ("fluid", "solid"):
+        material = getattr(plan.medium, phase)
+        values = problem.system.part(states[-1], f"T_{phase}")
+        if (share := material.share_outside(values)) > 0:
+            low, high = material.T_range
+            result.warnings.append(
+                f"{material.name}: {share:.1%} of the points are outside {low:.6g} to {high:.6g} K, used "
+                f"{values.min():.6g} to {values.max():.6g} K"
+            )
+    low, high = problem.T_span
+    has_heat = problem.source() or any(table.flux for b in plan.scene.boundary.values()
+                                       for table in (b.fluid, b.solid) if table is not None)  # fmt: skip
+    if has_heat or high <= low:
+        return
+    beyond = max(max(float(state.max()) - high, low - float(state.min())) for state in states) / (high - low)
+    result.qoi["theta_overshoot"] = max(beyond, 0.0)
+    if beyond > OVERSHOOT:
+        result.warnings.append(
+            f"theta leaves [0, 1] by {beyond:.2g}: a layer is not resolved; refine the mesh or leave out mesh.cells"
+        )
+
+
+def _keep_last(scene: s.Scene, error: ConvergenceError, folder: Path | None) -> None:
+    """A steady run keeps its last Newton state beside the summary."""
+    if folder is None or error.state is None or scene.time is not None:
+        return
+    from contbed.output import checkpoint
+    from contbed.scene import scene_hash
+
+    folder.mkdir(parents=True, exist_ok=True)
+    checkpoint.save(folder, {"state": np.asarray(error.state)}, {"scene_hash": scene_hash(scene)})

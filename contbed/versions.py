@@ -1,0 +1,16 @@
+"""Versions of contbed and of the libraries that a run has imported."""
+
+from __future__ import annotations
+
+import platform
+import sys
+
+from contbed import __version__
+
+_LIBRARIES = ("numpy", "scipy", "skfem", "cantera", "CoolProp", "gmsh", "meshio", "numba")
+
+
+def versions() -> dict[str, str]:
+    """Name -> version, only of what is loaded: an absent library was not needed."""
+    loaded = {name: getattr(sys.modules[name], "__version__", "?") for name in _LIBRARIES if name in sys.modules}
+    return {"contbed": __version__, "python": platform.python_version(), **loaded}
