@@ -19,6 +19,11 @@ from contbed.output.files import atomic
 NAME = "checkpoint.npz"
 _ARRAY = "array."  # keeps the names of arrays apart from those of the file itself
 
+# what zipfile and numpy raise on bytes that are not as they were written; a zip may even seem to be encrypted
+_DAMAGE = (
+    OSError, ValueError, TypeError, KeyError, EOFError, RuntimeError, MemoryError, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+
 
 def save(folder: Path | str, arrays: Mapping[str, NDArray], meta: Mapping[str, Any]) -> None:
     """Write `checkpoint.npz` in a folder; `meta` holds what JSON can hold, numbers exactly.
@@ -55,7 +60,7 @@ def load(folder: Path | str) -> tuple[dict[str, NDArray], dict[str, Any]]:
     if not path.is_file():
         raise SceneError(f"{folder}: no {NAME} to restart from; run the scene without --restart")
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             arrays = {name.removeprefix(_ARRAY): file[name] for name in file.files if name.startswith(_ARRAY)}
             text, checksum = str(file["meta"]), str(file["checksum"])
         if checksum != _checksum(arrays, text):
@@ -63,7 +68,7 @@ def load(folder: Path | str) -> tuple[dict[str, NDArray], dict[str, Any]]:
         return arrays, json.loads(text)
     except PermissionError as error:
         raise SceneError(f"cannot read {path}: {error.strerror}") from error
-    except (OSError, ValueError, KeyError, EOFError, NotImplementedError, zipfile.BadZipFile, zlib.error) as error:
+    except _DAMAGE as error:
         reason = " ".join(str(error).split())
         raise SceneError(f"{path}: damaged checkpoint ({reason}); run the scene without --restart") from error
 

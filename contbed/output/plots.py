@@ -1,0 +1,239 @@
+"""The picture a person wants first: profiles along the bed, their history, or maps of a plane bed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.engine.elements import Space
+from contbed.fields import FIELDS, name_of
+from contbed.output.files import atomic
+from contbed.output.vtu import at_nodes
+
+if TYPE_CHECKING:
+    import skfem
+
+Array = NDArray[np.float64]
+
+WIDTH = 8.0  # inches, 1600 pixels
+DPI = 200
+# Okabe and Ito's colours, told apart with any colour vision
+_COLOURS = {"fluid": "#0072B2", "solid": "#D55E00", "other": "#009E73"}
+_PAIRS = (("T_fluid", "T_solid"), ("theta_fluid", "theta_solid"))
+_MAPS = {"K": "inferno", "1": "inferno", "m/s": "viridis", "Pa": "cividis"}
+_CURVES = 7  # most times in one picture
+_LONG = 2.5  # a bed longer than this many widths lies down, with its maps one below another
+_FLAT = 12.0  # a map is never flatter than this
+_INNER = {"triangle": [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]}
+_INNER["quadrilateral"] = [(a, b, 8) for a, b in zip((0, 4, 1, 5, 2, 6, 3, 7), (4, 1, 5, 2, 6, 3, 7, 0), strict=True)]
+_STYLE: dict[Any, Any] = {
+    "font.size": 11,
+    "axes.titlesize": 11,
+    "axes.labelsize": 12,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-3, 5),
+    "axes.formatter.use_mathtext": True,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 1.8,
+    "legend.frameon": False,
+    "figure.titlesize": 12,
+    "image.cmap": "viridis",
+}
+
+
+@contextmanager
+def _figure(path: Path | str, height: float, title: str) -> Iterator[Any]:
+    """A figure in the common style, saved as PNG when the block ends."""
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_STYLE)
+        figure = Figure(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
+        FigureCanvasAgg(figure)
+        if title:
+            # a dollar in a title is a dollar, not the start of a formula
+            figure.suptitle(title, parse_math=False, wrap=True)
+        yield figure
+        with atomic(path) as temporary:
+            figure.savefig(temporary, format="png")
+
+
+def _chosen(names: list[str]) -> list[tuple[str, ...]]:
+    """The fields worth a picture, in groups that share an axis: temperatures, else all others one by one."""
+    groups = [tuple(name for name in pair if name in names) for pair in _PAIRS]
+    return next(([group] for group in groups if group), [(name,) for name in names])
+
+
+def _phase(name: str) -> str:
+    return next((phase for phase in ("fluid", "solid") if name.endswith(phase)), "other")
+
+
+def _group_label(group: tuple[str, ...]) -> str:
+    """Axis label of fields that share an axis."""
+    symbols = ", ".join(f"${FIELDS[name].symbol}$" for name in group)
+    unit = FIELDS[group[0]].unit
+    return symbols if unit == "1" else f"{symbols} [{unit}]"
+
+
+def profile_plot(path: Path | str, columns: Mapping[str, Array], coordinate_header: str, title: str = "") -> None:
+    """Steady profiles along the bed: the temperatures of both phases, or the other columns where there are none.
+
+    Parameters
+    ----------
+    path : PNG file
+    columns : values by header, as in profiles.csv
+    coordinate_header : which of them is the coordinate
+    title : text above the picture
+    """
+    values = {name_of(header): np.asarray(column) for header, column in columns.items()}
+    coordinate = name_of(coordinate_header)
+    x = values.pop(coordinate)
+    groups = _chosen(list(values))
+    with _figure(path, 1.5 + 3.2 * len(groups), title) as figure:
+        panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, group in zip(panels, groups, strict=True):
+            for name in group:
+                # the fluid is dashed so that the solid shows through where both are equal
+                dashes = (0, (4, 2)) if _phase(name) == "fluid" and len(group) > 1 else "solid"
+                axes.plot(x, values[name], color=_COLOURS[_phase(name)], linestyle=dashes, label=_phase(name),
+                          zorder=3 if _phase(name) == "fluid" else 2)  # fmt: skip
+            axes.set_ylabel(_group_label(group))
+            axes.margins(x=0)
+            if len(group) > 1:
+                axes.legend()
+        panels[-1].set_xlabel(FIELDS[coordinate].label)
+
+
+def transient_plot(path: Path | str, columns: Mapping[str, Array], coordinate_header: str, title: str = "") -> None:
+    """Profiles at several times, dark to light, each with its time; parameters as in `profile_plot`, with "t [s]"."""
+    from matplotlib import colormaps
+
+    values = {name_of(header): np.asarray(column) for header, column in columns.items()}
+    coordinate = name_of(coordinate_header)
+    x, t = values.pop(coordinate), values.pop("t")
+    names = [name for group in _chosen(list(values)) for name in group]
+    times = np.unique(t)
+    times = times[np.unique(np.linspace(0, len(times) - 1, _CURVES).round().astype(int))]
+    colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(times)))
+    with _figure(path, 4.6, title) as figure:
+        panels = figure.subplots(1, len(names), sharex=True, sharey=len({FIELDS[name].unit for name in names}) == 1,
+                                 squeeze=False)[0]  # fmt: skip
+        for axes, name in zip(panels, names, strict=True):
+            curves = [(x[t == time], values[name][t == time]) for time in times]
+            for (along, value), colour in zip(curves, colours, strict=True):
+                axes.plot(along, value, color=colour)
+            axes.margins(x=0)
+            axes.set(xlabel=FIELDS[coordinate].label, ylabel=FIELDS[name].label)
+            axes.yaxis.set_tick_params(labelleft=True)
+            figure.draw_without_rendering()
+            for time, colour, spot in zip(times, colours, _free_spots(axes, curves), strict=True):
+                axes.annotate(f"{time:.4g} s", spot, color=colour, fontsize=9, ha="center", va="center",
+                              bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "linewidth": 0})  # fmt: skip
+
+
+def _free_spots(axes: Any, curves: list[tuple[Array, Array]]) -> list[tuple[float, float]]:
+    """A point on each curve for its label, as far as can be from other curves, other labels and the frame."""
+    unit = axes.transData + axes.transAxes.inverted()
+    even = [np.interp(np.linspace(0, 1, 200), np.linspace(0, 1, len(x)), np.arange(len(x))) for x, _ in curves]
+    points = [
+        unit.transform(np.column_stack([np.interp(k, np.arange(len(x)), x), np.interp(k, np.arange(len(x)), y)]))
+        for k, (x, y) in zip(even, curves, strict=True)
+    ]
+    spots: list[Array] = []
+    for i, own in enumerate(points):
+        inside = own[(np.abs(own[:, 0] - 0.5) < 0.42)]
+        others = np.vstack([*(p for j, p in enumerate(points) if j != i), *spots, [[2.0, 2.0]]])
+        room = np.linalg.norm(inside[:, None] - others, axis=2).min(axis=1)
+        if spots:
+            # a label is wider than high
+            apart = np.abs(inside[:, None] - np.array(spots)) / (0.14, 0.06)
+            room = np.where(apart.max(axis=2).min(axis=1) < 1, room - 1, room)
+        spots.append(inside[room.argmax()])
+    return [tuple(point) for point in axes.transData.inverted().transform(axes.transAxes.transform(np.array(spots)))]
+
+
+def field_plot(
+    path: Path | str,
+    mesh: skfem.Mesh,
+    nodal: Mapping[str, tuple[Space, Array]],
+    axisymmetric: bool = False,
+    title: str = "",
+) -> None:
+    """Colour maps over a plane or axisymmetric bed: both temperatures and the speed, as far as they are there.
+
+    Parameters
+    ----------
+    path : PNG file
+    mesh : 2-D mesh of all spaces
+    nodal : space and values, (size,) or (2, size), of each field
+    axisymmetric : the coordinates are (r, z)
+    title : text above the picture
+    """
+    quadratic = Space(mesh, 2)
+    maps = {name: at_nodes(space, values, quadratic) for name, (space, values) in nodal.items()}
+    if "u" in maps:
+        maps["speed"] = np.linalg.norm(np.atleast_2d(maps.pop("u")), axis=0)
+    groups = _chosen([name for name in maps if name != "speed"])
+    names = [name for group in groups for name in group] + ["speed"] * ("speed" in maps)
+    triangles = np.vstack([quadratic.dofs[list(three)].T for three in _INNER[_shape(quadratic)]])
+    shared = _limits([maps[name] for name in groups[0]]) if groups and len(groups[0]) > 1 else {}
+
+    points, labels = quadratic.points, ("r", "z") if axisymmetric else ("x", "y")
+    extent = np.ptp(points, axis=1)
+    upright = extent[1] > extent[0]
+    lying = max(extent) > _LONG * min(extent)
+    if lying and upright:
+        points, labels, extent = points[::-1], labels[::-1], extent[::-1]
+    ratio = extent[1] / extent[0]
+    rows, across = (len(names), 1) if ratio < 1 else (1, len(names))
+    stretch = max(1.0, 1 / (_FLAT * ratio))
+    if rows > 1:
+        height = 0.9 + rows * (0.85 + 0.78 * WIDTH * ratio * stretch)
+    else:
+        height = 1.6 + (WIDTH / across - 1.4) * ratio
+    with _figure(path, min(height, 1.4 * WIDTH), title) as figure:
+        panels = figure.subplots(rows, across, squeeze=False, sharex=True, sharey=True)
+        for axes, name in zip(panels.ravel(), names, strict=True):
+            field = FIELDS[name]
+            limits = shared if shared and name in groups[0] else _limits([maps[name]])
+            colours = axes.tripcolor(*points, triangles, maps[name], shading="gouraud", cmap=_MAPS[field.unit], **limits)
+            axes.set_aspect(stretch)
+            axes.set_title(_title(name), loc="left")
+            for side in ("left", "bottom"):
+                axes.spines[side].set_visible(False)
+            figure.colorbar(colours, ax=axes, label=field.label, aspect=12 if rows > 1 else 25).outline.set_visible(False)
+        note = f", drawn {stretch:.3g} times as wide" if stretch > 1 else ""
+        for axes in panels[-1]:
+            axes.set_xlabel(FIELDS[labels[0]].label)
+        for axes in panels[:, 0]:
+            axes.set_ylabel(FIELDS[labels[1]].label + note)
+
+
+def _shape(space: Space) -> str:
+    return "triangle" if space.element.nvertices == 3 else "quadrilateral"
+
+
+def _title(name: str) -> str:
+    phase = _phase(name)
+    return phase if phase != "other" else FIELDS[name].description
+
+
+def _limits(values: list[Array]) -> dict[str, float]:
+    """Colour limits; a constant field keeps a visible colour bar around it."""
+    low, high = min(v.min() for v in values), max(v.max() for v in values)
+    if high - low <= 1e-9 * max(abs(low), abs(high)):
+        spread = 0.01 * abs(low) or 1.0
+        low, high = low - spread, high + spread
+    return {"vmin": low, "vmax": high}

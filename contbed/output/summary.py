@@ -1,0 +1,149 @@
+"""summary.json, and its digest on the terminal."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import sys
+from collections.abc import Iterable, Mapping
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed.fields import name_of, unit_of
+from contbed.output.files import atomic
+
+KEYS = ("status", "versions", "scene", "dofs", "timings", "balances", "closures", "skipped", "warnings", "qoi")
+
+
+def write_json(path: Path | str, content: Mapping[str, Any]) -> None:
+    """Write strict JSON: the summary's keys in their order, then others; nan and inf become null."""
+    ordered = {key: content[key] for key in KEYS if key in content} | dict(content)
+    text = json.dumps(plain(ordered), indent=2, ensure_ascii=False, allow_nan=False)
+    with atomic(path) as temporary:
+        temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def plain(value: Any) -> Any:
+    """The value in JSON's own types; JSON knows neither nan nor inf, so they become None."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, str | int):
+        return value
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(f"JSON cannot hold {type(value).__name__}")
+
+
+def table(summary: Mapping[str, Any], width: int | None = None) -> str:
+    """The result of a run for a person: coloured on a terminal, plain text elsewhere.
+
+    Parameters
+    ----------
+    summary : content of summary.json; keys that are absent are left out
+    width : characters in a line; that of the terminal if absent, 100 where there is none
+    """
+    from rich.console import Console
+
+    terminal = sys.stdout is not None and sys.stdout.isatty()
+    if width is None:
+        width = shutil.get_terminal_size().columns if terminal else 100
+    out = StringIO()
+    console = Console(
+        file=out, width=width, force_terminal=terminal, color_system="auto" if terminal else None, highlight=False
+    )
+    for part in _parts(summary):
+        console.print(part)
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines())
+
+
+def _parts(summary: Mapping[str, Any]) -> Iterable[Any]:
+    from rich.text import Text
+
+    yield _grid("", [], _head(summary))
+    if balances := summary.get("balances"):
+        parts = ("in", "out", "source", "stored")
+        rows = [
+            [_with_unit(name, item.get("unit")), *(_number(item.get(key)) for key in parts),
+             _number(item.get("relative_residual"), ".1e")]
+            for name, item in balances.items()
+        ]  # fmt: skip
+        yield _grid("balance", [*parts, "relative residual"], rows)
+    if closures := summary.get("closures"):
+        yield _grid("closure", ["kind", "argument", "used", "range", "outside"], _closure_rows(closures))
+    if qoi := summary.get("qoi"):
+        rows = [[_with_unit(name_of(key), _unit(key)), _number(value, ".6g")] for key, value in qoi.items()]
+        yield _grid("result", [""], rows)
+    for warning in summary.get("warnings") or []:
+        yield Text(f"warning: {warning}", style="yellow")
+
+
+def _head(summary: Mapping[str, Any]) -> list[list[str]]:
+    rows = []
+    if "status" in summary:
+        rows.append(["status", str(summary["status"])])
+    if "dofs" in summary:
+        rows.append(["unknowns", _number(summary["dofs"], ",")])
+    if timings := summary.get("timings"):
+        rows.append(["wall time", ", ".join(f"{phase} {_number(value, '.3g')} s" for phase, value in timings.items())])
+    return rows
+
+
+def _closure_rows(closures: Iterable[Mapping[str, Any]]) -> list[list[str]]:
+    rows = []
+    for closure in closures:
+        first = [closure["name"], closure["kind"]]
+        for argument, use in closure.get("ranges", {}).items():
+            share = use["share_outside"]
+            outside = f"! {100 * share:.3g} %" if share else "0"
+            rows.append([*first, argument, _span(use["used"]), _span(use["declared"]), outside])
+            first = ["", ""]
+        if first[0]:
+            rows.append([*first, "", "", "", ""])
+    return rows
+
+
+def _grid(title: str, columns: list[str], rows: list[list[str]]) -> Any:
+    """Table without lines; text folds rather than being cut, and a flagged cell is red."""
+    from rich.table import Table
+    from rich.text import Text
+
+    grid = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=bool(title), header_style="bold")
+    for k, name in enumerate([title, *(columns or [""])]):
+        text = k == 0 or name in ("", "kind", "argument")
+        grid.add_column(name, justify="left" if text else "right", overflow="fold")
+    for row in rows:
+        grid.add_row(*(Text(cell, style="bold red" if cell.startswith("!") else "") for cell in row))
+    return grid
+
+
+def _with_unit(name: str, unit: str | None) -> str:
+    return name if unit in (None, "", "1") else f"{name} [{unit}]"
+
+
+def _unit(key: str) -> str | None:
+    """Unit given with a name, "power [W]", or that of the field it is named after."""
+    return key[key.index(" [") + 2 : -1] if " [" in key else unit_of(key)
+
+
+def _span(ends: Iterable[float | None]) -> str:
+    low, high = ends
+    if low is None or high is None:
+        return f">= {low:.3g}" if low is not None else f"<= {high:.3g}" if high is not None else "-"
+    return f"{low:.3g}" if low == high else f"{low:.3g} .. {high:.3g}"
+
+
+def _number(value: Any, style: str = ".4g") -> str:
+    """A number as text; a missing one is a dash, and anything else shows as it is."""
+    if value is None:
+        return "-"
+    return format(value, style) if isinstance(value, int | float | np.number) else str(value)
