@@ -80,7 +80,7 @@ def solve_flow(
         lambda x, jacobian: system.assemble(form, x, jacobian),
         state,
         np.unique(np.concatenate(fixed)),
-        policy,
+        system.ordered(policy),
         tolerance=tolerance,
         iterations=iterations,
         what="flow",

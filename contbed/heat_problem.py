@@ -210,6 +210,7 @@ class HeatProblem:
         from contbed.errors import ConvergenceError
         from contbed.solve.continuation import relax
 
+        policy = self.system.ordered(policy)
         options = {
             "tolerance": self.scene.solver.newton_tolerance,
             "iterations": self.scene.solver.newton_iterations,

@@ -87,7 +87,7 @@ def run_transient(
         problem,
         history.state,
         time.end,
-        policy,
+        problem.system.ordered(policy),
         tolerance=time.tolerance,
         span=max(high - low, 1e-9 * high),
         step=time.step,

@@ -9,6 +9,7 @@ product with one small table that is the same for all cells.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,6 +20,8 @@ from skfem.quadrature import get_quadrature
 
 from contbed.engine.dual import Components, Dual, Linear
 from contbed.engine.elements import Space, lagrange
+from contbed.solve.linear import Policy
+from contbed.solve.ordering import nested_dissection
 
 Array = NDArray[np.float64]
 Form = Callable[[Any, Any, Any, Any], Any]
@@ -274,6 +277,7 @@ class System:
                 size += space.size
         self.size = size
         self.cells = Domain(mesh, order, **measure)
+        self._order: Any = None
         self._facets: dict[str, list[Domain]] = {}
         self._patterns: dict[Any, tuple[Array, Array, Array, int]] = {}
 
@@ -291,6 +295,16 @@ class System:
     def nodes(self, name: str, facets: NDArray, component: int = 0) -> NDArray[np.int64]:
         """Global numbers of the nodes of a field on facets."""
         return self.fields[name][0].on_facets(facets) + self.offset[name, component]
+
+    def ordered(self, policy: Policy) -> Policy:
+        """The policy with an order of elimination for this system; a line needs none."""
+        if self.mesh.dim() == 1:
+            return policy
+        if self._order is None:
+            centres = self.mesh.p[:, self.mesh.t].mean(axis=1)
+            numbering = [self.fields[name][0].dofs + start for (name, _), start in self.offset.items()]
+            self._order = nested_dissection(centres, numbering, self.size)
+        return replace(policy, order=self._order)
 
     def part(self, state: Array, name: str) -> Array:
         """View of one field in a state: (size,) or (ncomponents, size)."""

@@ -29,6 +29,9 @@ _MAPS = {"K": "inferno", "1": "inferno", "m/s": "viridis", "Pa": "cividis"}
 _CURVES = 7  # most times in one picture
 _LONG = 2.5  # a bed longer than this many widths lies down, with its maps one below another
 _FLAT = 12.0  # a map is never flatter than this
+_LEVELS = 257  # shades
+_NOISE = 1e-6  # relative range below which a field counts as constant
+_TITLES = {"speed": "fluid speed", "p": "pressure"}
 _INNER = {"triangle": [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]}
 _INNER["quadrilateral"] = [(a, b, 8) for a, b in zip((0, 4, 1, 5, 2, 6, 3, 7), (4, 1, 5, 2, 6, 3, 7, 0), strict=True)]
 _STYLE: dict[Any, Any] = {
@@ -101,7 +104,7 @@ def profile_plot(path: Path | str, columns: Mapping[str, Array], coordinate_head
     coordinate = name_of(coordinate_header)
     x = values.pop(coordinate)
     groups = _chosen(list(values))
-    with _figure(path, 1.5 + 3.2 * len(groups), title) as figure:
+    with _figure(path, 4.7 if len(groups) == 1 else 1.2 + 2.3 * len(groups), title) as figure:
         panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
         for axes, group in zip(panels, groups, strict=True):
             for name in group:
@@ -109,6 +112,8 @@ def profile_plot(path: Path | str, columns: Mapping[str, Array], coordinate_head
                 dashes = (0, (4, 2)) if _phase(name) == "fluid" and len(group) > 1 else "solid"
                 axes.plot(x, values[name], color=_COLOURS[_phase(name)], linestyle=dashes, label=_phase(name),
                           zorder=3 if _phase(name) == "fluid" else 2)  # fmt: skip
+            low, high = _limits([values[name] for name in group])
+            axes.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
             axes.set_ylabel(_group_label(group))
             axes.margins(x=0)
             if len(group) > 1:
@@ -181,6 +186,10 @@ def field_plot(
     axisymmetric : the coordinates are (r, z)
     title : text above the picture
     """
+    from matplotlib.ticker import MaxNLocator
+
+    if mesh.dim() != 2:
+        raise ValueError(f"{path}: maps need a 2-D mesh, not {mesh.dim()}-D")
     quadratic = Space(mesh, 2)
     maps = {name: at_nodes(space, values, quadratic) for name, (space, values) in nodal.items()}
     if "u" in maps:
@@ -188,7 +197,7 @@ def field_plot(
     groups = _chosen([name for name in maps if name != "speed"])
     names = [name for group in groups for name in group] + ["speed"] * ("speed" in maps)
     triangles = np.vstack([quadratic.dofs[list(three)].T for three in _INNER[_shape(quadratic)]])
-    shared = _limits([maps[name] for name in groups[0]]) if groups and len(groups[0]) > 1 else {}
+    same = groups[0] if groups else ("speed",)  # temperatures of both phases share a scale
 
     points, labels = quadratic.points, ("r", "z") if axisymmetric else ("x", "y")
     extent = np.ptp(points, axis=1)
@@ -196,44 +205,42 @@ def field_plot(
     lying = max(extent) > _LONG * min(extent)
     if lying and upright:
         points, labels, extent = points[::-1], labels[::-1], extent[::-1]
-    ratio = extent[1] / extent[0]
+    # what labels and colour bars leave of the width goes to the maps
+    stretch = max(1.0, extent[0] / (_FLAT * extent[1]))
+    ratio = stretch * extent[1] / extent[0]
     rows, across = (len(names), 1) if ratio < 1 else (1, len(names))
-    stretch = max(1.0, 1 / (_FLAT * ratio))
-    if rows > 1:
-        height = 0.9 + rows * (0.85 + 0.78 * WIDTH * ratio * stretch)
-    else:
-        height = 1.6 + (WIDTH / across - 1.4) * ratio
-    with _figure(path, min(height, 1.4 * WIDTH), title) as figure:
+    room = (WIDTH - 0.8) / across - 1.2
+    with _figure(path, 1.1 + rows * (0.35 + room * ratio), title) as figure:
         panels = figure.subplots(rows, across, squeeze=False, sharex=True, sharey=True)
         for axes, name in zip(panels.ravel(), names, strict=True):
             field = FIELDS[name]
-            limits = shared if shared and name in groups[0] else _limits([maps[name]])
-            colours = axes.tripcolor(*points, triangles, maps[name], shading="gouraud", cmap=_MAPS[field.unit], **limits)
+            low, high = _limits([maps[other] for other in (same if name in same else (name,))])
+            levels = np.linspace(low, high, _LEVELS)
+            colours = axes.tricontourf(*points, triangles, maps[name], levels, cmap=_MAPS[field.unit])
             axes.set_aspect(stretch)
-            axes.set_title(_title(name), loc="left")
-            for side in ("left", "bottom"):
-                axes.spines[side].set_visible(False)
-            figure.colorbar(colours, ax=axes, label=field.label, aspect=12 if rows > 1 else 25).outline.set_visible(False)
-        note = f", drawn {stretch:.3g} times as wide" if stretch > 1 else ""
+            axes.set_title(_TITLES.get(name, _phase(name)), loc="left")
+            axes.spines[:].set_visible(False)
+            beside = axes.inset_axes((1 + 0.15 / room, 0, 0.15 / room, 1))
+            bar = figure.colorbar(colours, cax=beside, label=field.label)
+            # ticks that are chosen for the room before the layout do not outgrow it later
+            for axis, inches in ((axes.xaxis, room), (axes.yaxis, room * ratio), (bar.ax.yaxis, room * ratio)):
+                axis.set_major_locator(MaxNLocator(int(np.clip(2 * inches, 2, 6)), steps=[1, 2, 5, 10]))
+            bar.outline.set_visible(False)
+        note = f"   (${FIELDS[labels[1]].symbol}$ drawn {stretch:.2g} times larger)" if stretch > 1 else ""
         for axes in panels[-1]:
-            axes.set_xlabel(FIELDS[labels[0]].label)
+            axes.set_xlabel(FIELDS[labels[0]].label + note)
         for axes in panels[:, 0]:
-            axes.set_ylabel(FIELDS[labels[1]].label + note)
+            axes.set_ylabel(FIELDS[labels[1]].label)
 
 
 def _shape(space: Space) -> str:
     return "triangle" if space.element.nvertices == 3 else "quadrilateral"
 
 
-def _title(name: str) -> str:
-    phase = _phase(name)
-    return phase if phase != "other" else FIELDS[name].description
-
-
-def _limits(values: list[Array]) -> dict[str, float]:
-    """Colour limits; a constant field keeps a visible colour bar around it."""
-    low, high = min(v.min() for v in values), max(v.max() for v in values)
-    if high - low <= 1e-9 * max(abs(low), abs(high)):
-        spread = 0.01 * abs(low) or 1.0
-        low, high = low - spread, high + spread
-    return {"vmin": low, "vmax": high}
+def _limits(values: list[Array]) -> tuple[float, float]:
+    """Range of values, opened around a field that is constant but for solver noise."""
+    low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
+    if high - low <= _NOISE * max(abs(low), abs(high)):
+        spread = 0.05 * abs(low) or 1.0
+        return low - spread, high + spread
+    return low, high

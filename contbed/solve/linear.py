@@ -1,7 +1,7 @@
 """Sparse linear systems by policy: predict the memory, factor or iterate, check the residual.
 
-2-D and small systems are factored by SuperLU with the minimum-degree ordering of A + A', which suits finite-element
-patterns; where its restricted pivoting loses accuracy the matrix is factored again with full pivoting. Fill in 3-D grows
+2-D and small systems are factored by SuperLU in a symmetric ordering, nested dissection of the mesh or else minimum
+degree of A + A'; where the restricted pivoting loses accuracy the matrix is factored again with full pivoting. Fill in 3-D grows
 as n^(4/3), so beyond `DIRECT_3D` unknowns GMRES with an incomplete factorisation takes over.
 """
 
@@ -18,15 +18,20 @@ import scipy.sparse.linalg as spla
 from contbed.errors import ConvergenceError, SceneError
 
 DIRECT_3D = 60_000
+NEARBY = 12  # iterations that cost about as much as a factorisation
+PIVOT = 1e-3  # diagonal entries down to this share of the column are kept as pivots, which keeps the ordering
 RESIDUAL = 1e-9  # a solve with a larger relative residual is repeated with full pivoting
 
 
 @dataclass
 class Policy:
-    """How to solve, for a mesh of `dimension`; `limit_GB` refuses a factorisation that is predicted above it."""
+    """How to solve, for a mesh of `dimension`; `limit_GB` refuses a factorisation that is predicted above it, `order`
+    is the order of elimination.
+    """
 
     dimension: int
     limit_GB: float | None = None
+    order: Any = None
 
     def direct(self, size: int) -> bool:
         """Whether systems of this size are factored."""
@@ -72,15 +77,23 @@ class Solver:
             raise ConvergenceError("the matrix holds values that are not finite: check closures and initial values")
         self._apply: Callable[[Any], Any]
         if policy.direct(matrix.shape[0]):
-            self._apply = _factor(matrix, symmetric=True) or self._pivoted()
+            self._apply = _factor(matrix, policy.order) or self._pivoted()
         else:
             self._apply = _krylov(matrix)
 
     def _pivoted(self) -> Callable[[Any], Any]:
-        apply = _factor(self.matrix, symmetric=False)
+        apply = _factor(self.matrix, None, pivoting=True)
         if apply is None:
             raise ConvergenceError("the linear system is singular: is a temperature or the pressure fixed anywhere?")
         return apply
+
+    def nearby(self, matrix: sp.csc_matrix, rhs: Any, tolerance: float) -> Any | None:
+        """Solve with another matrix by GMRES, preconditioned by this one; None if it is too far away to be worth it."""
+        if not self.policy.direct(len(rhs)):
+            return None
+        inverse = spla.LinearOperator(matrix.shape, self._apply)
+        x, failed = spla.gmres(matrix, rhs, rtol=tolerance, atol=0.0, restart=NEARBY, maxiter=1, M=inverse)
+        return None if failed else x
 
     def __call__(self, rhs: Any) -> Any:
         """Solve, refine once if that helps, check the residual."""
@@ -102,19 +115,30 @@ class Solver:
         return x
 
 
-def _factor(matrix: sp.csc_matrix, symmetric: bool) -> Callable[[Any], Any] | None:
-    scale = 1.0 / np.maximum(np.sqrt(np.asarray(abs(matrix).max(axis=1).todense()).ravel()), 1e-300)
-    scaled = sp.diags(scale) @ matrix @ sp.diags(scale)
-    options: dict[str, Any] = (
-        {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.1, "options": {"SymmetricMode": True}}
-        if symmetric
-        else {"permc_spec": "COLAMD"}
-    )
+def _factor(matrix: sp.csc_matrix, order: Any, pivoting: bool = False) -> Callable[[Any], Any] | None:
+    """SuperLU of the symmetrically scaled matrix, None where it meets a zero pivot."""
+    columns = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
+    largest = np.zeros(matrix.shape[1])
+    np.maximum.at(largest, columns, np.abs(matrix.data))
+    scale = 1.0 / np.sqrt(np.where(largest > 0, largest, 1.0))
+    scaled = sp.csc_matrix((matrix.data * scale[matrix.indices] * scale[columns], matrix.indices, matrix.indptr))
+    options: dict[str, Any] = {"diag_pivot_thresh": PIVOT, "options": {"SymmetricMode": True}}
+    if pivoting:
+        options = {"permc_spec": "COLAMD"}
+    elif order is None:
+        options["permc_spec"] = "MMD_AT_PLUS_A"
+    else:
+        options["permc_spec"] = "NATURAL"
+        scaled = scaled[:, order].tocsr()[order].tocsc()
     try:
-        factors = spla.splu(scaled.tocsc(), **options)
+        factors = spla.splu(scaled, **options)
     except RuntimeError:
         return None
-    return lambda rhs: scale * factors.solve(scale * rhs)
+    if order is None or pivoting:
+        return lambda rhs: scale * factors.solve(scale * rhs)
+    back = np.empty_like(order)
+    back[order] = np.arange(len(order))
+    return lambda rhs: scale * factors.solve((scale * rhs)[order])[back]
 
 
 def _krylov(matrix: sp.csc_matrix) -> Callable[[Any], Any]:
@@ -132,6 +156,9 @@ def constrain(matrix: sp.csc_matrix, fixed: Any) -> sp.csc_matrix:
     """The matrix with the rows and columns of fixed unknowns replaced by the identity."""
     free = np.ones(matrix.shape[0])
     free[fixed] = 0.0
-    keep = sp.diags(free)
-    out = keep @ matrix @ keep + sp.diags(1.0 - free)
-    return out.tocsc()
+    columns = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
+    data = matrix.data * free[matrix.indices] * free[columns]
+    data[(matrix.indices == columns) & (free[columns] == 0.0)] = 1.0
+    out = sp.csc_matrix((data, matrix.indices.copy(), matrix.indptr.copy()), shape=matrix.shape)
+    out.eliminate_zeros()
+    return out

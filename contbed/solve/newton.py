@@ -35,8 +35,9 @@ def newton(
     scale = max(float(np.linalg.norm(residual)), 1e-300)
     floor = 1e-14 * float(np.abs(matrix).max() * max(1.0, np.abs(state).max()) * len(state) ** 0.5)
     history = [1.0]
+    solver = None
     for _ in range(iterations):
-        step = Solver(constrain(matrix, fixed), policy)(-residual)
+        solver, step = _direction(solver, constrain(matrix, fixed), -residual, policy, history[-1])
         if linear:
             return state + step, history
         damping = 1.0
@@ -49,11 +50,26 @@ def newton(
                 break
             damping /= 2
             if damping < 1e-3:
-                raise ConvergenceError(f"{what}: no descent after {len(history)} iterations", [*history, norm / scale])
+                raise ConvergenceError(f"{what}: no descent after {len(history)} iterations", [*history, norm / scale], state)
         state = trial
         history.append(norm / scale)
         small = damping == 1.0 and np.abs(step).max() <= tolerance * max(1e-300, np.abs(state).max())
         if norm <= tolerance * 1e-2 * scale or norm <= floor or small:
             return state, history
         _, matrix = assemble(state, True)
-    raise ConvergenceError(f"{what}: not converged in {iterations} iterations, residual {history[-1]:.2g}", history)
+    message = f"{what}: not converged in {iterations} iterations, residual {history[-1]:.2g}"
+    raise ConvergenceError(message, history, state)
+
+
+def _direction(
+    solver: Solver | None, matrix: Any, rhs: Any, policy: Policy, norm: float
+) -> tuple[Solver, Any]:
+    """The Newton step. The factors of an earlier matrix serve as long as GMRES needs few iterations with them; the
+    linear tolerance follows the residual, so that convergence stays superlinear.
+    """
+    if solver is not None:
+        step = solver.nearby(matrix, rhs, min(1e-2, 0.1 * norm))
+        if step is not None:
+            return solver, step
+    solver = Solver(matrix, policy)
+    return solver, solver(rhs)
