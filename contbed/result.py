@@ -85,4 +85,4 @@ class Result:
         draw = transient_plot if "t [s]" in self.profiles else profile_plot
         draw(out / "profiles.png", self.profiles, coordinate, scene.title)
         if mesh.skfem.dim() == 2 and self.nodal:
-            field_plot(out / "fields.png", mesh, self.nodal, mesh.axisymmetric, scene.title)
+            field_plot(out / "fields.png", mesh.skfem, self.nodal, mesh.axisymmetric, scene.title)

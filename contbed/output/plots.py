@@ -69,6 +69,8 @@ def _figure(path: Path | str, height: float, title: str) -> Iterator[Any]:
             # a dollar in a title is a dollar, not the start of a formula
             figure.suptitle(title, parse_math=False, wrap=True)
         yield figure
+        # a map with its own aspect moves its colour bar, which only the second layout sees
+        figure.draw_without_rendering()
         with atomic(path) as temporary:
             figure.savefig(temporary, format="png")
 
