@@ -27,8 +27,8 @@ def fluid_of(settings: s.FluidConstant | s.FluidCantera | s.FluidCoolProp) -> An
         return gas_mixture(settings.composition, settings.pressure, settings.mechanism)
     if isinstance(settings, s.FluidCoolProp):
         return real_fluid(settings.name, settings.pressure, settings.T_range)
-    return ConstantFluid(settings.density, settings.heat_capacity or 1.0, settings.viscosity,
-                         settings.conductivity or 0.0)
+    conductivity = 1.0 if settings.conductivity is None else settings.conductivity
+    return ConstantFluid(settings.density, settings.heat_capacity or 1.0, settings.viscosity, conductivity)
 
 
 @dataclass(frozen=True)
