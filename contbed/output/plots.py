@@ -29,6 +29,7 @@ _MAPS = {"K": "inferno", "1": "inferno", "m/s": "viridis", "Pa": "cividis"}
 _CURVES = 7  # most times in one picture
 _LONG = 2.5  # a bed longer than this many widths lies down, with its maps one below another
 _FLAT = 12.0  # a map is never flatter than this
+_STACKED = 0.6  # maps of a smaller ratio of height to width stand one below another
 _LEVELS = 257  # shades
 _NOISE = 1e-6  # relative range below which a field counts as constant
 _TITLES = {"speed": "fluid speed", "p": "pressure"}
@@ -54,7 +55,7 @@ _STYLE: dict[Any, Any] = {
 
 
 @contextmanager
-def _figure(path: Path | str, height: float, title: str) -> Iterator[Any]:
+def _figure(path: Path | str, height: float, title: str, layout: Any = "constrained") -> Iterator[Any]:
     """A figure in the common style, saved as PNG when the block ends."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -63,16 +64,15 @@ def _figure(path: Path | str, height: float, title: str) -> Iterator[Any]:
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(_STYLE)
-        figure = Figure(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
+        figure = Figure(figsize=(WIDTH, height), dpi=DPI, layout=layout)
         FigureCanvasAgg(figure)
         if title:
             # a dollar in a title is a dollar, not the start of a formula
             figure.suptitle(title, parse_math=False, wrap=True)
         yield figure
-        # a map with its own aspect moves its colour bar, which only the second layout sees
-        figure.draw_without_rendering()
         with atomic(path) as temporary:
-            figure.savefig(temporary, format="png")
+            # placed by hand, a long tick label may reach beyond the figure, which then grows with it
+            figure.savefig(temporary, format="png", bbox_inches="tight" if layout == "none" else None)
 
 
 def _chosen(names: list[str]) -> list[tuple[str, ...]]:
@@ -207,32 +207,33 @@ def field_plot(
     lying = max(extent) > _LONG * min(extent)
     if lying and upright:
         points, labels, extent = points[::-1], labels[::-1], extent[::-1]
-    # what labels and colour bars leave of the width goes to the maps
     stretch = max(1.0, extent[0] / (_FLAT * extent[1]))
     ratio = stretch * extent[1] / extent[0]
-    rows, across = (len(names), 1) if ratio < 1 else (1, len(names))
-    room = (WIDTH - 0.8) / across - 1.2
-    with _figure(path, 1.1 + rows * (0.35 + room * ratio), title) as figure:
-        panels = figure.subplots(rows, across, squeeze=False, sharex=True, sharey=True)
-        for axes, name in zip(panels.ravel(), names, strict=True):
-            field = FIELDS[name]
-            low, high = _limits([maps[other] for other in (same if name in same else (name,))])
-            levels = np.linspace(low, high, _LEVELS)
-            colours = axes.tricontourf(*points, triangles, maps[name], levels, cmap=_MAPS[field.unit])
-            axes.set_aspect(stretch)
-            axes.set_title(_TITLES.get(name, _phase(name)), loc="left")
-            axes.spines[:].set_visible(False)
-            beside = axes.inset_axes((1 + 0.15 / room, 0, 0.15 / room, 1))
-            bar = figure.colorbar(colours, cax=beside, label=field.label)
-            # ticks that are chosen for the room before the layout do not outgrow it later
-            for axis, inches in ((axes.xaxis, room), (axes.yaxis, room * ratio), (bar.ax.yaxis, room * ratio)):
+    rows, across = (len(names), 1) if ratio < _STACKED else (1, len(names))
+    # inches: a map, and the cell it shares with its title, ticks and colour bar
+    wide = (WIDTH - 0.8) / across - 0.9
+    high = wide * ratio
+    size = 0.8 + across * (wide + 0.9), 0.85 + rows * (high + 0.45)
+    note = f"   (${FIELDS[labels[1]].symbol}$ drawn {stretch:.2g} times larger)" if stretch > 1 else ""
+    with _figure(path, size[1], title, layout="none") as figure:
+        for k, name in enumerate(names):
+            row, column = divmod(k, across)
+            left, bottom = 0.8 + column * (wide + 0.9), 0.6 + (rows - 1 - row) * (high + 0.45)
+            axes, beside = (
+                figure.add_axes((x / size[0], bottom / size[1], width / size[0], high / size[1]))
+                for x, width in ((left, wide), (left + wide + 0.1, 0.13))
+            )
+            levels = np.linspace(*_limits([maps[other] for other in (same if name in same else (name,))]), _LEVELS)
+            colours = axes.tricontourf(*points, triangles, maps[name], levels, cmap=_MAPS[FIELDS[name].unit])
+            bar = figure.colorbar(colours, cax=beside)
+            for axis, inches in ((axes.xaxis, wide), (axes.yaxis, high), (beside.yaxis, high)):
                 axis.set_major_locator(MaxNLocator(int(np.clip(2 * inches, 2, 6)), steps=[1, 2, 5, 10]))
+            axes.spines[:].set_visible(False)
             bar.outline.set_visible(False)
-        note = f"   (${FIELDS[labels[1]].symbol}$ drawn {stretch:.2g} times larger)" if stretch > 1 else ""
-        for axes in panels[-1]:
-            axes.set_xlabel(FIELDS[labels[0]].label + note)
-        for axes in panels[:, 0]:
-            axes.set_ylabel(FIELDS[labels[1]].label)
+            axes.set_title(f"{_TITLES.get(name, _phase(name))}  {FIELDS[name].label}", loc="left")
+            axes.tick_params(labelbottom=row == rows - 1, labelleft=column == 0)
+            axes.set_xlabel(FIELDS[labels[0]].label + note if row == rows - 1 else "")
+            axes.set_ylabel(FIELDS[labels[1]].label if column == 0 else "")
 
 
 def _shape(space: Space) -> str:

@@ -1,0 +1,478 @@
+"""Everything a run writes: read back, compared, and broken on purpose."""
+
+import errno
+import io
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import skfem
+
+from contbed import fields
+from contbed.engine.elements import Space
+from contbed.errors import ContbedError, SceneError
+from contbed.output import checkpoint, plots, summary
+from contbed.output.files import atomic
+from contbed.output.progress import Progress
+from contbed.output.tables import read_table, write_table
+from contbed.output.vtu import at_nodes, write_fields, write_series
+
+LINE, X, Y = np.array([0.0, 0.3, 0.4, 1.0]), np.array([0.0, 0.4, 1.0, 1.1]), np.array([0.0, 0.5, 0.7])
+SHEAR = np.array([[1.0, 0.2, 0.1], [0.3, 1.5, 0.0], [0.0, 0.2, 0.8]])
+MESHES = {
+    "line3": skfem.MeshLine(LINE),
+    "triangle6": skfem.MeshTri.init_tensor(X, Y),
+    "quad9": skfem.MeshQuad.init_tensor(X, Y),
+    "tetra10": skfem.MeshTet.init_tensor(X, Y, LINE),
+    "hexahedron27": skfem.MeshHex.init_tensor(X, Y, LINE),
+}
+MESHES = {name: replace(m, doflocs=SHEAR[: m.dim(), : m.dim()] @ m.p) for name, m in MESHES.items()}
+SIZES = {"line3": 1.0, "triangle6": 0.77 * 1.44, "quad9": 0.77 * 1.44}
+SIZES |= dict.fromkeys(("tetra10", "hexahedron27"), 0.77 * np.linalg.det(SHEAR))
+EDGES = {
+    "line3": [(0, 1)],
+    "triangle6": [(0, 1), (1, 2), (2, 0)],
+    "quad9": [(0, 1), (1, 2), (2, 3), (3, 0)],
+    "tetra10": [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
+    "hexahedron27": [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)],
+}
+# corners around the other nodes: faces x-, x+, y-, y+, z-, z+ of the hexahedron and the centres
+CENTRES = {
+    "quad9": [(0, 1, 2, 3)],
+    "hexahedron27": [(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7), range(8)],
+}
+
+
+def polynomial(points: np.ndarray, degree: int) -> np.ndarray:
+    """A full polynomial of total degree up to 3."""
+    direction = np.array([1.0, -2.0, 0.7])[: len(points)] @ points
+    other = np.array([0.3, 1.0, -1.1])[: len(points)] @ points
+    return sum((direction + 0.1 * k) ** k - other * direction ** (k - 1) for k in range(1, degree + 1))
+
+
+@pytest.fixture(params=MESHES)
+def cell(request):
+    return request.param
+
+
+def test_fields_have_units_and_bounds():
+    assert fields.header("T_fluid") == "T_fluid [K]"
+    assert fields.FIELDS["T_solid"].lower == 0.0
+    assert fields.FIELDS["theta_solid"].label == r"$\theta_\mathrm{s}$"
+    assert fields.FIELDS["u"].label == "$u$ [m/s]"
+    assert all(fields.name_of(fields.header(name)) == name and name.isascii() for name in fields.FIELDS)
+    assert fields.unit_of("T_fluid_outlet") == "K"
+    assert fields.unit_of("T") is None
+
+
+def test_vtu_reads_back(cell, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    mesh = MESHES[cell]
+    nodal = {}
+    for degree in (1, 2) if cell == "hexahedron27" else (1, 2, 3):
+        space = Space(mesh, degree)
+        nodal[f"f{degree}"] = space, polynomial(space.points, degree)
+    space = Space(mesh, 2)
+    nodal["u"] = space, np.array([polynomial(space.points, 2) + k for k in range(mesh.dim())])
+    write_fields(tmp_path / "fields.vtu", mesh, nodal)
+    back = meshio.read(tmp_path / "fields.vtu")
+    points = back.points[:, : mesh.dim()].T
+    assert back.points.shape[1] == 3 and not back.points[:, mesh.dim() :].any()
+    assert len(back.points) == space.size and "region" not in back.cell_data
+    for name, (space, _) in nodal.items():
+        if name != "u":
+            assert np.allclose(back.point_data[name], polynomial(points, space.degree), rtol=0, atol=1e-12)
+    assert back.point_data["u"].shape == (len(back.points), 3)
+    for k in range(3):
+        expected = polynomial(points, 2) + k if k < mesh.dim() else 0.0
+        assert np.allclose(back.point_data["u"][:, k], expected, rtol=0, atol=1e-12)
+
+
+def test_vtu_node_order_is_that_of_vtk(cell, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    mesh = MESHES[cell]
+    write_fields(tmp_path / "fields.vtu", mesh, {})
+    back = meshio.read(tmp_path / "fields.vtu")
+    (block,) = back.cells
+    assert block.type == cell and len(block.data) == mesh.nelements
+    nodes = back.points[block.data]
+    corners = 2 ** mesh.dim() if cell in CENTRES else mesh.dim() + 1
+    centres = [*EDGES[cell], *CENTRES.get(cell, [])]
+    assert nodes.shape[1] == corners + len(centres)
+    for k, around in enumerate(centres):
+        assert np.allclose(nodes[:, corners + k], nodes[:, around].mean(axis=1), rtol=0, atol=1e-14)
+    assert np.all(signed_sizes(cell, nodes) > 0)
+    assert signed_sizes(cell, nodes).sum() == pytest.approx(SIZES[cell], rel=1e-12)
+
+
+def signed_sizes(cell: str, nodes: np.ndarray) -> np.ndarray:
+    """Sizes of VTK's cells with parallel sides or straight simplices, negative where turned inside out."""
+    toward = {"line3": [1], "triangle6": [1, 2], "quad9": [1, 3], "tetra10": [1, 2, 3], "hexahedron27": [1, 3, 4]}[cell]
+    spans = np.array([nodes[:, k] - nodes[:, 0] for k in toward])[:, :, : len(toward)]
+    share = {"triangle6": 2, "tetra10": 6}.get(cell, 1)
+    return np.linalg.det(spans.transpose(1, 0, 2)) / share
+
+
+def test_vtu_regions(tmp_path):
+    meshio = pytest.importorskip("meshio")
+    mesh = MESHES["quad9"].with_subdomains({"core": lambda x: x[0] < 0.5, "wall": lambda x: x[0] >= 0.5})
+    write_fields(tmp_path / "a.vtu", mesh, {})
+    back = meshio.read(tmp_path / "a.vtu")
+    (region,) = back.cell_data["region"]
+    assert region.dtype.kind == "i" and set(region) == {0, 1}
+    assert np.array_equal(np.flatnonzero(region == list(mesh.subdomains).index("wall")), mesh.subdomains["wall"])
+    write_fields(tmp_path / "a.vtu", mesh, {}, region=False)
+    assert not meshio.read(tmp_path / "a.vtu").cell_data
+
+
+def test_vtu_refuses_nonsense(tmp_path):
+    mesh = MESHES["quad9"]
+    space = Space(mesh, 1)
+    for name in ("T fluid", "\u03b8"):
+        with pytest.raises(ValueError, match="plain ASCII"):
+            write_fields(tmp_path / "a.vtu", mesh, {name: (space, np.zeros(space.size))})
+    with pytest.raises(ValueError, match="values on a space"):
+        write_fields(tmp_path / "a.vtu", mesh, {"p": (space, np.zeros(3))})
+    assert not list(tmp_path.iterdir())
+
+
+def test_values_on_the_same_degree_are_not_touched(cell):
+    space = Space(MESHES[cell], 2)
+    values = np.random.default_rng(0).standard_normal(space.size)
+    assert np.array_equal(at_nodes(space, values, space), values)
+
+
+def test_series(tmp_path):
+    write_series(tmp_path / "fields.pvd", [(0.0, "fields_0000.vtu"), (0.1 + 0.2, 'a&"b.vtu')])
+    sets = ElementTree.parse(tmp_path / "fields.pvd").getroot().findall("Collection/DataSet")
+    assert [item.get("file") for item in sets] == ["fields_0000.vtu", 'a&"b.vtu']
+    assert float(sets[1].get("timestep")) == 0.1 + 0.2
+
+
+def test_table_round_trip(tmp_path):
+    columns = {"x [m]": np.array([0.0, 1 / 3, 1e-300]), "T_fluid [K]": np.array([300, math.nan, -math.inf])}
+    write_table(tmp_path / "deep" / "profiles.csv", columns)
+    text = (tmp_path / "deep" / "profiles.csv").read_text()
+    assert text.splitlines()[:3] == ["x [m],T_fluid [K]", "0,300", "0.333333333333,nan"]
+    back = read_table(tmp_path / "deep" / "profiles.csv")
+    assert list(back) == list(columns)
+    for header, values in columns.items():
+        assert np.allclose(back[header], values, rtol=1e-12, atol=0, equal_nan=True)
+    write_table(tmp_path / "empty.csv", {"x [m]": [], "a, b": []})
+    assert {header: len(values) for header, values in read_table(tmp_path / "empty.csv").items()} == dict.fromkeys(
+        ("x [m]", "a, b"), 0
+    )
+
+
+def test_table_refuses_what_is_no_table(tmp_path):
+    path = tmp_path / "a.csv"
+    for columns in ({}, {"x": [1.0], "y": [1.0, 2.0]}, {"x": np.zeros((2, 2))}):
+        with pytest.raises(ValueError, match="one length"):
+            write_table(path, columns)
+    with pytest.raises(ContbedError, match="No such file"):
+        read_table(path)
+    for text in ("", "x,y\n1\n", "x\nhello\n", "x,x\n1,2\n", "x\n1\n\n"):
+        path.write_text(text)
+        with pytest.raises(ContbedError, match="not a table") as caught:
+            read_table(path)
+        assert "\n" not in str(caught.value)
+
+
+SUMMARY = {
+    "qoi": {"T_fluid_outlet": np.float64(412.34567), "power [W]": np.float32(2.5), "front": 3},
+    "status": "ok",
+    "dofs": np.int64(1234567),
+    "timings": {"mesh": 0.1, "solve": 12.34},
+    "balances": {
+        "energy": {"in": 10.0, "out": 9.0, "source": 0.0, "stored": None, "relative_residual": 1e-13, "unit": "W"}
+    },
+    "closures": [
+        {
+            "name": "nusselt_x", "kind": "nusselt", "source": "A (1990)", "share_outside": 0.25,
+            "ranges": {
+                "Re": {"declared": [15.0, None], "used": [3.0, 20.0], "share_outside": 0.25},
+                "Pr": {"declared": [None, 1000.0], "used": [0.7, 0.7], "share_outside": 0.0},
+            },
+        }
+    ],
+    "warnings": ["closure [bold]nusselt_x[/bold] is used outside its range"],
+}  # fmt: skip
+
+
+def test_json_is_strict_and_ordered(tmp_path):
+    content = SUMMARY | {"extra": [np.nan, np.inf, np.arange(2), (Path("a"), True, None)], 3: np.float64(0.1)}
+    summary.write_json(tmp_path / "summary.json", content)
+
+    def refuse(name):
+        raise AssertionError(name)
+
+    back = json.loads((tmp_path / "summary.json").read_text(), parse_constant=refuse)
+    assert list(back) == ["status", "dofs", "timings", "balances", "closures", "warnings", "qoi", "extra", "3"]
+    assert back["extra"] == [None, None, [0, 1], ["a", True, None]] and back["3"] == 0.1
+    assert back["dofs"] == 1234567 and back["qoi"]["power [W]"] == 2.5
+    with pytest.raises(TypeError, match="set"):
+        summary.write_json(tmp_path / "summary.json", {"a": {1}})
+    assert json.loads((tmp_path / "summary.json").read_text()) == back
+
+
+def test_result_table_is_plain_and_complete():
+    text = summary.table(SUMMARY)
+    assert text.isascii() and "\x1b" not in text
+    assert all(len(line) <= 100 and line == line.rstrip() for line in text.splitlines())
+    for part in ("1,234,567", "solve 12.3 s", "energy [W]", "1.0e-13", "3 .. 20", ">= 15", "<= 1e+03", "! 25 %",
+                 "T_fluid_outlet [K]", "412.346", "power [W]", "[bold]nusselt_x[/bold]"):  # fmt: skip
+        assert part in text
+    assert text.count("!") == 1
+    narrow = summary.table(SUMMARY, width=40)
+    assert all(len(line) <= 40 for line in narrow.splitlines())
+    assert "412.346" in narrow
+    assert summary.table({"status": "not converged"}).split() == ["status", "not", "converged"]
+
+
+def test_result_table_has_colour_on_a_terminal(monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    monkeypatch.setattr(sys, "stdout", Terminal())
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    assert "\x1b[" in summary.table(SUMMARY)
+
+
+def picture(path: Path) -> np.ndarray:
+    """Pixels of a PNG as (height, width, 3)."""
+    from matplotlib.image import imread
+
+    return imread(path)[:, :, :3]
+
+
+def shows_something(path: Path) -> bool:
+    """Whether a picture has its width, ink, and nothing cut at the sides."""
+    pixels = picture(path)
+    inked = np.mean(pixels.min(axis=2) < 0.9)
+    return 1500 < pixels.shape[1] < 1750 and inked > 0.005 and np.all(pixels[:, [0, -1]] == 1.0)
+
+
+def test_profiles(tmp_path):
+    x = np.linspace(0, 1, 50)
+    columns = {"x [m]": x, "T_fluid [K]": 300 + x, "T_solid [K]": 310 + x, "p [Pa]": 1 - x}
+    plots.profile_plot(tmp_path / "a.png", columns, "x [m]", "50 % of $5, \\alpha")
+    assert shows_something(tmp_path / "a.png")
+    plots.profile_plot(tmp_path / "a.png", {"z [m]": x, "u [m/s]": 0 * x + 1, "p [Pa]": 1 - x}, "z [m]")
+    assert shows_something(tmp_path / "a.png")
+
+
+def test_transient_profiles(tmp_path):
+    x, t = (a.ravel() for a in np.meshgrid(np.linspace(0, 1, 30), np.arange(20.0)))
+    columns = {"t [s]": t, "x [m]": x, "theta_fluid [1]": np.tanh(x - t / 20), "theta_solid [1]": 0 * x}
+    plots.transient_plot(tmp_path / "a.png", columns, "x [m]", "front")
+    assert shows_something(tmp_path / "a.png")
+    one = {header: values[t == 3.0] for header, values in columns.items()}
+    plots.transient_plot(tmp_path / "a.png", one, "x [m]")
+    assert shows_something(tmp_path / "a.png")
+
+
+@pytest.mark.parametrize("shape", [(1.0, 1.0), (0.05, 0.1), (0.05, 0.5), (1.0, 30.0), (4.0, 1.0)])
+def test_maps(shape, tmp_path):
+    mesh = skfem.MeshQuad.init_tensor(*(np.linspace(0, size, 6) for size in shape))
+    cubic, quadratic = Space(mesh, 3), Space(mesh, 2)
+    temperature = 300 + 10 * cubic.points[0]
+    nodal = {"T_fluid": (cubic, temperature), "T_solid": (cubic, temperature + 5), "p": (Space(mesh, 1), np.zeros(36))}
+    nodal["u"] = quadratic, np.array([0 * quadratic.points[0], quadratic.points[0] + 1])
+    plots.field_plot(tmp_path / "a.png", mesh, nodal, axisymmetric=True, title="bed")
+    assert shows_something(tmp_path / "a.png")
+
+
+def test_map_of_a_flow_on_triangles(tmp_path):
+    mesh = MESHES["triangle6"]
+    nodal = {"p": (Space(mesh, 1), np.ones(mesh.nvertices)), "u": (Space(mesh, 2), np.ones((2, Space(mesh, 2).size)))}
+    plots.field_plot(tmp_path / "a.png", mesh, nodal)
+    assert shows_something(tmp_path / "a.png")
+    with pytest.raises(ValueError, match="2-D"):
+        plots.field_plot(tmp_path / "b.png", MESHES["tetra10"], {})
+
+
+ARRAYS = {
+    "state": np.array([0.1, -0.0, 5e-324, np.nan, np.inf, 1 / 3]),
+    "file": np.arange(6, dtype=np.int32).reshape(2, 3).T,
+    "empty": np.zeros((0, 2)),
+    "number": np.array(2.5),
+}
+META = {"scene_hash": "abc", "time": 0.1 + 0.2, "tick": 2**60, "level": np.int64(3)}
+
+
+def test_checkpoint_is_bitwise(tmp_path):
+    checkpoint.save(tmp_path / "new", ARRAYS, META)
+    arrays, meta = checkpoint.load(tmp_path / "new")
+    assert meta == META and set(arrays) == set(ARRAYS)
+    for name, array in ARRAYS.items():
+        same = arrays[name]
+        assert same.dtype == array.dtype and same.shape == array.shape and same.tobytes() == array.tobytes()
+    assert [path.name for path in (tmp_path / "new").iterdir()] == ["checkpoint.npz"]
+    with pytest.raises(TypeError, match="objects"):
+        checkpoint.save(tmp_path, {"a": np.array([None])}, {})
+
+
+def test_checkpoint_damage_is_noticed(tmp_path):
+    checkpoint.save(tmp_path, ARRAYS, META)
+    path = tmp_path / "checkpoint.npz"
+    good = path.read_bytes()
+    damaged = [good[:n] for n in range(0, len(good), 97)]
+    for position in range(0, len(good), 61):
+        damaged.append(good[:position] + bytes([good[position] ^ 0x21]) + good[position + 1 :])
+    refused = 0
+    for content in damaged:
+        path.write_bytes(content)
+        try:
+            arrays, meta = checkpoint.load(tmp_path)
+        except SceneError as error:
+            assert "damaged checkpoint" in str(error) and "\n" not in str(error)
+            refused += 1
+        else:
+            # the change met bytes that carry nothing, such as a date
+            assert meta == META and all(arrays[name].tobytes() == array.tobytes() for name, array in ARRAYS.items())
+    assert refused > 0.7 * len(damaged)
+
+
+def test_checkpoint_checksum_covers_all_values(tmp_path):
+    checkpoint.save(tmp_path, ARRAYS, META)
+    path = tmp_path / "checkpoint.npz"
+    with np.load(path) as file:
+        entries = dict(file)
+    for change in ({"array.state": np.zeros(6)}, {"meta": np.array("{}")}, {"array.more": np.zeros(1)}):
+        np.savez(path, **(entries | change))
+        with pytest.raises(SceneError, match="checksum"):
+            checkpoint.load(tmp_path)
+
+
+def test_checkpoint_missing_or_of_another_scene(tmp_path):
+    with pytest.raises(SceneError, match="no such folder"):
+        checkpoint.load(tmp_path / "none")
+    with pytest.raises(SceneError, match=r"no checkpoint\.npz"):
+        checkpoint.load(tmp_path)
+    checkpoint.require_same(META, "abc")
+    for meta in (META, {}):
+        with pytest.raises(SceneError, match="another scene"):
+            checkpoint.require_same(meta, "abd")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_full_disk_keeps_the_previous_checkpoint(tmp_path):
+    for before in ("no earlier checkpoint", "previous checkpoint is intact"):
+        (tmp_path / "checkpoint.npz.part").symlink_to("/dev/full")
+        with pytest.raises(ContbedError, match=before) as caught:
+            checkpoint.save(tmp_path, {"a": np.zeros(100_000)}, {})
+        assert "No space left" in str(caught.value) and str(tmp_path) in str(caught.value)
+        assert "\n" not in str(caught.value) and type(caught.value) is ContbedError
+        assert not (tmp_path / "checkpoint.npz.part").is_symlink()
+        checkpoint.save(tmp_path, {"a": np.ones(3)}, {})
+    assert checkpoint.load(tmp_path)[0]["a"].sum() == 3
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs SIGKILL")
+def test_kill_leaves_a_whole_checkpoint(tmp_path):
+    program = (
+        "import sys, numpy as np\n"
+        "from contbed.output import checkpoint\n"
+        "for k in range(10**6):\n"
+        "    checkpoint.save(sys.argv[1], {'a': np.full(100_000, k)}, {'k': k})\n"
+    )
+    for wait in (0.0, 0.007, 0.013):
+        process = subprocess.Popen([sys.executable, "-c", program, str(tmp_path)])
+        deadline = time.monotonic() + 20
+        (tmp_path / "checkpoint.npz").unlink(missing_ok=True)
+        while not (tmp_path / "checkpoint.npz").exists() and time.monotonic() < deadline:
+            time.sleep(0.005)
+        time.sleep(wait)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        arrays, meta = checkpoint.load(tmp_path)
+        assert np.all(arrays["a"] == meta["k"])
+
+
+@pytest.mark.parametrize("broken", ["folder in the way", "file as folder", "full", "interrupted"])
+def test_atomic_keeps_the_old_file(broken, tmp_path, monkeypatch):
+    path = tmp_path / "out" / "a.txt"
+    if broken == "folder in the way":
+        path.mkdir(parents=True)
+        error, text = ContbedError, "a folder has this name"
+    elif broken == "file as folder":
+        path.parent.write_text("old")
+        error, text = ContbedError, "a file has the name of the folder"
+    else:
+        path.parent.mkdir()
+        path.write_text("old")
+        error, text = (ContbedError, "free some space") if broken == "full" else (KeyboardInterrupt, None)
+    with pytest.raises(error, match=text) as caught, atomic(path) as temporary:
+        temporary.write_text("new")
+        if broken == "full":
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        if broken == "interrupted":
+            raise KeyboardInterrupt
+    if error is ContbedError:
+        assert str(path) in str(caught.value) and "\n" not in str(caught.value)
+    old = path.parent if broken == "file as folder" else path
+    assert old.is_dir() or old.read_text() == "old"
+    assert not list(tmp_path.rglob("*.part"))
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write anywhere")
+def test_no_permission(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(ContbedError, match="check the permissions"):
+        write_table(tmp_path / "a.csv", {"x": [1.0]})
+
+
+class FakeTerminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_progress_is_silent_in_a_pipe(monkeypatch):
+    stream = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", stream)
+    with Progress(1.0, "s") as progress:
+        progress.advance_to(0.5, "note")
+    terminal = FakeTerminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with Progress(1.0, "s", quiet=True) as progress:
+        progress.advance_to(0.5)
+    assert stream.getvalue() == terminal.getvalue() == ""
+
+
+def test_progress_on_a_terminal(monkeypatch):
+    terminal = FakeTerminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "120")
+    with Progress(2.0, "s") as progress:
+        for k in range(1, 1001):
+            progress.advance_to(0.001 * k, "step [1] s")
+        progress.advance_to(2.0, "done")
+    text = terminal.getvalue()
+    assert "step [1] s" in text and "2 of 2 s, done" in text and "100 %" in text
+    assert text.count("step [1] s") < 100
+
+
+def test_imports_are_lazy(tmp_path):
+    program = (
+        "import sys, contbed.output.files, contbed.output.vtu, contbed.output.tables, contbed.output.summary\n"
+        "import contbed.output.plots, contbed.output.checkpoint, contbed.output.progress\n"
+        "with contbed.output.progress.Progress(1.0) as p: p.advance_to(1.0)\n"
+        "print(sorted({'meshio', 'matplotlib', 'rich'} & set(sys.modules)))\n"
+        "contbed.output.plots.profile_plot(sys.argv[1], {'x [m]': [0, 1], 'p [Pa]': [0, 1]}, 'x [m]')\n"
+        "print('matplotlib.pyplot' in sys.modules)\n"
+    )
+    command = [sys.executable, "-c", program, str(tmp_path / "a.png")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout.split("\n")[:2] == ["[]", "False"]
