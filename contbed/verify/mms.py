@@ -61,7 +61,8 @@ def jet(function: Function, x: Sequence[Array]) -> tuple[Any, list[Any]]:
     """
     twice = [Dual(Dual(array, {k: 1.0}), {k: 1.0}) for k, array in enumerate(x)]
     result = function(*twice)
-    zero = Dual(np.zeros_like(x[0]), {})
+    nothing = np.zeros_like(x[0])
+    zero = Dual(nothing, dict.fromkeys(range(len(x)), nothing))
     slopes = getattr(result, "tangents", {})
     return zero + getattr(result, "value", result), [zero + slopes.get(k, 0.0) for k in range(len(x))]
 
@@ -85,7 +86,7 @@ class Exact(Dual):
         if kind == "low":
             return Dual(self._corners, {})
         along = self._gradient[kind[1]]
-        return Dual(along.value if kind[0] == "g" else along.tangents.get(kind[2], 0.0), {})
+        return Dual(along.value if kind[0] == "g" else along.tangents[kind[2]], {})
 
 
 def exact(function: Function, mesh: Any, where: Domain) -> Any:

@@ -1,0 +1,140 @@
+"""The weak forms against the equations in strong form, at smooth fields: signs, factors, hoop and boundary terms.
+
+The equations of the model files are differentiated pointwise as they are written (divergence of fluxes), tested with
+every basis function, and compared with the form plus its boundary terms. Both sides differ by quadrature of smooth
+functions on a few cells: 1e-8 of the largest entry in the plane, where the rule has order 16, and 1e-5 on tetrahedra,
+where the highest rule has order 9.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from manufactured_cases import Flow, Heat, mesh
+
+from contbed.engine.skfem import Ops
+from contbed.models import porous_flow, two_energy
+from contbed.verify.mms import Manufactured, exact, jet
+
+TOLERANCE = {"line": 1e-8, "triangle": 1e-8, "quadrilateral": 1e-8, "tetrahedron": 1e-5}
+ORDER = {"line": 16, "triangle": 16, "quadrilateral": 16, "tetrahedron": 9}
+
+
+def heat_strong(case: Heat, dim: int, c: two_energy.Coefficients, x: Any) -> dict[str, Any]:
+    """Both balances at points as the equations of the model are written: fluxes first, then their divergence."""
+    velocity = case.velocity(dim)
+    jets = {name: jet(function, x) for name, function in case.fields(dim).items()}
+    u = [jet(lambda *at, k=k: velocity(*at)[k], x)[0] for k in range(dim)]
+    speed = np.sqrt(sum(u_k * u_k for u_k in u))
+    transfer = c.exchange(jets["T_fluid"][0], jets["T_solid"][0]) * (jets["T_solid"][0] - jets["T_fluid"][0])
+    out = {}
+    for name, other, phase, gain in (
+        ("T_fluid", "T_solid", c.fluid, transfer + c.fluid.source),
+        ("T_solid", "T_fluid", c.solid, c.solid.source - transfer),
+    ):
+        T, slope = jets[name]
+        across, along, _ = phase.dispersion or (0.0, 0.0, None)
+        forward = sum(u_k * s for u_k, s in zip(u, slope, strict=True)) / speed
+        total = -gain.value
+        for k in range(dim):
+            mass_flux = u[k] if name == "T_fluid" else phase.mass_flux[k]
+            conducted = (phase.conductivity(T) + across) * slope[k] + c.cross * jets[other][1][k]
+            flux = mass_flux * phase.enthalpy(T) - conducted - along * forward * u[k] / speed
+            total = total + flux.tangents[k] + (flux.value / x[0] if case.axisymmetric and k == 0 else 0.0)
+        out[name] = total
+    return out
+
+
+HEAT = {
+    "line": Heat("line", (4,), 2, nonlinear=True, stabilised=False),
+    "triangle": Heat("triangle", (3,), 2, nonlinear=True, stabilised=False),
+    "quadrilateral": Heat("quadrilateral", (3,), 3, nonlinear=True, stabilised=False),
+    "tetrahedron": Heat("tetrahedron", (2,), 1, nonlinear=True, stabilised=False),
+    "triangle_axisymmetric": Heat("triangle", (3,), 2, nonlinear=True, stabilised=False, axisymmetric=True),
+    "triangle_supg": Heat("triangle", (3,), 2, uniform=True),
+    "quadrilateral_supg": Heat("quadrilateral", (3,), 2, uniform=True),
+    "tetrahedron_supg": Heat("tetrahedron", (2,), 2, uniform=True),
+    "quadrilateral_supg_axisymmetric": Heat("quadrilateral", (3,), 2, uniform=True, axisymmetric=True),
+}
+
+
+@pytest.mark.parametrize("name", HEAT)
+def test_two_energy(name: str) -> None:
+    case = HEAT[name]
+    m = mesh(case.shape, case.sizes[0])
+    system = case.system(m, ORDER[case.shape])
+    fields = case.fields(m.dim())
+    c = case.coefficients(system, system.cells)
+    forms: list[Any] = [(two_energy.residual, system.cells, c)]
+    for part in system.boundary("all"):
+        known = {field: exact(function, m, part) for field, function in fields.items()}
+        here, o = case.coefficients(system, part), Ops(part)
+        for field, other, phase in (("T_fluid", "T_solid", here.fluid), ("T_solid", "T_fluid", here.solid)):
+            conducted = two_energy.conduction(known[field], phase, o) + o.grad(known[other]) * here.cross
+            flux = o.dot(conducted, part.n).value
+            wall = two_energy.Wall(field, phase.mass_flux, phase.enthalpy, flux=flux)
+            forms.append((two_energy.boundary, part, wall))
+    weak = Manufactured(system, fields, forms).load()
+    strong = heat_strong(case, m.dim(), c, system.cells.x.items)
+
+    def tested(unknowns: Any, tests: Any, c: two_energy.Coefficients, o: Ops) -> Any:
+        total: Any = 0.0
+        for field, phase in (("T_fluid", c.fluid), ("T_solid", c.solid)):
+            v = getattr(tests, field)
+            weight = v if phase.tau is None else v + phase.tau * o.dot(phase.mass_flux, o.grad(v))
+            total = strong[field] * weight + total
+        return total
+
+    expected = system.assemble([(tested, system.cells, c)], np.zeros(system.size), False)[0]
+    assert np.abs(weak - expected).max() <= TOLERANCE[case.shape] * np.abs(expected).max()
+
+
+FLOW = {
+    "triangle": Flow("triangle", (3,)),
+    "quadrilateral": Flow("quadrilateral", (3,)),
+    "tetrahedron": Flow("tetrahedron", (2,)),
+    "triangle_axisymmetric": Flow("triangle", (3,), axisymmetric=True),
+    "quadrilateral_axisymmetric": Flow("quadrilateral", (3,), axisymmetric=True),
+}
+
+
+def flow_strong(case: Flow, dim: int, x: Any) -> tuple[list[Any], Any]:
+    """Momentum (dim entries) and divergence at points."""
+    fields, c = case.fields(dim), case.coefficients(dim)
+    jets = [jet(lambda *at, k=k: fields["u"](*at)[k], x) for k in range(dim)]
+    u = [value.value for value, _ in jets]
+    slope_p = jet(fields["p"], x)[1]
+    w = [u_k - solid for u_k, solid in zip(u, c.velocity_solid.items, strict=True)]
+    speed = np.sqrt(sum(w_k**2 for w_k in w))
+    resistance = c.viscosity / c.permeability + c.density * c.forchheimer / c.permeability**0.5 * speed
+    momentum = []
+    for k, (_, slope) in enumerate(jets):
+        laplacian = sum(slope[m].tangents[m] for m in range(dim))
+        if case.axisymmetric:
+            laplacian = laplacian + slope[0].value / x[0] - (u[0] / x[0] ** 2 if k == 0 else 0.0)
+        convected = sum(u[m] * slope[m].value for m in range(dim))
+        momentum.append(
+            c.density / c.porosity * convected + slope_p[k].value - c.viscosity * laplacian
+            + c.porosity * resistance * w[k]
+        )  # fmt: skip
+    divergence = sum(jets[k][1][k].value for k in range(dim))
+    return momentum, divergence + u[0] / x[0] if case.axisymmetric else divergence
+
+
+@pytest.mark.parametrize("name", FLOW)
+def test_porous_flow(name: str) -> None:
+    case = FLOW[name]
+    m = mesh(case.shape, case.sizes[0])
+    dim = m.dim()
+    system = case.system(m, ORDER[case.shape])
+    weak = Manufactured(system, case.fields(dim), [(porous_flow.residual, system.cells, case.coefficients(dim))]).load()
+    momentum, divergence = flow_strong(case, dim, system.cells.x.items)
+
+    def tested(unknowns: Any, tests: Any, c: Any, o: Ops) -> Any:
+        return sum((momentum[k] * tests.u[k] for k in range(dim)), start=-1.0 * divergence * tests.p)
+
+    expected = system.assemble([(tested, system.cells, None)], np.zeros(system.size), False)[0]
+    inner = np.ones(system.size, dtype=bool)
+    for k in range(dim):
+        inner[system.nodes("u", m.boundary_facets(), k)] = False
+    assert np.abs(weak - expected)[inner].max() <= TOLERANCE[case.shape] * np.abs(expected).max()
