@@ -187,6 +187,13 @@ def test_all_mistakes_of_a_file_are_told_at_once_in_the_order_of_the_file():
     assert {6, 20, 24} <= set(lines)
 
 
+@pytest.mark.parametrize(("old", "new"), [("[heat]", "[het]"), ("[solid]", "[sold]"), ("0.4", "4"), ('"gunn"', '"gun"')])
+def test_one_mistake_is_told_once_without_what_follows_from_it(old, new):
+    with pytest.raises(SceneError) as error:
+        loads(GOOD.replace(old, new, 1))
+    assert len(error.value.problems) == 1
+
+
 def test_contradictions_are_told_beside_wrong_values():
     text = GOOD.replace("0.4", "40").replace("[boundary.wall]", "[boundary.wal]").replace('"gunn"', '"hsu"')
     with pytest.raises(SceneError) as error:
