@@ -44,7 +44,10 @@ VELOCITY = {
     2: lambda x, y: (1.2 + 0.3 * np.sin(2 * y), 0.4 + 0.3 * np.cos(2 * x)),
     3: lambda x, y, z: (1.2 + 0.3 * np.sin(3 * y), 0.4 + 0.2 * np.cos(3 * z), 0.3 + 0.2 * np.sin(3 * x)),
 }
-PRESSURE = {2: lambda x, y: np.cos(2 * x) * np.sin(1.3 * y), 3: lambda x, y, z: np.cos(2 * x) * np.sin(1.3 * y + z)}
+PRESSURE = {
+    2: lambda x, y: np.cos(2 * x) * np.sin(1.3 * y),
+    3: lambda x, y, z: 3 * np.cos(2 * x) * np.sin(1.3 * y + z),
+}
 ROUND_FLUID = lambda r, z: 2.0 + np.cos(1.5 * r) * np.sin(2 * z)  # noqa: E731
 ROUND_SOLID = lambda r, z: 1.5 + np.cos(1.2 * r) + 0.3 * np.cos(z)  # noqa: E731
 ROUND_VELOCITY = lambda r, z: (  # noqa: E731

@@ -45,7 +45,7 @@ CASES: dict[str, Any] = {
     "flow_triangle_axisymmetric": Flow("triangle", (8, 16), axisymmetric=True),
     "flow_quadrilateral_axisymmetric": Flow("quadrilateral", (8, 16), axisymmetric=True),
     "flow_tetrahedron": Flow("tetrahedron", (3, 6)),
-    "flow_hexahedron": Flow("hexahedron", (4, 6)),
+    "flow_hexahedron": Flow("hexahedron", (3, 6)),
 }
 SLOW = {
     "finer_tetrahedron_1": Heat("tetrahedron", (12, 20), 1),

@@ -1,0 +1,108 @@
+"""Time steps against exact decay, the exact semi-discrete solution and a solution with fine steps."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pytest
+from manufactured_cases import Heat
+from scipy.linalg import expm
+
+from contbed.engine.skfem import System
+from contbed.models import two_energy
+from contbed.solve.linear import Policy
+from contbed.solve.timestep import march
+from contbed.verify.exact import two_temperature_relaxation
+from contbed.verify.mms import observed_order
+
+END = 1.0
+# TR-BDF2 has order 2; between 16 and 32 steps of these smooth solutions the next term changes it by less than 0.1
+TOLERANCE = 0.1
+
+
+@dataclass
+class Problem:
+    """Two-energy forms on a system, as `march` wants them."""
+
+    system: System
+    forms: list[Any]
+    linear: bool
+    fixed: Any = field(default_factory=lambda: np.empty(0, dtype=int))
+
+    def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Residual of the steady forms."""
+        return self.system.assemble(self.forms, state, jacobian)
+
+    def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Tested heat content."""
+        _, where, c = self.forms[0]
+        return self.system.assemble([(two_energy.storage, where, c)], state, jacobian)
+
+    def last(self, state: Any, steps: int | None, tolerance: float = 1.0) -> Any:
+        """State at the end after equal steps, or after steps of controlled error."""
+        step = None if steps is None else END / steps
+        *_, last = march(self, state, END, Policy(self.system.mesh.dim()), tolerance=tolerance, span=1.0, step=step)
+        return last.states[-1]
+
+
+def problem(case: Heat, n: int) -> tuple[Problem, Any]:
+    """A case with its exact steady values as start and as prescribed values: sources drive it away from there."""
+    manufactured, fixed = case.manufactured(n)
+    system = manufactured.system
+    nodes = np.unique(np.concatenate([system.nodes(name, facets) for name, facets in fixed.items()]))
+    made = Problem(system, list(manufactured.forms), not case.nonlinear, nodes)
+    return made, manufactured.interpolant()
+
+
+def order(made: Problem, start: Any, expected: Any) -> float:
+    errors = [np.abs(made.last(start, steps) - expected).max() for steps in (16, 32)]
+    return float(observed_order(errors, [1 / 16, 1 / 32])[0])
+
+
+def test_linear_against_matrix_exponential() -> None:
+    made, start = problem(Heat("triangle", (), 2), 3)
+    free = np.setdiff1d(np.arange(made.system.size), made.fixed)
+    residual, stiffness = made.steady(start, True)
+    mass = made.content(start, True)[1]
+    rates = np.linalg.solve(mass.toarray()[np.ix_(free, free)], stiffness.toarray()[np.ix_(free, free)])
+    limit = -np.linalg.solve(stiffness.toarray()[np.ix_(free, free)], residual[free])
+    expected = start.copy()
+    expected[free] += limit - expm(-rates * END) @ limit
+    assert order(made, start, expected) == pytest.approx(2.0, abs=TOLERANCE)
+
+
+def test_nonlinear_against_fine_steps() -> None:
+    made, start = problem(Heat("line", (), 1, nonlinear=True), 4)
+    # 256 steps leave an error 64 times smaller than 32 do, which shifts the order by 0.02
+    assert order(made, start, made.last(start, 256)) == pytest.approx(2.0, abs=TOLERANCE)
+
+
+@pytest.fixture
+def relaxing() -> tuple[Problem, Any, Any]:
+    """Two uniform temperatures that approach each other, and where they are at the end."""
+    capacity_fluid, capacity_solid, exchange = 0.7, 1.9, 1.3
+
+    def phase(capacity: float) -> two_energy.Phase:
+        return two_energy.Phase(
+            mass_flux=None, divergence=None, enthalpy=None, heat_capacity=None, capacity=1.0, offset=0.0,
+            conductivity=lambda T: 0.4, dispersion=None, content=lambda T: capacity * T, source=0.0, tau=None,
+        )  # fmt: skip
+
+    system = Heat("quadrilateral", (), 2).manufactured(2)[0].system
+    c = two_energy.Coefficients(phase(capacity_fluid), phase(capacity_solid), lambda fluid, solid: exchange, None)
+    state = np.empty(system.size)
+    system.part(state, "T_fluid")[:], system.part(state, "T_solid")[:] = 1.0, 0.2
+    expected = np.empty(system.size)
+    ends = two_temperature_relaxation(END, capacity_fluid, capacity_solid, exchange, 1.0, 0.2)
+    system.part(expected, "T_fluid")[:], system.part(expected, "T_solid")[:] = ends
+    return Problem(system, [(two_energy.residual, system.cells, c)], True), state, expected
+
+
+def test_exact_relaxation(relaxing: tuple[Problem, Any, Any]) -> None:
+    assert order(*relaxing) == pytest.approx(2.0, abs=TOLERANCE)
+
+
+def test_controlled_error_of_relaxation(relaxing: tuple[Problem, Any, Any]) -> None:
+    made, start, expected = relaxing
+    # the tolerance bounds the error of one step; over the time of decay, some forty steps, it adds up in part
+    assert np.abs(made.last(start, None, 1e-6) - expected).max() <= 10e-6
