@@ -79,7 +79,7 @@ def _parts(summary: Mapping[str, Any]) -> Iterable[Any]:
         ]  # fmt: skip
         yield _grid("balance", [*parts, "relative residual"], rows)
     if closures := summary.get("closures"):
-        yield _grid("closure", ["kind", "argument", "used", "range", "outside"], _closure_rows(closures))
+        yield _grid("closure", ["argument", "used", "range", "outside"], _closure_rows(closures))
     if qoi := summary.get("qoi"):
         rows = [[_with_unit(name_of(key), _unit(key)), _number(value, ".6g")] for key, value in qoi.items()]
         yield _grid("result", [""], rows)
@@ -91,8 +91,11 @@ def _head(summary: Mapping[str, Any]) -> list[list[str]]:
     rows = []
     if "status" in summary:
         rows.append(["status", str(summary["status"])])
-    if "dofs" in summary:
-        rows.append(["unknowns", _number(summary["dofs"], ",")])
+    dofs = summary.get("dofs")
+    if isinstance(dofs, Mapping):
+        rows.append(["unknowns", ", ".join(f"{part} {_number(count, ',')}" for part, count in dofs.items())])
+    elif dofs is not None:
+        rows.append(["unknowns", _number(dofs, ",")])
     if timings := summary.get("timings"):
         rows.append(["wall time", ", ".join(f"{phase} {_number(value, '.3g')} s" for phase, value in timings.items())])
     return rows
@@ -101,14 +104,14 @@ def _head(summary: Mapping[str, Any]) -> list[list[str]]:
 def _closure_rows(closures: Iterable[Mapping[str, Any]]) -> list[list[str]]:
     rows = []
     for closure in closures:
-        first = [closure["name"], closure["kind"]]
+        name = closure["name"]
         for argument, use in closure.get("ranges", {}).items():
             share = use["share_outside"]
             outside = f"! {100 * share:.3g} %" if share else "0"
-            rows.append([*first, argument, _span(use["used"]), _span(use["declared"]), outside])
-            first = ["", ""]
-        if first[0]:
-            rows.append([*first, "", "", "", ""])
+            rows.append([name, argument, _span(use["used"]), _span(use["declared"]), outside])
+            name = ""
+        if name:
+            rows.append([name, "", "", "", ""])
     return rows
 
 
@@ -119,7 +122,7 @@ def _grid(title: str, columns: list[str], rows: list[list[str]]) -> Any:
 
     grid = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=bool(title), header_style="bold")
     for k, name in enumerate([title, *(columns or [""])]):
-        text = k == 0 or name in ("", "kind", "argument")
+        text = k == 0 or name in ("", "argument")
         grid.add_column(name, justify="left" if text else "right", overflow="fold")
     for row in rows:
         grid.add_row(*(Text(cell, style="bold red" if cell.startswith("!") else "") for cell in row))
@@ -131,8 +134,11 @@ def _with_unit(name: str, unit: str | None) -> str:
 
 
 def _unit(key: str) -> str | None:
-    """Unit given with a name, "power [W]", or that of the field it is named after."""
-    return key[key.index(" [") + 2 : -1] if " [" in key else unit_of(key)
+    """Unit given with a name, "power [W]", or that of the field it is named after, unless it ends the name."""
+    if " [" in key:
+        return key[key.index(" [") + 2 : -1]
+    unit = unit_of(key)
+    return None if key.endswith(f"_{unit}") else unit
 
 
 def _span(ends: Iterable[float | None]) -> str:

@@ -188,9 +188,9 @@ def test_table_refuses_what_is_no_table(tmp_path):
 
 
 SUMMARY = {
-    "qoi": {"T_fluid_outlet": np.float64(412.34567), "power [W]": np.float32(2.5), "front": 3},
+    "qoi": {"T_fluid_outlet": np.float64(412.34567), "power [W]": np.float32(2.5), "T_solid_out_K": 1},
     "status": "ok",
-    "dofs": np.int64(1234567),
+    "dofs": {"flow": np.int64(1234567), "heat": 12},
     "timings": {"mesh": 0.1, "solve": 12.34},
     "balances": {
         "energy": {"in": 10.0, "out": 9.0, "source": 0.0, "stored": None, "relative_residual": 1e-13, "unit": "W"}
@@ -218,7 +218,7 @@ def test_json_is_strict_and_ordered(tmp_path):
     back = json.loads((tmp_path / "summary.json").read_text(), parse_constant=refuse)
     assert list(back) == ["status", "dofs", "timings", "balances", "closures", "warnings", "qoi", "extra", "3"]
     assert back["extra"] == [None, None, [0, 1], ["a", True, None]] and back["3"] == 0.1
-    assert back["dofs"] == 1234567 and back["qoi"]["power [W]"] == 2.5
+    assert back["dofs"] == {"flow": 1234567, "heat": 12} and back["qoi"]["power [W]"] == 2.5
     with pytest.raises(TypeError, match="set"):
         summary.write_json(tmp_path / "summary.json", {"a": {1}})
     assert json.loads((tmp_path / "summary.json").read_text()) == back
@@ -228,10 +228,11 @@ def test_result_table_is_plain_and_complete():
     text = summary.table(SUMMARY)
     assert text.isascii() and "\x1b" not in text
     assert all(len(line) <= 100 and line == line.rstrip() for line in text.splitlines())
-    for part in ("1,234,567", "solve 12.3 s", "energy [W]", "1.0e-13", "3 .. 20", ">= 15", "<= 1e+03", "! 25 %",
-                 "T_fluid_outlet [K]", "412.346", "power [W]", "[bold]nusselt_x[/bold]"):  # fmt: skip
+    for part in ("flow 1,234,567, heat 12", "solve 12.3 s", "energy [W]", "1.0e-13", "3 .. 20", ">= 15", "<= 1e+03",
+                 "! 25 %", "T_fluid_outlet [K]", "412.346", "power [W]", "[bold]nusselt_x[/bold]"):  # fmt: skip
         assert part in text
-    assert text.count("!") == 1
+    assert text.count("!") == 1 and "_out_K [K]" not in text
+    assert "unknowns   12,345" in summary.table({"dofs": 12345, "timings": {"mesh": 1}})
     narrow = summary.table(SUMMARY, width=40)
     assert all(len(line) <= 40 for line in narrow.splitlines())
     assert "412.346" in narrow
