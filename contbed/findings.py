@@ -59,7 +59,7 @@ def steady_findings(plan: Plan, problem: Any, state: Any, fluxes: Any, reactions
     result.nodal |= _nodal(problem, state)
     _outlets(plan, problem, state, result)
     result.qoi |= {f"heat_{name}_W": value + sum(fluxes[name].values()) for name, value in reactions.items()}
-    if span[1] > span[0]:
+    if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
         x = result.profiles[_coordinate(plan)]
         gap = _theta(solid, span) - _theta(fluid, span)
         _equilibrium(x, gap, 0.5 * (_theta(solid, span) + _theta(fluid, span)), result)

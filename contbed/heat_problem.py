@@ -15,10 +15,12 @@ from contbed.flow_problem import Flow
 from contbed.medium import Medium
 from contbed.mesh import Mesh
 from contbed.models import two_energy
-from contbed.solve.linear import Policy
+from contbed.solve.linear import Policy, Solver, constrain
 from contbed.solve.newton import newton
 
 PHASES = ("fluid", "solid")
+ROUNDING = 1e-9  # relative change of temperatures up to which a correction counts as round-off
+REFINEMENTS = 3
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,8 @@ class Motion:
 class HeatProblem:
     """Residual, Jacobian and heat content of both phases; see `contbed.models.two_energy`.
 
-    `linear` is true for constant properties; `fixed` and `fixed_values` are the prescribed temperatures.
+    `linear` is true for constant properties; `fixed` and `fixed_values` are the prescribed temperatures, `idle` names
+    those that nothing carries into the bed and that are left out.
     """
 
     def __init__(self, scene: s.Scene, mesh: Mesh, medium: Medium, motion: Motion, section: float = 1.0):
@@ -59,6 +62,7 @@ class HeatProblem:
             for _, part, wall in self.walls
             if wall.mass_flux is not None or wall.coefficient is not None or wall.flux
         ]
+        self.idle: list[str] = []
         self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
 
     def condition(self, boundary: str, phase: str) -> s.PhaseCondition | None:
@@ -178,6 +182,11 @@ class HeatProblem:
             for phase in PHASES:
                 condition = self.condition(name, phase)
                 if condition is not None and condition.fixed is not None:
+                    if not self._reaches(name, phase):
+                        self.idle.append(
+                            f"boundary.{name}.{phase}.fixed has no effect: the {phase} neither conducts nor enters there"
+                        )
+                        continue
                     found = self.system.nodes(f"T_{phase}", self.mesh.skfem.boundaries[name])
                     nodes.append(found)
                     values.append(np.full(len(found), condition.fixed))
@@ -186,6 +195,14 @@ class HeatProblem:
             return np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64)
         unique, first = np.unique(np.concatenate(nodes), return_index=True)
         return unique, np.concatenate(values)[first], np.concatenate(owners)[first]
+
+    def _reaches(self, boundary: str, phase: str) -> bool:
+        """Whether a temperature prescribed there is felt in the bed: by conduction or with an entering stream."""
+        c = getattr(self.coefficients, phase)
+        if c.dispersion is not None or _value(c.conductivity(self.medium.T_fluid_in)) > 0:
+            return True
+        streams = [(part, wall.mass_flux) for name, part, wall in self.walls if (name, wall.name) == (boundary, f"T_{phase}")]
+        return any(flux is not None and np.min(_value(Ops.dot(flux, part.n))) < 0 for part, flux in streams)
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Residual of the steady balances and its Jacobian."""
@@ -224,14 +241,50 @@ class HeatProblem:
         start = relax(self, self.initial(), policy)
         return newton(self.steady, start, self.fixed, policy, **options)
 
+    def refined(self, state: Any, policy: Policy) -> tuple[Any, Any]:
+        """The state and its residual after further Newton steps, linear in the last one.
+
+        Conduction over small cells turns the last digit of a temperature into heat that can exceed what the streams
+        carry. The residual of the corrected state without rounding is that of the state plus Jacobian times step.
+        """
+        for _ in range(REFINEMENTS):
+            residual, matrix = self.steady(state, True)
+            free = residual.copy()
+            free[self.fixed] = 0.0
+            step = -Solver(constrain(matrix, self.fixed), self.system.ordered(policy))(free)
+            state = state + step
+            if np.abs(step).max() <= ROUNDING * np.abs(state).max():
+                return state, residual + matrix @ step
+        return state, self.steady(state, False)[0]
+
+    def throughput(self) -> float:
+        """Heat above 0 K that the streams carry out, at the highest prescribed temperature [W]."""
+        high = self.T_span[1]
+        return sum(
+            getattr(self.coefficients, phase).capacity * high
+            * float(np.sum(part.weight * np.maximum(_value(Ops.dot(wall.mass_flux, part.n)), 0.0)))
+            for (_, part, wall) in self.walls if wall.mass_flux is not None
+            for phase in PHASES if wall.name == f"T_{phase}"
+        )  # fmt: skip
+
+    def estimated_error(self, state: Any) -> Any:
+        """Estimated error of theta in each cell, the larger of both phases."""
+        from contbed.adapt import estimate
+
+        space, (low, high) = self.system.fields["T_fluid"][0], self.T_span
+        errors = [estimate(space, self.system.part(state, name)) for name in two_energy.FIELDS]
+        return np.maximum(*errors) / max(high - low, 1e-9 * high)
+
     def fluxes(self, state: Any) -> dict[str, dict[str, float]]:
-        """Heat into the bed through each boundary by streams and by walls [W]; `fixed` shares are in `reactions`."""
+        """Heat into the bed through each boundary by the stream of each phase and by walls [W]; what prescribed
+        temperatures conduct is in `reactions`. Streams count from the lowest temperature of the scene.
+        """
         T_ref = self.T_span[0]
-        out: dict[str, dict[str, float]] = {name: {"stream": 0.0, "wall": 0.0} for name in self.mesh.boundaries}
+        out = {name: {"T_fluid": 0.0, "T_solid": 0.0, "wall": 0.0} for name in self.mesh.boundaries}
         for name, part, wall in self.walls:
             reference = wall.enthalpy(T_ref)
             if wall.mass_flux is not None:
-                out[name]["stream"] -= self.system.integrate(
+                out[name][wall.name] -= self.system.integrate(
                     lambda u, o, c=wall, h=reference: two_energy.convected(u, c, o) - Ops.dot(c.mass_flux, o.n) * h,
                     [part], state,
                 )  # fmt: skip

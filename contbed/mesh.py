@@ -18,6 +18,7 @@ from contbed.errors import SceneError
 REGION = "bed"  # the one region of a mesh that names none
 CELLS_ALONG = 40
 CELLS_ACROSS = 8
+SMOOTH = 3.0  # share of the smooth part of a solution in `equidistributed`, where a layer takes degree + 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +70,7 @@ def build(settings: s.Mesh, nodes: Sequence[np.ndarray] | None = None, base: str
     Parameters
     ----------
     settings : the table
-    nodes : node coordinates along each direction [m], from 0 to the full extent, used where `settings.cells` is absent
+    nodes : node coordinates along each direction [m], from 0 to the full extent, instead of the table's cells
     base : folder that a file name is relative to
 
     Raises
@@ -111,7 +112,7 @@ def _tensor(settings: s.MeshLine | s.MeshRectangle | s.MeshAxisymmetric | s.Mesh
         # square cells, but a very wide or very flat bed keeps a usable number of them
         cells = np.clip(np.rint(CELLS_ALONG * np.array(extent) / extent[axis]), CELLS_ACROSS, 4 * CELLS_ALONG)
         cells[axis] = CELLS_ALONG
-    if settings.cells is not None or nodes is None:
+    if nodes is None:
         nodes = [np.linspace(0.0, size, int(n) + 1) for size, n in zip(extent, cells, strict=True)]
     mesh = make(*nodes)
     exterior = mesh.boundary_facets()
@@ -254,3 +255,28 @@ def graded(
     part = (target - total[piece]) / cells[piece]
     part = np.where(flat[piece], part, np.expm1(logarithm[piece] * part) / relative[piece])
     return np.append(knots[piece] + span[piece] * part, length)
+
+
+def equidistributed(length: float, layers: Sequence[tuple[float, float]], cells: int, degree: int = 2) -> np.ndarray:
+    """Node coordinates [m] of a given number of cells that share the error of interpolation equally.
+
+    Elements of degree k interpolate e^{-|x - position|/width} with equal errors in all cells of a density
+    e^{-|x - position|/(m width)}/width, m = k + 1. Its integral is m however thin the layer is, so that `cells` may be
+    few. The densities of all `layers` (position and width [m]) and `SMOOTH`/length for the rest add up.
+    """
+    position, width = np.array(layers, dtype=float).reshape(-1, 2).T
+    reach = (degree + 1) * width
+
+    def count(x: np.ndarray) -> np.ndarray:
+        beyond = (x[:, None] - position) / reach
+        before = -position / reach
+        part = np.sign(before) * np.expm1(-np.abs(before)) - np.sign(beyond) * np.expm1(-np.abs(beyond))
+        return SMOOTH * x / length + (degree + 1) * part.sum(axis=1)
+
+    target = np.linspace(0.0, 1.0, cells + 1)[1:-1] * count(np.array([length]))
+    low, high = np.zeros(cells - 1), np.full(cells - 1, length)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        right = count(middle) < target
+        low, high = np.where(right, middle, low), np.where(right, high, middle)
+    return np.concatenate(([0.0], 0.5 * (low + high), [length]))

@@ -8,19 +8,21 @@ A mesh without prescribed cells is graded to the layers that the closed-form rat
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from contbed import settings as s
+from contbed.adapt import refinable
 from contbed.errors import SceneError
 from contbed.medium import Medium
-from contbed.mesh import Mesh, build, graded
+from contbed.mesh import Mesh, build, equidistributed, graded
 from contbed.scene_flow import role, velocity_vector
 from contbed.solve.linear import Policy
 
 GRADING_ERROR = 4e-4  # error of theta on a mesh of grading scale 1 with quadratic elements, measured
+AUTOMATIC = 4  # adaptive refinements of an automatic mesh
 FRONT_CELLS = 4000  # cells of a bed with tracked fronts
 
 
@@ -43,6 +45,22 @@ class Plan:
     fronts: bool
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
+
+    @property
+    def adaptations(self) -> int:
+        """How often the mesh of a steady scene may be refined where the estimated error exceeds the tolerance."""
+        rounds, grid = self.solved.solver.adapt, self.solved.mesh
+        if self.scene.heat is None or self.scene.time is not None:
+            return 0
+        if rounds is None:
+            return AUTOMATIC if isinstance(grid, s.MeshLine) and grid.cells is None and not grid.refine else 0
+        return rounds
+
+    def refined(self, error: Any) -> Plan:
+        """The plan on a mesh refined where `error` (ncells,) is large."""
+        from contbed.adapt import refined
+
+        return replace(self, mesh=refined(self.mesh, error))
 
     @property
     def policy(self) -> Policy:
@@ -87,6 +105,9 @@ def plan(scene: s.Scene) -> Plan:
     fronts = _tracks_fronts(target, medium)
     mesh = build(grid, _nodes(target, medium, velocity, solid, fronts), str(scene.origin.base))
     _check_names(target, mesh)
+    if scene.solver.adapt and not refinable(mesh):
+        raise SceneError(scene.origin.at(("solver", "adapt")) + ": solver.adapt: only lines and triangles are refined "
+                         "locally; use triangles, or mesh.refine for all cells")  # fmt: skip
     conditions = {name: _role(target, mesh, name, velocity) for name in mesh.boundaries}
     plug = "no_slip" not in conditions.values()
     if plug and scene.heat is None:
@@ -236,14 +257,13 @@ def _nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: bo
         if mesh.cells is None:
             coarse = mesh.length / (400 if scene.time is not None else 40)
             return [graded(mesh.length, layers, scale=scale, coarse=coarse)]
-        count = len(graded(mesh.length, layers)) - 1
-        return [graded(mesh.length, layers, scale=count / mesh.cells)]
-    if mesh.cells is not None:
+        return [equidistributed(mesh.length, layers, mesh.cells, degree)]
+    if mesh.cells is not None and not mesh.graded:
         return None
-    return [_across(scene, medium, velocity, solid, k) for k in range(mesh.dimension)]
+    return [_graded(scene, medium, velocity, solid, k) for k in range(mesh.dimension)]
 
 
-def _across(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction: int) -> Any:
+def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction: int) -> Any:
     """Graded coordinates of one direction of a 2-D or 3-D bed."""
     mesh = scene.mesh
     axis = 1 if isinstance(mesh, s.MeshAxisymmetric) else 0
@@ -259,13 +279,20 @@ def _across(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction
     for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):  # type: ignore[union-attr]
         table = scene.boundary.get(name)
         if direction != axis and table is not None and (table.flow == "no_slip" or table.fluid or table.solid):
-            layers.append((position, max(_wall_layer(scene, medium), 1e-3 * extent)))
-    return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
+            layers.append((position, max(_wall_layer(scene, medium, velocity, solid), 1e-3 * extent)))
+    coarse = extent / (40 if direction == axis else 12)
+    nodes = graded(extent, layers, coarse=coarse)
+    if mesh.cells is None:
+        return nodes
+    return graded(extent, layers, coarse=coarse, scale=(len(nodes) - 1) / mesh.cells[direction])
 
 
-def _wall_layer(scene: s.Scene, medium: Medium) -> float:
-    """Width of the Brinkman layer on a wall [m]."""
-    return float((medium.packing("permeability") / scene.bed.porosity) ** 0.5)
+def _wall_layer(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> float:
+    """Width of the Brinkman-Forchheimer layer on a wall [m], where the bed slides past at its own speed."""
+    permeability, forchheimer = medium.packing("permeability"), medium.packing("forchheimer")
+    fastest = max(float(np.linalg.norm(solid)), float(np.linalg.norm(velocity - solid)))
+    inertia = medium.mass_flux_scale() * forchheimer * fastest / float(medium.fluid.viscosity(medium.T_fluid_in))
+    return float((scene.bed.porosity * (1.0 / permeability + 2.0 * inertia / permeability**0.5)) ** -0.5)
 
 
 def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> list[tuple[float, float]]:

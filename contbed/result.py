@@ -24,6 +24,7 @@ class Result:
     closures: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     timings: dict[str, float] = field(default_factory=dict)
+    adaptations: int = 0
     history: list[float] = field(default_factory=list)
     status: str = "ok"
 
@@ -45,6 +46,7 @@ class Result:
             "skipped": [{"what": what, "why": why} for what, why in self.plan.skipped],
             "warnings": self.warnings,
             "qoi": self.qoi,
+            "adaptations": self.adaptations,
             "newton": self.history,
         }
 
@@ -59,7 +61,6 @@ class Result:
         from contbed.output.summary import write_json
         from contbed.output.tables import write_table
 
-        out.mkdir(parents=True, exist_ok=True)
         settings, mesh = self.plan.scene.output, self.plan.mesh
         if self.profiles:
             write_table(out / "profiles.csv", self.profiles)

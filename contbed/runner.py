@@ -16,6 +16,7 @@ from contbed.planning import Plan
 from contbed.planning import plan as make_plan
 from contbed.result import Result
 
+NOTICED = 1e-4  # share of the heat above 0 K in the streams below which rounding of temperatures blurs a balance
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
 
 
@@ -95,25 +96,36 @@ def _solve(
 ) -> None:
     if restart is not None and (scene.time is None or plan.fronts):
         raise SceneError(f"{scene.origin.name}: nothing to restart, the scene takes no time steps; leave out --restart")
-    flow = None
-    if not plan.plug:
-        with _timed(result, "flow"):
-            flow = _flow(plan, result)
-    if scene.heat is None:
-        return
     if plan.fronts:
         with _timed(result, "heat"):
             _track_fronts(plan, result)
         return
+    for attempt in range(plan.adaptations + 1):
+        flow = None
+        if not plan.plug:
+            with _timed(result, "flow"):
+                flow = _flow(plan, result)
+        if scene.heat is None:
+            return
+        problem = _heat_problem(plan, flow, result)
+        if scene.time is not None:
+            _transient(scene, plan, problem, result, folder, quiet, restart)
+            return
+        error = _steady(plan, problem, result, last=attempt == plan.adaptations)
+        if error is None:
+            return
+        plan = result.plan = plan.refined(error)
+        result.adaptations += 1
+
+
+def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:
     from contbed.heat_problem import HeatProblem, Motion
 
     with _timed(result, "heat setup"):
         motion = Motion(plan.velocity, plan.velocity_solid, flow)
         problem = HeatProblem(plan.solved, plan.mesh, plan.medium, motion, plan.section)
-    if scene.time is None:
-        _steady(plan, problem, result)
-    else:
-        _transient(scene, plan, problem, result, folder, quiet, restart)
+    result.warnings += [text for text in problem.idle if text not in result.warnings]
+    return problem
 
 
 def _flow(plan: Plan, result: Result) -> Any:
@@ -137,8 +149,10 @@ def _flow(plan: Plan, result: Result) -> Any:
     return flow
 
 
-def _balance(entering: float, leaving: float, source: float, stored: float, unit: str) -> dict[str, Any]:
-    scale = max(abs(entering), abs(leaving), abs(source), abs(stored), 1e-300)
+def _balance(
+    entering: float, leaving: float, source: float, stored: float, unit: str, floor: float = 1e-300
+) -> dict[str, Any]:
+    scale = max(abs(entering), abs(leaving), abs(source), abs(stored), floor)
     residual = (entering + source - leaving - stored) / scale
     return {
         "in": entering, "out": leaving, "source": source, "stored": stored,
@@ -146,24 +160,42 @@ def _balance(entering: float, leaving: float, source: float, stored: float, unit
     }  # fmt: skip
 
 
-def _heat_balance(fluxes: Any, reactions: Any, source: float, stored: float, unit: str) -> dict[str, Any]:
+def _heat_balance(
+    fluxes: Any, reactions: Any, source: float, stored: float, unit: str, throughput: float
+) -> dict[str, Any]:
     parts = [value for flux in fluxes.values() for value in flux.values()] + list(reactions.values())
     entering, leaving = sum(v for v in parts if v > 0), -sum(v for v in parts if v < 0)
-    return _balance(entering, leaving, source, stored, unit)
+    return _balance(entering, leaving, source, stored, unit, max(NOTICED * throughput, 1e-300))
 
 
-def _steady(plan: Plan, problem: Any, result: Result) -> None:
+def _steady_balance(problem: Any, state: Any, residual: Any) -> dict[str, Any]:
+    return _heat_balance(problem.fluxes(state), problem.reactions(residual), problem.source(), 0.0, "W",
+                         problem.throughput())
+
+
+def _steady(plan: Plan, problem: Any, result: Result, last: bool) -> Any | None:
+    """Solve and report; or, on a mesh that may still be refined and should be, return the error of each cell."""
     from contbed.findings import steady_findings
 
     with _timed(result, "heat"):
         state, history = problem.solve(plan.policy)
         result.history += history
         residual, _ = problem.steady(state, False)
+        balance = _steady_balance(problem, state, residual)
+        if abs(balance["relative_residual"]) > 0.1 * plan.scene.solver.balance_tolerance:
+            state, residual = problem.refined(state, plan.policy)
+            balance = _steady_balance(problem, state, residual)
     with _timed(result, "results"):
+        if plan.adaptations:
+            error = problem.estimated_error(state)
+            if not last and error.max() > plan.scene.solver.tolerance:
+                return error
+            result.qoi["estimated_error"] = float(error.max())
+        result.balances["energy"] = balance
         fluxes, reactions = problem.fluxes(state), problem.reactions(residual)
-        result.balances["energy"] = _heat_balance(fluxes, reactions, problem.source(), 0.0, "W")
         steady_findings(plan, problem, state, fluxes, reactions, result)
         _check_state(plan, problem, [state], result)
+    return None
 
 
 def _transient(
@@ -199,7 +231,8 @@ def _transient(
             if history.steps:
                 fluxes, reactions = integrated_fluxes(problem, history), problem.reaction_sums(history.reaction)
                 source = problem.source() * history.time
-                result.balances["energy"] = _heat_balance(fluxes, reactions, source, history.gain, "J")
+                throughput = problem.throughput() * history.time
+                result.balances["energy"] = _heat_balance(fluxes, reactions, source, history.gain, "J", throughput)
             transient_findings(plan, problem, history, result)
             _check_state(plan, problem, history.snapshots, result)
         if folder is not None:

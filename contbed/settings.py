@@ -102,6 +102,7 @@ Switch = Annotated[bool, Strict()]
 
 
 REGION = "bed"  # the only region of a built-in mesh
+GRADED = "grade the given number of cells to the layer widths; uniform otherwise"
 
 
 class Table(BaseModel):
@@ -118,7 +119,7 @@ class MeshLine(Table):
     type: Literal["line"]
     length: Length
     cells: Cells | None = Field(None, description="number of cells; automatic grading to the layer widths if absent")
-    graded: Switch = Field(False, description="grade the given number of cells to the layer widths; uniform otherwise")
+    graded: Switch = Field(False, description=GRADED)
     refine: Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
 
 
@@ -131,6 +132,7 @@ class MeshRectangle(Table):
     length: Length
     height: Length
     cells: tuple[Cells, Cells] | None = None
+    graded: Switch = Field(False, description=GRADED)
     shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
     refine: Whole = Field(0, ge=0, le=8)
 
@@ -144,6 +146,7 @@ class MeshAxisymmetric(Table):
     length: Length
     radius: Length
     cells: tuple[Cells, Cells] | None = Field(None, description="cells along r and along z")
+    graded: Switch = Field(False, description=GRADED)
     shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
     refine: Whole = Field(0, ge=0, le=8)
 
@@ -158,6 +161,7 @@ class MeshBox(Table):
     width: Length
     height: Length
     cells: tuple[Cells, Cells, Cells] | None = None
+    graded: Switch = Field(False, description=GRADED)
     shape: Literal["tetrahedron", "hexahedron"] = "hexahedron"
     refine: Whole = Field(0, ge=0, le=6)
 
@@ -340,6 +344,9 @@ class Solver(Table):
     stabilisation: Switch = Field(True, description="residual-based SUPG")
     tolerance: Fraction = Field(
         1e-5, description="target error of theta for automatic meshes"
+    )
+    adapt: Annotated[Whole, Field(ge=0, le=10)] | None = Field(
+        None, description="refinements of a steady mesh where the estimated error exceeds `tolerance`; absent: automatic"
     )
     reduce: Switch = Field(True, description="solve a plug-flow scene with adiabatic walls in one dimension")
     newton_tolerance: Fraction = 1e-10

@@ -10,6 +10,8 @@ import numpy as np
 from contbed.errors import ConvergenceError
 from contbed.solve.linear import Policy, Solver, constrain
 
+POLISH = 6  # steps at most after convergence
+
 Assemble = Callable[[Any, bool], tuple[Any, Any]]
 
 
@@ -43,7 +45,8 @@ def newton(
         damping = 1.0
         while True:
             trial = state + damping * step
-            residual, _ = assemble(trial, False)
+            with np.errstate(all="ignore"):  # a step too far may leave the range of a property; it is halved below
+                residual, _ = assemble(trial, False)
             residual[fixed] = 0.0
             norm = float(np.linalg.norm(residual))
             if np.isfinite(norm) and (norm <= (1 - 0.1 * damping) * history[-1] * scale or norm <= floor):
@@ -62,11 +65,17 @@ def newton(
 
 
 def _polish(assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: Solver) -> Any:
-    """One more step with the factors at hand, kept if it lowers the residual: balances then close to round-off."""
-    better = state + solver(-residual)
-    after, _ = assemble(better, False)
-    after[fixed] = 0.0
-    return better if np.linalg.norm(after) < np.linalg.norm(residual) else state
+    """Further steps with the factors at hand while they halve the residual: balances then close to round-off."""
+    norm = np.linalg.norm(residual)
+    for _ in range(POLISH):
+        better = state + solver(-residual)
+        residual, _ = assemble(better, False)
+        residual[fixed] = 0.0
+        after = np.linalg.norm(residual)
+        if not after < 0.5 * norm:
+            return better if after < norm else state
+        state, norm = better, after
+    return state
 
 
 def _direction(
