@@ -57,6 +57,14 @@ def main() -> None:
     header = ",".join(["solid velocity [m/s]", *names])
     np.savetxt(HERE / "sweep.csv", np.column_stack([VELOCITIES, table]), "%.5g", ",", header=header, comments="")
 
+    plot(table)
+    heater = cb.run(cb.load(HERE / "heater.toml"))
+    print(f"heater, 1 m, with wall loss: steam leaves at {heater.qoi['T_fluid_out_K']:.2f} K")
+    print(f"wall loss {-heater.qoi['heat_wall_W']:.0f} W of {heater.qoi['heat_top_W']:.0f} W")
+
+
+def plot(table: np.ndarray) -> None:
+    """Length against solid velocity, one line for each pebble size."""
     figure = Figure(figsize=(8, 5), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots()
@@ -68,19 +76,17 @@ def main() -> None:
             va="center", color=colour,
         )  # fmt: skip
     short = VELOCITIES[~np.isfinite(table).any(axis=1)]
-    if short.size:
-        axes.axvspan(1e3 * VELOCITIES[0], 1e3 * short.max(), color="0.9")
-        axes.text(1e3 * short.max(), 0.03, "too little silica:\nno length is enough ", ha="right", color="0.35")
+    axes.axvspan(1e3 * VELOCITIES[0], 1e3 * short.max(), color="0.9")
+    axes.text(1e3 * VELOCITIES[1], 0.3, "too little silica: no length is enough", rotation=90, ha="center", va="center",
+              color="0.35")  # fmt: skip
     axes.set(yscale="log", xscale="log", xlabel="solid velocity [mm/s]", ylabel="bed length [m]")
+    axes.set_xlim(1e3 * VELOCITIES[0])
+    axes.set_yticks([0.05, 0.1, 0.2, 0.5, 1, 2, 3], ["0.05", "0.1", "0.2", "0.5", "1", "2", "3"])
     axes.set_xticks([0.5, 0.7, 1.0, 2.0, 3.0], ["0.5", "0.7", "1", "2", "3"])
     axes.minorticks_off()
     axes.set_title("Bed length that heats 160 degC steam to within 10 K of 700 degC silica", fontsize=11)
     axes.spines[["top", "right"]].set_visible(False)
     figure.savefig(HERE / "sweep.png", dpi=150)
-
-    heater = cb.run(cb.load(HERE / "heater.toml"))
-    print(f"heater, 1 m, with wall loss: steam leaves at {heater.qoi['T_fluid_out_K']:.2f} K")
-    print(f"wall loss {-heater.qoi['heat_wall_W']:.0f} W of {heater.qoi['heat_top_W']:.0f} W")
 
 
 if __name__ == "__main__":
