@@ -187,7 +187,7 @@ def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
         section, cells = mesh.width * mesh.height, mesh.cells and mesh.cells[0]
     ends = {low: "left", high: "right"}
     line = scene.model_copy(update={
-        "mesh": s.MeshLine(type="line", length=mesh.length, cells=cells, refine=mesh.refine),
+        "mesh": s.MeshLine(type="line", length=mesh.length, cells=cells, graded=mesh.graded, refine=mesh.refine),
         "flow": s.Flow(velocity=vectors[0][axis], velocity_solid=vectors[1][axis]),
         "boundary": {ends[name]: table for name, table in scene.boundary.items() if name in ends},
     })  # fmt: skip
@@ -280,11 +280,9 @@ def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction
         table = scene.boundary.get(name)
         if direction != axis and table is not None and (table.flow == "no_slip" or table.fluid or table.solid):
             layers.append((position, max(_wall_layer(scene, medium, velocity, solid), 1e-3 * extent)))
-    coarse = extent / (40 if direction == axis else 12)
-    nodes = graded(extent, layers, coarse=coarse)
-    if mesh.cells is None:
-        return nodes
-    return graded(extent, layers, coarse=coarse, scale=(len(nodes) - 1) / mesh.cells[direction])
+    if mesh.cells is not None:
+        return equidistributed(extent, layers, mesh.cells[direction])
+    return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
 
 
 def _wall_layer(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> float:
@@ -297,8 +295,6 @@ def _wall_layer(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> fl
 
 def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> list[tuple[float, float]]:
     """Positions and widths of the exchange and conduction layers at both ends of a bed, from the closed-form rates."""
-    from contbed.verify.exact_two_energy import rates
-
     T = medium.T_fluid_in
     scale = medium.mass_flux_scale()
     flux_fluid = scale * float(medium.fluid.heat_capacity(T)) * u
@@ -313,14 +309,26 @@ def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, lengt
     d_solid = float(medium.conductivity_solid(T))
     exchange = float(medium.exchange(T, speed))
     add_fluid, add_solid, cross = medium.tortuosity() or (0.0, 0.0, 0.0)
-    if exchange == 0.0 or (flux_fluid == 0.0 and d_fluid == 0.0):
-        return []
-    found = rates(flux_fluid, flux_solid, d_fluid + add_fluid, d_solid + add_solid, exchange, cross)
+    found = _rates((flux_fluid, d_fluid + add_fluid), (flux_solid, d_solid + add_solid), exchange, cross)
     finite = [rate for rate in found if rate and np.isfinite(rate)]
     layers = [(0.0 if rate < 0 else length, min(1.0 / abs(rate), length)) for rate in finite]
     if flux_fluid * flux_solid >= 0 and finite:
         layers = [layer for layer in layers if _matters(scene, layer, finite, flux_fluid + flux_solid, length)]
     return [(position, width) for position, width in layers if width > 1e-10 * length]
+
+
+def _rates(fluid: tuple[float, float], solid: tuple[float, float], exchange: float, cross: float) -> list[float]:
+    """Signed rates [1/m] of the modes of two phases, given as (flux, conductivity); the phases are interchangeable."""
+    from contbed.verify.exact_two_energy import rates
+
+    if exchange == 0.0:
+        return [flux / d for flux, d in (fluid, solid) if d]
+    (flux, d), (flux_other, d_other) = (fluid, solid) if fluid[0] else (solid, fluid)
+    if flux == 0.0:
+        rate = (exchange * (d + d_other + 2.0 * cross) / (d * d_other - cross**2)) ** 0.5 if d and d_other else 0.0
+        return [-rate, rate]
+    sign = 1.0 if flux > 0 else -1.0
+    return [sign * rate for rate in rates(abs(flux), sign * flux_other, d, d_other, exchange, cross)]
 
 
 def _matters(scene: s.Scene, layer: tuple[float, float], rates: list[float], flux: float, length: float) -> bool:
