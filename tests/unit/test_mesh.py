@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from contbed import settings as s
 from contbed.errors import SceneError
-from contbed.mesh import build, graded, refine
+from contbed.mesh import build, equidistributed, graded, refine
 
 LENGTH, RADIUS, WIDTH, HEIGHT = 0.37, 0.11, 0.13, 0.29
 LINE = s.MeshLine(type="line", length=LENGTH, cells=7)
@@ -131,11 +131,11 @@ def test_default_cells_are_nearly_square_and_never_few():
     assert shaft.nelements == 40 * 10
 
 
-def test_given_nodes_are_used_only_without_cells():
+def test_given_nodes_are_used_instead_of_cells():
     x = graded(LENGTH, [(0.0, 1e-3)])
     automatic = build(s.MeshLine(type="line", length=LENGTH), [x])
     np.testing.assert_array_equal(np.sort(automatic.skfem.p[0]), x)
-    assert build(LINE, [x]).skfem.nelements == 7
+    assert build(LINE, [x]).skfem.nelements == len(x) - 1
     across = np.array([0.0, 0.05, RADIUS])
     shaft = build(s.MeshAxisymmetric(type="axisymmetric", length=LENGTH, radius=RADIUS), [across, x])
     assert shaft.skfem.nelements == 2 * (len(x) - 1)
@@ -185,6 +185,23 @@ def test_scaled_nodes_are_nested_and_halve_the_cells(layers, parts):
 
 def test_interior_layer_has_a_node():
     assert 0.3 in graded(1.0, [(0.3, 1e-4), (0.0, 0.01)])
+
+
+@given(layer_lists, st.integers(20, 80), st.sampled_from([1, 2, 3]))
+def test_equidistributed_gives_each_layer_its_share(layers, cells, degree):
+    x = equidistributed(2.0, [(2.0 * p, 2.0 * w) for p, w in layers], cells, degree)
+    assert len(x) == cells + 1 and x[0] == 0.0 and x[-1] == 2.0 and (np.diff(x) > 0).all()
+    # each layer counts at most 2 (degree + 1), the smooth part 3
+    share = (len(layers) * 2 * (degree + 1) + 3.0) / cells
+    for position, width in layers:
+        touching = (x[:-1] <= 2.0 * position) & (x[1:] >= 2.0 * position)
+        # integral of the layer's own density over one side of the cell
+        side = -(degree + 1) * np.log1p(-share / (degree + 1)) * 2.0 * width
+        assert np.diff(x)[touching].max() <= (1 if position in (0, 1) else 2) * side * (1 + 1e-6) + 1e-14
+
+
+def test_equidistributed_without_layers_is_uniform():
+    np.testing.assert_allclose(equidistributed(1.0, [], 7), np.linspace(0, 1, 8), rtol=0, atol=1e-15)
 
 
 def test_too_thin_a_layer_is_an_error():
