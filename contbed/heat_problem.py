@@ -43,7 +43,7 @@ class HeatProblem:
         self.scene, self.mesh, self.medium, self.motion = scene, mesh, medium, motion
         self.degree = degree = scene.solver.degree
         order = 2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
-        fields = {name: (degree, 0) for name in two_energy.FIELDS}
+        fields = dict.fromkeys(two_energy.FIELDS, (degree, 0))
         self.system = System(mesh.skfem, fields, order, axisymmetric=mesh.axisymmetric, section=section)
         self.linear = medium.constant
         self.T_span = self._span()
@@ -183,9 +183,8 @@ class HeatProblem:
                 condition = self.condition(name, phase)
                 if condition is not None and condition.fixed is not None:
                     if not self._reaches(name, phase):
-                        self.idle.append(
-                            f"boundary.{name}.{phase}.fixed has no effect: the {phase} neither conducts nor enters there"
-                        )
+                        why = f"the {phase} neither conducts nor enters there"
+                        self.idle.append(f"boundary.{name}.{phase}.fixed has no effect: {why}")
                         continue
                     found = self.system.nodes(f"T_{phase}", self.mesh.skfem.boundaries[name])
                     nodes.append(found)
@@ -201,8 +200,10 @@ class HeatProblem:
         c = getattr(self.coefficients, phase)
         if c.dispersion is not None or _value(c.conductivity(self.medium.T_fluid_in)) > 0:
             return True
-        streams = [(part, wall.mass_flux) for name, part, wall in self.walls if (name, wall.name) == (boundary, f"T_{phase}")]
-        return any(flux is not None and np.min(_value(Ops.dot(flux, part.n))) < 0 for part, flux in streams)
+        return any(
+            wall.mass_flux is not None and np.min(_value(Ops.dot(wall.mass_flux, part.n))) < 0
+            for name, part, wall in self.walls if (name, wall.name) == (boundary, f"T_{phase}")
+        )  # fmt: skip
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Residual of the steady balances and its Jacobian."""
@@ -292,7 +293,7 @@ class HeatProblem:
         return out
 
     def reactions(self, residual: Any) -> dict[str, float]:
-        """Heat that the prescribed temperatures conduct into the bed [W], by boundary, from an unconstrained residual."""
+        """Heat that prescribed temperatures conduct into the bed [W], by boundary, from an unconstrained residual."""
         return self.reaction_sums(residual[self.fixed])
 
     def reaction_sums(self, reaction: Any) -> dict[str, float]:
