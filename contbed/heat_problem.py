@@ -19,6 +19,7 @@ from contbed.solve.linear import Policy, Solver, constrain
 from contbed.solve.newton import newton
 
 PHASES = ("fluid", "solid")
+TINY = 1e-30  # speed squared [m2/s2] that keeps the direction of a vanishing stream finite
 ROUNDING = 1e-9  # relative change of temperatures up to which a correction counts as round-off
 REFINEMENTS = 3
 
@@ -49,15 +50,15 @@ class HeatProblem:
         self.T_span = self._span()
         cells = self.system.cells
         self.coefficients = self._coefficients(cells)
-        self._interior = [(two_energy.residual, cells, self.coefficients)]
-        self._storage = [(two_energy.storage, cells, self.coefficients)]
+        self._interior: list[Any] = [(two_energy.residual, cells, self.coefficients)]
+        self._storage: list[Any] = [(two_energy.storage, cells, self.coefficients)]
         self.walls = [
             (name, part, self._wall(name, phase, part))
             for name in mesh.boundaries
             for phase in PHASES
             for part in self.system.boundary(name)
         ]
-        self._boundary = [
+        self._boundary: list[Any] = [
             (two_energy.boundary, part, wall)
             for _, part, wall in self.walls
             if wall.mass_flux is not None or wall.coefficient is not None or wall.flux
@@ -102,49 +103,55 @@ class HeatProblem:
         return speed_of
 
     def _coefficients(self, where: Domain) -> two_energy.Coefficients:
-        medium, ops = self.medium, Ops(where)
-        speed = self._speed(where)
-        T_ref = medium.T_fluid_in
-        tortuosity = medium.tortuosity()
-        add_fluid, add_solid, cross = tortuosity or (0.0, 0.0, None)
-        exchange_ref = _value(medium.exchange(T_ref, speed))
-        dispersion = medium.dispersion(T_ref, speed)
-        phases = {}
-        for phase, addition in (("fluid", add_fluid), ("solid", add_solid)):
-            material = getattr(medium, phase)
-            conductivity = getattr(medium, f"conductivity_{phase}")
-            velocity = self._velocity(phase, where)
-            density = medium.mass_flux_scale() if phase == "fluid" else material.density(T_ref)
-            flux = None if velocity is None else velocity * density
-            moving_with = phase == "fluid" and self.motion.flow is not None
-            capacity = float(material.heat_capacity(T_ref))
-            spread = None
-            if phase == "fluid" and dispersion is not None and velocity is not None:
-                along, across = dispersion
-                size = np.sqrt(Ops.dot(velocity, velocity) + 1e-30)
-                spread = (across, along - across, velocity / size)
-            phases[phase] = two_energy.Phase(
-                mass_flux=flux,
-                divergence=ops.div(velocity) * density if moving_with else None,
-                enthalpy=material.enthalpy,
-                heat_capacity=material.heat_capacity,
-                capacity=capacity,
-                offset=float(material.enthalpy(T_ref)) - capacity * T_ref,
-                conductivity=_plus(conductivity, addition),
-                dispersion=spread,
-                content=getattr(medium, f"content_{phase}"),
-                source=self._source(phase),
-                tau=None if flux is None or not self.scene.solver.stabilisation else _value(two_energy.tau(
-                    np.sqrt(_value(Ops.dot(flux, flux))) * capacity,
-                    conductivity(T_ref) + addition + (0.0 if spread is None else dispersion[0]),
-                    exchange_ref, capacity, where.h, self.degree)),
-            )  # fmt: skip
+        medium, speed = self.medium, self._speed(where)
+        add_fluid, add_solid, cross = medium.tortuosity() or (0.0, 0.0, None)
+        spread = medium.dispersion(medium.T_fluid_in, speed)
+        exchange = _value(medium.exchange(medium.T_fluid_in, speed))
         return two_energy.Coefficients(
-            fluid=phases["fluid"],
-            solid=phases["solid"],
+            fluid=self._phase("fluid", where, add_fluid, spread, exchange),
+            solid=self._phase("solid", where, add_solid, None, exchange),
             exchange=lambda T_fluid, T_solid: medium.exchange(T_fluid, speed),
             cross=cross,
         )
+
+    def _phase(self, phase: str, where: Domain, addition: float, spread: Any, exchange: Any) -> two_energy.Phase:
+        """Coefficients of one phase. `addition` is the conductivity of the tortuosity, `spread` the dispersion along
+        and across the flow; the stabilisation uses both and `exchange` at the reference temperature.
+        """
+        material, T_ref = getattr(self.medium, phase), self.medium.T_fluid_in
+        conductivity = getattr(self.medium, f"conductivity_{phase}")
+        velocity, density = self._velocity(phase, where), self._density(phase)
+        flux = None if velocity is None else velocity * density
+        capacity = float(material.heat_capacity(T_ref))
+        dispersion, along = None, 0.0
+        if spread is not None and velocity is not None:
+            along, across = spread
+            size = np.sqrt(Ops.dot(velocity, velocity) + TINY)
+            dispersion = (across, along - across, velocity / size)
+        tau = None
+        if flux is not None and self.scene.solver.stabilisation:
+            streams = np.sqrt(_value(Ops.dot(flux, flux))) * capacity
+            stagnant = conductivity(T_ref) + addition + along
+            tau = _value(two_energy.tau(streams, stagnant, exchange, capacity, where.h, self.degree))
+        computed = phase == "fluid" and self.motion.flow is not None
+        return two_energy.Phase(
+            mass_flux=flux,
+            divergence=Ops(where).div(velocity) * density if computed else None,
+            enthalpy=material.enthalpy,
+            heat_capacity=material.heat_capacity,
+            capacity=capacity,
+            offset=float(material.enthalpy(T_ref)) - capacity * T_ref,
+            conductivity=_plus(conductivity, addition),
+            dispersion=dispersion,
+            content=getattr(self.medium, f"content_{phase}"),
+            source=self._source(phase),
+            tau=tau,
+        )
+
+    def _density(self, phase: str) -> float:
+        """Density that turns the velocity of a phase into its mass flux [kg/m3]."""
+        medium = self.medium
+        return medium.mass_flux_scale() if phase == "fluid" else float(medium.solid.density(medium.T_fluid_in))
 
     def _source(self, phase: str) -> Any:
         values = {name: getattr(region, f"source_{phase}") for name, region in self.scene.region.items()}
@@ -160,10 +167,9 @@ class HeatProblem:
         velocity = self._velocity(phase, where)
         flux = None
         if velocity is not None:
-            density = self.medium.mass_flux_scale() if phase == "fluid" else material.density(self.medium.T_fluid_in)
             normal = _value(Ops.dot(velocity, where.n))
             if np.abs(normal).max() > 1e-12 * max(np.abs(_value(v)).max() for v in velocity.items):
-                flux = velocity * density
+                flux = velocity * self._density(phase)
         condition = self.condition(name, phase)
         options: dict[str, Any] = {}
         if condition is not None and condition.inflow is not None:
@@ -229,7 +235,7 @@ class HeatProblem:
         from contbed.solve.continuation import relax
 
         policy = self.system.ordered(policy)
-        options = {
+        options: dict[str, Any] = {
             "tolerance": self.scene.solver.newton_tolerance,
             "iterations": self.scene.solver.newton_iterations,
             "what": "heat",
@@ -283,14 +289,13 @@ class HeatProblem:
         T_ref = self.T_span[0]
         out = {name: {"T_fluid": 0.0, "T_solid": 0.0, "wall": 0.0} for name in self.mesh.boundaries}
         for name, part, wall in self.walls:
-            reference = wall.enthalpy(T_ref)
             if wall.mass_flux is not None:
-                out[name][wall.name] -= self.system.integrate(
-                    lambda u, o, c=wall, h=reference: two_energy.convected(u, c, o) - Ops.dot(c.mass_flux, o.n) * h,
-                    [part], state,
-                )  # fmt: skip
-            out[name]["wall"] += self.system.integrate(lambda u, o, c=wall: two_energy.supplied(u, c), [part], state)
+                out[name][wall.name] -= self._integral(_stream_above(T_ref), part, wall, state)
+            out[name]["wall"] += self._integral(two_energy.supplied, part, wall, state)
         return out
+
+    def _integral(self, function: Any, part: Domain, wall: two_energy.Wall, state: Any) -> float:
+        return self.system.integrate(lambda unknowns, ops: function(unknowns, wall, ops), [part], state)
 
     def reactions(self, residual: Any) -> dict[str, float]:
         """Heat that prescribed temperatures conduct into the bed [W], by boundary, from an unconstrained residual."""
@@ -307,6 +312,11 @@ class HeatProblem:
         if not (np.any(c.fluid.source) or np.any(c.solid.source)):
             return 0.0
         return float(np.sum(self.system.cells.weight * (c.fluid.source + c.solid.source)))
+
+
+def _stream_above(T_ref: float) -> Callable[[Any, Any, Any], Any]:
+    """Heat that a stream carries out above a reference temperature [W/m2]."""
+    return lambda u, c, o: two_energy.convected(u, c, o) - o.dot(c.mass_flux, o.n) * c.enthalpy(T_ref)
 
 
 def _value(item: Any) -> Any:

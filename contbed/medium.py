@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -55,6 +55,12 @@ class Medium:
         )
 
     @property
+    def heat(self) -> s.Heat:
+        """The [heat] table of a scene that has one."""
+        assert self.scene.heat is not None
+        return self.scene.heat
+
+    @property
     def constant(self) -> bool:
         """Whether no property depends on temperature."""
         return self.fluid.constant and (self.solid is None or self.solid.constant) and not self._radiating()
@@ -62,7 +68,7 @@ class Medium:
     def _radiating(self) -> bool:
         heat = self.scene.heat
         specs = () if heat is None else (heat.conductivity_fluid, heat.conductivity_solid)
-        closures = [resolve_closure(spec, "conductivity")[0] for spec in specs if _named(spec) and not is_phase(spec)]
+        closures: list[Any] = [resolve_closure(spec, "conductivity")[0] for spec in specs if _named(spec) and not is_phase(spec)]
         return any("T" in closure.sheet.arguments for closure in closures)
 
     @property
@@ -85,7 +91,7 @@ class Medium:
 
     def reynolds(self, T: Any, speed: Callable[[Any], Any]) -> Any:
         """Particle Reynolds number; `speed(density)` is the relative superficial mass flux over density [m/s]."""
-        fixed = self.scene.heat.reynolds
+        fixed = self.heat.reynolds
         if fixed is not None:
             return fixed
         density = self.fluid.density(T)
@@ -97,7 +103,7 @@ class Medium:
 
     def exchange(self, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
         """Volumetric exchange coefficient h a [W/m3/K]."""
-        bed, heat = self.scene.bed, self.scene.heat
+        bed, heat = self.scene.bed, self.heat
         nusselt = heat.nusselt
         if _named(nusselt):
             nusselt = self.evaluate(nusselt, "nusselt", **self._state(T_fluid, speed))
@@ -122,14 +128,14 @@ class Medium:
 
     def conductivity_fluid(self, T: Any) -> Any:
         """Effective conductivity of the fluid phase without dispersion [W/m/K]."""
-        spec = self.scene.heat.conductivity_fluid
+        spec = self.heat.conductivity_fluid
         if is_phase(spec):
             return self.scene.bed.porosity * self.fluid.conductivity(T)
         return self._conductivity(spec, T)
 
     def conductivity_solid(self, T: Any) -> Any:
         """Effective conductivity of the solid phase [W/m/K]."""
-        spec = self.scene.heat.conductivity_solid
+        spec = self.heat.conductivity_solid
         if is_phase(spec):
             return (1.0 - self.scene.bed.porosity) * self.solid.conductivity(T)
         return self._conductivity(spec, T)
@@ -145,7 +151,7 @@ class Medium:
 
     def tortuosity(self) -> tuple[float, float, float] | None:
         """Additions to the conductivities of fluid and solid and the cross conductivity [W/m/K] (Nakayama 2001)."""
-        spec = self.scene.heat.tortuosity
+        spec = self.heat.tortuosity
         if spec is None:
             return None
         pair = self._pair(self.T_fluid_in)
@@ -155,7 +161,7 @@ class Medium:
 
     def dispersion(self, T: Any, speed: Callable[[Any], Any]) -> tuple[Any, Any] | None:
         """Dispersion conductivities along and across the flow [W/m/K]."""
-        spec = self.scene.heat.dispersion
+        spec = self.heat.dispersion
         if spec is None:
             return None
         if isinstance(spec, s.Dispersion):
@@ -206,6 +212,6 @@ class Medium:
         ]
 
 
-def _named(spec: Any) -> bool:
+def _named(spec: Any) -> TypeGuard[str | s.Closure]:
     return isinstance(spec, str | s.Closure)
 

@@ -272,11 +272,12 @@ def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction
     elif isinstance(mesh, s.MeshAxisymmetric):
         extents = [mesh.radius, mesh.length]
     else:
-        extents = [mesh.length, mesh.width, mesh.height]  # type: ignore[union-attr]
+        assert isinstance(mesh, s.MeshBox)
+        extents = [mesh.length, mesh.width, mesh.height]
     extent, layers = extents[direction], []
     if direction == axis and scene.heat is not None:
         layers += axial_layers(scene, medium, float(velocity[axis]), float(solid[axis]), extent)
-    for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):  # type: ignore[union-attr]
+    for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):
         table = scene.boundary.get(name)
         if direction != axis and table is not None and (table.flow == "no_slip" or table.fluid or table.solid):
             layers.append((position, max(_wall_layer(scene, medium, velocity, solid), 1e-3 * extent)))

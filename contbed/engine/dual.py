@@ -9,13 +9,13 @@ ordinary numpy functions and differentiate by themselves.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-Slot = Hashable
+Slot = Any
 Array = Any
 
 _UNARY: dict[np.ufunc, Callable[[Array, Array], Array]] = {
@@ -114,7 +114,8 @@ class Linear(NDArrayOperatorsMixin):
         self.slots = slots
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
-        a, b = inputs if len(inputs) == 2 else (inputs[0], None)
+        a: Any = inputs[0]
+        b: Any = inputs[1] if len(inputs) == 2 else None
         if isinstance(a, Components) or isinstance(b, Components):
             return NotImplemented
         if ufunc is np.negative:

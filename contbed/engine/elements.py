@@ -10,6 +10,7 @@ from __future__ import annotations
 from functools import lru_cache
 from itertools import product
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,7 @@ _TENSOR = (RefQuad, RefHex)
 class Lagrange:
     """Reference element: `nodes` (nb, dim) and the basis as polynomials."""
 
-    def __init__(self, refdom: type, degree: int):
+    def __init__(self, refdom: Any, degree: int):
         if refdom is RefHex and degree > 2:
             raise SceneError("solver.degree = 3 is not available on hexahedra; use degree 2 or tetrahedra")
         self.refdom, self.degree, self.dim = refdom, degree, refdom.dim()
@@ -77,7 +78,7 @@ class Lagrange:
 
 
 @lru_cache(maxsize=64)
-def lagrange(refdom: type, degree: int) -> Lagrange:
+def lagrange(refdom: Any, degree: int) -> Lagrange:
     """The element, made once."""
     return Lagrange(refdom, degree)
 

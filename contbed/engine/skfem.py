@@ -8,7 +8,7 @@ product with one small table that is the same for all cells.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -61,7 +61,7 @@ class Domain:
         self.inverse = [[inverse[a, k] for k in range(self.dim)] for a in range(self.dim)]
         self.x = Components(np.einsum("kc,kq->cq", corners[i], geometry.table(self.X)) for i in range(self.dim))
         weight = np.abs(determinant) * W
-        self.n = None
+        self.n: Any = None
         if facet is not None:
             outward = np.asarray(refdom.normals[facet], dtype=float)
             outward = outward / np.linalg.norm(outward)
@@ -125,7 +125,7 @@ class Domain:
         return out
 
 
-def _facet_quadrature(refdom: type, facet: int, order: int) -> tuple[Array, Array]:
+def _facet_quadrature(refdom: Any, facet: int, order: int) -> tuple[Array, Array]:
     vertices = refdom.p[:, refdom.facets[facet]]
     if refdom.dim() == 1:
         return vertices, np.ones(1)
@@ -136,11 +136,11 @@ def _facet_quadrature(refdom: type, facet: int, order: int) -> tuple[Array, Arra
     return X, W * area
 
 
-def _edges(refdom: type) -> list[list[int]]:
+def _edges(refdom: Any) -> list[list[int]]:
     return refdom.facets if refdom.dim() == 2 else refdom.edges
 
 
-def _invert(J: Array) -> tuple[Array, Array]:
+def _invert(J: Any) -> tuple[Array, Array]:
     """Inverse and determinant of J[i, a] (first two axes), dimension 1 to 3."""
     dim = len(J)
     if dim == 1:
@@ -347,7 +347,7 @@ class System:
         return total
 
     def assemble(
-        self, forms: list[tuple[Form, Domain, Any]], state: Array, jacobian: bool = True
+        self, forms: Sequence[tuple[Form, Domain, Any]], state: Array, jacobian: bool = True
     ) -> tuple[Array, sp.csc_matrix | None]:
         """Residual and, if wanted, Jacobian of the sum of `(form, domain, coeffs)`."""
         residual = np.zeros(self.size)

@@ -126,7 +126,7 @@ class Wall:
 
 def boundary(unknowns: Any, tests: Any, c: Wall, o: Any) -> Any:
     """Convection through a boundary, prescribed flux and wall coefficient."""
-    return (convected(unknowns, c, o) - supplied(unknowns, c)) * getattr(tests, c.name)
+    return (convected(unknowns, c, o) - supplied(unknowns, c, o)) * getattr(tests, c.name)
 
 
 def convected(unknowns: Any, c: Wall, o: Any) -> Any:
@@ -137,7 +137,7 @@ def convected(unknowns: Any, c: Wall, o: Any) -> Any:
     return o.dot(c.mass_flux, o.n) * enthalpy
 
 
-def supplied(unknowns: Any, c: Wall) -> Any:
+def supplied(unknowns: Any, c: Wall, o: Any) -> Any:
     """Heat given to the bed by flux and wall coefficient [W/m2]."""
     if c.coefficient is None:
         return c.flux

@@ -17,7 +17,8 @@ STEPS = 200
 
 def relax(problem: Problem, state: Any, policy: Policy, first: float = 1e-3, last: float = 1e12) -> Any:
     """March from `state` with steps from `first` to `last` [s]; a step that fails is shortened."""
-    dt, history = first, []
+    dt = first
+    history: list[float] = []
     for _ in range(STEPS):
         before = problem.content(state, False)[0]
 

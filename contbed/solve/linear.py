@@ -88,12 +88,19 @@ class Solver:
         return apply
 
     def nearby(self, matrix: sp.csc_matrix, rhs: Any, tolerance: float) -> Any | None:
-        """Solve with another matrix by GMRES, preconditioned by this one; None if it is too far away to be worth it."""
+        """Solve with another matrix by GMRES, preconditioned by this one; None if it is too far away to be worth it.
+
+        The preconditioner stands on the right, so that GMRES minimises the residual itself and `tolerance` is met.
+        """
         if not self.policy.direct(len(rhs)):
             return None
-        inverse = spla.LinearOperator(matrix.shape, self._apply)
-        x, failed = spla.gmres(matrix, rhs, rtol=tolerance, atol=0.0, restart=NEARBY, maxiter=1, M=inverse)
-        return None if failed else x
+        product = spla.LinearOperator(matrix.shape, lambda y: matrix @ self._apply(y), dtype=float)
+        y, failed = spla.gmres(product, rhs, rtol=tolerance, atol=0.0, restart=NEARBY, maxiter=1)
+        return None if failed else self._apply(y)
+
+    def approximate(self, rhs: Any) -> Any:
+        """One application of the factors, without refinement: for use with another matrix."""
+        return self._apply(rhs)
 
     def __call__(self, rhs: Any) -> Any:
         """Solve, refine once if that helps, check the residual."""

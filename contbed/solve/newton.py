@@ -39,7 +39,7 @@ def newton(
     history = [1.0]
     solver = None
     for _ in range(iterations):
-        solver, step = _direction(solver, constrain(matrix, fixed), -residual, policy, history[-1])
+        solver, step = _direction(solver, constrain(matrix, fixed), -residual, policy, history)
         if linear:
             return state + step, history
         damping = 1.0
@@ -68,7 +68,7 @@ def _polish(assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: S
     """Further steps with the factors at hand while they halve the residual: balances then close to round-off."""
     norm = np.linalg.norm(residual)
     for _ in range(POLISH):
-        better = state + solver(-residual)
+        better = state + solver.approximate(-residual)
         residual, _ = assemble(better, False)
         residual[fixed] = 0.0
         after = np.linalg.norm(residual)
@@ -79,13 +79,14 @@ def _polish(assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: S
 
 
 def _direction(
-    solver: Solver | None, matrix: Any, rhs: Any, policy: Policy, norm: float
+    solver: Solver | None, matrix: Any, rhs: Any, policy: Policy, history: list[float]
 ) -> tuple[Solver, Any]:
     """The Newton step. The factors of an earlier matrix serve as long as GMRES needs few iterations with them; the
-    linear tolerance follows the residual, so that convergence stays superlinear.
+    linear tolerance is the square of the last reduction (Eisenstat & Walker 1996, doi:10.1137/0917003, choice 2), so that
+    convergence stays superlinear and no step is solved better than its linearisation is.
     """
     if solver is not None:
-        step = solver.nearby(matrix, rhs, min(1e-2, 0.1 * norm))
+        step = solver.nearby(matrix, rhs, min(1e-2, (history[-1] / history[-2]) ** 2))
         if step is not None:
             return solver, step
     solver = Solver(matrix, policy)
