@@ -15,7 +15,14 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 __all__ = ["Plan", "Result", "Scene", "load", "plan", "run"]
 
-_HOMES = {"Scene": "settings", "load": "scene", "Plan": "planning", "plan": "planning", "Result": "result", "run": "runner"}
+_HOMES = {
+    "Scene": "settings",
+    "load": "scene",
+    "Plan": "planning",
+    "plan": "planning",
+    "Result": "result",
+    "run": "runner",
+}
 
 if TYPE_CHECKING:
     from contbed.planning import Plan, plan

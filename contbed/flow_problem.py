@@ -96,7 +96,8 @@ def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:
         return dict.fromkeys(range(dim), 0.0)
     normal = constant_normal(mesh, name)
     if normal is None or np.sort(np.abs(normal))[:-1].max() > PARALLEL:
-        raise SceneError(f'boundary.{name}: a slip wall must be a plane along the coordinate axes; use flow = "no_slip"')
+        problem = "a slip wall must be a plane along the coordinate axes"
+        raise SceneError(f'boundary.{name}: {problem}; use flow = "no_slip"')
     return {int(np.argmax(np.abs(normal))): 0.0}
 
 

@@ -68,7 +68,8 @@ class Medium:
     def _radiating(self) -> bool:
         heat = self.scene.heat
         specs = () if heat is None else (heat.conductivity_fluid, heat.conductivity_solid)
-        closures: list[Any] = [resolve_closure(spec, "conductivity")[0] for spec in specs if _named(spec) and not is_phase(spec)]
+        named = [spec for spec in specs if _named(spec) and not is_phase(spec)]
+        closures: list[Any] = [resolve_closure(spec, "conductivity")[0] for spec in named]
         return any("T" in closure.sheet.arguments for closure in closures)
 
     @property

@@ -28,8 +28,9 @@ FRONT_CELLS = 4000  # cells of a bed with tracked fronts
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run builds: `scene` as written, `solved` the scene after reduction to a line. `velocity` and `velocity_solid` are
-    vectors on `mesh`, `section` is the cross-section [m2] of a reduced bed, `conditions` has one entry a boundary.
+    """What a run builds: `scene` as written, `solved` the scene after reduction to a line.
+
+    `velocity` and `velocity_solid` are vectors on `mesh`, `section` is the cross-section [m2] of a reduced bed, `conditions` has one entry a boundary.
     """
 
     scene: s.Scene
@@ -113,7 +114,8 @@ def plan(scene: s.Scene) -> Plan:
     if plug and scene.heat is None:
         raise SceneError(scene.origin.at(("flow",)) + ": flow: nothing to solve: no wall has flow = \"no_slip\" and "
                          "there is no [heat] table")
-    coordinate = "z" if getattr(scene.mesh, "axisymmetric", False) or isinstance(scene.mesh, s.MeshAxisymmetric) else "x"
+    round_bed = isinstance(scene.mesh, s.MeshAxisymmetric) or getattr(scene.mesh, "axisymmetric", False)
+    coordinate = "z" if round_bed else "x"
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
     built.append((f"mesh, {mesh.skfem.dim()}-D", cells))
     (skipped if plug else built).append(
@@ -169,7 +171,7 @@ def _bed_diameter(mesh: s.Mesh) -> float:
 def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
     """The same scene on a line and its cross-section [m2], where nothing varies across the bed."""
     mesh = scene.mesh
-    if isinstance(mesh, s.MeshFile | s.MeshLine) or scene.heat is None or mesh.cells is not None and mesh.refine:
+    if isinstance(mesh, s.MeshFile | s.MeshLine) or scene.heat is None or (mesh.cells is not None and mesh.refine):
         return None
     axis = 1 if isinstance(mesh, s.MeshAxisymmetric) else 0
     vectors = [velocity_vector(mesh, v) for v in (scene.flow.velocity, scene.flow.velocity_solid)]

@@ -73,7 +73,8 @@ class Domain:
             weight = weight * 2.0 * np.pi * self.x[0]
         self.weight = np.broadcast_to(section * weight, self.x[0].shape)
         edges = [(a, b) for a in range(refdom.nnodes) for b in range(a)] if affine else _edges(refdom)
-        self.h = np.sqrt(np.max([((corners[:, a] - corners[:, b]) ** 2).sum(axis=0) for a, b in edges], axis=0))[:, None]
+        lengths = [np.linalg.norm(corners[:, a] - corners[:, b], axis=0) for a, b in edges]
+        self.h = np.max(lengths, axis=0)[:, None]
         self._curvature = None if affine else [
             [np.einsum("ikc,kq->icq", corners, geometry.table(self.X, a, b)) for b in range(self.dim)]
             for a in range(self.dim)
@@ -259,7 +260,7 @@ def _sum(terms: Any) -> Any:
 class System:
     """Unknown fields on a mesh, the numbering of all their nodes, and assembly over domains.
 
-    `fields` maps a name to (degree, ncomponents); ncomponents is 0 for a scalar. Vectors store component after component.
+    `fields` maps a name to (degree, ncomponents), 0 components for a scalar; vectors store component after component.
     `measure` may hold `axisymmetric` and `section`, the cross-section [m2] that a line stands for.
     """
 
@@ -288,7 +289,8 @@ class System:
             cells = mesh.f2t[0, facets]
             local = np.argmax(mesh.t2f[:, cells] == facets, axis=0)
             self._facets[name] = [
-                Domain(mesh, self.order, cells=cells[local == k], facet=int(k), **self.measure) for k in np.unique(local)
+                Domain(mesh, self.order, cells=cells[local == k], facet=int(k), **self.measure)
+                for k in np.unique(local)
             ]
         return self._facets[name]
 

@@ -3,8 +3,8 @@
     C_f (dT_f/dt + v dT_f/dz) = h a (T_s - T_f)          C_f = eps rho_f c_f,   v = u/eps
     C_s dT_s/dt               = h a (T_f - T_s)          C_s = (1-eps) rho_s c_s
 
-Fluid parcels one cell long move one cell in each step dt = dz/v, which is exact, so a front stays where it belongs; half
-steps of exchange before and after use the exact exponential of each parcel with its cell (Strang splitting, second
+Fluid parcels one cell long move one cell in each step dt = dz/v, which is exact, so a front stays where it belongs.
+Half steps of exchange before and after use the exact exponential of each parcel with its cell (Strang splitting, second
 order). Both parts conserve heat to round-off.
 
 Source: Schumann, J. Franklin Inst. 208 (1929) 405, doi:10.1016/S0016-0032(29)91186-8.

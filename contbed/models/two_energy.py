@@ -147,7 +147,7 @@ def supplied(unknowns: Any, c: Wall, o: Any) -> Any:
 def tau(c_flux: Any, conductivity: Any, exchange: Any, capacity: float, h: Any, degree: int) -> Any:
     """Stabilisation parameter for cells of size `h`: its three limits are convection, conduction and exchange.
 
-    tau / capacity = ((2 C u / h)^2 + 9 (4 k / h^2)^2 + (h a)^2)^(-1/2) with h over the degree; `c_flux` is C u [W/m2/K].
+    tau / capacity = ((2 C u / h)^2 + 9 (4 k / h^2)^2 + (h a)^2)^(-1/2), h over the degree; `c_flux` is C u [W/m2/K].
     Shakib, Hughes & Johan 1991, doi:10.1016/0045-7825(91)90041-4.
     """
     h = h / degree

@@ -1,10 +1,8 @@
-"""Steady states that Newton does not reach from a cold start: implicit Euler steps that grow until time is irrelevant."""
+"""Steady states that Newton does not reach from a cold start: implicit Euler steps that grow until time has no effect."""
 
 from __future__ import annotations
 
 from typing import Any
-
-import numpy as np
 
 from contbed.errors import ConvergenceError
 from contbed.solve.linear import Policy
@@ -37,4 +35,4 @@ def relax(problem: Problem, state: Any, policy: Policy, first: float = 1e-3, las
         if dt >= last:
             return state
         dt *= GROWTH
-    raise ConvergenceError(f"continuation: no steady state after {STEPS} steps, step {dt:.3g} s", list(np.array(history)))
+    raise ConvergenceError(f"continuation: no steady state after {STEPS} steps, step {dt:.3g} s", history, state)

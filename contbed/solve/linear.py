@@ -1,8 +1,8 @@
 """Sparse linear systems by policy: predict the memory, factor or iterate, check the residual.
 
 2-D and small systems are factored by SuperLU in a symmetric ordering, nested dissection of the mesh or else minimum
-degree of A + A'; where the restricted pivoting loses accuracy the matrix is factored again with full pivoting. Fill in 3-D grows
-as n^(4/3), so beyond `DIRECT_3D` unknowns GMRES with an incomplete factorisation takes over.
+degree of A + A'; where the restricted pivoting loses accuracy the matrix is factored again with full pivoting. Fill in
+3-D grows as n^(4/3), so beyond `DIRECT_3D` unknowns GMRES with an incomplete factorisation takes over.
 """
 
 from __future__ import annotations

@@ -38,8 +38,9 @@ def newton(
     floor = 1e-14 * float(np.abs(matrix).max() * max(1.0, np.abs(state).max()) * len(state) ** 0.5)
     history = [1.0]
     solver = None
+    goal = 1e-2 * tolerance
     for _ in range(iterations):
-        solver, step = _direction(solver, constrain(matrix, fixed), -residual, policy, history)
+        solver, step = _direction(solver, constrain(matrix, fixed), -residual, policy, history, goal)
         if linear:
             return state + step, history
         damping = 1.0
@@ -53,11 +54,12 @@ def newton(
                 break
             damping /= 2
             if damping < 1e-3:
-                raise ConvergenceError(f"{what}: no descent after {len(history)} iterations", [*history, norm / scale], state)
+                message = f"{what}: no descent after {len(history)} iterations"
+                raise ConvergenceError(message, [*history, norm / scale], state)
         state = trial
         history.append(norm / scale)
         small = damping == 1.0 and np.abs(step).max() <= tolerance * max(1e-300, np.abs(state).max())
-        if norm <= tolerance * 1e-2 * scale or norm <= floor or small:
+        if norm <= goal * scale or norm <= floor or small:
             return _polish(assemble, state, residual, fixed, solver), history
         _, matrix = assemble(state, True)
     message = f"{what}: not converged in {iterations} iterations, residual {history[-1]:.2g}"
@@ -79,14 +81,16 @@ def _polish(assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: S
 
 
 def _direction(
-    solver: Solver | None, matrix: Any, rhs: Any, policy: Policy, history: list[float]
+    solver: Solver | None, matrix: Any, rhs: Any, policy: Policy, history: list[float], goal: float
 ) -> tuple[Solver, Any]:
-    """The Newton step. The factors of an earlier matrix serve as long as GMRES needs few iterations with them; the
-    linear tolerance is the square of the last reduction (Eisenstat & Walker 1996, doi:10.1137/0917003, choice 2), so that
-    convergence stays superlinear and no step is solved better than its linearisation is.
+    """The Newton step. The factors of an earlier matrix serve as long as GMRES needs few iterations with them.
+
+    The linear tolerance is the square of the last reduction, so that convergence stays superlinear, but not below what
+    reaches `goal` (Eisenstat & Walker 1996, doi:10.1137/0917003, choice 2; Kelley 1995, Eq. 6.20).
     """
     if solver is not None:
-        step = solver.nearby(matrix, rhs, min(1e-2, (history[-1] / history[-2]) ** 2))
+        forcing = max((history[-1] / history[-2]) ** 2, 0.5 * goal / max(history[-1], 1e-300))
+        step = solver.nearby(matrix, rhs, min(0.1, forcing))
         if step is not None:
             return solver, step
     solver = Solver(matrix, policy)

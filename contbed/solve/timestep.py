@@ -9,8 +9,8 @@ with gamma = 2 - sqrt 2, d = gamma/2, w = sqrt 2/4 (Bank et al. 1985, doi:10.110
 1996, doi:10.1016/0168-9274(95)00115-8). Both stages share one matrix, the method is L-stable, and summing the equations
 gives the balance of the step to round-off. The embedded third-order error is filtered by the same matrix.
 
-Steps are `end * 2**-level` and double only where the time is a multiple of the doubled step, so a few matrices serve the
-whole run, the end is met exactly, and time is an integer: a restart repeats the same numbers.
+Steps are `end * 2**-level` and double only where the time is a multiple of the doubled step, so a few matrices serve
+the whole run, the end is met exactly, and time is an integer: a restart repeats the same numbers.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """How long must a moving bed of hot silica be to heat steam to within 10 K, and what does the solid velocity do to it?
 
-Steam at 160 degC and 2 bar rises through silica that enters at 700 degC and sinks. For each solid velocity the length of
-an adiabatic shaft is found at which the steam leaves 10 K below the silica's inlet temperature (a root search; each
+Steam at 160 degC and 2 bar rises through silica that enters at 700 degC and sinks. For each solid velocity the length
+of an adiabatic shaft is found at which the steam leaves 10 K below the silica's inlet temperature (a root search; each
 trial is a run of `shaft/plug.toml`). The heater on the gmsh mesh, with wall friction and heat loss, is run beside it.
 
     python studies/moving_bed_heater/study.py
