@@ -30,7 +30,8 @@ FRONT_CELLS = 4000  # cells of a bed with tracked fronts
 class Plan:
     """What a run builds: `scene` as written, `solved` the scene after reduction to a line.
 
-    `velocity` and `velocity_solid` are vectors on `mesh`, `section` is the cross-section [m2] of a reduced bed, `conditions` has one entry a boundary.
+    `velocity` and `velocity_solid` are vectors on `mesh`, `section` is the cross-section [m2] of a reduced bed,
+    `conditions` has one entry for each boundary.
     """
 
     scene: s.Scene

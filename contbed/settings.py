@@ -346,7 +346,7 @@ class Solver(Table):
         1e-5, description="target error of theta for automatic meshes"
     )
     adapt: Annotated[Whole, Field(ge=0, le=10)] | None = Field(
-        None, description="refinements where the estimated error of a steady run exceeds `tolerance`; automatic if absent"
+        None, description="refinements where the error estimate of a steady run exceeds `tolerance`; absent: automatic"
     )
     reduce: Switch = Field(True, description="solve a plug-flow scene with adiabatic walls in one dimension")
     newton_tolerance: Fraction = 1e-10

@@ -1,4 +1,4 @@
-"""Steady states that Newton does not reach from a cold start: implicit Euler steps that grow until time has no effect."""
+"""Steady states that Newton does not reach from a cold start: implicit Euler steps that grow without end."""
 
 from __future__ import annotations
 
