@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from contbed import settings as s
+from contbed.engine.domain import Domain
 from contbed.engine.dual import Components
-from contbed.engine.skfem import Domain, Ops, System
+from contbed.engine.skfem import Ops, System
 from contbed.flow_problem import Flow
 from contbed.medium import Medium
 from contbed.mesh import Mesh
