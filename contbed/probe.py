@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,8 @@ class Probe:
             first, second = nodes[0, at], nodes[1, at]
             self.cells, self.local = at, ((points[0] - first) / (second - first))[None, :]
         else:
-            self.cells = grid.element_finder()(*points)
+            # scikit-fem splits quadrilaterals to search, and would look up every named facet in the result one by one
+            self.cells = replace(grid, _boundaries=None, _subdomains=None).element_finder()(*points)
             mapping = grid._mapping()
             self.local = mapping.invF(points[:, :, None], tind=self.cells)[:, :, 0]
 
