@@ -178,6 +178,27 @@ def test_repeated_assembly_is_the_same() -> None:
     assert (first != second).nnz == 0
 
 
+def test_products_of_vectors_and_matrices() -> None:
+    A, B = np.array([[1.0, 2.0, -1.0], [0.5, 3.0, 4.0], [2.0, 0.0, 7.0]]), np.arange(9.0).reshape(3, 3)
+    a, b = (Components(Components(row) for row in matrix) for matrix in (A, B))
+    assert list(Ops.mul(a, b[1])) == list(A @ B[1])
+    assert [list(row) for row in Ops.transpose(a)] == A.T.tolist()
+    assert Ops.inner(a, b) == np.sum(A * B)
+    assert Ops.inner(a[0], b[1]) == Ops.dot(a[0], b[1]) == A[0] @ B[1]
+
+
+def test_tests_may_be_added_to_zero() -> None:
+    system = System(mesh("line"), {"T": (1, 0)}, 2)
+
+    def assembled(form: Any) -> Any:
+        return system.assemble([(form, system.cells, None)], np.zeros(system.size), False)[0]
+
+    expected = assembled(lambda u, t, c, o: 2.0 * t.T)
+    for form in (lambda u, t, c, o: 0 + 2.0 * t.T, lambda u, t, c, o: 0.0 - (-t.T) / 0.5):
+        np.testing.assert_array_equal(assembled(form), expected)
+    assert not assembled(lambda u, t, c, o: 0.0).any()
+
+
 def test_form_must_be_linear_in_its_tests() -> None:
     system = System(mesh("line"), {"T": (1, 0)}, 2)
     for form in (lambda u, t, c, o: t.T * t.T, lambda u, t, c, o: t.T + 1.0, lambda u, t, c, o: np.exp(t.T)):

@@ -15,7 +15,7 @@ POROSITY = 0.4
 
 
 def mesh(shape: str, n: int) -> skfem.Mesh:
-    """The unit interval, square or cube with n cells a side and smoothly moved inner nodes; boundaries right, all."""
+    """The unit interval, square or cube with n cells a side and smoothly moved inner nodes."""
     nodes = np.linspace(0.0, 1.0, n + 1)
     kind = {
         "line": skfem.MeshLine, "triangle": skfem.MeshTri, "quadrilateral": skfem.MeshQuad,
@@ -25,7 +25,9 @@ def mesh(shape: str, n: int) -> skfem.Mesh:
     bump = 0.12 * np.prod(np.sin(np.pi * made.p), axis=0)
     x = made.p + bump * np.array([[1.0], [-0.7], [0.4]])[: len(made.p)]
     m = kind(x, made.t)
-    return m.with_boundaries({"right": lambda x: x[0] > 1 - 1e-9, "all": m.boundary_facets()})
+    return m.with_boundaries(
+        {"right": lambda x: x[0] > 1 - 1e-9, "all": m.boundary_facets(), "off_axis": lambda x: x[0] > 1e-9}
+    )
 
 
 # exact fields by dimension; in (r, z) they are even or odd in r, as smooth fields are
@@ -122,7 +124,7 @@ class Heat:
             phases[name] = two_energy.Phase(
                 mass_flux=u,
                 divergence=o.div(u) if self.computed and name == "fluid" else None,
-                enthalpy=lambda T: T + 0.5 * slope * T**2,
+                enthalpy=lambda T: T + 0.5 * slope * T**2 + 0.2,
                 heat_capacity=lambda T: 1.0 + slope * T,
                 capacity=1.0,
                 offset=0.2,
