@@ -283,18 +283,19 @@ def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction
     for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):
         table = scene.boundary.get(name)
         if direction != axis and table is not None and (table.flow == "no_slip" or table.fluid or table.solid):
-            layers.append((position, max(_wall_layer(scene, medium, velocity, solid), 1e-3 * extent)))
+            layers += [(position, max(width, 1e-3 * extent)) for width in _wall_layers(scene, medium, velocity, solid)]
     if mesh.cells is not None:
         return equidistributed(extent, layers, mesh.cells[direction])
     return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
 
 
-def _wall_layer(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> float:
-    """Width of the Brinkman-Forchheimer layer on a wall [m], where the bed slides past at its own speed."""
+def _wall_layers(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> tuple[float, float]:
+    """Widths of the flow layer on a wall [m]: where the drag is Darcy's, and with Forchheimer's at its largest."""
     permeability, forchheimer = medium.packing("permeability"), medium.packing("forchheimer")
     fastest = max(float(np.linalg.norm(solid)), float(np.linalg.norm(velocity - solid)))
     inertia = medium.mass_flux_scale() * forchheimer * fastest / float(medium.fluid.viscosity(medium.T_fluid_in))
-    return float((scene.bed.porosity * (1.0 / permeability + 2.0 * inertia / permeability**0.5)) ** -0.5)
+    both = 1.0 / permeability + 2.0 * inertia / permeability**0.5
+    return (permeability / scene.bed.porosity) ** 0.5, (scene.bed.porosity * both) ** -0.5
 
 
 def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> list[tuple[float, float]]:
