@@ -99,7 +99,7 @@ class Dual(NDArrayOperatorsMixin):
     def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
         if function is not np.where:
             return NotImplemented
-        condition, yes, no = args
+        condition, yes, no = np.asarray(args[0]), args[1], args[2]
         chosen = np.where(condition, getattr(yes, "value", yes), getattr(no, "value", no))
         return Dual(chosen, _combine([(getattr(yes, "tangents", {}), 1.0 * condition),
                                       (getattr(no, "tangents", {}), 1.0 * ~condition)]))

@@ -77,6 +77,8 @@ class Pointwise(NDArrayOperatorsMixin):
     def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
         if function is not np.where:
             return NotImplemented
+        if not isinstance(args[0], Pointwise):
+            return args[1] if args[0] else args[2]
         return Pointwise(ufl.conditional(*(_expression(item) for item in args)))
 
 

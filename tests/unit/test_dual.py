@@ -87,6 +87,8 @@ def test_every_rule_is_tried() -> None:
         (lambda T: np.where(T > 0.0, 2.0 * T, 5.0), [0.0, 2.0]),
         (lambda T: np.where(T <= 0.0, T, 1.0 + 4.0 * T), [1.0, 4.0]),
         (lambda T: T * (T < 0.0), [1.0, 0.0]),
+        (lambda T: np.where(1.0 < 2.0, 3.0 * T, 5.0 * T), [3.0, 3.0]),
+        (lambda T: np.where(1.0 > 2.0, 3.0 * T, 5.0 * T), [5.0, 5.0]),
     ],
 )
 def test_piecewise_functions(function: Callable[[Any], Any], slope: list[float]) -> None:

@@ -310,6 +310,8 @@ def test_conditions_combine() -> None:
         (np.logical_and(x < y, y < 1.0), 1.0), (np.logical_or(x > y, y > 1.0), 2.0), (np.logical_not(x > y), 1.0),
     ):  # fmt: skip
         assert np.where(condition, 1.0, 2.0).expression(at) == expected
+    assert np.where(1.0 < 2.0, x, y) is x
+    assert np.where(1.0 > 2.0, x, y) is y
 
 
 def test_unsupported_ufunc() -> None:
