@@ -13,6 +13,8 @@ from contbed.errors import SceneError
 
 Range = tuple[float, float]
 
+ROUNDING = 1e-9  # relative excess of a temperature that is no more than rounding
+
 
 def polynomial(coefficients: Sequence[float], x: Any) -> Any:
     """a0 + a1 x + a2 x^2 + ... by Horner's rule; the float a0 when there is nothing else."""
@@ -28,9 +30,9 @@ def integrated(coefficients: Sequence[float], constant: float = 0.0) -> tuple[fl
 
 
 def share_outside(T: Any, T_range: Range) -> float:
-    """Share of the points of T that lie outside the inclusive range; nan counts as outside, no points as 0."""
+    """Share of the points of T that lie outside the inclusive range by more than rounding; nan counts as outside."""
     lo, hi = T_range
-    inside = np.asarray((lo <= T) & (hi >= T))
+    inside = np.asarray((lo * (1 - ROUNDING) <= T) & (hi * (1 + ROUNDING) >= T))
     return 1.0 - float(np.count_nonzero(inside)) / inside.size if inside.size else 0.0
 
 
