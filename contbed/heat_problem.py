@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -105,22 +106,21 @@ class HeatProblem:
 
     def _coefficients(self, where: Domain) -> two_energy.Coefficients:
         medium, speed = self.medium, self._speed(where)
-        add_fluid, add_solid, cross = medium.tortuosity() or (0.0, 0.0, None)
         spread = medium.dispersion(medium.T_fluid_in, speed)
         exchange = _value(medium.exchange(medium.T_fluid_in, speed))
         return two_energy.Coefficients(
-            fluid=self._phase("fluid", where, add_fluid, spread, exchange),
-            solid=self._phase("solid", where, add_solid, None, exchange),
+            fluid=self._phase("fluid", where, spread, exchange),
+            solid=self._phase("solid", where, None, exchange),
             exchange=lambda T_fluid, T_solid: medium.exchange(T_fluid, speed),
-            cross=cross,
+            cross=None if self.scene.heat.tortuosity is None else lambda T: medium.tortuosity(T)[2],
         )
 
-    def _phase(self, phase: str, where: Domain, addition: float, spread: Any, exchange: Any) -> two_energy.Phase:
-        """Coefficients of one phase. `addition` is the conductivity of the tortuosity, `spread` the dispersion along
-        and across the flow; the stabilisation uses both and `exchange` at the reference temperature.
+    def _phase(self, phase: str, where: Domain, spread: Any, exchange: Any) -> two_energy.Phase:
+        """Coefficients of one phase with the dispersion along and across the flow, `spread`; the stabilisation also
+        uses `exchange` at the reference temperature.
         """
         material, T_ref = getattr(self.medium, phase), self.medium.T_fluid_in
-        conductivity = getattr(self.medium, f"conductivity_{phase}")
+        conductivity = partial(self.medium.conductivity, phase)
         velocity, density = self._velocity(phase, where), self._density(phase)
         flux = None if velocity is None else velocity * density
         capacity = float(material.heat_capacity(T_ref))
@@ -132,7 +132,7 @@ class HeatProblem:
         tau = None
         if flux is not None and self.scene.solver.stabilisation:
             streams = np.sqrt(_value(Ops.dot(flux, flux))) * capacity
-            stagnant = conductivity(T_ref) + addition + along
+            stagnant = conductivity(T_ref) + along
             tau = _value(two_energy.tau(streams, stagnant, exchange, capacity, where.h, self.degree))
         computed = phase == "fluid" and self.motion.flow is not None
         return two_energy.Phase(
@@ -142,7 +142,7 @@ class HeatProblem:
             heat_capacity=material.heat_capacity,
             capacity=capacity,
             offset=float(material.enthalpy(T_ref)) - capacity * T_ref,
-            conductivity=_plus(conductivity, addition),
+            conductivity=conductivity,
             dispersion=dispersion,
             content=getattr(self.medium, f"content_{phase}"),
             source=self._source(phase),
@@ -265,6 +265,12 @@ class HeatProblem:
                 return state, residual + matrix @ step
         return state, self.steady(state, False)[0]
 
+    def capacity(self) -> float:
+        """Heat above 0 K that the bed holds at the highest prescribed temperature [J]."""
+        high, medium = self.T_span[1], self.medium
+        slopes = (content(high) - content(0.99 * high) for content in (medium.content_fluid, medium.content_solid))
+        return 100.0 * float(np.sum(self.system.cells.weight)) * sum(slopes)
+
     def throughput(self) -> float:
         """Heat above 0 K that the streams carry out, at the highest prescribed temperature [W]."""
         high = self.T_span[1]
@@ -323,6 +329,3 @@ def _stream_above(T_ref: float) -> Callable[[Any, Any, Any], Any]:
 def _value(item: Any) -> Any:
     return getattr(item, "value", item)
 
-
-def _plus(function: Callable[[Any], Any], addition: float) -> Callable[[Any], Any]:
-    return (lambda T: function(T) + addition) if addition else function

@@ -16,7 +16,7 @@ from contbed.planning import Plan
 from contbed.planning import plan as make_plan
 from contbed.result import Result
 
-NOTICED = 1e-4  # share of the heat above 0 K in the streams below which rounding of temperatures blurs a balance
+NOTICED = 1e-4  # share of the heat above 0 K in streams and bed below which rounding of temperatures blurs a balance
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
 
 
@@ -161,11 +161,11 @@ def _balance(
 
 
 def _heat_balance(
-    fluxes: Any, reactions: Any, source: float, stored: float, unit: str, throughput: float
+    fluxes: Any, reactions: Any, source: float, stored: float, unit: str, held: float
 ) -> dict[str, Any]:
     parts = [value for flux in fluxes.values() for value in flux.values()] + list(reactions.values())
     entering, leaving = sum(v for v in parts if v > 0), -sum(v for v in parts if v < 0)
-    return _balance(entering, leaving, source, stored, unit, max(NOTICED * throughput, 1e-300))
+    return _balance(entering, leaving, source, stored, unit, max(NOTICED * held, 1e-300))
 
 
 def _steady_balance(problem: Any, state: Any, residual: Any) -> dict[str, Any]:
@@ -231,8 +231,8 @@ def _transient(
             if history.steps:
                 fluxes, reactions = integrated_fluxes(problem, history), problem.reaction_sums(history.reaction)
                 source = problem.source() * history.time
-                throughput = problem.throughput() * history.time
-                result.balances["energy"] = _heat_balance(fluxes, reactions, source, history.gain, "J", throughput)
+                held = problem.throughput() * history.time + problem.capacity()
+                result.balances["energy"] = _heat_balance(fluxes, reactions, source, history.gain, "J", held)
             transient_findings(plan, problem, history, result)
             _check_state(plan, problem, history.snapshots, result)
         if folder is not None:

@@ -90,6 +90,7 @@ def run_transient(
         problem.system.ordered(policy),
         tolerance=time.tolerance,
         span=max(high - low, 1e-9 * high),
+        origin=low,
         step=time.step,
         tick=history.tick,
         level=history.level,
