@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -247,3 +248,18 @@ def _limits(values: list[Array]) -> tuple[float, float]:
         spread = 0.05 * abs(low) or 1.0
         return low - spread, high + spread
     return low, high
+
+
+def error_plot(path: Path | str, curves: Mapping[str, Any], x_label: str, y_label: str, title: str = "") -> None:
+    """Errors on logarithmic axes, one line for each (x, error) in `curves`; what is not positive is left out."""
+    with _figure(path, 5.0, title) as figure:
+        axes = figure.subplots()
+        for (label, (x, error)), marker in zip(curves.items(), itertools.cycle("osD^vPX<>"), strict=False):
+            x, error = np.asarray(x, dtype=float), np.asarray(error, dtype=float)
+            shown = error > 0
+            axes.loglog(x[shown], error[shown], marker=marker, markersize=5, linewidth=1.2, label=label)
+        axes.set_xlabel(x_label)
+        axes.set_ylabel(y_label)
+        axes.grid(which="major", linewidth=0.3)
+        if len(curves) > 1:
+            axes.legend(fontsize=9)

@@ -1,0 +1,196 @@
+"""Mesh convergence of one scene: error or difference, observed order and wall time on a sequence of meshes.
+
+    contbed converge scene.toml --levels 5
+
+Every level halves the cells of the one before. Prescribed cells are doubled in number; the grading of an automatic
+mesh starts at its coarsest and is refined uniformly, so that the first levels already show the order and not the
+tolerance of the scene. The error is the largest one of the profile along the bed: against the closed form where
+`exact_profile` knows one, else the difference between successive levels at the points of the first one. Time steps stay
+as the scene has them.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed import settings as s
+from contbed.planning import GRADING_ERROR, Plan
+from contbed.planning import plan as make_plan
+from contbed.runner import run
+from contbed.scene import load
+
+Profile = Callable[[Any], dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Level:
+    """One mesh: mean cell size [m], unknowns, error (nan where there is none), observed order, wall time [s]."""
+
+    h: float
+    unknowns: int
+    error: float
+    order: float
+    wall: float
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """All levels, and what the error is: `measure` for people, `exact` whether it is one against a closed form."""
+
+    levels: tuple[Level, ...]
+    measure: str
+    exact: bool
+
+    def __str__(self) -> str:
+        lines = [self.measure, f"{'h [m]':>11} {'unknowns':>9} {'error':>10} {'order':>6} {'wall [s]':>9}"]
+        for level in self.levels:
+            error, order = (
+                " " * width if np.isnan(value) else f"{value:{width}{form}}"
+                for value, width, form in ((level.error, 10, ".3e"), (level.order, 6, ".2f"))
+            )
+            lines.append(f"{level.h:11.4e} {level.unknowns:9d} {error} {order} {level.wall:9.3f}")
+        return "\n".join(lines)
+
+    def columns(self) -> dict[str, list[float]]:
+        """The table by header."""
+        units = {"h": "m", "unknowns": "1", "error": "1", "order": "1", "wall": "s"}
+        return {f"{name} [{unit}]": [getattr(level, name) for level in self.levels] for name, unit in units.items()}
+
+
+def converge(scene: str | Path, levels: int = 4, out: str | Path | None = None) -> Convergence:
+    """Solve a scene on `levels` meshes; writes convergence.csv and convergence.png into `out`.
+
+    Raises
+    ------
+    SceneError, ConvergenceError, ClosureRangeError, BalanceError : as a run of the scene does
+    """
+    first = load(scene)
+    exact = exact_profile(make_plan(_at_level(scene, first, 0)))
+    rows: list[Level] = []
+    before: dict[str, Any] | None = None
+    points: tuple[float, ...] = ()
+    for k in range(levels):
+        start = clock.perf_counter()
+        result = run(_at_level(scene, first, k, points))
+        wall = clock.perf_counter() - start
+        coordinate, columns = _compared(result.profiles)
+        mesh, error = result.plan.mesh, float("nan")
+        if exact is not None:
+            error = _distance(columns, exact(coordinate))
+        else:
+            points = points or tuple(np.unique(coordinate))
+            if before is not None:
+                error = _distance(columns, before)
+            before = columns
+        h = (mesh.measure() / mesh.skfem.nelements) ** (1.0 / mesh.skfem.dim())
+        order = float(np.log(rows[-1].error / error) / np.log(rows[-1].h / h)) if rows and error > 0 else float("nan")
+        rows.append(Level(h, sum(result.plan.unknowns().values()), error, order, wall))
+    what = "error against the closed form" if exact is not None else "difference from the level before"
+    names = ", ".join(name.split(" [")[0] for name in columns)
+    found = Convergence(tuple(rows), f"largest {what}: {names}", exact is not None)
+    if out is not None:
+        _write(found, Path(out), first.title)
+    return found
+
+
+def _at_level(path: str | Path, scene: s.Scene, level: int, points: Sequence[float] = ()) -> s.Scene:
+    mesh = scene.mesh
+    changes: dict[str, Any] = {"solver.adapt": 0}
+    cells = getattr(mesh, "cells", None)
+    if cells is not None:
+        changes["mesh.cells"] = (np.asarray(cells) * 2**level).tolist()
+    else:
+        changes |= {"mesh.refine": mesh.refine + level, "solver.tolerance": max(scene.solver.tolerance, GRADING_ERROR)}
+    if points and not scene.output.positions:
+        changes["output.positions"] = list(points)
+    return load(path, changes)
+
+
+def _compared(profiles: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """The coordinate, and the columns that are compared: theta, or the temperatures, or the velocity."""
+    coordinate, *names = profiles
+    for prefix in ("theta_", "T_", "u "):
+        if chosen := {name: profiles[name] for name in names if name.startswith(prefix)}:
+            break
+    return profiles[coordinate], chosen
+
+
+def _distance(columns: dict[str, Any], reference: dict[str, Any]) -> float:
+    """Largest difference of any column; theta as it is, others relative to their largest value."""
+    scales = {name: 1.0 if name.startswith("theta_") else np.abs(reference[name]).max() or 1.0 for name in columns}
+    return max(float(np.abs(columns[name] - reference[name]).max() / scales[name]) for name in columns)
+
+
+def exact_profile(plan: Plan) -> Profile | None:
+    """The closed form of a plan: from positions [m] to the theta columns of the profile; None where none applies.
+
+    It does for steady, linear heat on a line where both phases enter at fixed, different temperatures and leave freely:
+    `verify.exact.finite_length` with the coefficients of the scene.
+    """
+    scene, medium, mesh = plan.solved, plan.medium, plan.solved.mesh
+    if scene.heat is None or scene.time is not None or not medium.constant or not isinstance(mesh, s.MeshLine):
+        return None
+    if any(region.source_fluid or region.source_solid for region in scene.region.values()):
+        return None
+    u, u_solid = float(plan.velocity[0]), float(plan.velocity_solid[0])
+    inlets = {"fluid": "left" if u > 0 else "right", "solid": "left" if (u_solid or u) > 0 else "right"}
+    T_fluid, T_solid = (_only_fixed(scene, phase, inlet) for phase, inlet in inlets.items())
+    if T_fluid is None or T_solid is None or T_fluid == T_solid:
+        return None
+    T = medium.T_fluid_in
+    scale = medium.mass_flux_scale()
+
+    def speed(density: Any) -> float:
+        return abs(scale / density * u - u_solid)
+
+    exchange = float(medium.exchange(T, speed))
+    along, _ = medium.dispersion(T, speed) or (0.0, 0.0)
+    add_fluid, add_solid, cross = medium.tortuosity() or (0.0, 0.0, 0.0)
+    d_solid = float(medium.conductivity_solid(T)) + add_solid
+    if not (u and exchange and (u_solid or d_solid)):
+        return None
+    from contbed.verify.exact import finite_length
+
+    sign = 1.0 if u > 0 else -1.0
+    coefficients: dict[str, Any] = {
+        "flux_fluid": scale * float(medium.fluid.heat_capacity(T)) * abs(u),
+        "flux_solid": float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)) * sign * u_solid,
+        "d_fluid": float(medium.conductivity_fluid(T)) + add_fluid + float(along),
+        "d_solid": d_solid,
+        "ha": exchange,
+        "d_cross": cross,
+    }
+    if cross and cross**2 >= coefficients["d_fluid"] * d_solid:
+        return None
+
+    def profile(x: Any) -> dict[str, Any]:
+        pair = finite_length(x if u > 0 else mesh.length - x, mesh.length, **coefficients)
+        names = ("theta_fluid [1]", "theta_solid [1]")
+        return {name: value if T_solid > T_fluid else 1.0 - value for name, value in zip(names, pair, strict=True)}
+
+    return profile
+
+
+def _only_fixed(scene: s.Scene, phase: str, inlet: str) -> float | None:
+    """The temperature of a phase that is fixed at its inlet and free everywhere else."""
+    conditions = {name: getattr(table, phase) for name, table in scene.boundary.items()}
+    given = {name: condition for name, condition in conditions.items() if condition is not None}
+    return given[inlet].fixed if list(given) == [inlet] else None
+
+
+def _write(found: Convergence, out: Path, title: str) -> None:
+    from contbed.output.plots import error_plot
+    from contbed.output.tables import write_table
+
+    out.mkdir(parents=True, exist_ok=True)
+    columns = found.columns()
+    write_table(out / "convergence.csv", columns)
+    label = "largest error" if found.exact else "difference between levels"
+    curve = {label: (columns["h [m]"], columns["error [1]"])}
+    error_plot(out / "convergence.png", curve, "cell size [m]", label, title)

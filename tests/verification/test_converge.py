@@ -1,0 +1,152 @@
+"""Mesh convergence of scenes: orders against the closed form and of successive differences, table, files."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contbed.output.tables import read_table
+from contbed.planning import plan
+from contbed.scene import loads
+from contbed.verify.converge import converge, exact_profile
+
+STUDY = Path(__file__).parents[2] / "studies" / "pivem_2012" / "slip_0.50.toml"
+
+BED = """
+[mesh]
+type = "line"
+length = 0.2
+cells = 20
+[fluid]
+density = 0.5
+viscosity = 2e-5
+heat_capacity = 2000
+conductivity = 0.04
+[solid]
+density = 0.7
+heat_capacity = 2000
+conductivity = 0.9
+[bed]
+porosity = 0.6
+particle_diameter = 0.006
+[flow]
+velocity = 0.2
+velocity_solid = 0.1
+[heat]
+nusselt = 3
+conductivity_fluid = 1
+conductivity_solid = 1
+[boundary.left]
+fluid.fixed = 300
+solid.fixed = 500
+[solver]
+stabilisation = false
+"""
+
+
+def scene(path: Path, *changes: tuple[str, str]) -> Path:
+    text = BED
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    file = path / "scene.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_paper_case(tmp_path: Path) -> None:
+    found = converge(STUDY, 5, tmp_path)
+    assert found.exact
+    assert [level.order for level in found.levels[1:]] == pytest.approx([3.0] * 4, abs=0.3)
+    assert found.levels[-1].error < 1e-7
+    table = read_table_with_gaps(tmp_path / "convergence.csv")
+    assert table["error [1]"] == pytest.approx([level.error for level in found.levels])
+    assert (tmp_path / "convergence.png").stat().st_size > 1000
+    assert str(found).count("\n") == 6
+
+
+def read_table_with_gaps(file: Path) -> dict[str, Any]:
+    return {name: column for name, column in read_table(file).items() if not np.isnan(column).all()}
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_order_on_prescribed_cells(tmp_path: Path, degree: int) -> None:
+    file = scene(tmp_path, ("stabilisation = false", f"stabilisation = false\ndegree = {degree}"))
+    found = converge(file, 3)
+    assert found.exact
+    assert found.levels[-1].order == pytest.approx(degree + 1, abs=0.3)
+    assert [round(level.h / found.levels[-1].h) for level in found.levels] == [4, 2, 1]
+
+
+def test_difference_of_levels_without_a_closed_form(tmp_path: Path) -> None:
+    file = scene(tmp_path, ("fluid.fixed", "fluid.inflow"))
+    found = converge(file, 4)
+    assert not found.exact
+    assert np.isnan(found.levels[0].error)
+    assert found.levels[-1].order == pytest.approx(3.0, abs=0.3)
+
+
+def test_flow_without_heat(tmp_path: Path) -> None:
+    file = tmp_path / "flow.toml"
+    file.write_text(
+        '[mesh]\ntype = "rectangle"\nlength = 0.1\nheight = 0.02\ncells = [10, 4]\n'
+        "[fluid]\ndensity = 0.5\nviscosity = 2e-5\n[bed]\nporosity = 0.6\nparticle_diameter = 0.006\n"
+        '[flow]\nvelocity = 0.2\n[boundary.bottom]\nflow = "no_slip"\n',
+        encoding="utf-8",
+    )
+    found = converge(file, 3)
+    assert found.measure.endswith(": u")
+    assert found.levels[2].error < found.levels[1].error
+
+
+def made(*changes: tuple[str, str]) -> Any:
+    text = BED
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return plan(loads(text))
+
+
+ENDS = "[boundary.left]\nfluid.fixed = 300\nsolid.fixed = 500\n"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [],
+        [("fluid.fixed = 300\nsolid.fixed = 500", "fluid.fixed = 500\nsolid.fixed = 300")],
+        [("[boundary.left]", "[boundary.right]"), ("= 0.2\nvel", "= -0.2\nvel"), ("solid = 0.1", "solid = -0.1")],
+        [("solid = 0.1", "solid = -0.1"), (ENDS, "[boundary]\nleft.fluid.fixed = 300\nright.solid.fixed = 500\n")],
+        [("solid = 0.1", "solid = 0")],
+        [("nusselt = 3", "nusselt = 3\ntortuosity = -0.0005\ndispersion = {axial = 0.02}")],
+    ],
+    ids=["parallel", "hot fluid", "backwards", "counter", "resting", "tortuosity"],
+)
+def test_closed_form_fits_the_run(changes: list[tuple[str, str]]) -> None:
+    from contbed.runner import run
+
+    text = BED.replace("cells = 20\n", "")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    result = run(loads(text + "tolerance = 1e-7\n"))
+    profile = exact_profile(result.plan)
+    assert profile is not None
+    for name, exact in profile(result.profiles["x [m]"]).items():
+        assert np.abs(result.profiles[name] - exact).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [("solid.fixed = 500", "solid.fixed = 300")],
+        [("fluid.fixed", "fluid.inflow")],
+        [("[solver]", "[boundary.right]\nfluid.flux = 10.0\n[solver]")],
+        [("[solver]", "[region.bed]\nsource_solid = 10.0\n[solver]")],
+        [("heat_capacity = 2000\nconductivity = 0.9", "heat_capacity = [2000, 0.1]\nconductivity = 0.9")],
+        [("[solver]", "[time]\nend = 1\ninitial_fluid = 300\ninitial_solid = 300\n[solver]")],
+    ],
+)
+def test_no_closed_form(changes: list[tuple[str, str]]) -> None:
+    assert exact_profile(made(*changes)) is None
