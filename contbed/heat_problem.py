@@ -112,7 +112,7 @@ class HeatProblem:
             fluid=self._phase("fluid", where, spread, exchange),
             solid=self._phase("solid", where, None, exchange),
             exchange=lambda T_fluid, T_solid: medium.exchange(T_fluid, speed),
-            cross=None if self.scene.heat.tortuosity is None else lambda T: medium.tortuosity(T)[2],
+            cross=medium.cross_conductivity,
         )
 
     def _phase(self, phase: str, where: Domain, spread: Any, exchange: Any) -> two_energy.Phase:
@@ -239,15 +239,28 @@ class HeatProblem:
         options: dict[str, Any] = {
             "tolerance": self.scene.solver.newton_tolerance,
             "iterations": self.scene.solver.newton_iterations,
+            "lower": 0.0,
             "what": "heat",
         }
+        start = self.initial() if self.linear else self._frozen(policy)
         try:
-            return newton(self.steady, self.initial(), self.fixed, policy, linear=self.linear, **options)
+            return newton(self.steady, start, self.fixed, policy, linear=self.linear, **options)
         except ConvergenceError:
             if self.linear:
                 raise
         start = relax(self, self.initial(), policy)
         return newton(self.steady, start, self.fixed, policy, **options)
+
+    def _frozen(self, policy: Policy) -> Any:
+        """The solution with all properties taken at the mean prescribed temperature, as a start for Newton."""
+        uniform = np.full(self.system.size, 0.5 * sum(self.T_span))
+        residual, matrix = self.steady(uniform, True)
+        jump = np.zeros_like(uniform)
+        jump[self.fixed] = self.fixed_values - uniform[self.fixed]
+        rhs = -residual - matrix @ jump
+        rhs[self.fixed] = jump[self.fixed]
+        state = uniform + Solver(constrain(matrix, self.fixed), policy)(rhs)
+        return state if state.min() > 0 else self.initial()
 
     def refined(self, state: Any, policy: Policy) -> tuple[Any, Any]:
         """The state and its residual after further Newton steps, linear in the last one.

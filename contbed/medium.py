@@ -127,15 +127,21 @@ class Medium:
             "k_fluid": self.fluid.conductivity(T),
         }  # fmt: skip
 
+    def conductivity(self, phase: str, T: Any) -> Any:
+        """Effective conductivity of one phase without dispersion, the tortuosity's share included [W/m/K]."""
+        own = self.conductivity_fluid(T) if phase == "fluid" else self.conductivity_solid(T)
+        shares = self.tortuosity(T)
+        return own if shares is None else own + shares[0 if phase == "fluid" else 1]
+
     def conductivity_fluid(self, T: Any) -> Any:
-        """Effective conductivity of the fluid phase without dispersion [W/m/K]."""
+        """Conductivity of the fluid phase, without tortuosity and dispersion [W/m/K]."""
         spec = self.heat.conductivity_fluid
         if is_phase(spec):
             return self.scene.bed.porosity * self.fluid.conductivity(T)
         return self._conductivity(spec, T)
 
     def conductivity_solid(self, T: Any) -> Any:
-        """Effective conductivity of the solid phase [W/m/K]."""
+        """Conductivity of the solid phase, without tortuosity [W/m/K]."""
         spec = self.heat.conductivity_solid
         if is_phase(spec):
             return (1.0 - self.scene.bed.porosity) * self.solid.conductivity(T)
@@ -150,15 +156,26 @@ class Medium:
         eps = self.scene.bed.porosity
         return {"k_fluid": self.fluid.conductivity(T), "k_solid": self.solid.conductivity(T), "eps": eps}
 
-    def tortuosity(self) -> tuple[float, float, float] | None:
+    def tortuosity(self, T: Any) -> tuple[Any, Any, Any] | None:
         """Additions to the conductivities of fluid and solid and the cross conductivity [W/m/K] (Nakayama 2001)."""
         spec = self.heat.tortuosity
         if spec is None:
             return None
-        pair = self._pair(self.T_fluid_in)
-        G = self.evaluate(spec, "tortuosity", **pair) if _named(spec) else spec
+        pair = self._pair(T)
+        G: Any = self.evaluate(spec, "tortuosity", **pair) if _named(spec) else spec
         k_fluid, ratio = pair["k_fluid"], pair["k_solid"] / pair["k_fluid"]
-        return float(G * k_fluid), float(ratio**2 * G * k_fluid), float(-ratio * G * k_fluid)
+        return G * k_fluid, G * k_fluid * ratio**2, -G * k_fluid * ratio
+
+    @property
+    def cross_conductivity(self) -> Callable[[Any], Any] | None:
+        """Cross conductivity as a function of temperature [W/m/K], None without tortuosity."""
+
+        def cross(T: Any) -> Any:
+            shares = self.tortuosity(T)
+            assert shares is not None
+            return shares[2]
+
+        return None if self.heat.tortuosity is None else cross
 
     def dispersion(self, T: Any, speed: Callable[[Any], Any]) -> tuple[Any, Any] | None:
         """Dispersion conductivities along and across the flow [W/m/K]."""

@@ -313,7 +313,7 @@ def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, lengt
         d_fluid += float(dispersion[0])
     d_solid = float(medium.conductivity_solid(T))
     exchange = float(medium.exchange(T, speed))
-    add_fluid, add_solid, cross = medium.tortuosity() or (0.0, 0.0, 0.0)
+    add_fluid, add_solid, cross = (float(share) for share in medium.tortuosity(T) or (0.0, 0.0, 0.0))
     found = _rates((flux_fluid, d_fluid + add_fluid), (flux_solid, d_solid + add_solid), exchange, cross)
     finite = [rate for rate in found if rate and np.isfinite(rate)]
     layers = [(0.0 if rate < 0 else length, min(1.0 / abs(rate), length)) for rate in finite]

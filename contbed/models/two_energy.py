@@ -47,20 +47,21 @@ class Phase:
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Both phases, the exchange coefficient h a as a function of (T_fluid, T_solid), and the cross conductivity."""
+    """Both phases, the exchange coefficient h a as a function of (T_fluid, T_solid), the cross conductivity."""
 
     fluid: Phase
     solid: Phase
     exchange: Any
-    cross: Any
+    cross: Any  # function of the mean temperature [W/m/K]; None without cross conduction
 
 
 def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
     """Steady part of both balances, without boundary terms."""
     fluid, solid = unknowns.T_fluid, unknowns.T_solid
     transfer = c.exchange(fluid, solid) * (solid - fluid)
-    total = _balance(fluid, solid, tests.T_fluid, transfer + c.fluid.source, c.fluid, c.cross, o)
-    return total + _balance(solid, fluid, tests.T_solid, c.solid.source - transfer, c.solid, c.cross, o)
+    cross = None if c.cross is None else c.cross(0.5 * (fluid + solid))
+    total = _balance(fluid, solid, tests.T_fluid, transfer + c.fluid.source, c.fluid, cross, o)
+    return total + _balance(solid, fluid, tests.T_solid, c.solid.source - transfer, c.solid, cross, o)
 
 
 def _balance(T: Any, other: Any, v: Any, gain: Any, c: Phase, cross: Any, o: Any) -> Any:

@@ -151,7 +151,7 @@ def exact_profile(plan: Plan) -> Profile | None:
 
     exchange = float(medium.exchange(T, speed))
     along, _ = medium.dispersion(T, speed) or (0.0, 0.0)
-    add_fluid, add_solid, cross = medium.tortuosity() or (0.0, 0.0, 0.0)
+    add_fluid, add_solid, cross = medium.tortuosity(T) or (0.0, 0.0, 0.0)
     d_solid = float(medium.conductivity_solid(T)) + add_solid
     if not (u and exchange and (u_solid or d_solid)):
         return None

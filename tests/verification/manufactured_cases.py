@@ -135,7 +135,10 @@ class Heat:
                 tau=tau if self.stabilised else None,
             )
         return two_energy.Coefficients(
-            phases["fluid"], phases["solid"], lambda fluid, solid: 3.0 + 2 * slope * fluid, 0.3 * self.conductivity
+            fluid=phases["fluid"],
+            solid=phases["solid"],
+            exchange=lambda fluid, solid: 3.0 + 2 * slope * fluid,
+            cross=lambda T: 0.3 * self.conductivity * (1.0 + slope * T),
         )
 
 

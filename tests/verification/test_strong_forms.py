@@ -39,7 +39,8 @@ def heat_strong(case: Heat, dim: int, c: two_energy.Coefficients, x: Any) -> dic
         total = -gain.value
         for k in range(dim):
             mass_flux = u[k] if name == "T_fluid" else phase.mass_flux[k]
-            conducted = (phase.conductivity(T) + across) * slope[k] + c.cross * jets[other][1][k]
+            cross = c.cross(0.5 * (T + jets[other][0]))
+            conducted = (phase.conductivity(T) + across) * slope[k] + cross * jets[other][1][k]
             flux = mass_flux * phase.enthalpy(T) - conducted - along * forward * u[k] / speed
             total = total + flux.tangents[k] + (flux.value / x[0] if case.axisymmetric and k == 0 else 0.0)
         out[name] = total
@@ -71,7 +72,8 @@ def test_two_energy(name: str) -> None:
         known = {field: exact(function, m, part) for field, function in fields.items()}
         here, o = case.coefficients(system, part), Ops(part)
         for field, other, phase in (("T_fluid", "T_solid", here.fluid), ("T_solid", "T_fluid", here.solid)):
-            conducted = two_energy.conduction(known[field], phase, o) + o.grad(known[other]) * here.cross
+            cross = here.cross(0.5 * (known[field] + known[other]))
+            conducted = two_energy.conduction(known[field], phase, o) + o.grad(known[other]) * cross
             flux = o.dot(conducted, part.n).value
             wall = two_energy.Wall(field, phase.mass_flux, phase.enthalpy, flux=flux)
             forms.append((two_energy.boundary, part, wall))

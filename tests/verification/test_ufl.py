@@ -104,7 +104,9 @@ def heat_coefficients(o: Any, velocity: Any, materials: Any, *, uniform: bool, s
             source=3.0,
             tau=tau if stabilised else None,
         )
-    return two_energy.Coefficients(phases["fluid"], phases["solid"], exchange, 0.05 * float(solid.conductivity(T_ref)))
+    return two_energy.Coefficients(
+        phases["fluid"], phases["solid"], exchange, lambda T: 0.05 * solid.conductivity(T)
+    )
 
 
 def wall_coefficients(o: Any, velocity: Any, inflow: float | None) -> two_energy.Wall:

@@ -1,0 +1,91 @@
+"""Gray thermal radiation in a bed as one diffusion equation for the incident radiation.
+
+    -div(D grad G) + K_a G = 4 sum_m K_a,m sigma T_m^4            q = -D grad G
+    D dG/dn = eps/(2 (2 - eps)) (4 sigma T_w^4 - G)               on a wall, n outward
+    D dG/dn = (4 J - G)/2                                         where the radiosity J enters, from a freeboard
+    E_R,m = K_a,m (4 sigma T_m^4 - G)                             heat that species m gives to the radiation
+
+G        incident radiation, the intensity integrated over all directions [W/m2]
+q        radiative heat flux [W/m2]            E_R,m    radiated by species m [W/m3]
+K_a,m    absorption coefficient of species m [1/m]      K_s      scattering coefficient [1/m]
+D        1/(4 beta) for the two-flux method, 1/(3 (K_a + K_s (1 - g))) for P1 [m], beta = K_a + K_s
+eps      emissivity of a wall [1]              g        mean cosine of scattering [1]
+
+Both hemispherical fluxes follow: pi I(+-) = G/4 +- q/2. With D = 1/(4 beta) the equation is the two-flux method of
+Rabi & de Souza-Santos (part I), written for one unknown; with D = 1/(3 beta) it is P1, which also holds in two and
+three dimensions (Modest, Radiative Heat Transfer, 2013, chapter 16).
+
+Good values: particles of 0.3-10 mm, volume fractions 0.1-0.6, 600-2000 K; cells of 0.05 mean free paths on walls.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+SIGMA = 5.670374419e-8  # Stefan-Boltzmann constant, CODATA 2018 [W/m2/K4]
+
+FIELDS = ("G",)
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Optics of one domain. `absorption` holds K_a,m [1/m] of the species whose temperature is a field, by the name of
+    that field; `emission` is 4 sum K_a,m sigma T_m^4 of species of given temperature [W/m3] and `passive` their K_a.
+    """
+
+    absorption: dict[str, Any]
+    diffusion: Any
+    emission: Any = 0.0
+    passive: Any = 0.0
+
+
+def diffusion(level: str, absorption: Any, scattering: Any, anisotropy: float = 0.0) -> Any:
+    """D [m] of the level "two_flux" or "p1"."""
+    if level == "two_flux":
+        return 0.25 / (absorption + scattering)
+    return 1.0 / (3.0 * (absorption + scattering * (1.0 - anisotropy)))
+
+
+def conductivity_rosseland(T: Any, D: Any) -> Any:
+    """Radiative conductivity of a thick bed [W/m/K], 16 sigma T^3 D: the limit of a short mean free path."""
+    return 16.0 * SIGMA * D * T**3
+
+
+def emitted(T: Any) -> Any:
+    """Black emissive power times four, 4 sigma T^4 [W/m2]."""
+    return 4.0 * SIGMA * T**4
+
+
+def absorbed(T: Any, G: Any, absorption: Any) -> Any:
+    """Radiation that a species takes up, -E_R [W/m3]."""
+    return absorption * (G - emitted(T))
+
+
+def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
+    """Balance of the incident radiation, without boundary terms."""
+    G, w = unknowns.G, tests.G
+    taken = c.passive * G - c.emission
+    for name, absorption in c.absorption.items():
+        taken = taken + absorbed(getattr(unknowns, name), G, absorption)
+    return c.diffusion * o.dot(o.grad(G), o.grad(w)) + taken * w
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A radiating boundary: gray wall of `emissivity` at emissive power `power` = sigma T^4, or an opening that `power`
+    enters, with emissivity 1 [W/m2].
+    """
+
+    emissivity: float
+    power: float
+
+
+def supplied(unknowns: Any, c: Surface, o: Any) -> Any:
+    """Radiation into the bed through a boundary [W/m2]."""
+    return c.emissivity / (2.0 * (2.0 - c.emissivity)) * (4.0 * c.power - unknowns.G)
+
+
+def boundary(unknowns: Any, tests: Any, c: Surface, o: Any) -> Any:
+    """Walls and openings."""
+    return -supplied(unknowns, c, o) * tests.G
