@@ -26,7 +26,9 @@ def relax(problem: Problem, state: Any, policy: Policy, first: float = 1e-3, las
             return (content - before) / dt + steady, mass / dt + stiffness if jacobian else None
 
         try:
-            state, history = newton(assemble, state, problem.fixed, policy, tolerance=1e-6, what="continuation")
+            state, history = newton(
+                assemble, state, problem.fixed, policy, tolerance=1e-6, lower=0.0, what="continuation"
+            )
         except ConvergenceError:
             dt /= GROWTH**2
             if dt < 1e-6 * first:

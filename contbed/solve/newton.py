@@ -24,12 +24,14 @@ def newton(
     tolerance: float = 1e-10,
     iterations: int = 30,
     linear: bool = False,
+    lower: float = -np.inf,
     what: str = "Newton",
 ) -> tuple[Any, list[float]]:
     """Solve `assemble(state, jacobian) -> (residual, matrix)` for the unknowns not in `fixed`.
 
     `state` already holds the fixed values. The norm is that of the residual relative to the first one; a step that
-    raises it is halved. A linear problem takes one step. Returns the state and the history of norms.
+    raises it, or that takes an unknown to `lower` or below, is halved. A linear problem takes one step. Returns the
+    state and the history of norms.
     """
     state = state.copy()
     residual, matrix = assemble(state, True)
@@ -49,7 +51,7 @@ def newton(
             with np.errstate(all="ignore"):  # a step too far may leave the range of a property; it is halved below
                 residual, _ = assemble(trial, False)
             residual[fixed] = 0.0
-            norm = float(np.linalg.norm(residual))
+            norm = float(np.linalg.norm(residual)) if trial.min() > lower else np.inf
             if np.isfinite(norm) and (norm <= (1 - 0.1 * damping) * history[-1] * scale or norm <= floor):
                 break
             damping /= 2

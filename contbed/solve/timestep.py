@@ -103,7 +103,8 @@ def march(
         total = 2**FINEST
         unit, adaptive = end / total, True
         level = FINEST - FIRST if level is None else level
-    stage = _Stages(_Affine(problem, np.full_like(state, origin)) if problem.linear else problem, policy, newton_options or {})
+    solved = _Affine(problem, np.full_like(state, origin)) if problem.linear else problem
+    stage = _Stages(solved, policy, newton_options or {})
     while tick < total:
         width = 2**level
         dt = unit * width
