@@ -64,7 +64,8 @@ def solve_flow(
     """
     dim = mesh.skfem.dim()
     measure = {"axisymmetric": mesh.axisymmetric}
-    system = System(mesh.skfem, {"u": (2, dim), "p": (1, 0)}, 5, **measure)
+    kink = c.forchheimer > 0 and any(c.velocity_solid.items)  # of the drag where the fluid moves with the bed
+    system = System(mesh.skfem, {"u": (2, dim), "p": (1, 0)}, 9 if kink else 5, **measure)
     state = np.zeros(system.size)
     system.part(state, "u")[:] = np.asarray(inlet, dtype=float)[:, None]
     fixed: list[Any] = []
