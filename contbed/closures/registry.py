@@ -81,6 +81,7 @@ class RangeUse:
         }
 
 
+_ROUNDING = 1e-9  # relative excess of a value over a bound that is no more than rounding
 _register: dict[str, Callable[..., Any]] = {}
 
 
@@ -186,8 +187,8 @@ def _argument_use(values: np.ndarray, declared: tuple[float, float]) -> Argument
     if values.size == 0:
         return ArgumentUse(declared, (math.nan, math.nan), 0.0)
     low, high = declared
-    # Written as "not inside" so that nan counts as outside.
-    outside = ~((values >= low) & (values <= high))
+    # Written as "not inside" so that nan counts as outside. Rounding of a value at a bound is inside.
+    outside = ~((values >= low - _ROUNDING * abs(low)) & (values <= high + _ROUNDING * abs(high)))
     return ArgumentUse(declared, (float(values.min()), float(values.max())), float(outside.mean()))
 
 
