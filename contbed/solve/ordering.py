@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-LEAF = 16  # cells that are not divided further
+LEAF = 4  # cells that are not divided further
 
 
 def nested_dissection(centres: Any, numbering: Iterable[Any], size: int) -> Any:
@@ -20,13 +20,8 @@ def nested_dissection(centres: Any, numbering: Iterable[Any], size: int) -> Any:
 
     `numbering` holds arrays (n, ncells) with the unknowns that each cell couples.
     """
-    blocks = [np.arange(centres.shape[1])]
-    while len(blocks[0]) > LEAF:
-        blocks = [half for block in blocks for half in _halves(centres[:, block], block)]
-    code = np.empty(centres.shape[1], dtype=np.int64)
-    for position, block in enumerate(blocks):
-        code[block] = position
-    low, high = np.full(size, len(blocks), dtype=np.int64), np.full(size, -1, dtype=np.int64)
+    code = _leaves(centres)
+    low, high = np.full(size, centres.shape[1], dtype=np.int64), np.full(size, -1, dtype=np.int64)
     for unknowns in numbering:
         codes = np.broadcast_to(code, unknowns.shape)
         np.minimum.at(low, unknowns, codes)
@@ -37,8 +32,18 @@ def nested_dissection(centres: Any, numbering: Iterable[Any], size: int) -> Any:
     return np.lexsort((height, end))
 
 
-def _halves(centres: Any, block: Any) -> tuple[Any, Any]:
-    axis = int(np.argmax(np.ptp(centres, axis=1)))
-    half = len(block) // 2
-    order = np.argpartition(centres[axis], half)
-    return block[order[:half]], block[order[half:]]
+def _leaves(centres: Any) -> Any:
+    """Number of the smallest block of each cell; both halves of a block share all bits of its number but the last."""
+    count = centres.shape[1]
+    order, sizes = np.arange(count), np.array([count])
+    while sizes[0] > LEAF:
+        starts = np.cumsum(sizes) - sizes
+        x = centres[:, order]
+        extent = np.maximum.reduceat(x, starts, axis=1) - np.minimum.reduceat(x, starts, axis=1)
+        block = np.repeat(np.arange(len(sizes)), sizes)
+        along = x[np.argmax(extent, axis=0)[block], np.arange(count)]
+        order = order[np.lexsort((along, block))]
+        sizes = np.column_stack((sizes // 2, sizes - sizes // 2)).ravel()
+    code = np.empty(count, dtype=np.int64)
+    code[order] = np.repeat(np.arange(len(sizes)), sizes)
+    return code
