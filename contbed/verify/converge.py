@@ -20,7 +20,8 @@ from typing import Any
 import numpy as np
 
 from contbed import settings as s
-from contbed.planning import GRADING_ERROR, Plan
+from contbed.grading import GRADING_ERROR
+from contbed.planning import Plan
 from contbed.planning import plan as make_plan
 from contbed.runner import run
 from contbed.scene import load
@@ -128,53 +129,64 @@ def _distance(columns: dict[str, Any], reference: dict[str, Any]) -> float:
 
 
 def exact_profile(plan: Plan) -> Profile | None:
-    """The closed form of a plan: from positions [m] to the theta columns of the profile; None where none applies.
+    """The closed form of a plan: from positions [m] to the theta columns of the profile; None where none applies."""
+    arguments = closed_form(plan)
+    if arguments is None:
+        return None
+    from contbed.verify.exact import finite_length
 
-    It does for steady, linear heat on a line where both phases enter at fixed, different temperatures and leave freely:
-    `verify.exact.finite_length` with the coefficients of the scene.
+    inlets = [_only_fixed(plan.solved, phase, name) for phase, name in _inlets(plan).items()]
+    backwards, cooled = plan.velocity[0] < 0, inlets[0] > inlets[1]  # type: ignore[operator]
+
+    def profile(x: Any) -> dict[str, Any]:
+        pair = finite_length(arguments["length"] - x if backwards else x, **arguments)
+        names = ("theta_fluid [1]", "theta_solid [1]")
+        return {name: 1.0 - value if cooled else value for name, value in zip(names, pair, strict=True)}
+
+    return profile
+
+
+def closed_form(plan: Plan) -> dict[str, Any] | None:
+    """Arguments of `verify.exact.finite_length` for a plan, along the fluid's stream; None where it does not apply.
+
+    It does for steady, linear heat on a line where both phases enter at fixed, different temperatures and leave freely.
     """
     scene, medium, mesh = plan.solved, plan.medium, plan.solved.mesh
     if scene.heat is None or scene.time is not None or not medium.constant or not isinstance(mesh, s.MeshLine):
         return None
     if any(region.source_fluid or region.source_solid for region in scene.region.values()):
         return None
-    u, u_solid = float(plan.velocity[0]), float(plan.velocity_solid[0])
-    inlets = {"fluid": "left" if u > 0 else "right", "solid": "left" if (u_solid or u) > 0 else "right"}
-    T_fluid, T_solid = (_only_fixed(scene, phase, inlet) for phase, inlet in inlets.items())
+    T_fluid, T_solid = (_only_fixed(scene, phase, name) for phase, name in _inlets(plan).items())
     if T_fluid is None or T_solid is None or T_fluid == T_solid:
         return None
-    T = medium.T_fluid_in
-    scale = medium.mass_flux_scale()
+    T, scale = medium.T_fluid_in, medium.mass_flux_scale()
+    u, u_solid = float(plan.velocity[0]), float(plan.velocity_solid[0])
 
     def speed(density: Any) -> float:
         return abs(scale / density * u - u_solid)
 
-    exchange = float(medium.exchange(T, speed))
     along, _ = medium.dispersion(T, speed) or (0.0, 0.0)
     add_fluid, add_solid, cross = medium.tortuosity(T) or (0.0, 0.0, 0.0)
+    exchange = float(medium.exchange(T, speed))
+    d_fluid = float(medium.conductivity_fluid(T)) + add_fluid + float(along)
     d_solid = float(medium.conductivity_solid(T)) + add_solid
-    if not (u and exchange and (u_solid or d_solid)):
+    if not (u and exchange and (u_solid or d_solid)) or (cross and cross**2 >= d_fluid * d_solid):
         return None
-    from contbed.verify.exact import finite_length
-
-    sign = 1.0 if u > 0 else -1.0
-    coefficients: dict[str, Any] = {
+    return {
+        "length": mesh.length,
         "flux_fluid": scale * float(medium.fluid.heat_capacity(T)) * abs(u),
-        "flux_solid": float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)) * sign * u_solid,
-        "d_fluid": float(medium.conductivity_fluid(T)) + add_fluid + float(along),
+        "flux_solid": float(medium.solid.density(T) * medium.solid.heat_capacity(T)) * u_solid * np.sign(u),
+        "d_fluid": d_fluid,
         "d_solid": d_solid,
         "ha": exchange,
         "d_cross": cross,
     }
-    if cross and cross**2 >= coefficients["d_fluid"] * d_solid:
-        return None
 
-    def profile(x: Any) -> dict[str, Any]:
-        pair = finite_length(x if u > 0 else mesh.length - x, mesh.length, **coefficients)
-        names = ("theta_fluid [1]", "theta_solid [1]")
-        return {name: value if T_solid > T_fluid else 1.0 - value for name, value in zip(names, pair, strict=True)}
 
-    return profile
+def _inlets(plan: Plan) -> dict[str, str]:
+    """The end of a line where each phase enters; a solid at rest has its temperature where the fluid enters."""
+    u, u_solid = plan.velocity[0], plan.velocity_solid[0]
+    return {"fluid": "left" if u > 0 else "right", "solid": "left" if (u_solid or u) > 0 else "right"}
 
 
 def _only_fixed(scene: s.Scene, phase: str, inlet: str) -> float | None:

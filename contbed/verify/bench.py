@@ -1,0 +1,175 @@
+"""Run time against error: a study's own programs, measured in one go on one machine.
+
+    contbed bench studies/two_energy_benchmark
+
+`STUDY/bench/bench.toml` lists the programs; all run in the study's folder with this Python, on one thread.
+
+    repeats = 5                                  # runs of each case of a race
+    [curves]                                     # points of run time against error, one program a curve
+    error = 1e-4                                 # where the curves are compared
+    case = [{name = "...", command = ["bench/line.py", ...], needs = "module"}, ...]
+    [[race]]                                     # whole processes with the same result, in turn
+    title = "..."
+    case = [...]
+
+A program of a curve prints a line {"unknowns": n, "error": e, "seconds": t} for each point. A race takes the user time
+of each process from its start to its end and the median over the repeats. In both, ratios are to the first case. Cases
+whose module in `needs` is missing are skipped by name; `{out}` in a command is the folder of the results.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import platform
+import resource
+import statistics
+import subprocess
+import sys
+import tomllib
+from dataclasses import dataclass
+from importlib import metadata
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import ContbedError
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+HEADERS = ("part", "case", "unknowns", "error", "user_s", "ratio")
+Row = tuple[str, str, Any, Any, float, Any]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What was measured: rows under `HEADERS`, cases that were skipped with their reason, the machine."""
+
+    rows: tuple[Row, ...]
+    skipped: tuple[str, ...]
+    machine: str
+
+    def __str__(self) -> str:
+        lines = [self.machine]
+        part = ""
+        for row in self.rows:
+            if row[0] != part:
+                part = row[0]
+                lines += ["", part, f"{'case':40} {'unknowns':>9} {'error':>10} {'user [s]':>10} {'ratio':>8}"]
+            texts = (_text(row[2], "d"), _text(row[3], ".2e"), _text(row[4], ".4g"), _text(row[5], ".3g"))
+            lines.append(f"{row[1]:40} {texts[0]:>9} {texts[1]:>10} {texts[2]:>10} {texts[3]:>8}")
+        return "\n".join(lines + [""] * bool(self.skipped) + list(self.skipped))
+
+
+def bench(study: str | Path, out: str | Path) -> Bench:
+    """Measure a study; writes bench.txt, bench.csv and bench.png into `out`.
+
+    Raises
+    ------
+    ContbedError : the study has no bench.toml, or one of its programs fails
+    """
+    study, out = Path(study).resolve(), Path(out).resolve()
+    plan = _read(study / "bench" / "bench.toml")
+    out.mkdir(parents=True, exist_ok=True)
+    skipped: list[str] = []
+    rows: list[Row] = []
+    if "curves" in plan:
+        rows += _curves(plan["curves"], study, out, skipped)
+    for race in plan.get("race", ()):
+        rows += _race(race, plan.get("repeats", 3), study, out, skipped)
+    found = Bench(tuple(rows), tuple(skipped), machine())
+    (out / "bench.txt").write_text(f"{found}\n", encoding="utf-8")
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([HEADERS, *rows])
+    (out / "bench.csv").write_text(text.getvalue(), encoding="utf-8")
+    return found
+
+
+def machine() -> str:
+    """Processor, number of cores, versions."""
+    model = platform.processor() or platform.machine()
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as lines:
+            model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), model)
+    except OSError:
+        pass
+    parts = [f"{name} {metadata.version(name)}" for name in ("numpy", "scipy", "scikit-fem", "ngsolve") if find_spec(
+        name.replace("scikit-fem", "skfem"))]  # fmt: skip
+    return f"{model}, {os.cpu_count()} cores, one thread; Python {platform.python_version()}, {', '.join(parts)}"
+
+
+def _read(file: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ContbedError(f"{file}: {error.strerror}; a study to measure lists its programs there") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ContbedError(f"{file}: {error}") from error
+
+
+def _present(cases: list[dict[str, Any]], skipped: list[str]) -> list[dict[str, Any]]:
+    missing = [case for case in cases if "needs" in case and find_spec(case["needs"]) is None]
+    skipped += [f"skipped: {case['name']}: {case['needs']} is not installed" for case in missing]
+    return [case for case in cases if case not in missing]
+
+
+def _run(command: list[str], study: Path, out: Path) -> tuple[str, float]:
+    """What a program prints, and the user time [s] of its process."""
+    parent = str(Path(__file__).parents[2])
+    path = os.pathsep.join(filter(None, (parent, os.environ.get("PYTHONPATH"))))
+    environment = os.environ | dict.fromkeys(THREADS, "1") | {"PYTHONPATH": path}
+    arguments = [sys.executable, *(part.replace("{out}", str(out)) for part in command)]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    done = subprocess.run(arguments, cwd=study, env=environment, capture_output=True, text=True)
+    used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    if done.returncode:
+        raise ContbedError(f"{' '.join(command)} failed: {(done.stderr.strip() or 'no message').splitlines()[-1]}")
+    return done.stdout, used
+
+
+def _curves(plan: dict[str, Any], study: Path, out: Path, skipped: list[str]) -> list[Row]:
+    """All points, then the time of each curve at the common error."""
+    from contbed.output.plots import error_plot
+
+    curves = {}
+    rows: list[Row] = []
+    for case in _present(plan["case"], skipped):
+        points = [json.loads(line) for line in _run(case["command"], study, out)[0].splitlines()]
+        curves[case["name"]] = ([p["seconds"] for p in points], [p["error"] for p in points])
+        rows += [(plan["title"], case["name"], p["unknowns"], p["error"], p["seconds"], "") for p in points]
+    error_plot(out / "bench.png", curves, "user time [s]", "largest error", plan["title"])
+    wanted, first = plan["error"], None
+    for name, (seconds, errors) in curves.items():
+        time, how = time_at(wanted, seconds, errors)
+        first = first or time
+        rows.append((f"at an error of {wanted:g}", f"{name}{how}", "", wanted, time, time / first))
+    return rows
+
+
+def time_at(wanted: float, seconds: list[float], errors: list[float]) -> tuple[float, str]:
+    """User time [s] at an error, from the points around it in logarithms, and a note where there are none."""
+    for k in range(1, len(errors)):
+        if errors[k] <= wanted < errors[k - 1]:
+            t, e = np.log(seconds[k - 1 : k + 1]), np.log(errors[k - 1 : k + 1])
+            return float(np.exp(t[0] + (t[1] - t[0]) * (np.log(wanted) - e[0]) / (e[1] - e[0]))), ""
+    if errors[0] <= wanted:
+        return seconds[0], " (or less)"
+    return seconds[-1], f" (not reached: {errors[-1]:.1e})"
+
+
+def _race(plan: dict[str, Any], repeats: int, study: Path, out: Path, skipped: list[str]) -> list[Row]:
+    cases = _present(plan["case"], skipped)
+    times: dict[str, list[float]] = {case["name"]: [] for case in cases}
+    for _ in range(repeats):
+        for case in cases:
+            times[case["name"]].append(_run(case["command"], study, out)[1])
+    medians = {name: statistics.median(found) for name, found in times.items()}
+    first = next(iter(medians.values()), 1.0)
+    return [(plan["title"], name, "", "", time, time / first) for name, time in medians.items()]
+
+
+def _text(value: Any, form: str) -> str:
+    return "" if value == "" else format(value, form)
