@@ -17,7 +17,7 @@ Or by name, as a scene does, and ask what was used outside of the declared range
 
 `closures.names(kind)` lists them and `print(closures.data_sheet(name))` shows one. Kinds: nusselt [-],
 conductivity [W/m/K], tortuosity [-], dispersion [W/m/K], permeability [m2], forchheimer [-],
-pressure_gradient [Pa/m], wall [W/m2/K].
+pressure_gradient [Pa/m], radiation [W/m/K or -], wall [W/m2/K].
 """
 
 from contbed.closures.conductivity import conductivity_hsu, conductivity_krupiczka, tortuosity_hsu
@@ -49,6 +49,7 @@ from contbed.closures.nusselt import (
     nusselt_ranz_marshall,
     nusselt_wakao_kaguei,
 )
+from contbed.closures.optics import radiation_emissivity_half_space, radiation_rosseland
 from contbed.closures.pressure_drop import (
     forchheimer_ergun,
     forchheimer_ward,
@@ -97,6 +98,8 @@ __all__ = [
     "permeability_kuwahara",
     "permeability_pivem",
     "pressure_gradient_ergun",
+    "radiation_emissivity_half_space",
+    "radiation_rosseland",
     "sheet",
     "tortuosity_hsu",
     "usage",

@@ -27,9 +27,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
-from contbed.closures.optics import SIGMA
+from contbed.closures.optics import SIGMA, per_species
 
 Emissivity = Callable[[Any, Any, Any, Any, Any], Any]
 
@@ -50,11 +48,12 @@ def exchange_equilibrium(absorption: Any, T: Any) -> Any:
 
     Example
     -------
+    >>> import numpy as np
     >>> exchange_equilibrium(np.array([100.0, 300.0]), np.array([1500.0, 1100.0])).round(-2)
     array([ 61212800., -61212800.])
     """
     G = irradiation_equilibrium(absorption, T)
-    return _like(T, [K * (4 * SIGMA * t**4 - G) for K, t in zip(absorption, T, strict=True)])
+    return per_species(T, [K * (4 * SIGMA * t**4 - G) for K, t in zip(absorption, T, strict=True)])
 
 
 def exchange_pairwise(extinction: Any, emissivity: Any, T: Any) -> Any:
@@ -94,9 +93,4 @@ def _exchange(extinction: Any, emissivity: Any, T: Any, of_pair: Emissivity) -> 
             eps_mn = of_pair(share[m], share[n], emissivity[m], emissivity[n], absorbing)
             passed = 4 * extinction[m] * share[n] * eps_mn * (power[m] - power[n])
             lost[m], lost[n] = lost[m] + passed, lost[n] - passed
-    return _like(T, lost)
-
-
-def _like(T: Any, parts: list[Any]) -> Any:
-    """An array for an array, a list for a list."""
-    return np.array(parts) if isinstance(T, np.ndarray) else parts
+    return per_species(T, lost)

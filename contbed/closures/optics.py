@@ -5,66 +5,28 @@
 f_V,m is the share of the emulsion's volume that species m fills, d32,m its Sauter mean diameter, eps_m the emissivity
 of its surface. Equation numbers are those of Rabi and de Souza-Santos, Incorporation of a two-flux model for radiative
 heat transfer in a comprehensive fluidized bed simulator, part I, who take the coefficients from Brewster 1992, Thermal
-Radiative Transfer and Properties. Arrays hold the species along their first axis; further axes are positions.
+Radiative Transfer and Properties. Arrays hold the species along their first axis; further axes are positions. Lists of
+dual numbers, one for each species, give such lists.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from contbed.closures.registry import closure
+from contbed.closures.sizes import SizeDistribution
 from contbed.errors import SceneError
 
 SIGMA = 5.670374419e-8  # Stefan-Boltzmann constant [W/m2/K4], CODATA 2018
 ANISOTROPY_DIFFUSE_SPHERES = -4 / 9  # mean cosine of scattering by a large sphere that reflects diffusely [-]
 PACKINGS = ("close_packed", "independent")
 LEVELS = ("p1", "two_flux")
-_SUM_TOLERANCE = 1e-6  # of mass fractions that are typed in
 _ROSSELAND = "Rosseland 1931, Astrophysik auf atomtheoretischer Grundlage, Springer, Berlin"
 _SCHUSTER = "Schuster 1905, Astrophys. J. 21, 1-22, doi:10.1086/141186"
-
-
-@dataclass(frozen=True)
-class SizeDistribution:
-    """Classes of particle size: mean diameter [m] and mass fraction [-] of each."""
-
-    diameters: tuple[float, ...]
-    mass_fractions: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        problems = []
-        if not self.diameters or len(self.diameters) != len(self.mass_fractions):
-            problems.append(f"sizes: {len(self.diameters)} diameters but {len(self.mass_fractions)} mass fractions")
-        problems += [f"diameter = {d:g} must be above 0 and finite [m]" for d in self.diameters if not 0 < d < np.inf]
-        problems += [f"mass fraction = {x:g} must be within 0 and 1" for x in self.mass_fractions if not 0 <= x <= 1]
-        total = sum(self.mass_fractions)
-        if not problems and abs(total - 1) > _SUM_TOLERANCE:
-            problems.append(f"mass fractions sum to {total:.9g}, must sum to 1 within {_SUM_TOLERANCE:g}")
-        if problems:
-            raise SceneError(problems)
-
-    @classmethod
-    def from_sieves(cls, apertures: Sequence[float], mass_fractions: Sequence[float]) -> SizeDistribution:
-        """Between n + 1 increasing apertures [m] lie n classes, each with the middle of its interval for a diameter."""
-        if len(apertures) != len(mass_fractions) + 1:
-            raise SceneError(
-                f"sieves: {len(apertures)} apertures bound {max(len(apertures) - 1, 0)} classes, "
-                f"got {len(mass_fractions)} mass fractions"
-            )
-        if not all(low < high for low, high in pairwise(apertures)):
-            raise SceneError(f"sieves: apertures must increase, got {', '.join(f'{a:g}' for a in apertures)} [m]")
-        middles = (0.5 * (low + high) for low, high in pairwise(apertures))
-        return cls(tuple(middles), tuple(mass_fractions))
-
-    @property
-    def d_32(self) -> float:
-        """Sauter mean diameter [m], 1 / sum(x_i / d_i): eqs. 20 and 21."""
-        return 1 / sum(x / d for x, d in zip(self.mass_fractions, self.diameters, strict=True))
 
 
 @dataclass(frozen=True)
@@ -163,10 +125,11 @@ def optical_coefficients(
     _known("packing", packing, PACKINGS)
     if not -1 <= anisotropy <= 1:
         raise SceneError(f"anisotropy = {anisotropy} must be within -1 and 1")
-    kappa = 1.5 * volume_fraction / d_32
-    if packing == "close_packed":
-        kappa = kappa / (1 - sum(volume_fraction))
-    return Optics(emissivity * kappa, (1 - emissivity) * kappa, anisotropy)
+    voidage = 1 - sum(volume_fraction) if packing == "close_packed" else 1.0
+    kappa = [1.5 * f / (d * voidage) for f, d in zip(volume_fraction, d_32, strict=True)]
+    absorption = [eps * each for eps, each in zip(emissivity, kappa, strict=True)]
+    scattering = [(1 - eps) * each for eps, each in zip(emissivity, kappa, strict=True)]
+    return Optics(per_species(volume_fraction, absorption), per_species(volume_fraction, scattering), anisotropy)
 
 
 def optics(species: Sequence[Species], packing: str = "close_packed", anisotropy: float = 0.0) -> Optics:
@@ -202,8 +165,7 @@ def radiation_rosseland(T, beta):
 
     Fitted to
     ---------
-    nothing: exact as the mean free path shrinks, and the limit of P1. The two-flux method gives 4 sigma T^3 / beta, a
-    quarter less: see conductivity. For a layer between walls see error_rosseland
+    nothing: exact as the mean free path shrinks. For a layer between walls see error_rosseland
 
     Limits
     ------
@@ -264,8 +226,8 @@ def radiation_emissivity_half_space(albedo):
 def emissivity_immersed(emissivity_bed: Any, emissivity: Any) -> Any:
     """Effective emissivity [-] between a bed and a surface immersed in it, 1 / (1/eps_bed + 1/eps - 1).
 
-    The surface receives eps_eff (G/4 - sigma T^4) [W/m2] from the undisturbed field G of the bulk. The layer of a mean
-    free path next to it is cooler than the bulk, which a Marshak condition with the bulk G misses.
+    The surface receives eps_eff (G/4 - sigma T^4) [W/m2] from the field G of the bulk. G falls within a mean free path
+    of a cold surface, which a Marshak condition with the bulk G misses.
     """
     return 1 / (1 / emissivity_bed + 1 / emissivity - 1)
 
@@ -281,7 +243,7 @@ def marshak(emissivity: Any) -> Any:
 def conductivity(T: Any, diffusion: Any) -> Any:
     """Radiative conductivity [W/m/K] of a thick bed, 16 sigma T^3 D.
 
-    With D of P1 that is radiation_rosseland, with the D of the two-flux method 4 sigma T^3 / beta.
+    With D of P1 that is radiation_rosseland, with the D of the two-flux method 4 sigma T^3 / beta, a quarter less.
     """
     return 16 * SIGMA * T**3 * diffusion
 
@@ -295,6 +257,11 @@ def error_rosseland(tau: Any, emissivity_1: Any = 1.0, emissivity_2: Any = 1.0) 
     (3/4 tau + 1/eps_1 + 1/eps_2 - 1). `tau` is the transport coefficient times the thickness [-].
     """
     return (1 / emissivity_1 + 1 / emissivity_2 - 1) / (0.75 * tau)
+
+
+def per_species(given: Any, parts: list[Any]) -> Any:
+    """One entry for each species: an array where an array was given, else the list."""
+    return np.array(parts) if isinstance(given, np.ndarray) else parts
 
 
 def _known(what: str, name: str, choices: Sequence[str]) -> None:

@@ -27,6 +27,8 @@ BOX = {
     "rho": (0.5, 1000.0),
     "a": (0.5, 2.0),
     "b": (0.3, 1.0),
+    "beta": (10.0, 5000.0),
+    "albedo": (0.05, 0.9),
 }
 ALL = [closures.get(name) for name in closures.names()]
 shares = st.lists(st.floats(0, 1), min_size=8, max_size=8)
