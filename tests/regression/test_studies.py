@@ -1,0 +1,104 @@
+"""Every scene of the studies is read; their numbers hold against references computed from the scenes' own values."""
+
+import importlib.util
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contbed as cb
+
+STUDIES = Path(__file__).parents[2] / "studies"
+PIVEM = sorted(path.stem for path in (STUDIES / "pivem_2012").glob("*.toml"))
+
+
+@cache
+def study(name):
+    """The script of a study as a module."""
+    spec = importlib.util.spec_from_file_location(f"study_{name}", STUDIES / name / "study.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def scene_of(name, scene):
+    return cb.load(STUDIES / name / f"{scene}.toml")
+
+
+@pytest.mark.parametrize("path", sorted(STUDIES.glob("*/*.toml")), ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_scenes_are_read(path):
+    cb.load(path)
+
+
+def test_pivem_has_a_scene_for_each_row():
+    rows = study("pivem_2012").table()
+    assert sorted(rows) == PIVEM
+    for name, row in rows.items():
+        scene = scene_of("pivem_2012", name)
+        fluid, solid, bed, u = scene.fluid, scene.solid, scene.bed, scene.flow.velocity
+        found = {
+            "u_D_m_s": u,
+            "slip_us_over_uD": scene.flow.velocity_solid / u,
+            "particle_diameter_m": bed.particle_diameter,
+            "permeability_m2": (bed.particle_diameter * bed.porosity / (12 * (1 - bed.porosity))) ** 2,
+            "porosity": bed.porosity,
+            "Re_D": scene.heat.reynolds,
+            "capacity_ratio_s_over_f": solid.density * solid.heat_capacity / (fluid.density * fluid.heat_capacity),
+            "conductivity_ratio_s_over_f": solid.conductivity / fluid.conductivity,
+        }
+        assert found == pytest.approx({key: row[key] for key in found}, rel=1e-9), name
+
+
+@pytest.mark.parametrize("name", PIVEM)
+def test_pivem_against_the_closed_form(name):
+    scene = scene_of("pivem_2012", name)
+    result = cb.run(scene)
+    assert result.plan.mesh.skfem.dim() == 1
+    assert np.abs(study("pivem_2012").errors(scene, result)).max() < 1e-6
+
+
+def test_pivem_brinkman_flow_delays_the_equilibrium_on_the_axis():
+    scene = scene_of("pivem_2012", "brinkman/darcy_9.365e-3")
+    result = cb.run(scene)
+    theta, length = study("pivem_2012").equilibrium(scene)
+    assert 1.01 < result.qoi["equilibrium_length_m"] / length < 1.03
+    assert 0 < theta - result.qoi["theta_equilibrium"] < 0.003
+    assert all(abs(balance["relative_residual"]) < 1e-10 for balance in result.balances.values())
+
+
+def test_nakayama_against_the_exact_solution():
+    module, scene = study("nakayama_2001"), scene_of("nakayama_2001", "hot_fluid")
+    result = cb.run(scene)
+    assert np.abs(np.concatenate(module.errors(scene, result))).max() < 1e-8
+    assert module.found_parameters(scene, result) == pytest.approx(module.exact_parameters(scene), abs=1e-8)
+
+
+@pytest.mark.parametrize(("name", "tolerance"), [("schumann", 2e-5), ("schumann_bed_b", 2e-5), ("dispersion", 1e-4)])
+def test_packed_bed_against_the_exact_solution(name, tolerance):
+    module, scene = study("patil_packed_bed"), scene_of("patil_packed_bed", name)
+    result = cb.run(scene)
+    assert np.unique(result.profiles["t [s]"]).tolist() == [0.5, 1.0, 2.25, 3.25, 4.25]
+    chosen = module.points(name, result) if name == "dispersion" else slice(None)
+    assert np.abs(np.concatenate(module.errors(scene, result, chosen))).max() < tolerance
+
+
+SLIDING = ("slip_0.00_darcy", "slip_0.00", "slip_0.50", "slip_-0.25", pytest.param("slip_0.95", marks=pytest.mark.slow))
+
+
+@pytest.mark.parametrize("name", SLIDING)
+def test_sliding_bed_against_the_exact_flow(name):
+    scene = scene_of("brinkman_forchheimer", name)
+    result = cb.run(scene)
+    assert np.abs(study("brinkman_forchheimer").errors(scene, result)).max() < 1e-8
+
+
+@pytest.mark.parametrize("name", ["slip_0.00", "slip_0.50", "slip_0.95"])
+def test_sliding_bed_converges(name):
+    """Fourth order where the drag is smooth; a kink in the channel disturbs it but does not stop the convergence."""
+    module, scene = study("brinkman_forchheimer"), scene_of("brinkman_forchheimer", name)
+    coarse, fine = (
+        np.abs(module.errors(refined, cb.run(refined)))
+        for refined in (module.with_cells(scene, across) for across in (16, 64))
+    )
+    assert np.all(np.log(coarse / fine) / np.log(4) > (3.8 if name == "slip_0.00" else 3.0))
