@@ -34,6 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         code = app(list(sys.argv[1:] if arguments is None else arguments), "contbed", standalone_mode=False)
         sys.stdout.flush()
+        if code == 130:
+            _complain("interrupted")
         return int(code or 0)
     except ContbedError as error:
         _complain(str(error) or type(error).__name__)
@@ -77,11 +79,11 @@ def run(
     restart: Annotated[Path | None, Option("--restart", metavar="DIR", help="continue from its checkpoint")] = None,
     settings: Settings = None,
 ) -> None:
-    """Solve a scene and write its results to DIR, results/SCENE if not given."""
+    """Solve a scene and write its results to DIR; if not given, to that of the restart, else to results/SCENE."""
     loaded = _load(scene, settings)
     from contbed.runner import run as solve
 
-    folder = out or Path("results") / scene.stem
+    folder = out or restart or Path("results") / scene.stem
     result = solve(loaded, out=folder, quiet=quiet, restart=restart)
     if not quiet:
         print(result.table())

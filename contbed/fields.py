@@ -43,6 +43,8 @@ _ALL = (
     Field("u_z", "u_z", "m/s", "superficial velocity of the fluid along z"),
     Field("u_r", "u_r", "m/s", "superficial velocity of the fluid away from the axis"),
     Field("speed", "|u|", "m/s", "magnitude of the superficial velocity of the fluid"),
+    Field("G", "G", "W/m2", "incident radiation, the intensity integrated over all directions"),
+    Field("q_radiation", r"q_\mathrm{r}", "W/m2", "radiative heat flux along the bed"),
     Field("p", "p", "Pa", "pressure in the momentum equation, porosity times the intrinsic pressure of the fluid"),
 )
 FIELDS = {field.name: field for field in _ALL}

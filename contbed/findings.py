@@ -13,11 +13,13 @@ from contbed.result import Result
 APART = 0.01  # difference of theta at which the phases count as being in equilibrium
 
 
-def _coordinate(plan: Plan) -> str:
+def coordinate_header(plan: Plan) -> str:
+    """Header of the coordinate along the bed."""
     return f"{plan.coordinate} [m]"
 
 
-def _positions(plan: Plan) -> Any:
+def wanted_positions(plan: Plan) -> Any:
+    """Profile positions that the scene asks for, None for automatic ones."""
     return np.unique(plan.scene.output.positions) if plan.scene.output.positions else None
 
 
@@ -30,11 +32,11 @@ def flow_findings(plan: Plan, flow: Any, result: Result) -> None:
     """Largest speed, pressure drop and pressure gradient, velocity along and across the bed."""
     space, _ = flow.system.fields["u"]
     axis, positions = plan.mesh.axis, None
-    positions, points = axis_points(plan.mesh, _positions(plan))
+    positions, points = axis_points(plan.mesh, wanted_positions(plan))
     probe = Probe(plan.mesh, points)
     u = probe(space, flow.velocity[axis])
     pressure = probe(flow.system.fields["p"][0], flow.pressure)
-    result.profiles = {_coordinate(plan): positions, "u [m/s]": u, "p [Pa]": pressure}
+    result.profiles = {coordinate_header(plan): positions, "u [m/s]": u, "p [Pa]": pressure}
     outlets = [name for name, kind in plan.conditions.items() if kind == "outlet"]
     facets = np.concatenate([plan.mesh.skfem.boundaries[name] for name in outlets])
     result.qoi |= {
@@ -60,7 +62,7 @@ def steady_findings(plan: Plan, problem: Any, state: Any, fluxes: Any, reactions
     _outlets(plan, problem, state, result)
     result.qoi |= {f"heat_{name}_W": value + sum(fluxes[name].values()) for name, value in reactions.items()}
     if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
-        x = result.profiles[_coordinate(plan)]
+        x = result.profiles[coordinate_header(plan)]
         gap = _theta(solid, span) - _theta(fluid, span)
         _equilibrium(x, gap, 0.5 * (_theta(solid, span) + _theta(fluid, span)), result)
 
@@ -99,7 +101,7 @@ def _nodal(problem: Any, state: Any) -> dict[str, Any]:
 
 
 def _profiles(plan: Plan, problem: Any, states: list[Any], times: list[float] | None, result: Result) -> Any:
-    positions, points = axis_points(plan.mesh, _positions(plan))
+    positions, points = axis_points(plan.mesh, wanted_positions(plan))
     probe = Probe(plan.mesh, points)
     space = problem.system.fields["T_fluid"][0]
     fluid = np.array([probe(space, problem.system.part(state, "T_fluid")) for state in states])
@@ -112,7 +114,7 @@ def _columns(
     plan: Plan, positions: Any, fluid: Any, solid: Any, span: tuple[float, float], times: Any, result: Result
 ) -> None:
     """Profile columns; the rows of a transient run through the positions for each time."""
-    columns = {_coordinate(plan): np.tile(positions, len(fluid))}
+    columns = {coordinate_header(plan): np.tile(positions, len(fluid))}
     if times is not None:
         columns["t [s]"] = np.repeat(np.asarray(times, dtype=float), len(positions))
     columns |= {"T_fluid [K]": fluid.ravel(), "T_solid [K]": solid.ravel()}
@@ -127,15 +129,17 @@ def _columns(
 def transient_findings(plan: Plan, problem: Any, history: Any, result: Result) -> None:
     """Profiles at the output times, fields of each, number of steps."""
     result.qoi |= {"time_steps": history.steps, "time_reached_s": history.time}
-    if not history.snapshots:
+    times, snapshots = [*history.times], [*history.snapshots]
+    if history.steps and (not times or times[-1] < history.time * (1 - 1e-12)):  # a run that was stopped
+        times.append(history.time)
+        snapshots.append(history.state)
+    if not snapshots:
         return
-    _profiles(plan, problem, history.snapshots, history.times, result)
+    _profiles(plan, problem, snapshots, times, result)
     flow = dict(result.nodal)
-    result.series = [
-        (time, flow | _nodal(problem, state)) for time, state in zip(history.times, history.snapshots, strict=True)
-    ]
-    result.nodal |= _nodal(problem, history.snapshots[-1])
-    _outlets(plan, problem, history.snapshots[-1], result)
+    result.series = [(time, flow | _nodal(problem, state)) for time, state in zip(times, snapshots, strict=True)]
+    result.nodal |= _nodal(problem, snapshots[-1])
+    _outlets(plan, problem, snapshots[-1], result)
 
 
 def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Result) -> None:
@@ -143,7 +147,7 @@ def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Re
     time = plan.scene.time
     assert time is not None
     length = plan.scene.mesh.length  # type: ignore[union-attr]
-    positions = _positions(plan)
+    positions = wanted_positions(plan)
     if positions is None:
         positions = np.linspace(0.0, length, 1001)
     along = length - positions if backwards else positions

@@ -16,7 +16,9 @@ from contbed.engine.skfem import Ops, System
 from contbed.flow_problem import Flow
 from contbed.medium import Medium
 from contbed.mesh import Mesh
-from contbed.models import two_energy
+from contbed.models import radiation, two_energy
+from contbed.models.radiation import emitted
+from contbed.radiation_problem import RadiationCoupling, radiates, surfaces
 from contbed.solve.linear import Policy, Solver, constrain
 from contbed.solve.newton import newton
 
@@ -46,10 +48,13 @@ class HeatProblem:
         self.scene, self.mesh, self.medium, self.motion = scene, mesh, medium, motion
         self.degree = degree = scene.solver.degree
         order = 2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
-        fields = dict.fromkeys(two_energy.FIELDS, (degree, 0))
+        self.radiation = RadiationCoupling(scene) if radiates(scene) else None
+        names = two_energy.FIELDS if self.radiation is None else (*two_energy.FIELDS, *radiation.FIELDS)
+        fields = dict.fromkeys(names, (degree, 0))
         self.system = System(mesh.skfem, fields, order, axisymmetric=mesh.axisymmetric, section=section)
         self.linear = medium.constant
         self.T_span = self._span()
+        self.weights = self._weights()
         cells = self.system.cells
         self.coefficients = self._coefficients(cells)
         self._interior: list[Any] = [(two_energy.residual, cells, self.coefficients)]
@@ -65,6 +70,9 @@ class HeatProblem:
             for _, part, wall in self.walls
             if wall.mass_flux is not None or wall.coefficient is not None or wall.flux
         ]
+        if self.radiation is not None:
+            self._interior.append(self.radiation.interior(cells))
+            self._boundary += self.radiation.boundaries(mesh, self.system)
         self.idle: list[str] = []
         self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
 
@@ -77,6 +85,8 @@ class HeatProblem:
         found = [value for table in self.scene.boundary.values() for phase in PHASES
                  if (c := getattr(table, phase)) is not None
                  for value in (c.fixed, c.inflow, c.ambient) if value is not None]
+        found += [table.radiation.temperature for table in self.scene.boundary.values()
+                  if table.radiation is not None and table.radiation.temperature is not None]
         if self.scene.time is not None:
             found += [self.scene.time.initial_fluid, self.scene.time.initial_solid]
         return min(found), max(found)
@@ -113,6 +123,7 @@ class HeatProblem:
             solid=self._phase("solid", where, None, exchange),
             exchange=lambda T_fluid, T_solid: medium.exchange(T_fluid, speed),
             cross=medium.cross_conductivity,
+            radiated=None if self.radiation is None else self.radiation.taken_up,
         )
 
     def _phase(self, phase: str, where: Domain, spread: Any, exchange: Any) -> two_energy.Phase:
@@ -228,7 +239,16 @@ class HeatProblem:
             start = getattr(time, f"initial_{phase}") if time is not None else 0.5 * (low + high)
             self.system.part(state, f"T_{phase}")[:] = start
         state[self.fixed] = self.fixed_values
+        if self.radiation is not None:
+            self.system.part(state, "G")[:] = emitted(self.system.part(state, "T_solid"))
         return state
+
+    def _weights(self) -> Any:
+        """What makes errors of all unknowns temperatures: 1, and 1/(16 sigma T^3) for incident radiation."""
+        weights = np.ones(self.system.size)
+        if self.radiation is not None:
+            self.system.part(weights, "G")[:] = self.T_span[1] / (4.0 * emitted(self.T_span[1]))
+        return weights
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
         """Steady state by Newton, and by continuation in time where Newton fails."""
@@ -312,9 +332,13 @@ class HeatProblem:
             if wall.mass_flux is not None:
                 out[name][wall.name] -= self._integral(_stream_above(T_ref), part, wall, state)
             out[name]["wall"] += self._integral(two_energy.supplied, part, wall, state)
+        if self.radiation is not None:
+            for name, part, surface in surfaces(self.scene, self.mesh, self.system):
+                out[name].setdefault("radiation", 0.0)
+                out[name]["radiation"] += self._integral(radiation.supplied, part, surface, state)
         return out
 
-    def _integral(self, function: Any, part: Domain, wall: two_energy.Wall, state: Any) -> float:
+    def _integral(self, function: Any, part: Domain, wall: Any, state: Any) -> float:
         return self.system.integrate(lambda unknowns, ops: function(unknowns, wall, ops), [part], state)
 
     def reactions(self, residual: Any) -> dict[str, float]:

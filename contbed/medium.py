@@ -17,6 +17,7 @@ from contbed.closure_choice import is_phase, own_parameters, resolve_closure, re
 from contbed.closures import registry
 from contbed.materials import ConstantFluid, Solid, gas_mixture, real_fluid
 from contbed.materials.pointwise import pointwise
+from contbed.models.radiation import conductivity_rosseland
 
 _AREA = {"spheres": 6.0, "rods": 4.0}
 
@@ -33,13 +34,16 @@ def fluid_of(settings: s.FluidConstant | s.FluidCantera | s.FluidCoolProp) -> An
 
 @dataclass(frozen=True)
 class Medium:
-    """Materials, packing and closures. Velocities are superficial; `T_fluid_in` fixes the density of the mass flux."""
+    """Materials, packing and closures. Velocities are superficial; `T_fluid_in` fixes the density of the mass flux.
+    `rosseland` is the diffusion coefficient D [m] where radiation is a conductivity, else None.
+    """
 
     scene: s.Scene
     fluid: Any
     solid: Any
     T_fluid_in: float
     bed_diameter: float
+    rosseland: float | None = None
     uses: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
@@ -52,6 +56,7 @@ class Medium:
             None if solid is None else Solid(solid.density, solid.heat_capacity, solid.conductivity),
             T_fluid_in,
             bed_diameter,
+            _rosseland(scene),
         )
 
     @property
@@ -63,7 +68,9 @@ class Medium:
     @property
     def constant(self) -> bool:
         """Whether no property depends on temperature."""
-        return self.fluid.constant and (self.solid is None or self.solid.constant) and not self._radiating()
+        if self.scene.radiation is not None or self._radiating():
+            return False
+        return self.fluid.constant and (self.solid is None or self.solid.constant)
 
     def _radiating(self) -> bool:
         heat = self.scene.heat
@@ -131,7 +138,10 @@ class Medium:
         """Effective conductivity of one phase without dispersion, the tortuosity's share included [W/m/K]."""
         own = self.conductivity_fluid(T) if phase == "fluid" else self.conductivity_solid(T)
         shares = self.tortuosity(T)
-        return own if shares is None else own + shares[0 if phase == "fluid" else 1]
+        total = own if shares is None else own + shares[0 if phase == "fluid" else 1]
+        if phase == "solid" and self.rosseland is not None:
+            total = total + conductivity_rosseland(T, self.rosseland)
+        return total
 
     def conductivity_fluid(self, T: Any) -> Any:
         """Conductivity of the fluid phase, without tortuosity and dispersion [W/m/K]."""
@@ -228,6 +238,14 @@ class Medium:
             for key, (function, arguments) in self.uses.items()
             if key != "content"
         ]
+
+
+def _rosseland(scene: s.Scene) -> float | None:
+    if scene.radiation is None or scene.radiation.level != "rosseland":
+        return None
+    from contbed.radiation_problem import optics
+
+    return optics(scene).diffusion
 
 
 def _named(spec: Any) -> TypeGuard[str | s.Closure]:

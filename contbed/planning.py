@@ -16,14 +16,13 @@ import numpy as np
 from contbed import settings as s
 from contbed.adapt import refinable
 from contbed.errors import SceneError
+from contbed.grading import nodes
 from contbed.medium import Medium
-from contbed.mesh import Mesh, build, equidistributed, graded
+from contbed.mesh import Mesh, build
 from contbed.scene_flow import role, velocity_vector
 from contbed.solve.linear import Policy
 
-GRADING_ERROR = 4e-4  # error of theta on a mesh of grading scale 1 with quadratic elements, measured
 AUTOMATIC = 4  # adaptive refinements of an automatic mesh
-FRONT_CELLS = 4000  # cells of a bed with tracked fronts
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class Plan:
 
     scene: s.Scene
     solved: s.Scene
-    medium: Medium
+    medium: Any  # Medium; None for a medium that merely radiates
     mesh: Mesh
     section: float
     velocity: Any
@@ -47,6 +46,11 @@ class Plan:
     fronts: bool
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
+
+    @property
+    def radiates(self) -> bool:
+        """Whether the incident radiation is an unknown."""
+        return self.scene.radiation is not None and self.scene.radiation.level != "rosseland"
 
     @property
     def adaptations(self) -> int:
@@ -80,6 +84,9 @@ class Plan:
             out["heat"] = 2 * grid.nelements
         elif self.scene.heat is not None:
             out["heat"] = 2 * Space(grid, self.scene.solver.degree).size
+        if self.radiates:
+            conducting = self.scene.heat is None and bool(self.scene.radiation and self.scene.radiation.conductivity)
+            out["radiation"] = (1 + conducting) * Space(grid, self.scene.solver.degree).size
         return out
 
     def __str__(self) -> str:
@@ -94,6 +101,8 @@ class Plan:
 
 def plan(scene: s.Scene) -> Plan:
     """Decide what a scene needs and build its mesh; SceneError if the mesh or the flow cannot be used."""
+    if scene.heat is None and scene.radiation is not None:
+        return _plan_radiation(scene)
     built: list[tuple[str, str]] = []
     skipped: list[tuple[str, str]] = []
     medium = Medium.of(scene, _inlet_temperature(scene), _bed_diameter(scene.mesh))
@@ -105,7 +114,7 @@ def plan(scene: s.Scene) -> Plan:
     velocity = np.array(velocity_vector(grid, target.flow.velocity), dtype=float)
     solid = np.array(velocity_vector(grid, target.flow.velocity_solid), dtype=float)
     fronts = _tracks_fronts(target, medium)
-    mesh = build(grid, _nodes(target, medium, velocity, solid, fronts), str(scene.origin.base))
+    mesh = build(grid, nodes(target, medium, velocity, solid, fronts), str(scene.origin.base))
     _check_names(target, mesh)
     if scene.solver.adapt and not refinable(mesh):
         raise SceneError(scene.origin.at(("solver", "adapt")) + ": solver.adapt: only lines and triangles are refined "
@@ -134,8 +143,34 @@ def plan(scene: s.Scene) -> Plan:
             skipped.append(("Newton for temperatures", "constant properties: linear"))
         if scene.time is None:
             skipped.append(("time stepping", "no [time] table"))
+        (skipped if scene.radiation is None else built).append(_how_radiation(scene))
     return Plan(scene, target, medium, mesh, section, velocity, solid, conditions, coordinate, plug,
                 fronts, tuple(built), tuple(skipped))  # fmt: skip
+
+
+def _plan_radiation(scene: s.Scene) -> Plan:
+    """A medium that radiates by itself: no flow, no phases."""
+    mesh = build(scene.mesh, nodes(scene, None, None, None, False), str(scene.origin.base))
+    _check_names(scene, mesh)
+    cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
+    still = np.zeros(mesh.skfem.dim())
+    coordinate = "z" if mesh.axisymmetric else "x"
+    built = ((f"mesh, {mesh.skfem.dim()}-D", cells), _how_radiation(scene))
+    skipped = (("porous flow", "[radiation] alone"), ("two-energy", "no [heat] table"))
+    return Plan(scene, scene, None, mesh, 1.0, still, still, {}, coordinate, True, False, built, skipped)
+
+
+def _how_radiation(scene: s.Scene) -> tuple[str, str]:
+    table = scene.radiation
+    if table is None:
+        return "radiation", "no [radiation] table"
+    if table.level == "rosseland":
+        return "radiation", "Rosseland limit: a conductivity of the solid"
+    names = {"p1": "P1", "two_flux": "two-flux", "ordinates": f"{table.ordinates} + {table.ordinates} ordinates"}
+    if scene.heat is not None:
+        return "radiation", f"{names[table.level]}, coupled to the solid"
+    state = "conducting" if table.conductivity else "in radiative equilibrium"
+    return "radiation", f"{names[table.level]}, medium {'of given temperature' if table.temperature else state}"
 
 
 def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
@@ -180,7 +215,7 @@ def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
         return None
     low, high = mesh.sides[axis]
     for name, table in scene.boundary.items():
-        if name not in (low, high) and (table.fluid or table.solid or table.flow not in (None, "slip")):
+        if name not in (low, high) and (table.fluid or table.solid or table.radiation or table.flow not in (None, "slip")):
             return None
     if isinstance(mesh, s.MeshRectangle):
         section, cells = mesh.height, mesh.cells and mesh.cells[0]
@@ -199,7 +234,7 @@ def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
 
 def _tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
     """Whether nothing conducts in a one-dimensional bed at rest that a stream enters: then fronts stay sharp."""
-    if scene.time is None or scene.heat is None or not isinstance(scene.mesh, s.MeshLine) or not medium.constant:
+    if scene.time is None or scene.heat is None or scene.radiation or not isinstance(scene.mesh, s.MeshLine) or not medium.constant:
         return False
     if scene.flow.velocity_solid or scene.heat.dispersion is not None or scene.heat.tortuosity is not None:
         return False
@@ -244,111 +279,3 @@ def _check_names(scene: s.Scene, mesh: Mesh) -> None:
                 problems.append(f"{where}: {kind}.{name}: the mesh has no such {kind}; it has {', '.join(known)}{hint}")
     if problems:
         raise SceneError(problems)
-
-
-def _nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: bool) -> list[Any] | None:
-    """Graded coordinates for each direction of a built-in mesh without prescribed cells."""
-    mesh = scene.mesh
-    if isinstance(mesh, s.MeshFile):
-        return None
-    if isinstance(mesh, s.MeshLine) and (mesh.cells is None or mesh.graded):
-        if fronts:
-            return [np.linspace(0.0, mesh.length, FRONT_CELLS + 1)]
-        layers = axial_layers(scene, medium, float(velocity[0]), float(solid[0]), mesh.length)
-        degree = scene.solver.degree
-        scale = min(1.0, (scene.solver.tolerance / GRADING_ERROR) ** (1.0 / (degree + 1)))
-        if mesh.cells is None:
-            coarse = mesh.length / (400 if scene.time is not None else 40)
-            return [graded(mesh.length, layers, scale=scale, coarse=coarse)]
-        return [equidistributed(mesh.length, layers, mesh.cells, degree)]
-    if mesh.cells is not None and not mesh.graded:
-        return None
-    return [_graded(scene, medium, velocity, solid, k) for k in range(mesh.dimension)]
-
-
-def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction: int) -> Any:
-    """Graded coordinates of one direction of a 2-D or 3-D bed."""
-    mesh = scene.mesh
-    axis = 1 if isinstance(mesh, s.MeshAxisymmetric) else 0
-    if isinstance(mesh, s.MeshRectangle):
-        extents = [mesh.length, mesh.height]
-    elif isinstance(mesh, s.MeshAxisymmetric):
-        extents = [mesh.radius, mesh.length]
-    else:
-        assert isinstance(mesh, s.MeshBox)
-        extents = [mesh.length, mesh.width, mesh.height]
-    extent, layers = extents[direction], []
-    if direction == axis and scene.heat is not None:
-        layers += axial_layers(scene, medium, float(velocity[axis]), float(solid[axis]), extent)
-    for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):
-        table = scene.boundary.get(name)
-        if direction != axis and table is not None and (table.flow == "no_slip" or table.fluid or table.solid):
-            layers += [(position, max(width, 1e-3 * extent)) for width in _wall_layers(scene, medium, velocity, solid)]
-    if mesh.cells is not None:
-        return equidistributed(extent, layers, mesh.cells[direction])
-    return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
-
-
-def _wall_layers(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> tuple[float, float]:
-    """Widths of the flow layer on a wall [m]: where the drag is Darcy's, and with Forchheimer's at its largest."""
-    permeability, forchheimer = medium.packing("permeability"), medium.packing("forchheimer")
-    fastest = max(float(np.linalg.norm(solid)), float(np.linalg.norm(velocity - solid)))
-    inertia = medium.mass_flux_scale() * forchheimer * fastest / float(medium.fluid.viscosity(medium.T_fluid_in))
-    both = 1.0 / permeability + 2.0 * inertia / permeability**0.5
-    return (permeability / scene.bed.porosity) ** 0.5, (scene.bed.porosity * both) ** -0.5
-
-
-def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> list[tuple[float, float]]:
-    """Positions and widths of the exchange and conduction layers at both ends of a bed, from the closed-form rates."""
-    T = medium.T_fluid_in
-    scale = medium.mass_flux_scale()
-    flux_fluid = scale * float(medium.fluid.heat_capacity(T)) * u
-    flux_solid = float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)) * u_solid
-
-    def speed(density: Any) -> float:
-        return abs(scale / density * u - u_solid)
-
-    d_fluid = float(medium.conductivity_fluid(T))
-    if (dispersion := medium.dispersion(T, speed)) is not None:
-        d_fluid += float(dispersion[0])
-    d_solid = float(medium.conductivity_solid(T))
-    exchange = float(medium.exchange(T, speed))
-    add_fluid, add_solid, cross = (float(share) for share in medium.tortuosity(T) or (0.0, 0.0, 0.0))
-    found = _rates((flux_fluid, d_fluid + add_fluid), (flux_solid, d_solid + add_solid), exchange, cross)
-    finite = [rate for rate in found if rate and np.isfinite(rate)]
-    layers = [(0.0 if rate < 0 else length, min(1.0 / abs(rate), length)) for rate in finite]
-    if flux_fluid * flux_solid >= 0 and finite:
-        layers = [layer for layer in layers if _matters(scene, layer, finite, flux_fluid + flux_solid, length)]
-    return [(position, width) for position, width in layers if width > 1e-10 * length]
-
-
-def _rates(fluid: tuple[float, float], solid: tuple[float, float], exchange: float, cross: float) -> list[float]:
-    """Signed rates [1/m] of the modes of two phases, given as (flux, conductivity); the phases are interchangeable."""
-    from contbed.verify.exact_two_energy import rates
-
-    if exchange == 0.0:
-        return [flux / d for flux, d in (fluid, solid) if d]
-    (flux, d), (flux_other, d_other) = (fluid, solid) if fluid[0] else (solid, fluid)
-    if flux == 0.0:
-        rate = (exchange * (d + d_other + 2.0 * cross) / (d * d_other - cross**2)) ** 0.5 if d and d_other else 0.0
-        return [-rate, rate]
-    sign = 1.0 if flux > 0 else -1.0
-    return [sign * rate for rate in rates(abs(flux), sign * flux_other, d, d_other, exchange, cross)]
-
-
-def _matters(scene: s.Scene, layer: tuple[float, float], rates: list[float], flux: float, length: float) -> bool:
-    """Whether a layer where all streams leave is strong enough to be seen: the gap there has decayed along the bed."""
-    position, width = layer
-    if (position > 0) != (flux > 0) or any(
-        table.fluid or table.solid for name, table in scene.boundary.items() if name == _end(scene, position)
-    ):
-        return True
-    slow = min((abs(rate) for rate in rates if (rate < 0) == (flux > 0)), default=0.0)
-    strength = np.exp(-slow * length) * min(1.0, slow * width)
-    return bool(strength * GRADING_ERROR > scene.solver.tolerance)
-
-
-def _end(scene: s.Scene, position: float) -> str:
-    mesh = scene.mesh
-    low, high = mesh.sides[1 if isinstance(mesh, s.MeshAxisymmetric) else 0]  # type: ignore[union-attr]
-    return high if position > 0 else low

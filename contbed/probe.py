@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.engine.elements import Space
+from contbed.engine.elements import Space, lagrange
 from contbed.mesh import Mesh
 
 SAMPLES = 12  # points in a cell of a line
@@ -35,6 +35,17 @@ class Probe:
         """Values (n,) of a nodal field (size,)."""
         table = space.element.table(self.local)
         return (table * values[space.dofs[:, self.cells]]).sum(axis=0)
+
+    def slope(self, space: Space, values: Any, axis: int) -> Any:
+        """Derivative (n,) of a nodal field along a coordinate, one-sided between cells."""
+        grid, element = space.mesh, space.element
+        corners = grid.p[:, grid.t[:, self.cells]]
+        geometry = lagrange(element.refdom, 1)
+        jacobian = np.array([np.einsum("ikn,kn->in", corners, geometry.table(self.local, a)) for a in range(element.dim)])
+        inverse = np.linalg.inv(np.moveaxis(jacobian, 2, 0))
+        local = values[space.dofs[:, self.cells]]
+        slopes = np.array([(element.table(self.local, a) * local).sum(axis=0) for a in range(element.dim)])
+        return np.einsum("nka,an->kn", inverse, slopes)[axis]
 
 
 def axis_points(mesh: Mesh, positions: Any | None = None) -> tuple[Any, Any]:

@@ -17,6 +17,12 @@ from contbed.planning import plan as make_plan
 from contbed.result import Result
 
 NOTICED = 1e-4  # share of the heat above 0 K in streams and bed below which rounding of temperatures blurs a balance
+STATUS = {
+    ConvergenceError: "not converged",
+    ClosureRangeError: "closure out of range",
+    BalanceError: "balance open",
+    KeyboardInterrupt: "interrupted",
+}
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
 
 
@@ -41,22 +47,27 @@ def run(
     plan = make_plan(scene)
     result = Result(plan)
     result.timings["plan"] = clock.perf_counter() - start
+    checkpoint = None if restart is None else _checkpoint(scene, plan, Path(restart))
+    if folder is not None:
+        from contbed.output.files import prepare
+
+        prepare(folder)
+    failure: BaseException | None = None
     try:
-        _solve(scene, plan, result, folder, quiet, restart)
-    except ConvergenceError as error:
-        result.status, result.history = "not converged", error.history
-        result.warnings.append(str(error))
-        _keep_last(scene, error, folder)
-        raise
-    except KeyboardInterrupt:
-        result.status = "interrupted"
-        raise
-    finally:
-        result.timings["total"] = clock.perf_counter() - start
-        if folder is not None and (result.status != "ok" or result.profiles):
-            with _timed(result, "output"):
-                result.write(folder)
-    _verdict(scene, result)
+        _solve(scene, plan, result, folder, quiet, checkpoint)
+        _verdict(scene, result)
+    except (ConvergenceError, ClosureRangeError, BalanceError, KeyboardInterrupt) as error:
+        failure, result.status = error, STATUS[type(error)]
+        if isinstance(error, ConvergenceError):
+            result.history = error.history
+            result.warnings.append(str(error))
+            _keep_last(scene, error, folder)
+    result.timings["total"] = clock.perf_counter() - start
+    if folder is not None:
+        with _timed(result, "output"):
+            result.write(folder)
+    if failure is not None:
+        raise failure
     return result
 
 
@@ -91,14 +102,27 @@ def _timed(result: Result, phase: str) -> Iterator[None]:
         result.timings[phase] = result.timings.get(phase, 0.0) + clock.perf_counter() - start
 
 
-def _solve(
-    scene: s.Scene, plan: Plan, result: Result, folder: Path | None, quiet: bool, restart: str | Path | None
-) -> None:
-    if restart is not None and (scene.time is None or plan.fronts):
+def _checkpoint(scene: s.Scene, plan: Plan, folder: Path) -> tuple[Any, Any]:
+    """Arrays and numbers of an earlier run of the same scene."""
+    from contbed.output import checkpoint
+    from contbed.scene import scene_hash
+
+    if scene.time is None or plan.fronts:
         raise SceneError(f"{scene.origin.name}: nothing to restart, the scene takes no time steps; leave out --restart")
+    arrays, meta = checkpoint.load(folder)
+    checkpoint.require_same(meta, scene_hash(scene))
+    return arrays, meta
+
+
+def _solve(
+    scene: s.Scene, plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None
+) -> None:
     if plan.fronts:
         with _timed(result, "heat"):
             _track_fronts(plan, result)
+        return
+    if scene.heat is None and scene.radiation is not None:
+        _radiation(plan, result)
         return
     for attempt in range(plan.adaptations + 1):
         flow = None
@@ -109,13 +133,28 @@ def _solve(
             return
         problem = _heat_problem(plan, flow, result)
         if scene.time is not None:
-            _transient(scene, plan, problem, result, folder, quiet, restart)
+            _transient(scene, plan, problem, result, folder, quiet, start)
             return
         error = _steady(plan, problem, result, last=attempt == plan.adaptations)
         if error is None:
             return
         plan = result.plan = plan.refined(error)
         result.adaptations += 1
+
+
+def _radiation(plan: Plan, result: Result) -> None:
+    """A medium that radiates by itself."""
+    from contbed.findings_radiation import radiation_findings
+    from contbed.radiation_problem import RadiationProblem
+
+    with _timed(result, "radiation"):
+        problem = RadiationProblem(plan.scene, plan.mesh, plan.section)
+        state, history = problem.solve(plan.policy)
+        result.history += history
+    fluxes, conducted = problem.fluxes(state), problem.conducted(problem.assemble(state, False)[0])
+    parts = {name: {"radiation": value} for name, value in fluxes.items()}
+    result.balances["energy"] = _heat_balance(parts, conducted, problem.released(state), 0.0, "W", 0.0)
+    radiation_findings(plan, problem, state, fluxes, conducted, result)
 
 
 def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:
@@ -200,7 +239,7 @@ def _steady(plan: Plan, problem: Any, result: Result, last: bool) -> Any | None:
 
 def _transient(
     scene: s.Scene, plan: Plan, problem: Any, result: Result, folder: Path | None, quiet: bool,
-    restart: str | Path | None,
+    start: tuple[Any, Any] | None,
 ) -> None:  # fmt: skip
     from contbed.findings import transient_findings
     from contbed.output import checkpoint
@@ -210,15 +249,10 @@ def _transient(
 
     assert scene.time is not None
     label = scene_hash(scene)
-    history = History(problem.initial())
-    if restart is not None:
-        arrays, meta = checkpoint.load(Path(restart))
-        checkpoint.require_same(meta, label)
-        history = History.unpack(arrays, meta)
+    history = History(problem.initial()) if start is None else History.unpack(*start)
 
     def save(arrays: dict[str, Any], meta: dict[str, Any]) -> None:
         assert folder is not None
-        folder.mkdir(parents=True, exist_ok=True)
         checkpoint.save(folder, arrays, meta | {"scene_hash": label})
 
     try:
@@ -286,7 +320,8 @@ def _check_state(plan: Plan, problem: Any, states: list[Any], result: Result) ->
                                        for table in (b.fluid, b.solid) if table is not None)  # fmt: skip
     if has_heat or high <= low:
         return
-    beyond = max(max(float(state.max()) - high, low - float(state.min())) for state in states) / (high - low)
+    both = [problem.system.part(state, name) for state in states for name in ("T_fluid", "T_solid")]
+    beyond = max(max(float(T.max()) - high, low - float(T.min())) for T in both) / (high - low)
     result.qoi["theta_overshoot"] = max(beyond, 0.0)
     if beyond > OVERSHOOT:
         result.warnings.append(
@@ -301,5 +336,4 @@ def _keep_last(scene: s.Scene, error: ConvergenceError, folder: Path | None) -> 
     from contbed.output import checkpoint
     from contbed.scene import scene_hash
 
-    folder.mkdir(parents=True, exist_ok=True)
     checkpoint.save(folder, {"state": np.asarray(error.state)}, {"scene_hash": scene_hash(scene)})

@@ -64,7 +64,7 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     if problems:
         problems.sort(key=lambda problem: origin.line(problem[0]))
         raise SceneError(list(dict.fromkeys(_line(origin, values, path, text) for path, text in problems)))
-    scene = Scene(**parts)
+    scene = Scene(**{name: part for name, part in parts.items() if part is not None})
     scene._origin = origin
     return scene
 

@@ -20,6 +20,7 @@ from contbed.toml_lines import KeyPath, Origin, dotted, parse_key
 Mistakes = Iterator[tuple[KeyPath, str]]
 See = Callable[[str], str]
 Boundaries = Mapping[str, s.Boundary]
+NEEDED = ("fluid", "bed", "flow")
 PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
 
 
@@ -27,11 +28,54 @@ def mistakes(parts: Mapping[str, Any], broken: set[str], origin: Origin) -> list
     """All mistakes of all checks. `parts` holds the valid tables, `broken` names the others."""
     available = {**parts, "origin": origin, "see": lambda key: f"{key} ({origin.at(parse_key(key))})"}
     found: list[tuple[KeyPath, str]] = []
+    absent = {name for name in NEEDED if parts.get(name) is None}
     for check in CHECKS:
         needs = inspect.signature(check).parameters.keys()
-        if not needs & broken:
+        if not needs & broken and (check in TOLERANT or not needs & absent):
             found += list(check(**{name: available[name] for name in needs}))
     return found
+
+
+def tables_are_complete(
+    heat: s.Heat | None, radiation: s.Radiation | None, fluid: s.Fluid, bed: s.Bed, flow: s.Flow
+) -> Mistakes:
+    alone = heat is None and radiation is not None
+    for name, table in (("fluid", fluid), ("bed", bed), ("flow", flow)):
+        if table is None and not alone:
+            yield (name,), f"this table is missing; {'[heat]' if heat is not None else 'the flow'} needs it"
+        elif table is not None and alone and name != "bed":
+            yield (name,), "has no meaning with [radiation] alone; add [heat] or remove it"
+
+
+def radiation_is_complete(
+    heat: s.Heat | None, radiation: s.Radiation | None, bed: s.Bed, boundary: Boundaries, mesh: s.Mesh, see: See
+) -> Mistakes:
+    if radiation is None:
+        for name, conditions in boundary.items():
+            if conditions.radiation is not None:
+                yield ("boundary", name, "radiation"), "has no meaning without a [radiation] table"
+        return
+    ways = {
+        "emissivity": radiation.emissivity is not None,
+        "species": bool(radiation.species),
+        "absorption": radiation.absorption is not None or radiation.scattering is not None,
+    }
+    if (count := sum(ways.values())) != 1:
+        given = ", ".join(name for name, is_given in ways.items() if is_given) or "none"
+        yield ("radiation",), f"give the optics once, by emissivity, species or absorption and scattering; found {given}"
+    if count == 1 and not ways["absorption"] and bed is None:
+        yield ("bed",), f"this table is missing; the optics need its porosity; see {see('radiation')}"
+    if radiation.level == "ordinates" and mesh.dimension > 1:
+        yield ("radiation", "level"), f"ordinates need a line; use p1; see {see('mesh.type')}"
+    if radiation.level == "two_flux" and mesh.dimension > 1:
+        yield ("radiation", "level"), f"the two-flux method needs a line; use p1; see {see('mesh.type')}"
+    for key in ("conductivity", "temperature"):
+        if heat is not None and getattr(radiation, key) is not None:
+            yield ("radiation", key), f"is for a medium alone; [heat] already has it; see {see('heat')}"
+    if radiation.conductivity is not None and radiation.temperature is not None:
+        yield ("radiation", "temperature"), f"is solved for when the medium conducts; see {see('radiation.conductivity')}"
+    if heat is None and radiation.temperature is None and not any(b.radiation for b in boundary.values()):
+        yield ("boundary",), "no boundary radiates and the medium has no temperature: nothing determines it"
 
 
 def heat_has_its_materials(heat: s.Heat | None, solid: s.Solid | None, fluid: s.Fluid) -> Mistakes:
@@ -301,7 +345,11 @@ def closures_exist(mesh: s.Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boun
             yield path, f'needs the diameter of the bed, which a line does not tell: {{name = "{name}", D_bed = ...}}'
 
 
+# these are told when a table is absent
+TOLERANT = (tables_are_complete, radiation_is_complete)
 CHECKS: tuple[Callable[..., Mistakes], ...] = (
+    tables_are_complete,
+    radiation_is_complete,
     heat_has_its_materials,
     heat_alone_uses_temperatures,
     names_exist,

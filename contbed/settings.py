@@ -79,6 +79,9 @@ Length = Annotated[Position, Field(gt=0)]
 Permeability = Annotated[float, *unit("m**2"), Field(gt=0)]
 Temperature = Annotated[float, *unit("K"), Field(gt=0)]
 Conductivity = Annotated[float, *unit("W/m/K"), Field(ge=0)]
+Emissivity = Annotated[Number, Field(gt=0, le=1)]
+Extinction = Annotated[float, *unit("1/m"), Field(ge=0)]
+Irradiance = Annotated[float, *unit("W/m**2"), Field(ge=0)]
 WallCoefficient = Annotated[float, *unit("W/m**2/K"), Field(ge=0)]
 HeatFlux = Annotated[float, *unit("W/m**2")]
 HeatSource = Annotated[float, *unit("W/m**3")]
@@ -287,6 +290,50 @@ class Heat(Table):
     dispersion: DispersionOrClosure | None = None
 
 
+class RadiatingSpecies(Table):
+    """Particles of one material and their share in the optics of the bed."""
+
+    volume_fraction: Fraction
+    diameter: Length = Field(description="Sauter mean, or of equal spheres")
+    emissivity: Emissivity
+    temperature: Temperature | None = Field(None, description="prescribed; absent: the temperature that is solved for")
+
+
+class Radiation(Table):
+    """Gray radiation between the particles. With [heat] its particles are those of the [bed]; alone it is a medium that
+    conducts, is held at a temperature, or is in radiative equilibrium.
+    """
+
+    level: Literal["p1", "two_flux", "rosseland", "ordinates"] = Field(
+        "p1", description="rosseland: thick beds, as a conductivity; ordinates: one dimension, nearly exact"
+    )
+    emissivity: Emissivity | None = Field(None, description="of the particles of the [bed]")
+    species: dict[str, RadiatingSpecies] = Field(default_factory=dict, description="instead of `emissivity`")
+    absorption: Extinction | None = Field(None, description="given directly instead of by particles")
+    scattering: Extinction | None = None
+    correction: Literal["close_packed", "independent"] = Field(
+        "close_packed", description="extinction over the voidage, or the limit of points far apart"
+    )
+    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = Field(0.0, description="mean cosine of scattering")
+    ordinates: Annotated[Whole, Field(ge=1, le=64)] = Field(4, description="directions in each hemisphere")
+    conductivity: Conductivity | None = Field(None, description="of the medium, without [heat]")
+    temperature: Temperature | None = Field(None, description="of the medium, without [heat]")
+
+
+class RadiationCondition(Table):
+    """A gray wall at a temperature, or an opening through which a radiosity enters."""
+
+    emissivity: Emissivity = 1.0
+    temperature: Temperature | None = None
+    radiosity: Irradiance | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> RadiationCondition:
+        if (self.temperature is None) == (self.radiosity is None):
+            raise ValueError("give one of temperature, radiosity")
+        return self
+
+
 class PhaseCondition(Table):
     """Thermal condition of one phase on one boundary: exactly one of the four."""
 
@@ -316,6 +363,7 @@ class Boundary(Table):
     )
     fluid: PhaseCondition | None = None
     solid: PhaseCondition | None = None
+    radiation: RadiationCondition | None = Field(None, description="absent: a mirror")
 
 
 class Region(Table):
@@ -366,16 +414,22 @@ class Output(Table):
     plots: Switch = True
 
 
+def _absent() -> Any:
+    return None
+
+
 class Scene(Table):
     """One run."""
 
     title: str = ""
     mesh: Mesh
-    fluid: Fluid
+    # fluid, bed and flow are None only in a medium that merely radiates; scene_checks sees to it
+    fluid: Fluid = Field(default_factory=_absent)
     solid: Solid | None = None
-    bed: Bed
-    flow: Flow
+    bed: Bed = Field(default_factory=_absent)
+    flow: Flow = Field(default_factory=_absent)
     heat: Heat | None = None
+    radiation: Radiation | None = None
     boundary: dict[str, Boundary] = Field(default_factory=dict)
     region: dict[str, Region] = Field(default_factory=dict)
     time: Time | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -98,13 +98,15 @@ def run_transient(
     )
     saved = clock.monotonic()
     for step in steps:
+        after = replace(history, times=[*history.times], snapshots=[*history.snapshots], flux={**history.flux})
         for moment in wanted[len(history.times) :]:
             if moment <= step.end * (1 + 1e-12):
-                _keep(history, moment, step.states[-1] if moment >= step.end else step.at(moment))
-        _account(problem, history, step)
-        history.state, history.time = step.states[-1], step.end
-        history.tick, history.level = step.tick + 2**step.level, step.next_level
-        history.steps += 1
+                _keep(after, moment, step.states[-1] if moment >= step.end else step.at(moment))
+        _account(problem, after, step)
+        after.state, after.time = step.states[-1], step.end
+        after.tick, after.level = step.tick + 2**step.level, step.next_level
+        after.steps += 1
+        vars(history).update(vars(after))  # at once, so that an interrupt never leaves half a step
         advance(step.end)
         if save is not None and clock.monotonic() - saved >= time.checkpoint_every:
             save(*history.pack())

@@ -53,6 +53,7 @@ class Coefficients:
     solid: Phase
     exchange: Any
     cross: Any  # function of the mean temperature [W/m/K]; None without cross conduction
+    radiated: Any = None  # radiation that the solid takes up as a function of the unknowns [W/m3]; None without
 
 
 def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
@@ -61,7 +62,10 @@ def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
     transfer = c.exchange(fluid, solid) * (solid - fluid)
     cross = None if c.cross is None else c.cross(0.5 * (fluid + solid))
     total = _balance(fluid, solid, tests.T_fluid, transfer + c.fluid.source, c.fluid, cross, o)
-    return total + _balance(solid, fluid, tests.T_solid, c.solid.source - transfer, c.solid, cross, o)
+    gain = c.solid.source - transfer
+    if c.radiated is not None:
+        gain = gain + c.radiated(unknowns)
+    return total + _balance(solid, fluid, tests.T_solid, gain, c.solid, cross, o)
 
 
 def _balance(T: Any, other: Any, v: Any, gain: Any, c: Phase, cross: Any, o: Any) -> Any:

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from contbed.errors import ContbedError
 
@@ -40,12 +41,30 @@ def atomic(path: Path | str) -> Iterator[Path]:
         os.replace(temporary, path)
         _flush(path.parent)
     except OSError as error:
-        reason = error.strerror or str(error)
-        remedy = _REMEDY.get(error.errno or 0)
-        raise ContbedError(f"cannot write {path}: {reason}" + (f"; {remedy}" if remedy else "")) from error
+        raise _cannot_write(path, error) from error
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def prepare(folder: Path) -> None:
+    """Make a folder and try to write into it, so that no work is done in vain.
+
+    Raises
+    ------
+    ContbedError : one line, when the system cannot write
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise _cannot_write(folder, error) from error
+
+
+def _cannot_write(path: Path, error: OSError) -> ContbedError:
+    remedy = _REMEDY.get(error.errno or 0)
+    return ContbedError(f"cannot write {path}: {error.strerror or error}" + (f"; {remedy}" if remedy else ""))
 
 
 def _flush(path: Path) -> None:

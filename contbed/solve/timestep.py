@@ -41,6 +41,7 @@ class Problem(Protocol):
 
     fixed: Any
     linear: bool
+    weights: Any
 
     def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]: ...
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]: ...
@@ -110,7 +111,7 @@ def march(
         dt = unit * width
         states, rates, gain, error = stage.take(state, dt, level)
         if adaptive:
-            norm = float(np.abs(error).max()) / (tolerance * span)
+            norm = float(np.abs(error * problem.weights).max()) / (tolerance * span)
             if level == 0 and not np.isfinite(norm):
                 raise ConvergenceError(f"time step below {dt:.3g} s at t = {tick * unit:.6g} s: state blows up")
             if level > 0 and not norm <= 1.0:
@@ -129,7 +130,7 @@ class _Affine:
     linear = True
 
     def __init__(self, problem: Problem, origin: Any):
-        self.fixed, self._origin = problem.fixed, origin
+        self.fixed, self.weights, self._origin = problem.fixed, problem.weights, origin
         self._content = problem.content(origin, True)
         self._steady = problem.steady(origin, True)
 

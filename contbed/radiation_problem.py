@@ -1,0 +1,218 @@
+"""The radiation of one scene: optics from its particles, coupling to the two-energy model, and a medium by itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contbed import settings as s
+from contbed.engine.skfem import System
+from contbed.mesh import Mesh
+from contbed.models import radiation
+from contbed.solve.linear import Policy
+from contbed.solve.newton import newton
+
+
+@dataclass(frozen=True)
+class Optics:
+    """Absorption by species at the solid's temperature and by species of given temperature, scattering, D.
+
+    `active` and `passive` are K_a [1/m], `emission` is 4 sum K_a sigma T^4 of the latter [W/m3], `diffusion` D [m].
+    """
+
+    active: float
+    passive: float
+    emission: float
+    scattering: float
+    diffusion: float
+
+    @property
+    def absorption(self) -> float:
+        """All K_a [1/m]."""
+        return self.active + self.passive
+
+    @property
+    def extinction(self) -> float:
+        """beta [1/m]."""
+        return self.absorption + self.scattering
+
+
+def optics(scene: s.Scene) -> Optics:
+    """Coefficients of a scene: kappa = 1.5 f_V/d of each species, over the voidage where particles are close."""
+    table = scene.radiation
+    assert table is not None
+    if table.absorption is not None or table.scattering is not None:
+        active, passive, emission, scattering = table.absorption or 0.0, 0.0, 0.0, table.scattering or 0.0
+        if table.temperature is not None:
+            active, passive = 0.0, active
+            emission = passive * radiation.emitted(table.temperature)
+    else:
+        bed = scene.bed
+        species = dict(table.species) or {"bed": s.RadiatingSpecies(
+            volume_fraction=1.0 - bed.porosity, diameter=bed.particle_diameter, emissivity=table.emissivity,
+            temperature=table.temperature)}  # fmt: skip
+        crowded = bed.porosity if table.correction == "close_packed" else 1.0
+        active = passive = emission = scattering = 0.0
+        for item in species.values():
+            kappa = 1.5 * item.volume_fraction / item.diameter / crowded
+            scattering += (1.0 - item.emissivity) * kappa
+            if item.temperature is None:
+                active += item.emissivity * kappa
+            else:
+                passive += item.emissivity * kappa
+                emission += item.emissivity * kappa * radiation.emitted(item.temperature)
+    D = radiation.diffusion(table.level, active + passive, scattering, table.anisotropy)
+    return Optics(active, passive, emission, scattering, D)
+
+
+def surfaces(scene: s.Scene, mesh: Mesh, system: System) -> list[tuple[str, Any, radiation.Surface]]:
+    """Radiating boundaries: name, domain, surface."""
+    out = []
+    for name in mesh.boundaries:
+        table = scene.boundary.get(name)
+        condition = None if table is None else table.radiation
+        if condition is None:
+            continue
+        if condition.temperature is not None:
+            surface = radiation.Surface(condition.emissivity, radiation.SIGMA * condition.temperature**4)
+        else:
+            surface = radiation.Surface(1.0, float(condition.radiosity or 0.0))
+        out += [(name, part, surface) for part in system.boundary(name)]
+    return out
+
+
+def radiates(scene: s.Scene) -> bool:
+    """Whether a scene has the incident radiation as an unknown."""
+    return scene.radiation is not None and scene.radiation.level != "rosseland"
+
+
+class RadiationCoupling:
+    """Radiation beside the two-energy equations: its forms, and what the solid takes up."""
+
+    def __init__(self, scene: s.Scene):
+        self.scene, self.optics = scene, optics(scene)
+        c = self.optics
+        self.coefficients = radiation.Coefficients({"T_solid": c.active}, c.diffusion, c.emission, c.passive)
+
+    def interior(self, cells: Any) -> tuple[Any, Any, Any]:
+        """The balance of the incident radiation."""
+        return radiation.residual, cells, self.coefficients
+
+    def boundaries(self, mesh: Mesh, system: System) -> list[tuple[Any, Any, Any]]:
+        """Its walls and openings."""
+        return [(radiation.boundary, part, surface) for _, part, surface in surfaces(self.scene, mesh, system)]
+
+    def taken_up(self, unknowns: Any) -> Any:
+        """Radiation that the solid absorbs less what it emits [W/m3]."""
+        return radiation.absorbed(unknowns.T_solid, unknowns.G, self.optics.active)
+
+
+class RadiationProblem:
+    """A medium that radiates and may conduct: unknown G, and `T_solid` where it conducts. See `models.radiation`.
+
+    Without conductivity and temperature the medium is in radiative equilibrium: it emits what it absorbs, G is harmonic.
+    """
+
+    def __init__(self, scene: s.Scene, mesh: Mesh, section: float = 1.0):
+        table = scene.radiation
+        assert table is not None
+        self.scene, self.mesh, self.optics = scene, mesh, optics(scene)
+        self.conductivity = table.conductivity or 0.0
+        self.equilibrium = not self.conductivity and not self.optics.passive
+        degree = scene.solver.degree
+        fields = {"G": (degree, 0)} | ({"T_solid": (degree, 0)} if self.conductivity else {})
+        measure = {"axisymmetric": mesh.axisymmetric, "section": section}
+        self.system = System(mesh.skfem, fields, 2 * degree + (4 if self.conductivity else 1), **measure)
+        active = {"T_solid": self.optics.active} if self.conductivity else {}
+        c = radiation.Coefficients(active, self.optics.diffusion, self.optics.emission, self.optics.passive)
+        self.surfaces = surfaces(scene, mesh, self.system)
+        self.forms: list[Any] = [(radiation.residual, self.system.cells, c)]
+        self.forms += [(radiation.boundary, part, surface) for _, part, surface in self.surfaces]
+        if self.conductivity:
+            self.forms.append((self._conduction, self.system.cells, None))
+        self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
+
+    def _conduction(self, unknowns: Any, tests: Any, c: Any, o: Any) -> Any:
+        gain = radiation.absorbed(unknowns.T_solid, unknowns.G, self.optics.active)
+        return self.conductivity * o.dot(o.grad(unknowns.T_solid), o.grad(tests.T_solid)) - gain * tests.T_solid
+
+    def _fixed(self) -> tuple[Any, Any, Any]:
+        """A conducting medium has the temperature of the walls it touches: nodes, values, number of the boundary."""
+        nodes, values, owners = [np.empty(0, dtype=np.int64)], [np.empty(0)], [np.empty(0, dtype=np.int64)]
+        for k, name in enumerate(self.mesh.boundaries if self.conductivity else ()):
+            table = self.scene.boundary.get(name)
+            if table is not None and table.radiation is not None and table.radiation.temperature is not None:
+                found = self.system.nodes("T_solid", self.mesh.skfem.boundaries[name])
+                nodes.append(found)
+                values.append(np.full(len(found), table.radiation.temperature))
+                owners.append(np.full(len(found), k))
+        unique, first = np.unique(np.concatenate(nodes), return_index=True)
+        return unique, np.concatenate(values)[first], np.concatenate(owners)[first]
+
+    def assemble(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Residual and Jacobian."""
+        return self.system.assemble(self.forms, state, jacobian)
+
+    def solve(self, policy: Policy) -> tuple[Any, list[float]]:
+        """Newton from the mean of the given temperatures, linear without conduction."""
+        low, high = self.T_span
+        middle = (0.5 * (low**4 + high**4)) ** 0.25
+        state = np.zeros(self.system.size)
+        self.system.part(state, "G")[:] = radiation.emitted(middle)
+        if self.conductivity:
+            self.system.part(state, "T_solid")[:] = middle
+            state[self.fixed] = self.fixed_values
+        options = self.scene.solver
+        return newton(
+            self.assemble, state, self.fixed, self.system.ordered(policy), linear=not self.conductivity,
+            tolerance=options.newton_tolerance, iterations=options.newton_iterations, what="radiation",
+        )  # fmt: skip
+
+    @property
+    def T_span(self) -> tuple[float, float]:
+        """Lowest and highest given temperature; a radiosity counts as that of a black surface."""
+        found = [power_temperature(surface.power) for _, _, surface in self.surfaces]
+        if self.optics.passive:
+            found.append(power_temperature(self.optics.emission / (4.0 * self.optics.passive)))
+        return min(found), max(found)
+
+    def temperature(self, state: Any) -> Any:
+        """Nodal temperatures: solved for, or those of a medium that emits what it absorbs."""
+        if self.conductivity:
+            return self.system.part(state, "T_solid")
+        if self.optics.passive:
+            T = power_temperature(self.optics.emission / (4.0 * self.optics.passive))
+            return np.full(self.system.fields["G"][0].size, T)
+        return power_temperature(self.system.part(state, "G") / 4.0)
+
+    def fluxes(self, state: Any) -> dict[str, float]:
+        """Radiation into the bed through each boundary [W]."""
+        out = dict.fromkeys(self.mesh.boundaries, 0.0)
+        for name, part, surface in self.surfaces:
+
+            def supplied(unknowns: Any, o: Any, surface: radiation.Surface = surface) -> Any:
+                return radiation.supplied(unknowns, surface, o)
+
+            out[name] += self.system.integrate(supplied, [part], state)
+        return out
+
+    def conducted(self, residual: Any) -> dict[str, float]:
+        """Heat that walls conduct into the medium [W], from an unconstrained residual."""
+        sums = np.bincount(self.fixed_owner, weights=residual[self.fixed], minlength=len(self.mesh.boundaries))
+        return {name: float(value) for name, value in zip(self.mesh.boundaries, sums, strict=True)}
+
+    def released(self, state: Any) -> float:
+        """Net radiation of species of given temperature [W], what they emit less what they absorb."""
+        c = self.optics
+
+        def net(unknowns: Any, o: Any) -> Any:
+            return c.emission - c.passive * unknowns.G
+
+        return self.system.integrate(net, [self.system.cells], state)
+
+
+def power_temperature(power: Any) -> Any:
+    """Temperature [K] of a black surface of emissive power [W/m2]."""
+    return (np.maximum(power, 0.0) / radiation.SIGMA) ** 0.25
