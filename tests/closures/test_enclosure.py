@@ -173,9 +173,7 @@ def test_dual_numbers_give_the_slope_to_every_temperature(which):
     for n in range(3):
         shift = np.zeros_like(T)
         shift[n] = step * T[n]
-        high, low = (
-            all_three(extinction[:, None], emissivity[:, None], T + sign * shift)[which] for sign in (1, -1)
-        )
+        high, low = (all_three(extinction[:, None], emissivity[:, None], T + sign * shift)[which] for sign in (1, -1))
         expected = (high - low) / (2 * step * T[n])
         for m in range(3):
             assert found[m].tangents[n] == pytest.approx(expected[m], rel=1e-6)
