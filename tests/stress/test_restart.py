@@ -1,0 +1,322 @@
+"""Runs that are stopped: by a signal, a full disk, a state that does not exist, a balance that stays open.
+
+A restarted run must give the numbers of an uninterrupted one bit for bit: steps sit on a ladder of integers, every sum
+is continued in the same order, and the checkpoint holds doubles. So all comparisons here are of bytes.
+"""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.errors import SceneError
+from contbed.output.tables import read_table
+from contbed.scene import loads
+
+SCENE = """\
+[mesh]
+type = "line"
+length = 1.0
+cells = 40
+
+[fluid]
+density = 1.0
+heat_capacity = 1000.0
+conductivity = 0.05
+viscosity = 2e-5
+
+[solid]
+density = 2000.0
+heat_capacity = 900.0
+conductivity = 1.0
+
+[bed]
+porosity = 0.4
+particle_diameter = 0.01
+
+[flow]
+velocity = 0.3
+velocity_solid = -1e-4
+
+[heat]
+nusselt = "wakao_kaguei"
+
+[boundary.left]
+fluid.inflow = 300.0
+
+[boundary.right]
+solid.inflow = 500.0
+
+[time]
+end = 1500.0
+times = [1.0, 100.0, 1000.0]
+step = 0.5
+initial_fluid = 300.0
+initial_solid = 500.0
+checkpoint_every = 0.02
+
+[output]
+plots = false
+fields = false
+"""
+ADAPTIVE = SCENE.replace("step = 0.5\n", "")
+NONLINEAR = SCENE.replace("end = 1500.0", "end = 1010.0").replace("step = 0.5", "step = 50.0").replace(
+    "heat_capacity = 900.0", "heat_capacity = [600.0, 0.6]"
+)
+COMMAND = [sys.executable, "-m", "contbed", "run", "--quiet"]
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    path = tmp_path_factory.mktemp("scene") / "bed.toml"
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.fixture(scope="module")
+def whole(scene, tmp_path_factory):
+    """Folder of the uninterrupted run."""
+    folder = tmp_path_factory.mktemp("whole")
+    assert finish([*COMMAND, scene, "--out", folder])[0] == 0
+    return folder
+
+
+def finish(command) -> tuple[int, str]:
+    """Exit code and stderr."""
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=120)
+    return done.returncode, done.stderr
+
+
+def start_until_checkpoint(scene: Path, folder: Path) -> subprocess.Popen:
+    """A run that has written a checkpoint."""
+    run = subprocess.Popen([*COMMAND, str(scene), "--out", str(folder)], stderr=subprocess.PIPE, text=True)
+    while run.poll() is None and not (folder / "checkpoint.npz").exists():
+        time.sleep(0.001)
+    return run
+
+
+def same(folder: Path, other: Path) -> None:
+    assert (folder / "profiles.csv").read_bytes() == (other / "profiles.csv").read_bytes()
+    one, two = (json.loads((f / "summary.json").read_text()) for f in (folder, other))
+    for key in ("status", "balances", "qoi", "closures", "warnings"):
+        assert one[key] == two[key], key
+
+
+class Stop:
+    """A progress bar that interrupts the run at a time."""
+
+    def __init__(self, at: float):
+        self.at = at
+
+    def __call__(self, *_):
+        return self
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def advance_to(self, now: float, text: str = "") -> None:
+        if now >= self.at:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("text", [SCENE, ADAPTIVE, NONLINEAR], ids=["fixed step", "adaptive", "nonlinear"])
+@pytest.mark.parametrize("at", [0.1, 333.0])
+def test_a_then_b_is_ab(text, at, tmp_path, monkeypatch):
+    text = text.replace("end = 1500.0", "end = 1001.0")
+    whole = cb.run(loads(text), out=tmp_path / "ab")
+    with monkeypatch.context() as patch:
+        patch.setattr("contbed.output.progress.Progress", Stop(at))
+        with pytest.raises(KeyboardInterrupt):
+            cb.run(loads(text), out=tmp_path / "a")
+    stopped = json.loads((tmp_path / "a" / "summary.json").read_text())
+    assert stopped["status"] == "interrupted"
+    assert at <= stopped["qoi"]["time_reached_s"] < 1000.0
+    # what was reached is balanced and can be looked at
+    assert abs(stopped["balances"]["energy"]["relative_residual"]) <= 1e-10
+    reached = read_table(tmp_path / "a" / "profiles.csv")["t [s]"][-1]
+    assert reached == pytest.approx(stopped["qoi"]["time_reached_s"], rel=1e-11)  # a table has 12 digits
+    restarted = cb.run(loads(text), out=tmp_path / "b", restart=tmp_path / "a")
+    for name, column in whole.profiles.items():
+        assert np.array_equal(column, restarted.profiles[name])
+    same(tmp_path / "b", tmp_path / "ab")
+
+
+def test_restart_of_a_finished_run_changes_nothing(scene, whole, tmp_path):
+    assert finish([*COMMAND, scene, "--restart", whole, "--out", tmp_path])[0] == 0
+    same(tmp_path, whole)
+
+
+def killed(scene: Path, folder: Path, delay: float) -> None:
+    run = start_until_checkpoint(scene, folder)
+    time.sleep(delay)
+    run.kill()
+    assert run.wait() == -signal.SIGKILL
+    run.stderr.close()
+
+
+@pytest.mark.parametrize("seed", [1, 2, *(pytest.param(k, marks=pytest.mark.slow) for k in range(3, 11))])
+def test_kill_at_any_moment(scene, whole, tmp_path, seed):
+    killed(scene, tmp_path, random.Random(seed).uniform(0.0, 0.2))
+    assert finish([*COMMAND, scene, "--restart", tmp_path])[0] == 0
+    same(tmp_path, whole)
+
+
+@pytest.mark.parametrize("moment", ["np.savez", "os.replace"])
+def test_kill_while_a_checkpoint_is_written(scene, whole, tmp_path, moment):
+    """The third checkpoint is left half written, or complete but not yet renamed."""
+    code = f"""
+        import os, signal, sys
+        import numpy as np
+        real, calls = {moment}, []
+        def fatal(*args, **kwargs):
+            calls.append(args)
+            if len(calls) == 3:
+                if {moment!r} == "np.savez":
+                    args[0].write(b"PK half a file")
+                    args[0].flush()
+                os.kill(os.getpid(), signal.SIGKILL)
+            return real(*args, **kwargs)
+        {moment} = fatal
+        from contbed.cli import main
+        main(["run", "--quiet", sys.argv[1], "--out", sys.argv[2]])
+    """
+    assert finish([sys.executable, "-c", textwrap.dedent(code), scene, tmp_path])[0] == -signal.SIGKILL
+    assert (tmp_path / "checkpoint.npz.part").exists()
+    assert finish([*COMMAND, scene, "--restart", tmp_path])[0] == 0
+    assert not (tmp_path / "checkpoint.npz.part").exists()
+    same(tmp_path, whole)
+
+
+def test_kill_before_the_first_checkpoint(scene, tmp_path):
+    code, message = finish([*COMMAND, scene, "--restart", tmp_path])
+    assert code == 2
+    assert message == f"{tmp_path}: no checkpoint.npz to restart from; run the scene without --restart\n"
+    code, message = finish([*COMMAND, scene, "--restart", tmp_path / "nothing"])
+    assert (code, message) == (2, f"{tmp_path / 'nothing'}: no such folder to restart from\n")
+    assert not (tmp_path / "nothing").exists()
+
+
+def test_interrupt_leaves_the_last_state(scene, whole, tmp_path):
+    run = start_until_checkpoint(scene, tmp_path)
+    run.send_signal(signal.SIGINT)
+    _, message = run.communicate(timeout=60)
+    assert (run.returncode, message) == (130, "interrupted\n")
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["status"] == "interrupted"
+    assert summary["qoi"]["time_steps"] > 0
+    assert abs(summary["balances"]["energy"]["relative_residual"]) <= 1e-10
+    assert (tmp_path / "profiles.csv").exists()
+    assert finish([*COMMAND, scene, "--restart", tmp_path])[0] == 0
+    same(tmp_path, whole)
+
+
+def test_checkpoint_of_another_scene(scene, whole):
+    before = (whole / "summary.json").read_bytes()
+    code, message = finish([*COMMAND, scene, "--set", "flow.velocity=0.31", "--restart", whole])
+    assert code == 2 and message.startswith("the checkpoint belongs to another scene (scene hash ")
+    assert (whole / "summary.json").read_bytes() == before
+
+
+def test_damaged_checkpoint(whole, tmp_path):
+    content = (whole / "checkpoint.npz").read_bytes()
+    with np.load(whole / "checkpoint.npz") as file:
+        data = content.index(file["array.state"].tobytes())
+    other = bytes([content[data] ^ 1])
+    for damaged in (content[:data] + other + content[data + 1 :], content[: len(content) // 2], b""):
+        (tmp_path / "checkpoint.npz").write_bytes(damaged)
+        with pytest.raises(SceneError, match=r"damaged checkpoint .*run the scene without --restart"):
+            cb.run(loads(SCENE), restart=tmp_path)
+
+
+def test_a_steady_scene_has_nothing_to_restart(whole):
+    with pytest.raises(SceneError, match="nothing to restart, the scene takes no time steps"):
+        cb.run(loads(SCENE[: SCENE.index("[time]")]), restart=whole)
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system of 400 kB."""
+    if os.name != "posix" or os.geteuid() != 0:
+        pytest.skip("disk full: needs root to mount a small tmpfs")
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=400k", "tmpfs", disk], capture_output=True).returncode:
+        pytest.skip("disk full: mounting a tmpfs is not permitted here")
+    yield disk
+    subprocess.run(["umount", disk], check=True)
+
+
+def test_full_disk(small_disk, tmp_path):
+    """Every output time adds a state to the checkpoint until it no longer fits."""
+    times = ", ".join(f"{2.5 * k}" for k in range(1, 600))
+    path = tmp_path / "long.toml"
+    path.write_text(SCENE.replace("times = [1.0, 100.0, 1000.0]", f"times = [{times}]"))
+    code, message = finish([*COMMAND, path, "--out", small_disk])
+    assert code == 1
+    assert message == (
+        f"cannot write {small_disk / 'checkpoint.npz'}: No space left on device; free some space or write elsewhere; "
+        "the previous checkpoint is intact\n"
+    )
+    elsewhere = tmp_path / "elsewhere"
+    assert finish([*COMMAND, path, "--restart", small_disk, "--out", elsewhere])[0] == 0
+    assert json.loads((elsewhere / "summary.json").read_text())["qoi"]["time_reached_s"] == 1500.0
+
+
+def test_folder_that_cannot_be_written(scene, tmp_path):
+    (tmp_path / "file").write_text("")
+    began = time.monotonic()
+    code, message = finish([*COMMAND, scene, "--out", tmp_path / "file" / "results"])
+    assert code == 1
+    assert message.startswith(f"cannot write {tmp_path / 'file' / 'results'}: Not a directory; a file has the name of")
+    assert time.monotonic() - began < 10.0  # before anything is solved
+
+
+def steady(**changes: str) -> str:
+    text = SCENE[: SCENE.index("[time]")] + "[output]\nplots = false\n"
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+def outcome(text: str, tmp_path: Path) -> tuple[int, str, dict]:
+    (tmp_path / "bed.toml").write_text(text)
+    code, message = finish([*COMMAND, tmp_path / "bed.toml", "--out", tmp_path / "out"])
+    return code, message, json.loads((tmp_path / "out" / "summary.json").read_text())
+
+
+def test_no_solution(tmp_path):
+    """A sink that no stream can feed: temperatures would fall below 0 K."""
+    text = steady(**{"heat_capacity = 900.0": "heat_capacity = [600.0, 0.6]"}) + "[region.bed]\nsource_solid = -1e6\n"
+    code, message, summary = outcome(text, tmp_path)
+    assert code == 3 and len(message.splitlines()) == 1
+    assert summary["status"] == "not converged"
+    assert len(summary["newton"]) > 1 and summary["warnings"] == [message.rstrip("\n")]
+    with np.load(tmp_path / "out" / "checkpoint.npz") as kept:
+        assert np.isfinite(kept["array.state"]).all()
+
+
+def test_strict_range(tmp_path):
+    text = steady(**{"velocity = 0.3\n": "velocity = 0.01\n"}) + "[solver]\nstrict = true\n"
+    code, message, summary = outcome(text, tmp_path)
+    assert code == 4 and message.startswith("closure nusselt_wakao_kaguei is out of its range: Re ")
+    assert summary["status"] == "closure out of range" and summary["qoi"]["T_fluid_out_K"] > 300.0
+    assert (tmp_path / "out" / "profiles.csv").exists()
+
+
+def test_open_balance(tmp_path):
+    code, message, summary = outcome(steady() + "[solver]\nbalance_tolerance = 1e-30\n", tmp_path)
+    assert code == 5 and message.startswith("balance of energy is open by ")
+    assert summary["status"] == "balance open" and summary["qoi"]["T_fluid_out_K"] > 300.0
