@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from contbed import settings as s
 from contbed.engine.domain import Domain
 from contbed.engine.dual import Components
 from contbed.engine.skfem import Ops, System
-from contbed.flow_problem import Flow
+from contbed.errors import ConvergenceError
 from contbed.medium import Medium
 from contbed.mesh import Mesh
 from contbed.models import radiation, two_energy
@@ -21,6 +21,9 @@ from contbed.models.radiation import emitted
 from contbed.radiation_problem import RadiationCoupling, radiates, surfaces
 from contbed.solve.linear import Policy, Solver, constrain
 from contbed.solve.newton import newton
+
+if TYPE_CHECKING:
+    from contbed.flow_problem import Flow
 
 PHASES = ("fluid", "solid")
 TINY = 1e-30  # speed squared [m2/s2] that keeps the direction of a vanishing stream finite
@@ -252,9 +255,6 @@ class HeatProblem:
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
         """Steady state by Newton, and by continuation in time where Newton fails."""
-        from contbed.errors import ConvergenceError
-        from contbed.solve.continuation import relax
-
         policy = self.system.ordered(policy)
         options: dict[str, Any] = {
             "tolerance": self.scene.solver.newton_tolerance,
@@ -268,6 +268,8 @@ class HeatProblem:
         except ConvergenceError:
             if self.linear:
                 raise
+        from contbed.solve.continuation import relax
+
         start = relax(self, self.initial(), policy)
         return newton(self.steady, start, self.fixed, policy, **options)
 
