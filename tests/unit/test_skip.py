@@ -1,0 +1,229 @@
+"""What a scene leaves out costs nothing: no import, no unknown, no block of a matrix, no step."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.heat_problem import HeatProblem, Motion
+from contbed.scene import from_dict
+
+PACKAGE = Path(cb.__file__).parent
+
+BED: dict[str, Any] = {
+    "mesh": {"type": "rectangle", "length": 1.0, "height": 0.2},
+    "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
+    "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0},
+    "bed": {"porosity": 0.4, "particle_diameter": 0.01},
+    "flow": {"velocity": 0.3, "velocity_solid": -1e-4},
+    "heat": {"nusselt": "wakao_kaguei"},
+    "boundary": {"left": {"fluid": {"inflow": 300.0}}, "right": {"solid": {"inflow": 500.0}}},
+    "output": {"plots": False, "fields": False},
+}
+
+
+def bed(**tables: Any) -> dict[str, Any]:
+    """The bed with tables replaced."""
+    return {**BED, **tables}
+
+
+def plan(**tables: Any) -> Any:
+    return cb.plan(from_dict(bed(**tables)))
+
+
+def problem(made: Any) -> HeatProblem:
+    return HeatProblem(made.solved, made.mesh, made.medium, Motion(made.velocity, made.velocity_solid), made.section)
+
+
+def modules(code: str) -> set[str]:
+    """Modules that are loaded after some code, with their parents."""
+    program = f"import sys\n{code}\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+def after_run(scene: dict[str, Any], out: Path | None = None) -> set[str]:
+    place = None if out is None else str(out)
+    code = f"import contbed as cb\nfrom contbed.scene import from_dict\ncb.run(from_dict({scene!r}), out={place!r})"
+    return modules(code)
+
+
+def test_importing_contbed_imports_nothing_heavy():
+    found = {name for name in modules("import contbed") if name.startswith("contbed")}
+    assert found == {"contbed"}
+    heavy = {"scipy", "skfem", "pydantic", "matplotlib", "meshio", "gmsh", "numba", "pint", "cantera", "CoolProp"}
+    assert not (heavy | {"typer", "rich"}) & modules("import contbed")
+
+
+def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
+    unwanted = {"cantera", "CoolProp", "pint", "gmsh", "meshio", "matplotlib", "rich", "numba", "joblib", "typer"}
+    found = after_run(BED)
+    assert not unwanted & found
+    own = {"flow_problem", "transient", "solve.timestep", "solve.continuation", "models.porous_flow", "models.fronts",
+           "output", "mesh_file", "units", "sweeping", "cli"}  # fmt: skip
+    assert not {f"contbed.{name}" for name in own} & found
+    written = after_run(BED, tmp_path)
+    assert not unwanted & written
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["profiles.csv", "summary.json"]
+
+
+@pytest.mark.parametrize(
+    ("change", "module"),
+    [
+        ({"mesh": {**BED["mesh"], "length": "1 m"}}, "pint"),
+        ({"fluid": {"model": "cantera", "composition": "N2:1"}}, "cantera"),
+        ({"time": {"end": 1.0, "step": 1.0, "initial_fluid": 300.0, "initial_solid": 300.0}}, "contbed.solve.timestep"),
+        ({"boundary": {**BED["boundary"], "top": {"flow": "no_slip"}},
+          "mesh": {**BED["mesh"], "cells": [4, 4]}}, "contbed.flow_problem"),
+    ],
+    ids=["units", "cantera", "time", "flow"],
+)  # fmt: skip
+def test_what_is_named_is_imported(change, module):
+    assert module in after_run(bed(**change))
+
+
+def test_plug_flow_has_no_momentum():
+    made = plan()
+    assert made.plug and "flow" not in made.unknowns()
+    assert ("porous flow", "plug flow: no no-slip wall, uniform inlet") in made.skipped
+    walls = plan(boundary={**BED["boundary"], "top": {"flow": "no_slip"}})
+    assert not walls.plug and walls.unknowns()["flow"] > 0
+    result = cb.run(made.scene)
+    assert "flow" not in result.timings and "u [m/s]" not in result.profiles and "fluid volume" not in result.balances
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        {"type": "rectangle", "length": 1.0, "height": 0.2},
+        {"type": "axisymmetric", "length": 1.0, "radius": 0.2},
+        {"type": "box", "length": 1.0, "width": 0.2, "height": 0.1},
+    ],
+    ids=lambda mesh: mesh["type"],
+)
+def test_adiabatic_walls_leave_one_dimension(mesh):
+    low, high = ("bottom", "top") if mesh["type"] == "axisymmetric" else ("left", "right")
+    boundary = {low: {"fluid": {"inflow": 300.0}}, high: {"solid": {"inflow": 500.0}}}
+    made = plan(mesh=mesh, boundary=boundary)
+    assert made.mesh.skfem.dim() == 1
+    # two temperatures at the ends and in the middle of each cell
+    assert problem(made).system.size == made.unknowns()["heat"] == 2 * (2 * made.mesh.skfem.nelements + 1)
+    wall = "wall" if mesh["type"] == "axisymmetric" else "top"
+    if mesh["type"] != "box":
+        warm = plan(mesh=mesh, boundary={**boundary, wall: {"solid": {"coefficient": 10.0, "ambient": 300.0}}})
+        assert warm.mesh.skfem.dim() == 2
+
+
+def test_constant_properties_take_one_linear_solve():
+    result = cb.run(from_dict(BED))
+    assert result.history == [1.0]
+    assert ("Newton for temperatures", "constant properties: linear") in result.plan.skipped
+    warm = cb.run(from_dict(bed(solid={**BED["solid"], "heat_capacity": [600.0, 0.5]})))
+    assert len(warm.history) > 1
+
+
+def test_a_linear_problem_assembles_its_matrix_once(monkeypatch):
+    made = plan(mesh={"type": "line", "length": 1.0, "cells": 20})
+    posed, matrices = problem(made), []
+    steady = posed.steady
+
+    def counted(state: Any, jacobian: bool) -> Any:
+        matrices.append(jacobian)
+        return steady(state, jacobian)
+
+    monkeypatch.setattr(posed, "steady", counted)
+    posed.solve(made.policy)
+    assert matrices == [True]
+
+
+def test_absent_terms_are_not_evaluated():
+    plain = problem(plan(solver={"stabilisation": False})).coefficients
+    assert plain.cross is None
+    for phase in (plain.fluid, plain.solid):
+        assert phase.tau is None and phase.dispersion is None and phase.divergence is None
+        assert isinstance(phase.source, float) and phase.source == 0.0
+    full = problem(plan(
+        heat={**BED["heat"], "dispersion": {"axial": 1.0}, "tortuosity": -0.01}, region={"bed": {"source_solid": 1.0}}
+    )).coefficients  # fmt: skip
+    assert full.cross is not None and full.fluid.tau is not None and full.fluid.dispersion is not None
+    assert np.all(full.solid.source == 1.0)
+
+
+def test_a_phase_at_rest_has_no_stream():
+    posed = problem(plan(flow={"velocity": 0.3}, boundary={"left": {"fluid": {"inflow": 300.0}}}))
+    assert posed.coefficients.solid.mass_flux is None and posed.coefficients.solid.tau is None
+    # the fluid enters and leaves, and no wall of the solid carries a term
+    assert [wall.name for _, _, wall in posed._boundary] == ["T_fluid", "T_fluid"]
+
+
+def test_adiabatic_ends_have_no_boundary_term():
+    posed = problem(plan(flow={"velocity": 0.0}, boundary={"left": {"fluid": {"fixed": 300.0}}}))
+    assert posed._boundary == []
+
+
+def test_no_heat_table_has_no_temperatures():
+    values = bed(mesh={**BED["mesh"], "cells": [4, 4]}, boundary={"top": {"flow": "no_slip"}})
+    del values["heat"]
+    result = cb.run(from_dict(values))
+    assert set(result.plan.unknowns()) == {"flow"}
+    assert not any("T_" in name for name in [*result.profiles, *result.nodal, *result.qoi])
+
+
+def imports(path: Path) -> set[str]:
+    """Modules that a file imports anywhere, at its top or inside functions."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def folder(name: str) -> list[Path]:
+    return sorted((PACKAGE / name).glob("*.py"))
+
+
+def own(names: set[str]) -> set[str]:
+    return {name.split(".")[1] for name in names if name.startswith("contbed.")}
+
+
+def test_closures_know_nobody():
+    for path in folder("closures"):
+        assert own(imports(path)) <= {"closures", "errors"}, path
+
+
+def test_models_know_their_vocabulary_only():
+    for path in folder("models"):
+        assert own(imports(path)) <= {"models", "errors", "closures"}, path
+        outside = {name.split(".")[0] for name in imports(path)} - set(sys.stdlib_module_names)
+        assert outside <= {"numpy", "contbed", "__future__"}, path
+
+
+def test_engines_and_solvers_know_no_scene():
+    above = {"settings", "scene", "planning", "runner", "cli", "closures", "models", "materials", "medium"}
+    for path in [*folder("engine"), *folder("solve")]:
+        assert not own(imports(path)) & above, path
+
+
+def test_outputs_know_no_physics():
+    for path in folder("output"):
+        assert own(imports(path)) <= {"output", "errors", "fields", "engine"}, path
+
+
+def test_nothing_imports_dem_or_two_fluid_but_a_plan():
+    for path in PACKAGE.rglob("*.py"):
+        inside = path.relative_to(PACKAGE).parts[0]
+        if inside not in ("dem", "two_fluid"):
+            # at the top of a file; a run may import what its plan names when it gets there
+            top = {
+                name for node in ast.parse(path.read_text(encoding="utf-8")).body
+                if isinstance(node, ast.ImportFrom | ast.Import)
+                for name in ([node.module or ""] if isinstance(node, ast.ImportFrom) else [a.name for a in node.names])
+            }  # fmt: skip
+            assert not any(name.startswith(("contbed.dem", "contbed.two_fluid")) for name in top), path
