@@ -6,9 +6,9 @@
 
 E_R,m is the heat that species m loses [W/m3 of emulsion] and sums to zero over the species; times the section of the
 emulsion it is the term of the paper [W/m]. f''_m = kappa_m / sum kappa is the share of m in the surface of all
-particles, and 4 kappa_m its surface per volume. All particles are bathed in one mixture, so the view factor from any
-species to n is f''_n. Then equilibrium is the enclosure, for any number of species; pairwise equals both for two and
-differs for more, since eq. 3 rewritten,
+particles, and 4 kappa_m its surface per volume (coefficients of packing "independent"). All particles are bathed in one
+mixture, so the view factor from any species to n is f''_n. Then equilibrium is the enclosure, for any number of
+species; pairwise equals both for two and differs for more, since eq. 3 rewritten,
 
     1/eps_mn = (f''_m eps_m + f''_n eps_n + (1 - f''_m - f''_n) eps_m eps_n) / (eps_m eps_n)
 

@@ -77,6 +77,12 @@ def test_close_packing_divides_by_voidage_and_keeps_the_albedo():
     assert dense.albedo == pytest.approx(points.albedo, rel=ROUND_OFF)
 
 
+def test_independent_species_emit_as_much_as_their_surface_and_close_packed_ones_more():
+    surface = 6 * FRACTIONS / DIAMETERS
+    assert 4 * bed().absorption == pytest.approx(EMISSIVITIES * surface, rel=ROUND_OFF)
+    assert 4 * bed("close_packed").absorption == pytest.approx(EMISSIVITIES * surface / 0.5, rel=ROUND_OFF)
+
+
 @pytest.mark.parametrize("share", [1e-3, 1e-6, 0.0])
 def test_packings_agree_as_the_particles_vanish(share):
     dense, points = (optical_coefficients(share * FRACTIONS, DIAMETERS, EMISSIVITIES, p) for p in optics.PACKINGS)
