@@ -106,9 +106,10 @@ def optical_coefficients(
 
     "independent" (v = 1) takes the particles for points, eqs. 16 and 25. "close_packed" divides by the voidage of the
     emulsion, v = 1 - sum f_V,m: the volume of the particles shortens the paths between them while albedo and phase
-    function stay, Brewster 2004, J. Heat Transfer 126, 1048-1050, doi:10.1115/1.1795247. Both agree as f_V -> 0.
-    Emission per volume, 4 K_a,m sigma T^4, is that of the surface 6 f_V,m / d32,m if independent; close-packed it is 1/v
-    times as much, and so is the exchange among species at one place: for that alone take the independent coefficients.
+    function stay, Brewster 2004, Volume scattering of radiation in packed beds of large, opaque spheres, J. Heat
+    Transfer 126(6). Both agree as f_V -> 0. Emission per volume, 4 K_a,m sigma T^4, is that of the surface
+    6 f_V,m / d32,m if independent; close-packed it is 1/v times as much, and so is the exchange among species at one
+    place: for that alone take the independent coefficients.
 
     Parameters
     ----------
