@@ -29,10 +29,12 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.sparse import coo_array, csr_array
 
+from contbed.errors import ConvergenceError
+
 Array = NDArray[np.float64]
 Coefficient = ArrayLike | Callable[[Array], ArrayLike]
 
-_REFINEMENTS = 3
+_REFINEMENTS, _TOLERANCE = 12, 1e-8
 
 
 @dataclass(frozen=True)
@@ -116,7 +118,7 @@ class Ordinates:
         try:
             self.factor = (self._factorise(), True)
         except np.linalg.LinAlgError as error:
-            raise ValueError("ordinates: nothing absorbs, neither medium nor walls; give one an absorptivity") from error
+            raise ValueError("ordinates: neither the medium nor a wall absorbs, so that G has no level") from error
 
     def solve(self, emission: Coefficient | None = None) -> OrdinatesSolution:
         """Field of an emission e = sum_m Ka,m sigma T_m^4 [W/m3], given in any of the ways of Ka."""
@@ -130,7 +132,8 @@ class Ordinates:
         f = np.cumsum(np.vstack([self._entering(0, u[0]), gain]), axis=0)
         ends = u[:: self.element.degree]
         plus, minus = ((ends + sign * f / self.mu).T / (4.0 * np.pi) for sign in (1.0, -1.0))
-        return OrdinatesSolution(self.points, u @ self.weight, self.z, f @ self.weight, self.mu, self.weight, plus, minus)
+        G, q = u @ self.weight, f @ self.weight
+        return OrdinatesSolution(self.points, G, self.z, q, self.mu, self.weight, plus, minus)
 
     def response(self) -> tuple[Array, Array]:
         """G at the points as an affine function of the emission at the points: G = R e + G0, R [m], G0 [W/m2].
@@ -202,14 +205,23 @@ class Ordinates:
         large, then cost no digits.
         """
         u = np.zeros((len(self.points), len(self.mu)))
+        change = np.inf
         for _ in range(_REFINEMENTS):
             residual = np.zeros_like(u)
             stream = np.einsum("cik,ckj->cij", self.stiffness, u[self.index] - u[self.index[:, :1]])
             np.add.at(residual, self.index, self._gain(u, load) - self.mu**2 * stream)
             for point in self.walls:
                 residual[point] += self._entering(point, u[point])
-            u += cho_solve_banded(self.factor, (self.weight * residual).ravel()).reshape(u.shape)
-        return u
+            step = cho_solve_banded(self.factor, (self.weight * residual).ravel()).reshape(u.shape)
+            u += step
+            last, change = change, float(np.abs(step).max() / max(np.abs(u).max(), 1e-300))
+            if change < 1e-13 or (change < _TOLERANCE and change > 0.5 * last):
+                return u
+        thinnest = float(self.removal.sum(axis=(1, 2)).min())
+        raise ConvergenceError(
+            f"ordinates: the last refinement changed the field by {change:.1e} of its maximum: cells thinner than "
+            f"(Ka + Ks) dz = 1e-12 (here {thinnest:.1e}), or no wall with an emissivity above 1e-8"
+        )
 
     def _gain(self, u: Array, load: Array) -> Array:
         """int (4 e + Ks G - (Ka + Ks) u_j) v_i dz of each cell, shape (cells, degree+1, directions)."""
