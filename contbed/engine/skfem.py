@@ -177,7 +177,9 @@ class System:
         if self.mesh.dim() == 1:
             return policy
         if self._order is None:
-            centres = self.mesh.p[:, self.mesh.t].mean(axis=1)
+            corners = self.mesh.p[:, self.mesh.t]
+            # extents count in cells: a plane then meets the fewest, however long they are
+            centres = corners.mean(axis=1) / np.ptp(corners, axis=1).mean(axis=1, keepdims=True)
             numbering = [self.fields[name][0].dofs + start for (name, _), start in self.offset.items()]
             self._order = nested_dissection(centres, numbering, self.size)
         return replace(policy, order=self._order)
