@@ -51,6 +51,8 @@ class HeatProblem:
         self.scene, self.mesh, self.medium, self.motion = scene, mesh, medium, motion
         self.degree = degree = scene.solver.degree
         order = 2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
+        if motion.flow is not None:
+            order = max(order, motion.flow.system.order)  # the divergence vanishes in the quadrature of the flow
         self.radiation = RadiationCoupling(scene) if radiates(scene) else None
         names = two_energy.FIELDS if self.radiation is None else (*two_energy.FIELDS, *radiation.FIELDS)
         fields = dict.fromkeys(names, (degree, 0))
