@@ -113,12 +113,11 @@ class Ordinates:
         self.equilibrium = equilibrium
         self.stiffness = self.element.stiffness(self.width, 1.0 / extinction)
         self.removal = self.element.mass(self.width, extinction)
-        self.scattering = self.removal if equilibrium else self.element.mass(self.width, scattering)
+        self.absorption = self.element.mass(self.width, 0.0 if equilibrium else absorption)
         self.walls = {0: left, len(self.points) - 1: right}
-        try:
-            self.factor = (self._factorise(), True)
-        except np.linalg.LinAlgError as error:
-            raise ValueError("ordinates: neither the medium nor a wall absorbs, so that G has no level") from error
+        if not self.absorption.any() and not any(wall and wall.emissivity for wall in (left, right)):
+            raise ValueError("ordinates: neither the medium nor a wall absorbs, so that G has no level")
+        self.factor = (self._factorise(), True)
 
     def solve(self, emission: Coefficient | None = None) -> OrdinatesSolution:
         """Field of an emission e = sum_m Ka,m sigma T_m^4 [W/m3], given in any of the ways of Ka."""
@@ -182,7 +181,7 @@ class Ordinates:
         """Cholesky factor of the system in LAPACK's lower band storage, unknowns ordered by point, then direction."""
         order, local = len(self.mu), self.element.degree + 1
         coupled = np.outer(self.weight, self.weight)
-        blocks = -self.scattering[:, :, None, :, None] * coupled[:, None, :]
+        blocks = (self.absorption - self.removal)[:, :, None, :, None] * coupled[:, None, :]
         for j, (mu, weight) in enumerate(zip(self.mu, self.weight, strict=True)):
             blocks[:, :, j, :, j] += weight * (mu**2 * self.stiffness + self.removal)
         size = local * order
@@ -196,13 +195,16 @@ class Ordinates:
                 half = self.weight * self.mu
                 block = np.diag(half) - 4.0 * (1.0 - wall.emissivity) / (2.0 - wall.emissivity) * np.outer(half, half)
                 band[row - column, point * order + column] += block[row, column]
-        return np.asarray(cholesky_banded(band, lower=True))
+        try:
+            return np.asarray(cholesky_banded(band, lower=True))
+        except np.linalg.LinAlgError as error:
+            raise self._failure("the matrix is singular in double precision") from error
 
     def _field(self, load: Array) -> Array:
         """u at the points, shape (P, n), of the loads of the cells, by refinement.
 
-        Residuals are formed from differences of u within cells: thin cells, whose coefficients mu^2/(Ka + Ks) are
-        large, then cost no digits.
+        Residuals are formed from differences of u within cells and among directions: neither thin cells, with large
+        mu^2/(Ka + Ks), nor thick ones then cost digits.
         """
         u = np.zeros((len(self.points), len(self.mu)))
         change = np.inf
@@ -217,17 +219,27 @@ class Ordinates:
             last, change = change, float(np.abs(step).max() / max(np.abs(u).max(), 1e-300))
             if change < 1e-13 or (change < _TOLERANCE and change > 0.5 * last):
                 return u
-        thinnest = float(self.removal.sum(axis=(1, 2)).min())
-        raise ConvergenceError(
-            f"ordinates: the last refinement changed the field by {change:.1e} of its maximum: cells thinner than "
-            f"(Ka + Ks) dz = 1e-12 (here {thinnest:.1e}), or no wall with an emissivity above 1e-8"
+        raise self._failure(f"the last refinement changed the field by {change:.1e} of its maximum")
+
+    def _failure(self, what: str) -> ConvergenceError:
+        optical = self.removal.sum(axis=(1, 2))
+        return ConvergenceError(
+            f"ordinates: {what}; needed are cells of optical depth above 1e-12 and a wall of emissivity above 1e-8 or "
+            f"an absorbing medium; here the depths are {optical.min():.1e} ... {optical.max():.1e}"
         )
 
     def _gain(self, u: Array, load: Array) -> Array:
-        """int (4 e + Ks G - (Ka + Ks) u_j) v_i dz of each cell, shape (cells, degree+1, directions)."""
+        """int (4 e + Ks G - (Ka + Ks) u_j) v_i dz of each cell, shape (cells, degree+1, directions).
+
+        As int (4 e - Ka G + (Ka + Ks) (G - u_j)) v_i, with the weighted mean of G - u_j zero to round-off of itself:
+        thick scattering cells then create no heat.
+        """
         local = u[self.index]
-        scattered = np.einsum("cik,ck->ci", self.scattering, local @ self.weight)
-        return (load + scattered)[:, :, None] - np.einsum("cik,ckj->cij", self.removal, local)
+        G = local @ self.weight
+        apart = G[:, :, None] - local
+        apart -= (apart @ self.weight)[:, :, None]
+        absorbed = np.einsum("cik,ck->ci", self.absorption, G)
+        return (load - absorbed)[:, :, None] + np.einsum("cik,ckj->cij", self.removal, apart)
 
     def _entering(self, point: int, u: Array) -> Array:
         """Flux mu_j (4 J - u_j) that enters the bed through a wall; none through a plane of symmetry."""
