@@ -1,4 +1,4 @@
-"""The two-energy equations at their limits: layers, insulating phases, time steps and properties that vary by decades."""
+"""The two-energy equations at their limits: layers, insulating phases, time steps, properties over decades."""
 
 import importlib.util
 import sys
