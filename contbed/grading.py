@@ -128,11 +128,11 @@ def _end(scene: s.Scene, position: float) -> str:
 def radiation_layers(scene: s.Scene, medium: Medium | None, direction: int, extent: float) -> list[tuple[float, float]]:
     """Positions and widths of the layers in which radiation adapts to a radiating boundary.
 
-    The rate is sqrt(K_a/D (1 + k_R/k)), where the radiative conductivity k_R = 16 sigma T^3 D competes with conduction k.
+    The rate is sqrt(K_a/D (1 + k_R/k)); the radiative conductivity k_R = 16 sigma T^3 D competes with conduction k.
     """
     if scene.radiation is None or scene.radiation.level == "rosseland":
         return []
-    from contbed.models.radiation import SIGMA
+    from contbed.closures.optics import SIGMA, conductivity
     from contbed.radiation_problem import optics
 
     c, mesh = optics(scene), scene.mesh
@@ -144,7 +144,8 @@ def radiation_layers(scene: s.Scene, medium: Medium | None, direction: int, exte
     k = scene.radiation.conductivity or 0.0
     if medium is not None:
         k = float(medium.conductivity("solid", medium.T_fluid_in))
-    rate = (c.absorption / c.diffusion * (1.0 + 16.0 * SIGMA * max(hot, default=0.0) ** 3 * c.diffusion / k if k else 1.0)) ** 0.5
+    radiative = conductivity(max(hot, default=0.0), c.diffusion)
+    rate = (c.absorption / c.diffusion * (1.0 + radiative / k if k else 1.0)) ** 0.5
     if rate == 0.0:
         return []
     layers = []

@@ -278,6 +278,8 @@ class HeatProblem:
     def _frozen(self, policy: Policy) -> Any:
         """The solution with all properties taken at the mean prescribed temperature, as a start for Newton."""
         uniform = np.full(self.system.size, 0.5 * sum(self.T_span))
+        if self.radiation is not None:
+            self.system.part(uniform, "G")[:] = emitted(uniform[0])
         residual, matrix = self.steady(uniform, True)
         jump = np.zeros_like(uniform)
         jump[self.fixed] = self.fixed_values - uniform[self.fixed]

@@ -14,10 +14,9 @@ import numpy as np
 
 from contbed import settings as s
 from contbed.closure_choice import is_phase, own_parameters, resolve_closure, resolve_dispersion
-from contbed.closures import registry
+from contbed.closures import optics, registry
 from contbed.materials import ConstantFluid, Solid, gas_mixture, real_fluid
 from contbed.materials.pointwise import pointwise
-from contbed.models.radiation import conductivity_rosseland
 
 _AREA = {"spheres": 6.0, "rods": 4.0}
 
@@ -140,7 +139,7 @@ class Medium:
         shares = self.tortuosity(T)
         total = own if shares is None else own + shares[0 if phase == "fluid" else 1]
         if phase == "solid" and self.rosseland is not None:
-            total = total + conductivity_rosseland(T, self.rosseland)
+            total = total + optics.conductivity(T, self.rosseland)
         return total
 
     def conductivity_fluid(self, T: Any) -> Any:
@@ -243,9 +242,9 @@ class Medium:
 def _rosseland(scene: s.Scene) -> float | None:
     if scene.radiation is None or scene.radiation.level != "rosseland":
         return None
-    from contbed.radiation_problem import optics
+    from contbed import radiation_problem
 
-    return optics(scene).diffusion
+    return radiation_problem.optics(scene).diffusion
 
 
 def _named(spec: Any) -> TypeGuard[str | s.Closure]:

@@ -215,7 +215,8 @@ def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
         return None
     low, high = mesh.sides[axis]
     for name, table in scene.boundary.items():
-        if name not in (low, high) and (table.fluid or table.solid or table.radiation or table.flow not in (None, "slip")):
+        given = table.fluid or table.solid or table.radiation or table.flow not in (None, "slip")
+        if name not in (low, high) and given:
             return None
     if isinstance(mesh, s.MeshRectangle):
         section, cells = mesh.height, mesh.cells and mesh.cells[0]
@@ -234,7 +235,7 @@ def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
 
 def _tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
     """Whether nothing conducts in a one-dimensional bed at rest that a stream enters: then fronts stay sharp."""
-    if scene.time is None or scene.heat is None or scene.radiation or not isinstance(scene.mesh, s.MeshLine) or not medium.constant:
+    if scene.time is None or scene.heat is None or not isinstance(scene.mesh, s.MeshLine) or not medium.constant:
         return False
     if scene.flow.velocity_solid or scene.heat.dispersion is not None or scene.heat.tortuosity is not None:
         return False

@@ -41,7 +41,8 @@ class Probe:
         grid, element = space.mesh, space.element
         corners = grid.p[:, grid.t[:, self.cells]]
         geometry = lagrange(element.refdom, 1)
-        jacobian = np.array([np.einsum("ikn,kn->in", corners, geometry.table(self.local, a)) for a in range(element.dim)])
+        tables = [geometry.table(self.local, a) for a in range(element.dim)]
+        jacobian = np.array([np.einsum("ikn,kn->in", corners, table) for table in tables])
         inverse = np.linalg.inv(np.moveaxis(jacobian, 2, 0))
         local = values[space.dofs[:, self.cells]]
         slopes = np.array([(element.table(self.local, a) * local).sum(axis=0) for a in range(element.dim)])

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from contbed import settings as s
+from contbed.closures import optics as closures
+from contbed.closures.sizes import SizeDistribution
 from contbed.engine.skfem import System
 from contbed.mesh import Mesh
 from contbed.models import radiation
@@ -40,31 +42,39 @@ class Optics:
 
 
 def optics(scene: s.Scene) -> Optics:
-    """Coefficients of a scene: kappa = 1.5 f_V/d of each species, over the voidage where particles are close."""
+    """Coefficients of a scene, from its particles or given directly."""
     table = scene.radiation
     assert table is not None
     if table.absorption is not None or table.scattering is not None:
-        active, passive, emission, scattering = table.absorption or 0.0, 0.0, 0.0, table.scattering or 0.0
-        if table.temperature is not None:
-            active, passive = 0.0, active
-            emission = passive * radiation.emitted(table.temperature)
+        temperatures = [table.temperature]
+        found = closures.Optics(
+            np.array([table.absorption or 0.0]), np.array([table.scattering or 0.0]), table.anisotropy
+        )
     else:
-        bed = scene.bed
         species = dict(table.species) or {"bed": s.RadiatingSpecies(
-            volume_fraction=1.0 - bed.porosity, diameter=bed.particle_diameter, emissivity=table.emissivity,
-            temperature=table.temperature)}  # fmt: skip
-        crowded = bed.porosity if table.correction == "close_packed" else 1.0
-        active = passive = emission = scattering = 0.0
-        for item in species.values():
-            kappa = 1.5 * item.volume_fraction / item.diameter / crowded
-            scattering += (1.0 - item.emissivity) * kappa
-            if item.temperature is None:
-                active += item.emissivity * kappa
-            else:
-                passive += item.emissivity * kappa
-                emission += item.emissivity * kappa * radiation.emitted(item.temperature)
-    D = radiation.diffusion(table.level, active + passive, scattering, table.anisotropy)
-    return Optics(active, passive, emission, scattering, D)
+            volume_fraction=1.0 - scene.bed.porosity, diameter=scene.bed.particle_diameter,
+            emissivity=table.emissivity, temperature=table.temperature)}  # fmt: skip
+        temperatures = [item.temperature for item in species.values()]
+        particles = [
+            closures.Species(name, item.volume_fraction, _size(item), item.emissivity) for name, item in species.items()
+        ]
+        found = closures.optics(particles, table.correction, table.anisotropy)
+    given = [(float(k), T) for k, T in zip(found.absorption, temperatures, strict=True) if T is not None]
+    passive = sum(k for k, _ in given)
+    return Optics(
+        active=float(found.absorption_total) - passive,
+        passive=passive,
+        emission=sum(k * radiation.emitted(T) for k, T in given),
+        scattering=float(found.scattering_total),
+        diffusion=float(found.diffusion("two_flux" if table.level == "two_flux" else "p1")),
+    )
+
+
+def _size(item: s.RadiatingSpecies) -> float | SizeDistribution:
+    if item.diameter is not None:
+        return item.diameter
+    assert item.sieves is not None
+    return SizeDistribution.from_sieves(item.sieves.apertures, item.sieves.mass_fractions)
 
 
 def surfaces(scene: s.Scene, mesh: Mesh, system: System) -> list[tuple[str, Any, radiation.Surface]]:
@@ -112,7 +122,7 @@ class RadiationCoupling:
 class RadiationProblem:
     """A medium that radiates and may conduct: unknown G, and `T_solid` where it conducts. See `models.radiation`.
 
-    Without conductivity and temperature the medium is in radiative equilibrium: it emits what it absorbs, G is harmonic.
+    Without conductivity and temperature the medium is in radiative equilibrium: it emits what it absorbs.
     """
 
     def __init__(self, scene: s.Scene, mesh: Mesh, section: float = 1.0):

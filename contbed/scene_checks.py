@@ -62,7 +62,7 @@ def radiation_is_complete(
     }
     if (count := sum(ways.values())) != 1:
         given = ", ".join(name for name, is_given in ways.items() if is_given) or "none"
-        yield ("radiation",), f"give the optics once, by emissivity, species or absorption and scattering; found {given}"
+        yield ("radiation",), f"give the optics once: emissivity, species, or absorption and scattering; found {given}"
     if count == 1 and not ways["absorption"] and bed is None:
         yield ("bed",), f"this table is missing; the optics need its porosity; see {see('radiation')}"
     if radiation.level == "ordinates" and mesh.dimension > 1:
@@ -73,7 +73,7 @@ def radiation_is_complete(
         if heat is not None and getattr(radiation, key) is not None:
             yield ("radiation", key), f"is for a medium alone; [heat] already has it; see {see('heat')}"
     if radiation.conductivity is not None and radiation.temperature is not None:
-        yield ("radiation", "temperature"), f"is solved for when the medium conducts; see {see('radiation.conductivity')}"
+        yield ("radiation", "temperature"), f"is solved for in a medium that conducts; see {see('radiation.conductivity')}"
     if heat is None and radiation.temperature is None and not any(b.radiation for b in boundary.values()):
         yield ("boundary",), "no boundary radiates and the medium has no temperature: nothing determines it"
 

@@ -290,13 +290,27 @@ class Heat(Table):
     dispersion: DispersionOrClosure | None = None
 
 
+class Sieves(Table):
+    """A sieve analysis: apertures from fine to coarse and the mass between neighbours."""
+
+    apertures: Annotated[tuple[Length, ...], Field(min_length=2)]
+    mass_fractions: Annotated[tuple[NonNegative, ...], Field(min_length=1)]
+
+
 class RadiatingSpecies(Table):
     """Particles of one material and their share in the optics of the bed."""
 
     volume_fraction: Fraction
-    diameter: Length = Field(description="Sauter mean, or of equal spheres")
+    diameter: Length | None = Field(None, description="Sauter mean, or of equal spheres")
+    sieves: Sieves | None = Field(None, description="instead of `diameter`")
     emissivity: Emissivity
     temperature: Temperature | None = Field(None, description="prescribed; absent: the temperature that is solved for")
+
+    @model_validator(mode="after")
+    def _one_size(self) -> RadiatingSpecies:
+        if (self.diameter is None) == (self.sieves is None):
+            raise ValueError("give one of diameter, sieves")
+        return self
 
 
 class Radiation(Table):

@@ -23,7 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-SIGMA = 5.670374419e-8  # Stefan-Boltzmann constant, CODATA 2018 [W/m2/K4]
+from contbed.closures.optics import SIGMA, marshak
 
 FIELDS = ("G",)
 
@@ -38,18 +38,6 @@ class Coefficients:
     diffusion: Any
     emission: Any = 0.0
     passive: Any = 0.0
-
-
-def diffusion(level: str, absorption: Any, scattering: Any, anisotropy: float = 0.0) -> Any:
-    """D [m] of the level "two_flux" or "p1"."""
-    if level == "two_flux":
-        return 0.25 / (absorption + scattering)
-    return 1.0 / (3.0 * (absorption + scattering * (1.0 - anisotropy)))
-
-
-def conductivity_rosseland(T: Any, D: Any) -> Any:
-    """Radiative conductivity of a thick bed [W/m/K], 16 sigma T^3 D: the limit of a short mean free path."""
-    return 16.0 * SIGMA * D * T**3
 
 
 def emitted(T: Any) -> Any:
@@ -83,7 +71,7 @@ class Surface:
 
 def supplied(unknowns: Any, c: Surface, o: Any) -> Any:
     """Radiation into the bed through a boundary [W/m2]."""
-    return c.emissivity / (2.0 * (2.0 - c.emissivity)) * (4.0 * c.power - unknowns.G)
+    return marshak(c.emissivity) * (4.0 * c.power - unknowns.G)
 
 
 def boundary(unknowns: Any, tests: Any, c: Surface, o: Any) -> Any:

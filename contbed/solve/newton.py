@@ -10,6 +10,7 @@ import numpy as np
 from contbed.errors import ConvergenceError
 from contbed.solve.linear import Policy, Solver, constrain
 
+REACH = 0.7  # share of the way to a lower bound that one step may go
 POLISH = 6  # steps at most after convergence
 
 Assemble = Callable[[Any, bool], tuple[Any, Any]]
@@ -30,8 +31,8 @@ def newton(
     """Solve `assemble(state, jacobian) -> (residual, matrix)` for the unknowns not in `fixed`.
 
     `state` already holds the fixed values. The norm is that of the residual relative to the first one; a step that
-    raises it, or that takes an unknown to `lower` or below, is halved. A linear problem takes one step. Returns the
-    state and the history of norms.
+    raises it is halved, and none takes an unknown more than `REACH` of its way down to `lower`. A linear problem takes
+    one step. Returns the state and the history of norms.
     """
     state = state.copy()
     residual, matrix = assemble(state, True)
@@ -46,12 +47,13 @@ def newton(
         if linear:
             return state + step, history
         damping = 1.0
+        nearest = state - REACH * (state - lower) if np.isfinite(lower) else -np.inf
         while True:
-            trial = state + damping * step
+            trial = np.maximum(state + damping * step, nearest)
             with np.errstate(all="ignore"):  # a step too far may leave the range of a property; it is halved below
                 residual, _ = assemble(trial, False)
             residual[fixed] = 0.0
-            norm = float(np.linalg.norm(residual)) if trial.min() > lower else np.inf
+            norm = float(np.linalg.norm(residual))
             if np.isfinite(norm) and (norm <= (1 - 0.1 * damping) * history[-1] * scale or norm <= floor):
                 break
             damping /= 2

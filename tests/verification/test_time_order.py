@@ -28,6 +28,7 @@ class Problem:
     forms: list[Any]
     linear: bool
     fixed: Any = field(default_factory=lambda: np.empty(0, dtype=int))
+    weights: Any = 1.0
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Residual of the steady forms."""
