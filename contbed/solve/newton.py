@@ -57,6 +57,8 @@ def newton(
             if np.isfinite(norm) and (norm <= (1 - 0.1 * damping) * history[-1] * scale or norm <= floor):
                 break
             damping /= 2
+            if damping < 1e-3 and history[-1] <= tolerance:
+                return state, history  # as low as rounding lets it
             if damping < 1e-3:
                 message = f"{what}: no descent after {len(history)} iterations"
                 raise ConvergenceError(message, [*history, norm / scale], state)
