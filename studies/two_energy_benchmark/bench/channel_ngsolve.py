@@ -57,7 +57,7 @@ free = ng.Projector(space.FreeDofs(), True)
 balance.Apply(flow.vec, residual)
 free.Project(residual)
 scale = ng.Norm(residual)
-while True:
+for _ in range(20):
     balance.AssembleLinearization(flow.vec)
     if condense:
         residual.data += balance.harmonic_extension_trans * residual
@@ -70,6 +70,8 @@ while True:
     free.Project(residual)
     if ng.Norm(residual) <= 1e-12 * scale or ng.Norm(step) <= 1e-10 * ng.Norm(flow.vec):
         break
+else:
+    sys.exit(f"Newton does not converge with {solver}")
 
 # temperatures
 scalar = ng.H1(mesh, order=2, dirichlet="left")
