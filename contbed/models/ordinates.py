@@ -13,7 +13,7 @@ is slow. f_j at the nodes is the flux by which the elements balance, the consist
 q[i+1] - q[i] = int (4 e - Ka G) dz holds to round-off in each cell.
 
 Sykes, Mon. Not. R. Astron. Soc. 111 (1951) 377, doi:10.1093/mnras/111.4.377 (double Gauss); Lewis and Miller,
-Computational Methods of Neutron Transport, 1984, chapter 3 (even-parity form).
+Computational Methods of Neutron Transport, 1984 (even-parity form).
 
 Good values: order 4, degree 2, first cells 0.05/(Ka + Ks) at the walls and then growing by a quarter.
 """

@@ -9,7 +9,7 @@ exact (contbed.verify.exact_transport):
 two-flux and P1:  q = -D G',  q' = (1 - omega) (4 theta^4 - G),  D = 1/4 and 1/3,
                   q(0) = m1 (4 - G),  q(tau) = m2 (G - 4 theta_L^4),  m = e/(2 (2 - e))
 
-Viskanta and Grosh, J. Heat Transfer 84 (1962) 63, doi:10.1115/1.3684294, posed the problem.
+Viskanta and Grosh, J. Heat Transfer 84 (1962) 63, posed the problem.
 """
 
 from __future__ import annotations

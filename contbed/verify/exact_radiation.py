@@ -5,7 +5,7 @@ Both models solve, with E = sigma T^4, extinction beta = Ka + Ks, D = 1/(4 beta)
     -div(D grad G) + Ka G = 4 Ka E,   q = -D grad G,   D dG/dn = e/(2 (2 - e)) (4 E_w - G) at a wall of emissivity e
 
 In units of 1/beta: D = 1/4 or 1/3, k = sqrt((1 - omega)/D) is the decay rate of a layer. Powers and fluxes are in any
-common unit, such as sigma T1^4. Modest, Radiative Heat Transfer, 2013, doi:10.1016/C2010-0-65874-3, chapters 15, 16.
+common unit, such as sigma T1^4. Modest and Mazumder, Radiative Heat Transfer, 2022, doi:10.1016/C2018-0-03206-5.
 The exact side of the plane problems is contbed.verify.exact_transport.
 """
 

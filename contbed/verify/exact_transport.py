@@ -1,7 +1,7 @@
 """Exact radiative transfer in a plane gray slab with isotropic scattering: the integral equation, solved by panels.
 
 With the optical depth t = 0 ... tau, the albedo omega, radiosities J1, J2 of the walls and S = pi times the source
-function, all in W/m2 (Modest, Radiative Heat Transfer, 2013, doi:10.1016/C2010-0-65874-3, chapter 14):
+function, all in W/m2 (Modest and Mazumder, Radiative Heat Transfer, 2022, doi:10.1016/C2018-0-03206-5, chapter 13):
 
     S(t) = (1 - omega) sigma T^4 + omega G/4
     G(t) = 2 [J1 E2(t) + J2 E2(tau - t) + int_0^tau S(t') E1(|t - t'|) dt']
@@ -129,7 +129,7 @@ class Equilibrium:
 
     Attributes: `flux`, Psi = q/(sigma T1^4 - sigma T2^4) [-]; `slip`, 1 - Phi(0) [-]. `profile(t)` is
     Phi = (T^4 - T2^4)/(T1^4 - T2^4) [-]. Source: Heaslet and Warming, Int. J. Heat Mass Transfer 8 (1965) 979,
-    doi:10.1016/0017-9310(65)90083-6.
+    doi:10.1016/0017-9310(65)90083-9.
     """
 
     def __init__(self, tau: float, emissivity: tuple[float, float] = (1.0, 1.0)):

@@ -192,6 +192,7 @@ def test_conduction_without_coupling(albedo):
         assert result.theta == pytest.approx(straight, abs=1e-6 if albedo < 1.0 else 1e-13)
         if albedo == 1.0:
             assert result.total == pytest.approx(conducted + psi * (1.0 - cold**4), rel=1e-12)
+            assert result.radiative == pytest.approx([psi * (1.0 - cold**4)] * 2, rel=1e-11)
 
 
 def test_conduction_with_gray_walls_and_scattering():
@@ -257,6 +258,9 @@ def test_sphere():
     assert sphere_transport(1e3) == pytest.approx(1.0, abs=1e-6)
     mean_chord = quad(lambda mu: 2.0 * mu * -np.expm1(-2.0 * 0.8 * mu), 0.0, 1.0)[0]
     assert sphere_transport(0.8) == pytest.approx(mean_chord, rel=1e-12)
+    joint = 0.02 / np.sqrt(3.0) * (1.0 + np.array([-1e-9, 1e-9]))
+    below, above = isothermal_body("sphere", joint, P1)
+    assert above == pytest.approx(below, rel=1e-8)
     tau = np.array([1e-3, 1e3])
     assert isothermal_body("sphere", tau, P1) / sphere_transport(tau) == pytest.approx([1.0, 1.0718], abs=2e-3)
 

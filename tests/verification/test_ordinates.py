@@ -27,9 +27,9 @@ def graded(tau: float, first: float = 0.02, growth: float = 1.2) -> np.ndarray:
 
 @pytest.mark.parametrize(("order", "percent"), [(2, 0.78), (4, 0.06), (8, 0.004), (24, 1e-4)])
 def test_heaslet_warming(order, percent):
-    """Psi of black plates over five decades of thickness, in per cent of exact transport."""
+    """Psi of black plates over four decades of thickness, in per cent of exact transport; 2 + 2 is worst at 0.4."""
     errors = []
-    for tau in (0.01, 0.1, 1.0, 10.0, 100.0):
+    for tau in (0.01, 0.1, 0.4, 1.0, 10.0, 100.0):
         solution = solve_ordinates(graded(tau), 0.4, 0.6, None, HOT, COLD, order, degree=3)
         assert np.ptp(solution.q) < 1e-12
         errors.append(100.0 * abs(solution.q[0] / Equilibrium(tau).flux - 1.0))
@@ -55,7 +55,7 @@ def test_isothermal_slab_converges_to_transport(albedo, tau):
     for order in (2, 4, 8, 16):
         solution = solve_ordinates(z, 1.0 - albedo, albedo, 1.0 - albedo, COLD, COLD, order, degree=4)
         errors.append(abs(solution.q[-1] / exact - 1.0))
-    # each doubling gains a factor of 11 to 60: the integrand exp(-tau/mu) is smooth, but not analytic, at mu = 0
+    # each doubling gains a factor of 12 to 210, here: the integrand exp(-tau/mu) is smooth, but not analytic, at mu = 0
     assert errors[1] < 1e-3 and errors[3] < 1e-7
     assert np.all(np.log2(np.array(errors[:-1]) / errors[1:]) > 3.0)
 
@@ -222,10 +222,11 @@ def test_walls_exchange_alike():
     assert one == pytest.approx(-other, rel=1e-12)
 
 
+@pytest.mark.parametrize("cold", [0.5, 0.1])
 @pytest.mark.parametrize("tau", [0.1, 1.0, 10.0])
-def test_conduction_by_newton_with_the_response(tau):
+def test_conduction_by_newton_with_the_response(tau, cold):
     """4 N theta'' = (4 theta^4 - G) (units sigma T1^4), with the response matrix in Newton's Jacobian."""
-    N, cold = 0.01, 0.5
+    N = 0.01
     bed = Ordinates(graded(tau, 0.01, 1.3), 1.0, 0.0, HOT, Wall(cold**4), order=8, degree=3)
     R, G0 = bed.response()
     mass = bed.mass_matrix().toarray()
