@@ -7,7 +7,11 @@ import pytest
 from contbed.errors import ContbedError
 from contbed.verify.bench import bench, time_at
 
-PROGRAM = 'import json\nfor n in (1, 2, 4):\n    print(json.dumps({"unknowns": n, "error": 1 / n**2, "seconds": 0.1 * n}))\n'
+PROGRAM = """
+import json
+for n in (1, 2, 4):
+    print(json.dumps({"unknowns": n, "error": 1 / n**2, "seconds": 0.1 * n}))
+"""
 PLAN = """
 repeats = 1
 [curves]
