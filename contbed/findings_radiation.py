@@ -20,14 +20,12 @@ def radiation_findings(
     """
     positions, points = axis_points(plan.mesh, wanted_positions(plan))
     probe = Probe(plan.mesh, points)
-    space = problem.system.fields["G"][0]
-    G, temperature = problem.system.part(state, "G"), problem.temperature(state)
-    slope = probe.slope(space, G, plan.mesh.axis)
+    space, G, temperature = problem.space, problem.incident(state), problem.temperature(state)
     result.profiles = {
         coordinate_header(plan): positions,
         "T_solid [K]": probe(space, temperature),
         "G [W/m2]": probe(space, G),
-        "q_radiation [W/m2]": -problem.optics.diffusion * slope,
+        "q_radiation [W/m2]": problem.flux(state, probe),
     }
     result.nodal |= {"G": (space, G), "T_solid": (space, temperature)}
     optics = problem.optics

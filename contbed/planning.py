@@ -84,9 +84,11 @@ class Plan:
             out["heat"] = 2 * grid.nelements
         elif self.scene.heat is not None:
             out["heat"] = 2 * Space(grid, self.scene.solver.degree).size
-        if self.radiates:
-            conducting = self.scene.heat is None and bool(self.scene.radiation and self.scene.radiation.conductivity)
-            out["radiation"] = (1 + conducting) * Space(grid, self.scene.solver.degree).size
+        table = self.scene.radiation
+        if self.radiates and table is not None:
+            directions = table.ordinates if table.level == "ordinates" else 1
+            conducting = self.scene.heat is None and bool(table.conductivity)
+            out["radiation"] = (directions + conducting) * Space(grid, self.scene.solver.degree).size
         return out
 
     def __str__(self) -> str:

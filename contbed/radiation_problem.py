@@ -77,20 +77,28 @@ def _size(item: s.RadiatingSpecies) -> float | SizeDistribution:
     return SizeDistribution.from_sieves(item.sieves.apertures, item.sieves.mass_fractions)
 
 
+def surface_of(table: s.Boundary | None) -> radiation.Surface | None:
+    """What a boundary is to the radiation; None for a mirror."""
+    condition = None if table is None else table.radiation
+    if condition is None:
+        return None
+    if condition.temperature is not None:
+        return radiation.Surface(condition.emissivity, radiation.SIGMA * condition.temperature**4)
+    return radiation.Surface(1.0, float(condition.radiosity or 0.0))
+
+
 def surfaces(scene: s.Scene, mesh: Mesh, system: System) -> list[tuple[str, Any, radiation.Surface]]:
     """Radiating boundaries: name, domain, surface."""
-    out = []
-    for name in mesh.boundaries:
-        table = scene.boundary.get(name)
-        condition = None if table is None else table.radiation
-        if condition is None:
-            continue
-        if condition.temperature is not None:
-            surface = radiation.Surface(condition.emissivity, radiation.SIGMA * condition.temperature**4)
-        else:
-            surface = radiation.Surface(1.0, float(condition.radiosity or 0.0))
-        out += [(name, part, surface) for part in system.boundary(name)]
-    return out
+    found = {name: surface_of(scene.boundary.get(name)) for name in mesh.boundaries}
+    return [(name, part, surface) for name, surface in found.items() if surface for part in system.boundary(name)]
+
+
+def span(c: Optics, surfaces: list[tuple[str, Any, radiation.Surface]]) -> tuple[float, float]:
+    """Lowest and highest given temperature [K]; a radiosity counts as that of a black surface."""
+    found = [power_temperature(surface.power) for _, _, surface in surfaces]
+    if c.passive:
+        found.append(power_temperature(c.emission / (4.0 * c.passive)))
+    return min(found), max(found)
 
 
 def radiates(scene: s.Scene) -> bool:
@@ -182,11 +190,21 @@ class RadiationProblem:
 
     @property
     def T_span(self) -> tuple[float, float]:
-        """Lowest and highest given temperature; a radiosity counts as that of a black surface."""
-        found = [power_temperature(surface.power) for _, _, surface in self.surfaces]
-        if self.optics.passive:
-            found.append(power_temperature(self.optics.emission / (4.0 * self.optics.passive)))
-        return min(found), max(found)
+        """Lowest and highest given temperature."""
+        return span(self.optics, self.surfaces)
+
+    @property
+    def space(self) -> Any:
+        """The space of G and of the temperature."""
+        return self.system.fields["G"][0]
+
+    def incident(self, state: Any) -> Any:
+        """G at the nodes [W/m2]."""
+        return self.system.part(state, "G")
+
+    def flux(self, state: Any, probe: Any) -> Any:
+        """Radiative flux along the axis at the points of a probe [W/m2]."""
+        return -self.optics.diffusion * probe.slope(self.space, self.incident(state), self.mesh.axis)
 
     def temperature(self, state: Any) -> Any:
         """Nodal temperatures: solved for, or those of a medium that emits what it absorbs."""

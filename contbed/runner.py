@@ -145,16 +145,25 @@ def _solve(
 def _radiation(plan: Plan, result: Result) -> None:
     """A medium that radiates by itself."""
     from contbed.findings_radiation import radiation_findings
-    from contbed.radiation_problem import RadiationProblem
 
     with _timed(result, "radiation"):
-        problem = RadiationProblem(plan.scene, plan.mesh, plan.section)
+        problem = _radiation_problem(plan)
         state, history = problem.solve(plan.policy)
         result.history += history
     fluxes, conducted = problem.fluxes(state), problem.conducted(problem.assemble(state, False)[0])
     parts = {name: {"radiation": value} for name, value in fluxes.items()}
     result.balances["energy"] = _heat_balance(parts, conducted, problem.released(state), 0.0, "W", 0.0)
     radiation_findings(plan, problem, state, fluxes, conducted, result)
+
+
+def _radiation_problem(plan: Plan) -> Any:
+    if plan.scene.radiation is not None and plan.scene.radiation.level == "ordinates":
+        from contbed.ordinates_problem import OrdinatesProblem
+
+        return OrdinatesProblem(plan.scene, plan.mesh, plan.section)
+    from contbed.radiation_problem import RadiationProblem
+
+    return RadiationProblem(plan.scene, plan.mesh, plan.section)
 
 
 def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:

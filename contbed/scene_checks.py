@@ -67,13 +67,15 @@ def radiation_is_complete(
         yield ("bed",), f"this table is missing; the optics need its porosity; see {see('radiation')}"
     if radiation.level == "ordinates" and mesh.dimension > 1:
         yield ("radiation", "level"), f"ordinates need a line; use p1; see {see('mesh.type')}"
+    if radiation.level == "ordinates" and heat is not None:
+        yield ("radiation", "level"), f"ordinates solve [radiation] alone; with [heat] use p1; see {see('heat')}"
     if radiation.level == "two_flux" and mesh.dimension > 1:
         yield ("radiation", "level"), f"the two-flux method needs a line; use p1; see {see('mesh.type')}"
     for key in ("conductivity", "temperature"):
         if heat is not None and getattr(radiation, key) is not None:
             yield ("radiation", key), f"is for a medium alone; [heat] already has it; see {see('heat')}"
     if radiation.conductivity is not None and radiation.temperature is not None:
-        yield ("radiation", "temperature"), f"is solved for in a medium that conducts; see {see('radiation.conductivity')}"
+        yield ("radiation", "temperature"), f"is solved for where it conducts; see {see('radiation.conductivity')}"
     if heat is None and radiation.temperature is None and not any(b.radiation for b in boundary.values()):
         yield ("boundary",), "no boundary radiates and the medium has no temperature: nothing determines it"
 
