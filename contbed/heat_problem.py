@@ -16,9 +16,7 @@ from contbed.engine.skfem import Ops, System
 from contbed.errors import ConvergenceError
 from contbed.medium import Medium
 from contbed.mesh import Mesh
-from contbed.models import radiation, two_energy
-from contbed.models.radiation import emitted
-from contbed.radiation_problem import RadiationCoupling, radiates, surfaces
+from contbed.models import two_energy
 from contbed.solve.linear import Policy, Solver, constrain
 from contbed.solve.newton import newton
 
@@ -26,7 +24,7 @@ if TYPE_CHECKING:
     from contbed.flow_problem import Flow
 
 PHASES = ("fluid", "solid")
-TINY = 1e-30  # speed squared [m2/s2] that keeps the direction of a vanishing stream finite
+TINY = 1e-30  # speed or mass flux squared that keeps the direction of a vanishing stream finite
 ROUNDING = 1e-9  # relative change of temperatures up to which a correction counts as round-off
 REFINEMENTS = 3
 
@@ -53,8 +51,8 @@ class HeatProblem:
         order = 2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
         if motion.flow is not None:
             order = max(order, motion.flow.system.order)  # the divergence vanishes in the quadrature of the flow
-        self.radiation = RadiationCoupling(scene) if radiates(scene) else None
-        names = two_energy.FIELDS if self.radiation is None else (*two_energy.FIELDS, *radiation.FIELDS)
+        self.radiation = _coupling(scene)
+        names = two_energy.FIELDS if self.radiation is None else (*two_energy.FIELDS, *self.radiation.fields)
         fields = dict.fromkeys(names, (degree, 0))
         self.system = System(mesh.skfem, fields, order, axisymmetric=mesh.axisymmetric, section=section)
         self.linear = medium.constant
@@ -90,8 +88,8 @@ class HeatProblem:
         found = [value for table in self.scene.boundary.values() for phase in PHASES
                  if (c := getattr(table, phase)) is not None
                  for value in (c.fixed, c.inflow, c.ambient) if value is not None]
-        found += [table.radiation.temperature for table in self.scene.boundary.values()
-                  if table.radiation is not None and table.radiation.temperature is not None]
+        if self.radiation is not None:
+            found += self.radiation.temperatures(self.mesh)
         if self.scene.time is not None:
             found += [self.scene.time.initial_fluid, self.scene.time.initial_solid]
         return min(found), max(found)
@@ -147,9 +145,10 @@ class HeatProblem:
             dispersion = (across, along - across, velocity / size)
         tau = None
         if flux is not None and self.scene.solver.stabilisation:
-            streams = np.sqrt(_value(Ops.dot(flux, flux))) * capacity
+            speed = np.sqrt(_value(Ops.dot(flux, flux)) + TINY)
+            h = where.along(Components(_value(part) / speed for part in flux.items))
             stagnant = conductivity(T_ref) + along
-            tau = _value(two_energy.tau(streams, stagnant, exchange, capacity, where.h, self.degree))
+            tau = _value(two_energy.tau(speed * capacity, stagnant, exchange, capacity, h, self.degree))
         computed = phase == "fluid" and self.motion.flow is not None
         return two_energy.Phase(
             mass_flux=flux,
@@ -245,14 +244,24 @@ class HeatProblem:
             self.system.part(state, f"T_{phase}")[:] = start
         state[self.fixed] = self.fixed_values
         if self.radiation is not None:
-            self.system.part(state, "G")[:] = emitted(self.system.part(state, "T_solid"))
+            self.system.part(state, "G")[:] = self.radiation.emitted(self.system.part(state, "T_solid"))
         return state
+
+    def begin(self, policy: Policy) -> Any:
+        """State at the start of a transient: incident radiation stores no heat and follows from the temperatures."""
+        state = self.initial()
+        if self.radiation is None:
+            return state
+        residual, matrix = self.steady(state, True)
+        rest = np.arange(self.system.size)[: self.system.offset["G", 0]]
+        residual[rest] = 0.0
+        return state - Solver(constrain(matrix, rest), self.system.ordered(policy))(residual)
 
     def _weights(self) -> Any:
         """What makes errors of all unknowns temperatures: 1, and 1/(16 sigma T^3) for incident radiation."""
         weights = np.ones(self.system.size)
         if self.radiation is not None:
-            self.system.part(weights, "G")[:] = self.T_span[1] / (4.0 * emitted(self.T_span[1]))
+            self.system.part(weights, "G")[:] = self.T_span[1] / (4.0 * self.radiation.emitted(self.T_span[1]))
         return weights
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
@@ -279,7 +288,7 @@ class HeatProblem:
         """The solution with all properties taken at the mean prescribed temperature, as a start for Newton."""
         uniform = np.full(self.system.size, 0.5 * sum(self.T_span))
         if self.radiation is not None:
-            self.system.part(uniform, "G")[:] = emitted(uniform[0])
+            self.system.part(uniform, "G")[:] = self.radiation.emitted(uniform[0])
         residual, matrix = self.steady(uniform, True)
         jump = np.zeros_like(uniform)
         jump[self.fixed] = self.fixed_values - uniform[self.fixed]
@@ -329,8 +338,9 @@ class HeatProblem:
         return np.maximum(*errors) / max(high - low, 1e-9 * high)
 
     def fluxes(self, state: Any) -> dict[str, dict[str, float]]:
-        """Heat into the bed through each boundary by the stream of each phase and by walls [W]; what prescribed
-        temperatures conduct is in `reactions`. Streams count from the lowest temperature of the scene.
+        """Heat into the bed through each boundary by the stream of each phase, by walls and by radiation [W]; "species"
+        radiates what those of given temperature do. What prescribed temperatures conduct is in `reactions`. Streams
+        count from the lowest temperature of the scene.
         """
         T_ref = self.T_span[0]
         out = {name: {"T_fluid": 0.0, "T_solid": 0.0, "wall": 0.0} for name in self.mesh.boundaries}
@@ -339,9 +349,8 @@ class HeatProblem:
                 out[name][wall.name] -= self._integral(_stream_above(T_ref), part, wall, state)
             out[name]["wall"] += self._integral(two_energy.supplied, part, wall, state)
         if self.radiation is not None:
-            for name, part, surface in surfaces(self.scene, self.mesh, self.system):
-                out[name].setdefault("radiation", 0.0)
-                out[name]["radiation"] += self._integral(radiation.supplied, part, surface, state)
+            for name, value in self.radiation.fluxes(self.mesh, self.system, state).items():
+                out.setdefault(name, {})["radiation"] = value
         return out
 
     def _integral(self, function: Any, part: Domain, wall: Any, state: Any) -> float:
@@ -362,6 +371,15 @@ class HeatProblem:
         if not (np.any(c.fluid.source) or np.any(c.solid.source)):
             return 0.0
         return float(np.sum(self.system.cells.weight * (c.fluid.source + c.solid.source)))
+
+
+def _coupling(scene: s.Scene) -> Any:
+    """Incident radiation as a further unknown, None for scenes without."""
+    if scene.radiation is None or scene.radiation.level == "rosseland":
+        return None
+    from contbed.radiation_problem import RadiationCoupling
+
+    return RadiationCoupling(scene)
 
 
 def _stream_above(T_ref: float) -> Callable[[Any, Any, Any], Any]:

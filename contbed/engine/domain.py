@@ -69,6 +69,16 @@ class Domain:
         ]
         self._tables: dict[Any, Array] = {}
 
+    def along(self, direction: Components) -> Array:
+        """Length of each cell along a unit vector (ncells, nq): 2 over the sum of the slopes of its vertex functions."""
+        geometry = lagrange(self.refdom, 1)
+        slopes = [geometry.table(self.X, a) for a in range(self.dim)]
+        rate = [sum(direction[k] * self.inverse[a][k] for k in range(self.dim)) for a in range(self.dim)]
+        total = sum(
+            np.abs(sum(_plain(rate[a]) * slopes[a][n] for a in range(self.dim))) for n in range(geometry.nvertices)
+        )
+        return 2.0 / total
+
     def table(self, space: Space, kind: Any) -> Array:
         """Reference table of a slot: "v", ("g", a), ("h", a, b) or "low" (vertex interpolant): (nb, nq)."""
         key = (space.degree, kind)
@@ -112,6 +122,10 @@ class Domain:
                                 for m in range(self.dim):
                                     add(("g", m), -term * self._curvature[a][b][k] * self.inverse[m][k])
         return out
+
+
+def _plain(value: Any) -> Any:
+    return getattr(value, "value", value)
 
 
 def _facet_quadrature(refdom: Any, facet: int, order: int) -> tuple[Array, Array]:

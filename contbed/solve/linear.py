@@ -17,7 +17,7 @@ import scipy.sparse.linalg as spla
 
 from contbed.errors import ConvergenceError, SceneError
 
-DIRECT_3D = 60_000
+DIRECT_3D = 120_000
 NEARBY = 12  # iterations that cost about as much as a factorisation
 PIVOT = 1e-3  # diagonal entries down to this share of the column are kept as pivots, which keeps the ordering
 RESIDUAL = 1e-9  # a solve with a larger relative residual is repeated with full pivoting
