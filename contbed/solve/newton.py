@@ -73,14 +73,14 @@ def newton(
 
 
 def _polish(assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: Solver) -> Any:
-    """Further steps with the factors at hand while they halve the residual: balances then close to round-off."""
+    """Further steps with the factors at hand while they lower the residual fivefold: balances then close to round-off."""
     norm = np.linalg.norm(residual)
     for _ in range(POLISH):
         better = state + solver.approximate(-residual)
         residual, _ = assemble(better, False)
         residual[fixed] = 0.0
         after = np.linalg.norm(residual)
-        if not after < 0.5 * norm:
+        if not after < 0.2 * norm:
             return better if after < norm else state
         state, norm = better, after
     return state
