@@ -262,4 +262,4 @@ def error_plot(path: Path | str, curves: Mapping[str, Any], x_label: str, y_labe
         axes.set_ylabel(y_label)
         axes.grid(which="major", linewidth=0.3)
         if len(curves) > 1:
-            figure.legend(loc="outside right upper", fontsize=9)
+            figure.legend(loc="outside lower center", ncols=3, fontsize=9)
