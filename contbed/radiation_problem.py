@@ -13,8 +13,10 @@ from contbed.closures.sizes import SizeDistribution
 from contbed.engine.skfem import System
 from contbed.mesh import Mesh
 from contbed.models import radiation
-from contbed.solve.linear import Policy
+from contbed.solve.linear import Policy, Solver
 from contbed.solve.newton import newton
+
+REFINEMENTS = 3  # of a linear solution
 
 
 @dataclass(frozen=True)
@@ -101,13 +103,28 @@ def span(c: Optics, surfaces: list[tuple[str, Any, radiation.Surface]]) -> tuple
     return min(found), max(found)
 
 
-def radiates(scene: s.Scene) -> bool:
-    """Whether a scene has the incident radiation as an unknown."""
-    return scene.radiation is not None and scene.radiation.level != "rosseland"
+def boundary_fluxes(found: list[tuple[str, Any, radiation.Surface]], system: System, state: Any) -> dict[str, float]:
+    """Radiation into the bed through each radiating boundary [W]."""
+    out: dict[str, float] = {}
+    for name, part, surface in found:
+
+        def supplied(unknowns: Any, o: Any, surface: radiation.Surface = surface) -> Any:
+            return radiation.supplied(unknowns, surface, o)
+
+        out[name] = out.get(name, 0.0) + system.integrate(supplied, [part], state)
+    return out
+
+
+def given_off(c: Optics, system: System, state: Any) -> float:
+    """Net radiation of species of given temperature [W], what they emit less what they absorb."""
+    return system.integrate(lambda unknowns, o: c.emission - c.passive * unknowns.G, [system.cells], state)
 
 
 class RadiationCoupling:
     """Radiation beside the two-energy equations: its forms, and what the solid takes up."""
+
+    fields = radiation.FIELDS
+    emitted = staticmethod(radiation.emitted)
 
     def __init__(self, scene: s.Scene):
         self.scene, self.optics = scene, optics(scene)
@@ -125,6 +142,22 @@ class RadiationCoupling:
     def taken_up(self, unknowns: Any) -> Any:
         """Radiation that the solid absorbs less what it emits [W/m3]."""
         return radiation.absorbed(unknowns.T_solid, unknowns.G, self.optics.active)
+
+    def temperatures(self, mesh: Mesh) -> list[float]:
+        """Temperatures that radiation brings into the bed: of walls, species, and black surfaces of a radiosity."""
+        table = self.scene.radiation
+        assert table is not None
+        conditions = [self.scene.boundary[name].radiation for name in mesh.boundaries if name in self.scene.boundary]
+        found = [item.temperature for item in (*conditions, *table.species.values()) if item is not None]
+        entering = [item.radiosity for item in conditions if item is not None and item.radiosity is not None]
+        return [T for T in found if T is not None] + [float(power_temperature(power)) for power in entering]
+
+    def fluxes(self, mesh: Mesh, system: System, state: Any) -> dict[str, float]:
+        """Radiation into the bed through each boundary, and from species of given temperature [W]."""
+        out = boundary_fluxes(surfaces(self.scene, mesh, system), system, state)
+        if self.optics.passive:
+            out["species"] = given_off(self.optics, system, state)
+        return out
 
 
 class RadiationProblem:
@@ -179,14 +212,25 @@ class RadiationProblem:
         middle = (0.5 * (low**4 + high**4)) ** 0.25
         state = np.zeros(self.system.size)
         self.system.part(state, "G")[:] = radiation.emitted(middle)
-        if self.conductivity:
-            self.system.part(state, "T_solid")[:] = middle
-            state[self.fixed] = self.fixed_values
+        policy = self.system.ordered(policy)
+        if not self.conductivity:
+            return self._linear(state, policy), [1.0]
+        self.system.part(state, "T_solid")[:] = middle
+        state[self.fixed] = self.fixed_values
         options = self.scene.solver
         return newton(
-            self.assemble, state, self.fixed, self.system.ordered(policy), linear=not self.conductivity,
+            self.assemble, state, self.fixed, policy, lower=0.0,
             tolerance=options.newton_tolerance, iterations=options.newton_iterations, what="radiation",
         )  # fmt: skip
+
+    def _linear(self, state: Any, policy: Policy) -> Any:
+        """One solution, refined: in thin media the fluxes are small differences of G."""
+        residual, matrix = self.assemble(state, True)
+        solver = Solver(matrix, policy)
+        for _ in range(REFINEMENTS):
+            state = state - solver(residual)
+            residual, _ = self.assemble(state, False)
+        return state
 
     @property
     def T_span(self) -> tuple[float, float]:
@@ -217,14 +261,7 @@ class RadiationProblem:
 
     def fluxes(self, state: Any) -> dict[str, float]:
         """Radiation into the bed through each boundary [W]."""
-        out = dict.fromkeys(self.mesh.boundaries, 0.0)
-        for name, part, surface in self.surfaces:
-
-            def supplied(unknowns: Any, o: Any, surface: radiation.Surface = surface) -> Any:
-                return radiation.supplied(unknowns, surface, o)
-
-            out[name] += self.system.integrate(supplied, [part], state)
-        return out
+        return dict.fromkeys(self.mesh.boundaries, 0.0) | boundary_fluxes(self.surfaces, self.system, state)
 
     def conducted(self, residual: Any) -> dict[str, float]:
         """Heat that walls conduct into the medium [W], from an unconstrained residual."""
@@ -233,12 +270,7 @@ class RadiationProblem:
 
     def released(self, state: Any) -> float:
         """Net radiation of species of given temperature [W], what they emit less what they absorb."""
-        c = self.optics
-
-        def net(unknowns: Any, o: Any) -> Any:
-            return c.emission - c.passive * unknowns.G
-
-        return self.system.integrate(net, [self.system.cells], state)
+        return given_off(self.optics, self.system, state)
 
 
 def power_temperature(power: Any) -> Any:
