@@ -11,6 +11,7 @@ from contbed.medium import Medium
 from contbed.mesh import equidistributed, graded
 
 GRADING_ERROR = 4e-4  # error of theta on a mesh of grading scale 1 with quadratic elements, measured
+OBLIQUE = 4.0  # inverse cosine of the directions whose layers an ordinates mesh resolves
 FRONT_CELLS = 4000  # cells of a bed with tracked fronts
 
 
@@ -129,6 +130,7 @@ def radiation_layers(scene: s.Scene, medium: Medium | None, direction: int, exte
     """Positions and widths of the layers in which radiation adapts to a radiating boundary.
 
     The rate is sqrt(K_a/D (1 + k_R/k)); the radiative conductivity k_R = 16 sigma T^3 D competes with conduction k.
+    Ordinates adapt in layers of cosines of the mean free path, whatever the albedo.
     """
     if scene.radiation is None or scene.radiation.level == "rosseland":
         return []
@@ -146,6 +148,8 @@ def radiation_layers(scene: s.Scene, medium: Medium | None, direction: int, exte
         k = float(medium.conductivity("solid", medium.T_fluid_in))
     radiative = conductivity(max(hot, default=0.0), c.diffusion)
     rate = (c.absorption / c.diffusion * (1.0 + radiative / k if k else 1.0)) ** 0.5
+    if scene.radiation.level == "ordinates":
+        rate = max(rate, OBLIQUE * c.extinction)
     if rate == 0.0:
         return []
     layers = []
