@@ -97,7 +97,7 @@ def _outlets(plan: Plan, problem: Any, state: Any, result: Result) -> None:
 
 def _nodal(problem: Any, state: Any) -> dict[str, Any]:
     space = problem.system.fields["T_fluid"][0]
-    return {name: (space, problem.system.part(state, name)) for name in ("T_fluid", "T_solid")}
+    return {name: (space, problem.system.part(state, name)) for name in problem.system.fields}
 
 
 def _profiles(plan: Plan, problem: Any, states: list[Any], times: list[float] | None, result: Result) -> Any:
@@ -107,6 +107,13 @@ def _profiles(plan: Plan, problem: Any, states: list[Any], times: list[float] | 
     fluid = np.array([probe(space, problem.system.part(state, "T_fluid")) for state in states])
     solid = np.array([probe(space, problem.system.part(state, "T_solid")) for state in states])
     _columns(plan, positions, fluid, solid, problem.T_span, times, result)
+    if problem.radiation is not None:
+        G = [problem.system.part(state, "G") for state in states]
+        slope = [probe.slope(space, values, plan.mesh.axis) for values in G]
+        result.profiles |= {
+            "G [W/m2]": np.array([probe(space, values) for values in G]).ravel(),
+            "q_radiation [W/m2]": -problem.radiation.optics.diffusion * np.array(slope).ravel(),
+        }
     return (fluid, solid) if times is not None else (fluid[0], solid[0])
 
 

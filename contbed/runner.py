@@ -258,7 +258,7 @@ def _transient(
 
     assert scene.time is not None
     label = scene_hash(scene)
-    history = History(problem.initial()) if start is None else History.unpack(*start)
+    history = History(problem.begin(plan.policy)) if start is None else History.unpack(*start)
 
     def save(arrays: dict[str, Any], meta: dict[str, Any]) -> None:
         assert folder is not None
