@@ -22,7 +22,7 @@ from contbed.mesh import Mesh
 from contbed.models import radiation
 from contbed.models.ordinates import Ordinates, OrdinatesSolution, Wall
 from contbed.radiation_problem import optics, power_temperature, span, surface_of
-from contbed.solve.linear import Policy
+from contbed.solve.linear import Policy, Solver, constrain
 from contbed.solve.newton import newton
 
 
@@ -52,7 +52,7 @@ class OrdinatesProblem:
         self._fields: dict[bytes, OrdinatesSolution] = {}
         self._order = np.argsort(self.space.points[0])
         if self.conductivity:
-            self.response, self.dark = self.bed.response()
+            self.response, _ = self.bed.response()
             self.mass = self.bed.mass_matrix()
             self.stiffness = self._stiffness()
         wanted = {end: scene.boundary[name].radiation for name, end in self.ends.items() if end in walls}
@@ -87,7 +87,7 @@ class OrdinatesProblem:
         if not self.conductivity:
             return np.zeros(0), None
         K, section = self.optics.active, self.section
-        G = self.response @ self._emission(state) + self.dark
+        G = self.field(state).G
         # differences of temperature lose no digits to their level
         conducted = self.stiffness @ (state - state[0])
         residual = section * (conducted - self.mass @ radiation.absorbed(state, G, K))
@@ -106,10 +106,14 @@ class OrdinatesProblem:
         for end, T in self.fixed_values.items():
             state[end] = T
         options = self.scene.solver
-        return newton(
+        state, history = newton(
             self.assemble, state, self.fixed, policy,
             tolerance=options.newton_tolerance, iterations=options.newton_iterations, lower=0.0, what="radiation",
         )  # fmt: skip
+        # one step with the matrix of the solution itself closes the balance to round-off
+        residual, matrix = self.assemble(state, True)
+        residual[self.fixed] = 0.0
+        return state - Solver(constrain(matrix, self.fixed), policy)(residual), history
 
     @property
     def T_span(self) -> tuple[float, float]:
