@@ -73,7 +73,7 @@ def newton(
 
 
 def _polish(assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: Solver) -> Any:
-    """Further steps with the factors at hand while they lower the residual fivefold: balances then close to round-off."""
+    """Further steps with the factors at hand while each lowers the residual fivefold: balances close to round-off."""
     norm = np.linalg.norm(residual)
     for _ in range(POLISH):
         better = state + solver.approximate(-residual)

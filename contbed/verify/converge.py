@@ -152,9 +152,9 @@ def closed_form(plan: Plan) -> dict[str, Any] | None:
     It does for steady, linear heat on a line where both phases enter at fixed, different temperatures and leave freely.
     """
     scene, medium, mesh = plan.solved, plan.medium, plan.solved.mesh
-    if scene.heat is None or scene.time is not None or not medium.constant or not isinstance(mesh, s.MeshLine):
+    if scene.heat is None or scene.radiation is not None or scene.time is not None or not medium.constant:
         return None
-    if any(region.source_fluid or region.source_solid for region in scene.region.values()):
+    if not isinstance(mesh, s.MeshLine) or any(r.source_fluid or r.source_solid for r in scene.region.values()):
         return None
     T_fluid, T_solid = (_only_fixed(scene, phase, name) for phase, name in _inlets(plan).items())
     if T_fluid is None or T_solid is None or T_fluid == T_solid:
