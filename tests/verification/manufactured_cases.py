@@ -1,6 +1,6 @@
 """Exact fields, meshes and coefficients that the tests with manufactured solutions share."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -8,7 +8,7 @@ import skfem
 
 from contbed.engine.dual import Components
 from contbed.engine.skfem import Ops, System
-from contbed.models import porous_flow, two_energy
+from contbed.models import porous_flow, radiation, two_energy
 from contbed.verify.mms import Manufactured, exact
 
 POROSITY = 0.4
@@ -26,7 +26,12 @@ def mesh(shape: str, n: int) -> skfem.Mesh:
     x = made.p + bump * np.array([[1.0], [-0.7], [0.4]])[: len(made.p)]
     m = kind(x, made.t)
     return m.with_boundaries(
-        {"right": lambda x: x[0] > 1 - 1e-9, "all": m.boundary_facets(), "off_axis": lambda x: x[0] > 1e-9}
+        {
+            "right": lambda x: x[0] > 1 - 1e-9,
+            "rest": lambda x: x[0] <= 1 - 1e-9,
+            "all": m.boundary_facets(),
+            "off_axis": lambda x: x[0] > 1e-9,
+        }
     )
 
 
@@ -77,6 +82,11 @@ class Heat:
     def expected(self) -> dict[str, float]:
         """Orders."""
         return dict.fromkeys(two_energy.FIELDS, self.degree + 1)
+
+    @property
+    def linear(self) -> bool:
+        """Whether one solve is enough."""
+        return not self.nonlinear
 
     def fields(self, dim: int) -> dict[str, Any]:
         """Exact temperatures."""
@@ -142,6 +152,69 @@ class Heat:
         )
 
 
+INCIDENT = {
+    2: lambda x, y: 2e5 + 1e5 * np.sin(1.4 * x - y),
+    3: lambda x, y, z: 2e5 + 1e5 * np.sin(2.5 * x) * np.cos(2 * y + 1.5 * z),
+}
+ROUND_INCIDENT = lambda r, z: 2e5 + 1e5 * np.cos(1.3 * r) * np.sin(z)  # noqa: E731
+OPTICS = radiation.Coefficients(
+    absorption={"T_solid": 0.3},
+    diffusion=0.25,
+    emission=0.1 * radiation.emitted(900.0) + 0.05 * radiation.emitted(1200.0),
+    passive=0.15,
+)
+SURFACES = {"right": radiation.Surface(0.6, 7e4), "rest": radiation.Surface(1.0, 3e4)}
+KELVIN = 300.0  # times the exact fields of order one: temperatures at which a bed radiates
+
+
+@dataclass(frozen=True)
+class Radiating(Heat):
+    """Two-energy equations, and the incident radiation of the solid and of two species of given temperature. All its
+    boundaries radiate: a gray wall on the right, elsewhere an opening. Conduction and radiation are of comparable size.
+    """
+
+    conductivity: float = 30.0
+
+    @property
+    def expected(self) -> dict[str, float]:
+        """Orders."""
+        return dict.fromkeys((*two_energy.FIELDS, *radiation.FIELDS), self.degree + 1)
+
+    @property
+    def linear(self) -> bool:
+        """The solid emits with the fourth power of its temperature."""
+        return False
+
+    def fields(self, dim: int) -> dict[str, Any]:
+        """Exact temperatures and incident radiation."""
+        hot = {name: lambda *x, f=f: KELVIN * f(*x) for name, f in super().fields(dim).items()}
+        return hot | {"G": ROUND_INCIDENT if self.axisymmetric else INCIDENT[dim]}
+
+    def system(self, m: skfem.Mesh, order: int) -> System:
+        """Temperatures and incident radiation on a mesh."""
+        return System(m, dict.fromkeys(self.expected, (self.degree, 0)), order, axisymmetric=self.axisymmetric)
+
+    def coefficients(self, system: System, where: Any) -> two_energy.Coefficients:
+        """Those without radiation, and what the solid takes up."""
+        absorption = OPTICS.absorption["T_solid"]
+        return replace(
+            super().coefficients(system, where),
+            radiated=lambda unknowns: radiation.absorbed(unknowns.T_solid, unknowns.G, absorption),
+        )
+
+    def manufactured(self, n: int) -> tuple[Manufactured, dict[str, Any]]:
+        """The case on a mesh; temperatures are prescribed as without radiation, G nowhere."""
+        made, fixed = super().manufactured(n)
+        return replace(made, forms=[*made.forms, *self.radiation(made.system)]), fixed
+
+    def radiation(self, system: System) -> list[tuple[Any, Any, Any]]:
+        """Forms of the incident radiation."""
+        forms = [(radiation.residual, system.cells, OPTICS)]
+        for name, surface in SURFACES.items():
+            forms += [(radiation.boundary, part, surface) for part in system.boundary(name)]
+        return forms
+
+
 @dataclass(frozen=True)
 class Flow:
     """Brinkman-Forchheimer flow: mesh sizes."""
@@ -149,6 +222,7 @@ class Flow:
     shape: str
     sizes: tuple[int, ...]
     axisymmetric: bool = False
+    linear: bool = False
 
     @property
     def expected(self) -> dict[str, float]:

@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from manufactured_cases import Flow, Heat, mesh
+from manufactured_cases import OPTICS, Flow, Heat, Radiating, mesh
 
 from contbed.engine.skfem import Ops
-from contbed.models import porous_flow, two_energy
+from contbed.models import porous_flow, radiation, two_energy
 from contbed.verify.mms import Manufactured, exact, jet
 
 TOLERANCE = {"line": 1e-8, "triangle": 1e-8, "quadrilateral": 1e-8, "tetrahedron": 1e-5}
+SIGMA = 5.670374419e-8
 ORDER = {"line": 16, "triangle": 16, "quadrilateral": 16, "tetrahedron": 9}
 
 
@@ -29,9 +30,12 @@ def heat_strong(case: Heat, dim: int, c: two_energy.Coefficients, x: Any) -> dic
     speed = np.sqrt(sum(u_k * u_k for u_k in u))
     transfer = c.exchange(jets["T_fluid"][0], jets["T_solid"][0]) * (jets["T_solid"][0] - jets["T_fluid"][0])
     out = {}
+    taken_up = 0.0
+    if isinstance(case, Radiating):
+        taken_up = OPTICS.absorption["T_solid"] * (jets["G"][0] - 4.0 * SIGMA * jets["T_solid"][0] ** 4)
     for name, other, phase, gain in (
         ("T_fluid", "T_solid", c.fluid, transfer + c.fluid.source),
-        ("T_solid", "T_fluid", c.solid, c.solid.source - transfer),
+        ("T_solid", "T_fluid", c.solid, c.solid.source - transfer + taken_up),
     ):
         T, slope = jets[name]
         across, along, _ = phase.dispersion or (0.0, 0.0, None)
@@ -57,6 +61,10 @@ HEAT = {
     "quadrilateral_supg": Heat("quadrilateral", (3,), 2, uniform=True),
     "tetrahedron_supg": Heat("tetrahedron", (2,), 2, uniform=True),
     "quadrilateral_supg_axisymmetric": Heat("quadrilateral", (3,), 2, uniform=True, axisymmetric=True),
+    "triangle_radiating": Radiating("triangle", (3,), 2, stabilised=False),
+    "quadrilateral_radiating_supg": Radiating("quadrilateral", (3,), 2, uniform=True),
+    "tetrahedron_radiating_supg": Radiating("tetrahedron", (2,), 2, uniform=True),
+    "quadrilateral_radiating_axisymmetric": Radiating("quadrilateral", (3,), 2, stabilised=False, axisymmetric=True),
 }
 
 
@@ -90,6 +98,72 @@ def test_two_energy(name: str) -> None:
 
     expected = system.assemble([(tested, system.cells, c)], np.zeros(system.size), False)[0]
     assert np.abs(weak - expected).max() <= TOLERANCE[case.shape] * np.abs(expected).max()
+
+
+RADIATING = {
+    "triangle": Radiating("triangle", (3,), 2),
+    "quadrilateral": Radiating("quadrilateral", (3,), 3),
+    "tetrahedron": Radiating("tetrahedron", (2,), 1),
+    "triangle_axisymmetric": Radiating("triangle", (3,), 2, axisymmetric=True),
+    "quadrilateral_axisymmetric": Radiating("quadrilateral", (3,), 2, axisymmetric=True),
+}
+
+
+@pytest.mark.parametrize("name", RADIATING)
+def test_radiation(name: str) -> None:
+    """Emission of three species, diffusion, a gray wall and an opening."""
+    case = RADIATING[name]
+    m = mesh(case.shape, case.sizes[0])
+    system = case.system(m, ORDER[case.shape])
+    fields, c = case.fields(m.dim()), OPTICS
+    weak = Manufactured(system, fields, case.radiation(system)).load()
+    G, slope = jet(fields["G"], system.cells.x.items)
+    T = fields["T_solid"](*system.cells.x.items)
+    laplacian = sum(slope[k].tangents[k] for k in range(m.dim()))
+    if case.axisymmetric:
+        laplacian = laplacian + slope[0].value / system.cells.x[0]
+    active = c.absorption["T_solid"]
+    emitted = 4.0 * SIGMA * (active * T**4 + 0.1 * 900.0**4 + 0.05 * 1200.0**4)
+    strong = (active + 0.15) * G.value - emitted - c.diffusion * laplacian
+
+    def tested(unknowns: Any, tests: Any, c: Any, o: Ops) -> Any:
+        return strong * tests.G
+
+    forms: list[Any] = [(tested, system.cells, None)]
+    for side, factor, power in (("right", 0.6 / (2.0 * (2.0 - 0.6)), 7e4), ("rest", 0.5, 3e4)):
+        for part in system.boundary(side):
+            G_there, slope_there = jet(fields["G"], part.x.items)
+            outward = sum(part.n[k] * slope_there[k].value for k in range(m.dim()))
+            defect = c.diffusion * outward - factor * (4.0 * power - G_there.value)
+
+            def tested_there(unknowns: Any, tests: Any, c: Any, o: Ops, defect: Any = defect) -> Any:
+                return defect * tests.G
+
+            forms.append((tested_there, part, None))
+    expected = system.assemble(forms, np.zeros(system.size), False)[0]
+    assert np.abs(weak - expected).max() <= TOLERANCE[case.shape] * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("scattering", [0.0, 160.0])
+def test_hemispherical_fluxes(scattering: float) -> None:
+    """pi I(+-) = G/4 +- q/2 satisfy the two equations of the two-flux method where G satisfies its own, to round-off:
+
+    +-1/2 dI(+-)/dz = -beta I(+-) + K_a sigma T^4/pi + K_s/2 (I+ + I-), for G = 4 sigma T^4 + A exp(z sqrt(K_a/D)).
+    The heat radiated by the bed is then dq/dz.
+    """
+    K_a, T, A = 40.0, 1100.0, 2e4
+    beta = K_a + scattering
+    D = 1.0 / (4.0 * beta)
+    k = (K_a / D) ** 0.5
+    z = np.linspace(0.0, 0.05, 11)
+    G = 4.0 * SIGMA * T**4 + A * np.exp(k * z)
+    slope, q, slope_q = A * k * np.exp(k * z), -D * A * k * np.exp(k * z), -D * A * k**2 * np.exp(k * z)
+    source = K_a * SIGMA * T**4 + 0.25 * scattering * G
+    for sign in (1.0, -1.0):
+        flux, change = G / 4.0 + sign * q / 2.0, slope / 4.0 + sign * slope_q / 2.0
+        np.testing.assert_allclose(0.5 * sign * change, source - beta * flux, rtol=0, atol=1e-14 * beta * G.max())
+    radiated = -radiation.absorbed(T, G, K_a)
+    np.testing.assert_allclose(radiated, slope_q, rtol=0, atol=1e-14 * beta * G.max())
 
 
 @pytest.mark.parametrize("shape", ["triangle", "quadrilateral", "tetrahedron"])

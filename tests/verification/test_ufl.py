@@ -7,7 +7,7 @@ another order: they agree to 1e-12 of the largest entry, some thousand roundings
 import shutil
 import sysconfig
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -25,7 +25,7 @@ from contbed.engine.dual import Components
 from contbed.engine.elements import lagrange
 from contbed.engine.skfem import Ops, System
 from contbed.materials import ConstantFluid, Solid, gas_mixture
-from contbed.models import porous_flow, two_energy
+from contbed.models import porous_flow, radiation, two_energy
 
 basix = pytest.importorskip("basix", reason="fenics-basix is not installed")
 ufl = pytest.importorskip("ufl", reason="fenics-ufl is not installed")
@@ -155,6 +155,27 @@ def heat(
     )
 
 
+OPTICS = radiation.Coefficients({"T_solid": 0.7, "T_fluid": 0.2}, 0.9, 4e4, 0.3)
+
+
+def radiating(form: Any, coeffs: Any, *, facet: int | None = None, axisymmetric: bool = False) -> Case:
+    """Incident radiation beside both temperatures."""
+    return Case(
+        form,
+        coeffs,
+        lambda dim: dict.fromkeys((*two_energy.FIELDS, *radiation.FIELDS), (2, 0)),
+        axisymmetric=axisymmetric,
+        facet=facet,
+        scale=(300.0, 1200.0),
+    )
+
+
+def heat_with_radiation(o: Any, known: Any) -> Any:
+    """Both energy equations with what the solid takes up."""
+    c = heat_coefficients(o, known, real_properties, uniform=False, stabilised=True)
+    return replace(c, radiated=lambda unknowns: radiation.absorbed(unknowns.T_solid, unknowns.G, 0.7))
+
+
 def wall(facet: int, inflow: float | None, axisymmetric: bool = False) -> Case:
     """One phase on one facet."""
     return Case(
@@ -177,12 +198,16 @@ CASES = {
     "storage": heat(two_energy.storage, real_properties),
     "wall_outflow": wall(0, None),
     "wall_inflow": wall(1, 2e5),
+    "radiation": radiating(radiation.residual, lambda o, known: OPTICS),
+    "radiation_wall": radiating(radiation.boundary, lambda o, known: radiation.Surface(0.6, 300.0), facet=1),
+    "heat_with_radiation": radiating(two_energy.residual, heat_with_radiation),
 }
 ROUND = {
     "flow_axisymmetric": flow(axisymmetric=True),
     "heat_axisymmetric": heat(two_energy.residual, real_properties, axisymmetric=True),
     "storage_axisymmetric": heat(two_energy.storage, real_properties, axisymmetric=True),
     "wall_axisymmetric": wall(2, None, axisymmetric=True),
+    "radiation_axisymmetric": radiating(radiation.residual, lambda o, known: OPTICS, axisymmetric=True),
 }
 ALL = [(cell, name) for cell in MESHES for name in (CASES if cell == "tetrahedron" else CASES | ROUND)]
 
