@@ -27,7 +27,7 @@ AUTOMATIC = 4  # adaptive refinements of an automatic mesh
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run builds: `scene` as written, `solved` the scene after reduction to a line.
+    """What a run builds: `scene` as written, `solved` the scene after reduction to a line and to a cheaper radiation.
 
     `velocity` and `velocity_solid` are vectors on `mesh`, `section` is the cross-section [m2] of a reduced bed,
     `conditions` has one entry for each boundary.
@@ -47,10 +47,18 @@ class Plan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
 
+    def as_written(self, boundary: str) -> str:
+        """Name in the scene of a boundary of the mesh that is solved on."""
+        if self.solved.mesh is self.scene.mesh:
+            return boundary
+        mesh = self.scene.mesh
+        low, high = mesh.sides[1 if isinstance(mesh, s.MeshAxisymmetric) else 0]  # type: ignore[union-attr]
+        return {"left": low, "right": high}[boundary]
+
     @property
     def radiates(self) -> bool:
         """Whether the incident radiation is an unknown."""
-        return self.scene.radiation is not None and self.scene.radiation.level != "rosseland"
+        return self.solved.radiation is not None and self.solved.radiation.level != "rosseland"
 
     @property
     def adaptations(self) -> int:
@@ -84,10 +92,10 @@ class Plan:
             out["heat"] = 2 * grid.nelements
         elif self.scene.heat is not None:
             out["heat"] = 2 * Space(grid, self.scene.solver.degree).size
-        table = self.scene.radiation
-        if self.radiates and table is not None:
+        table = self.solved.radiation
+        if table is not None and (self.radiates or self.scene.heat is None):
             directions = table.ordinates if table.level == "ordinates" else 1
-            conducting = self.scene.heat is None and bool(table.conductivity)
+            conducting = self.scene.heat is None and self.radiates and bool(table.conductivity)
             out["radiation"] = (directions + conducting) * Space(grid, self.scene.solver.degree).size
         return out
 
@@ -103,8 +111,9 @@ class Plan:
 
 def plan(scene: s.Scene) -> Plan:
     """Decide what a scene needs and build its mesh; SceneError if the mesh or the flow cannot be used."""
+    written, scene, thick = scene, *_cheapest_radiation(scene)
     if scene.heat is None and scene.radiation is not None:
-        return _plan_radiation(scene)
+        return _plan_radiation(written, scene, thick)
     built: list[tuple[str, str]] = []
     skipped: list[tuple[str, str]] = []
     medium = Medium.of(scene, _inlet_temperature(scene), _bed_diameter(scene.mesh))
@@ -145,34 +154,47 @@ def plan(scene: s.Scene) -> Plan:
             skipped.append(("Newton for temperatures", "constant properties: linear"))
         if scene.time is None:
             skipped.append(("time stepping", "no [time] table"))
-        (skipped if scene.radiation is None else built).append(_how_radiation(scene))
-    return Plan(scene, target, medium, mesh, section, velocity, solid, conditions, coordinate, plug,
+        (skipped if scene.radiation is None else built).append(_how_radiation(scene, thick))
+    return Plan(written, target, medium, mesh, section, velocity, solid, conditions, coordinate, plug,
                 fronts, tuple(built), tuple(skipped))  # fmt: skip
 
 
-def _plan_radiation(scene: s.Scene) -> Plan:
+def _cheapest_radiation(scene: s.Scene) -> tuple[s.Scene, str]:
+    """The scene with a Rosseland conductivity where it is allowed and accurate, and what to say about it."""
+    if scene.radiation is None or not scene.radiation.allow_rosseland:
+        return scene, ""
+    from contbed.rosseland import choose
+
+    return choose(scene)
+
+
+def _plan_radiation(written: s.Scene, scene: s.Scene, thick: str) -> Plan:
     """A medium that radiates by itself: no flow, no phases."""
     mesh = build(scene.mesh, nodes(scene, None, None, None, False), str(scene.origin.base))
     _check_names(scene, mesh)
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
     still = np.zeros(mesh.skfem.dim())
     coordinate = "z" if mesh.axisymmetric else "x"
-    built = ((f"mesh, {mesh.skfem.dim()}-D", cells), _how_radiation(scene))
+    built = ((f"mesh, {mesh.skfem.dim()}-D", cells), _how_radiation(scene, thick))
     skipped = (("porous flow", "[radiation] alone"), ("two-energy", "no [heat] table"))
-    return Plan(scene, scene, None, mesh, 1.0, still, still, {}, coordinate, True, False, built, skipped)
+    return Plan(written, scene, None, mesh, 1.0, still, still, {}, coordinate, True, False, built, skipped)
 
 
-def _how_radiation(scene: s.Scene) -> tuple[str, str]:
+def _how_radiation(scene: s.Scene, thick: str) -> tuple[str, str]:
+    """`thick` says how well Rosseland would do where that is allowed."""
     table = scene.radiation
     if table is None:
         return "radiation", "no [radiation] table"
-    if table.level == "rosseland":
-        return "radiation", "Rosseland limit: a conductivity of the solid"
     names = {"p1": "P1", "two_flux": "two-flux", "ordinates": f"{table.ordinates} + {table.ordinates} ordinates"}
-    if scene.heat is not None:
-        return "radiation", f"{names[table.level]}, coupled to the solid"
-    state = "conducting" if table.conductivity else "in radiative equilibrium"
-    return "radiation", f"{names[table.level]}, medium {'of given temperature' if table.temperature else state}"
+    if table.level == "rosseland":
+        how = f"Rosseland limit: a conductivity of the {'medium' if scene.heat is None else 'solid'}"
+    elif scene.heat is not None:
+        how = f"{names[table.level]}, coupled to the solid"
+    elif table.temperature:
+        how = f"{names[table.level]}, medium of given temperature"
+    else:
+        how = f"{names[table.level]}, medium {'conducting' if table.conductivity else 'in radiative equilibrium'}"
+    return "radiation", f"{how}; {thick}" if thick else how
 
 
 def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:

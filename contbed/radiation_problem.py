@@ -208,20 +208,23 @@ class RadiationProblem:
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
         """Newton from the mean of the given temperatures, linear without conduction."""
-        low, high = self.T_span
-        middle = (0.5 * (low**4 + high**4)) ** 0.25
-        state = np.zeros(self.system.size)
-        self.system.part(state, "G")[:] = radiation.emitted(middle)
-        policy = self.system.ordered(policy)
+        policy, state = self.system.ordered(policy), self.start()
         if not self.conductivity:
             return self._linear(state, policy), [1.0]
-        self.system.part(state, "T_solid")[:] = middle
-        state[self.fixed] = self.fixed_values
         options = self.scene.solver
         return newton(
             self.assemble, state, self.fixed, policy, lower=0.0,
             tolerance=options.newton_tolerance, iterations=options.newton_iterations, what="radiation",
         )  # fmt: skip
+
+    def start(self) -> Any:
+        """The state at the mean of the given temperatures."""
+        low, high = self.T_span
+        middle = (0.5 * (low**4 + high**4)) ** 0.25
+        state = np.full(self.system.size, middle)
+        self.system.part(state, "G")[:] = radiation.emitted(middle)
+        state[self.fixed] = self.fixed_values
+        return state
 
     def _linear(self, state: Any, policy: Policy) -> Any:
         """One solution, refined: in thin media the fluxes are small differences of G."""

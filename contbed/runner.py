@@ -157,13 +157,15 @@ def _radiation(plan: Plan, result: Result) -> None:
 
 
 def _radiation_problem(plan: Plan) -> Any:
-    if plan.scene.radiation is not None and plan.scene.radiation.level == "ordinates":
-        from contbed.ordinates_problem import OrdinatesProblem
-
-        return OrdinatesProblem(plan.scene, plan.mesh, plan.section)
     from contbed.radiation_problem import RadiationProblem
 
-    return RadiationProblem(plan.scene, plan.mesh, plan.section)
+    problem: Any = RadiationProblem
+    level = plan.solved.radiation.level if plan.solved.radiation else ""
+    if level == "ordinates":
+        from contbed.ordinates_problem import OrdinatesProblem as problem
+    elif level == "rosseland":
+        from contbed.rosseland import RosselandProblem as problem
+    return problem(plan.solved, plan.mesh, plan.section)
 
 
 def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:
@@ -216,9 +218,11 @@ def _heat_balance(
     return _balance(entering, leaving, source, stored, unit, max(NOTICED * held, 1e-300))
 
 
-def _steady_balance(problem: Any, state: Any, residual: Any) -> dict[str, Any]:
-    return _heat_balance(problem.fluxes(state), problem.reactions(residual), problem.source(), 0.0, "W",
-                         problem.throughput())
+def _steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, dict[str, Any]]:
+    """Heat through boundaries, heat conducted in by prescribed temperatures, and their balance."""
+    fluxes, reactions = problem.fluxes(state), problem.reactions(residual)
+    balance = _heat_balance(fluxes, reactions, problem.source(), 0.0, "W", problem.throughput())
+    return fluxes, reactions, balance
 
 
 def _steady(plan: Plan, problem: Any, result: Result, last: bool) -> Any | None:
@@ -229,10 +233,10 @@ def _steady(plan: Plan, problem: Any, result: Result, last: bool) -> Any | None:
         state, history = problem.solve(plan.policy)
         result.history += history
         residual, _ = problem.steady(state, False)
-        balance = _steady_balance(problem, state, residual)
+        fluxes, reactions, balance = _steady_balance(problem, state, residual)
         if abs(balance["relative_residual"]) > 0.1 * plan.scene.solver.balance_tolerance:
             state, residual = problem.refined(state, plan.policy)
-            balance = _steady_balance(problem, state, residual)
+            fluxes, reactions, balance = _steady_balance(problem, state, residual)
     with _timed(result, "results"):
         if plan.adaptations:
             error = problem.estimated_error(state)
@@ -240,7 +244,6 @@ def _steady(plan: Plan, problem: Any, result: Result, last: bool) -> Any | None:
                 return error
             result.qoi["estimated_error"] = float(error.max())
         result.balances["energy"] = balance
-        fluxes, reactions = problem.fluxes(state), problem.reactions(residual)
         steady_findings(plan, problem, state, fluxes, reactions, result)
         _check_state(plan, problem, [state], result)
     return None
@@ -277,6 +280,8 @@ def _transient(
                 held = problem.throughput() * history.time + problem.capacity()
                 result.balances["energy"] = _heat_balance(fluxes, reactions, source, history.gain, "J", held)
             transient_findings(plan, problem, history, result)
+            if history.snapshots:
+                problem.steady(history.snapshots[-1], False)  # closures as used at the last output
             _check_state(plan, problem, history.snapshots, result)
         if folder is not None:
             save(*history.pack())
@@ -312,7 +317,6 @@ def _check_state(plan: Plan, problem: Any, states: list[Any], result: Result) ->
     """Closure ranges at the last state, material ranges and bounds of theta over all states; nothing is clipped."""
     if not states:
         return
-    problem.steady(states[-1], False)
     result.closures = [use.to_dict() for use in plan.medium.ranges()]
     result.warnings += [_outside(closure) for closure in result.closures if closure["share_outside"] > 0]
     for phase in ("fluid", "solid"):

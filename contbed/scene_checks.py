@@ -71,6 +71,15 @@ def radiation_is_complete(
         yield ("radiation", "level"), f"ordinates solve [radiation] alone; with [heat] use p1; see {see('heat')}"
     if radiation.level == "two_flux" and mesh.dimension > 1:
         yield ("radiation", "level"), f"the two-flux method needs a line; use p1; see {see('mesh.type')}"
+    if radiation.level == "rosseland":
+        if heat is None and not radiation.conductivity:
+            yield ("radiation", "level"), "rosseland is for a medium that conducts: [heat], or radiation.conductivity"
+        for name in loose_walls(heat, boundary):
+            yield (
+                ("boundary", name, "radiation"),
+                f"with rosseland the solid has the temperature of a wall: fix it in boundary.{name}.solid, "
+                f"or use p1; see {see('radiation.level')}",
+            )
     for key in ("conductivity", "temperature"):
         if heat is not None and getattr(radiation, key) is not None:
             yield ("radiation", key), f"is for a medium alone; [heat] already has it; see {see('heat')}"
@@ -78,6 +87,19 @@ def radiation_is_complete(
         yield ("radiation", "temperature"), f"is solved for where it conducts; see {see('radiation.conductivity')}"
     if heat is None and radiation.temperature is None and not any(b.radiation for b in boundary.values()):
         yield ("boundary",), "no boundary radiates and the medium has no temperature: nothing determines it"
+
+
+def loose_walls(heat: s.Heat | None, boundary: Boundaries) -> list[str]:
+    """Radiating boundaries on which the solid does not have the wall's temperature."""
+    found = []
+    for name, table in boundary.items():
+        wall, solid = table.radiation, table.solid
+        if wall is None:
+            continue
+        touched = heat is None or (solid is not None and solid.fixed == wall.temperature)
+        if wall.temperature is None or not touched:
+            found.append(name)
+    return found
 
 
 def heat_has_its_materials(heat: s.Heat | None, solid: s.Solid | None, fluid: s.Fluid) -> Mistakes:

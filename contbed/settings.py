@@ -321,6 +321,9 @@ class Radiation(Table):
     level: Literal["p1", "two_flux", "rosseland", "ordinates"] = Field(
         "p1", description="rosseland: thick beds, as a conductivity; ordinates: one dimension, nearly exact"
     )
+    allow_rosseland: Switch = Field(
+        False, description="with conduction: rosseland instead of p1 or two_flux where its error is estimated below 1 %"
+    )
     emissivity: Emissivity | None = Field(None, description="of the particles of the [bed]")
     species: dict[str, RadiatingSpecies] = Field(default_factory=dict, description="instead of `emissivity`")
     absorption: Extinction | None = Field(None, description="given directly instead of by particles")
