@@ -11,7 +11,7 @@ from contbed.medium import Medium
 from contbed.mesh import equidistributed, graded
 
 GRADING_ERROR = 4e-4  # error of theta on a mesh of grading scale 1 with quadratic elements, measured
-OBLIQUE = 4.0  # inverse cosine of the directions whose layers an ordinates mesh resolves
+OBLIQUE = 0.4  # share of the rate of the most oblique ordinate, 1/mu = (n + 1/2)^2/1.446, that a mesh resolves
 FRONT_CELLS = 4000  # cells of a bed with tracked fronts
 
 
@@ -149,7 +149,7 @@ def radiation_layers(scene: s.Scene, medium: Medium | None, direction: int, exte
     radiative = conductivity(max(hot, default=0.0), c.diffusion)
     rate = (c.absorption / c.diffusion * (1.0 + radiative / k if k else 1.0)) ** 0.5
     if scene.radiation.level == "ordinates":
-        rate = max(rate, OBLIQUE * c.extinction)
+        rate = max(rate, OBLIQUE * (scene.radiation.ordinates + 0.5) ** 2 / 1.446 * c.extinction)
     if rate == 0.0:
         return []
     layers = []
