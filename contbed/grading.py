@@ -12,6 +12,7 @@ from contbed.mesh import equidistributed, graded
 
 GRADING_ERROR = 4e-4  # error of theta on a mesh of grading scale 1 with quadratic elements, measured
 OBLIQUE = 0.4  # share of the rate of the most oblique ordinate, 1/mu = (n + 1/2)^2/1.446, that a mesh resolves
+WIDENING = 8.0  # ratio of widths of layers around a corner
 FRONT_CELLS = 4000  # cells of a bed with tracked fronts
 
 
@@ -48,7 +49,7 @@ def _graded(scene: s.Scene, medium: Medium | None, velocity: Any, solid: Any, di
         assert isinstance(mesh, s.MeshBox)
         extents = [mesh.length, mesh.width, mesh.height]
     extent = extents[direction]
-    layers = radiation_layers(scene, medium, direction, extent)
+    layers = _widening(radiation_layers(scene, medium, direction, extent), extent)
     if direction == axis and medium is not None and scene.heat is not None:
         layers += axial_layers(scene, medium, float(velocity[axis]), float(solid[axis]), extent)
     for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):
@@ -59,6 +60,14 @@ def _graded(scene: s.Scene, medium: Medium | None, velocity: Any, solid: Any, di
     if mesh.cells is not None:
         return equidistributed(extent, layers, mesh.cells[direction])
     return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
+
+
+def _widening(layers: list[tuple[float, float]], extent: float) -> list[tuple[float, float]]:
+    """Layers of growing width above each: where two walls of unlike temperature meet, heat flows on all scales down to
+    the mean free path.
+    """
+    steps = (WIDENING ** np.arange(max(1, np.ceil(np.log(extent / width) / np.log(WIDENING)))) for _, width in layers)
+    return [(x, width * step) for (x, width), each in zip(layers, steps, strict=True) for step in each]
 
 
 def _wall_layers(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> tuple[float, float]:
