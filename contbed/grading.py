@@ -26,15 +26,18 @@ def nodes(scene: s.Scene, medium: Medium | None, velocity: Any, solid: Any, fron
             return [np.linspace(0.0, mesh.length, FRONT_CELLS + 1)]
         layers = [] if medium is None else axial_layers(scene, medium, float(velocity[0]), float(solid[0]), mesh.length)
         layers += radiation_layers(scene, medium, 0, mesh.length)
-        degree = scene.solver.degree
-        scale = min(1.0, (scene.solver.tolerance / GRADING_ERROR) ** (1.0 / (degree + 1)))
         if mesh.cells is None:
             coarse = mesh.length / (400 if scene.time is not None else 40)
-            return [graded(mesh.length, layers, scale=scale, coarse=coarse)]
-        return [equidistributed(mesh.length, layers, mesh.cells, degree)]
+            return [graded(mesh.length, layers, scale=_scale(scene), coarse=coarse)]
+        return [equidistributed(mesh.length, layers, mesh.cells, scene.solver.degree)]
     if (mesh.cells is not None and not mesh.graded) or (medium is None and scene.radiation is None):
         return None
     return [_graded(scene, medium, velocity, solid, k) for k in range(mesh.dimension)]
+
+
+def _scale(scene: s.Scene) -> float:
+    """Factor on the cells of a grading that brings theta to the tolerance of the scene."""
+    return min(1.0, (scene.solver.tolerance / GRADING_ERROR) ** (1.0 / (scene.solver.degree + 1)))
 
 
 def _graded(scene: s.Scene, medium: Medium | None, velocity: Any, solid: Any, direction: int) -> Any:
@@ -59,6 +62,8 @@ def _graded(scene: s.Scene, medium: Medium | None, velocity: Any, solid: Any, di
             layers += [(position, max(width, 1e-3 * extent)) for width in _wall_layers(scene, medium, velocity, solid)]
     if mesh.cells is not None:
         return equidistributed(extent, layers, mesh.cells[direction])
+    if medium is None and mesh.dimension == 2:
+        return graded(extent, layers, coarse=extent / 12, scale=_scale(scene))
     return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
 
 
