@@ -54,7 +54,7 @@ def variant(tau, level, ordinates):
 
 
 def name_of(level, ordinates):
-    return f"{ordinates} + {ordinates} ordinates" if level == "ordinates" else {"p1": "P1", "two_flux": "two-flux"}[level]
+    return {"p1": "P1", "two_flux": "two-flux"}.get(level, f"{ordinates} + {ordinates} ordinates")
 
 
 def timed(scene):

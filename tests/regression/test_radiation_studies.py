@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contbed as cb
+from contbed.verify.exact_radiation import square_p1
 
 STUDIES = Path(__file__).parents[2] / "studies"
 
@@ -45,10 +46,69 @@ def test_plates_in_radiative_equilibrium(path):
         assert found == pytest.approx(module.closed_form(scene), rel=1e-10)
 
 
-@pytest.mark.parametrize(("ordinates", "flux", "slip"), [(2, 8e-3, 2e-2), (4, 6e-4, 6e-3), (8, 4e-5, 2e-3), (16, 3e-6, 3e-4)])
+@pytest.mark.parametrize(
+    ("ordinates", "flux", "slip"), [(2, 8e-3, 2e-2), (4, 6e-4, 6e-3), (8, 4e-5, 2e-3), (16, 3e-6, 3e-4)]
+)
 def test_ordinates_converge_to_transport(ordinates, flux, slip):
     module = study("heaslet_warming")
     for tau in module.THICKNESSES:
         scene = module.variant(tau, "ordinates", ordinates)
         error = np.abs(module.found(run(scene)) / module.exact(scene) - 1)
         assert error[0] < flux and error[1] < slip
+
+
+@pytest.mark.parametrize("path", scenes("conduction_radiation"))
+@pytest.mark.parametrize("theta_L", [0.5, 0.1])
+def test_conduction_with_radiation(path, theta_L):
+    module = study("conduction_radiation")
+    _, N, _, tau = path.stem.split("_")
+    for level in ("two_flux", "p1"):
+        scene = module.load(N, tau, level, theta_L=theta_L)
+        assert module.found(run(scene)) == pytest.approx(module.of_model(scene).total, rel=1e-7)
+    scene = module.load(N, tau, "ordinates", 4, theta_L)
+    assert module.found(run(scene)) == pytest.approx(module.exact(scene).total, rel=6e-4)
+
+
+def test_heat_through_a_conducting_medium_does_not_depend_on_the_place():
+    """Radiation and conduction add up to the same flux at every point of the profiles."""
+    module = study("conduction_radiation")
+    scene = module.load("0.01", "1", "ordinates", 8)
+    profiles = run(scene).profiles
+    x, T, q = (profiles[name] for name in ("x [m]", "T_solid [K]", "q_radiation [W/m2]"))
+    exact = module.exact(scene)
+    assert np.interp(exact.depth, 10 * x, T / 1000) == pytest.approx(exact.theta, abs=2e-5)
+    scale = 5.670374419e4
+    assert q[[0, -1]] / scale == pytest.approx(exact.radiative, rel=1e-4)
+    conducted = -scene.radiation.conductivity * np.gradient(T, x)
+    assert (conducted + q)[2:-2] == pytest.approx(exact.total * scale, rel=1e-2)
+
+
+@pytest.mark.parametrize("path", scenes("isothermal_slab"))
+def test_isothermal_slab_scenes(path):
+    module, scene = study("isothermal_slab"), cb.load(path)
+    assert module.found(run(scene)) == pytest.approx(module.exact(scene), rel=1e-4)
+
+
+@pytest.mark.parametrize("albedo", [0.0, 0.5, 0.9, 0.999])
+@pytest.mark.parametrize("tau", [0.01, 1.0, 30.0])
+def test_isothermal_slab(albedo, tau):
+    """Closed forms and transport; both sides emit alike."""
+    module = study("isothermal_slab")
+    for level in ("two_flux", "p1"):
+        scene = module.variant(albedo, tau, level)
+        assert module.found(run(scene)) == pytest.approx(module.closed_form(scene), rel=1e-6)
+    for ordinates, (thin, thick) in {4: (1.2e-2, 2e-3), 8: (3e-3, 1e-4)}.items():
+        scene = module.variant(albedo, tau, "ordinates", ordinates)
+        found = module.found(run(scene))
+        assert found == pytest.approx(module.exact(scene), rel=thin if tau < 0.1 else thick)
+        assert found[0] == pytest.approx(found[1], rel=1e-11)
+
+
+@pytest.mark.parametrize("path", scenes("square_enclosure"))
+def test_square_enclosure(path):
+    module, scene = study("square_enclosure"), cb.load(path)
+    result = run(scene)
+    x = np.linspace(0.02, 0.98, 25)
+    expected = square_p1(x, module.thickness(scene))
+    for wall in ("bottom", "left", "top", "right"):
+        assert module.wall_flux(result, x, wall) == pytest.approx(expected, rel=1e-6)
