@@ -1,0 +1,159 @@
+"""Steady conduction through an assembly as a network of resistors: effective conductivity and what each part adds.
+
+Two ways: between two layers of particles held at temperatures, which is how a bed is measured, and in a periodic cell
+under a mean gradient, which gives the full tensor without end effects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from contbed.dem.heat import Pairs, total
+from contbed.errors import SceneError
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Steady heat between two layers.
+
+    Attributes
+    ----------
+    conductivity : heat flux over the slope of temperature in the middle of the bed [W/m/K]
+    between : heat flux times the distance of the layers over their difference, the paper's q H_b/(T_b - T_t) [W/m/K]:
+        4 to 8 % lower, because heat runs on inside the layers
+    heat : from the hot to the cold layer [W]
+    T : of each particle [K], nan where nothing connects it to a layer
+    shares : part of each mechanism in the dissipation, sum 1
+    imbalance : (what leaves the hot less what enters the cold layer) over the heat
+    isolated : number of particles that nothing connects
+    """
+
+    conductivity: float
+    between: float
+    heat: float
+    T: Array
+    shares: dict[str, float]
+    imbalance: float
+    isolated: int
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Conductivity tensor of a periodic cell [W/m/K], and the tensors of the mechanisms, which sum to it."""
+
+    conductivity: Array
+    parts: dict[str, Array]
+
+
+def between_layers(
+    x: Array, pairs: Pairs, parts: Mapping[str, Array], hot: Mask, cold: Mask, area: float,
+    T_hot: float = 398.15, T_cold: float = 298.15, axis: int = 2, middle: float = 0.8,
+) -> Layers:  # fmt: skip
+    """Solve for the temperatures between two layers of particles.
+
+    Parameters
+    ----------
+    x : centres [m], (n, 3)
+    pairs, parts : from `heat.near_pairs` and `heat.conductances`
+    hot, cold : masks of the particles that are held at T_hot and T_cold [K]
+    area : cross-section of the bed [m2]
+    axis : along which heat flows
+    middle : share of the height between the layers in which the slope is taken
+
+    Raises
+    ------
+    SceneError : a layer is empty, a particle is in both, or nothing connects them
+    """
+    if not hot.any() or not cold.any() or (hot & cold).any():
+        raise SceneError(f"layers of {hot.sum()} hot and {cold.sum()} cold particles, {(hot & cold).sum()} in both; "
+                         "each needs particles of its own")  # fmt: skip
+    G = total(parts)
+    n = len(x)
+    matrix = _laplacian(n, pairs, G)
+    fixed = hot | cold
+    _, label = connected_components(_adjacency(n, pairs, G), directed=False)
+    if not set(label[hot]) & set(label[cold]):
+        raise SceneError("no chain of particles connects the hot and the cold layer")
+    tied = np.isin(label, label[fixed])
+    free = tied & ~fixed
+    T = np.where(hot, T_hot, np.where(cold, T_cold, np.nan))
+    # measured from the cold layer, so that rounding is relative to the difference
+    lift = np.where(hot, T_hot - T_cold, 0.0)
+    if free.any():
+        lift[free] = _solve(matrix[free][:, free], -(matrix[free][:, fixed] @ lift[fixed]))
+        T[free] = T_cold + lift[free]
+    flow = matrix @ lift
+    heat = float(flow[hot].sum())
+    z = x[:, axis]
+    ends = sorted((_edge(z, hot, cold), _edge(z, cold, hot)))
+    rim = 0.5 * (1.0 - middle) * (ends[1] - ends[0])
+    core = tied & (z >= ends[0] + rim) & (z <= ends[1] - rim)
+    slope = float(np.polyfit(z[core], lift[core], 1)[0])
+    difference = lift[pairs.i] - lift[pairs.j]
+    shares = {name: float(part @ difference**2) / (heat * (T_hot - T_cold)) for name, part in parts.items()}
+    return Layers(
+        conductivity=heat / area / abs(slope),
+        between=heat / area * (ends[1] - ends[0]) / abs(T_hot - T_cold),
+        heat=heat,
+        T=T,
+        shares=shares,
+        imbalance=float(flow[hot].sum() + flow[cold].sum()) / heat,
+        isolated=int(n - tied.sum()),
+    )
+
+
+def periodic_cell(count: int, pairs: Pairs, parts: Mapping[str, Array], volume: float) -> Cell:
+    """Conductivity tensor of a periodic cell with `count` particles in `volume` [m3].
+
+    T_i = E.x_i + theta_i; with v the vector from i to j and D_a = v_a + theta_j - theta_i for E along a,
+
+        k_ab = sum over pairs of G D_a D_b/volume
+    """
+    G = total(parts)
+    v = pairs.vector
+    matrix = _laplacian(count, pairs, G)
+    # one particle of each connected part is held: theta is known up to a constant there
+    _, label = connected_components(_adjacency(count, pairs, G), directed=False)
+    free = np.ones(count, dtype=bool)
+    free[np.unique(label, return_index=True)[1]] = False
+    theta = np.zeros((count, 3))
+    if free.any():
+        load = np.stack(
+            [np.bincount(pairs.i, G * v[:, a], count) - np.bincount(pairs.j, G * v[:, a], count) for a in range(3)], 1
+        )
+        theta[free] = _solve(matrix[free][:, free], load[free])
+    D = v + theta[pairs.j] - theta[pairs.i]
+    tensors = {name: np.einsum("p,pa,pb->ab", part, D, D) / volume for name, part in parts.items()}
+    return Cell(np.sum(list(tensors.values()), axis=0), tensors)
+
+
+def _edge(z: Array, layer: Mask, other: Mask) -> float:
+    """Where a layer ends towards the other one."""
+    return float(z[layer].max() if z[layer].mean() < z[other].mean() else z[layer].min())
+
+
+def _adjacency(n: int, pairs: Pairs, G: Array) -> csr_matrix:
+    return coo_matrix((G, (pairs.i, pairs.j)), (n, n)).tocsr()
+
+
+def _laplacian(n: int, pairs: Pairs, G: Array) -> csr_matrix:
+    i, j = pairs.i, pairs.j
+    rows, columns = np.concatenate([i, j, i, j]), np.concatenate([i, j, j, i])
+    return coo_matrix((np.concatenate([G, G, -G, -G]), (rows, columns)), (n, n)).tocsr()
+
+
+def _solve(matrix: csr_matrix, load: Array) -> Array:
+    """Direct, with one step of iterative refinement."""
+    factors = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    first = factors.solve(load)
+    return first + factors.solve(load - matrix @ first)
