@@ -130,3 +130,14 @@ def test_layers_that_cannot_work():
         network.between_layers(x, pairs, parts, x[:, 2] == 0, x[:, 2] == 9, 1.0)
     with pytest.raises(SceneError, match="0 cold particles"):
         network.between_layers(x, pairs, parts, x[:, 2] == 0, x[:, 2] > 10, 1.0)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_periodic_chain_is_a_series(axis):
+    # 3 and 6 W/K in a row through a cell 1 m long and 1 m3 in volume: k = 2 W/m/K along, nothing across
+    step = 0.3 * np.eye(3)[axis]
+    pairs = heat.Pairs(np.array([0, 1]), np.array([1, 0]), np.stack([step, np.eye(3)[axis] - step]))
+    cell = network.periodic_cell(2, pairs, {"a": np.array([3.0, 6.0])}, 1.0)
+    wanted = np.zeros((3, 3))
+    wanted[axis, axis] = 2.0
+    assert cell.conductivity == pytest.approx(wanted, abs=1e-15)
