@@ -83,6 +83,26 @@ def lagrange(refdom: Any, degree: int) -> Lagrange:
     return Lagrange(refdom, degree)
 
 
+class Single:
+    """One number for the whole mesh, with the interface of `Space`."""
+
+    degree = 0
+    size = 1
+
+    def __init__(self, mesh):
+        self.mesh, self.element = mesh, self
+        self.dofs = np.zeros((1, mesh.nelements), dtype=np.int32)
+
+    def table(self, X: Array, *axes: int) -> Array:
+        """The constant one, or its derivatives along `axes`."""
+        return np.full((1, X.shape[1]), 0.0 if axes else 1.0)
+
+    @property
+    def points(self) -> Array:
+        """A place for it (dim, 1)."""
+        return self.mesh.p[:, :1]
+
+
 class Space:
     """Continuous piecewise polynomials on a scikit-fem mesh: `dofs` (nb, ncells), `size`, `points` (dim, size)."""
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from contbed.engine.domain import Domain
 from contbed.engine.dual import Components, Dual, Linear
-from contbed.engine.elements import Space
+from contbed.engine.elements import Single, Space
 from contbed.solve.linear import Policy
 from contbed.solve.ordering import nested_dissection
 
@@ -135,17 +135,18 @@ class System:
     """Unknown fields on a mesh, the numbering of all their nodes, and assembly over domains.
 
     `fields` maps a name to (degree, ncomponents), 0 components for a scalar; vectors store component after component.
+    A field of degree 0 is one number for the whole mesh.
     `measure` may hold `axisymmetric` and `section`, the cross-section [m2] that a line stands for.
     """
 
     def __init__(self, mesh, fields: Mapping[str, tuple[int, int]], order: int, **measure: Any):
         self.mesh, self.order, self.measure = mesh, order, measure
-        spaces: dict[int, Space] = {}
-        self.fields: dict[str, tuple[Space, int]] = {}
+        spaces: dict[int, Any] = {}
+        self.fields: dict[str, tuple[Any, int]] = {}
         self.offset: dict[tuple[str, int], int] = {}
         size = 0
         for name, (degree, ncomponents) in fields.items():
-            space = spaces.setdefault(degree, Space(mesh, degree))
+            space = spaces.setdefault(degree, Space(mesh, degree) if degree else Single(mesh))
             self.fields[name] = (space, ncomponents)
             for component in range(max(ncomponents, 1)):
                 self.offset[name, component] = size
