@@ -26,19 +26,22 @@ def newton(
     iterations: int = 30,
     linear: bool = False,
     lower: float = -np.inf,
+    floor: float | None = None,
     what: str = "Newton",
 ) -> tuple[Any, list[float]]:
     """Solve `assemble(state, jacobian) -> (residual, matrix)` for the unknowns not in `fixed`.
 
     `state` already holds the fixed values. The norm is that of the residual relative to the first one; a step that
     raises it is halved, and none takes an unknown more than `REACH` of its way down to `lower`. A linear problem takes
-    one step. Returns the state and the history of norms.
+    one step. Residuals below `floor` count as rounding; absent, it is estimated from the largest entries. Returns the
+    state and the history of norms.
     """
     state = state.copy()
     residual, matrix = assemble(state, True)
     residual[fixed] = 0.0
     scale = max(float(np.linalg.norm(residual)), 1e-300)
-    floor = 1e-14 * float(np.abs(matrix).max() * max(1.0, np.abs(state).max()) * len(state) ** 0.5)
+    if floor is None:
+        floor = 1e-14 * float(np.abs(matrix).max() * max(1.0, np.abs(state).max()) * len(state) ** 0.5)
     history = [1.0]
     solver = None
     goal = 1e-2 * tolerance
