@@ -1,7 +1,7 @@
 """What the schema says about a table or key of a scene: type, unit, bounds, default, meaning.
 
-Errors, `contbed explain` and table headers all read the JSON schema of `settings.Scene` through here, so that a
-fact stands in one place. A name that the user chooses, like that of a boundary, is written NAME.
+Errors, `contbed explain` and table headers all read the JSON schemas of the scenes through here, so that a fact stands
+in one place. A name that the user chooses, like that of a boundary, is written NAME.
 """
 
 from __future__ import annotations
@@ -28,18 +28,27 @@ _BOUNDS = {
 _TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false"}
 
 
-@cache
-def schema() -> Node:
-    """The JSON schema of a scene."""
-    from contbed.settings import Scene
+KINDS = ("packed_bed", "bubbling_bed")
+_definitions: dict[str, Node] = {}  # of the schemas that have been asked for; one name means one table in all of them
 
-    return Scene.model_json_schema()
+
+@cache
+def schema(kind: str = "packed_bed") -> Node:
+    """The JSON schema of one kind of scene."""
+    from contbed.settings import Scene, SceneBase
+
+    model: type[SceneBase] = Scene
+    if kind == "bubbling_bed":
+        from contbed.bubbling_settings import BubblingScene as model
+    found = model.model_json_schema(ref_template=f"{kind}/{{model}}")
+    _definitions.update({f"{kind}/{name}": node for name, node in found["$defs"].items()})
+    return found
 
 
 def options(node: Node) -> list[Node]:
     """The ways in which a value may be written, references followed and null left out."""
     if "$ref" in node:
-        return options(schema()["$defs"][node["$ref"].rpartition("/")[2]])
+        return options(_definitions[node["$ref"]])
     members = node.get("oneOf") or node.get("anyOf")
     if members is None:
         return [] if node.get("type") == "null" else [node]
@@ -79,8 +88,8 @@ def keys(node: Node) -> list[str]:
 
 
 def at(path: KeyPath) -> list[Node]:
-    """The nodes of a key path; several if the table has several types, none if the schema does not know it."""
-    nodes = [schema()]
+    """The nodes of a key path in all kinds of scenes; several if the table has several types, none if it is unknown."""
+    nodes = [schema(kind) for kind in KINDS]
     for key in path:
         nodes = [child for node in nodes for child in children(node, key)]
     return nodes
@@ -181,11 +190,10 @@ def _sheet(name: str, node: Node) -> Iterator[str]:
 
 def tables() -> list[str]:
     """The tables of a scene, with their types: "mesh", "heat", "boundary.NAME"."""
-    found = []
-    for name, node in schema()["properties"].items():
-        free = [option for option in options(node) if isinstance(option.get("additionalProperties"), dict)]
-        if free:
+    found: list[str] = []
+    for name, node in (item for kind in KINDS for item in schema(kind)["properties"].items()):
+        if any(isinstance(option.get("additionalProperties"), dict) for option in options(node)):
             found.append(f"{name}.NAME")
         elif any("properties" in option for option in options(node)):
             found.append(name)
-    return found
+    return list(dict.fromkeys(found))

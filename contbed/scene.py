@@ -22,7 +22,10 @@ _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
 
 def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Scene:
-    """The scene of a file. `overrides` such as {"mesh.refine": 2} replace values before anything is checked."""
+    """The scene of a file. `overrides` such as {"mesh.refine": 2} replace values before anything is checked.
+
+    A file with a table [bubbling_bed] gives a `bubbling_settings.BubblingScene`.
+    """
     return _build(*read(path), overrides or {})
 
 
@@ -52,19 +55,20 @@ def scene_hash(scene: Scene) -> str:
     return digest.hexdigest()[:16]
 
 
-def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any]) -> Scene:
+def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any]) -> Any:
     problems: list[tuple[KeyPath, str]] = []
     origin = _override(values, origin, overrides, problems)
     if isinstance(fluid := values.get("fluid"), dict):
         fluid.setdefault("model", "constant")
     if not values:
         raise SceneError(f"{origin.name}:1: the scene is empty; it needs [mesh], [fluid], [bed] and [flow]")
-    parts, broken = _validate(values, problems)
-    problems += mistakes(parts, broken, origin)
+    model, checks = _kind(values)
+    parts, broken = _validate(model, values, problems)
+    problems += mistakes(parts, broken, origin, checks)
     if problems:
         problems.sort(key=lambda problem: origin.line(problem[0]))
         raise SceneError(list(dict.fromkeys(_line(origin, values, path, text) for path, text in problems)))
-    scene = Scene(**{name: part for name, part in parts.items() if part is not None})
+    scene = model(**{name: part for name, part in parts.items() if part is not None})
     scene._origin = origin
     return scene
 
@@ -91,21 +95,33 @@ def _override(
     return Origin(origin.name, origin.base, origin.lines, tuple(paths))
 
 
-def _validate(values: dict[str, Any], problems: list[tuple[KeyPath, str]]) -> tuple[dict[str, Any], set[str]]:
+def _kind(values: Mapping[str, Any]) -> tuple[Any, Any]:
+    """The model of this kind of scene and its checks, None for the usual ones."""
+    if any(_near(name, ["bubbling_bed"]) for name in values):
+        from contbed.bubbling_checks import CHECKS
+        from contbed.bubbling_settings import BubblingScene
+
+        return BubblingScene, CHECKS
+    return Scene, None
+
+
+def _validate(
+    model: Any, values: dict[str, Any], problems: list[tuple[KeyPath, str]]
+) -> tuple[dict[str, Any], set[str]]:
     """Each table by itself, so that mistakes in one do not hide the contradictions between the others."""
     parts: dict[str, Any] = {}
     broken: set[str] = set()
     try:
-        scene = Scene.model_validate(values)
-        return {name: getattr(scene, name) for name in Scene.model_fields}, broken
+        scene = model.model_validate(values)
+        return {name: getattr(scene, name) for name in model.model_fields}, broken
     except ValidationError as invalid:
         errors = invalid.errors(include_url=False)
     for error in errors:
-        path, text = _translate(error, values)
+        path, text = _translate(error, values, reference.schema(model.kind))
         problems.append((path, text))
         # A misspelt table is not an absent one: what it breaks is not told twice.
-        broken.update({str(path[0]), *_near(str(path[0]), list(Scene.model_fields))})
-    for name, field in Scene.model_fields.items():
+        broken.update({str(path[0]), *_near(str(path[0]), list(model.model_fields))})
+    for name, field in model.model_fields.items():
         if name in broken:
             continue
         if name in values:
@@ -116,13 +132,13 @@ def _validate(values: dict[str, Any], problems: list[tuple[KeyPath, str]]) -> tu
     return parts, broken
 
 
-def _translate(error: Mapping[str, Any], values: dict[str, Any]) -> tuple[KeyPath, str]:
+def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str, Any]) -> tuple[KeyPath, str]:
     """The key path without pydantic's union tags, and what is wrong in our words."""
-    path, node = _locate(error["loc"])
+    path, node = _locate(error["loc"], root)
     kind, context = error["type"], error.get("ctx", {})
     found = _value(values, path)
     if kind == "extra_forbidden":
-        known = reference.keys(_locate(error["loc"][:-1])[1])
+        known = reference.keys(_locate(error["loc"][:-1], root)[1])
         return path, f"unknown key; {_nearest(str(path[-1]), known)}"
     if kind == "missing":
         table = node.get("type") == "object" or "$ref" in node or "discriminator" in node
@@ -146,10 +162,10 @@ def _translate(error: Mapping[str, Any], values: dict[str, Any]) -> tuple[KeyPat
     return path, f"wrong kind of value; allowed: {reference.allowed(node)}"
 
 
-def _locate(loc: tuple[Any, ...]) -> tuple[KeyPath, dict[str, Any]]:
+def _locate(loc: tuple[Any, ...], root: dict[str, Any]) -> tuple[KeyPath, dict[str, Any]]:
     """Follow pydantic's location through the schema; a step at a union is the tag of a member, not a key."""
     path: KeyPath = ()
-    node: dict[str, Any] = reference.schema()
+    node = root
     steps = list(loc)
     while steps:
         step = steps.pop(0)

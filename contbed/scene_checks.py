@@ -24,12 +24,14 @@ NEEDED = ("fluid", "bed", "flow")
 PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
 
 
-def mistakes(parts: Mapping[str, Any], broken: set[str], origin: Origin) -> list[tuple[KeyPath, str]]:
+def mistakes(
+    parts: Mapping[str, Any], broken: set[str], origin: Origin, checks: Iterable[Callable[..., Mistakes]] | None = None
+) -> list[tuple[KeyPath, str]]:
     """All mistakes of all checks. `parts` holds the valid tables, `broken` names the others."""
     available = {**parts, "origin": origin, "see": lambda key: f"{key} ({origin.at(parse_key(key))})"}
     found: list[tuple[KeyPath, str]] = []
     absent = {name for name in NEEDED if parts.get(name) is None}
-    for check in CHECKS:
+    for check in CHECKS if checks is None else checks:
         needs = inspect.signature(check).parameters.keys()
         if not needs & broken and (check in TOLERANT or not needs & absent):
             found += list(check(**{name: available[name] for name in needs}))

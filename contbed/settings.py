@@ -435,10 +435,26 @@ def _absent() -> Any:
     return None
 
 
-class Scene(Table):
-    """One run."""
+class SceneBase(Table):
+    """What scenes of all kinds have in common."""
+
+    kind: ClassVar[str]
 
     title: str = ""
+
+    _origin: Origin = PrivateAttr(default_factory=Origin)
+
+    @property
+    def origin(self) -> Origin:
+        """Where the values come from: a name for messages, the lines of the keys, the folder of the file."""
+        return self._origin
+
+
+class Scene(SceneBase):
+    """One run of a packed or moving bed."""
+
+    kind: ClassVar[str] = "packed_bed"
+
     mesh: Mesh
     # fluid, bed and flow are None only in a medium that merely radiates; scene_checks sees to it
     fluid: Fluid = Field(default_factory=_absent)
@@ -452,13 +468,6 @@ class Scene(Table):
     time: Time | None = None
     solver: Solver = Solver()
     output: Output = Output()
-
-    _origin: Origin = PrivateAttr(default_factory=Origin)
-
-    @property
-    def origin(self) -> Origin:
-        """Where the values come from: a name for messages, the lines of the keys, the folder of the file."""
-        return self._origin
 
     @property
     def mesh_path(self) -> Path | None:
