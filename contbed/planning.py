@@ -100,17 +100,29 @@ class Plan:
         return out
 
     def __str__(self) -> str:
-        rows = [("BUILT", what, why) for what, why in self.built]
-        rows += [("SKIPPED", what, why) for what, why in self.skipped]
-        width = max(len(what) for _, what, _ in rows)
-        lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
-        for part, size in self.unknowns().items():
-            lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * self.policy.predicted_GB(size)):.0f} MB")
-        return "\n".join(lines)
+        return described(self)
 
 
-def plan(scene: s.Scene) -> Plan:
-    """Decide what a scene needs and build its mesh; SceneError if the mesh or the flow cannot be used."""
+def described(plan: Any) -> str:
+    """What a plan builds and skips, as a table with the number of unknowns."""
+    rows = [("BUILT", what, why) for what, why in plan.built]
+    rows += [("SKIPPED", what, why) for what, why in plan.skipped]
+    width = max(len(what) for _, what, _ in rows)
+    lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
+    for part, size in plan.unknowns().items():
+        lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * plan.policy.predicted_GB(size)):.0f} MB")
+    return "\n".join(lines)
+
+
+def plan(scene: Any) -> Any:
+    """Decide what a scene needs and build its mesh; SceneError if the mesh or the flow cannot be used.
+
+    Returns a `Plan`, or that of the model that the scene is for.
+    """
+    if scene.kind == "bubbling_bed":
+        from contbed.bubbling_planning import plan as plan_bubbling
+
+        return plan_bubbling(scene)
     written, scene, thick = scene, *_cheapest_radiation(scene)
     if scene.heat is None and scene.radiation is not None:
         return _plan_radiation(written, scene, thick)

@@ -82,6 +82,11 @@ class Result:
         from contbed.output.plots import field_plot, profile_plot, transient_plot
 
         scene, mesh = self.plan.scene, self.plan.mesh
+        if scene.kind == "bubbling_bed":
+            from contbed.output.bubbling_plots import bubbling_plot
+
+            bubbling_plot(out / "profiles.png", self.profiles, scene.title)
+            return
         coordinate = next(iter(self.profiles))
         draw = transient_plot if "t [s]" in self.profiles else profile_plot
         draw(out / "profiles.png", self.profiles, coordinate, scene.title)

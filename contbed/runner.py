@@ -44,7 +44,7 @@ def run(
     """
     start = clock.perf_counter()
     folder = Path(out) if out is not None else Path(restart) if restart is not None else None
-    plan = make_plan(scene)
+    plan: Any = make_plan(scene)
     result = Result(plan)
     result.timings["plan"] = clock.perf_counter() - start
     checkpoint = None if restart is None else _checkpoint(scene, plan, Path(restart))
@@ -117,6 +117,12 @@ def _checkpoint(scene: s.Scene, plan: Plan, folder: Path) -> tuple[Any, Any]:
 def _solve(
     scene: s.Scene, plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None
 ) -> None:
+    if scene.kind == "bubbling_bed":
+        from contbed.bubbling_findings import solve
+
+        with _timed(result, "heat"):
+            solve(plan, result)
+        return
     if plan.fronts:
         with _timed(result, "heat"):
             _track_fronts(plan, result)

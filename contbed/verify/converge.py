@@ -102,7 +102,7 @@ def converge(scene: str | Path, levels: int = 4, out: str | Path | None = None) 
 
 def _at_level(path: str | Path, scene: s.Scene, level: int, points: Sequence[float] = ()) -> s.Scene:
     mesh = scene.mesh
-    changes: dict[str, Any] = {"solver.adapt": 0}
+    changes: dict[str, Any] = {"solver.adapt": 0} if scene.kind == "packed_bed" else {}
     cells = getattr(mesh, "cells", None)
     if cells is not None:
         changes["mesh.cells"] = (np.asarray(cells) * 2**level).tolist()
@@ -130,6 +130,8 @@ def _distance(columns: dict[str, Any], reference: dict[str, Any]) -> float:
 
 def exact_profile(plan: Plan) -> Profile | None:
     """The closed form of a plan: from positions [m] to the theta columns of the profile; None where none applies."""
+    if plan.scene.kind != "packed_bed":
+        return None
     arguments = closed_form(plan)
     if arguments is None:
         return None

@@ -1,0 +1,292 @@
+"""Heat of a steady bubbling bed along its height: solid species, emulsion gas, bubble gas, distributor, radiation.
+
+    (W_m T_m)' - (A k_m T_m')' = W_m' T_f,m + Q_m + A (1 - delta) [a_m h_gm (T_e - T_m) + sum_n H_mn (T_n - T_m)
+                                 + K_a,m (G - 4 E_m)] + sum_x p_x h_x f_m (T_x - T_m)            species m
+    (W_e T_e)'                 = Q_e + A (1 - delta) sum_m a_m h_gm (T_m - T_e) + A delta H_be (T_b - T_e)
+    (W_b T_b)'                 = A delta H_be (T_e - T_b)
+    -(A D G')'                 = A (1 - delta) sum_m K_a,m (4 E_m - G) + sum_x p_x (eps_x/4) (4 E_x - G)
+
+    z = 0:  -A k_m T_m' = A h_d f_m (T_d - T_m),   T_e = T_b = T_in + (1 - exp(-NTU)) (T_d - T_in)
+            -A D G' = A eps_d/(2 (2 - eps_d)) (4 E_d - G)
+            A h_d sum_m f_m (T_m - T_d) + A eps_d/(2 (2 - eps_d)) (G - 4 E_d) = (W_e + W_b) (T_e - T_in)
+    z = H:  T_m' = 0,   A D G' = A (4 J - G)/2
+
+z        height above the distributor [m]       '        d/dz
+T_m      temperature of species m [K]           T_e, T_b of emulsion gas and bubble gas      T_d of the distributor
+W        capacity flow upward, mass flow times heat capacity [W/K]; W_m grows by what is fed at T_f,m
+A        section [m2]                           delta    share of bubbles in the volume [1]
+k_m      conductivity of axial mixing [W/m/K]   Q        heat release per height [W/m]
+a_m h_gm surface per emulsion volume times particle-gas coefficient [W/m3/K]
+H_mn     exchange between species [W/m3/K]      H_be     exchange of bubble and emulsion gas [W/m3/K]
+f_m      share of m in the surface of all particles [1]
+G        incident radiation [W/m2]              E        sigma T^4 [W/m2]
+K_a,m    absorption coefficient [1/m]           D        see models.radiation; that of the emulsion: bubbles are windows
+x        tubes, walls: perimeter p [m], coefficient h [W/m2/K], effective emissivity eps in the bulk field [1]
+J        radiosity of the freeboard [W/m2]      NTU      transfer units of the gas in the distributor [1]
+
+Without transport of radiation ("paper") G is the algebraic 4 sum K_a,m E_m / sum K_a,m, surfaces cool the species by
+their shares, p_x (eps_x/4) (K_a,m/K_a) 4 (E_m - E_x), and neither distributor nor freeboard take part.
+
+Source: Rabi & de Souza-Santos, Incorporation of a two-flux model for radiative heat transfer in a comprehensive
+fluidized bed simulator, part I. Their balances march solids upward from unknown T_m(0); with mixing along the height
+and conditions at both ends they are a well-posed boundary-value problem for all unknowns at once.
+
+Discretisation: continuous elements of degree 1 to 3, convection in conservative form with weak inflow, residual-based
+SUPG. The sum of all heat residuals is the energy balance of the bed, so it closes with the nonlinear solver.
+
+Good values: particles of 0.3-5 mm, beds of 0.3-3 m, mixing 1e2-1e5 W/m/K, entry layers of gas and radiation of 1 mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from contbed.closures.enclosure import exchange_equilibrium, irradiation_equilibrium
+from contbed.closures.optics import marshak
+from contbed.models import radiation
+from contbed.models.two_energy import tau
+
+
+@dataclass(frozen=True)
+class Stream:
+    """One phase that a field of temperature belongs to. Functions work on pointwise values."""
+
+    flow: Any  # W, function of z [W/K]
+    fed: Any = None  # W', function of z [W/K/m]; None without feed
+    feed_temperature: float = 0.0  # [K]
+    conduction: float = 0.0  # A k [W m/K]
+    release: Any = None  # Q, function of (z, T) [W/m]; None without
+
+
+@dataclass(frozen=True)
+class Species:
+    """One kind of particle."""
+
+    stream: Stream
+    gas: float  # a_m h_gm [W/m3/K]
+    share: float  # f_m [1]
+    absorption: float = 0.0  # K_a,m [1/m]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Tubes or walls."""
+
+    perimeter: float  # [m]
+    coefficient: float  # [W/m2/K]
+    temperature: float  # [K]
+    emissivity: float  # effective [1]; 0 for a mirror
+
+
+@dataclass(frozen=True)
+class Plate:
+    """The distributor."""
+
+    coefficient: float  # h_d [W/m2/K]
+    effectiveness: float  # 1 - exp(-NTU) [1]
+    emissivity: float  # [1]; 0 for a mirror
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """The whole bed. `bubbles` and `plate` are None where absent, `level` is "none", "paper", or "field" where G is
+    an unknown with diffusion coefficient `diffusion` [m].
+    """
+
+    section: float  # A [m2]
+    delta: float
+    inlet: float  # T_in [K]
+    species: dict[str, Species]
+    pairs: dict[tuple[str, str], float]  # H_mn [W/m3/K]
+    emulsion: Stream
+    bubbles: Stream | None
+    exchange: float  # H_be [W/m3/K]
+    surfaces: dict[str, Surface]
+    plate: Plate | None
+    level: str
+    diffusion: float = 0.0
+    radiosity: float | None = None  # J; None for a mirror
+    degree: int = 2
+
+    @property
+    def volume(self) -> float:
+        """Emulsion per height, A (1 - delta) [m2]."""
+        return self.section * (1.0 - self.delta)
+
+    @property
+    def streams(self) -> dict[str, Stream]:
+        """All phases by the name of their field."""
+        out = {f"T_{name}": item.stream for name, item in self.species.items()} | {"T_emulsion": self.emulsion}
+        return out if self.bubbles is None else out | {"T_bubble": self.bubbles}
+
+    @property
+    def gases(self) -> tuple[str, ...]:
+        """Fields of the streams that enter through the distributor."""
+        return ("T_emulsion",) if self.bubbles is None else ("T_emulsion", "T_bubble")
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """All fields along the height."""
+        return (*self.streams, "G") if self.level == "field" else tuple(self.streams)
+
+
+def temperatures(u: Any, c: Coefficients) -> list[Any]:
+    """Temperatures of the species."""
+    return [getattr(u, f"T_{name}") for name in c.species]
+
+
+def incident(u: Any, c: Coefficients) -> Any:
+    """Incident radiation [W/m2]: the field, or what the species have in common at one height."""
+    if c.level == "field":
+        return u.G
+    return irradiation_equilibrium([item.absorption for item in c.species.values()], temperatures(u, c))
+
+
+def convected(u: Any, c: Coefficients, x: Surface) -> Any:
+    """Heat that particles give to a surface by contact [W/m]."""
+    each = zip(c.species.values(), temperatures(u, c), strict=True)
+    return sum(x.perimeter * x.coefficient * item.share * (T - x.temperature) for item, T in each)
+
+
+def radiated(u: Any, c: Coefficients, x: Surface) -> Any:
+    """Radiation into a surface [W/m]."""
+    if c.level == "none" or not x.emissivity:
+        return 0.0
+    return 0.25 * x.perimeter * x.emissivity * (incident(u, c) - radiation.emitted(x.temperature))
+
+
+def released(u: Any, stream: Stream, name: str, o: Any) -> Any:
+    """Heat release of a phase [W/m]."""
+    return 0.0 if stream.release is None else stream.release(o.x[0], getattr(u, name))
+
+
+def gains(u: Any, c: Coefficients, o: Any) -> dict[str, Any]:
+    """Heat that each phase gains per height, without transport along it [W/m]."""
+    T = {name: getattr(u, name) for name in c.streams}
+    gain = {name: released(u, stream, name, o) for name, stream in c.streams.items()}
+
+    def pass_on(one: str, other: str, coefficient: float) -> None:
+        passed = coefficient * (T[one] - T[other])
+        gain[one], gain[other] = gain[one] - passed, gain[other] + passed
+
+    for name, item in c.species.items():
+        pass_on(f"T_{name}", "T_emulsion", c.volume * item.gas)
+        for x in c.surfaces.values():
+            contact = x.perimeter * x.coefficient * item.share
+            gain[f"T_{name}"] = gain[f"T_{name}"] - contact * (T[f"T_{name}"] - x.temperature)
+    for (one, other), coefficient in c.pairs.items():
+        pass_on(f"T_{one}", f"T_{other}", c.volume * coefficient)
+    if c.bubbles is not None:
+        pass_on("T_bubble", "T_emulsion", c.section * c.delta * c.exchange)
+    if c.level != "none":
+        for name, taken in zip(c.species, taken_up(u, c), strict=True):
+            gain[f"T_{name}"] = gain[f"T_{name}"] + taken
+    return gain
+
+
+def taken_up(u: Any, c: Coefficients) -> list[Any]:
+    """Radiation that each species absorbs less what it emits [W/m]."""
+    T = temperatures(u, c)
+    absorption = [item.absorption for item in c.species.values()]
+    if c.level == "field":
+        return [c.volume * radiation.absorbed(t, u.G, K) for K, t in zip(absorption, T, strict=True)]
+    taken = [-c.volume * lost for lost in exchange_equilibrium(absorption, T)]
+    for x in c.surfaces.values():
+        factor = 0.25 * x.perimeter * x.emissivity / sum(absorption)
+        cold = radiation.emitted(x.temperature)
+        taken = [old - factor * K * (radiation.emitted(t) - cold)
+                 for old, K, t in zip(taken, absorption, T, strict=True)]  # fmt: skip
+    return taken
+
+
+def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
+    """All balances between the ends."""
+    total: Any = 0.0
+    for (name, stream), gain in zip(c.streams.items(), gains(u, c, o).values(), strict=True):
+        total = total + _balance(getattr(u, name), getattr(tests, name), stream, gain, _coupling(c, name), c.degree, o)
+    if c.level != "field":
+        return total
+    sinks = [(0.25 * x.perimeter * x.emissivity, x.temperature) for x in c.surfaces.values()]
+    optics = radiation.Coefficients(
+        {f"T_{name}": c.volume * item.absorption for name, item in c.species.items()},
+        c.section * c.diffusion,
+        emission=sum(factor * radiation.emitted(T) for factor, T in sinks),
+        passive=sum(factor for factor, _ in sinks),
+    )
+    return total + radiation.residual(u, tests, optics, o)
+
+
+def _coupling(c: Coefficients, name: str) -> float:
+    """Linear exchange coefficient of a phase with all others [W/m/K]."""
+    gases = c.section * c.delta * c.exchange
+    if name == "T_bubble":
+        return gases
+    if name == "T_emulsion":
+        return gases + c.volume * sum(item.gas for item in c.species.values())
+    item = c.species[name.removeprefix("T_")]
+    others = sum(value for pair, value in c.pairs.items() if name.removeprefix("T_") in pair)
+    contact = sum(x.perimeter * x.coefficient * item.share for x in c.surfaces.values())
+    return c.volume * (item.gas + others) + contact
+
+
+def _balance(T: Any, v: Any, s: Stream, gain: Any, coupling: float, degree: int, o: Any) -> Any:
+    flow, slope = s.flow(o.x[0]), o.grad(v)[0]
+    gradient = o.grad(T)[0]
+    fed = 0.0 if s.fed is None else s.fed(o.x[0])
+    total = s.conduction * gradient * slope - flow * T * slope - (gain + fed * s.feed_temperature) * v
+    strong = flow * gradient + fed * (T - s.feed_temperature) - s.conduction * o.laplacian(T) - gain
+    return total + tau(flow, s.conduction, coupling, 1.0, o.h, degree) * strong * flow * slope
+
+
+def gas_entry(u: Any, c: Coefficients) -> Any:
+    """Temperature of the gas above the distributor [K]."""
+    return c.inlet if c.plate is None else c.inlet + c.plate.effectiveness * (u.T_distributor - c.inlet)
+
+
+def to_plate(u: Any, c: Coefficients) -> tuple[Any, Any]:
+    """Heat into the distributor from the particles by contact, and by radiation [W]."""
+    if c.plate is None:
+        return 0.0, 0.0
+    each = zip(c.species.values(), temperatures(u, c), strict=True)
+    contact = sum(c.section * c.plate.coefficient * item.share * (T - u.T_distributor) for item, T in each)
+    if c.level != "field":
+        return contact, 0.0
+    return contact, c.section * marshak(c.plate.emissivity) * (u.G - radiation.emitted(u.T_distributor))
+
+
+def bottom(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
+    """Conditions at the distributor, and its own balance."""
+    total: Any = 0.0
+    entry = gas_entry(u, c)
+    for name, item in c.species.items():
+        T, v = getattr(u, f"T_{name}"), getattr(tests, f"T_{name}")
+        total = total - item.stream.flow(o.x[0]) * T * v
+        if c.plate is not None:
+            total = total + c.section * c.plate.coefficient * item.share * (T - u.T_distributor) * v
+    carried: Any = 0.0
+    for name in c.gases:
+        flow = c.streams[name].flow(o.x[0])
+        total = total - flow * entry * getattr(tests, name)
+        carried = carried + flow * (entry - c.inlet)
+    if c.plate is None:
+        return total
+    contact, radiative = to_plate(u, c)
+    total = total + (carried - contact - radiative) * tests.T_distributor
+    return total + radiative * tests.G if c.level == "field" else total
+
+
+def to_freeboard(u: Any, c: Coefficients) -> Any:
+    """Radiation that leaves through the top [W]."""
+    if c.level != "field" or c.radiosity is None:
+        return 0.0
+    return c.section * -radiation.supplied(u, radiation.Surface(1.0, c.radiosity), None)
+
+
+def top(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
+    """Streams that leave, and radiation from and to the freeboard."""
+    total: Any = 0.0
+    for name, stream in c.streams.items():
+        total = total + stream.flow(o.x[0]) * getattr(u, name) * getattr(tests, name)
+    return total + to_freeboard(u, c) * tests.G if c.level == "field" else total
+
