@@ -20,6 +20,8 @@ from contbed.errors import ConvergenceError, SceneError
 DIRECT_3D = 120_000
 NEARBY = 12  # iterations that cost about as much as a factorisation
 PIVOT = 1e-3  # diagonal entries down to this share of the column are kept as pivots, which keeps the ordering
+ROUNDING = 1e-14  # share of its terms down to which a residual can be computed
+SINGULAR = 1e11  # terms over right-hand side beyond which the matrix counts as singular
 RESIDUAL = 1e-9  # a solve with a larger relative residual is repeated with full pivoting
 
 
@@ -98,6 +100,11 @@ class Solver:
         y, failed = spla.gmres(product, rhs, rtol=tolerance, atol=0.0, restart=NEARBY, maxiter=1)
         return None if failed else self._apply(y)
 
+    def _is_rounding(self, residual: Any, x: Any, scale: float) -> bool:
+        """Whether a residual is no more than rounding, all that a nearly singular matrix lets a solution reach."""
+        terms = min(float(np.linalg.norm(abs(self.matrix) @ np.abs(x))), SINGULAR * scale)
+        return bool(np.linalg.norm(residual) <= ROUNDING * terms)
+
     def approximate(self, rhs: Any) -> Any:
         """One application of the factors, without refinement: for use with another matrix."""
         return self._apply(rhs)
@@ -112,11 +119,11 @@ class Solver:
         if self.policy.direct(len(rhs)):
             x = x + self._apply(residual)
             residual = rhs - self.matrix @ x
-        if not np.linalg.norm(residual) <= RESIDUAL * scale:
+        if not (np.linalg.norm(residual) <= RESIDUAL * scale or self._is_rounding(residual, x, scale)):
             self._apply = self._pivoted()
             x = self._apply(rhs)
             residual = rhs - self.matrix @ x
-            if not np.linalg.norm(residual) <= 1e3 * RESIDUAL * scale:
+            if not (np.linalg.norm(residual) <= 1e3 * RESIDUAL * scale or self._is_rounding(residual, x, scale)):
                 error = np.linalg.norm(residual) / scale
                 raise ConvergenceError(f"the linear solver left a relative residual of {error:.2g}")
         return x
