@@ -320,9 +320,10 @@ class HeatProblem:
         return 100.0 * float(np.sum(self.system.cells.weight)) * sum(slopes)
 
     def throughput(self) -> float:
-        """Heat above 0 K that the streams carry out, at the highest prescribed temperature [W]."""
+        """What streams carry out above 0 K, at the highest prescribed temperature, and what walls radiate [W]."""
         high = self.T_span[1]
-        return sum(
+        radiated = 0.0 if self.radiation is None else self.radiation.emission(self.mesh, self.system)
+        return radiated + sum(
             getattr(self.coefficients, phase).capacity * high
             * float(np.sum(part.weight * np.maximum(_value(Ops.dot(wall.mass_flux, part.n)), 0.0)))
             for (_, part, wall) in self.walls if wall.mass_flux is not None

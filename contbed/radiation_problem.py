@@ -115,6 +115,13 @@ def boundary_fluxes(found: list[tuple[str, Any, radiation.Surface]], system: Sys
     return out
 
 
+def emission(c: Optics, found: list[tuple[str, Any, radiation.Surface]], mesh: Mesh, section: float) -> float:
+    """What black walls and species of given temperature emit [W]: next to it a small net flux is a difference."""
+    walls = {name: surface.power * mesh.measure(name) for name, _, surface in found}
+    inside = c.emission * mesh.measure() if c.passive else 0.0
+    return section * (sum(walls.values()) + inside)
+
+
 def given_off(c: Optics, system: System, state: Any) -> float:
     """Net radiation of species of given temperature [W], what they emit less what they absorb."""
     return system.integrate(lambda unknowns, o: c.emission - c.passive * unknowns.G, [system.cells], state)
@@ -151,6 +158,10 @@ class RadiationCoupling:
         found = [item.temperature for item in (*conditions, *table.species.values()) if item is not None]
         entering = [item.radiosity for item in conditions if item is not None and item.radiosity is not None]
         return [T for T in found if T is not None] + [float(power_temperature(power)) for power in entering]
+
+    def emission(self, mesh: Mesh, system: System) -> float:
+        """What black walls and species of given temperature emit [W]."""
+        return emission(self.optics, surfaces(self.scene, mesh, system), mesh, system.measure.get("section", 1.0))
 
     def fluxes(self, mesh: Mesh, system: System, state: Any) -> dict[str, float]:
         """Radiation into the bed through each boundary, and from species of given temperature [W]."""

@@ -151,6 +151,7 @@ def _solve(
 def _radiation(plan: Plan, result: Result) -> None:
     """A medium that radiates by itself."""
     from contbed.findings_radiation import radiation_findings
+    from contbed.radiation_problem import emission
 
     with _timed(result, "radiation"):
         problem = _radiation_problem(plan)
@@ -158,7 +159,8 @@ def _radiation(plan: Plan, result: Result) -> None:
         result.history += history
     fluxes, conducted = problem.fluxes(state), problem.conducted(problem.assemble(state, False)[0])
     parts = {name: {"radiation": value} for name, value in fluxes.items()}
-    result.balances["energy"] = _heat_balance(parts, conducted, problem.released(state), 0.0, "W", 0.0)
+    result.balances["energy"] = _heat_balance(parts, conducted, problem.released(state), 0.0, "W",
+                                             emission(problem.optics, problem.surfaces, plan.mesh, plan.section))
     radiation_findings(plan, problem, state, fluxes, conducted, result)
 
 
