@@ -1,6 +1,7 @@
 """Every scene of the radiation studies runs; their numbers hold against contbed.verify at the scenes' own values."""
 
 import importlib.util
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -112,3 +113,47 @@ def test_square_enclosure(path):
     expected = square_p1(x, module.thickness(scene))
     for wall in ("bottom", "left", "top", "right"):
         assert module.wall_flux(result, x, wall) == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("options", [{}, {"ends": False}, {"mixing": 0.01}], ids=["bed", "mirrors", "little mixing"])
+def test_radiation_of_all_species_is_the_divergence_of_the_flux(options):
+    module = study("rabi_two_flux", "bed")
+    for level in module.LEVELS:
+        assert abs(module.open_balance(level, module.solved(level, **options))) < 1e-12
+
+
+def test_hot_bed_against_collocation():
+    module = study("rabi_two_flux", "bed")
+    reference = tomllib.loads((module.HERE / "data" / "bed.toml").read_text())["reference"]["p1"]
+    found = module.solved("p1")
+    assert found.T_d == pytest.approx(reference["T_distributor_K"], abs=1e-5)
+    middle = [np.interp(0.3, found.z, getattr(found, name)) for name in module.SOLIDS]
+    assert middle == pytest.approx(reference["T_half_height_K"], abs=1e-4)
+    assert found.T_emulsion[-1] == pytest.approx(reference["T_emulsion_top_K"], abs=1e-4)
+    assert found.T_bubble[-1] == pytest.approx(reference["T_bubble_top_K"], abs=1e-4)
+    for name, key in (("tubes", "tubes"), ("wall", "walls"), ("top", "top")):
+        assert found.heat[name] == pytest.approx(reference[f"{key}_radiation_W"], abs=0.01)
+
+
+def test_closure_misses_the_ends_only():
+    module = study("rabi_two_flux", "bed")
+
+    def middle(**options):
+        return [np.interp(0.3, one.z, one.T_inert) for one in (module.solved(n, **options) for n in ("closure", "p1"))]
+
+    paper, full = middle()
+    assert 20 < paper - full < 30
+    paper, full = middle(ends=False)
+    assert abs(paper - full) < 1
+
+
+def test_forward_integration_does_not_conserve():
+    """Its flux relaxes to -dE/dz over beta above the distributor, whatever leaves there."""
+    module = study("rabi_two_flux", "bed")
+    bed = module.Bed("closure")
+    found = bed.results(bed.solve())
+    q = bed.flux(found)
+    assert q[0] < -1e5
+    inside = (found.z > 0.02) & (found.z < 0.58)
+    slope = np.gradient(found.G / 4, found.z)
+    np.testing.assert_allclose(q[inside], -slope[inside] / bed.beta, rtol=0.05, atol=1.0)
