@@ -13,6 +13,7 @@ from typing import Any
 
 from contbed import settings as s
 from contbed.closure_choice import is_phase, resolve_closure, resolve_dispersion
+from contbed.closures.sizes import SizeDistribution
 from contbed.errors import SceneError
 from contbed.scene_flow import enters, role, velocity_vector
 from contbed.toml_lines import KeyPath, Origin, dotted, parse_key
@@ -89,6 +90,25 @@ def radiation_is_complete(
         yield ("radiation", "temperature"), f"is solved for where it conducts; see {see('radiation.conductivity')}"
     if heat is None and radiation.temperature is None and not any(b.radiation for b in boundary.values()):
         yield ("boundary",), "no boundary radiates and the medium has no temperature: nothing determines it"
+
+
+def particles_have_a_size_and_fit_together(radiation: s.Radiation | None, see: See) -> Mistakes:
+    if radiation is None:
+        return
+    for name, species in radiation.species.items():
+        if species.sieves is None:
+            continue
+        try:
+            SizeDistribution.from_sieves(species.sieves.apertures, species.sieves.mass_fractions)
+        except SceneError as error:
+            yield ("radiation", "species", name, "sieves"), str(error)
+    filled = sum(species.volume_fraction for species in radiation.species.values())
+    if filled >= 1.0 - 1e-12:
+        yield ("radiation", "species"), f"the volume fractions sum to {filled:g}; gas between the particles needs some"
+    absorption, scattering = radiation.absorption, radiation.scattering
+    given = absorption is not None or scattering is not None
+    if given and not (absorption or 0.0) + (scattering or 0.0) * (1.0 - radiation.anisotropy):
+        yield ("radiation",), "nothing stops a ray: absorption, or scattering with anisotropy < 1, must be above 0"
 
 
 def loose_walls(heat: s.Heat | None, boundary: Boundaries) -> list[str]:
@@ -315,7 +335,9 @@ def streams_have_a_temperature(
                 )
 
 
-def a_steady_temperature_is_determined(heat: s.Heat | None, time: s.Time | None, boundary: Boundaries) -> Mistakes:
+def a_steady_temperature_is_determined(
+    heat: s.Heat | None, time: s.Time | None, boundary: Boundaries, radiation: s.Radiation | None
+) -> Mistakes:
     if heat is None or time is not None:
         return
     tied = {
@@ -324,13 +346,15 @@ def a_steady_temperature_is_determined(heat: s.Heat | None, time: s.Time | None,
         for phase in PHASES
         if (c := getattr(conditions, phase)) is not None and (c.fixed or c.inflow or c.coefficient)
     }
+    if radiation is not None and any(conditions.radiation for conditions in boundary.values()):
+        tied.add("solid")
     # Without exchange between the phases each needs a temperature of its own.
     loose = [phase for phase in PHASES if phase not in tied] if heat.nusselt == 0 or not tied else []
     if loose:
         yield (
             ("heat",),
             f"the steady temperature of the {' and the '.join(loose)} is undetermined: no boundary has fixed, inflow "
-            "or coefficient; give one, or a [time] table",
+            "or coefficient, none radiates; give one, or a [time] table",
         )
 
 
@@ -376,6 +400,7 @@ TOLERANT = (tables_are_complete, radiation_is_complete)
 CHECKS: tuple[Callable[..., Mistakes], ...] = (
     tables_are_complete,
     radiation_is_complete,
+    particles_have_a_size_and_fit_together,
     heat_has_its_materials,
     heat_alone_uses_temperatures,
     names_exist,

@@ -57,6 +57,11 @@ TIME = "[time]\nend = 10\ninitial_fluid = 300\ninitial_solid = 300\n"
 COOLPROP = 'model = "coolprop"\nname = "Air"\nT_range = [300, 700]\n[solid]\n'
 CONSTANT = GOOD[GOOD.index("density = 0.6") : GOOD.index("density = 2500")]
 NO_EXCHANGE = "nusselt = 0\n[boundary.bottom.fluid]\ninflow = 300\n[boundary.top.solid]\nflux = 0\n"
+BOTTOM = "[boundary.bottom]\n"
+RADIATION = "[radiation]\nemissivity = 0.8\n" + BOTTOM
+SPECIES = "[radiation.species.char]\nvolume_fraction = 0.3\ndiameter = 0.001\nemissivity = 0.8\n"
+SIEVES = "sieves = { apertures = [1e-3, 2e-3], mass_fractions = [1.0] }\n"
+SIEVED = SPECIES.replace("diameter = 0.001\n", SIEVES)
 LINE = 'type = "line"\nlength = 1.0\n'
 AXISYMMETRIC = 'type = "axisymmetric"\nlength = 1.0\nradius = "50 mm"\n'
 
@@ -158,6 +163,32 @@ CASES = [
     ("composition", CONSTANT, 'model = "cantera"\ncomposition = "N2:a"\n[solid]\n', [":10: fluid.composition", "must be a number"]),
     ("mesh file missing", AXISYMMETRIC, 'type = "file"\nfile = "no.msh"\n', [':5: mesh.file = "no.msh": no such file']),
     ("mesh file of another kind", AXISYMMETRIC, 'type = "file"\nfile = "a.stl"\n', [":5: mesh.file", "neither"]),
+    # radiation
+    ("radiation: level", BOTTOM, RADIATION.replace("emissivity", 'level = "p3"\nemissivity'), [":32: radiation.level", "allowed: p1"]),
+    ("radiation: black holes", BOTTOM, RADIATION.replace("0.8", "0"), [":32: radiation.emissivity = 0: out of range", "> 0 and <= 1"]),
+    ("radiation: brighter than black", BOTTOM, RADIATION.replace("0.8", "1.1"), [":32: radiation.emissivity = 1.1: out of range"]),
+    ("radiation: no optics", BOTTOM, RADIATION.replace("emissivity = 0.8\n", ""), [":31: radiation: give the optics once", "none"]),
+    ("radiation: optics twice", BOTTOM, RADIATION.replace(BOTTOM, SPECIES + BOTTOM), [":31: radiation: give the optics once", "emissivity, species"]),
+    ("radiation: transparent", BOTTOM, RADIATION.replace("emissivity = 0.8", "absorption = 0"), [":31: radiation: nothing stops a ray"]),
+    ("radiation: forward only", BOTTOM, RADIATION.replace("emissivity = 0.8", "scattering = 9\nanisotropy = 1"), [":31: radiation: nothing"]),
+    ("radiation: negative scattering", BOTTOM, RADIATION.replace("emissivity = 0.8", "scattering = -9"), [":32: radiation.scattering", ">= 0"]),
+    ("radiation: two-flux in a plane", BOTTOM, RADIATION.replace("emissivity", 'level = "two_flux"\nemissivity'), [":32: radiation.level", "a line", "toml:4"]),
+    ("radiation: ordinates with heat", BOTTOM, RADIATION.replace("emissivity", 'level = "ordinates"\nemissivity'), [":32: radiation.level", "alone"]),
+    ("radiation: temperature with heat", BOTTOM, RADIATION.replace("0.8", "0.8\ntemperature = 900"), [":33: radiation.temperature", "[heat]"]),
+    ("radiation: conductivity with heat", BOTTOM, RADIATION.replace("0.8", "0.8\nconductivity = 1"), [":33: radiation.conductivity", "[heat]"]),
+    ("radiation: boundary alone", BOTTOM, BOTTOM + "radiation = { temperature = 900 }\n", [":32: boundary.bottom.radiation", "without a [radiation]"]),
+    ("radiation: wall and opening", BOTTOM, RADIATION + "radiation = { temperature = 900, radiosity = 1 }\n", [":34: boundary.bottom.radiation", "one of temperature, radiosity"]),
+    ("radiation: wall of no temperature", BOTTOM, RADIATION + "radiation = { emissivity = 0.5 }\n", [":34: boundary.bottom.radiation", "one of"]),
+    ("radiation: negative radiosity", BOTTOM, RADIATION + "radiation = { radiosity = -1 }\n", [":34: boundary.bottom.radiation.radiosity", ">= 0"]),
+    ("radiation: wall's emissivity", BOTTOM, RADIATION + "radiation = { temperature = 900, emissivity = 2 }\n", [":34: boundary.bottom.radiation.emissivity"]),
+    ("radiation: rosseland and a loose wall", BOTTOM, RADIATION.replace("emiss", 'level = "rosseland"\nemiss') + "radiation = { temperature = 900 }\n", [":35: boundary.bottom.radiation", "fix it"]),
+    ("radiation: no room for gas", BOTTOM, SPECIES.replace("0.3", "1.0") + BOTTOM, [":32: radiation.species.char.volume_fraction = 1.0: out of range"]),
+    ("radiation: too many particles", BOTTOM, SPECIES + SPECIES.replace("char", "ash").replace("0.3", "0.7") + BOTTOM, ["radiation.species: the volume fractions sum to 1"]),
+    ("radiation: two sizes", BOTTOM, SPECIES.replace("diameter", SIEVES + "diameter") + BOTTOM, [":31: radiation.species.char: give one of diameter, sieves"]),
+    ("radiation: no size", BOTTOM, SPECIES.replace("diameter = 0.001\n", "") + BOTTOM, [":31: radiation.species.char: give one of diameter, sieves"]),
+    ("radiation: sieve counts", BOTTOM, SIEVED.replace("[1.0]", "[0.5, 0.5]") + BOTTOM, [":33: radiation.species.char.sieves", "2 classes lie between 3 apertures, got 2"]),
+    ("radiation: sieves upside down", BOTTOM, SIEVED.replace("1e-3, 2e-3", "2e-3, 1e-3") + BOTTOM, [":33: radiation.species.char.sieves", "must increase"]),
+    ("radiation: sieved twice", BOTTOM, SIEVED.replace("[1.0]", "[1.2]") + BOTTOM, [":33: radiation.species.char.sieves", "mass fraction"]),
     ("diameter on a line", AXISYMMETRIC, LINE + "\n", [":38: boundary.wall.fluid.coefficient", "D_bed = ..."]),
 ]
 
