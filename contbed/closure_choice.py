@@ -5,11 +5,12 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from contbed.closures import dispersion, registry
 from contbed.errors import SceneError
-from contbed.settings import Closure
+from contbed.settings import Closure, ClosureFile
 
 PHASE = "conductivity_phase"
 # Arguments that a model knows and passes by itself, by kind; all others without a default come from the scene.
@@ -34,8 +35,17 @@ def is_phase(spec: object) -> bool:
     return name in (PHASE, "phase")
 
 
-def resolve_closure(spec: str | Closure, kind: str) -> tuple[Function, dict[str, Any]]:
-    """The function that a scene names, "gunn" or "nusselt_gunn", and the parameters set beside the name."""
+def resolve_closure(
+    spec: str | Closure | ClosureFile, kind: str, base: Path = Path()
+) -> tuple[Function, dict[str, Any]]:
+    """The function that a scene names, "gunn" or "nusselt_gunn", and the parameters set beside the name.
+
+    A closure's file is looked for in `base`, the folder of the scene.
+    """
+    if isinstance(spec, ClosureFile):
+        from contbed.closure_file import closure_of
+
+        return closure_of(spec.file, base, kind), {}
     name, parameters = _split(spec)
     function = registry.get(_full_name(name, kind, registry.names(kind)), kind)
     _check(name, parameters, [function])

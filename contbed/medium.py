@@ -75,7 +75,7 @@ class Medium:
         heat = self.scene.heat
         specs = () if heat is None else (heat.conductivity_fluid, heat.conductivity_solid)
         named = [spec for spec in specs if _named(spec) and not is_phase(spec)]
-        closures: list[Any] = [resolve_closure(spec, "conductivity")[0] for spec in named]
+        closures: list[Any] = [resolve_closure(spec, "conductivity", self.scene.origin.base)[0] for spec in named]
         return any("T" in closure.sheet.arguments for closure in closures)
 
     @property
@@ -220,7 +220,7 @@ class Medium:
 
     def evaluate(self, spec: Any, kind: str, **available: Any) -> Any:
         """Value of a closure that takes what it needs from `available`."""
-        function, parameters = resolve_closure(spec, kind)
+        function, parameters = resolve_closure(spec, kind, self.scene.origin.base)
         return self._call(function, parameters, available)
 
     def _call(self, function: Any, parameters: dict[str, Any], available: dict[str, Any]) -> Any:
@@ -247,6 +247,6 @@ def _rosseland(scene: s.Scene) -> float | None:
     return radiation_problem.optics(scene).diffusion
 
 
-def _named(spec: Any) -> TypeGuard[str | s.Closure]:
-    return isinstance(spec, str | s.Closure)
+def _named(spec: Any) -> TypeGuard[str | s.Closure | s.ClosureFile]:
+    return isinstance(spec, str | s.Closure | s.ClosureFile)
 

@@ -100,6 +100,11 @@ def is_closure(option: Node) -> bool:
     return option.get("additionalProperties") is True
 
 
+def is_closure_file(option: Node) -> bool:
+    """Whether this way of writing a value is the file of a closure."""
+    return option.get("title") == "ClosureFile"
+
+
 def choices(node: Node) -> list[Any]:
     """The permitted values of a key that is a choice, or that selects the type of its table."""
     found = []
@@ -132,6 +137,8 @@ def _one(option: Node) -> str:
     if kind == "object":
         if is_closure(option):
             return "a table with a closure's name and parameters"
+        if is_closure_file(option):
+            return "a table with the file of a closure"
         return f"a table with {', '.join(keys(option))}"
     if kind == "array":
         if parts := option.get("prefixItems"):
@@ -161,7 +168,11 @@ def explain(name: str) -> str:
 
 
 def _sheet(name: str, node: Node) -> Iterator[str]:
-    tables = [option for option in options(node) if "properties" in option and not is_closure(option)]
+    tables = [
+        option
+        for option in options(node)
+        if "properties" in option and not is_closure(option) and not is_closure_file(option)
+    ]
     if not tables:
         yield f"{name} - {node['description']}" if "description" in node else name
         yield f"    allowed: {allowed(node)}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from difflib import get_close_matches
 from pathlib import Path
@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from contbed import reference
 from contbed.errors import SceneError
 from contbed.scene_checks import mistakes
-from contbed.settings import MeshFile, Scene
+from contbed.settings import Scene, Table
 from contbed.toml_lines import KeyPath, Origin, dotted, one_line, parse, parse_key, read
 
 _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
@@ -47,12 +47,24 @@ def resolved(scene: Scene) -> dict[str, Any]:
 
 
 def scene_hash(scene: Scene) -> str:
-    """A hash of what a run depends on: the values and the content of the mesh file, not the title."""
+    """A hash of what a run depends on: the values and the content of the files they name, not the title."""
     values = {key: value for key, value in resolved(scene).items() if key != "title"}
     digest = hashlib.sha256(json.dumps(values, sort_keys=True).encode())
-    if isinstance(scene.mesh, MeshFile):
-        digest.update((scene.origin.base / scene.mesh.file).read_bytes())
+    for file in _files(scene):
+        digest.update((scene.origin.base / file).read_bytes())
     return digest.hexdigest()[:16]
+
+
+def _files(part: Any) -> Iterator[str]:
+    """The files that the tables of a scene name: a mesh, closures, particles."""
+    if isinstance(part, Mapping):
+        for item in part.values():
+            yield from _files(item)
+    elif isinstance(part, Table):
+        if isinstance(file := getattr(part, "file", None), str):
+            yield file
+        for name in type(part).model_fields:
+            yield from _files(getattr(part, name))
 
 
 def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any]) -> Any:

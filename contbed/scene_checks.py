@@ -358,7 +358,9 @@ def a_steady_temperature_is_determined(
         )
 
 
-def closures_exist(mesh: s.Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries) -> Mistakes:
+def closures_exist(
+    mesh: s.Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries, origin: Origin
+) -> Mistakes:
     uses: list[tuple[KeyPath, Any, str]] = [
         (("bed", "permeability"), bed.permeability, "permeability"),
         (("bed", "forchheimer"), bed.forchheimer, "forchheimer"),
@@ -377,20 +379,24 @@ def closures_exist(mesh: s.Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boun
             if condition is not None:
                 uses.append((("boundary", name, phase, "coefficient"), condition.coefficient, "wall"))
     for path, spec, kind in uses:
-        if not isinstance(spec, (str, s.Closure)):
+        if not isinstance(spec, (str, s.Closure, s.ClosureFile)):
             continue
         if kind == "conductivity" and is_phase(spec):
             if isinstance(spec, s.Closure) and spec.model_extra:
                 yield path, f"{spec.name} has no parameters"
             continue
         try:
-            functions = resolve_dispersion(spec)[:2] if kind == "dispersion" else resolve_closure(spec, kind)[:1]
+            functions: tuple[Callable[..., Any], ...]
+            if kind == "dispersion" and not isinstance(spec, s.ClosureFile):
+                functions = resolve_dispersion(spec)[:2]
+            else:
+                functions = resolve_closure(spec, kind, origin.base)[:1]
         except SceneError as error:
             yield path, str(error)
             continue
         given = spec.model_extra or {} if isinstance(spec, s.Closure) else {}
         asks = any("D_bed" in function.sheet.arguments for function in functions)  # type: ignore[attr-defined]
-        if asks and "D_bed" not in given and isinstance(mesh, s.MeshLine):
+        if asks and "D_bed" not in given and isinstance(mesh, s.MeshLine) and not isinstance(spec, s.ClosureFile):
             name = spec if isinstance(spec, str) else spec.name
             yield path, f'needs the diameter of the bed, which a line does not tell: {{name = "{name}", D_bed = ...}}'
 

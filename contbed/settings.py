@@ -43,6 +43,8 @@ def in_unit(name: str) -> BeforeValidator:
 
 def form(value: Any) -> str:
     """Which way of writing a value was chosen where there are several; a union's members carry these as tags."""
+    if isinstance(value, ClosureFile) or (isinstance(value, dict) and "file" in value and "name" not in value):
+        return "file"
     if isinstance(value, (dict, Table)):
         return "parameters"
     if isinstance(value, (list, tuple)):
@@ -232,12 +234,19 @@ class Closure(Table):
     name: str
 
 
+class ClosureFile(Table):
+    """A closure that was fitted from particles."""
+
+    file: str = Field(description="closure file, path relative to the scene")
+
+
 Named = Annotated[str, Tag("name")] | Annotated[Closure, Tag("parameters")]
-PermeabilityOrClosure = Annotated[Annotated[Permeability, Tag("number")] | Named, Discriminator(form)]
-NonNegativeOrClosure = Annotated[Annotated[NonNegative, Tag("number")] | Named, Discriminator(form)]
-ConductivityOrClosure = Annotated[Annotated[Conductivity, Tag("number")] | Named, Discriminator(form)]
-NumberOrClosure = Annotated[Annotated[Number, Tag("number")] | Named, Discriminator(form)]
-WallCoefficientOrClosure = Annotated[Annotated[WallCoefficient, Tag("number")] | Named, Discriminator(form)]
+NamedOrFile = Named | Annotated[ClosureFile, Tag("file")]
+PermeabilityOrClosure = Annotated[Annotated[Permeability, Tag("number")] | NamedOrFile, Discriminator(form)]
+NonNegativeOrClosure = Annotated[Annotated[NonNegative, Tag("number")] | NamedOrFile, Discriminator(form)]
+ConductivityOrClosure = Annotated[Annotated[Conductivity, Tag("number")] | NamedOrFile, Discriminator(form)]
+NumberOrClosure = Annotated[Annotated[Number, Tag("number")] | NamedOrFile, Discriminator(form)]
+WallCoefficientOrClosure = Annotated[Annotated[WallCoefficient, Tag("number")] | NamedOrFile, Discriminator(form)]
 
 
 class Bed(Table):
