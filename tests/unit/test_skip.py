@@ -65,7 +65,8 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
     found = after_run(BED)
     assert not unwanted & found
     own = {"flow_problem", "transient", "solve.timestep", "solve.continuation", "models.porous_flow", "models.fronts",
-           "output", "mesh_file", "units", "sweeping", "cli"}  # fmt: skip
+           "models.radiation", "models.ordinates", "radiation_problem", "findings_radiation", "ordinates_problem",
+           "rosseland", "output", "mesh_file", "units", "sweeping", "cli"}  # fmt: skip
     assert not {f"contbed.{name}" for name in own} & found
     written = after_run(BED, tmp_path)
     assert not unwanted & written
@@ -77,11 +78,12 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
     [
         ({"mesh": {**BED["mesh"], "length": "1 m"}}, "pint"),
         ({"fluid": {"model": "cantera", "composition": "N2:1"}}, "cantera"),
+        ({"radiation": {"emissivity": 0.8}}, "contbed.radiation_problem"),
         ({"time": {"end": 1.0, "step": 1.0, "initial_fluid": 300.0, "initial_solid": 300.0}}, "contbed.solve.timestep"),
         ({"boundary": {**BED["boundary"], "top": {"flow": "no_slip"}},
           "mesh": {**BED["mesh"], "cells": [4, 4]}}, "contbed.flow_problem"),
     ],
-    ids=["units", "cantera", "time", "flow"],
+    ids=["units", "cantera", "radiation", "time", "flow"],
 )  # fmt: skip
 def test_what_is_named_is_imported(change, module):
     assert module in after_run(bed(**change))
@@ -164,6 +166,32 @@ def test_a_phase_at_rest_has_no_stream():
 def test_adiabatic_ends_have_no_boundary_term():
     posed = problem(plan(flow={"velocity": 0.0}, boundary={"left": {"fluid": {"fixed": 300.0}}}))
     assert posed._boundary == []
+
+
+def test_without_radiation_there_is_no_incident_radiation():
+    made = plan()
+    posed = problem(made)
+    assert ("radiation", "no [radiation] table") in made.skipped and set(made.unknowns()) == {"heat"}
+    assert posed.radiation is None and posed.coefficients.radiated is None
+    assert set(posed.system.fields) == {"T_fluid", "T_solid"}
+    assert posed.begin(made.policy).tobytes() == posed.initial().tobytes()
+    result = cb.run(made.scene)
+    assert not {"G [W/m2]", "q_radiation [W/m2]"} & set(result.profiles) and "G" not in result.nodal
+    # the Rosseland limit is a conductivity: no unknown either
+    thick = plan(radiation={"level": "rosseland", "emissivity": 0.8})
+    assert set(thick.unknowns()) == {"heat"} and "G" not in problem(thick).system.fields
+
+
+def test_with_radiation_there_is():
+    boundary = {"left": {"fluid": {"inflow": 300.0}, "radiation": {"temperature": 600.0}}}
+    made = plan(flow={"velocity": 0.3}, boundary=boundary, radiation={"emissivity": 0.8})
+    result = cb.run(made.scene)
+    assert result.plan.unknowns()["radiation"] == result.nodal["G"][0].size
+    x, G, q = (result.profiles[name] for name in ("x [m]", "G [W/m2]", "q_radiation [W/m2]"))
+    assert len(x) == len(G) == len(q) and G.min() > 0
+    heat = result.qoi["heat_left_W"]
+    # the fluid enters with the lowest temperature, from which heat counts: what is left comes from the radiating wall
+    assert heat == pytest.approx(q[0] * 0.2, rel=1e-3)
 
 
 def test_no_heat_table_has_no_temperatures():
