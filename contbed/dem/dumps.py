@@ -1,0 +1,201 @@
+"""Particles of other programs: text dumps of LIGGGHTS and LAMMPS (`dump custom`), and plain tables of positions.
+
+A dump needs x y z (or xu yu zu, unwrapped, or the scaled xs ys zs) and radius or diameter; a temperature is taken from
+a column `temperature`, `Temp` or `f_Temp`, as the programs' heat fixes write it. Files ending in .gz are unpacked.
+"""
+
+from __future__ import annotations
+
+import gzip
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import SceneError
+
+Array = NDArray[np.float64]
+
+_TEMPERATURES = ("temperature", "Temp", "f_Temp", "f_Temp[0]", "d_temp")
+_OPTIONAL = ("ITEM: UNITS", "ITEM: TIME", "ITEM: LABEL")
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Particles at one time step, in the order of their ids if the dump has them.
+
+    `low`, `high` are the corners of the box, `periodic` its closed axes, `T` None without a column of temperatures.
+    Lengths are in the unit of the dump; the programs' SI is metres.
+    """
+
+    step: int
+    x: Array
+    radius: Array
+    T: Array | None
+    low: Array
+    high: Array
+    periodic: tuple[bool, ...]
+    columns: dict[str, Array]
+
+
+def read_dump(path: Path | str) -> list[Frame]:
+    """All frames of a text dump.
+
+    Raises
+    ------
+    SceneError : with file and line, where the dump is truncated, has no radius, or is no dump at all
+    """
+    lines = _Lines(Path(path))
+    frames = []
+    while (line := lines.next_or_none()) is not None:
+        if not line.strip() or _skip_optional(line, lines):
+            continue
+        frames.append(_frame(line, lines))
+    if not frames:
+        raise SceneError(f"{path}:1: no frame in this dump")
+    return frames
+
+
+def read_positions(path: Path | str) -> Array:
+    """Centres x,y,z [m] of a table with commas; lines that start with # are comments."""
+    lines = _Lines(Path(path))
+    rows = []
+    while (line := lines.next_or_none()) is not None:
+        if line.strip() and not line.lstrip().startswith("#"):
+            rows.append(lines.numbers(line, 3, ","))
+    if not rows:
+        raise SceneError(f"{path}:1: no particle in this file")
+    return np.array(rows)
+
+
+class _Lines:
+    """Lines of a file with their numbers."""
+
+    def __init__(self, path: Path):
+        self.path, self.number = path, 0
+        try:
+            with gzip.open(path, "rt") if path.suffix == ".gz" else open(path, encoding="utf-8") as file:
+                self.lines = file.read().splitlines()
+        except FileNotFoundError:
+            raise SceneError(f"{path}:1: no such file") from None
+        except (OSError, EOFError, UnicodeDecodeError) as error:
+            raise SceneError(f"{path}:1: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+
+    def next_or_none(self) -> str | None:
+        if self.number >= len(self.lines):
+            return None
+        self.number += 1
+        return self.lines[self.number - 1]
+
+    def next(self, wanted: str) -> str:
+        line = self.next_or_none()
+        if line is None:
+            raise self.error(f"truncated: the file ends where {wanted} should follow")
+        return line
+
+    def error(self, text: str) -> SceneError:
+        return SceneError(f"{self.path}:{max(self.number, 1)}: {text}")
+
+    def numbers(self, line: str, count: int, separator: str | None = None) -> list[float]:
+        words = line.split(separator)
+        try:
+            found = [float(word) for word in words]
+        except ValueError:
+            raise self.error(f"not {count} numbers: {line[:60]!r}") from None
+        if len(found) != count or not np.isfinite(found).all():
+            raise self.error(f"{len(found)} numbers where {count} finite ones are needed: {line[:60]!r}")
+        return found
+
+
+def _skip_optional(line: str, lines: _Lines) -> bool:
+    """LAMMPS may write units and times before a step."""
+    if not line.startswith(_OPTIONAL) or line.startswith("ITEM: TIMESTEP"):
+        return False
+    lines.next("its value")
+    return True
+
+
+def _frame(line: str, lines: _Lines) -> Frame:
+    if line.strip() != "ITEM: TIMESTEP":
+        raise lines.error(f"no text dump of LIGGGHTS or LAMMPS: expected 'ITEM: TIMESTEP', found {line[:60]!r}")
+    step = int(lines.numbers(lines.next("the step"), 1)[0])
+    count, box, names, first = -1, None, None, 0
+    while names is None:
+        line = lines.next("an ITEM")
+        if _skip_optional(line, lines):
+            continue
+        if line.startswith("ITEM: NUMBER OF ATOMS"):
+            count = int(lines.numbers(lines.next("the number of particles"), 1)[0])
+        elif line.startswith("ITEM: BOX BOUNDS"):
+            box = _box(line, lines)
+        elif line.startswith("ITEM: ATOMS"):
+            names = line.split()[2:]
+            first = lines.number
+        else:
+            raise lines.error(f"unknown item: {line[:60]!r}")
+    if count < 0 or box is None:
+        raise lines.error("the number of particles or the box bounds are missing before the particles")
+    have = min(count, len(lines.lines) - first)
+    columns = dict(zip(names, _rows(lines, have, names), strict=True))
+    if have < count:
+        raise SceneError(
+            f"{lines.path}:{len(lines.lines)}: truncated: step {step} has {have} of {count} particles"
+        )
+    return _particles(step, columns, box, lines)
+
+
+def _rows(lines: _Lines, have: int, names: list[str]) -> Array:
+    """Columns of the next `have` lines; columns of text, such as an element, are nan."""
+    rows: list[list[float]] = []
+    for _ in range(have):
+        words = lines.next("a particle").split()
+        if len(words) != len(names):
+            raise lines.error(f"truncated: {len(words)} values for the {len(names)} columns {' '.join(names)}")
+        rows.append(list(_floats(words)))
+    return np.array(rows).reshape(-1, len(names)).T.copy()
+
+
+def _floats(words: list[str]) -> Iterator[float]:
+    for word in words:
+        try:
+            yield float(word)
+        except ValueError:
+            yield float("nan")
+
+
+def _box(line: str, lines: _Lines) -> tuple[Array, Array, tuple[bool, ...]]:
+    words = line.split()[3:]
+    if "xy" in words:
+        raise lines.error("a tilted box; contbed reads orthogonal ones")
+    bounds = np.array([lines.numbers(lines.next("the box bounds"), 2) for _ in range(3)])
+    # a dump of old programs names no boundaries
+    kinds = words[-3:] if len(words) >= 3 else ["ff"] * 3
+    return bounds[:, 0], bounds[:, 1], tuple(kind == "pp" for kind in kinds)
+
+
+def _particles(
+    step: int, columns: dict[str, Array], box: tuple[Array, Array, tuple[bool, ...]], lines: _Lines
+) -> Frame:
+    low, high, periodic = box
+    if "id" in columns:
+        order = np.argsort(columns["id"], kind="stable")
+        columns = {name: column[order] for name, column in columns.items()}
+    for names, scaled in ((("x", "y", "z"), False), (("xu", "yu", "zu"), False), (("xs", "ys", "zs"), True)):
+        if all(name in columns for name in names):
+            x = np.stack([columns[name] for name in names], axis=1)
+            x = low + x * (high - low) if scaled else x
+            break
+    else:
+        raise lines.error(f"no positions: the columns are {' '.join(columns)}; dump x y z")
+    if "radius" in columns:
+        radius = columns["radius"]
+    elif "diameter" in columns:
+        radius = 0.5 * columns["diameter"]
+    else:
+        raise lines.error(f"no radius: the columns are {' '.join(columns)}; dump radius or diameter")
+    if not (np.isfinite(x).all() and np.isfinite(radius).all() and (radius > 0).all()):
+        raise lines.error(f"step {step}: a position or radius is not a finite number, or a radius is not above 0")
+    T = next((columns[name] for name in _TEMPERATURES if name in columns), None)
+    return Frame(step, x, radius, T, low, high, periodic, columns)

@@ -1,0 +1,120 @@
+"""Dumps of LIGGGHTS and LAMMPS: what the programs write comes back; what is cut or missing is named with its line."""
+
+import gzip
+
+import numpy as np
+import pytest
+
+from contbed.dem import dumps
+from contbed.errors import SceneError
+
+LIGGGHTS = """ITEM: TIMESTEP
+60000
+ITEM: NUMBER OF ATOMS
+3
+ITEM: BOX BOUNDS ff ff pp
+0 0.026
+0 0.026
+-0.001 0.04
+ITEM: ATOMS id type x y z radius f_Temp[0]
+3 1 0.003 0.004 0.001 0.001 301.5
+1 1 0.001 0.002 0.001 0.001 300
+2 2 0.002 0.002 0.003 0.0015 305.25
+"""
+
+LAMMPS = """ITEM: UNITS
+si
+ITEM: TIME
+0.25
+ITEM: TIMESTEP
+10
+ITEM: NUMBER OF ATOMS
+2
+ITEM: BOX BOUNDS pp pp pp
+0 2
+-1 1
+0 4
+ITEM: ATOMS id element diameter xs ys zs temperature
+1 Fe 0.5 0.5 0.5 0.25 400
+2 C 0.25 0 1 0.5 410
+"""
+
+
+@pytest.fixture
+def dump(tmp_path):
+    def write(text, name="bed.dump"):
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def failure(path):
+    with pytest.raises(SceneError) as error:
+        dumps.read_dump(path)
+    return str(error.value).removeprefix(f"{path}:")
+
+
+def test_liggghts(dump):
+    (frame,) = dumps.read_dump(dump(LIGGGHTS))
+    assert frame.step == 60000 and frame.periodic == (False, False, True)
+    assert frame.radius == pytest.approx([0.001, 0.0015, 0.001])  # by id
+    assert pytest.approx([300, 305.25, 301.5]) == frame.T
+    assert frame.x[2] == pytest.approx([0.003, 0.004, 0.001])
+    assert (frame.low.tolist(), frame.high.tolist()) == ([0, 0, -0.001], [0.026, 0.026, 0.04])
+    assert frame.columns["type"].tolist() == [1, 2, 1]
+
+
+def test_lammps_with_scaled_positions_and_several_steps(dump):
+    frames = dumps.read_dump(dump(LAMMPS + LAMMPS.replace("\n10\n", "\n20\n")))
+    assert [frame.step for frame in frames] == [10, 20]
+    assert frames[1].x == pytest.approx(np.array([[1.0, 0, 1], [0, 1, 2]]))
+    assert frames[1].radius == pytest.approx([0.25, 0.125])
+    assert pytest.approx([400, 410]) == frames[1].T
+    assert np.isnan(frames[1].columns["element"]).all()
+
+
+def test_a_packed_file_and_no_temperature(tmp_path):
+    path = tmp_path / "bed.dump.gz"
+    with gzip.open(path, "wt") as file:
+        file.write(LIGGGHTS.replace("f_Temp[0]", "q"))
+    assert dumps.read_dump(path)[0].T is None
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        (LIGGGHTS[: LIGGGHTS.index("\n2 2") + 1], "11: truncated: step 60000 has 2 of 3 particles"),
+        (LIGGGHTS[:-20], "12: truncated: 4 values for the 7 columns id type x y z radius f_Temp[0]"),
+        (LIGGGHTS[: LIGGGHTS.index("ITEM: ATOMS")], "8: truncated: the file ends where an ITEM should follow"),
+        ("ITEM: TIMESTEP\n", "1: truncated: the file ends where the step should follow"),
+        (LIGGGHTS + LIGGGHTS[:43], "16: truncated: the file ends where the number of particles should follow"),
+        (LIGGGHTS.replace(" radius", " mass"), "12: no radius"),
+        (LIGGGHTS.replace("x y z", "vx vy vz"), "12: no positions"),
+        (LIGGGHTS.replace("0.0015", "0"), "12: step 60000: a position or radius is not a finite number"),
+        (LIGGGHTS.replace("ff ff pp", "xy xz yz pp pp pp"), "5: a tilted box"),
+        (LIGGGHTS.replace("0 0.026", "0 0.026 1", 1), "6: 3 numbers where 2 finite ones are needed"),
+        (LIGGGHTS.replace("\n3\n", "\nmany\n", 1), "4: not 1 numbers: 'many'"),
+        ("x,y,z\n1,2,3\n", "1: no text dump of LIGGGHTS or LAMMPS"),
+        ("\n\n", "1: no frame in this dump"),
+    ],
+)
+def test_what_cannot_be_read(dump, text, wanted):
+    assert failure(dump(text)).startswith(wanted)
+
+
+def test_files_that_are_not_there_or_not_text(tmp_path):
+    assert failure(tmp_path / "no.dump") == "1: no such file"
+    path = tmp_path / "bad.dump.gz"
+    path.write_bytes(gzip.compress(LIGGGHTS.encode())[:-30])
+    assert "cannot be read" in failure(path)
+
+
+def test_positions(tmp_path):
+    path = tmp_path / "x.csv"
+    path.write_text("# x,y,z\n1,2,3\n\n4e-3,5,6\n")
+    assert dumps.read_positions(path) == pytest.approx(np.array([[1.0, 2, 3], [4e-3, 5, 6]]))
+    path.write_text("1,2,3\n1,2\n")
+    with pytest.raises(SceneError, match=r"x\.csv:2: 2 numbers where 3 finite ones"):
+        dumps.read_positions(path)
