@@ -60,7 +60,8 @@ def steady_findings(plan: Plan, problem: Any, state: Any, fluxes: Any, reactions
     span = problem.T_span
     result.nodal |= _nodal(problem, state)
     _outlets(plan, problem, state, result)
-    result.qoi |= {f"heat_{plan.as_written(name)}_W": value + sum(fluxes[name].values()) for name, value in reactions.items()}
+    heats = {name: value + sum(fluxes[name].values()) for name, value in reactions.items()}
+    result.qoi |= {f"heat_{plan.as_written(name)}_W": value for name, value in heats.items()}
     if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
         x = result.profiles[coordinate_header(plan)]
         gap = _theta(solid, span) - _theta(fluid, span)

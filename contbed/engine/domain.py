@@ -70,7 +70,7 @@ class Domain:
         self._tables: dict[Any, Array] = {}
 
     def along(self, direction: Components) -> Array:
-        """Length of each cell along a unit vector (ncells, nq): 2 over the sum of the slopes of its vertex functions."""
+        """Length of each cell along a unit vector (ncells, nq): 2 over the summed slopes of its vertex functions."""
         geometry = lagrange(self.refdom, 1)
         slopes = [geometry.table(self.X, a) for a in range(self.dim)]
         rate = [sum(direction[k] * self.inverse[a][k] for k in range(self.dim)) for a in range(self.dim)]
