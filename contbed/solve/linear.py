@@ -111,7 +111,7 @@ class Solver:
 
     def __call__(self, rhs: Any) -> Any:
         """Solve, refine once if that helps, check the residual."""
-        scale = np.linalg.norm(rhs)
+        scale = float(np.linalg.norm(rhs))
         if scale == 0.0:
             return np.zeros_like(rhs)
         x = self._apply(rhs)
