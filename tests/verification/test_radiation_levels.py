@@ -1,0 +1,275 @@
+"""Radiation alone at every level: wall layers of thick beds, limits, symmetry, reciprocity, and Rosseland by plan.
+
+References come from contbed.verify or from solutions on finer meshes; balances close to 1e-10 of their largest part.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.closures.optics import SIGMA
+from contbed.errors import SceneError
+from contbed.models.ordinates import Wall, solve_ordinates
+from contbed.scene import from_dict
+from contbed.verify.exact_conduction_radiation import conduction_diffusion
+from contbed.verify.exact_radiation import P1, TWO_FLUX, equilibrium_flux, isothermal_body
+
+DIFFUSION = {"two_flux": TWO_FLUX, "p1": P1}
+LEVELS = ("two_flux", "p1", "ordinates")
+COLD = {"radiosity": 0.0}
+
+
+def wall(T: float, emissivity: float = 1.0) -> dict[str, float]:
+    return {"temperature": T, "emissivity": emissivity}
+
+
+def slab(level: str, tau: float, left: Any, right: Any, albedo: float = 0.0, **radiation: Any) -> dict[str, Any]:
+    """A medium of thickness 1 m between two boundaries; None is a mirror."""
+    ends = {"left": left, "right": right}
+    return {
+        "mesh": {"type": "line", "length": 1.0},
+        "radiation": {"level": level, "absorption": tau * (1 - albedo), "scattering": tau * albedo, **radiation},
+        "boundary": {name: {"radiation": table} for name, table in ends.items() if table is not None},
+    }
+
+
+def run(values: dict[str, Any]) -> cb.Result:
+    result = cb.run(from_dict(values))
+    assert all(abs(balance["relative_residual"]) < 1e-10 for balance in result.balances.values())
+    return result
+
+
+def conductivity(N: float, tau: float) -> float:
+    """k [W/m/K] of conduction-radiation parameter N at 1000 K."""
+    return N * 4.0 * SIGMA * 1000.0**3 / tau
+
+
+# wall layers
+
+
+@pytest.mark.parametrize("albedo", [0.0, 0.5, 0.99, 1.0 - 1e-9])
+@pytest.mark.parametrize("tau", [0.01, 1.0, 400.0])
+def test_wall_flux_of_thick_and_thin_beds(tau, albedo):
+    """Emission of an isothermal bed, on the automatic mesh of a few hundred cells."""
+    fine = np.concatenate([[0.0], np.cumsum(1.15 ** np.arange(90))])
+    fine *= 0.5 * tau / fine[-1]
+    fine = np.concatenate([fine, tau - fine[-2::-1]])
+    for level in LEVELS:
+        result = run(slab(level, tau, COLD, COLD, albedo, temperature=1000.0))
+        assert result.plan.mesh.skfem.nelements < 300
+        if level == "ordinates":
+            expected = solve_ordinates(fine, 1 - albedo, albedo, 1 - albedo, Wall(0.0), Wall(0.0), degree=4).q[-1]
+        else:
+            expected = isothermal_body("slab", tau, DIFFUSION[level], albedo)
+        assert -result.qoi["heat_right_W"] == pytest.approx(expected * SIGMA * 1e12, rel=1e-6)
+
+
+@pytest.mark.parametrize("level", ["two_flux", "p1"])
+@pytest.mark.parametrize(("tau", "N"), [(400.0, 0.001), (400.0, 1.0), (100.0, 0.01), (0.01, 0.01)])
+def test_conducting_beds(level, tau, N):
+    result = run(slab(level, tau, wall(1000.0), wall(500.0), conductivity=conductivity(N, tau)))
+    expected = conduction_diffusion(tau, N, 0.5, DIFFUSION[level]).total
+    assert result.qoi["flux_over_emissive_power"] == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_temperatures_a_factor_of_ten_apart(level):
+    """From one uniform temperature, thin to thick, with little conduction; the hot wall at 2500 K."""
+    for tau in (0.1, 10.0, 400.0):
+        result = run(slab(level, tau, wall(2500.0), wall(250.0), conductivity=conductivity(0.01, tau)))
+        T = result.profiles["T_solid [K]"]
+        assert T[0] == 2500.0 and T[-1] == pytest.approx(250.0) and np.all(np.diff(T) < 0)
+
+
+# limits
+
+
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("emissivity", [(1.0, 1.0), (0.5, 0.01), (1e-6, 1.0)])
+def test_transparent_medium(level, emissivity):
+    result = run(slab(level, 1e-5, wall(1000.0, emissivity[0]), wall(500.0, emissivity[1])))
+    expected = 1.0 / (1.0 / emissivity[0] + 1.0 / emissivity[1] - 1.0)
+    assert result.qoi["flux_dimensionless"] == pytest.approx(expected, rel=2e-5)
+
+
+def test_one_ordinate_is_two_flux():
+    for right in (wall(500.0, 0.4), COLD):
+        for extra in ({}, {"temperature": 800.0}, {"conductivity": 5.0}):
+            fluxes = [
+                run(slab(level, 3.0, wall(1000.0, 0.7), right, 0.3, ordinates=1, **extra)).qoi["heat_left_W"]
+                for level in ("two_flux", "ordinates")
+            ]
+            assert fluxes[1] == pytest.approx(fluxes[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+@pytest.mark.parametrize("level", LEVELS)
+def test_degrees(level, degree):
+    values = slab(level, 2.0, wall(1000.0), wall(600.0), 0.2, conductivity=3.0)
+    expected = run(values | {"solver": {"degree": 3, "tolerance": 1e-8}})
+    found = run(values | {"solver": {"degree": degree}})
+    assert found.qoi["heat_left_W"] == pytest.approx(expected.qoi["heat_left_W"], rel=1e-5 if degree == 1 else 1e-6)
+    at = expected.profiles["x [m]"]
+    for name in ("T_solid [K]", "G [W/m2]"):
+        got = np.interp(at, found.profiles["x [m]"], found.profiles[name])
+        assert got == pytest.approx(expected.profiles[name], rel=2e-4)
+
+
+def test_species_of_given_temperature_among_others():
+    """What neither conducts nor has a temperature emits what it absorbs: scattering to the rest."""
+    values = slab("p1", 5.0, COLD, COLD)
+    hot = {"volume_fraction": 0.1, "diameter": 0.1, "emissivity": 1.0, "temperature": 1200.0}
+    passive = {"volume_fraction": 0.2, "diameter": 0.2, "emissivity": 0.7}
+    for level in LEVELS:
+        values["radiation"] = {"level": level, "species": {"hot": hot, "other": passive}, "correction": "independent"}
+        values["bed"] = {"porosity": 0.7, "particle_diameter": 0.1}
+        mixed = run(values).qoi["heat_left_W"]
+        direct = slab(level, 1.0, COLD, COLD, temperature=1200.0) | {"mesh": values["mesh"]}
+        direct["radiation"] |= {"absorption": 1.5, "scattering": 1.5}
+        assert mixed == pytest.approx(run(direct).qoi["heat_left_W"], rel=1e-6)
+
+
+def test_anisotropy_is_the_transport_coefficient():
+    given = slab("ordinates", 4.0, wall(1000.0), wall(500.0), 0.5, anisotropy=-0.4)
+    same = slab("ordinates", 4.0, wall(1000.0), wall(500.0), 0.5)
+    same["radiation"]["scattering"] = 2.0 * 1.4
+    fluxes = [run(values).qoi["flux_dimensionless"] for values in (given, same)]
+    assert fluxes[0] == pytest.approx(fluxes[1], rel=1e-6)
+
+
+# symmetry and reciprocity
+
+
+MEDIA = {"equilibrium": {}, "given": {"temperature": 700.0}, "conducts": {"conductivity": 4.0}}
+
+
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("medium", MEDIA.values(), ids=MEDIA)
+def test_mirrored(level, medium):
+    """Exchanging the walls exchanges the heat; a mirror in the middle of a symmetric bed changes nothing."""
+    ends = wall(1200.0, 0.4), wall(600.0, 0.9)
+    there, back = (run(slab(level, 3.0, *pair, 0.3, **medium)).qoi for pair in (ends, ends[::-1]))
+    assert back["heat_left_W"] == pytest.approx(there["heat_right_W"], rel=1e-9)
+    assert back["heat_right_W"] == pytest.approx(there["heat_left_W"], rel=1e-9)
+    if "temperature" in medium:
+        whole = run(slab(level, 3.0, ends[0], ends[0], 0.3, **medium)).qoi
+        half = slab(level, 3.0, ends[0], None, 0.3, **medium)
+        half["mesh"] = {"type": "line", "length": 0.5}
+        assert run(half).qoi["heat_left_W"] == pytest.approx(whole["heat_left_W"], rel=1e-7)
+
+
+def test_walls_of_a_rectangle_exchange_alike():
+    """What one side sends to another through a cold medium the other sends back, of different length and emissivity."""
+    mesh = {"type": "rectangle", "length": 1.0, "height": 0.4, "cells": [24, 16]}
+
+    def through(hot: str, cold: str) -> float:
+        emissivity = {"left": 0.3, "top": 0.8, "right": 1.0, "bottom": 0.6}
+        tables = {side: wall(1000.0 if side == hot else 1e-3, e) for side, e in emissivity.items()}
+        radiation = {"level": "p1", "absorption": 0.7, "scattering": 2.0, "temperature": 1e-3}
+        boundary = {side: {"radiation": table} for side, table in tables.items()}
+        return -run({"mesh": mesh, "radiation": radiation, "boundary": boundary}).qoi[f"heat_{cold}_W"]
+
+    assert through("left", "top") == pytest.approx(through("top", "left"), rel=1e-11)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_isothermal_enclosure(level):
+    """Everything at one temperature: no heat, G = 4 sigma T^4."""
+    values = slab(level, 7.0, wall(900.0, 0.3), wall(900.0, 0.8), 0.5, conductivity=2.0)
+    profiles = cb.run(from_dict(values | {"solver": {"balance_tolerance": 2.0}})).profiles
+    assert profiles["T_solid [K]"] == pytest.approx(900.0, rel=1e-12)
+    assert profiles["G [W/m2]"] == pytest.approx(4.0 * SIGMA * 900.0**4, rel=1e-11)
+    assert profiles["q_radiation [W/m2]"] == pytest.approx(0.0, abs=1e-5)
+
+
+# Rosseland
+
+
+def test_a_conducting_medium_by_rosseland():
+    """Exact for its equation: q tau = 4 N (1 - theta) + 4/3 (1 - theta^4)."""
+    for tau, N in ((400.0, 0.01), (1.0, 1.0)):
+        result = run(slab("rosseland", tau, wall(1000.0), wall(500.0), conductivity=conductivity(N, tau)))
+        expected = (4.0 * N * 0.5 + 4.0 / 3.0 * (1.0 - 0.5**4)) / tau
+        assert result.qoi["flux_over_emissive_power"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_every_level_tends_to_rosseland():
+    errors = []
+    for tau in (50.0, 200.0, 800.0):
+        k = conductivity(0.1, tau)
+        fluxes = [run(slab(level, tau, wall(1000.0), wall(500.0), conductivity=k)).qoi["heat_left_W"]
+                  for level in ("rosseland", "p1", "ordinates")]  # fmt: skip
+        errors.append(np.abs(np.array(fluxes[1:]) / fluxes[0] - 1.0))
+    assert np.all(np.array(errors[-1]) < 1.5e-3)
+    assert np.log2(errors[0] / errors[1]) / 2 == pytest.approx(1.0, abs=0.15)
+    assert np.log2(errors[1] / errors[2]) / 2 == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.parametrize("level", ["p1", "two_flux"])
+@pytest.mark.parametrize("heated", [False, True], ids=["alone", "with heat"])
+def test_plan_chooses_rosseland(level, heated):
+    """Where it is allowed and thick; the error that plan states bounds the difference from P1."""
+    for tau, chosen in ((20.0, False), (300.0, True)):
+        results = {allowed: run(bed(tau, level, heated, allow_rosseland=allowed)) for allowed in (False, True)}
+        why = dict(results[True].plan.built)["radiation"]
+        assert ("Rosseland limit" in why) == chosen and "allowed are 1 %" in why
+        assert why in str([item["why"] for item in results[True].summary["built"]])
+        assert "Rosseland" not in str(results[False].plan)
+        assert results[True].plan.scene.radiation.level == level
+        if level == "p1":
+            stated = 0.01 * float(why.split("about ")[1].split(" %")[0])
+            difference = results[True].qoi["heat_left_W"] / results[False].qoi["heat_left_W"] - 1.0
+            assert abs(difference) < 1.05 * stated if chosen else difference == 0.0
+        if chosen and heated:
+            assert results[True].plan.unknowns().get("radiation") is None
+
+
+def bed(tau: float, level: str, heated: bool, **radiation: Any) -> dict[str, Any]:
+    """A slab that conducts, or a packed bed with gas at rest, between walls at 1400 K and 700 K."""
+    values = slab(level, tau, wall(1400.0), wall(700.0), 0.2, **radiation)
+    if not heated:
+        values["radiation"]["conductivity"] = 1.0
+        return values
+    for name, T in (("left", 1400.0), ("right", 700.0)):
+        values["boundary"][name] |= {"fluid": {"fixed": T}, "solid": {"fixed": T}}
+    gas = {"density": 1.0, "viscosity": 3e-5, "heat_capacity": 1100.0, "conductivity": 0.06}
+    return values | {
+        "fluid": {"model": "constant", **gas},
+        "solid": {"density": 2500.0, "heat_capacity": 900.0, "conductivity": 1.5},
+        "bed": {"porosity": 0.4, "particle_diameter": 0.005},
+        "flow": {"velocity": 0.0},
+        "heat": {"nusselt": 5.0},
+    }
+
+
+def test_rosseland_is_not_chosen_where_walls_stand_apart():
+    """A wall that radiates to a solid of another temperature needs an equation for G."""
+    values = bed(300.0, "p1", heated=True, allow_rosseland=True)
+    values["boundary"]["left"]["solid"] = {"fixed": 1300.0}
+    assert "needs conduction and the solid at the temperature" in str(run(values).plan)
+
+
+@pytest.mark.parametrize(
+    ("level", "message"),
+    [("ordinates", "ordinates solve .radiation. alone"), ("rosseland", "fix it in boundary.left.solid")],
+)
+def test_levels_that_do_not_fit(level, message):
+    values = bed(30.0, level, heated=True)
+    del values["boundary"]["left"]["solid"]
+    with pytest.raises(SceneError, match=message):
+        from_dict(values)
+
+
+def test_rosseland_needs_conduction():
+    with pytest.raises(SceneError, match="medium that conducts"):
+        from_dict(slab("rosseland", 30.0, wall(1000.0), wall(500.0)))
+
+
+def test_equilibrium_by_every_level_at_any_albedo():
+    for level, D in DIFFUSION.items():
+        for albedo in (0.0, 1.0 - 1e-9, 1.0):
+            result = run(slab(level, 50.0, wall(1000.0, 0.7), wall(300.0, 0.2), albedo))
+            expected = equilibrium_flux(50.0, D, (0.7, 0.2))
+            assert result.qoi["flux_dimensionless"] == pytest.approx(expected, rel=1e-10)
