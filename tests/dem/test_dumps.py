@@ -89,7 +89,7 @@ def test_a_packed_file_and_no_temperature(tmp_path):
         (LIGGGHTS[:-20], "12: truncated: 4 values for the 7 columns id type x y z radius f_Temp[0]"),
         (LIGGGHTS[: LIGGGHTS.index("ITEM: ATOMS")], "8: truncated: the file ends where an ITEM should follow"),
         ("ITEM: TIMESTEP\n", "1: truncated: the file ends where the step should follow"),
-        (LIGGGHTS + LIGGGHTS[:43], "16: truncated: the file ends where the number of particles should follow"),
+        (LIGGGHTS + LIGGGHTS[:43], "15: truncated: the file ends where the number of particles should follow"),
         (LIGGGHTS.replace(" radius", " mass"), "12: no radius"),
         (LIGGGHTS.replace("x y z", "vx vy vz"), "12: no positions"),
         (LIGGGHTS.replace("0.0015", "0"), "12: step 60000: a position or radius is not a finite number"),
