@@ -1,0 +1,1 @@
+"""Embedded discrete elements: spheres in motion, packings and heat between particles, for closures."""

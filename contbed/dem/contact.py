@@ -1,0 +1,133 @@
+"""Contact laws of spheres: Hertz-Mindlin with history, damping by restitution, rolling friction; the safe step.
+
+Equations, with the unit normal n from j to i, overlap delta, a = sqrt(R* delta) and the velocity v of i against j at
+the contact, split into v_n = v.n and v_t = v - v_n n:
+
+    F_n = 4/3 E* a delta - c_n sqrt(m* a) v_n               c = 2 sqrt(5/6) b sqrt(k / a), k_n = 2 E* a
+    F_t = -k_t xi - c_t sqrt(m* a) v_t, |F_t| <= mu F_n     k_t = 8 G* a (Mindlin), dxi/dt = v_t, xi tangent
+    T_r = -mu_r R* F_n w_t/|w_t|                            w_t : rolling part of the relative spin
+
+The normal force may pull at the end of an impact: only so the restitution is the one asked for. Friction never exceeds
+mu F_n, dashpot included, and is zero where F_n pulls. The rolling torque is at most what stops the rotation in
+ROLLING_STEPS steps, so that it neither chatters nor drives a particle with many contacts.
+
+Sources: Zhou, Yu, Horio (2010 review, Table 1) as used by Hou, Zhou, Yu (2011) with signs and dimensions corrected;
+damping: Tsuji, Tanaka, Ishida (1992), Powder Technology 71, 239.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numba import njit
+
+from contbed.dem.particles import DAMP_N, DAMP_T, E_EFF, G_EFF, SLIDE, Material, Particles
+from contbed.errors import SceneError
+
+FAST = frozenset(("contract", "arcp", "nsz", "reassoc"))  # not nnan: a NaN must be seen
+ROLLING_STEPS = 8.0
+RAYLEIGH_SHARE = 0.2  # of the time that a surface wave needs around the smallest particle
+STEPS_PER_IMPACT = 20.0  # 1.3e-3 error of the largest overlap
+DURATION = 2.868265699195  # t_c of a Hertz impact in units of (m*^2 / (R* E*^2 v))^(1/5)
+
+XI, SINCE, SPEED = 0, 3, 4  # columns of a history: tangential spring (3), step of first touch or -1, impact speed
+HISTORY = 5
+
+
+@njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
+def contact_force(nx, ny, nz, overlap, vx, vy, vz, r_eff, m_eff, pair, past, now, dt):
+    """Force on i and its normal part [N] in a closed contact; `past`, its history, is brought up to step number `now`.
+
+    (nx, ny, nz) unit normal from j to i; (vx, vy, vz) velocity of i against j at the contact [m/s];
+    `r_eff`, `m_eff` effective radius [m] and mass [kg]; `pair` row of the pair table.
+    """
+    vn = vx * nx + vy * ny + vz * nz
+    if past[SINCE] < 0.0:
+        past[SINCE] = now
+        past[SPEED] = abs(vn)
+    a = np.sqrt(r_eff * overlap)
+    root = np.sqrt(m_eff * a)
+    normal = 4.0 / 3.0 * pair[E_EFF] * a * overlap - pair[DAMP_N] * root * vn
+    limit = pair[SLIDE] * max(normal, 0.0)
+    ux, uy, uz = vx - vn * nx, vy - vn * ny, vz - vn * nz
+    kt, ct = 8.0 * pair[G_EFF] * a, pair[DAMP_T] * root
+    out = past[0] * nx + past[1] * ny + past[2] * nz
+    sx, sy, sz = past[0] - out * nx + dt * ux, past[1] - out * ny + dt * uy, past[2] - out * nz + dt * uz
+    spring2 = kt * kt * (sx * sx + sy * sy + sz * sz)
+    if spring2 > limit * limit:
+        shrink = limit / np.sqrt(spring2)
+        sx, sy, sz = sx * shrink, sy * shrink, sz * shrink
+        tx, ty, tz = -kt * sx, -kt * sy, -kt * sz
+    else:
+        tx, ty, tz = -kt * sx - ct * ux, -kt * sy - ct * uy, -kt * sz - ct * uz
+        force2 = tx * tx + ty * ty + tz * tz
+        if force2 > limit * limit:
+            shrink = limit / np.sqrt(force2)
+            tx, ty, tz = tx * shrink, ty * shrink, tz * shrink
+    past[0], past[1], past[2] = sx, sy, sz
+    return normal * nx + tx, normal * ny + ty, normal * nz + tz, normal
+
+
+@njit(error_model="numpy", fastmath=set(FAST))
+def rolling_torque(nx, ny, nz, wx, wy, wz, r_eff, i_eff, friction, normal, dt):
+    """Torque on i [N m] against the rolling part of the relative spin (wx, wy, wz), for a normal force [N]."""
+    along = wx * nx + wy * ny + wz * nz
+    wx, wy, wz = wx - along * nx, wy - along * ny, wz - along * nz
+    rate = np.sqrt(wx * wx + wy * wy + wz * wz)
+    if rate == 0.0 or normal <= 0.0:
+        return 0.0, 0.0, 0.0
+    brake = min(friction * r_eff * normal / rate, i_eff / (ROLLING_STEPS * dt))
+    return -brake * wx, -brake * wy, -brake * wz
+
+
+def hertz_impact(mass: float, radius: float, modulus: float, speed: float) -> tuple[float, float]:
+    """Duration [s] and largest overlap [m] of an elastic impact; effective mass [kg], radius [m] and modulus [Pa].
+
+    t_c = 2.868266 (m*^2 / (R* E*^2 v))^(1/5), delta_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)
+    Source: Johnson, Contact Mechanics (1985), section 11.4.
+    """
+    duration = DURATION * (mass**2 / (radius * modulus**2 * speed)) ** 0.2
+    return duration, (15.0 * mass * speed**2 / (16.0 * modulus * np.sqrt(radius))) ** 0.4
+
+
+def rayleigh_time(radius: float, material: Material) -> float:
+    """Time that a Rayleigh wave needs for half the circumference [s]: pi R sqrt(rho / G) / (0.1631 nu + 0.8766).
+
+    Source: Thornton and Randall (1988), in: Micromechanics of Granular Materials, 133-142.
+    """
+    factor = 0.1631 * material.poisson_ratio + 0.8766
+    return float(np.pi * radius * np.sqrt(material.density / material.shear_modulus) / factor)
+
+
+def largest_safe_step(particles: Particles, materials: Sequence[Material], impact_speed: float = 0.1) -> float:
+    """Largest time step [s]: 0.2 of the Rayleigh time, and 20 steps in an impact at `impact_speed` [m/s].
+
+    Taken over the smallest particle of every material that occurs, in contact with its like.
+    """
+    steps = []
+    for index in np.unique(particles.material):
+        material = materials[index]
+        radius = float(particles.radius[particles.material == index].min())
+        mass = 4.0 / 3.0 * np.pi * radius**3 * material.density
+        modulus = material.youngs_modulus / (2.0 * (1.0 - material.poisson_ratio**2))
+        steps.append(RAYLEIGH_SHARE * rayleigh_time(radius, material))
+        steps.append(hertz_impact(mass / 2.0, radius / 2.0, modulus, impact_speed)[0] / STEPS_PER_IMPACT)
+    return min(steps)
+
+
+def require_safe_step(
+    time_step: float, particles: Particles, materials: Sequence[Material], impact_speed: float
+) -> None:
+    """Refuse a time step that is not positive or larger than the largest safe one.
+
+    Raises
+    ------
+    SceneError : names the largest safe step
+    """
+    safe = largest_safe_step(particles, materials, impact_speed)
+    if not 0.0 < time_step <= safe * (1.0 + 1e-12):
+        raise SceneError(
+            f"dem: time step {time_step:g} s, the largest safe one is {safe:.4g} s "
+            f"(impacts at {impact_speed:g} m/s); reduce it or soften the particles"
+        )

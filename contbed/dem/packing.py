@@ -1,0 +1,251 @@
+"""Packings: spheres placed at random, settled soft under gravity, then stiffened to the wanted modulus.
+
+Soft contacts take long time steps, and strong damping ends the motion soon; the energy kept in overlaps is below 1 % of
+m g d, so stiffening hardly moves the bed. The same arguments and seed give the same packing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from contbed.dem.contact import largest_safe_step
+from contbed.dem.particles import Material, Particles
+from contbed.dem.simulation import Contacts, Simulation
+from contbed.dem.statistics import coordination, porosity, surface
+from contbed.dem.walls import INFINITE, Cylinder, Domain, Plane, Wall, box
+from contbed.errors import ConvergenceError, SceneError
+
+LOOSE = 0.28  # solid fraction at the start; placing at random jams at 0.38
+GUESS = 0.59  # solid fraction that turns a height into a number
+SOFT = {"youngs_modulus": 1e6, "restitution": 0.2}
+STIFFER = 10.0  # factor of the modulus from one stage to the next
+AT_REST = 1e-6  # kinetic energy over N m g d
+CALM = 1e-4  # the same, before the last stage
+TRIES = 2000  # for one sphere
+LONGEST = 4.0  # s of motion in one stage
+
+
+@dataclass(frozen=True)
+class Packing:
+    """A settled bed on the floor z = 0.
+
+    `position` [m] (n, 3), `radius` [m]; `domain` holds the box and its periodic sides, `cylinder` the radius [m] of a
+    round bed or None; `walls` and `domain` are those of a `Simulation` that goes on; `contacts` of pairs; `statistics`:
+    count, height and mean surface [m], porosity, coordination, overlaps over the diameter, kinetic energy over N m g d.
+    """
+
+    position: NDArray[np.float64]
+    radius: NDArray[np.float64]
+    material: Material
+    domain: Domain
+    walls: tuple[Wall, ...]
+    cylinder: float | None
+    contacts: Contacts
+    statistics: dict[str, float]
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+
+def pack(
+    width: tuple[float, float] | None = None,
+    *,
+    cylinder: float | None = None,
+    radius: ArrayLike = 1e-3,
+    count: int | None = None,
+    height: float | None = None,
+    material: Material | None = None,
+    periodic: tuple[bool, bool] = (False, False),
+    seed: int = 0,
+    at_rest: float = AT_REST,
+    gravity: float = 9.81,
+    quiet: bool = True,
+) -> Packing:
+    """Random loose packing in a box or a cylinder.
+
+    Parameters
+    ----------
+    width [m] : of the box in x and y; or `cylinder` [m], the radius of a round bed
+    radius [m] : of all spheres, or an array of radii, one for each
+    count : number of spheres; or `height` [m], about as many as fill the bed to there
+    periodic : sides in x and y of a box
+    at_rest : kinetic energy over N m g d at which the bed counts as settled
+    gravity [m/s2], downwards
+
+    Raises
+    ------
+    SceneError : both or neither of two alternatives, a bed narrower than a sphere
+    ConvergenceError : the bed does not come to rest
+    """
+    if (width is None) == (cylinder is None):
+        raise SceneError("packing: give either width or cylinder")
+    if cylinder is not None and any(periodic):
+        raise SceneError("packing: a cylinder has no periodic sides")
+    sides = (2.0 * cylinder, 2.0 * cylinder) if cylinder is not None else width
+    assert sides is not None
+    area = np.pi * cylinder**2 if cylinder is not None else sides[0] * sides[1]
+    radii = _radii(radius, count, height, area)
+    if 2.0 * radii.max() > min(sides):
+        raise SceneError(f"packing: spheres of {2.0 * radii.max():g} m do not fit into a bed {min(sides):g} m wide")
+    material = material or Material()
+    rng = np.random.default_rng(seed)
+    domain, walls = _container(sides, cylinder, periodic)
+    position = _place(rng, radii, sides, cylinder, periodic, area)
+    softest = min(SOFT["youngs_modulus"], material.youngs_modulus)
+    stage = replace(material, youngs_modulus=softest, restitution=min(SOFT["restitution"], material.restitution))
+    simulation = _settled(Particles(position, radii), stage, walls, domain, gravity, max(at_rest, CALM), quiet)
+    while stage.youngs_modulus < material.youngs_modulus:
+        stage = replace(stage, youngs_modulus=min(STIFFER * stage.youngs_modulus, material.youngs_modulus))
+        last = stage.youngs_modulus == material.youngs_modulus
+        rest = at_rest if last else max(at_rest, CALM)
+        simulation = _settled(Particles(simulation.position, radii), stage, walls, domain, gravity, rest, quiet)
+    contacts = simulation.contacts()
+    final = simulation.position.copy()
+    statistics = {
+        "count": float(len(radii)),
+        "height": float(np.max(final[:, 2] + radii)),
+        "surface": surface(final, radii),
+        **porosity(final, radii, domain, cylinder),
+        **coordination(final, radii, contacts, domain, cylinder),
+        "overlap_mean": float(np.mean(_relative(contacts, radii))),
+        "overlap_max": float(np.max(_relative(contacts, radii), initial=0.0)),
+        "kinetic_energy": _unrest(simulation, gravity),
+    }
+    return Packing(final, radii, material, domain, tuple(walls), cylinder, contacts, statistics)
+
+
+def _radii(radius: ArrayLike, count: int | None, height: float | None, area: float) -> NDArray[np.float64]:
+    radii = np.atleast_1d(np.asarray(radius, dtype=np.float64))
+    if not (radii > 0.0).all() or radii.ndim != 1:
+        raise SceneError("packing: radii must be positive")
+    if len(radii) > 1:
+        if height is not None or count not in (None, len(radii)):
+            raise SceneError(f"packing: {len(radii)} radii fix the number of spheres; leave out count and height")
+        return radii
+    if (count is None) == (height is None):
+        raise SceneError("packing: give either count or height")
+    if count is None:
+        assert height is not None
+        count = round(GUESS * area * height / (4.0 / 3.0 * np.pi * radii[0] ** 3))
+    if count < 1:
+        raise SceneError(f"packing: {count} spheres; the bed is too low or the count is not positive")
+    return np.full(count, radii[0])
+
+
+def _container(
+    sides: tuple[float, float], cylinder: float | None, periodic: tuple[bool, bool]
+) -> tuple[Domain, list[Wall]]:
+    if cylinder is not None:
+        domain = Domain((-cylinder, -cylinder, 0.0), (cylinder, cylinder, INFINITE))
+        walls: list[Wall] = [Plane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), Cylinder((0.0,) * 3, (0.0, 0.0, 1.0), cylinder)]
+        return domain, walls
+    domain = Domain((0.0, 0.0, 0.0), (sides[0], sides[1], INFINITE), (*periodic, False))
+    return domain, [*box(domain)]
+
+
+def _place(
+    rng: np.random.Generator,
+    radii: NDArray,
+    sides: tuple[float, float],
+    cylinder: float | None,
+    periodic: tuple[bool, bool],
+    area: float,
+) -> NDArray[np.float64]:
+    """Random positions without overlap, in index order from below."""
+    top = 4.0 / 3.0 * np.pi * (radii**3).sum() / (LOOSE * area) + 2.0 * radii.max()
+    limits = np.array([sides[0], sides[1], top])
+    for _ in range(8):
+        placed, position = _add_at_random(radii, limits, cylinder or 0.0, np.array(periodic), rng)
+        if placed:
+            return position[np.argsort(position[:, 2], kind="stable")] if np.ptp(radii) == 0.0 else position
+        limits[2] *= 1.2
+    raise ConvergenceError(f"packing: no room for {len(radii)} spheres in a bed {min(sides):g} m wide; widen it")
+
+
+@njit(cache=True)
+def _add_at_random(radius, limits, cylinder, periodic, rng):
+    """Random sequential addition, large spheres first; True and positions, or False if one finds no place."""
+    n, top = len(radius), radius.max()
+    x = np.zeros((n, 3))
+    count = np.empty(3, np.int64)
+    for axis in range(3):
+        count[axis] = max(1, int(limits[axis] / (2.0 * top)))
+    head = np.full((count[0], count[1], count[2]), -1, np.int64)
+    after = np.full(n, -1, np.int64)
+    at, p, low = np.empty(3, np.int64), np.empty(3), np.empty(3)
+    for axis in range(3):
+        low[axis] = -0.5 * limits[axis] if cylinder > 0.0 and axis < 2 else 0.0
+    for i in np.argsort(-radius, kind="mergesort"):
+        free = False
+        for _ in range(TRIES):
+            for axis in range(3):
+                edge = 0.0 if axis < 2 and periodic[axis] else radius[i]
+                p[axis] = low[axis] + edge + (limits[axis] - 2.0 * edge) * rng.random()
+                at[axis] = min(int((p[axis] - low[axis]) / limits[axis] * count[axis]), count[axis] - 1)
+            if cylinder > 0.0 and p[0] ** 2 + p[1] ** 2 > (cylinder - radius[i]) ** 2:
+                continue
+            free = True
+            for step in range(27):
+                a, b, c = at[0] + step % 3 - 1, at[1] + step // 3 % 3 - 1, at[2] + step // 9 - 1
+                if c < 0 or c >= count[2]:
+                    continue
+                if not (periodic[0] or 0 <= a < count[0]) or not (periodic[1] or 0 <= b < count[1]):
+                    continue
+                j = head[a % count[0], b % count[1], c]
+                while j >= 0 and free:
+                    dx, dy, dz = p[0] - x[j, 0], p[1] - x[j, 1], p[2] - x[j, 2]
+                    if periodic[0]:
+                        dx -= limits[0] * np.rint(dx / limits[0])
+                    if periodic[1]:
+                        dy -= limits[1] * np.rint(dy / limits[1])
+                    free = dx * dx + dy * dy + dz * dz > (radius[i] + radius[j]) ** 2
+                    j = after[j]
+                if not free:
+                    break
+            if free:
+                break
+        if not free:
+            return False, x
+        x[i] = p
+        after[i] = head[at[0], at[1], at[2]]
+        head[at[0], at[1], at[2]] = i
+    return True, x
+
+
+def _settled(
+    bed: Particles,
+    material: Material,
+    walls: list[Wall],
+    domain: Domain,
+    gravity: float,
+    at_rest: float,
+    quiet: bool,
+) -> Simulation:
+    step = largest_safe_step(bed, [material], 0.3)
+    simulation = Simulation(bed, [material], walls, domain, (0.0, 0.0, -gravity), step, 0.3, largest_overlap=0.5)
+    drop = np.sqrt(2.0 * float(np.max(bed.position[:, 2])) / gravity)
+    allowed = round((LONGEST + drop) / step)
+    ends: Callable[[Simulation], bool] = lambda bed: _unrest(bed, gravity) < at_rest  # noqa: E731
+    simulation.run(allowed, 500, ends, quiet)
+    if not ends(simulation):
+        raise ConvergenceError(
+            f"packing: kinetic energy {_unrest(simulation, gravity):.3g} of N m g d after {simulation.time:.3g} s at "
+            f"E = {material.youngs_modulus:g} Pa, {at_rest:g} is wanted; add friction or damping, or accept more",
+            state=simulation.state(),
+        )
+    return simulation
+
+
+def _unrest(simulation: Simulation, gravity: float) -> float:
+    """Kinetic energy over N m g d."""
+    return simulation.kinetic_energy / float((simulation.mass * 2.0 * simulation.radius).sum() * gravity)
+
+
+def _relative(contacts: Contacts, radii: NDArray) -> NDArray[np.float64]:
+    """Overlaps over the diameter of the smaller sphere."""
+    return contacts.overlap / (2.0 * np.minimum(radii[contacts.i], radii[contacts.j]))

@@ -1,0 +1,114 @@
+"""Walls at rest: planes, boxes, cylinders around the bed, tubes in it; and the domain that particles may not leave."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import SceneError
+
+Vector = tuple[float, float, float]
+INFINITE = float("inf")
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Through `point` [m]; `normal` points into the bed. `material` is an index."""
+
+    point: Vector
+    normal: Vector
+    material: int = 0
+
+    def row(self) -> list[float]:
+        return [0.0, *self.point, *_unit(self.normal, "plane: normal"), 0.0]
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """Round wall around the bed: a point of its axis [m], direction of the axis, radius [m]."""
+
+    point: Vector
+    axis: Vector
+    radius: float
+    material: int = 0
+
+    def row(self) -> list[float]:
+        return [1.0, *self.point, *_unit(self.axis, "cylinder: axis"), _positive(self.radius, "cylinder: radius")]
+
+
+@dataclass(frozen=True)
+class Tube:
+    """Round tube in the bed, as long as the bed is wide: a point of its axis [m], direction of the axis, radius [m]."""
+
+    point: Vector
+    axis: Vector
+    radius: float
+    material: int = 0
+
+    def row(self) -> list[float]:
+        return [-1.0, *self.point, *_unit(self.axis, "tube: axis"), _positive(self.radius, "tube: radius")]
+
+
+Wall = Plane | Cylinder | Tube
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Corners [m] and periodic sides; a particle whose centre leaves through a side that is not periodic is lost."""
+
+    lower: Vector = (-INFINITE,) * 3
+    upper: Vector = (INFINITE,) * 3
+    periodic: tuple[bool, bool, bool] = (False,) * 3
+
+    def __post_init__(self) -> None:
+        for axis, name in enumerate("xyz"):
+            low, high = self.lower[axis], self.upper[axis]
+            if not low < high:
+                raise SceneError(f"domain: {name} from {low:g} to {high:g} m")
+            if self.periodic[axis] and not np.isfinite(high - low):
+                raise SceneError(f"domain: the periodic sides in {name} need finite corners, not {low:g} to {high:g} m")
+
+    def require_wide(self, width: float) -> None:
+        """Refuse periodic sides closer than three times `width` [m], the reach of a contact."""
+        for axis, name in enumerate("xyz"):
+            length = self.upper[axis] - self.lower[axis]
+            if self.periodic[axis] and length < 3.0 * width:
+                raise SceneError(
+                    f"domain: periodic length {length:g} m in {name}, at least {3.0 * width:.4g} m is needed "
+                    "(three largest diameters and skins)"
+                )
+
+
+def box(domain: Domain, material: int = 0, open_top: bool = True) -> list[Plane]:
+    """Planes on the finite sides of a domain that are not periodic; with `open_top` none on the upper side of z."""
+    planes = []
+    for axis in range(3):
+        for corner, sign in ((domain.lower, 1.0), (domain.upper, -1.0)):
+            if domain.periodic[axis] or not np.isfinite(corner[axis]) or (open_top and axis == 2 and sign < 0.0):
+                continue
+            point, normal = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+            point[axis], normal[axis] = corner[axis], sign
+            planes.append(Plane((point[0], point[1], point[2]), (normal[0], normal[1], normal[2]), material))
+    return planes
+
+
+def wall_rows(walls: Sequence[Wall]) -> NDArray[np.float64]:
+    """Walls as the kernel reads them, shape (w, 8)."""
+    return np.array([wall.row() for wall in walls], dtype=np.float64).reshape(len(walls), 8)
+
+
+def _unit(direction: Vector, name: str) -> list[float]:
+    vector = np.asarray(direction, dtype=np.float64)
+    length = float(np.linalg.norm(vector))
+    if not 0.0 < length < INFINITE:
+        raise SceneError(f"{name} {direction} has no direction")
+    return list(vector / length)
+
+
+def _positive(value: float, name: str) -> float:
+    if not 0.0 < value < INFINITE:
+        raise SceneError(f"{name} = {value:g} m must be positive")
+    return value
