@@ -78,16 +78,19 @@ def radiation_is_complete(
         if heat is None and not radiation.conductivity:
             yield ("radiation", "level"), "rosseland is for a medium that conducts: [heat], or radiation.conductivity"
         for name in loose_walls(heat, boundary):
+            remedy = f"fix it in boundary.{name}.solid" if heat is not None else "give a temperature"
             yield (
                 ("boundary", name, "radiation"),
-                f"with rosseland the solid has the temperature of a wall: fix it in boundary.{name}.solid, "
-                f"or use p1; see {see('radiation.level')}",
+                f"with rosseland the solid has the temperature of a wall: {remedy}, or use p1; "
+                f"see {see('radiation.level')}",
             )
     for key in ("conductivity", "temperature"):
         if heat is not None and getattr(radiation, key) is not None:
             yield ("radiation", key), f"is for a medium alone; [heat] already has it; see {see('heat')}"
     if radiation.conductivity is not None and radiation.temperature is not None:
         yield ("radiation", "temperature"), f"is solved for where it conducts; see {see('radiation.conductivity')}"
+    if radiation.temperature is not None and ways["absorption"] and not radiation.absorption:
+        yield ("radiation", "temperature"), "a medium that does not absorb does not emit: give radiation.absorption"
     if heat is None and radiation.temperature is None and not any(b.radiation for b in boundary.values()):
         yield ("boundary",), "no boundary radiates and the medium has no temperature: nothing determines it"
 
