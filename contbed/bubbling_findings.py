@@ -9,10 +9,12 @@ import numpy as np
 from contbed.bubbling_planning import BubblingPlan
 from contbed.bubbling_problem import BubblingProblem
 from contbed.closures import optics, registry
+from contbed.errors import ConvergenceError
 from contbed.probe import Probe, axis_points
 from contbed.result import Result
 
-KELVIN = 1e4  # temperatures above this are reported: nothing in the bed carries the heat away
+COLD, HOT = 400.0, 2000.0  # temperatures from which other steady states are looked for [K]
+APART = 1.0  # difference of temperatures of two steady states [K]
 
 
 def solve(plan: Any, result: Result) -> None:
@@ -21,6 +23,36 @@ def solve(plan: Any, result: Result) -> None:
     state, history = problem.solve()
     result.history += history
     findings(plan, problem, state, result)
+    if any(item.release is not None and item.release.activation for item in plan.scene.present.values()):
+        result.qoi["steady_states_found"] = 1 + len(_other_states(problem, state, result))
+
+
+def _other_states(problem: BubblingProblem, state: Any, result: Result) -> list[Any]:
+    """Steady states that a cold and a hot guess lead to; heat release that grows with temperature may allow several."""
+    found = [state]
+    for guess in (COLD, HOT):
+        try:
+            other, _ = problem.solve(guess)
+        except ConvergenceError:
+            result.warnings.append(f"no steady state was found from a uniform {guess:g} K")
+            continue
+        if all(_distance(problem, other, known) > APART for known in found):
+            here, there = (
+                np.mean([problem.system.part(each, f"T_{name}") for name in problem.c.species])
+                for each in (state, other)
+            )
+            result.warnings.append(
+                f"this is one of several steady states: its particles are at {here:.6g} K on average, those of another "
+                f"at {there:.6g} K; solver.guess = {guess:g} leads there"
+            )
+            found.append(other)
+    return found[1:]
+
+
+def _distance(problem: BubblingProblem, a: Any, b: Any) -> float:
+    """Largest difference of a temperature [K]."""
+    names = problem.c.streams
+    return max(float(np.abs(problem.system.part(a, name) - problem.system.part(b, name)).max()) for name in names)
 
 
 def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Result) -> None:
@@ -45,7 +77,9 @@ def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: R
     duties, releases = problem.duties(state), problem.releases(state)
     result.qoi |= duties | {f"release_{name}_W": value for name, value in releases.items()}
     result.balances["energy"] = _balance(problem, state, duties, releases)
-    _check(plan, nodal, result)
+    if plan.albedo is not None:
+        use = registry.usage(optics.radiation_emissivity_half_space, albedo=plan.albedo)
+        result.closures = [use.to_dict()]
 
 
 def _balance(
@@ -64,11 +98,3 @@ def _balance(
         "relative_residual": (entering + source - leaving) / scale, "unit": "W",
     }  # fmt: skip
 
-
-def _check(plan: BubblingPlan, nodal: dict[str, Any], result: Result) -> None:
-    """Closure ranges, and temperatures that no bed has; nothing is clipped."""
-    if plan.albedo is not None:
-        use = registry.usage(optics.radiation_emissivity_half_space, albedo=plan.albedo)
-        result.closures = [use.to_dict()]
-    if (hottest := max(float(nodal[name].max()) for name in plan.coefficients.streams)) > KELVIN:
-        result.warnings.append(f"temperatures reach {hottest:.4g} K: nothing carries the heat release away")

@@ -7,24 +7,32 @@ from typing import Any
 import numpy as np
 
 from contbed.bubbling_planning import BubblingPlan
+from contbed.closures.optics import SIGMA
 from contbed.engine.skfem import System
+from contbed.errors import ConvergenceError
 from contbed.models import bubbling_bed as model
 from contbed.models.radiation import emitted
+from contbed.solve.continuation import relax
 from contbed.solve.linear import Solver
 from contbed.solve.newton import newton
 
 Array = Any
 EXTRA = 4  # order of quadrature beyond the product of two basis functions, for powers of T and Arrhenius factors
+CAPACITY = 1e4  # heat capacity of a phase, only to approach a steady state in time [J/m/K]
 SHARPENED = 2  # Newton steps at the end: rounding in thin cells hides what is left of a smooth error
 
 
 class BubblingProblem:
-    """The unknowns of a plan and their equations."""
+    """The unknowns of a plan and their equations; a `solve.timestep.Problem` in temperatures at all nodes."""
+
+    linear = False
+    weights = 1.0
 
     def __init__(self, plan: BubblingPlan):
         self.plan, self.c = plan, plan.coefficients
         self.system = System(plan.mesh.skfem, plan.fields, 2 * plan.scene.solver.degree + EXTRA)
         (self.bottom,), (self.top,) = self.system.boundary("bottom"), self.system.boundary("top")
+        self.fixed = np.empty(0, dtype=np.int64)
         self.forms = [
             (model.residual, self.system.cells, self.c),
             (model.bottom, self.bottom, self.c),
@@ -40,28 +48,58 @@ class BubblingProblem:
         """Residual and exact Jacobian."""
         return self.system.assemble(self.forms, state, jacobian)
 
-    def uniform(self, temperature: float) -> Array:
-        """A state of one temperature in radiative equilibrium."""
-        state = np.full(self.system.size, float(temperature))
-        if "G" in self.system.fields:
-            self.system.part(state, "G")[:] = emitted(temperature)
-        return state
+    def solve(self, guess: float | None = None) -> tuple[Array, list[float]]:
+        """Newton from a uniform temperature, that of the scene if absent.
 
-    def solve(self) -> tuple[Array, list[float]]:
-        """Newton from the uniform temperature of the scene."""
+        Instead of G at a node the unknown is the temperature of its equilibrium, (G/(4 sigma))^(1/4): what species emit
+        and absorb is then curved alike, and far from the solution a step leaves their difference small.
+        """
+        x = np.full(self.system.size, self.plan.scene.solver.guess if guess is None else guess)
+        try:
+            x, history = self._newton(x)
+        except ConvergenceError as error:
+            x, history = self._newton(relax(self, x, self.plan.policy))
+            history = error.history + history
+        for _ in range(SHARPENED):
+            residual, matrix = self.steady(x, True)
+            x = x - Solver(matrix, self.plan.policy)(residual)
+        return self._state(x), history
+
+    def _newton(self, x: Array) -> tuple[Array, list[float]]:
         options = self.plan.scene.solver
-        state = self.uniform(options.guess)
-        _, matrix = self.assemble(state, True)
-        # rounding of each temperature times what it multiplies: units of G and T differ by a thousand
-        rounding = np.finfo(float).eps * float((abs(matrix) @ np.abs(state)).max()) * len(state) ** 0.5
-        state, history = newton(
-            self.assemble, state, np.empty(0, dtype=np.int64), self.plan.policy, tolerance=options.newton_tolerance,
+        _, matrix = self.steady(x, True)
+        # rounding of each temperature times what it multiplies
+        rounding = np.finfo(float).eps * float((abs(matrix) @ np.abs(x)).max()) * len(x) ** 0.5
+        return newton(
+            self.steady, x, self.fixed, self.plan.policy, tolerance=options.newton_tolerance,
             iterations=options.newton_iterations, lower=0.0, floor=rounding, what="bubbling bed",
         )  # fmt: skip
-        for _ in range(SHARPENED):
-            residual, matrix = self.assemble(state, True)
-            state = state - Solver(matrix, self.plan.policy)(residual)
-        return state, history
+
+    def _state(self, x: Array) -> Array:
+        """The fields for temperatures at all nodes."""
+        state = x.copy()
+        if "G" in self.system.fields:
+            G = self.system.part(state, "G")
+            G[:] = emitted(G)
+        return state
+
+    def steady(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Residual and Jacobian by temperatures at all nodes."""
+        residual, matrix = self.assemble(self._state(x), jacobian)
+        if jacobian and "G" in self.system.fields:
+            slope = np.ones_like(x)
+            self.system.part(slope, "G")[:] = 16.0 * SIGMA * self.system.part(x, "G") ** 3
+            matrix = matrix.multiply(slope).tocsc()
+        return residual, matrix
+
+    def content(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
+        """A heat content of all phases that lets the bed approach its steady state from where Newton's method fails."""
+
+        def form(unknowns: Any, tests: Any, names: tuple[str, ...], o: Any) -> Any:
+            return CAPACITY * sum((getattr(unknowns, name) * getattr(tests, name) for name in names), start=0.0)
+
+        plate = [(form, self.bottom, ("T_distributor",))] if self.c.plate is not None else []
+        return self.system.assemble([(form, self.system.cells, tuple(self.c.streams)), *plate], x, jacobian)
 
     def total(self, expression: Any, state: Array) -> float:
         """Integral over the height of `expression(unknowns, ops)` [W/m] in W."""

@@ -148,7 +148,7 @@ class Solver(s.Table):
 
     degree: s.Order = Field(3, description="polynomial degree of all fields")
     tolerance: s.Fraction = Field(1e-6, description="target error of automatic meshes, relative to the temperatures")
-    guess: s.Temperature = Field(1100.0, description="uniform temperature that Newton's method starts from")
+    guess: s.Temperature = Field(1100.0, ge=200, description="uniform temperature that Newton's method starts from")
     newton_tolerance: s.Fraction = 1e-10
     newton_iterations: s.Whole = Field(60, ge=1, le=1000)
     balance_tolerance: s.Positive = 1e-10
