@@ -1,0 +1,71 @@
+"""The bed with frozen closures against a solution by collocation of the strong form, made independently.
+
+Its own refinement changes temperatures by 4e-5 K. Duties are given to 1e-2 W.
+"""
+
+import numpy as np
+import pytest
+from bubbling_scenes import STUDY, case1
+
+import contbed as cb
+
+P1 = {
+    "T_distributor_K": 482.347353, "T_emulsion_top_K": 1134.2735, "T_bubble_top_K": 929.3245,
+    "T_char_mid_K": 1212.2719, "T_limestone_mid_K": 1133.2380, "T_inert_mid_K": 1134.5902,
+}  # fmt: skip
+P1_DUTIES = {
+    "tubes_convection_W": 280598.99, "tubes_radiation_W": 150666.83, "walls_convection_W": 14074.87,
+    "walls_radiation_W": 96168.26, "top_radiation_W": 44145.65,
+}  # fmt: skip
+NONE = {
+    "T_distributor_K": 443.748204, "T_emulsion_top_K": 1581.45, "T_bubble_top_K": 1226.48,
+    "T_char_mid_K": 2301.70, "T_limestone_mid_K": 1578.02, "T_inert_mid_K": 1580.00,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("cells", [None, 20])
+def test_p1_against_collocation(cells):
+    result = cb.run(case1("p1", mesh={"cells": cells} if cells else {}))
+    # 2e-4 K: the reference's refinement and last digit; 20 cells are within 1e-3 K
+    tolerance = 2e-4 if cells is None else 1e-3
+    assert {name: result.qoi[name] for name in P1} == pytest.approx(P1, abs=tolerance)
+    # 1e-2 W is the last digit printed; on 20 cells the top, a layer of 1 mm, is the worst
+    accuracy = {"rel": 2e-8, "abs": 6e-3} if cells is None else {"rel": 3e-5}
+    assert {name: result.qoi[name] for name in P1_DUTIES} == pytest.approx(P1_DUTIES, **accuracy)
+
+
+def test_without_radiation_against_collocation():
+    result = cb.run(case1("none"))
+    # the reference is printed to 1e-2 K
+    assert {name: result.qoi[name] for name in NONE} == pytest.approx(NONE, abs=6e-3)
+    assert abs(result.qoi["tubes_convection_W"] - 495.9e3) < 50
+    assert result.qoi["tubes_radiation_W"] == result.qoi["top_radiation_W"] == 0.0
+
+
+@pytest.mark.parametrize("path", sorted(STUDY.glob("*.toml")), ids=lambda path: path.stem)
+def test_balances_close(path):
+    result = cb.run(case1(path.stem))
+    # of 1.3 MW; sums of 1000 terms round to 1e-13
+    assert abs(result.balances["energy"]["relative_residual"]) < 1e-12
+    # the gas carries away what the distributor takes: 690 W/K times the preheating
+    heat = result.qoi["distributor_convection_W"] + result.qoi["distributor_radiation_W"]
+    assert heat == pytest.approx(690.0 * (1 - np.exp(-2.5)) * (result.qoi["T_distributor_K"] - 300.0), rel=1e-9)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_converges_with_the_degree(degree):
+    fine = cb.run(case1("p1")).qoi
+    errors = []
+    for cells in (12, 24, 48):
+        qoi = cb.run(case1("p1", mesh={"cells": cells}, solver={"degree": degree})).qoi
+        errors.append(abs(qoi["top_radiation_W"] / fine["top_radiation_W"] - 1))
+    # a flux by the boundary condition converges at least as the field, at degree + 1; half an order for coarse meshes
+    assert np.all(np.log2(np.divide(errors[:-1], errors[1:])) > degree + 0.5)
+
+
+def test_only_transport_reaches_the_ends():
+    paper, flux, p1 = (cb.run(case1(name)).qoi for name in ("paper_closure", "two_flux", "p1"))
+    assert paper["top_radiation_W"] == paper["distributor_radiation_W"] == 0.0
+    # published with the case: about 80 K between the paper's closure and the full problem
+    assert 75 < p1["T_distributor_K"] - paper["T_distributor_K"] < 95
+    assert paper["T_distributor_K"] < flux["T_distributor_K"] < p1["T_distributor_K"]

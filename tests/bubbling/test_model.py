@@ -1,0 +1,163 @@
+"""The weak forms: order with a manufactured solution, exact Jacobian, what is written, what costs nothing."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import skfem
+from bubbling_scenes import STUDY, case1, one
+
+import contbed as cb
+from contbed.bubbling_planning import plan
+from contbed.bubbling_problem import BubblingProblem
+from contbed.cli import main
+from contbed.engine.skfem import System
+from contbed.models import bubbling_bed as model
+from contbed.output.tables import read_table
+from contbed.solve.linear import Policy
+from contbed.solve.newton import newton
+from contbed.verify.mms import Manufactured, observed_order
+
+HEIGHT = 0.8
+EXACT = {
+    "T_a": lambda z: 900.0 + 200.0 * np.sin(3.0 * z),
+    "T_b": lambda z: 800.0 + 150.0 * np.exp(-z),
+    "T_emulsion": lambda z: 700.0 + 300.0 * z**2,
+    "T_bubble": lambda z: 500.0 + 400.0 * z * np.exp(-z),
+    "G": lambda z: 4 * 5.67e-8 * (850.0 + 100.0 * np.cos(2.0 * z)) ** 4,
+    "T_distributor": lambda z: 600.0 + 0.0 * z,
+}
+
+
+def coefficients(level, degree):
+    """All terms at work, and of one size."""
+
+    def release(z, T):
+        return 2e3 * np.exp(-z) * np.exp(-2000.0 * (1.0 / T - 1.0 / 900.0))
+
+    a = model.Stream(lambda z: 5.0 * z**2, lambda z: 10.0 * z, 400.0, 3.0, release)
+    b = model.Stream(lambda z: 2.0 * (z - HEIGHT), lambda z: 2.0 + 0.0 * z, 500.0, 8.0)
+    return model.Coefficients(
+        1.4, 0.3, 350.0,
+        {"a": model.Species(a, 30.0, 0.4, 0.8), "b": model.Species(b, 50.0, 0.6, 1.5)}, {("a", "b"): 20.0},
+        model.Stream(lambda z: 12.0 + 0.0 * z, release=release), model.Stream(lambda z: 25.0 + 0.0 * z), 40.0,
+        {"tubes": model.Surface(2.0, 15.0, 450.0, 0.6), "walls": model.Surface(3.0, 5.0, 700.0, 0.3)},
+        model.Plate(9.0, 0.8, 0.7), level, 0.2, 3e4, degree,
+    )  # fmt: skip
+
+
+def bed(level, degree, cells):
+    """System and forms on an uneven line."""
+    c = coefficients(level, degree)
+    nodes = HEIGHT * np.linspace(0.0, 1.0, cells + 1) ** 1.2
+    line = skfem.MeshLine.init_tensor(nodes).with_boundaries(
+        {"bottom": lambda x: x[0] == 0.0, "top": lambda x: x[0] == HEIGHT}
+    )
+    system = System(line, dict.fromkeys(c.fields, (degree, 0)) | {"T_distributor": (0, 0)}, 2 * degree + 4)
+    forms = [(model.residual, system.cells, c), *((form, system.boundary(end)[0], c)
+             for form, end in ((model.bottom, "bottom"), (model.top, "top")))]  # fmt: skip
+    return system, forms
+
+
+@pytest.mark.parametrize("level", ["none", "paper", "field"])
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_order_of_a_manufactured_solution(level, degree):
+    errors, sizes = [], (8, 16, 32)
+    for cells in sizes:
+        system, forms = bed(level, degree, cells)
+        case = Manufactured(system, {name: EXACT[name] for name in system.fields}, forms)
+        load = case.load()
+
+        def assemble(state, jacobian, system=system, forms=forms, load=load):
+            residual, matrix = system.assemble(forms, state, jacobian)
+            return residual - load, matrix
+
+        state, _ = newton(assemble, 1.05 * case.interpolant(), np.empty(0, dtype=int), Policy(1), tolerance=1e-9)
+        errors.append(case.errors(state))
+    for name in errors[0].keys() - {"T_distributor"}:
+        found = observed_order([error[name] for error in errors], [1.0 / cells for cells in sizes])
+        # degree + 1 in L2, a little less on coarse meshes
+        assert found[-1] > degree + 0.8, (name, found)
+    # one number converges faster than a field, but not evenly
+    assert all(error["T_distributor"] < error["T_a"] for error in errors)
+
+
+@pytest.mark.parametrize("level", ["none", "paper", "field"])
+def test_jacobian_is_the_derivative(level):
+    system, forms = bed(level, 2, 5)
+    state = np.full(system.size, 800.0)
+    for name in system.fields:
+        where = system.fields[name][0].points[0]
+        system.part(state, name)[:] = EXACT[name](where)
+    direction = np.random.default_rng(1).normal(size=system.size) * np.abs(state)
+    _, matrix = system.assemble(forms, state)
+    step = 1e-5
+    plus, minus = (system.assemble(forms, state + sign * step * direction, False)[0] for sign in (1, -1))
+    difference = (plus - minus) / (2 * step)
+    # central differences of powers of T: relative error of step^2
+    assert np.abs(matrix @ direction - difference).max() < 1e-7 * np.abs(difference).max()
+
+
+def test_heat_that_one_phase_gives_another_gets():
+    """What all phases gain, without what they release and surfaces take, is what radiation brings through the ends."""
+    problem = BubblingProblem(plan(case1()))
+    state, _ = problem.solve()
+    residual, _ = problem.assemble(state, False)
+    c = problem.c
+    gains = problem.total(lambda u, o: sum(model.gains(u, c, o).values(), start=0.0), state)
+    out = sum(problem.total(lambda u, o, x=x: model.convected(u, c, x) + model.radiated(u, c, x), state)
+              for x in c.surfaces.values())  # fmt: skip
+    ends = problem.duties(state)
+    net = sum(problem.releases(state).values()) - out
+    assert gains - net == pytest.approx(-ends["top_radiation_W"] - ends["distributor_radiation_W"], rel=1e-9)
+    assert abs(residual.sum()) < 1e-12 * sum(abs(value) for value in problem.releases(state).values())
+
+
+def test_predicted_layers_of_two_streams():
+    """Particles and gas at rest: K r^2 = p h, for a mode that decays upward and one that decays downward."""
+    made = plan(one(gas={"capacity_flow": 0.0, "temperature": 300.0},
+                    tubes={"perimeter": 1.0, "coefficient": 800.0, "temperature": 500.0}))  # fmt: skip
+    width = np.sqrt(1.3 * 5.0 / 800.0)
+    assert "graded to 2 layers" in str(made)
+    assert made.mesh.skfem.p[0, 1:].min() < 0.5 * width
+
+
+def test_a_run_writes_what_other_runs_write(tmp_path):
+    assert main(["run", str(STUDY / "p1.toml"), "--out", str(tmp_path), "--quiet"]) == 0
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["status"] == "ok" and summary["balances"]["energy"]["unit"] == "W"
+    assert summary["scene"]["species"]["char"]["diameter"] == 3e-3
+    profiles = read_table(tmp_path / "profiles.csv")
+    z = profiles["z [m]"]
+    assert z[0] == 0.0 and z[-1] == 0.6 and np.all(np.diff(z) > 0)
+    assert (z < np.sqrt(1 / (3 * 997 * 572))).sum() >= 20  # of the radiation's layer
+    assert (tmp_path / "profiles.png").stat().st_size > 10_000 and (tmp_path / "fields.vtu").exists()
+
+
+def test_plan_and_convergence_from_the_command_line(tmp_path, capsys):
+    assert main(["plan", str(STUDY / "none.toml")]) == 0
+    assert "SKIPPED radiation" in capsys.readouterr().out
+    assert main(["converge", str(STUDY / "p1.toml"), "--levels", "2", "--out", str(tmp_path)]) == 0
+    assert main(["explain", "bubbling_bed.height"]) == 0
+    assert "> 0 m" in capsys.readouterr().out
+
+
+def test_other_scenes_do_not_pay():
+    code = (
+        "import sys; import contbed as cb; from contbed.scene import from_dict\n"
+        "cb.run(from_dict({'mesh': {'type': 'line', 'length': 1.0}, 'fluid': {'density': 1.0, 'heat_capacity': 1e3,"
+        " 'conductivity': 0.05, 'viscosity': 2e-5}, 'solid': {'density': 2e3, 'heat_capacity': 900.0, 'conductivity':"
+        " 1.0}, 'bed': {'porosity': 0.4, 'particle_diameter': 0.01}, 'flow': {'velocity': 0.3},"
+        " 'heat': {'nusselt': 10}, 'boundary': {'left': {'fluid': {'inflow': 300.0}}}}))\n"
+        "print(*[name for name in sys.modules if 'bubbling' in name])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""
+
+
+def test_overrides_and_dictionaries():
+    scene = cb.load(STUDY / "p1.toml", {"radiation.level": "none", "mesh.cells": 15})
+    assert scene.radiation.level == "none"
+    assert cb.plan(scene).mesh.skfem.nelements == 15
