@@ -16,8 +16,8 @@ from contbed.closures.optics import conductivity, error_rosseland
 from contbed.engine.skfem import System
 from contbed.mesh import Mesh
 from contbed.models import radiation
+from contbed.radiation_checks import loose_walls
 from contbed.radiation_problem import RadiationProblem, optics, surfaces
-from contbed.scene_checks import loose_walls
 
 TOLERANCE = 0.01  # estimated error up to which plan may choose the Rosseland conductivity
 
