@@ -123,6 +123,10 @@ def plan(scene: Any) -> Any:
         from contbed.bubbling_planning import plan as plan_bubbling
 
         return plan_bubbling(scene)
+    if scene.kind == "particles":
+        from contbed.dem.study import plan as plan_particles
+
+        return plan_particles(scene)
     written, scene, thick = scene, *_cheapest_radiation(scene)
     if scene.heat is None and scene.radiation is not None:
         return _plan_radiation(written, scene, thick)

@@ -90,5 +90,5 @@ class Result:
         coordinate = next(iter(self.profiles))
         draw = transient_plot if "t [s]" in self.profiles else profile_plot
         draw(out / "profiles.png", self.profiles, coordinate, scene.title)
-        if mesh.skfem.dim() == 2 and self.nodal:
+        if self.nodal and mesh.skfem.dim() == 2:
             field_plot(out / "fields.png", mesh.skfem, self.nodal, mesh.axisymmetric, scene.title)

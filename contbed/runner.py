@@ -123,6 +123,12 @@ def _solve(
         with _timed(result, "heat"):
             solve(plan, result)
         return
+    if scene.kind == "particles":
+        from contbed.dem.study import solve as solve_particles
+
+        with _timed(result, "heat"):
+            solve_particles(plan, result, folder)
+        return
     if plan.fronts:
         with _timed(result, "heat"):
             _track_fronts(plan, result)

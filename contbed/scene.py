@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from contbed import reference
 from contbed.errors import SceneError
 from contbed.scene_checks import mistakes
-from contbed.settings import Scene, Table
+from contbed.settings import Scene, SceneBase, Table
 from contbed.toml_lines import KeyPath, Origin, dotted, one_line, parse, parse_key, read
 
 _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
@@ -24,7 +24,8 @@ _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Scene:
     """The scene of a file. `overrides` such as {"mesh.refine": 2} replace values before anything is checked.
 
-    A file with a table [bubbling_bed] gives a `bubbling_settings.BubblingScene`.
+    A file with a table [bubbling_bed] gives a `bubbling_settings.BubblingScene`, one with [particles] or [lattice] a
+    `dem.settings.ParticleScene`.
     """
     return _build(*read(path), overrides or {})
 
@@ -41,12 +42,12 @@ def from_dict(values: Mapping[str, Any], name: str = "scene", base: str | Path =
     return _build(deepcopy(dict(values)), Origin(name, Path(base).absolute()), {})
 
 
-def resolved(scene: Scene) -> dict[str, Any]:
+def resolved(scene: SceneBase) -> dict[str, Any]:
     """All values in SI, defaults included, as plain JSON data. What is absent is left out."""
     return scene.model_dump(mode="json", exclude_none=True)
 
 
-def scene_hash(scene: Scene) -> str:
+def scene_hash(scene: SceneBase) -> str:
     """A hash of what a run depends on: the values and the content of the files they name, not the title."""
     values = {key: value for key, value in resolved(scene).items() if key != "title"}
     digest = hashlib.sha256(json.dumps(values, sort_keys=True).encode())
@@ -114,6 +115,11 @@ def _kind(values: Mapping[str, Any]) -> tuple[Any, Any]:
         from contbed.bubbling_settings import BubblingScene
 
         return BubblingScene, CHECKS
+    if {"particles", "lattice"} & set(values) or ("mesh" not in values and "conduction" in values):
+        from contbed.dem.checks import CHECKS as particle_checks
+        from contbed.dem.settings import ParticleScene
+
+        return ParticleScene, particle_checks
     return Scene, None
 
 

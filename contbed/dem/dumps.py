@@ -58,6 +58,12 @@ def read_dump(path: Path | str) -> list[Frame]:
     return frames
 
 
+def is_dump(path: Path | str) -> bool:
+    """Whether a file starts as a dump does."""
+    line = _Lines(Path(path)).next_or_none()
+    return line is not None and line.startswith("ITEM:")
+
+
 def read_positions(path: Path | str) -> Array:
     """Centres x,y,z [m] of a table with commas; lines that start with # are comments."""
     lines = _Lines(Path(path))

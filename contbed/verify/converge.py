@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from contbed import settings as s
+from contbed.errors import SceneError
 from contbed.grading import GRADING_ERROR
 from contbed.planning import Plan
 from contbed.planning import plan as make_plan
@@ -101,6 +102,8 @@ def converge(scene: str | Path, levels: int = 4, out: str | Path | None = None) 
 
 
 def _at_level(path: str | Path, scene: s.Scene, level: int, points: Sequence[float] = ()) -> s.Scene:
+    if scene.kind == "particles":
+        raise SceneError(f"{path}: a scene of particles has no mesh to refine")
     mesh = scene.mesh
     changes: dict[str, Any] = {"solver.adapt": 0} if scene.kind == "packed_bed" else {}
     cells = getattr(mesh, "cells", None)

@@ -1,0 +1,165 @@
+"""Scenes of particles: lattices exactly, packings from files, closure files, mistakes with file and line."""
+
+import json
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.closure_file import closure_of
+from contbed.errors import SceneError
+from contbed.scene import loads, scene_hash
+from contbed.verify.converge import converge
+
+STUDIES = Path(__file__).parents[2] / "studies"
+
+BED = """
+[particles]
+file = "bed.csv"
+radius = 0.5
+
+[conduction]
+particles = 10.0
+fluid = 1.0
+
+[layers]
+bottom = 0.6
+top = 4.4
+area = 9.0
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """3 x 3 x 6 spheres of unit diameter in simple cubic order, as positions and as a periodic dump."""
+    x = np.stack(np.meshgrid(np.arange(3.0), np.arange(3.0), np.arange(6.0), indexing="ij"), -1).reshape(-1, 3)
+    np.savetxt(tmp_path / "bed.csv", x, delimiter=",")
+    head = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n54\nITEM: BOX BOUNDS pp pp pp\n0 3\n0 3\n0 6\n"
+    rows = [f"{k} {a} {b} {c} 0.5" for k, (a, b, c) in enumerate(x)]
+    (tmp_path / "bed.dump").write_text(head + "ITEM: ATOMS id x y z radius\n" + "\n".join(rows) + "\n")
+    return tmp_path
+
+
+def problems(text, folder="."):
+    with pytest.raises(SceneError) as error:
+        cb.run(loads(text, "scene.toml", base=folder))
+    return error.value.problems
+
+
+@pytest.mark.parametrize(("name", "wanted"), [("sc", 1.0), ("bcc", 3**0.5), ("fcc", 8**0.5)])
+@pytest.mark.parametrize("cells", [1, 2])
+def test_lattices(name, wanted, cells):
+    # exact: all contacts are alike, and the mean gradient solves the network
+    scene = cb.load(STUDIES / f"lattices/{name}.toml", {"lattice.cells": cells})
+    result = cb.run(scene)
+    assert result.qoi["k_eff_over_contact_scale"] == pytest.approx(wanted, rel=1e-12)
+    assert result.qoi["k_xx [W/m/K]"] == pytest.approx(result.qoi["k_zz [W/m/K]"], rel=1e-12)
+    assert abs(result.qoi["k_xy [W/m/K]"]) < 1e-12
+    assert result.qoi["coordination"] == {"sc": 6, "bcc": 8, "fcc": 12}[name]
+    assert result.qoi["porosity"] == pytest.approx({"sc": 0.4764, "bcc": 0.3198, "fcc": 0.2595}[name], abs=1e-4)
+
+
+def test_a_lattice_of_fluid_conducts_as_fluid():
+    scene = cb.load(STUDIES / "lattices/fcc.toml", {"conduction.fluid": 26.0, "conduction.paths": "columns"})
+    assert cb.run(scene).qoi["k_eff_over_k_fluid"] == pytest.approx(1.0, rel=1e-13)
+
+
+def test_a_bed_of_positions(folder):
+    result = cb.run(loads(BED, base=folder))
+    assert result.qoi["porosity"] == pytest.approx(1 - np.pi / 6, abs=0.05)  # cut planes, not whole cells
+    assert list(result.profiles) == ["z [m]", "T_solid [K]"]
+    # layers of a cubic bed are planes of one temperature each, in equal steps
+    assert result.profiles["T_solid [K]"] == pytest.approx(np.linspace(398.15, 298.15, 6), rel=1e-12)
+    assert abs(result.balances["energy"]["relative_residual"]) < 1e-12
+
+
+def test_layers_of_a_periodic_dump_are_its_cell(folder):
+    # the sides stay periodic, the axis of the heat does not: then both ways are the same, to round-off
+    layers = BED.replace("bed.csv", "bed.dump").replace("radius = 0.5\n", "")
+    cell = layers[: layers.index("[layers]")]
+    eps = {"conduction.porosity": 0.4764}
+    found = cb.run(loads(layers, overrides=eps, base=folder)).qoi["k_eff [W/m/K]"]
+    assert found == pytest.approx(cb.run(loads(cell, overrides=eps, base=folder)).qoi["k_zz [W/m/K]"], rel=1e-12)
+    assert cb.run(loads(cell, base=folder)).qoi["porosity"] == pytest.approx(1 - np.pi / 6, rel=1e-12)
+
+
+def test_radiation_adds_to_the_conductivity(folder):
+    cold = cb.run(loads(BED, base=folder)).qoi
+    hot = cb.run(loads(BED + "[radiation]\nemissivity = 0.9\ntemperature = 1500.0\n", base=folder)).qoi
+    assert hot["k_eff [W/m/K]"] > cold["k_eff [W/m/K]"]
+    assert hot["share_radiation"] > 0.5 and "share_radiation" not in cold
+
+
+def test_a_run_writes_its_closure(tmp_path):
+    scene = cb.load(STUDIES / "zhou_2010_etc/glass.toml", {"output.plots": False})
+    result = cb.run(scene, out=tmp_path)
+    assert result.qoi["k_eff_over_k_fluid"] == pytest.approx(7.042, rel=2e-3)
+    closure = closure_of("closure.toml", tmp_path, "conductivity")
+    found = closure(k_fluid=0.026, k_solid=2.6, eps=0.391) / 0.026
+    assert found == pytest.approx(result.qoi["k_eff_over_k_fluid"], rel=2 * result.qoi["closure_residual"])
+    assert result.qoi["closure_residual"] < 2e-3
+    provenance = tomllib.loads((tmp_path / "closure.toml").read_text())["provenance"]
+    assert provenance["scene"] == "glass.toml" and provenance["scene_hash"] == scene_hash(scene)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["status"] == "ok" and summary["qoi"]["coordination"] == pytest.approx(4.556)
+    assert {"versions", "scene", "dofs", "timings", "balances", "skipped", "warnings"} <= set(summary)
+
+
+def test_the_particles_are_part_of_the_scene(folder):
+    before = scene_hash(loads(BED, base=folder))
+    (folder / "bed.csv").write_text((folder / "bed.csv").read_text() + "9,9,9\n")
+    assert scene_hash(loads(BED, base=folder)) != before
+
+
+def test_mistakes(folder):
+    assert problems("[conduction]\nparticles = 1.0\n") == [
+        "scene.toml:1: particles: this table is missing; give [particles] with a file, or [lattice]"
+    ]
+    lattice = '[lattice]\ntype = "hcp"\nradius = 1.0\ncontact_radius = 0.1\n[conduction]\nparticles = 0\nfluids = 1\n'
+    assert problems(lattice) == [
+        "scene.toml:2: lattice.type = \"hcp\": unknown choice; allowed: sc, bcc, fcc",
+        "scene.toml:6: conduction.particles = 0: out of range; allowed: a number > 0 W/m/K",
+        "scene.toml:7: conduction.fluids = 1: unknown key; allowed: particles, fluid, paths, porosity, correction; "
+        "did you mean 'fluid'?",
+    ]
+    both = '[lattice]\ntype = "sc"\nradius = 1.0\ncontact_radius = 2.0\n' + BED + '[closure]\nratios = [1, 2, 3]\n'
+    assert [text.split(": ", 2)[1] for text in problems(both, folder)] == [
+        "lattice.contact_radius = 2.0", "particles", "layers", "closure.ratios = [1, 2, 3]",
+    ]  # fmt: skip
+    line = BED.splitlines().index("bottom = 0.6") + 1
+    assert problems(BED.replace("0.6", "4.5"), folder)[0].startswith(f"scene.toml:{line}: layers.bottom = 4.5: is not")
+    assert problems(BED.replace("bed.csv", "no.csv"), folder) == [
+        f'scene.toml:3: particles.file = "no.csv": no such file; looked for {folder / "no.csv"}'
+    ]
+    assert "columns lead through a fluid" in problems(BED.replace("fluid = 1.0", 'paths = "columns"'), folder)[0]
+
+
+def test_mistakes_that_the_file_shows(folder):
+    dump = BED.replace("bed.csv", "bed.dump").replace("radius = 0.5", "step = 9")
+    assert problems(dump, folder) == ["scene.toml:4: particles.step = 9: not in the dump; it has 7"]
+    assert "particles.radius: missing" in problems(BED.replace("radius = 0.5\n", ""), folder)[0]
+    assert "layers: this table is missing" in problems(BED[: BED.index("[layers]")], folder)[0]
+    assert "0 hot and 9 cold" in problems(BED.replace("0.6", "-1.0"), folder)[0]
+    text = (folder / "bed.dump").read_text()
+    (folder / "bed.dump").write_text(text[:-100])
+    assert "truncated" in problems(dump, folder)[0] and problems(dump, folder)[0].startswith(str(folder / "bed.dump"))
+
+
+def test_what_does_not_apply_to_particles(tmp_path):
+    with pytest.raises(SceneError, match="no mesh to refine"):
+        converge(STUDIES / "lattices/sc.toml", 2)
+    with pytest.raises(SceneError, match="nothing to restart"):
+        cb.run(cb.load(STUDIES / "lattices/sc.toml"), restart=tmp_path)
+
+
+def test_other_scenes_import_no_particles():
+    code = (
+        "import sys, contbed as cb\n"
+        f"cb.run(cb.load({str(STUDIES / 'patil_packed_bed/schumann.toml')!r}))\n"
+        "assert not [name for name in sys.modules if name.startswith('contbed.dem')]\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
