@@ -125,7 +125,8 @@ class Particles:
         self.velocity = _filled(velocity, (n, 3), np.float64, "velocity")
         self.spin = _filled(spin, (n, 3), np.float64, "spin")
         for name in ("position", "radius", "velocity", "spin"):
-            bad = ~np.isfinite(getattr(self, name)).reshape(n, -1).all(axis=1)
+            array = getattr(self, name)
+            bad = ~np.isfinite(array).all(axis=tuple(range(1, array.ndim)))
             if bad.any():
                 raise SceneError(f"particles: {name} of particle {int(bad.argmax())} is not finite")
         if n and not self.radius.min() > 0.0:

@@ -1,0 +1,275 @@
+"""The time loop: what it conserves, symmetry, periodic sides, walls, restart, and what happens when it goes wrong.
+
+Momentum and angular momentum: round-off of some 1e4 sums, 1e-12 of what is exchanged. Energy of a smooth elastic gas:
+velocity Verlet has no drift but an error that oscillates with the overlaps, 1e-4 at 200 steps an impact. Rotated or
+shifted runs differ by round-off that collisions amplify; they are compared over few collisions, to 1e-9.
+"""
+
+import numpy as np
+import pytest
+
+from contbed.dem import loop
+from contbed.dem.particles import Material, Particles
+from contbed.dem.simulation import Simulation
+from contbed.dem.walls import Cylinder, Domain, Plane, Tube, box
+from contbed.errors import ConvergenceError, SceneError
+from contbed.output import checkpoint
+
+RADIUS = 1e-3
+GLASS = Material(rolling_friction=0.02)
+SIDE = 12e-3
+CLOSED = Domain((0.0,) * 3, (SIDE,) * 3)
+AROUND = Domain((0.0,) * 3, (SIDE,) * 3, (True,) * 3)
+
+
+def gas(speed=0.2, spin=0.0, seed=1):
+    """64 spheres on a jittered lattice in a box of 12 mm."""
+    rng = np.random.default_rng(seed)
+    lattice = np.stack(np.meshgrid(*3 * [np.arange(4)], indexing="ij"), axis=-1).reshape(-1, 3)
+    position = (lattice + 0.5) * SIDE / 4 + rng.uniform(-1, 1, lattice.shape) * 4e-4
+    velocity, turning = rng.normal(0, speed, lattice.shape), rng.normal(0, 1.0, lattice.shape) * spin
+    return Particles(position, RADIUS, velocity=velocity, spin=turning)
+
+
+def momenta(simulation):
+    linear = simulation.mass[:, None] * simulation.velocity
+    return linear.sum(axis=0), (
+        np.cross(simulation.position, linear) + simulation.inertia[:, None] * simulation.spin
+    ).sum(0)
+
+
+def test_energy_of_smooth_elastic_spheres():
+    smooth = Material(restitution=1.0, sliding_friction=0.0)
+    simulation = Simulation(gas(), [smooth], box(CLOSED, open_top=False), CLOSED, gravity=(0, 0, 0), time_step=1e-6)
+    before = simulation.kinetic_energy
+    energies = []
+    for _ in range(5):
+        simulation.run(20_000)
+        stored = 0.0
+        for delta in simulation.contacts().overlap:
+            stored += 8 / 15 * simulation._table[0, 0, 0] * np.sqrt(RADIUS / 2) * delta**2.5
+        for delta in RADIUS - loop.neighbours.wall_gaps(simulation.position, simulation._walls).ravel():
+            stored += 8 / 15 * 2 * simulation._table[0, 0, 0] / 2 * np.sqrt(RADIUS) * max(delta, 0.0) ** 2.5
+        energies.append(simulation.kinetic_energy + stored)
+    assert energies == pytest.approx([before] * 5, rel=1e-4)
+
+
+def test_friction_takes_energy_only():
+    simulation = Simulation(gas(spin=50.0), [GLASS], domain=AROUND, gravity=(0, 0, 0), time_step=2e-6)
+    energies = [simulation.kinetic_energy]
+    for _ in range(20):
+        simulation.run(2000)
+        energies.append(simulation.kinetic_energy)
+    assert energies[-1] < 0.5 * energies[0]
+    assert (np.diff(energies) < 1e-3 * energies[0]).all()  # overlaps store and return a little
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_momentum_and_angular_momentum(axis):
+    """Free spheres of two sizes, spinning about every axis; a cloud that meets another one."""
+    particles = gas(0.05, 100.0)
+    particles.radius[::3] *= 0.7
+    particles.velocity[:, axis] += np.where(particles.position[:, axis] < SIDE / 2, 0.5, -0.5)
+    simulation = Simulation(particles, [GLASS], gravity=(0, 0, 0), time_step=2e-6)
+    linear, angular = momenta(simulation)
+    scale = float((simulation.mass * np.linalg.norm(simulation.velocity, axis=1)).sum())
+    simulation.run(10_000)
+    assert simulation.contacts().since.size or simulation.kinetic_energy > 0.0
+    after = momenta(simulation)
+    assert np.abs(after[0] - linear).max() < 1e-12 * scale
+    assert np.abs(after[1] - angular).max() < 1e-12 * scale * SIDE
+
+
+@pytest.mark.parametrize("turn", [1, 2])
+def test_the_same_on_every_axis(turn):
+    """Axes exchanged in a cycle: the same motion, gravity and walls included."""
+    found = []
+    for roll in (0, turn):
+        particles = gas(spin=20.0)
+        for name in ("position", "velocity", "spin"):
+            setattr(particles, name, np.ascontiguousarray(np.roll(getattr(particles, name), roll, axis=1)))
+        gravity = np.roll([0, 0, -9.81], roll)
+        simulation = Simulation(particles, [GLASS], box(CLOSED, open_top=False), CLOSED, gravity, 5e-6)
+        simulation.run(2000)
+        found.append(np.roll(simulation.position, -roll, axis=1))
+    assert np.abs(found[0] - found[1]).max() < 1e-9 * RADIUS
+
+
+def test_periodic_sides_do_not_matter_where_they_are():
+    found = []
+    for shift in (0.0, 0.37 * SIDE):
+        particles = gas(spin=20.0)
+        particles.position += shift
+        simulation = Simulation(particles, [GLASS], domain=AROUND, gravity=(0, 0, 0), time_step=5e-6)
+        simulation.run(2000)
+        assert len(simulation.contacts()) >= 0
+        found.append((simulation.velocity, np.mod(simulation.position - shift, SIDE)))
+    assert np.abs(found[0][0] - found[1][0]).max() < 1e-9
+    apart = found[0][1] - found[1][1]
+    assert np.abs(apart - SIDE * np.rint(apart / SIDE)).max() < 1e-9 * SIDE
+
+
+def test_contact_across_a_periodic_side():
+    particles = Particles([[0.4 * RADIUS, 0, 0], [SIDE - 1.59 * RADIUS, 0, 0]], RADIUS)
+    domain = Domain((0, -SIDE, -SIDE), (SIDE, SIDE, SIDE), (True, False, False))
+    simulation = Simulation(particles, [GLASS], domain=domain, gravity=(0, 0, 0))
+    closed = simulation.contacts()
+    assert closed.overlap == pytest.approx([0.01 * RADIUS])
+    assert closed.normal == pytest.approx(np.array([[1.0, 0.0, 0.0]]))
+    simulation.run(5)
+    assert simulation.velocity[0, 0] > 0.0 > simulation.velocity[1, 0]
+
+
+def test_half_list_finds_every_pair():
+    rng = np.random.default_rng(3)
+    for periodic in (AROUND, CLOSED):
+        sides = np.array(periodic.lower), np.array(periodic.upper), np.array(periodic.periodic)
+        x, radius = rng.uniform(0, SIDE, (300, 3)), rng.uniform(0.3, 1.0, 300) * RADIUS
+        start, mates = loop.neighbours.half_list(x, radius, *sides, 2e-4)
+        apart = x[:, None] - x[None]
+        apart -= np.where(sides[2], SIDE * np.rint(apart / SIDE), 0.0)
+        near = np.linalg.norm(apart, axis=-1) < radius[:, None] + radius + 2e-4
+        expected = {(i, j) for i, j in np.argwhere(near).tolist() if i < j}
+        rows = np.repeat(np.arange(300), np.diff(start))
+        assert sorted(expected) == sorted(zip(rows.tolist(), (mates & loop.neighbours.MASK).tolist(), strict=True))
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_round_walls(axis):
+    """A sphere falls on a tube and into a cylinder, both along the axis, and ends beside the tube at the bottom."""
+    down, side = (axis + 1) % 3, (axis + 2) % 3
+    gravity, direction, start = np.zeros(3), np.zeros(3), np.zeros(3)
+    gravity[down], direction[axis], start[down], start[side] = -9.81, 1.0, 5e-3, 1e-3
+    walls = [Cylinder((0,) * 3, tuple(direction), 8e-3), Tube((0,) * 3, tuple(direction), 2e-3)]
+    material = Material(restitution=0.3, rolling_friction=0.05)
+    simulation = Simulation(Particles([start], RADIUS), [material], walls, gravity=gravity, time_step=1e-5)
+    simulation.run(100_000)
+    assert simulation.position[0, down] == pytest.approx(-7e-3, rel=2e-2)
+    assert np.hypot(simulation.position[0, down], simulation.position[0, side]) == pytest.approx(7e-3, rel=1e-3)
+    assert simulation.kinetic_energy < 1e-12
+
+
+def test_two_materials_in_contact_with_a_wall_of_a_third():
+    soft, hard = Material(1000.0, 1e6, restitution=0.2), Material(8000.0, 1e8, restitution=0.2)
+    slick = Material(restitution=0.2, sliding_friction=0.0)
+    particles = Particles([[0, 0, RADIUS], [0, 0, 3 * RADIUS]], RADIUS, material=[0, 1])
+    simulation = Simulation(particles, [soft, hard, slick], [Plane((0, 0, 0), (0, 0, 1), 2)], time_step=2e-6)
+    simulation.run(100_000)
+    weight = simulation.mass * 9.81
+    overlap = simulation.contacts().overlap[0]
+    force = 4 / 3 * simulation._table[0, 1, 0] * np.sqrt(RADIUS / 2) * overlap**1.5
+    floor = 4 / 3 * simulation._table[0, 2, 0] * np.sqrt(RADIUS) * (RADIUS - simulation.position[0, 2]) ** 1.5
+    assert force == pytest.approx(weight[1], rel=1e-3)
+    assert floor == pytest.approx(weight.sum(), rel=1e-3)
+
+
+def test_force_on_particles():
+    simulation = Simulation(Particles([[0, 0, 0]], RADIUS), [GLASS])
+    simulation.force[:] = -simulation.mass[:, None] * simulation.gravity
+    simulation.run(1)
+    simulation.velocity[:] = 0.0
+    simulation.run(100)
+    assert np.abs(simulation.velocity).max() < 1e-15
+
+
+def falling(**change):
+    particles = gas(0.1, 20.0)
+    particles.radius[::5] *= 0.8
+    return Simulation(
+        particles, [GLASS], box(CLOSED), Domain(CLOSED.lower, (SIDE, SIDE, np.inf)), time_step=5e-6, **change
+    )
+
+
+def test_restart_is_bitwise(tmp_path):
+    """A then B, from a file, gives what AB gives; and so do intervals of any length."""
+    whole, first = falling(), falling()
+    whole.run(12_000, interval=12_000)
+    first.run(7654, interval=100)
+    assert len(first.contacts())
+    checkpoint.save(tmp_path, first.state(), {})
+    second = falling()
+    second.restore(checkpoint.load(tmp_path)[0])
+    second.run(12_000 - 7654, interval=1234)
+    for name, array in whole.state().items():
+        assert array.tobytes() == second.state()[name].tobytes(), name
+
+
+def test_restart_of_another_simulation():
+    state = falling().state()
+    alone = Simulation(Particles([[0, 0, 0]], RADIUS), [GLASS])
+    with pytest.raises(SceneError, match=r"checkpoint of another simulation: position has shape \(64, 3\)"):
+        alone.restore(state)
+    with pytest.raises(SceneError, match="the checkpoint lacks near"):
+        falling().restore({name: array for name, array in state.items() if name != "near"})
+
+
+def test_history_keeps_first_touch_and_impact_speed():
+    particles = Particles([[0, 0, 0], [2.1 * RADIUS, 0, 0]], RADIUS, velocity=[[0.1, 0, 0], [0, 0, 0]])
+    simulation = Simulation(particles, [GLASS], gravity=(0, 0, 0), time_step=1e-6)
+    simulation.run(1050)
+    closed = simulation.contacts()
+    assert closed.since == pytest.approx([0.1 * RADIUS / 0.1], abs=2e-6)
+    assert closed.impact_speed == pytest.approx([0.1])
+
+
+def test_blow_up_names_the_particle_and_keeps_the_state():
+    simulation = falling()
+    simulation.run(100)
+    before = simulation.state()
+    simulation.force[7, 0] = np.nan
+    with pytest.raises(ConvergenceError, match=r"particle 7 at .* moves at nan m/s") as caught:
+        simulation.run(1000, interval=1000)
+    assert simulation.steps_done == 100
+    assert caught.value.state["position"].tobytes() == before["position"].tobytes()
+    simulation.force[:] = 0.0
+    simulation.force[9, 2] = 100.0
+    with pytest.raises(ConvergenceError, match=r"particle 9 at .* more than 0.1 of the smallest radius in a step"):
+        simulation.run(1000, interval=1000)
+
+
+def test_lost_particles_are_named():
+    domain = Domain((0.0,) * 3, (SIDE,) * 3)
+    particles = Particles(
+        [[SIDE / 2] * 3, [SIDE - 2e-3, SIDE / 2, SIDE / 2]], RADIUS, velocity=[[0, 0, 0], [1.0, 0, 0]]
+    )
+    simulation = Simulation(particles, [GLASS], domain=domain, gravity=(0, 0, 0))
+    with pytest.raises(ConvergenceError, match=r"particle 1 at .* left the domain at t = 0\.00"):
+        simulation.run(1000)
+    simulation = Simulation(
+        particles, [Material(youngs_modulus=1e3)], box(domain), domain, gravity=(0, 0, 0), time_step=1e-5
+    )
+    with pytest.raises(ConvergenceError, match=r"particle 1 at .* (pushed through a wall|left the domain)"):
+        simulation.run(10_000)
+
+
+@pytest.mark.parametrize(
+    ("position", "walls", "message"),
+    [
+        ([[0, 0, 0], [0, 0, 1.5e-3]], [], "particles 0 and 1 overlap by 0.0005 m at the start, 0.5 of the smaller"),
+        ([[0, 0, 0], [0, 0, 0]], [], "particles 0 and 1 overlap by 0.002 m"),
+        ([[0, 0, 0.5e-3]], [Plane((0, 0, 0), (0, 0, 1))], "particle 0 at .* overlaps wall 0"),
+        ([[0, 0, -2e-3]], [Plane((0, 0, 0), (0, 0, 1))], "particle 0 at .* is beyond wall 0"),
+        ([[0, 0, 1.0]], [], "particle 0 at .* is outside the domain"),
+        (np.zeros((0, 3)), [], "no particles"),
+    ],
+)
+def test_bad_starts(position, walls, message):
+    domain = Domain((-1, -1, -1), (1, 1, 0.5))
+    with pytest.raises(SceneError, match=message):
+        Simulation(Particles(position, RADIUS), [GLASS], walls, domain)
+
+
+def test_other_mistakes():
+    one = Particles([[0, 0, 0]], RADIUS)
+    with pytest.raises(SceneError, match=r"periodic length 0\.002 m in x, at least 0\.0063 m"):
+        Simulation(one, [GLASS], domain=Domain((0, 0, 0), (2e-3, 1, 1), (True, False, False)))
+    with pytest.raises(SceneError, match="material 1 does not exist, there are 1"):
+        Simulation(one, [GLASS], [Plane((0, 0, -1), (0, 0, 1), material=1)])
+    with pytest.raises(SceneError, match=r"position of particle 1 is not finite"):
+        Particles([[0, 0, 0], [np.nan, 0, 0]], RADIUS)
+    with pytest.raises(SceneError, match=r"radius has shape \(3,\), \(1,\) is needed"):
+        Particles([[0, 0, 0]], [1, 2, 3])
+    with pytest.raises(SceneError, match="radius 0 m of particle 0"):
+        Particles([[0, 0, 0]], 0.0)
+    with pytest.raises(SceneError, match="has no direction"):
+        Simulation(one, [GLASS], [Plane((0, 0, -1), (0, 0, 0))])

@@ -1,0 +1,132 @@
+"""Packings: statistics in the bounds on which four codes agree, the same by seed, and the slope of a heap.
+
+Four codes settle 2500 spheres in a box 13 d wide to a core porosity of 0.397-0.401 and a coordination of 4.63-4.69,
+5.14-5.16 in the core; random close and loose packing bound the porosity to 0.36-0.45. The small beds here scatter by
+0.01 and 0.15.
+"""
+
+import numpy as np
+import pytest
+
+from contbed.dem.packing import pack
+from contbed.dem.particles import Material, Particles
+from contbed.dem.simulation import Simulation
+from contbed.dem.statistics import solid_share
+from contbed.dem.walls import Domain, Plane
+from contbed.errors import ConvergenceError, SceneError
+
+D = 2e-3
+SOFT = Material(youngs_modulus=1e6)
+
+
+@pytest.fixture(scope="module")
+def bed():
+    return pack((6 * D, 6 * D), count=400, periodic=(True, True), seed=2)
+
+
+def test_statistics_of_a_periodic_bed(bed):
+    found = bed.statistics
+    assert 0.38 < found["porosity_core"] < 0.42
+    assert found["porosity_core"] < found["porosity_box"] < 0.44
+    assert 4.4 < found["coordination"] < 5.2
+    assert 4.9 < found["coordination_core"] < 5.4
+    assert 2e-4 < found["overlap_mean"] < found["overlap_max"] < 2e-2
+    assert found["kinetic_energy"] < 1e-6
+    assert 2 * len(bed.contacts) / len(bed) == pytest.approx(found["coordination"])
+
+
+def test_forces_carry_the_weight(bed):
+    """The floor holds what the bed weighs, and no sphere is below it or outside the sides."""
+    simulation = Simulation(
+        Particles(bed.position, bed.radius), [bed.material], bed.walls, bed.domain, time_step=1e-5, largest_overlap=0.1
+    )
+    modulus = simulation._table[0, 0, 0]
+    pressed = np.maximum(bed.radius - bed.position[:, 2], 0.0)
+    floor = (4 / 3 * modulus * np.sqrt(bed.radius) * pressed**1.5).sum()
+    assert floor == pytest.approx(simulation.mass.sum() * 9.81, rel=2e-2)
+    assert (bed.position[:, 2] > 0.98 * bed.radius).all()
+    assert ((bed.position[:, :2] >= -1e-4) & (bed.position[:, :2] <= 6 * D + 1e-4)).all()
+
+
+def test_the_same_by_seed():
+    beds = [pack((5 * D, 5 * D), count=60, material=SOFT, seed=seed) for seed in (4, 4, 5)]
+    assert beds[0].position.tobytes() == beds[1].position.tobytes()
+    assert np.abs(beds[0].position - beds[2].position).max() > 0.1 * D
+
+
+def test_cylinder_and_height():
+    found = pack(cylinder=4 * D, height=5 * D, material=SOFT)
+    off = np.hypot(found.position[:, 0], found.position[:, 1])
+    assert (off < 4 * D - 0.97 * found.radius).all()
+    assert found.statistics["surface"] == pytest.approx(5 * D, abs=D)
+    assert 0.40 < found.statistics["porosity_box"] < 0.50
+
+
+def test_spheres_of_many_sizes():
+    radii = np.linspace(0.5, 1.0, 150) * 1e-3
+    found = pack((5 * D, 5 * D), radius=radii, material=SOFT)
+    assert len(found) == 150
+    assert (found.radius == radii).all()
+    assert found.statistics["overlap_max"] < 0.05
+
+
+def test_solid_share_of_one_sphere():
+    low, high, open_sides = np.zeros(3), np.ones(3), np.full(3, np.inf)
+    share = solid_share(np.full((1, 3), 0.5), np.array([0.5]), low, high, 0.01, open_sides, -1.0)
+    assert share == pytest.approx(np.pi / 6, rel=1e-3)
+    corner = solid_share(np.zeros((1, 3)), np.array([0.5]), low, high, 0.01, np.array([1.0, 1.0, np.inf]), -1.0)
+    assert corner == pytest.approx(np.pi / 12, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"count": 10}, "give either width or cylinder"),
+        ({"width": (D, D), "cylinder": D, "count": 10}, "give either width or cylinder"),
+        ({"width": (9 * D, 9 * D)}, "give either count or height"),
+        ({"width": (9 * D, 9 * D), "count": 1, "height": 1.0}, "give either count or height"),
+        ({"width": (9 * D, 9 * D), "count": 0}, "0 spheres"),
+        ({"width": (0.5 * D, D), "count": 10}, "spheres of 0.002 m do not fit into a bed 0.001 m wide"),
+        ({"width": (9 * D, 9 * D), "radius": [1e-3, 0.0]}, "radii must be positive"),
+        ({"cylinder": 5 * D, "periodic": (True, False), "count": 9}, "a cylinder has no periodic sides"),
+        ({"width": (2 * D, 9 * D), "periodic": (True, False), "count": 9}, "periodic length 0.004 m in x"),
+    ],
+)
+def test_bad_packings(arguments, message):
+    with pytest.raises(SceneError, match=message):
+        pack(**arguments)
+
+
+def test_a_bed_that_does_not_rest(monkeypatch):
+    monkeypatch.setattr("contbed.dem.packing.LONGEST", 0.0)
+    with pytest.raises(ConvergenceError, match=r"kinetic energy .* of N m g d after"):
+        pack((5 * D, 5 * D), count=60, material=SOFT)
+
+
+@pytest.mark.slow
+def test_2500_spheres():
+    found = pack((13 * D, 13 * D), count=2500).statistics
+    assert 0.385 < found["porosity_core"] < 0.405
+    assert 0.415 < found["porosity_box"] < 0.44
+    assert found["coordination"] == pytest.approx(4.65, abs=0.15)
+    assert found["coordination_core"] == pytest.approx(5.14, abs=0.12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rolling", "least", "most"), [(0.0, 12.0, 26.0), (0.2, 18.0, 36.0)])
+def test_angle_of_repose(rolling, least, most):
+    """A column of 900 spheres collapses on a rough floor between periodic sides; slope of 20 to 80 % of the height."""
+    grain = Material(youngs_modulus=1e6, restitution=0.5, sliding_friction=0.5, rolling_friction=rolling)
+    column = pack((12 * D, 5 * D), count=900, periodic=(False, True), material=grain)
+    domain = Domain((0, 0, 0), (60 * D, 5 * D, np.inf), (False, True, False))
+    walls = [Plane((0, 0, 0), (0, 0, 1)), Plane((0, 0, 0), (1, 0, 0)), Plane((60 * D, 0, 0), (-1, 0, 0))]
+    simulation = Simulation(
+        Particles(column.position, column.radius), [grain], walls, domain, impact_speed=0.5, largest_overlap=0.1
+    )
+    simulation.run(round(2.0 / simulation.time_step))
+    x, top = simulation.position[:, 0], simulation.position[:, 2]
+    edges = np.arange(0.0, 60 * D, D)
+    heights = np.array([top[(x >= low) & (x < low + D)].max(initial=0.0) for low in edges])
+    slope = (heights > 0.2 * heights.max()) & (heights < 0.8 * heights.max())
+    angle = np.degrees(np.arctan(-np.polyfit(edges[slope], heights[slope], 1)[0]))
+    assert least < angle < most
