@@ -157,3 +157,12 @@ def test_forward_integration_does_not_conserve():
     inside = (found.z > 0.02) & (found.z < 0.58)
     slope = np.gradient(found.G / 4, found.z)
     np.testing.assert_allclose(q[inside], -slope[inside] / bed.beta, rtol=0.05, atol=1.0)
+
+
+def test_rosseland_of_a_packed_bed_stays_within_its_stated_error():
+    module = study("radiating_bed")
+    for length, chosen in ((0.05, False), (0.5, True)):
+        (full, scene), (thick, _) = (module.heat(length, level) for level in ("p1", "rosseland"))
+        assert 0 < thick / full - 1 < module.estimate(scene, scene.mesh)
+        cheapest = run(cb.load(module.HERE / "bed_cheapest.toml", {"mesh.length": length}))
+        assert cheapest.qoi["heat_left_W"] == pytest.approx(thick if chosen else full, rel=1e-12)
