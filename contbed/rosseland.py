@@ -58,7 +58,8 @@ def estimate(scene: s.Scene, mesh: Any) -> float:
         walls = [scene.boundary[name].radiation for name in names if name in scene.boundary]
         emissivities = [wall.emissivity for wall in walls if wall is not None]
         if emissivities:
-            both = (*emissivities, 1.0)[:2]
+            opposite = emissivities[0] if names[0] == "axis" else 1.0
+            both = (*emissivities, opposite)[:2]
             errors.append(float(error_rosseland(extent / (3.0 * c.diffusion), *both)))
     return max(errors) if errors else float(error_rosseland(mesh.length / (3.0 * c.diffusion)))
 

@@ -12,6 +12,7 @@ import contbed as cb
 from contbed.closures.optics import SIGMA
 from contbed.errors import SceneError
 from contbed.models.ordinates import Wall, solve_ordinates
+from contbed.rosseland import estimate
 from contbed.scene import from_dict
 from contbed.verify.exact_conduction_radiation import conduction_diffusion
 from contbed.verify.exact_radiation import P1, TWO_FLUX, equilibrium_flux, isothermal_body
@@ -242,6 +243,18 @@ def bed(tau: float, level: str, heated: bool, **radiation: Any) -> dict[str, Any
         "flow": {"velocity": 0.0},
         "heat": {"nusselt": 5.0},
     }
+
+
+@pytest.mark.parametrize(("sides", "walls", "tau"), [
+    ({"type": "rectangle", "length": 2.0, "height": 0.5}, {"top": 0.5, "bottom": 0.5}, 50.0),
+    ({"type": "rectangle", "length": 2.0, "height": 0.5}, {"left": 0.5, "right": 0.5}, 200.0),
+    ({"type": "axisymmetric", "length": 2.0, "radius": 0.25}, {"wall": 0.5}, 50.0),
+])  # fmt: skip
+def test_estimate_of_rosseland_is_across_the_walls(sides, walls, tau):
+    boundary = {name: {"radiation": wall(900.0, eps)} for name, eps in walls.items()}
+    radiation = {"level": "p1", "absorption": 100.0, "conductivity": 1.0}
+    scene = from_dict({"mesh": sides, "radiation": radiation, "boundary": boundary})
+    assert estimate(scene, scene.mesh) == pytest.approx(3.0 / (0.75 * tau), rel=1e-12)
 
 
 def test_rosseland_is_not_chosen_where_walls_stand_apart():
