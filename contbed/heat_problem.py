@@ -58,6 +58,7 @@ class HeatProblem:
         self.linear = medium.constant
         self.T_span = self._span()
         self.weights = self._weights()
+        self.lower = self._lower()
         cells = self.system.cells
         self.coefficients = self._coefficients(cells)
         self._interior: list[Any] = [(two_energy.residual, cells, self.coefficients)]
@@ -109,6 +110,8 @@ class HeatProblem:
         if self.motion.flow is None and self.medium.fluid.constant:
             speed = float(np.linalg.norm(np.asarray(self.motion.fluid) - np.asarray(self.motion.solid)))
             return lambda density: speed
+        if fluid is None and solid is None:
+            return lambda density: 0.0  # without the kink of the norm at 0
         still = Components([0.0] * self.mesh.skfem.dim())
 
         def speed_of(density: Any) -> Any:
@@ -264,13 +267,21 @@ class HeatProblem:
             self.system.part(weights, "G")[:] = self.T_span[1] / (4.0 * self.radiation.emitted(self.T_span[1]))
         return weights
 
+    def _lower(self) -> Any:
+        """Temperatures stay above 0 K; incident radiation, a linear unknown, may undershoot where cells are too few."""
+        lower = np.zeros(self.system.size)
+        if self.radiation is not None:
+            self.system.part(lower, "G")[:] = -np.inf
+        return lower
+
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
         """Steady state by Newton, and by continuation in time where Newton fails."""
         policy = self.system.ordered(policy)
         options: dict[str, Any] = {
             "tolerance": self.scene.solver.newton_tolerance,
             "iterations": self.scene.solver.newton_iterations,
-            "lower": 0.0,
+            "lower": self.lower,
+            "weights": self.weights,
             "what": "heat",
         }
         start = self.initial() if self.linear else self._frozen(policy)
@@ -281,7 +292,7 @@ class HeatProblem:
                 raise
         from contbed.solve.continuation import relax
 
-        start = relax(self, self.initial(), policy)
+        start = relax(self, self.initial(), policy, self.lower)
         return newton(self.steady, start, self.fixed, policy, **options)
 
     def _frozen(self, policy: Policy) -> Any:
@@ -295,7 +306,7 @@ class HeatProblem:
         rhs = -residual - matrix @ jump
         rhs[self.fixed] = jump[self.fixed]
         state = uniform + Solver(constrain(matrix, self.fixed), policy)(rhs)
-        return state if state.min() > 0 else self.initial()
+        return state if np.all(state > self.lower) else self.initial()
 
     def refined(self, state: Any, policy: Policy) -> tuple[Any, Any]:
         """The state and its residual after further Newton steps, linear in the last one.

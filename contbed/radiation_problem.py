@@ -117,9 +117,8 @@ def boundary_fluxes(found: list[tuple[str, Any, radiation.Surface]], system: Sys
 
 def emission(c: Optics, found: list[tuple[str, Any, radiation.Surface]], mesh: Mesh, section: float) -> float:
     """What black walls and species of given temperature emit [W]: next to it a small net flux is a difference."""
-    walls = {name: surface.power * mesh.measure(name) for name, _, surface in found}
-    inside = c.emission * mesh.measure() if c.passive else 0.0
-    return section * (sum(walls.values()) + inside)
+    walls = [surface.power * (section if part is None else float(np.sum(part.weight))) for _, part, surface in found]
+    return sum(walls) + (c.emission * mesh.measure() * section if c.passive else 0.0)
 
 
 def given_off(c: Optics, system: System, state: Any) -> float:
@@ -222,9 +221,11 @@ class RadiationProblem:
         policy, state = self.system.ordered(policy), self.start()
         if not self.conductivity:
             return self._linear(state, policy), [1.0]
-        options = self.scene.solver
+        options, lower = self.scene.solver, np.zeros(self.system.size)
+        if "G" in self.system.fields:  # linear: may undershoot where cells are too few
+            self.system.part(lower, "G")[:] = -np.inf
         return newton(
-            self.assemble, state, self.fixed, policy, lower=0.0,
+            self.assemble, state, self.fixed, policy, lower=lower,
             tolerance=options.newton_tolerance, iterations=options.newton_iterations, what="radiation",
         )  # fmt: skip
 

@@ -94,7 +94,10 @@ def run_transient(
         step=time.step,
         tick=history.tick,
         level=history.level,
-        newton_options={"tolerance": solver.newton_tolerance, "iterations": solver.newton_iterations, "lower": 0.0},
+        newton_options={
+            "tolerance": solver.newton_tolerance, "iterations": solver.newton_iterations,
+            "lower": problem.lower, "weights": problem.weights,
+        },
     )
     saved = clock.monotonic()
     for step in steps:

@@ -13,8 +13,12 @@ GROWTH = 4.0
 STEPS = 200
 
 
-def relax(problem: Problem, state: Any, policy: Policy, first: float = 1e-3, last: float = 1e12) -> Any:
-    """March from `state` with steps from `first` to `last` [s]; a step that fails is shortened."""
+def relax(
+    problem: Problem, state: Any, policy: Policy, lower: Any = 0.0, first: float = 1e-3, last: float = 1e12
+) -> Any:
+    """March from `state` with steps from `first` to `last` [s]; a step that fails is shortened. Unknowns stay above
+    `lower`.
+    """
     dt = first
     history: list[float] = []
     for _ in range(STEPS):
@@ -27,7 +31,7 @@ def relax(problem: Problem, state: Any, policy: Policy, first: float = 1e-3, las
 
         try:
             state, history = newton(
-                assemble, state, problem.fixed, policy, tolerance=1e-6, lower=0.0, what="continuation"
+                assemble, state, problem.fixed, policy, tolerance=1e-6, lower=lower, what="continuation"
             )
         except ConvergenceError:
             dt /= GROWTH**2

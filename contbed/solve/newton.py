@@ -25,23 +25,24 @@ def newton(
     tolerance: float = 1e-10,
     iterations: int = 30,
     linear: bool = False,
-    lower: float = -np.inf,
+    lower: Any = -np.inf,
     floor: float | None = None,
+    weights: Any = 1.0,
     what: str = "Newton",
 ) -> tuple[Any, list[float]]:
     """Solve `assemble(state, jacobian) -> (residual, matrix)` for the unknowns not in `fixed`.
 
     `state` already holds the fixed values. The norm is that of the residual relative to the first one; a step that
     raises it is halved, and none takes an unknown more than `REACH` of its way down to `lower`. A linear problem takes
-    one step. Residuals below `floor` count as rounding; absent, it is estimated from the largest entries. Returns the
-    state and the history of norms.
+    one step. Residuals below `floor` count as rounding; absent, it is estimated from the terms that cancel in them.
+    `weights` make steps of all unknowns comparable. Returns the state and the history of norms.
     """
     state = state.copy()
     residual, matrix = assemble(state, True)
     residual[fixed] = 0.0
     scale = max(float(np.linalg.norm(residual)), 1e-300)
     if floor is None:
-        floor = 1e-14 * float(np.abs(matrix).max() * max(1.0, np.abs(state).max()) * len(state) ** 0.5)
+        floor = 1e-15 * float(np.linalg.norm(abs(matrix) @ np.maximum(1.0, np.abs(state))))
     history = [1.0]
     solver = None
     goal = 1e-2 * tolerance
@@ -50,7 +51,7 @@ def newton(
         if linear:
             return state + step, history
         damping = 1.0
-        nearest = state - REACH * (state - lower) if np.isfinite(lower) else -np.inf
+        nearest = state - REACH * (state - lower)
         while True:
             trial = np.maximum(state + damping * step, nearest)
             with np.errstate(all="ignore"):  # a step too far may leave the range of a property; it is halved below
@@ -67,7 +68,8 @@ def newton(
                 raise ConvergenceError(message, [*history, norm / scale], state)
         state = trial
         history.append(norm / scale)
-        small = damping == 1.0 and np.abs(step).max() <= tolerance * max(1e-300, np.abs(state).max())
+        largest = max(1e-300, np.abs(weights * state).max())
+        small = damping == 1.0 and np.abs(weights * step).max() <= tolerance * largest
         if norm <= goal * scale or norm <= floor or small:
             return _polish(assemble, state, residual, fixed, solver), history
         _, matrix = assemble(state, True)
