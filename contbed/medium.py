@@ -102,7 +102,10 @@ class Medium:
         if fixed is not None:
             return fixed
         density = self.fluid.density(T)
-        return density * speed(density) * self.scene.bed.particle_diameter / self.fluid.viscosity(T)
+        relative = speed(density)
+        if isinstance(relative, float) and relative == 0.0:
+            return 0.0
+        return density * relative * self.scene.bed.particle_diameter / self.fluid.viscosity(T)
 
     def prandtl(self, T: Any) -> Any:
         """Prandtl number of the fluid."""
