@@ -12,7 +12,7 @@ from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.statistics import solid_share
-from contbed.dem.walls import Domain, Plane
+from contbed.dem.walls import Domain, Plane, Tube
 from contbed.errors import ConvergenceError, SceneError
 
 D = 2e-3
@@ -113,20 +113,23 @@ def test_2500_spheres():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("rolling", "least", "most"), [(0.0, 12.0, 26.0), (0.2, 18.0, 36.0)])
+@pytest.mark.parametrize(("rolling", "least", "most"), [(0.0, 15.0, 28.0), (0.2, 20.0, 38.0)])
 def test_angle_of_repose(rolling, least, most):
-    """A column of 900 spheres collapses on a rough floor between periodic sides; slope of 20 to 80 % of the height."""
+    """A low block collapses on a floor of tubes between periodic sides; slope of 20 to 80 % of the height.
+
+    Spheres with friction come to rest at 20-25 degrees, more with rolling friction; a heap this small scatters by 4.
+    """
     grain = Material(youngs_modulus=1e6, restitution=0.5, sliding_friction=0.5, rolling_friction=rolling)
-    column = pack((12 * D, 5 * D), count=900, periodic=(False, True), material=grain)
-    domain = Domain((0, 0, 0), (60 * D, 5 * D, np.inf), (False, True, False))
-    walls = [Plane((0, 0, 0), (0, 0, 1)), Plane((0, 0, 0), (1, 0, 0)), Plane((60 * D, 0, 0), (-1, 0, 0))]
-    simulation = Simulation(
-        Particles(column.position, column.radius), [grain], walls, domain, impact_speed=0.5, largest_overlap=0.1
-    )
-    simulation.run(round(2.0 / simulation.time_step))
+    block = pack((16 * D, 5 * D), count=900, periodic=(False, True), material=grain)
+    domain = Domain((0, 0, -D), (50 * D, 5 * D, np.inf), (False, True, False))
+    floor = [Tube(((k + 0.5) * D, 0, -D / 2), (0, 1, 0), D / 2) for k in range(50)]
+    walls = [*floor, Plane((0, 0, 0), (1, 0, 0)), Plane((50 * D, 0, 0), (-1, 0, 0))]
+    spheres = Particles(block.position, block.radius)
+    simulation = Simulation(spheres, [grain], walls, domain, impact_speed=0.5, largest_overlap=0.1)
+    simulation.run(round(1.0 / simulation.time_step))
     x, top = simulation.position[:, 0], simulation.position[:, 2]
-    edges = np.arange(0.0, 60 * D, D)
+    edges = np.arange(0.0, 50 * D, D)
     heights = np.array([top[(x >= low) & (x < low + D)].max(initial=0.0) for low in edges])
     slope = (heights > 0.2 * heights.max()) & (heights < 0.8 * heights.max())
-    angle = np.degrees(np.arctan(-np.polyfit(edges[slope], heights[slope], 1)[0]))
-    assert least < angle < most
+    assert simulation.kinetic_energy < 1e-3 * (simulation.mass * 9.81 * D).sum()
+    assert least < np.degrees(np.arctan(-np.polyfit(edges[slope], heights[slope], 1)[0])) < most
