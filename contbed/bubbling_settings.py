@@ -18,7 +18,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from contbed import settings as s
-from contbed.settings import unit
+from contbed.quantities import Cells, unit
 
 Area = Annotated[float, *unit("m**2"), Field(gt=0)]
 CapacityFlow = Annotated[float, *unit("W/K"), Field(ge=0)]
@@ -139,7 +139,7 @@ class Radiation(s.Table):
 class Mesh(s.Table):
     """Cells along the height, graded to the layers at both ends."""
 
-    cells: s.Cells | None = Field(None, description="absent: by solver.tolerance")
+    cells: Cells | None = Field(None, description="absent: by solver.tolerance")
     refine: s.Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
 
 

@@ -15,7 +15,7 @@ import skfem
 from contbed import settings as s
 from contbed.errors import SceneError
 
-REGION = "bed"  # the one region of a mesh that names none
+REGION = s.REGION
 CELLS_ALONG = 40
 CELLS_ACROSS = 8
 SMOOTH = 3.0  # share of the smooth part of a solution in `equidistributed`, where a layer takes degree + 1

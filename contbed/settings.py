@@ -10,180 +10,59 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
-    BaseModel,
-    BeforeValidator,
     ConfigDict,
     Discriminator,
     Field,
     PrivateAttr,
-    Strict,
     Tag,
     model_validator,
 )
 
+from contbed.quantities import (
+    ClosureFile,
+    Conductivity,
+    Density,
+    Emissivity,
+    Extinction,
+    FiniteFloat,
+    Fraction,
+    HeatCapacity,
+    HeatFlux,
+    HeatSource,
+    Instant,
+    Irradiance,
+    Length,
+    NonNegative,
+    Number,
+    Order,
+    Permeability,
+    Position,
+    Positive,
+    Pressure,
+    Seconds,
+    Switch,
+    Table,
+    Temperature,
+    Velocity,
+    Viscosity,
+    WallCoefficient,
+    Whole,
+    form,
+)
+from contbed.settings_mesh import REGION as REGION
+from contbed.settings_mesh import Mesh as Mesh
+from contbed.settings_mesh import MeshAxisymmetric as MeshAxisymmetric
+from contbed.settings_mesh import MeshBox as MeshBox
+from contbed.settings_mesh import MeshFile as MeshFile
+from contbed.settings_mesh import MeshLine as MeshLine
+from contbed.settings_mesh import MeshRectangle as MeshRectangle
 from contbed.toml_lines import Origin
-
-
-def in_unit(name: str) -> BeforeValidator:
-    """Validator that turns "3 mm" into 0.003 for `name` "m", also inside lists; other values pass."""
-
-    def convert(value: Any) -> Any:
-        if isinstance(value, (list, tuple)):
-            return tuple(convert(item) for item in value)
-        if isinstance(value, str):
-            from contbed.units import to_si
-
-            return to_si(value, name)
-        if isinstance(value, bool):
-            raise ValueError(f"expected a number, found {str(value).lower()}")
-        return value
-
-    return BeforeValidator(convert)
-
-
-def form(value: Any) -> str:
-    """Which way of writing a value was chosen where there are several; a union's members carry these as tags."""
-    if isinstance(value, ClosureFile) or (isinstance(value, dict) and "file" in value and "name" not in value):
-        return "file"
-    if isinstance(value, (dict, Table)):
-        return "parameters"
-    if isinstance(value, (list, tuple)):
-        return "list"
-    if isinstance(value, str) and not value.strip()[:1].isdigit() and value.strip()[:1] not in {"-", "+", "."}:
-        return "name"
-    return "number"
 
 
 def dispersion_form(value: Any) -> str:
     """`form`, where a table without a name holds the two conductivities themselves."""
     nameless = isinstance(value, Dispersion) or (isinstance(value, dict) and "name" not in value)
     return "table" if nameless else form(value)
-
-
-def no_switch(value: Any) -> Any:
-    """Python takes true for 1; a scene does not."""
-    if isinstance(value, bool):
-        raise ValueError(f"expected a whole number, found {str(value).lower()}")
-    return value
-
-
-def unit(name: str) -> tuple[Any, ...]:
-    """Annotations of a finite number in the SI unit `name`."""
-    return Field(allow_inf_nan=False, json_schema_extra={"unit": name}), in_unit(name)
-
-
-Number = Annotated[float, *unit("1")]
-Positive = Annotated[Number, Field(gt=0)]
-NonNegative = Annotated[Number, Field(ge=0)]
-Fraction = Annotated[Number, Field(gt=0, lt=1)]
-Position = Annotated[float, *unit("m")]
-Length = Annotated[Position, Field(gt=0)]
-Permeability = Annotated[float, *unit("m**2"), Field(gt=0)]
-Temperature = Annotated[float, *unit("K"), Field(gt=0)]
-Conductivity = Annotated[float, *unit("W/m/K"), Field(ge=0)]
-Emissivity = Annotated[Number, Field(gt=0, le=1)]
-Extinction = Annotated[float, *unit("1/m"), Field(ge=0)]
-Irradiance = Annotated[float, *unit("W/m**2"), Field(ge=0)]
-WallCoefficient = Annotated[float, *unit("W/m**2/K"), Field(ge=0)]
-HeatFlux = Annotated[float, *unit("W/m**2")]
-HeatSource = Annotated[float, *unit("W/m**3")]
-Density = Annotated[float, *unit("kg/m**3"), Field(gt=0)]
-HeatCapacity = Annotated[float, *unit("J/kg/K"), Field(gt=0)]
-Viscosity = Annotated[float, *unit("Pa*s"), Field(gt=0)]
-Pressure = Annotated[float, *unit("Pa"), Field(gt=0)]
-Seconds = Annotated[float, *unit("s"), Field(gt=0)]
-Instant = Annotated[float, *unit("s"), Field(ge=0)]
-FiniteFloat = Annotated[float, Strict(), Field(allow_inf_nan=False)]
-Velocity = Annotated[
-    Annotated[FiniteFloat, Tag("number")] | Annotated[tuple[FiniteFloat, ...], Tag("list")],
-    Field(json_schema_extra={"unit": "m/s"}),
-    Discriminator(form),
-    in_unit("m/s"),
-]
-Order = Annotated[Literal[1, 2, 3], BeforeValidator(no_switch)]
-Cells = Annotated[int, Strict(), Field(ge=1, le=10_000_000)]
-Whole = Annotated[int, Strict()]
-Switch = Annotated[bool, Strict()]
-
-
-REGION = "bed"  # the only region of a built-in mesh
-GRADED = "grade the given number of cells to the layer widths; uniform otherwise"
-
-
-class Table(BaseModel):
-    """A TOML table: unknown keys are errors and values do not change after loading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class MeshLine(Table):
-    """A bed along x from 0 to `length`; boundaries `left`, `right`."""
-
-    dimension: ClassVar[int] = 1
-    sides: ClassVar = (("left", "right"),)
-    type: Literal["line"]
-    length: Length
-    cells: Cells | None = Field(None, description="number of cells; automatic grading to the layer widths if absent")
-    graded: Switch = Field(False, description=GRADED)
-    refine: Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
-
-
-class MeshRectangle(Table):
-    """A planar channel, x along `length`, y along `height`; boundaries `left`, `right`, `bottom`, `top`."""
-
-    dimension: ClassVar[int] = 2
-    sides: ClassVar = (("left", "right"), ("bottom", "top"))
-    type: Literal["rectangle"]
-    length: Length
-    height: Length
-    cells: tuple[Cells, Cells] | None = None
-    graded: Switch = Field(False, description=GRADED)
-    shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
-    refine: Whole = Field(0, ge=0, le=8)
-
-
-class MeshAxisymmetric(Table):
-    """A cylinder in (r, z), z along `length`; boundaries `axis`, `wall`, `bottom`, `top`."""
-
-    dimension: ClassVar[int] = 2
-    sides: ClassVar = (("axis", "wall"), ("bottom", "top"))
-    type: Literal["axisymmetric"]
-    length: Length
-    radius: Length
-    cells: tuple[Cells, Cells] | None = Field(None, description="cells along r and along z")
-    graded: Switch = Field(False, description=GRADED)
-    shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
-    refine: Whole = Field(0, ge=0, le=8)
-
-
-class MeshBox(Table):
-    """A box, x along `length`, y `width`, z `height`; boundaries `left right front back bottom top`."""
-
-    dimension: ClassVar[int] = 3
-    sides: ClassVar = (("left", "right"), ("front", "back"), ("bottom", "top"))
-    type: Literal["box"]
-    length: Length
-    width: Length
-    height: Length
-    cells: tuple[Cells, Cells, Cells] | None = None
-    graded: Switch = Field(False, description=GRADED)
-    shape: Literal["tetrahedron", "hexahedron"] = "hexahedron"
-    refine: Whole = Field(0, ge=0, le=6)
-
-
-class MeshFile(Table):
-    """A gmsh geometry (.geo, meshed by gmsh) or a mesh (.msh); physical groups name regions and boundaries."""
-
-    type: Literal["file"]
-    file: str = Field(description="path relative to the scene")
-    dimension: Order = 2
-    axisymmetric: Switch = Field(False, description="coordinates are (r, z)")
-    scale: Positive = Field(1.0, description="factor from the file's length unit to metres")
-    size: Length | None = Field(None, description="target cell size for a .geo; its own sizes if absent")
-    refine: Whole = Field(0, ge=0, le=8)
-
-
-Mesh = Annotated[MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox | MeshFile, Field(discriminator="type")]
 
 
 class FluidConstant(Table):
@@ -232,12 +111,6 @@ class Closure(Table):
 
     model_config = ConfigDict(extra="allow", frozen=True)
     name: str
-
-
-class ClosureFile(Table):
-    """A closure that was fitted from particles."""
-
-    file: str = Field(description="closure file, path relative to the scene")
 
 
 Named = Annotated[str, Tag("name")] | Annotated[Closure, Tag("parameters")]

@@ -15,7 +15,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from contbed import settings as s
-from contbed.settings import unit
+from contbed.quantities import unit
 
 Area = Annotated[float, *unit("m**2"), Field(gt=0)]
 Above = Annotated[float, *unit("W/m/K"), Field(gt=0)]
