@@ -30,7 +30,10 @@ RATIO = "k_solid/k_fluid"
 
 
 class Packing(NamedTuple):
-    """A bed whose conductivity is measured between its particles below `bottom` and above `top` [m]."""
+    """A bed whose conductivity is measured between its particles below `bottom` and above `top` [m].
+
+    `box`: corners of a box that is periodic in x and y; None for walls at the outermost particles.
+    """
 
     x: Array
     radius: float
@@ -38,6 +41,7 @@ class Packing(NamedTuple):
     bottom: float
     top: float
     area: float
+    box: heat.Box | None = None
 
 
 @dataclass(frozen=True)
@@ -83,11 +87,12 @@ def conductivity_sweep(
     rows = []
     for packing in packings:
         x, R = packing.x, packing.radius
+        box = packing.box or (x.min(axis=0) - R, x.max(axis=0) + R)
+        sides = packing.box is not None
         if paths == "columns":
-            corner = np.append(x[:, :2].max(0), x[:, 2].max()) + R
-            pairs = heat.voronoi_pairs(x, (x.min(0) - R, corner))
+            pairs = heat.voronoi_pairs(x, box, (sides, sides, False))
         else:
-            pairs = heat.near_pairs(x, 3.0 * R)
+            pairs = heat.near_pairs(x, 3.0 * R, box, (sides, sides, False))
         hot, cold = x[:, 2] < packing.bottom, x[:, 2] > packing.top
         for ratio in ratios:
             how = heat.Conduction(ratio * k_fluid, k_fluid, packing.porosity, factor, paths=paths)  # type: ignore[arg-type]
