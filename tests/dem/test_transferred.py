@@ -1,6 +1,8 @@
 """Closures fitted from particles: fits of what they can represent are exact, files come back, scenes use them."""
 
+import csv
 import tomllib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,7 @@ from contbed.engine.dual import Dual
 from contbed.errors import ClosureRangeError, SceneError
 from contbed.scene import from_dict, loads, resolved, scene_hash
 
+STUDY = Path(__file__).parents[2] / "studies/closure_transfer"
 RATIO = extract.RATIO
 ETC = np.array([[0.3, 0.7, 0.02], [-1.5, 0.4, 0.0]])  # of ln(k/k_f), powers of eps - 0.4 by powers of ln(ratio/10)
 
@@ -258,3 +261,29 @@ def test_a_number_where_a_file_belongs(folder):
 def test_registry_reads_its_use(etc):
     use = registry.usage(etc.closure(), k_fluid=1.0, k_solid=np.array([10.0, 5000.0]), eps=0.4)
     assert use.share_outside == 0.5
+
+
+def test_the_study_of_transfer():
+    # the committed closure file gives the committed outlet temperature, inside of its range
+    result = cb.run(cb.load(STUDY / "heated_wall.toml"))
+    with open(STUDY / "outlet.csv", newline="") as file:
+        rows = {row["conductivity"]: float(row["T_out [K]"]) for row in csv.DictReader(file)}
+    assert result.qoi["T_fluid_out_K"] == pytest.approx(rows["packings, cones (Eq. 5)"], abs=2e-3)
+    used = next(use for use in result.closures if use["name"] == "conductivity of conductivity.toml")
+    assert used["share_outside"] == 0
+    assert "seeds (1, 2, 3, 4)" in used["source"]
+
+
+def test_a_sweep_over_packings_is_what_the_network_says():
+    # one layer of touching spheres between two others, with walls and with periodic sides
+    x = np.stack(np.meshgrid(np.arange(3.0), np.arange(3.0), np.arange(5.0), indexing="ij"), -1).reshape(-1, 3)
+    box = (np.zeros(3), np.array([3.0, 3.0, 5.0]))
+    sides = extract.Packing(x, 0.5, 0.4764, 0.5, 3.5, 9.0, box)
+    k = {
+        paths: extract.conductivity_sweep([sides], (1.0, 20.0), 0.5, 1.0, paths)["k/k_fluid"]
+        for paths in ("cones", "columns")
+    }
+    assert k["columns"][0] == pytest.approx(1.0, rel=1e-12)  # a cubic bed of its own fluid, to round-off
+    assert k["cones"][0] > 1.1
+    open_sides = extract.conductivity_sweep([sides._replace(box=None)], (20.0,), 0.5, 1.0)
+    assert open_sides["eps"] == [0.4764] and open_sides["k/k_fluid"][0] < k["cones"][1]
