@@ -3,39 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contbed import settings as s
 from contbed.engine.domain import Domain
-from contbed.engine.dual import Components
 from contbed.engine.skfem import Ops, System
 from contbed.errors import ConvergenceError
+from contbed.heat_coefficients import HeatCoefficients, Motion, plain
 from contbed.medium import Medium
 from contbed.mesh import Mesh
 from contbed.models import two_energy
 from contbed.solve.linear import Policy, Solver, constrain
 from contbed.solve.newton import newton
 
-if TYPE_CHECKING:
-    from contbed.flow_problem import Flow
-
 PHASES = ("fluid", "solid")
-TINY = 1e-30  # speed or mass flux squared that keeps the direction of a vanishing stream finite
 ROUNDING = 1e-9  # relative change of temperatures up to which a correction counts as round-off
 REFINEMENTS = 3
-
-
-@dataclass(frozen=True)
-class Motion:
-    """Superficial velocities of both phases: uniform vectors, or a computed flow for the fluid."""
-
-    fluid: Any
-    solid: Any
-    flow: Flow | None = None
 
 
 class HeatProblem:
@@ -60,11 +45,12 @@ class HeatProblem:
         self.weights = self._weights()
         self.lower = self._lower()
         cells = self.system.cells
-        self.coefficients = self._coefficients(cells)
+        self.build = HeatCoefficients(scene, mesh, medium, motion, self.system, self.radiation)
+        self.coefficients = self.build.of(cells)
         self._interior: list[Any] = [(two_energy.residual, cells, self.coefficients)]
         self._storage: list[Any] = [(two_energy.storage, cells, self.coefficients)]
         self.walls = [
-            (name, part, self._wall(name, phase, part))
+            (name, part, self.build.wall(name, phase, part))
             for name in mesh.boundaries
             for phase in PHASES
             for part in self.system.boundary(name)
@@ -80,11 +66,6 @@ class HeatProblem:
         self.idle: list[str] = []
         self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
 
-    def condition(self, boundary: str, phase: str) -> s.PhaseCondition | None:
-        """Thermal condition of one phase on one boundary."""
-        table = self.scene.boundary.get(boundary)
-        return None if table is None else getattr(table, phase)
-
     def _span(self) -> tuple[float, float]:
         found = [value for table in self.scene.boundary.values() for phase in PHASES
                  if (c := getattr(table, phase)) is not None
@@ -95,117 +76,11 @@ class HeatProblem:
             found += [self.scene.time.initial_fluid, self.scene.time.initial_solid]
         return min(found), max(found)
 
-    def _velocity(self, phase: str, where: Domain) -> Any:
-        """Velocity on a domain, None when the phase rests."""
-        if phase == "fluid" and self.motion.flow is not None:
-            flow = self.motion.flow
-            return self.system.known(where, flow.system.fields["u"][0], flow.velocity)
-        vector = getattr(self.motion, phase)
-        return Components(float(v) for v in vector) if np.any(vector) else None
-
-    def _speed(self, where: Domain) -> Callable[[Any], Any]:
-        """Relative superficial speed as a function of the fluid's density (its mass flux is what is given)."""
-        scale = self.medium.mass_flux_scale()
-        fluid, solid = self._velocity("fluid", where), self._velocity("solid", where)
-        if self.motion.flow is None and self.medium.fluid.constant:
-            speed = float(np.linalg.norm(np.asarray(self.motion.fluid) - np.asarray(self.motion.solid)))
-            return lambda density: speed
-        if fluid is None and solid is None:
-            return lambda density: 0.0  # without the kink of the norm at 0
-        still = Components([0.0] * self.mesh.skfem.dim())
-
-        def speed_of(density: Any) -> Any:
-            w = (still if fluid is None else fluid) * (scale / density) - (still if solid is None else solid)
-            return np.sqrt(Ops.dot(w, w))
-
-        return speed_of
-
-    def _coefficients(self, where: Domain) -> two_energy.Coefficients:
-        medium, speed = self.medium, self._speed(where)
-        spread = medium.dispersion(medium.T_fluid_in, speed)
-        exchange = _value(medium.exchange(medium.T_fluid_in, speed))
-        return two_energy.Coefficients(
-            fluid=self._phase("fluid", where, spread, exchange),
-            solid=self._phase("solid", where, None, exchange),
-            exchange=lambda T_fluid, T_solid: medium.exchange(T_fluid, speed),
-            cross=medium.cross_conductivity,
-            radiated=None if self.radiation is None else self.radiation.taken_up,
-        )
-
-    def _phase(self, phase: str, where: Domain, spread: Any, exchange: Any) -> two_energy.Phase:
-        """Coefficients of one phase with the dispersion along and across the flow, `spread`; the stabilisation also
-        uses `exchange` at the reference temperature.
-        """
-        material, T_ref = getattr(self.medium, phase), self.medium.T_fluid_in
-        conductivity = partial(self.medium.conductivity, phase)
-        velocity, density = self._velocity(phase, where), self._density(phase)
-        flux = None if velocity is None else velocity * density
-        capacity = float(material.heat_capacity(T_ref))
-        dispersion, along = None, 0.0
-        if spread is not None and velocity is not None:
-            along, across = spread
-            size = np.sqrt(Ops.dot(velocity, velocity) + TINY)
-            dispersion = (across, along - across, velocity / size)
-        tau = None
-        if flux is not None and self.scene.solver.stabilisation:
-            speed = np.sqrt(_value(Ops.dot(flux, flux)) + TINY)
-            h = where.along(Components(_value(part) / speed for part in flux.items))
-            stagnant = conductivity(T_ref) + along
-            tau = _value(two_energy.tau(speed * capacity, stagnant, exchange, capacity, h, self.degree))
-        computed = phase == "fluid" and self.motion.flow is not None
-        return two_energy.Phase(
-            mass_flux=flux,
-            divergence=Ops(where).div(velocity) * density if computed else None,
-            enthalpy=material.enthalpy,
-            heat_capacity=material.heat_capacity,
-            capacity=capacity,
-            offset=float(material.enthalpy(T_ref)) - capacity * T_ref,
-            conductivity=conductivity,
-            dispersion=dispersion,
-            content=getattr(self.medium, f"content_{phase}"),
-            source=self._source(phase),
-            tau=tau,
-        )
-
-    def _density(self, phase: str) -> float:
-        """Density that turns the velocity of a phase into its mass flux [kg/m3]."""
-        medium = self.medium
-        return medium.mass_flux_scale() if phase == "fluid" else float(medium.solid.density(medium.T_fluid_in))
-
-    def _source(self, phase: str) -> Any:
-        values = {name: getattr(region, f"source_{phase}") for name, region in self.scene.region.items()}
-        if not any(values.values()):
-            return 0.0
-        field = np.zeros((self.mesh.skfem.nelements, 1))
-        for name, value in values.items():
-            field[self.mesh.skfem.subdomains[name]] += value
-        return field
-
-    def _wall(self, name: str, phase: str, where: Domain) -> two_energy.Wall:
-        material = getattr(self.medium, phase)
-        velocity = self._velocity(phase, where)
-        flux = None
-        if velocity is not None:
-            normal = _value(Ops.dot(velocity, where.n))
-            if np.abs(normal).max() > 1e-12 * max(np.abs(_value(v)).max() for v in velocity.items):
-                flux = velocity * self._density(phase)
-        condition = self.condition(name, phase)
-        options: dict[str, Any] = {}
-        if condition is not None and condition.inflow is not None:
-            options["inflow"] = float(material.enthalpy(condition.inflow))
-        if condition is not None and condition.flux is not None:
-            options["flux"] = condition.flux
-        if condition is not None and condition.coefficient is not None:
-            spec, speed = condition.coefficient, self._speed(where)
-            options["ambient"] = condition.ambient
-            options["coefficient"] = lambda unknowns: self.medium.wall(spec, unknowns.T_fluid, speed)
-        return two_energy.Wall(f"T_{phase}", flux, material.enthalpy, **options)
-
     def _fixed(self) -> tuple[Any, Any, Any]:
         nodes, values, owners = [], [], []
         for name in self.mesh.boundaries:
             for phase in PHASES:
-                condition = self.condition(name, phase)
+                condition = self.build.condition(name, phase)
                 if condition is not None and condition.fixed is not None:
                     if not self._reaches(name, phase):
                         why = f"the {phase} neither conducts nor enters there"
@@ -223,10 +98,10 @@ class HeatProblem:
     def _reaches(self, boundary: str, phase: str) -> bool:
         """Whether a temperature prescribed there is felt in the bed: by conduction or with an entering stream."""
         c = getattr(self.coefficients, phase)
-        if c.dispersion is not None or _value(c.conductivity(self.medium.T_fluid_in)) > 0:
+        if c.dispersion is not None or plain(c.conductivity(self.medium.T_fluid_in)) > 0:
             return True
         return any(
-            wall.mass_flux is not None and np.min(_value(Ops.dot(wall.mass_flux, part.n))) < 0
+            wall.mass_flux is not None and np.min(plain(Ops.dot(wall.mass_flux, part.n))) < 0
             for name, part, wall in self.walls if (name, wall.name) == (boundary, f"T_{phase}")
         )  # fmt: skip
 
@@ -336,7 +211,7 @@ class HeatProblem:
         radiated = 0.0 if self.radiation is None else self.radiation.emission(self.mesh, self.system)
         return radiated + sum(
             getattr(self.coefficients, phase).capacity * high
-            * float(np.sum(part.weight * np.maximum(_value(Ops.dot(wall.mass_flux, part.n)), 0.0)))
+            * float(np.sum(part.weight * np.maximum(plain(Ops.dot(wall.mass_flux, part.n)), 0.0)))
             for (_, part, wall) in self.walls if wall.mass_flux is not None
             for phase in PHASES if wall.name == f"T_{phase}"
         )  # fmt: skip
@@ -397,8 +272,4 @@ def _coupling(scene: s.Scene) -> Any:
 def _stream_above(T_ref: float) -> Callable[[Any, Any, Any], Any]:
     """Heat that a stream carries out above a reference temperature [W/m2]."""
     return lambda u, c, o: two_energy.convected(u, c, o) - o.dot(c.mass_flux, o.n) * c.enthalpy(T_ref)
-
-
-def _value(item: Any) -> Any:
-    return getattr(item, "value", item)
 

@@ -183,7 +183,8 @@ def _radiation_problem(plan: Plan) -> Any:
 
 
 def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:
-    from contbed.heat_problem import HeatProblem, Motion
+    from contbed.heat_coefficients import Motion
+    from contbed.heat_problem import HeatProblem
 
     with _timed(result, "heat setup"):
         motion = Motion(plan.velocity, plan.velocity_solid, flow)

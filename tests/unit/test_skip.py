@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.heat_problem import HeatProblem, Motion
+from contbed.heat_coefficients import Motion
+from contbed.heat_problem import HeatProblem
 from contbed.scene import from_dict
 
 PACKAGE = Path(cb.__file__).parent

@@ -13,7 +13,8 @@ from test_balance import scene as bed
 import contbed as cb
 from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
-from contbed.heat_problem import HeatProblem, Motion
+from contbed.heat_coefficients import Motion
+from contbed.heat_problem import HeatProblem
 from contbed.output.progress import Progress
 from contbed.planning import plan
 from contbed.probe import Probe
