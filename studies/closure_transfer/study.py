@@ -57,14 +57,14 @@ def outlet_of(found):
 def main():
     beds = list(packings())
     whole = fit(beds)
-    whole.write(HERE / "conductivity.toml", {"scene": "studies/closure_transfer/study.py", "seeds": str(SEEDS)})
+    whole.write(HERE / "closures/conductivity.toml", {"scene": "studies/closure_transfer/study.py", "seeds": str(SEEDS)})
     print("porosities", [round(bed.porosity, 4) for bed in beds], "residuals", whole.content["residuals"])
-    rows = [("packings, cones (Eq. 5)", outlet({"file": "conductivity.toml"}))]
+    rows = [("packings, cones (Eq. 5)", outlet({"file": "closures/conductivity.toml"}))]
     each = [outlet_of(fit([bed])) for bed in beds]
     drawn = [outlet_of(replace(whole, content=c.content)) for c in whole.samples(SAMPLES, seed=1)]
     rows.append(("packings, columns", outlet_of(fit(beds, "columns"))))
     rows += [(name, outlet(name)) for name in LITERATURE]
-    mesh = outlet({"file": "conductivity.toml"}, **{"mesh.cells": [48, 120]})
+    mesh = outlet({"file": "closures/conductivity.toml"}, **{"mesh.cells": [48, 120]})
     with open(HERE / "outlet.csv", "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["conductivity", "T_out [K]", "difference [K]"])

@@ -269,7 +269,7 @@ def test_the_study_of_transfer():
     with open(STUDY / "outlet.csv", newline="") as file:
         rows = {row["conductivity"]: float(row["T_out [K]"]) for row in csv.DictReader(file)}
     assert result.qoi["T_fluid_out_K"] == pytest.approx(rows["packings, cones (Eq. 5)"], abs=2e-3)
-    used = next(use for use in result.closures if use["name"] == "conductivity of conductivity.toml")
+    used = next(use for use in result.closures if use["name"] == "conductivity of closures/conductivity.toml")
     assert used["share_outside"] == 0
     assert "seeds (1, 2, 3, 4)" in used["source"]
 
