@@ -17,9 +17,17 @@ Or by name, as a scene does, and ask what was used outside of the declared range
 
 `closures.names(kind)` lists them and `print(closures.data_sheet(name))` shows one. Kinds: nusselt [-],
 conductivity [W/m/K], tortuosity [-], dispersion [W/m/K], permeability [m2], forchheimer [-],
-pressure_gradient [Pa/m], radiation [W/m/K or -], wall [W/m2/K].
+pressure_gradient [Pa/m], radiation [W/m/K or -], wall [W/m2/K]; of fluidized beds
+minimum_fluidization [-], bubble_size [m], bubble_rise [m/s], gas_exchange [1/s], bubble_heat [W/m3/K].
 """
 
+from contbed.closures.bubbles import (
+    bubble_heat_kunii_levenspiel,
+    bubble_rise_davidson_harrison,
+    bubble_size_mori_wen,
+    gas_exchange_kunii_levenspiel,
+    gas_exchange_sit_grace,
+)
 from contbed.closures.conductivity import conductivity_hsu, conductivity_krupiczka, tortuosity_hsu
 from contbed.closures.conductivity_bounds import (
     conductivity_hashin_shtrikman_lower,
@@ -40,6 +48,11 @@ from contbed.closures.dispersion import (
     dispersion_vdi_transverse,
     dispersion_wakao_kaguei_axial,
     dispersion_wakao_kaguei_transverse,
+)
+from contbed.closures.fluidization import (
+    minimum_fluidization_chitester,
+    minimum_fluidization_grace,
+    minimum_fluidization_wen_yu,
 )
 from contbed.closures.nusselt import (
     nusselt_gunn,
@@ -66,6 +79,9 @@ __all__ = [
     "DispersionPair",
     "RangeUse",
     "Sheet",
+    "bubble_heat_kunii_levenspiel",
+    "bubble_rise_davidson_harrison",
+    "bubble_size_mori_wen",
     "closure",
     "conductivity_hashin_shtrikman_lower",
     "conductivity_hashin_shtrikman_upper",
@@ -85,7 +101,12 @@ __all__ = [
     "dispersion_wakao_kaguei_transverse",
     "forchheimer_ergun",
     "forchheimer_ward",
+    "gas_exchange_kunii_levenspiel",
+    "gas_exchange_sit_grace",
     "get",
+    "minimum_fluidization_chitester",
+    "minimum_fluidization_grace",
+    "minimum_fluidization_wen_yu",
     "names",
     "nusselt_gunn",
     "nusselt_kuwahara",

@@ -29,6 +29,18 @@ BOX = {
     "b": (0.3, 1.0),
     "beta": (10.0, 5000.0),
     "albedo": (0.05, 0.9),
+    "Ar": (10.0, 1e8),
+    "z": (0.01, 2.0),
+    "d_b": (0.005, 0.3),
+    "d_b0": (0.002, 0.05),
+    "u_b": (0.2, 2.0),
+    "u_mf": (0.005, 0.5),
+    "u_excess": (0.01, 1.0),
+    "eps_mf": (0.35, 0.6),
+    "D_gas": (1e-5, 3e-4),
+    "rho_gas": (0.2, 2.0),
+    "cp_gas": (900.0, 1400.0),
+    "k_gas": (0.02, 0.12),
 }
 ALL = [closures.get(name) for name in closures.names()]
 shares = st.lists(st.floats(0, 1), min_size=8, max_size=8)
