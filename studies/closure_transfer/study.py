@@ -57,7 +57,7 @@ def outlet_of(found):
 def main():
     beds = list(packings())
     whole = fit(beds)
-    whole.write(HERE / "closures/conductivity.toml", {"scene": "studies/closure_transfer/study.py", "seeds": str(SEEDS)})
+    whole.write(HERE / "closures/conductivity.toml", {"scene": "closure_transfer/study.py", "seeds": str(SEEDS)})
     print("porosities", [round(bed.porosity, 4) for bed in beds], "residuals", whole.content["residuals"])
     rows = [("packings, cones (Eq. 5)", outlet({"file": "closures/conductivity.toml"}))]
     each = [outlet_of(fit([bed])) for bed in beds]
