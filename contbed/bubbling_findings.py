@@ -23,12 +23,13 @@ def solve(plan: Any, result: Result) -> None:
     state, history = problem.solve()
     result.history += history
     findings(plan, problem, state, result)
-    if any(item.release is not None and item.release.activation for item in plan.scene.present.values()):
-        result.qoi["steady_states_found"] = 1 + len(_other_states(problem, state, result))
+    if any(item.release is not None and item.release.activation for item in (plan.scene.gas, *plan.scene.present.values())):
+        result.qoi["steady_states_found"] = _steady_states(problem, state, result)
 
 
-def _other_states(problem: BubblingProblem, state: Any, result: Result) -> list[Any]:
-    """Steady states that a cold and a hot guess lead to; heat release that grows with temperature may allow several."""
+def _steady_states(problem: BubblingProblem, state: Any, result: Result) -> int:
+    """Number of states with those that a cold and a hot guess lead to; release that grows with temperature allows many.
+    """
     found = [state]
     for guess in (COLD, HOT):
         try:
@@ -46,7 +47,7 @@ def _other_states(problem: BubblingProblem, state: Any, result: Result) -> list[
                 f"at {there:.6g} K; solver.guess = {guess:g} leads there"
             )
             found.append(other)
-    return found[1:]
+    return len(found)
 
 
 def _distance(problem: BubblingProblem, a: Any, b: Any) -> float:
