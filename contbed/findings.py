@@ -62,6 +62,8 @@ def steady_findings(plan: Plan, problem: Any, state: Any, fluxes: Any, reactions
     _outlets(plan, problem, state, result)
     heats = {name: value + sum(fluxes[name].values()) for name, value in reactions.items()}
     result.qoi |= {f"heat_{plan.as_written(name)}_W": value for name, value in heats.items()}
+    if "tubes" in fluxes:
+        result.qoi["heat_tubes_W"] = fluxes["tubes"]["radiation"]
     if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
         x = result.profiles[coordinate_header(plan)]
         gap = _theta(solid, span) - _theta(fluid, span)

@@ -226,7 +226,7 @@ class HeatProblem:
 
     def fluxes(self, state: Any) -> dict[str, dict[str, float]]:
         """Heat into the bed through each boundary by the stream of each phase, by walls and by radiation [W]; "species"
-        radiates what those of given temperature do. What prescribed temperatures conduct is in `reactions`. Streams
+        and "tubes" radiate at given temperatures. What prescribed temperatures conduct is in `reactions`. Streams
         count from the lowest temperature of the scene.
         """
         T_ref = self.T_span[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from contbed import settings as s
@@ -10,6 +11,15 @@ from contbed.errors import SceneError
 
 if TYPE_CHECKING:
     from contbed.scene_checks import Boundaries, Mistakes, See
+
+
+def tubes_see_radiation(
+    heat: s.Heat | None, radiation: s.Radiation | None, region: Mapping[str, s.Region]
+) -> Mistakes:
+    diffuse = radiation is not None and radiation.level in ("p1", "two_flux")
+    for name, item in region.items():
+        if item.tubes is not None and (heat is None or not diffuse):
+            yield ("region", name, "tubes"), "need [heat] and [radiation] with level p1 or two_flux"
 
 
 def radiation_is_complete(

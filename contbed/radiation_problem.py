@@ -143,7 +143,22 @@ class RadiationCoupling:
 
     def boundaries(self, mesh: Mesh, system: System) -> list[tuple[Any, Any, Any]]:
         """Its walls and openings."""
-        return [(radiation.boundary, part, surface) for _, part, surface in surfaces(self.scene, mesh, system)]
+        forms = [(radiation.boundary, part, surface) for _, part, surface in surfaces(self.scene, mesh, system)]
+        sink = self._tubes(mesh)
+        return forms if sink is None else [*forms, (radiation.tubes, system.cells, sink)]
+
+    def _tubes(self, mesh: Mesh) -> radiation.Tubes | None:
+        """Tubes of all regions as one value in each cell (ncells, 1)."""
+        given = {name: region.tubes for name, region in self.scene.region.items() if region.tubes is not None}
+        if not given:
+            return None
+        area, power = np.zeros((2, mesh.skfem.nelements, 1))
+        bed = closures.radiation_emissivity_half_space(self.optics.scattering / self.optics.extinction)
+        for name, item in given.items():
+            cells = mesh.skfem.subdomains[name]
+            area[cells] = item.area * closures.emissivity_immersed(bed, item.emissivity)
+            power[cells] = radiation.SIGMA * item.temperature**4
+        return radiation.Tubes(area, power)
 
     def taken_up(self, unknowns: Any) -> Any:
         """Radiation that the solid absorbs less what it emits [W/m3]."""
@@ -154,7 +169,8 @@ class RadiationCoupling:
         table = self.scene.radiation
         assert table is not None
         conditions = [self.scene.boundary[name].radiation for name in mesh.boundaries if name in self.scene.boundary]
-        found = [item.temperature for item in (*conditions, *table.species.values()) if item is not None]
+        tubes = [region.tubes for region in self.scene.region.values()]
+        found = [item.temperature for item in (*conditions, *table.species.values(), *tubes) if item is not None]
         entering = [item.radiosity for item in conditions if item is not None and item.radiosity is not None]
         return [T for T in found if T is not None] + [float(power_temperature(power)) for power in entering]
 
@@ -163,10 +179,15 @@ class RadiationCoupling:
         return emission(self.optics, surfaces(self.scene, mesh, system), mesh, system.measure.get("section", 1.0))
 
     def fluxes(self, mesh: Mesh, system: System, state: Any) -> dict[str, float]:
-        """Radiation into the bed through each boundary, and from species of given temperature [W]."""
+        """Radiation into the bed through each boundary, from species of given temperature and from tubes [W]."""
         out = boundary_fluxes(surfaces(self.scene, mesh, system), system, state)
         if self.optics.passive:
             out["species"] = given_off(self.optics, system, state)
+        sink = self._tubes(mesh)
+        if sink is not None:
+            out["tubes"] = -system.integrate(
+                lambda unknowns, o: radiation.taken_by_tubes(unknowns, sink, o), [system.cells], state
+            )
         return out
 
 

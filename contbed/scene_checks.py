@@ -14,7 +14,11 @@ from typing import Any
 from contbed import settings as s
 from contbed.closure_choice import is_phase, resolve_closure, resolve_dispersion
 from contbed.errors import SceneError
-from contbed.radiation_checks import particles_have_a_size_and_fit_together, radiation_is_complete
+from contbed.radiation_checks import (
+    particles_have_a_size_and_fit_together,
+    radiation_is_complete,
+    tubes_see_radiation,
+)
 from contbed.scene_flow import enters, role, velocity_vector
 from contbed.toml_lines import KeyPath, Origin, dotted, parse_key
 
@@ -332,6 +336,7 @@ TOLERANT = (tables_are_complete, radiation_is_complete)
 CHECKS: tuple[Callable[..., Mistakes], ...] = (
     tables_are_complete,
     radiation_is_complete,
+    tubes_see_radiation,
     particles_have_a_size_and_fit_together,
     heat_has_its_materials,
     heat_alone_uses_temperatures,

@@ -265,11 +265,20 @@ class Boundary(Table):
     radiation: RadiationCondition | None = Field(None, description="absent: a mirror")
 
 
+class Tubes(Table):
+    """Tubes immersed in a region, as the radiation sees them."""
+
+    area: Extinction = Field(description="tube surface per bed volume")
+    emissivity: Emissivity
+    temperature: Temperature
+
+
 class Region(Table):
-    """Heat sources in one named region of the mesh, per bed volume."""
+    """Heat sources in one named region of the mesh, per bed volume, and tubes."""
 
     source_fluid: HeatSource = 0.0
     source_solid: HeatSource = 0.0
+    tubes: Tubes | None = Field(None, description="absorb and emit radiation; with [heat] and [radiation]")
 
 
 class Time(Table):

@@ -77,3 +77,25 @@ def supplied(unknowns: Any, c: Surface, o: Any) -> Any:
 def boundary(unknowns: Any, tests: Any, c: Surface, o: Any) -> Any:
     """Walls and openings."""
     return -supplied(unknowns, c, o) * tests.G
+
+
+@dataclass(frozen=True)
+class Tubes:
+    """Surfaces immersed in a region: effective area per bed volume, eps_eff p [1/m], and power, sigma T^4 [W/m2].
+
+    A tube sees the bulk field through the bed around it, so it takes eps_eff (G/4 - sigma T^4) per surface, with
+    1/eps_eff = 1/eps_bed + 1/eps_tube - 1.
+    """
+
+    area: Any
+    power: Any
+
+
+def taken_by_tubes(unknowns: Any, c: Tubes, o: Any) -> Any:
+    """Radiation that immersed tubes take out of the bed [W/m3]."""
+    return c.area * (0.25 * unknowns.G - c.power)
+
+
+def tubes(unknowns: Any, tests: Any, c: Tubes, o: Any) -> Any:
+    """Sink of the incident radiation in tubes."""
+    return taken_by_tubes(unknowns, c, o) * tests.G
