@@ -23,7 +23,7 @@ def solve(plan: Any, result: Result) -> None:
     state, history = problem.solve()
     result.history += history
     findings(plan, problem, state, result)
-    if any(item.release is not None and item.release.activation for item in (plan.scene.gas, *plan.scene.present.values())):
+    """Number of states, with those that a cold and a hot guess lead to: release that grows with T allows several."""
         result.qoi["steady_states_found"] = _steady_states(problem, state, result)
 
 
