@@ -23,13 +23,13 @@ def solve(plan: Any, result: Result) -> None:
     state, history = problem.solve()
     result.history += history
     findings(plan, problem, state, result)
-    """Number of states, with those that a cold and a hot guess lead to: release that grows with T allows several."""
+    scene = plan.scene
+    if any(item.release is not None and item.release.activation for item in (scene.gas, *scene.present.values())):
         result.qoi["steady_states_found"] = _steady_states(problem, state, result)
 
 
 def _steady_states(problem: BubblingProblem, state: Any, result: Result) -> int:
-    """Number of states with those that a cold and a hot guess lead to; release that grows with temperature allows many.
-    """
+    """Number of states, with those that a cold and a hot guess lead to: release that grows with T allows several."""
     found = [state]
     for guess in (COLD, HOT):
         try:
