@@ -16,7 +16,7 @@ from contbed.planning import Plan
 from contbed.planning import plan as make_plan
 from contbed.result import Result
 
-NOTICED = 1e-3  # share of the heat above 0 K in streams and bed below which rounding of temperatures blurs a balance
+NOTICED = 1e-2  # share of the heat above 0 K in streams and bed below which rounding of temperatures blurs a balance
 STATUS = {
     ConvergenceError: "not converged",
     ClosureRangeError: "closure out of range",
