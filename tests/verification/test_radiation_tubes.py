@@ -45,7 +45,7 @@ OPTICS = "emissivity = 0.7"
 
 
 def test_a_black_bed_of_given_temperature_heats_tubes_as_the_closure_says():
-    """Species of given temperature and no other: G is uniform, K G = 4 K E - p eps_eff (G/4 - E_t). Round-off: 1e-12."""
+    """Species of given temperature only: G is uniform, K G = 4 K E - p eps_eff (G/4 - E_t). Round-off: 1e-12."""
     optics = "species.hot = { volume_fraction = 0.55, diameter = 0.002, emissivity = 0.7, temperature = 1150 }"
     result = cb.run(loads(SCENE.format(**LINE, nusselt=10, optics=optics, tube=550)))
     K = 0.7 * 1.5 * 0.55 / 0.002 / 0.45
@@ -58,7 +58,7 @@ def test_a_black_bed_of_given_temperature_heats_tubes_as_the_closure_says():
 
 @pytest.mark.parametrize("case", [LINE, {"mesh": "axisymmetric", "extent": "radius = 0.1", "inlet": "bottom"}])
 def test_tubes_cool_the_bed_and_the_balance_closes(case):
-    """The run itself ends with an error if the balance is open by more than 1e-10; tubes as hot as the bed do nothing."""
+    """A run ends with an error if its balance is open by more than 1e-10; tubes as hot as the bed do nothing."""
     cooled = cb.run(loads(SCENE.format(**case, nusselt='"gunn"', optics=OPTICS, tube=500)))
     level = cb.run(loads(SCENE.format(**case, nusselt='"gunn"', optics=OPTICS, tube=1150)))
     assert cooled.qoi["T_solid_out_K"] < 1100
