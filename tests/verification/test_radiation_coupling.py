@@ -381,13 +381,13 @@ def test_wall_fluxes_of_a_thick_bed(motion, albedo):
 @pytest.mark.parametrize("motion", ["at rest", pytest.param("gas", marks=pytest.mark.slow)])
 def test_wall_fluxes_of_a_thick_bed_in_the_plane(motion):
     """Given cells, graded, and a third wall: corners between walls of unlike temperature take more cells than a line.
-    48 x 34 quadratic cells reach 1e-5 of the largest flux.
+    60 x 42 quadratic cells reach 1e-5 of the largest flux.
     """
     values = furnace(400.0, 0.0, motion, 1500.0, 300.0)
     values["boundary"]["top"] = {"radiation": wall(900.0, 0.5)}
     mesh = {"type": "rectangle", "length": 1.0, "height": 0.5, "graded": True}
-    found = radiative_heat({**values, "mesh": {**mesh, "cells": [48, 34]}})
-    fine = radiative_heat({**values, "mesh": {**mesh, "cells": [60, 44]}, "solver": {"degree": 3}})
+    found = radiative_heat({**values, "mesh": {**mesh, "cells": [60, 42]}})
+    fine = radiative_heat({**values, "mesh": {**mesh, "cells": [72, 52]}, "solver": {"degree": 3}})
     np.testing.assert_allclose(found, fine, rtol=0, atol=1e-5 * np.abs(fine).max())
 
 
