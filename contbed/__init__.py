@@ -16,8 +16,8 @@ __version__ = "0.1.0"
 __all__ = ["Plan", "Result", "Scene", "load", "plan", "run"]
 
 _HOMES = {
-    "Scene": "settings",
-    "load": "scene",
+    "Scene": "scene.settings",
+    "load": "scene.loading",
     "Plan": "planning",
     "plan": "planning",
     "Result": "result",
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from contbed.planning import Plan, plan
     from contbed.result import Result
     from contbed.runner import run
-    from contbed.scene import load
-    from contbed.settings import Scene
+    from contbed.scene.loading import load
+    from contbed.scene.settings import Scene
 
 
 def __getattr__(name: str) -> Any:

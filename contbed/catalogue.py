@@ -7,9 +7,10 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
 
-from contbed import closures, reference
+from contbed import closures
 from contbed.closures import registry
 from contbed.errors import SceneError
+from contbed.scene import reference
 
 
 def models() -> dict[str, str]:

@@ -173,7 +173,7 @@ def sweep(
 
 
 def _load(path: Path, settings: list[str] | None) -> Any:
-    from contbed.scene import load
+    from contbed.scene.loading import load
 
     return load(path, dict(_assignment(text) for text in settings or []))
 

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from contbed import settings as s
-from contbed.adapt import refinable
 from contbed.errors import SceneError
-from contbed.grading import nodes
-from contbed.medium import Medium
-from contbed.mesh import Mesh, build
-from contbed.scene_flow import role, velocity_vector
+from contbed.meshing.grading import nodes
+from contbed.meshing.mesh import Mesh, build
+from contbed.problem.adapt import refinable
+from contbed.problem.medium import Medium
+from contbed.scene import settings as s
+from contbed.scene.flow import role, velocity_vector
 from contbed.solve.linear import Policy
 
 AUTOMATIC = 4  # adaptive refinements of an automatic mesh
@@ -72,7 +72,7 @@ class Plan:
 
     def refined(self, error: Any) -> Plan:
         """The plan on a mesh refined where `error` (ncells,) is large."""
-        from contbed.adapt import refined
+        from contbed.problem.adapt import refined
 
         return replace(self, mesh=refined(self.mesh, error))
 
@@ -120,7 +120,7 @@ def plan(scene: Any) -> Any:
     Returns a `Plan`, or that of the model that the scene is for.
     """
     if scene.kind == "bubbling_bed":
-        from contbed.bubbling_planning import plan as plan_bubbling
+        from contbed.bubbling.planning import plan as plan_bubbling
 
         return plan_bubbling(scene)
     if scene.kind == "particles":
@@ -179,7 +179,7 @@ def _cheapest_radiation(scene: s.Scene) -> tuple[s.Scene, str]:
     """The scene with a Rosseland conductivity where it is allowed and accurate, and what to say about it."""
     if scene.radiation is None or not scene.radiation.allow_rosseland:
         return scene, ""
-    from contbed.rosseland import choose
+    from contbed.problem.rosseland import choose
 
     return choose(scene)
 
@@ -294,7 +294,7 @@ def _role(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
         return given
     if mesh.axisymmetric and np.abs(mesh.skfem.p[0, mesh.skfem.facets[:, mesh.skfem.boundaries[name]]]).max() < 1e-12:
         return "slip"
-    from contbed.flow_problem import constant_normal
+    from contbed.problem.flow import constant_normal
 
     normal = constant_normal(mesh, name)
     across = None if normal is None else float(normal @ velocity) / max(float(np.linalg.norm(velocity)), 1e-300)

@@ -31,7 +31,7 @@ class Result:
     @property
     def summary(self) -> dict[str, Any]:
         """The contents of summary.json."""
-        from contbed.scene import resolved
+        from contbed.scene.loading import resolved
         from contbed.versions import versions
 
         return {

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from contbed import settings as s
 from contbed.errors import BalanceError, ClosureRangeError, ConvergenceError, SceneError
 from contbed.planning import Plan
 from contbed.planning import plan as make_plan
 from contbed.result import Result
+from contbed.scene import settings as s
 
 NOTICED = 1e-2  # share of the heat above 0 K in streams and bed below which rounding of temperatures blurs a balance
 STATUS = {
@@ -105,7 +105,7 @@ def _timed(result: Result, phase: str) -> Iterator[None]:
 def _checkpoint(scene: s.Scene, plan: Plan, folder: Path) -> tuple[Any, Any]:
     """Arrays and numbers of an earlier run of the same scene."""
     from contbed.output import checkpoint
-    from contbed.scene import scene_hash
+    from contbed.scene.loading import scene_hash
 
     if scene.time is None or plan.fronts:
         raise SceneError(f"{scene.origin.name}: nothing to restart, the scene takes no time steps; leave out --restart")
@@ -118,7 +118,7 @@ def _solve(
     scene: s.Scene, plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None
 ) -> None:
     if scene.kind == "bubbling_bed":
-        from contbed.bubbling_findings import solve
+        from contbed.bubbling.findings import solve
 
         with _timed(result, "heat"):
             solve(plan, result)
@@ -156,8 +156,8 @@ def _solve(
 
 def _radiation(plan: Plan, result: Result) -> None:
     """A medium that radiates by itself."""
-    from contbed.findings_radiation import radiation_findings
-    from contbed.radiation_problem import emission
+    from contbed.problem.findings_radiation import radiation_findings
+    from contbed.problem.radiation import emission
 
     with _timed(result, "radiation"):
         problem = _radiation_problem(plan)
@@ -171,20 +171,20 @@ def _radiation(plan: Plan, result: Result) -> None:
 
 
 def _radiation_problem(plan: Plan) -> Any:
-    from contbed.radiation_problem import RadiationProblem
+    from contbed.problem.radiation import RadiationProblem
 
     problem: Any = RadiationProblem
     level = plan.solved.radiation.level if plan.solved.radiation else ""
     if level == "ordinates":
-        from contbed.ordinates_problem import OrdinatesProblem as problem
+        from contbed.problem.ordinates import OrdinatesProblem as problem
     elif level == "rosseland":
-        from contbed.rosseland import RosselandProblem as problem
+        from contbed.problem.rosseland import RosselandProblem as problem
     return problem(plan.solved, plan.mesh, plan.section)
 
 
 def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:
-    from contbed.heat_coefficients import Motion
-    from contbed.heat_problem import HeatProblem
+    from contbed.problem.heat import HeatProblem
+    from contbed.problem.heat_coefficients import Motion
 
     with _timed(result, "heat setup"):
         motion = Motion(plan.velocity, plan.velocity_solid, flow)
@@ -194,7 +194,7 @@ def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:
 
 
 def _flow(plan: Plan, result: Result) -> Any:
-    from contbed.flow_problem import coefficients, solve_flow
+    from contbed.problem.flow import coefficients, solve_flow
 
     scene, options = plan.scene, plan.scene.solver
     c = coefficients(scene, plan.medium, plan.velocity, plan.velocity_solid)
@@ -208,7 +208,7 @@ def _flow(plan: Plan, result: Result) -> Any:
     leaving = sum(v for v in outflow.values() if v > 0)
     result.balances["fluid volume"] = _balance(entering, leaving, 0.0, 0.0, "m3/s")
     result.nodal |= {"u": (flow.system.fields["u"][0], flow.velocity), "p": (flow.system.fields["p"][0], flow.pressure)}
-    from contbed.findings import flow_findings
+    from contbed.problem.findings import flow_findings
 
     flow_findings(plan, flow, result)
     return flow
@@ -242,7 +242,7 @@ def _steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, 
 
 def _steady(plan: Plan, problem: Any, result: Result, last: bool) -> Any | None:
     """Solve and report; or, on a mesh that may still be refined and should be, return the error of each cell."""
-    from contbed.findings import steady_findings
+    from contbed.problem.findings import steady_findings
 
     with _timed(result, "heat"):
         state, history = problem.solve(plan.policy)
@@ -268,11 +268,11 @@ def _transient(
     scene: s.Scene, plan: Plan, problem: Any, result: Result, folder: Path | None, quiet: bool,
     start: tuple[Any, Any] | None,
 ) -> None:  # fmt: skip
-    from contbed.findings import transient_findings
     from contbed.output import checkpoint
     from contbed.output.progress import Progress
-    from contbed.scene import scene_hash
-    from contbed.transient import History, integrated_fluxes, run_transient
+    from contbed.problem.findings import transient_findings
+    from contbed.problem.transient import History, integrated_fluxes, run_transient
+    from contbed.scene.loading import scene_hash
 
     assert scene.time is not None
     label = scene_hash(scene)
@@ -303,8 +303,8 @@ def _transient(
 
 
 def _track_fronts(plan: Plan, result: Result) -> None:
-    from contbed.findings import front_findings
     from contbed.models.fronts import track
+    from contbed.problem.findings import front_findings
 
     scene, medium = plan.scene, plan.medium
     time, bed = scene.time, scene.bed
@@ -362,6 +362,6 @@ def _keep_last(scene: s.Scene, error: ConvergenceError, folder: Path | None) -> 
     if folder is None or error.state is None or scene.time is not None:
         return
     from contbed.output import checkpoint
-    from contbed.scene import scene_hash
+    from contbed.scene.loading import scene_hash
 
     checkpoint.save(folder, {"state": np.asarray(error.state)}, {"scene_hash": scene_hash(scene)})

@@ -24,11 +24,11 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from contbed import reference
 from contbed.errors import ContbedError, SceneError
-from contbed.scene import load, scene_hash
-from contbed.settings import Scene
-from contbed.toml_lines import dotted, one_line, parse_key, read
+from contbed.scene import reference
+from contbed.scene.loading import load, scene_hash
+from contbed.scene.settings import Scene
+from contbed.scene.toml_lines import dotted, one_line, parse_key, read
 
 MOST_RUNS = 100_000
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from contbed.dem import settings as p
-from contbed.scene_checks import Mistakes, See
-from contbed.toml_lines import Origin
+from contbed.scene.checks import Mistakes, See
+from contbed.scene.toml_lines import Origin
 
 
 def one_source(lattice: p.Lattice | None, particles: p.Particles | None, see: See) -> Mistakes:

@@ -14,8 +14,8 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from contbed import settings as s
-from contbed.quantities import unit
+from contbed.scene import settings as s
+from contbed.scene.quantities import unit
 
 Area = Annotated[float, *unit("m**2"), Field(gt=0)]
 Above = Annotated[float, *unit("W/m/K"), Field(gt=0)]

@@ -95,7 +95,7 @@ def solve(plan: Any, result: Result, folder: Path | None) -> None:
 
 
 def _closure(plan: ParticlePlan, pairs: heat.Pairs, result: Result, folder: Path | None) -> None:
-    from contbed.scene import scene_hash
+    from contbed.scene.loading import scene_hash
 
     scene = plan.scene
     table, fluid = scene.closure, scene.conduction.fluid

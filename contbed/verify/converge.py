@@ -19,13 +19,13 @@ from typing import Any
 
 import numpy as np
 
-from contbed import settings as s
 from contbed.errors import SceneError
-from contbed.grading import GRADING_ERROR
+from contbed.meshing.grading import GRADING_ERROR
 from contbed.planning import Plan
 from contbed.planning import plan as make_plan
 from contbed.runner import run
-from contbed.scene import load
+from contbed.scene import settings as s
+from contbed.scene.loading import load
 
 Profile = Callable[[Any], dict[str, Any]]
 

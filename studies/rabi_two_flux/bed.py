@@ -26,11 +26,11 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.special import ndtr
 
-from contbed import settings
 from contbed.closures import optics as closures
 from contbed.closures.optics import SIGMA
 from contbed.engine.skfem import System
-from contbed.mesh import build, graded
+from contbed.meshing.mesh import build, graded
+from contbed.scene import settings
 from contbed.solve.linear import Policy, Solver
 from contbed.solve.newton import newton
 

@@ -10,8 +10,8 @@ import skfem
 from bubbling_scenes import STUDY, case1, one
 
 import contbed as cb
-from contbed.bubbling_planning import plan
-from contbed.bubbling_problem import BubblingProblem
+from contbed.bubbling.planning import plan
+from contbed.bubbling.problem import BubblingProblem
 from contbed.cli import main
 from contbed.engine.skfem import System
 from contbed.models import bubbling_bed as model
@@ -146,7 +146,7 @@ def test_plan_and_convergence_from_the_command_line(tmp_path, capsys):
 
 def test_other_scenes_do_not_pay():
     code = (
-        "import sys; import contbed as cb; from contbed.scene import from_dict\n"
+        "import sys; import contbed as cb; from contbed.scene.loading import from_dict\n"
         "cb.run(from_dict({'mesh': {'type': 'line', 'length': 1.0}, 'fluid': {'density': 1.0, 'heat_capacity': 1e3,"
         " 'conductivity': 0.05, 'viscosity': 2e-5}, 'solid': {'density': 2e3, 'heat_capacity': 900.0, 'conductivity':"
         " 1.0}, 'bed': {'porosity': 0.4, 'particle_diameter': 0.01}, 'flow': {'velocity': 0.3},"

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.closure_file import closure_of
 from contbed.errors import SceneError
-from contbed.scene import loads, scene_hash
+from contbed.scene.closure_file import closure_of
+from contbed.scene.loading import loads, scene_hash
 from contbed.verify.converge import converge
 
 STUDIES = Path(__file__).parents[2] / "studies"

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.closure_file import closure_of
 from contbed.closures import registry
 from contbed.dem import extract
 from contbed.engine.dual import Dual
 from contbed.errors import ClosureRangeError, SceneError
-from contbed.scene import from_dict, loads, resolved, scene_hash
+from contbed.scene.closure_file import closure_of
+from contbed.scene.loading import from_dict, loads, resolved, scene_hash
 
 STUDY = Path(__file__).parents[2] / "studies/closure_transfer"
 RATIO = extract.RATIO

@@ -9,9 +9,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from contbed.errors import SceneError
-from contbed.scene import load, loads
-from contbed.settings import Scene
-from contbed.toml_lines import key_lines
+from contbed.scene.loading import load, loads
+from contbed.scene.settings import Scene
+from contbed.scene.toml_lines import key_lines
 
 GOOD = """\
 title = "counterflow"

@@ -20,7 +20,7 @@ import pytest
 import contbed as cb
 from contbed.errors import SceneError
 from contbed.output.tables import read_table
-from contbed.scene import loads
+from contbed.scene.loading import loads
 
 SCENE = """\
 [mesh]

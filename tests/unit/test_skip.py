@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.heat_coefficients import Motion
-from contbed.heat_problem import HeatProblem
-from contbed.scene import from_dict
+from contbed.problem.heat import HeatProblem
+from contbed.problem.heat_coefficients import Motion
+from contbed.scene.loading import from_dict
 
 PACKAGE = Path(cb.__file__).parent
 
@@ -50,7 +50,10 @@ def modules(code: str) -> set[str]:
 
 def after_run(scene: dict[str, Any], out: Path | None = None) -> set[str]:
     place = None if out is None else str(out)
-    code = f"import contbed as cb\nfrom contbed.scene import from_dict\ncb.run(from_dict({scene!r}), out={place!r})"
+    code = (
+        "import contbed as cb\nfrom contbed.scene.loading import from_dict\n"
+        f"cb.run(from_dict({scene!r}), out={place!r})"
+    )
     return modules(code)
 
 
@@ -65,9 +68,10 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
     unwanted = {"cantera", "CoolProp", "pint", "gmsh", "meshio", "matplotlib", "rich", "numba", "joblib", "typer"}
     found = after_run(BED)
     assert not unwanted & found
-    own = {"flow_problem", "transient", "solve.timestep", "solve.continuation", "models.porous_flow", "models.fronts",
-           "models.radiation", "models.ordinates", "radiation_problem", "findings_radiation", "ordinates_problem",
-           "rosseland", "output", "mesh_file", "units", "sweeping", "cli"}  # fmt: skip
+    own = {"problem.flow", "problem.transient", "solve.timestep", "solve.continuation", "models.porous_flow",
+           "models.fronts", "models.radiation", "models.ordinates", "problem.radiation", "problem.findings_radiation",
+           "problem.ordinates", "problem.rosseland", "output", "meshing.mesh_file", "scene.units", "sweeping",
+           "bubbling", "dem", "cli"}  # fmt: skip
     assert not {f"contbed.{name}" for name in own} & found
     written = after_run(BED, tmp_path)
     assert not unwanted & written
@@ -79,10 +83,10 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
     [
         ({"mesh": {**BED["mesh"], "length": "1 m"}}, "pint"),
         ({"fluid": {"model": "cantera", "composition": "N2:1"}}, "cantera"),
-        ({"radiation": {"emissivity": 0.8}}, "contbed.radiation_problem"),
+        ({"radiation": {"emissivity": 0.8}}, "contbed.problem.radiation"),
         ({"time": {"end": 1.0, "step": 1.0, "initial_fluid": 300.0, "initial_solid": 300.0}}, "contbed.solve.timestep"),
         ({"boundary": {**BED["boundary"], "top": {"flow": "no_slip"}},
-          "mesh": {**BED["mesh"], "cells": [4, 4]}}, "contbed.flow_problem"),
+          "mesh": {**BED["mesh"], "cells": [4, 4]}}, "contbed.problem.flow"),
     ],
     ids=["units", "cantera", "radiation", "time", "flow"],
 )  # fmt: skip

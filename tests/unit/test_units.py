@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import contbed
-from contbed.units import QUANTITIES, to_si
+from contbed.scene.units import QUANTITIES, to_si
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_any_text_gives_a_number_or_a_value_error(text, unit):
 
 
 def test_pint_is_imported_by_the_first_unit_only():
-    code = "import sys, contbed.units as u; print('pint' in sys.modules); u.to_si('1 m', 'm')"
+    code = "import sys, contbed.scene.units as u; print('pint' in sys.modules); u.to_si('1 m', 'm')"
     code += "; print('pint' in sys.modules)"
     environment = {**os.environ, "PYTHONPATH": str(Path(contbed.__file__).parents[1])}
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)

@@ -8,7 +8,7 @@ import pytest
 
 from contbed.output.tables import read_table
 from contbed.planning import plan
-from contbed.scene import loads
+from contbed.scene.loading import loads
 from contbed.verify.converge import converge, exact_profile
 
 STUDY = Path(__file__).parents[2] / "studies" / "pivem_2012" / "slip_0.50.toml"

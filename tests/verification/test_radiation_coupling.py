@@ -13,12 +13,12 @@ from test_balance import scene as bed
 import contbed as cb
 from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
-from contbed.heat_coefficients import Motion
-from contbed.heat_problem import HeatProblem
 from contbed.output.progress import Progress
 from contbed.planning import plan
-from contbed.probe import Probe
-from contbed.scene import from_dict
+from contbed.problem.heat import HeatProblem
+from contbed.problem.heat_coefficients import Motion
+from contbed.problem.probe import Probe
+from contbed.scene.loading import from_dict
 from contbed.solve.linear import Policy
 from contbed.solve.timestep import march
 from contbed.verify.exact_conduction_radiation import conduction_diffusion

@@ -1,0 +1,1 @@
+"""The steady bubbling bed: its scene, plan, problem and findings."""

@@ -1,0 +1,244 @@
+"""The plan of a bubbling bed: coefficients from the scene, a graded line, what is built and what is skipped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import skfem
+
+from contbed.bubbling import settings as b
+from contbed.closures import optics
+from contbed.errors import SceneError
+from contbed.meshing.mesh import REGION, Mesh, equidistributed, graded, refine
+from contbed.models import bubbling_bed as model
+from contbed.solve.linear import Policy
+
+COARSE = 16  # cells of an automatic mesh away from layers
+ERROR = {1: 3e-3, 2: 1e-4, 3: 1e-5}  # relative error of temperatures on a mesh of grading scale 1, by degree
+HOT = 1000.0  # temperature at which layers are predicted where the scene gives lower ones [K]
+THIN = 1e-9  # share of the height below which a layer is not resolved
+
+
+@dataclass(frozen=True)
+class BubblingPlan:
+    """What a run builds."""
+
+    scene: b.BubblingScene
+    coefficients: model.Coefficients
+    mesh: Mesh
+    built: tuple[tuple[str, str], ...]
+    skipped: tuple[tuple[str, str], ...]
+    albedo: float | None = None  # of the emulsion
+
+    @property
+    def policy(self) -> Policy:
+        """How linear systems are solved."""
+        return Policy(1, self.scene.solver.memory_GB)
+
+    @property
+    def fields(self) -> dict[str, tuple[int, int]]:
+        """Degree and components of each unknown field; the distributor is one number."""
+        along: dict[str, tuple[int, int]] = dict.fromkeys(self.coefficients.fields, (self.scene.solver.degree, 0))
+        return along if self.coefficients.plate is None else along | {"T_distributor": (0, 0)}
+
+    def unknowns(self) -> dict[str, int]:
+        """Number of unknowns of each part that is solved."""
+        size = self.scene.solver.degree * self.mesh.skfem.nelements + 1
+        out = {"heat": len(self.coefficients.streams) * size + (self.coefficients.plate is not None)}
+        return out | ({"radiation": size} if self.coefficients.level == "field" else {})
+
+    def __str__(self) -> str:
+        from contbed.planning import described
+
+        return described(self)
+
+
+def plan(scene: b.BubblingScene) -> BubblingPlan:
+    """Decide what a scene needs and build its mesh."""
+    c, albedo = coefficients(scene)
+    layers = predicted_layers(c, scene.bubbling_bed.height, _hot(scene))
+    mesh = _mesh(scene, layers)
+    built = [("mesh, 1-D", f"{mesh.skfem.nelements} cells, graded to {len(layers)} layers")]
+    built += [(f"species {name}", f"degree {scene.solver.degree}") for name in c.species]
+    skipped = [(f"species {name}", "volume_fraction is 0") for name in scene.species if name not in c.species]
+    levels = {
+        "paper": "among the species at one height, algebraic",
+        "field": f"{'two-flux' if scene.radiation.level == 'two_flux' else 'P1'}, one field",
+    }
+    for there, what, how, why in (
+        (c.bubbles is not None, "bubble gas", "exchange with the emulsion gas", "no bubbles"),
+        (c.plate is not None, "distributor", "one temperature", "no [distributor] table"),
+        (bool(c.surfaces), "immersed surfaces", ", ".join(c.surfaces), "no [tubes], no [walls]"),
+        (c.level != "none", "radiation", levels.get(c.level, ""), "level none"),
+    ):
+        (built if there else skipped).append((what, how if there else why))
+    return BubblingPlan(scene, c, mesh, tuple(built), tuple(skipped), albedo)
+
+
+def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | None]:
+    """Coefficients of the model, and the albedo of the emulsion where it radiates."""
+    bed, present, level = scene.bubbling_bed, scene.present, scene.radiation.level
+    names = list(present)
+    fractions = np.array([bed.solids_fraction * item.volume_fraction for item in present.values()])
+    surface = 6.0 * fractions / np.array([item.diameter for item in present.values()])  # a_m
+    absorption, diffusion, albedo, eps_bed = np.zeros(len(names)), 0.0, None, 0.0
+    if level != "none":
+        found = _optics(scene, fractions)
+        absorption, albedo = found.absorption, float(found.albedo)
+        eps_bed = float(optics.radiation_emissivity_half_space(albedo))
+        if level != "paper":
+            diffusion = float(found.diffusion(level))
+    bubbles = scene.bubbles if scene.bubbles is not None and scene.bubbles.fraction > 0 else None
+    section = bed.section
+    species = {
+        name: model.Species(
+            _solids(item, bed.height, section), float(surface[k] * item.gas_coefficient),
+            float(surface[k] / surface.sum()), float(absorption[k]),
+        )
+        for k, (name, item) in enumerate(present.items())
+    }  # fmt: skip
+    pairs = {
+        (name, other): value
+        for name, item in present.items()
+        for other, value in item.exchange.items()
+        if other in present
+    }
+    surfaces = {
+        name: model.Surface(
+            item.perimeter, item.coefficient, item.temperature,
+            float(optics.emissivity_immersed(eps_bed, item.emissivity)) if eps_bed and item.emissivity else 0.0,
+        )
+        for name, item in (("tubes", scene.tubes), ("walls", scene.walls))
+        if item is not None
+    }  # fmt: skip
+    plate = None
+    if (table := scene.distributor) is not None:
+        plate = model.Plate(table.coefficient, float(-np.expm1(-table.preheat_NTU)), table.emissivity or 0.0)
+    return model.Coefficients(
+        section, bubbles.fraction if bubbles else 0.0, scene.gas.temperature, species, pairs,
+        model.Stream(constant(scene.gas.capacity_flow), release=_release(scene.gas.release, section)),
+        model.Stream(constant(bubbles.capacity_flow)) if bubbles else None,
+        bubbles.exchange if bubbles else 0.0, surfaces, plate,
+        level if level in ("none", "paper") else "field", diffusion, _radiosity(scene.freeboard), scene.solver.degree,
+    ), albedo  # fmt: skip
+
+
+def _optics(scene: b.BubblingScene, fractions: Any) -> optics.Optics:
+    particles = [
+        optics.Species(name, float(fraction), item.diameter, float(item.emissivity or 0.0))
+        for (name, item), fraction in zip(scene.present.items(), fractions, strict=True)
+    ]
+    default = "independent" if scene.radiation.level == "paper" else "close_packed"
+    return optics.optics(particles, scene.radiation.correction or default, scene.radiation.anisotropy)
+
+
+def constant(value: float) -> Any:
+    """The function of height that is constant."""
+    return lambda z: value + 0.0 * z
+
+
+def _solids(item: b.Species, height: float, section: float) -> model.Stream:
+    release, conduction = _release(item.release, section), section * item.conductivity
+    feed = item.feed
+    if feed is None or not feed.capacity_flow:
+        return model.Stream(constant(0.0), conduction=conduction, release=release)
+    from scipy.special import ndtr
+
+    below = float(ndtr(-feed.height / feed.width))
+    rate = feed.capacity_flow / (float(ndtr((height - feed.height) / feed.width)) - below)
+    drained = feed.capacity_flow if feed.drain == "bottom" else 0.0
+    return model.Stream(
+        lambda z: rate * (ndtr((z - feed.height) / feed.width) - below) - drained,
+        lambda z: rate / (feed.width * np.sqrt(2.0 * np.pi)) * np.exp(-0.5 * ((z - feed.height) / feed.width) ** 2),
+        feed.temperature, conduction, release,
+    )  # fmt: skip
+
+
+def _release(table: b.Release | None, section: float) -> Any:
+    if table is None or not table.rate:
+        return None
+
+    def release(z: Any, T: Any) -> Any:
+        rate = section * table.rate * (1.0 if table.length is None else np.exp(-z / table.length)) + 0.0 * z
+        if table.activation is None or table.reference is None:
+            return rate
+        return rate * np.exp(-table.activation * (1.0 / T - 1.0 / table.reference))
+
+    return release
+
+
+def _radiosity(table: b.Freeboard | None) -> float | None:
+    if table is None:
+        return None
+    return table.radiosity if table.temperature is None else optics.SIGMA * table.temperature**4
+
+
+def _hot(scene: b.BubblingScene) -> float:
+    """The highest temperature that the scene gives [K]."""
+    given = [item.temperature for item in (scene.gas, scene.tubes, scene.walls) if item is not None]
+    given += [item.feed.temperature for item in scene.present.values() if item.feed is not None]
+    return max(*given, HOT)
+
+
+def predicted_layers(c: model.Coefficients, height: float, hot: float) -> list[tuple[float, float]]:
+    """Position and width [m] of the modes exp(rate z) of the equations linearised at a temperature.
+
+    (-K rate^2 + W rate + S) x = 0 for temperatures scaled with 16 sigma T^3 where G takes part; modes that decay
+    upward start at the distributor, the others at the top.
+    """
+    from scipy.linalg import eig
+
+    names = list(c.fields)
+    place = {name: k for k, name in enumerate(names)}
+    K, W, S = (np.zeros((len(names), len(names))) for _ in range(3))
+
+    def couple(one: str, other: str | None, value: float) -> None:
+        i = place[one]
+        S[i, i] += value
+        if other is not None:
+            j = place[other]
+            S[j, j] += value
+            S[i, j] -= value
+            S[j, i] -= value
+
+    power = 16.0 * optics.SIGMA * hot**3
+    for name, stream in c.streams.items():
+        K[place[name], place[name]] = stream.conduction
+        W[place[name], place[name]] = float(np.max(np.abs(stream.flow(np.linspace(0.0, height, 65)))))
+    for name, item in c.species.items():
+        couple(f"T_{name}", "T_emulsion", c.volume * item.gas)
+        for x in c.surfaces.values():
+            couple(f"T_{name}", None, x.perimeter * x.coefficient * item.share)
+        if c.level == "field":
+            couple(f"T_{name}", "G", c.volume * item.absorption * power)
+    for (one, other), value in c.pairs.items():
+        couple(f"T_{one}", f"T_{other}", c.volume * value)
+    if c.bubbles is not None:
+        couple("T_bubble", "T_emulsion", c.section * c.delta * c.exchange)
+    if c.level == "field":
+        K[place["G"], place["G"]] = c.section * c.diffusion * power
+    unit, zero = np.eye(len(names)), np.zeros_like(S)
+    alpha, beta = eig(np.block([[zero, unit], [S, W]]), np.block([[unit, zero], [zero, K]]),
+                      right=False, homogeneous_eigvals=True)  # fmt: skip
+    finite = np.abs(beta) > 1e-14 * np.abs(alpha)
+    rates = np.real(alpha[finite] / beta[finite])
+    return [
+        (0.0 if rate < 0 else height, 1.0 / abs(rate)) for rate in rates if 1.0 < abs(rate) * height < 1.0 / THIN
+    ]
+
+
+def _mesh(scene: b.BubblingScene, layers: list[tuple[float, float]]) -> Mesh:
+    height, options = scene.bubbling_bed.height, scene.solver
+    if scene.mesh.cells is not None:
+        nodes = equidistributed(height, layers, scene.mesh.cells, options.degree)
+    else:
+        scale = min(1.0, (options.tolerance / ERROR[options.degree]) ** (1.0 / (options.degree + 1)))
+        nodes = graded(height, layers, coarse=height / COARSE, scale=scale)
+    if not np.all(np.diff(nodes) > 0):
+        raise SceneError(f"{scene.origin.name}: mesh: a layer is too thin to resolve; check the coefficients")
+    line = skfem.MeshLine.init_tensor(nodes)
+    ends = {"bottom": lambda x: x[0] == nodes[0], "top": lambda x: x[0] == nodes[-1]}
+    named = line.with_boundaries(ends).with_subdomains({REGION: lambda x: np.full(x.shape[-1], True)})
+    return refine(Mesh(named), scene.mesh.refine)

@@ -1,0 +1,144 @@
+"""A bubbling bed on a mesh: assembly, solution, energy balance and heat duties. See `models.bubbling_bed`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contbed.bubbling.planning import BubblingPlan
+from contbed.closures.optics import SIGMA
+from contbed.engine.skfem import System
+from contbed.errors import ConvergenceError
+from contbed.models import bubbling_bed as model
+from contbed.models.radiation import emitted
+from contbed.solve.continuation import relax
+from contbed.solve.linear import Solver
+from contbed.solve.newton import newton
+
+Array = Any
+EXTRA = 4  # order of quadrature beyond the product of two basis functions, for powers of T and Arrhenius factors
+CAPACITY = 1e4  # heat capacity of a phase, only to approach a steady state in time [J/m/K]
+SHARPENED = 2  # Newton steps at the end: rounding in thin cells hides what is left of a smooth error
+
+
+class BubblingProblem:
+    """The unknowns of a plan and their equations; a `solve.timestep.Problem` in temperatures at all nodes."""
+
+    linear = False
+    weights = 1.0
+
+    def __init__(self, plan: BubblingPlan):
+        self.plan, self.c = plan, plan.coefficients
+        self.system = System(plan.mesh.skfem, plan.fields, 2 * plan.scene.solver.degree + EXTRA)
+        (self.bottom,), (self.top,) = self.system.boundary("bottom"), self.system.boundary("top")
+        self.fixed = np.empty(0, dtype=np.int64)
+        self.forms = [
+            (model.residual, self.system.cells, self.c),
+            (model.bottom, self.bottom, self.c),
+            (model.top, self.top, self.c),
+        ]
+
+    @property
+    def space(self) -> Any:
+        """The space of all fields along the height."""
+        return self.system.fields["T_emulsion"][0]
+
+    def assemble(self, state: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Residual and exact Jacobian."""
+        return self.system.assemble(self.forms, state, jacobian)
+
+    def solve(self, guess: float | None = None) -> tuple[Array, list[float]]:
+        """Newton from a uniform temperature, that of the scene if absent.
+
+        Instead of G at a node the unknown is the temperature of its equilibrium, (G/(4 sigma))^(1/4): what species emit
+        and absorb is then curved alike, and far from the solution a step leaves their difference small.
+        """
+        x = np.full(self.system.size, self.plan.scene.solver.guess if guess is None else guess)
+        try:
+            x, history = self._newton(x)
+        except ConvergenceError as error:
+            x, history = self._newton(relax(self, x, self.plan.policy))
+            history = error.history + history
+        for _ in range(SHARPENED):
+            residual, matrix = self.steady(x, True)
+            x = x - Solver(matrix, self.plan.policy)(residual)
+        return self._state(x), history
+
+    def _newton(self, x: Array) -> tuple[Array, list[float]]:
+        options = self.plan.scene.solver
+        _, matrix = self.steady(x, True)
+        # rounding of each temperature times what it multiplies
+        rounding = np.finfo(float).eps * float((abs(matrix) @ np.abs(x)).max()) * len(x) ** 0.5
+        return newton(
+            self.steady, x, self.fixed, self.plan.policy, tolerance=options.newton_tolerance,
+            iterations=options.newton_iterations, lower=0.0, floor=rounding, what="bubbling bed",
+        )  # fmt: skip
+
+    def _state(self, x: Array) -> Array:
+        """The fields for temperatures at all nodes."""
+        state = x.copy()
+        if "G" in self.system.fields:
+            G = self.system.part(state, "G")
+            G[:] = emitted(G)
+        return state
+
+    def steady(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Residual and Jacobian by temperatures at all nodes."""
+        residual, matrix = self.assemble(self._state(x), jacobian)
+        if jacobian and "G" in self.system.fields:
+            slope = np.ones_like(x)
+            self.system.part(slope, "G")[:] = 16.0 * SIGMA * self.system.part(x, "G") ** 3
+            matrix = matrix.multiply(slope).tocsc()
+        return residual, matrix
+
+    def content(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
+        """A heat content of all phases that lets the bed approach its steady state from where Newton's method fails."""
+
+        def form(unknowns: Any, tests: Any, names: tuple[str, ...], o: Any) -> Any:
+            return CAPACITY * sum((getattr(unknowns, name) * getattr(tests, name) for name in names), start=0.0)
+
+        plate = [(form, self.bottom, ("T_distributor",))] if self.c.plate is not None else []
+        return self.system.assemble([(form, self.system.cells, tuple(self.c.streams)), *plate], x, jacobian)
+
+    def total(self, expression: Any, state: Array) -> float:
+        """Integral over the height of `expression(unknowns, ops)` [W/m] in W."""
+        return self.system.integrate(expression, [self.system.cells], state)
+
+    def at(self, expression: Any, end: Any, state: Array) -> float:
+        """Value at one end of the bed."""
+        return self.system.integrate(expression, [end], state)
+
+    def duties(self, state: Array) -> dict[str, float]:
+        """Heat that leaves the particles by mechanism [W]; positive out of the bed."""
+        c, out = self.c, {}
+        for name, x in c.surfaces.items():
+            out[f"{name}_convection_W"] = self.total(lambda u, o, x=x: model.convected(u, c, x), state)
+            out[f"{name}_radiation_W"] = self.total(lambda u, o, x=x: model.radiated(u, c, x), state)
+        if c.plate is not None:
+            out["distributor_convection_W"] = self.at(lambda u, o: model.to_plate(u, c)[0], self.bottom, state)
+            out["distributor_radiation_W"] = self.at(lambda u, o: model.to_plate(u, c)[1], self.bottom, state)
+        out["top_radiation_W"] = self.at(lambda u, o: model.to_freeboard(u, c), self.top, state)
+        return out
+
+    def releases(self, state: Array) -> dict[str, float]:
+        """Heat release of each phase [W]."""
+        return {
+            name.removeprefix("T_"): self.total(lambda u, o, n=name, s=stream: model.released(u, s, n, o), state)
+            for name, stream in self.c.streams.items()
+            if stream.release is not None
+        }
+
+    def carried(self, state: Array) -> dict[str, tuple[float, float]]:
+        """Heat above 0 K that each stream brings and takes away [W]."""
+        c, out = self.c, {}
+        for name, stream in c.streams.items():
+            ends = [self.at(lambda u, o, n=name, s=stream: s.flow(o.x[0]) * getattr(u, n), end, state)
+                    for end in (self.bottom, self.top)]  # fmt: skip
+            if name in c.gases:
+                brought = self.at(lambda u, o, s=stream: s.flow(o.x[0]) * c.inlet, self.bottom, state)
+                out[name] = (brought, ends[1])
+            elif stream.fed is not None:
+                brought = self.total(lambda u, o, s=stream: s.fed(o.x[0]) * s.feed_temperature, state)
+                out[name] = (brought, ends[1] - ends[0])
+        return out

@@ -1,0 +1,1 @@
+"""Built-in meshes, gmsh meshes, their checks and their grading."""

@@ -1,0 +1,98 @@
+"""Types of the values in a scene: numbers with unit and bounds, in SI behind this door.
+
+A plain number is SI; a string may carry a unit ("3 mm", "100 degC") and is converted here.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, Tag
+
+
+def in_unit(name: str) -> BeforeValidator:
+    """Validator that turns "3 mm" into 0.003 for `name` "m", also inside lists; other values pass."""
+
+    def convert(value: Any) -> Any:
+        if isinstance(value, (list, tuple)):
+            return tuple(convert(item) for item in value)
+        if isinstance(value, str):
+            from contbed.scene.units import to_si
+
+            return to_si(value, name)
+        if isinstance(value, bool):
+            raise ValueError(f"expected a number, found {str(value).lower()}")
+        return value
+
+    return BeforeValidator(convert)
+
+
+class Table(BaseModel):
+    """A TOML table: unknown keys are errors and values do not change after loading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ClosureFile(Table):
+    """A closure that was fitted from particles."""
+
+    file: str = Field(description="closure file, path relative to the scene")
+
+
+def form(value: Any) -> str:
+    """Which way of writing a value was chosen where there are several; a union's members carry these as tags."""
+    if isinstance(value, ClosureFile) or (isinstance(value, dict) and "file" in value and "name" not in value):
+        return "file"
+    if isinstance(value, (dict, Table)):
+        return "parameters"
+    if isinstance(value, (list, tuple)):
+        return "list"
+    if isinstance(value, str) and not value.strip()[:1].isdigit() and value.strip()[:1] not in {"-", "+", "."}:
+        return "name"
+    return "number"
+
+
+def no_switch(value: Any) -> Any:
+    """Python takes true for 1; a scene does not."""
+    if isinstance(value, bool):
+        raise ValueError(f"expected a whole number, found {str(value).lower()}")
+    return value
+
+
+def unit(name: str) -> tuple[Any, ...]:
+    """Annotations of a finite number in the SI unit `name`."""
+    return Field(allow_inf_nan=False, json_schema_extra={"unit": name}), in_unit(name)
+
+
+Number = Annotated[float, *unit("1")]
+Positive = Annotated[Number, Field(gt=0)]
+NonNegative = Annotated[Number, Field(ge=0)]
+Fraction = Annotated[Number, Field(gt=0, lt=1)]
+Position = Annotated[float, *unit("m")]
+Length = Annotated[Position, Field(gt=0)]
+Permeability = Annotated[float, *unit("m**2"), Field(gt=0)]
+Temperature = Annotated[float, *unit("K"), Field(gt=0)]
+Conductivity = Annotated[float, *unit("W/m/K"), Field(ge=0)]
+Emissivity = Annotated[Number, Field(gt=0, le=1)]
+Extinction = Annotated[float, *unit("1/m"), Field(ge=0)]
+Irradiance = Annotated[float, *unit("W/m**2"), Field(ge=0)]
+WallCoefficient = Annotated[float, *unit("W/m**2/K"), Field(ge=0)]
+HeatFlux = Annotated[float, *unit("W/m**2")]
+HeatSource = Annotated[float, *unit("W/m**3")]
+Density = Annotated[float, *unit("kg/m**3"), Field(gt=0)]
+HeatCapacity = Annotated[float, *unit("J/kg/K"), Field(gt=0)]
+Viscosity = Annotated[float, *unit("Pa*s"), Field(gt=0)]
+Pressure = Annotated[float, *unit("Pa"), Field(gt=0)]
+Seconds = Annotated[float, *unit("s"), Field(gt=0)]
+Instant = Annotated[float, *unit("s"), Field(ge=0)]
+FiniteFloat = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Velocity = Annotated[
+    Annotated[FiniteFloat, Tag("number")] | Annotated[tuple[FiniteFloat, ...], Tag("list")],
+    Field(json_schema_extra={"unit": "m/s"}),
+    Discriminator(form),
+    in_unit("m/s"),
+]
+Order = Annotated[Literal[1, 2, 3], BeforeValidator(no_switch)]
+Cells = Annotated[int, Strict(), Field(ge=1, le=10_000_000)]
+Whole = Annotated[int, Strict()]
+Switch = Annotated[bool, Strict()]

@@ -1,0 +1,82 @@
+"""The [mesh] table of a scene, one model for each type."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from contbed.scene.quantities import Cells, Length, Order, Positive, Switch, Table, Whole
+
+REGION = "bed"  # the only region of a built-in mesh
+GRADED = "grade the given number of cells to the layer widths; uniform otherwise"
+
+
+class MeshLine(Table):
+    """A bed along x from 0 to `length`; boundaries `left`, `right`."""
+
+    dimension: ClassVar[int] = 1
+    sides: ClassVar = (("left", "right"),)
+    type: Literal["line"]
+    length: Length
+    cells: Cells | None = Field(None, description="number of cells; automatic grading to the layer widths if absent")
+    graded: Switch = Field(False, description=GRADED)
+    refine: Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
+
+
+class MeshRectangle(Table):
+    """A planar channel, x along `length`, y along `height`; boundaries `left`, `right`, `bottom`, `top`."""
+
+    dimension: ClassVar[int] = 2
+    sides: ClassVar = (("left", "right"), ("bottom", "top"))
+    type: Literal["rectangle"]
+    length: Length
+    height: Length
+    cells: tuple[Cells, Cells] | None = None
+    graded: Switch = Field(False, description=GRADED)
+    shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
+    refine: Whole = Field(0, ge=0, le=8)
+
+
+class MeshAxisymmetric(Table):
+    """A cylinder in (r, z), z along `length`; boundaries `axis`, `wall`, `bottom`, `top`."""
+
+    dimension: ClassVar[int] = 2
+    sides: ClassVar = (("axis", "wall"), ("bottom", "top"))
+    type: Literal["axisymmetric"]
+    length: Length
+    radius: Length
+    cells: tuple[Cells, Cells] | None = Field(None, description="cells along r and along z")
+    graded: Switch = Field(False, description=GRADED)
+    shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
+    refine: Whole = Field(0, ge=0, le=8)
+
+
+class MeshBox(Table):
+    """A box, x along `length`, y `width`, z `height`; boundaries `left right front back bottom top`."""
+
+    dimension: ClassVar[int] = 3
+    sides: ClassVar = (("left", "right"), ("front", "back"), ("bottom", "top"))
+    type: Literal["box"]
+    length: Length
+    width: Length
+    height: Length
+    cells: tuple[Cells, Cells, Cells] | None = None
+    graded: Switch = Field(False, description=GRADED)
+    shape: Literal["tetrahedron", "hexahedron"] = "hexahedron"
+    refine: Whole = Field(0, ge=0, le=6)
+
+
+class MeshFile(Table):
+    """A gmsh geometry (.geo, meshed by gmsh) or a mesh (.msh); physical groups name regions and boundaries."""
+
+    type: Literal["file"]
+    file: str = Field(description="path relative to the scene")
+    dimension: Order = 2
+    axisymmetric: Switch = Field(False, description="coordinates are (r, z)")
+    scale: Positive = Field(1.0, description="factor from the file's length unit to metres")
+    size: Length | None = Field(None, description="target cell size for a .geo; its own sizes if absent")
+    refine: Whole = Field(0, ge=0, le=8)
+
+
+Mesh = Annotated[MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox | MeshFile, Field(discriminator="type")]
