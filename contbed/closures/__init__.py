@@ -18,7 +18,7 @@ Or by name, as a scene does, and ask what was used outside of the declared range
 `closures.names(kind)` lists them and `print(closures.data_sheet(name))` shows one. Kinds: nusselt [-],
 conductivity [W/m/K], tortuosity [-], dispersion [W/m/K], permeability [m2], forchheimer [-],
 pressure_gradient [Pa/m], radiation [W/m/K or -], wall [W/m2/K]; of fluidized beds
-minimum_fluidization [-], bubble_size [m], bubble_rise [m/s], gas_exchange [1/s], bubble_heat [W/m3/K].
+minimum_fluidization [-], drag [kg/m3/s], bubble_size [m], bubble_rise [m/s], gas_exchange [1/s], bubble_heat [W/m3/K].
 """
 
 from contbed.closures.bubbles import (
@@ -49,6 +49,7 @@ from contbed.closures.dispersion import (
     dispersion_wakao_kaguei_axial,
     dispersion_wakao_kaguei_transverse,
 )
+from contbed.closures.drag import drag_di_felice, drag_gidaspow, drag_wen_yu
 from contbed.closures.fluidization import (
     minimum_fluidization_chitester,
     minimum_fluidization_grace,
@@ -99,6 +100,9 @@ __all__ = [
     "dispersion_vdi_transverse",
     "dispersion_wakao_kaguei_axial",
     "dispersion_wakao_kaguei_transverse",
+    "drag_di_felice",
+    "drag_gidaspow",
+    "drag_wen_yu",
     "forchheimer_ergun",
     "forchheimer_ward",
     "gas_exchange_kunii_levenspiel",
