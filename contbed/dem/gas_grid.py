@@ -1,0 +1,229 @@
+"""Coarse staggered grid under the particles: cells, faces, who is next to whom, and the particles' shares in both.
+
+Scalars live in cells, velocities on faces. Faces and cells are numbered through, so that periodic sides, walls and
+blocked cells are entries of tables and no kernel knows an axis by name.
+
+A sphere is in a cell with the part of its volume that planes cut off, the product over the axes of
+
+    F(b) - F(a),  F(s) = (2 + 3 s - s^3)/4 for s = (plane - x)/R in [-1, 1]
+
+and what lies beyond a wall counts in the cell at the wall: shares sum to 1 and no solid leaves the bed. On faces a
+particle has trilinear weights, over the faces on which a velocity is solved for, normalised.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from contbed.errors import SceneError
+
+Array = NDArray[np.float64]
+
+INNER, INLET, OUTLET, WALL = range(4)  # what a face is
+SAMPLES = 4  # points along each axis of a cell for the volumes of faces; exact without blocked cells
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells from `lower`, of `size` [m], `count` along each axis; z points up, inlet below, outlet above.
+
+    `periodic` sides in x and y, otherwise walls. `blocked` cells (count) hold no gas, such as those inside of a tube.
+
+    Tables: `cell_face` (c, 6) faces of a cell, low and high in x, y, z; `face_cell` (f, 2) cells of a face or -1;
+    `face_next` (f, 6) faces beside a face or -1; `face_axis`, `face_kind` (f,); `face_volume` (f,) [m3], the volume
+    whose particles belong to a face.
+    """
+
+    lower: Array
+    size: Array
+    count: tuple[int, int, int]
+    periodic: tuple[bool, bool] = (False, False)
+    blocked: NDArray[np.bool_] | None = None
+    cell_face: NDArray[np.int64] = field(init=False, repr=False)
+    face_cell: NDArray[np.int64] = field(init=False, repr=False)
+    face_next: NDArray[np.int64] = field(init=False, repr=False)
+    face_axis: NDArray[np.int64] = field(init=False, repr=False)
+    face_kind: NDArray[np.int64] = field(init=False, repr=False)
+    face_volume: Array = field(init=False, repr=False)
+    face_first: NDArray[np.int64] = field(init=False, repr=False)
+    open_cells: NDArray[np.bool_] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        lower, size = np.array(self.lower, dtype=float), np.array(self.size, dtype=float)
+        if not (size > 0.0).all() or min(self.count) < 1:
+            raise SceneError(f"gas: {self.count} cells of {size} m; numbers and sizes must be positive")
+        opened = np.ones(self.count, bool) if self.blocked is None else ~np.asarray(self.blocked, dtype=bool)
+        if opened.shape != tuple(self.count):
+            raise SceneError(f"gas: blocked cells of shape {opened.shape}, the grid has {self.count}")
+        for name, value in (("lower", lower), ("size", size), ("open_cells", opened.ravel())):
+            object.__setattr__(self, name, value)
+        self._connect()
+        object.__setattr__(self, "face_volume", self._volumes())
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return int(np.prod(self.count))
+
+    @property
+    def volume(self) -> float:
+        """Of a cell [m3]."""
+        return float(np.prod(self.size))
+
+    @property
+    def area(self) -> Array:
+        """Of the faces across x, y, z [m2]."""
+        return self.volume / self.size
+
+    @property
+    def sides(self) -> NDArray[np.bool_]:
+        """Periodic or not, for each axis."""
+        return np.array([*self.periodic, False])
+
+    @property
+    def active(self) -> NDArray[np.bool_]:
+        """Faces on which the velocity is solved for."""
+        return (self.face_kind == INNER) | (self.face_kind == OUTLET)
+
+    @property
+    def bottom(self) -> NDArray[np.int64]:
+        """The inlet faces, shape (nx, ny)."""
+        return self.cell_face[:, 4].reshape(self.count)[:, :, 0]
+
+    @property
+    def centres(self) -> Array:
+        """Of all cells [m], (c, 3)."""
+        axes = [low + (np.arange(n) + 0.5) * s for low, n, s in zip(self.lower, self.count, self.size, strict=True)]
+        return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
+
+    def shares(self, x: Array, reach: Array) -> tuple[NDArray[np.int32], Array]:
+        """Cells (n, k) in which spheres of radius `reach` [m] are, and the part in each."""
+        width = int(np.ceil(2.0 * reach.max() / self.size.min())) + 1
+        count = np.array(self.count)
+        return _cell_shares(x, reach, self.lower, self.size, count, self.sides, self.open_cells, width)
+
+    def weights(self, x: Array) -> tuple[NDArray[np.int32], Array]:
+        """Faces (n, 3, 8) across x, y, z around each point, and its weights on them."""
+        count = np.array(self.count)
+        return _face_weights(x, self.lower, self.size, count, self.sides, self.face_first, self.active)
+
+    def _connect(self) -> None:
+        count, sides = np.array(self.count), self.sides
+        number = np.arange(self.cells).reshape(self.count)
+        cell_face = np.full((self.cells, 6), -1)
+        cells, nexts, axes, kinds, first = [], [], [], [], [0]
+        opened = self.open_cells
+        for a in range(3):
+            shape = count.copy()
+            shape[a] += not sides[a]
+            faces = first[-1] + np.arange(shape.prod()).reshape(shape)
+            around = np.full((*shape, 2), -1)
+            at = np.moveaxis(around, a, 0)
+            within = np.moveaxis(number, a, 0)
+            if sides[a]:
+                at[..., 1], at[..., 0] = within, np.roll(within, 1, axis=0)
+            else:
+                at[:-1, ..., 1], at[1:, ..., 0] = within, within
+            low = np.moveaxis(faces, a, 0)
+            cell_face[:, 2 * a] = np.moveaxis(low[: count[a]], 0, a).ravel()
+            high = np.roll(low, -1, axis=0) if sides[a] else low[1:]
+            cell_face[:, 2 * a + 1] = np.moveaxis(high, 0, a).ravel()
+            beside = np.full((*shape, 6), -1)
+            for b in range(3):
+                ordered, to = np.moveaxis(faces, b, 0), np.moveaxis(beside, b, 0)
+                if sides[b]:
+                    to[..., 2 * b], to[..., 2 * b + 1] = np.roll(ordered, 1, axis=0), np.roll(ordered, -1, axis=0)
+                else:
+                    to[1:, ..., 2 * b], to[:-1, ..., 2 * b + 1] = ordered[:-1], ordered[1:]
+            around = around.reshape(-1, 2)
+            kind = np.full(len(around), INNER)
+            kind[around[:, 0] < 0] = INLET if a == 2 else WALL
+            kind[around[:, 1] < 0] = OUTLET if a == 2 else WALL
+            shut = ((around >= 0) & ~opened[around]).any(axis=1)
+            kind[shut] = WALL
+            cells.append(around)
+            nexts.append(beside.reshape(-1, 6))
+            axes.append(np.full(len(around), a))
+            kinds.append(kind)
+            first.append(first[-1] + len(around))
+        tables = {
+            "cell_face": cell_face, "face_cell": np.concatenate(cells), "face_next": np.concatenate(nexts),
+            "face_axis": np.concatenate(axes), "face_kind": np.concatenate(kinds), "face_first": np.array(first[:3]),
+        }  # fmt: skip
+        for name, table in tables.items():
+            object.__setattr__(self, name, np.ascontiguousarray(table))
+
+    def _volumes(self) -> Array:
+        offsets = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5
+        inner = np.stack(np.meshgrid(offsets, offsets, offsets, indexing="ij"), -1).reshape(-1, 3) * self.size
+        volume = np.zeros(len(self.face_kind))
+        centres = self.centres[self.open_cells]
+        for offset in inner:
+            faces, weights = self.weights(centres + offset)
+            volume += np.bincount(faces.ravel(), weights.ravel(), len(volume))
+        return volume * self.volume / len(inner)
+
+
+@njit(cache=True)
+def _cell_shares(x, reach, lower, size, count, periodic, opened, width):
+    n = len(x)
+    cells, share = np.zeros((n, width**3), np.int32), np.zeros((n, width**3))
+    at, part = np.empty((3, width), np.int64), np.empty((3, width))
+    for i in range(n):
+        for a in range(3):
+            first = int(np.floor((x[i, a] - reach[i] - lower[a]) / size[a]))
+            below = 0.0
+            for s in range(width):
+                t = (lower[a] + (first + s + 1) * size[a] - x[i, a]) / reach[i]
+                t = min(max(t, -1.0), 1.0)
+                filled = 1.0 if s == width - 1 else 0.25 * (2.0 + 3.0 * t - t * t * t)
+                part[a, s] = filled - below
+                below = filled
+                k = first + s
+                at[a, s] = k % count[a] if periodic[a] else min(max(k, 0), count[a] - 1)
+        k, total = 0, 0.0
+        for p in range(width):
+            for q in range(width):
+                for r in range(width):
+                    c = (at[0, p] * count[1] + at[1, q]) * count[2] + at[2, r]
+                    cells[i, k] = c
+                    share[i, k] = part[0, p] * part[1, q] * part[2, r] if opened[c] else 0.0
+                    total += share[i, k]
+                    k += 1
+        if total > 0.0 and total != 1.0:
+            share[i] /= total
+    return cells, share
+
+
+@njit(cache=True)
+def _face_weights(x, lower, size, count, periodic, first, active):
+    n = len(x)
+    faces, weight = np.zeros((n, 3, 8), np.int32), np.zeros((n, 3, 8))
+    at, part = np.empty((3, 2), np.int64), np.empty((3, 2))
+    shape = np.empty(3, np.int64)
+    for i in range(n):
+        for a in range(3):
+            for b in range(3):
+                shape[b] = count[b] + (1 if a == b and not periodic[b] else 0)
+                s = (x[i, b] - lower[b]) / size[b] - (0.0 if a == b else 0.5)
+                k = int(np.floor(s))
+                part[b, 1] = s - k
+                part[b, 0] = 1.0 - part[b, 1]
+                for side in range(2):
+                    m = k + side
+                    at[b, side] = m % shape[b] if periodic[b] else min(max(m, 0), shape[b] - 1)
+            total = 0.0
+            for corner in range(8):
+                p, q, r = corner // 4, corner // 2 % 2, corner % 2
+                f = first[a] + (at[0, p] * shape[1] + at[1, q]) * shape[2] + at[2, r]
+                faces[i, a, corner] = f
+                if active[f]:
+                    weight[i, a, corner] = part[0, p] * part[1, q] * part[2, r]
+                    total += weight[i, a, corner]
+            if total > 0.0:
+                weight[i, a] /= total
+    return faces, weight
