@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
+from types import SimpleNamespace
 
 from contbed.bubbling import settings as b
+from contbed.bubbling.coefficients import named, uses
+from contbed.errors import SceneError
 from contbed.scene import settings as s
 from contbed.scene.checks import Mistakes, See
+from contbed.scene.closure_choice import resolve_closure
+from contbed.scene.toml_lines import KeyPath, Origin
 
 RESERVED = ("emulsion", "bubble", "distributor")
 SUM = 1e-9  # by which shares may miss one
+SHARES = 1e-6  # by which mole fractions may, which people round
 Kinds = Mapping[str, b.Species]
 
 
@@ -62,10 +68,68 @@ def absent_species_do_nothing(species: Kinds, see: See) -> Mistakes:
 
 
 def bubbles_carry_their_gas(bubbles: b.Bubbles | None, see: See) -> Mistakes:
-    if bubbles is not None and bubbles.fraction == 0 and bubbles.capacity_flow > 0:
+    if bubbles is None or (not bubbles.capacity_flow and bubbles.fraction == 0):
+        return
+    if bubbles.fraction == 0:
         yield ("bubbles", "capacity_flow"), f"there are no bubbles to carry it; see {see('bubbles.fraction')}"
-    if bubbles is not None and bubbles.fraction > 0 and bubbles.capacity_flow == 0 and bubbles.exchange == 0:
+    elif bubbles.capacity_flow == 0 and bubbles.exchange == 0:
         yield ("bubbles", "exchange"), "bubbles that neither flow nor exchange heat have no temperature"
+
+
+def coefficients_fit_the_gas(
+    gas: b.Gas, bubbling_bed: b.BubblingBed, bubbles: b.Bubbles | None, species: Kinds, tubes: b.Surface | None,
+    walls: b.Surface | None, origin: Origin, see: See,
+) -> Mistakes:  # fmt: skip
+    """Numbers only with a capacity flow, closures that exist with a mass flow, and the properties that these need."""
+    computed = gas.mass_flow is not None
+    which = f"see {see('gas.mass_flow' if computed else 'gas.capacity_flow')}"
+    tables = SimpleNamespace(bubbling_bed=bubbling_bed, bubbles=bubbles, species=species, tubes=tubes, walls=walls)
+    for path, spec, kind in uses(tables):
+        table = {"bubbles": bubbles, "bubbling_bed": bubbling_bed}.get(str(path[0]))
+        idle = table is not None and path[-1] not in ("fraction", "exchange")
+        if not computed and idle:
+            if path[-1] in table.model_fields_set:  # type: ignore[union-attr]
+                yield path, f"has no use where coefficients are frozen; {which}"
+        elif not computed and named(spec):
+            yield path, f"a closure needs the properties of the gas: give a number, or gas.mass_flow; {which}"
+        elif named(spec):
+            try:
+                resolve_closure(spec, kind, origin.base)
+            except SceneError as error:
+                yield path, str(error)
+    if bubbles is not None and computed == (bubbles.capacity_flow is not None):
+        wanted = "follows from the closures; leave it out" if computed else "missing; allowed: a number >= 0 W/K"
+        yield ("bubbles", "capacity_flow"), f"{wanted}; {which}"
+    for name, item in species.items():
+        for key in ("density", "heat_capacity") if computed and item.volume_fraction > 0 else ():
+            if getattr(item, key) is None:
+                yield ("species", name, key), f"missing; gas.mass_flow needs it; {which}"
+        right, wrong = ("mass_flow", "capacity_flow") if computed else ("capacity_flow", "mass_flow")
+        if item.feed is not None and (getattr(item.feed, right) is None or getattr(item.feed, wrong) is not None):
+            yield ("species", name, "feed"), f"give {right}, not {wrong}; {which}"
+
+
+def the_gas_is_known(gas: b.Gas, species: Kinds) -> Mistakes:
+    if gas.composition is None:
+        return
+    from contbed.materials import gas_mixture
+    from contbed.materials.composition import _pairs
+
+    try:
+        amounts = [float(amount) for _, amount in _pairs(gas.composition)]
+        mixture = gas_mixture(gas.composition, gas.pressure, gas.mechanism)
+    except (SceneError, ValueError) as error:
+        yield ("gas", "composition"), str(error)
+        return
+    if abs(sum(amounts) - 1.0) > SHARES:
+        yield ("gas", "composition"), f"mole fractions sum to {sum(amounts):.8g}, not to 1"
+    hottest = mixture.T_range[1]
+    entering: list[tuple[KeyPath, float]] = [(("gas", "temperature"), gas.temperature)]
+    entering += [(("species", name, "feed", "temperature"), item.feed.temperature)
+                 for name, item in species.items() if item.feed is not None]  # fmt: skip
+    for path, T in entering:
+        if hottest < T:
+            yield path, f"hotter than the properties of the gas hold, {hottest:g} K by {gas.mechanism}"
 
 
 def radiation_has_its_emissivities(
@@ -88,7 +152,7 @@ def something_fixes_the_plate(
 ) -> Mistakes:
     if distributor is None:
         return
-    flow = gas.capacity_flow + (bubbles.capacity_flow if bubbles is not None else 0.0)
+    flow = gas.mass_flow or gas.capacity_flow or (bubbles is not None and bubbles.capacity_flow) or 0.0
     radiates = radiation.level in ("p1", "two_flux") and distributor.emissivity is not None
     if not distributor.coefficient and not distributor.preheat_NTU * flow and not radiates:
         text = "nothing exchanges heat with it: give coefficient or preheat_NTU, or leave out the table"
@@ -98,8 +162,8 @@ def something_fixes_the_plate(
 def something_fixes_the_temperatures(
     gas: b.Gas, bubbles: b.Bubbles | None, species: Kinds, tubes: b.Surface | None, walls: b.Surface | None
 ) -> Mistakes:
-    flows = [item.feed.capacity_flow for item in species.values() if item.feed is not None]
-    flows += [gas.capacity_flow, bubbles.capacity_flow if bubbles is not None else 0.0]
+    flows = [item.feed.capacity_flow or item.feed.mass_flow for item in species.values() if item.feed is not None]
+    flows += [gas.capacity_flow, gas.mass_flow, bubbles.capacity_flow if bubbles is not None else 0.0]
     surfaces = [item.coefficient for item in (tubes, walls) if item is not None]
     if not any(flows) and not any(surfaces):
         yield ("gas", "capacity_flow"), "no stream and no surface carries heat away: no steady state is determined"
@@ -119,6 +183,8 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
     feeds_lie_in_the_bed,
     absent_species_do_nothing,
     bubbles_carry_their_gas,
+    coefficients_fit_the_gas,
+    the_gas_is_known,
     radiation_has_its_emissivities,
     something_fixes_the_plate,
     something_fixes_the_temperatures,

@@ -67,6 +67,8 @@ def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: R
     if "G" in nodal:
         result.profiles["G [W/m2]"] = probe(space, nodal["G"])
         result.profiles["q_radiation [W/m2]"] = -c.diffusion * probe.slope(space, nodal["G"], 0)
+    if c.computed is not None:
+        _computed(plan, {name: probe(space, nodal[name]) for name in c.fields}, positions, result)
     result.nodal |= {name: (space, values) for name, values in nodal.items()}
 
     height = scene.bubbling_bed.height
@@ -80,7 +82,43 @@ def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: R
     result.balances["energy"] = _balance(problem, state, duties, releases)
     if plan.albedo is not None:
         use = registry.usage(optics.radiation_emissivity_half_space, albedo=plan.albedo)
-        result.closures = [use.to_dict()]
+        result.closures.append(use.to_dict())
+
+
+HYDRODYNAMICS = {
+    "u": "m/s", "u_mf": "m/s", "u_e": "m/s", "u_b": "m/s", "delta": "1", "flow_bubble": "kg/s", "d_b": "m",
+}  # fmt: skip
+
+
+def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, result: Result) -> None:
+    """What closures gave over the height, and whether they and the gas hold there."""
+    computed = plan.coefficients.computed
+    local, used = computed.recorded(values, z)
+    result.closures += used
+    for use in used:
+        if use["share_outside"] > 0:
+            result.warnings.append(f"{use['used_by']}: {use['name']} is used out of its range on "
+                                   f"{100 * use['share_outside']:.3g} % of the height")  # fmt: skip
+    found = local.state | {"flow_bubble": values.get("flow_bubble")}
+    for name, unit in HYDRODYNAMICS.items():
+        if found.get(name) is not None:
+            result.profiles[f"{name} [{unit}]"] = np.broadcast_to(found[name], z.shape).copy()
+    for name, value in local.contact.items():
+        result.qoi[f"{name}_coefficient_W_m2K"] = float(np.trapezoid(np.broadcast_to(value, z.shape), z) / np.ptp(z))
+    if computed.bubbling:
+        emulsion = 1.0 - np.broadcast_to(local.delta, z.shape)
+        result.qoi["height_at_minimum_fluidization_m"] = float(np.trapezoid(emulsion, z))
+        if (share := float(np.mean(local.flows["T_emulsion"] <= 0))) > 0:
+            message = f"gas flows down through the emulsion on {100 * share:.3g} % of the height: bubbles.emulsion_gas"
+            raise ConvergenceError(message, result.history)
+    bare = found["u"] - found["u_mf"] <= 2e-3 * found["u_mf"]
+    if computed.bubbling and np.any(bare):
+        result.warnings.append(f"{100 * float(np.mean(bare)):.3g} % of the height is not fluidized: u is that of u_mf")
+    for gas in {phase for phase in ("T_emulsion", "T_bubble") if phase in values}:
+        if (share := computed.gas.share_outside(values[gas])) > 0:
+            low, high = computed.gas.T_range
+            result.warnings.append(f"{gas}: {100 * share:.3g} % of the height is outside of the properties of the gas, "
+                                   f"{low:g} to {high:g} K")  # fmt: skip
 
 
 def _balance(
@@ -98,4 +136,3 @@ def _balance(
         "in": entering, "out": leaving, "source": source, "stored": 0.0,
         "relative_residual": (entering + source - leaving) / scale, "unit": "W",
     }  # fmt: skip
-

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -47,7 +49,9 @@ class BubblingPlan:
         """Number of unknowns of each part that is solved."""
         size = self.scene.solver.degree * self.mesh.skfem.nelements + 1
         out = {"heat": len(self.coefficients.streams) * size + (self.coefficients.plate is not None)}
-        return out | ({"radiation": size} if self.coefficients.level == "field" else {})
+        out |= {"radiation": size} if self.coefficients.level == "field" else {}
+        others = len(self.coefficients.fields) - len(self.coefficients.streams) - (self.coefficients.level == "field")
+        return out | ({"gas flow": others * size} if others else {})
 
     def __str__(self) -> str:
         from contbed.planning import described
@@ -68,6 +72,7 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
         "field": f"{'two-flux' if scene.radiation.level == 'two_flux' else 'P1'}, one field",
     }
     for there, what, how, why in (
+        (c.computed is not None, "closures", "coefficients by the local state", "coefficients are numbers"),
         (c.bubbles is not None, "bubble gas", "exchange with the emulsion gas", "no bubbles"),
         (c.plate is not None, "distributor", "one temperature", "no [distributor] table"),
         (bool(c.surfaces), "immersed surfaces", ", ".join(c.surfaces), "no [tubes], no [walls]"),
@@ -82,7 +87,7 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
     bed, present, level = scene.bubbling_bed, scene.present, scene.radiation.level
     names = list(present)
     fractions = np.array([bed.solids_fraction * item.volume_fraction for item in present.values()])
-    surface = 6.0 * fractions / np.array([item.diameter for item in present.values()])  # a_m
+    surface = 6.0 * fractions / np.array([item.sphericity * item.diameter for item in present.values()])  # a_m
     absorption, diffusion, albedo, eps_bed = np.zeros(len(names)), 0.0, None, 0.0
     if level != "none":
         found = _optics(scene, fractions)
@@ -90,39 +95,81 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
         eps_bed = float(optics.radiation_emissivity_half_space(albedo))
         if level != "paper":
             diffusion = float(found.diffusion(level))
-    bubbles = scene.bubbles if scene.bubbles is not None and scene.bubbles.fraction > 0 else None
     section = bed.section
+    computed = _computed(scene)
+    if computed is not None:
+        _fluidized(scene, computed)
+    number = _frozen(scene, surface) if computed is None else computed.frozen(_hot(scene), bed.height)
     species = {
         name: model.Species(
-            _solids(item, bed.height, section), float(surface[k] * item.gas_coefficient),
+            _solids(name, item, bed.height, section, number["conduction"][name], computed), number["gas"][name],
             float(surface[k] / surface.sum()), float(absorption[k]),
         )
         for k, (name, item) in enumerate(present.items())
     }  # fmt: skip
-    pairs = {
-        (name, other): value
-        for name, item in present.items()
-        for other, value in item.exchange.items()
-        if other in present
-    }
     surfaces = {
         name: model.Surface(
-            item.perimeter, item.coefficient, item.temperature,
+            item.perimeter, number["contact"][name], item.temperature,
             float(optics.emissivity_immersed(eps_bed, item.emissivity)) if eps_bed and item.emissivity else 0.0,
         )
-        for name, item in (("tubes", scene.tubes), ("walls", scene.walls))
-        if item is not None
+        for name, item in _surfaces(scene).items()
     }  # fmt: skip
     plate = None
     if (table := scene.distributor) is not None:
         plate = model.Plate(table.coefficient, float(-np.expm1(-table.preheat_NTU)), table.emissivity or 0.0)
+    gases = {name: model.Stream(constant(flow)) for name, flow in number["flows"].items()}
+    emulsion = replace(gases["T_emulsion"], release=_release(scene.gas.release, section))
     return model.Coefficients(
-        section, bubbles.fraction if bubbles else 0.0, scene.gas.temperature, species, pairs,
-        model.Stream(constant(scene.gas.capacity_flow), release=_release(scene.gas.release, section)),
-        model.Stream(constant(bubbles.capacity_flow)) if bubbles else None,
-        bubbles.exchange if bubbles else 0.0, surfaces, plate,
-        level if level in ("none", "paper") else "field", diffusion, _radiosity(scene.freeboard), scene.solver.degree,
+        section, number["delta"], scene.gas.temperature, species, number["pairs"], emulsion, gases.get("T_bubble"),
+        number["exchange"], surfaces, plate, level if level in ("none", "paper") else "field", diffusion,
+        _radiosity(scene.freeboard), scene.solver.degree, computed, computed.fields if computed is not None else (),
     ), albedo  # fmt: skip
+
+
+def _surfaces(scene: b.BubblingScene) -> dict[str, b.Surface]:
+    return {name: item for name, item in (("tubes", scene.tubes), ("walls", scene.walls)) if item is not None}
+
+
+def _computed(scene: b.BubblingScene) -> Any:
+    """Coefficients as functions of the state; None where the scene gives frozen ones."""
+    if not scene.computed:
+        return None
+    from contbed.bubbling.coefficients import Computed
+    from contbed.materials import gas_mixture
+
+    assert scene.gas.composition is not None
+    return Computed(scene, gas_mixture(scene.gas.composition, scene.gas.pressure, scene.gas.mechanism))
+
+
+def _fluidized(scene: b.BubblingScene, computed: Any) -> None:
+    """Refuse a flow of gas that does not even fluidize the bed where Newton's method starts."""
+    T, flow = scene.solver.guess, computed.flow
+    state, _ = computed.state(SimpleNamespace(**{f"T_{name}": T for name in scene.present}), flow)
+    needed = float(state["rho_gas"] * state["u_mf"]) * scene.bubbling_bed.section
+    if scene.bubbles is not None and flow <= needed:
+        raise SceneError(
+            f"{scene.origin.at(('gas', 'mass_flow'))}: gas.mass_flow = {flow:g}: below minimum fluidization, "
+            f"{needed:.4g} kg/s at {T:g} K (solver.guess); allowed: more, or no [bubbles]"
+        )
+
+
+def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
+    """Coefficients of a scene that gives them all as numbers."""
+    present: dict[str, Any] = scene.present
+    bubbles: Any = scene.bubbles
+    if bubbles is not None and bubbles.fraction == 0:
+        bubbles = None
+    return {
+        "delta": bubbles.fraction if bubbles else 0.0,
+        "gas": {name: float(a * item.gas_coefficient)
+                for a, (name, item) in zip(surface, present.items(), strict=True)},
+        "conduction": {name: scene.bubbling_bed.section * item.conductivity for name, item in present.items()},
+        "pairs": {(name, other): value for name, item in present.items() for other, value in item.exchange.items()
+                  if other in present},
+        "exchange": bubbles.exchange if bubbles else 0.0,
+        "contact": {name: item.coefficient for name, item in _surfaces(scene).items()},
+        "flows": {"T_emulsion": scene.gas.capacity_flow} | ({"T_bubble": bubbles.capacity_flow} if bubbles else {}),
+    }  # fmt: skip
 
 
 def _optics(scene: b.BubblingScene, fractions: Any) -> optics.Optics:
@@ -139,20 +186,25 @@ def constant(value: float) -> Any:
     return lambda z: value + 0.0 * z
 
 
-def _solids(item: b.Species, height: float, section: float) -> model.Stream:
-    release, conduction = _release(item.release, section), section * item.conductivity
+def _solids(
+    name: str, item: b.Species, height: float, section: float, conduction: float, computed: Any
+) -> model.Stream:
+    heat: dict[str, Any] = {"conduction": conduction, "release": _release(item.release, section)}
+    if computed is not None:
+        heat |= {"enthalpy": partial(computed.enthalpy, name), "heat_capacity": partial(computed.heat_capacity, name)}
     feed = item.feed
-    if feed is None or not feed.capacity_flow:
-        return model.Stream(constant(0.0), conduction=conduction, release=release)
+    flow = 0.0 if feed is None else feed.capacity_flow or feed.mass_flow
+    if feed is None or not flow:
+        return model.Stream(constant(0.0), **heat)
     from scipy.special import ndtr
 
     below = float(ndtr(-feed.height / feed.width))
-    rate = feed.capacity_flow / (float(ndtr((height - feed.height) / feed.width)) - below)
-    drained = feed.capacity_flow if feed.drain == "bottom" else 0.0
+    rate = flow / (float(ndtr((height - feed.height) / feed.width)) - below)
+    drained = flow if feed.drain == "bottom" else 0.0
     return model.Stream(
         lambda z: rate * (ndtr((z - feed.height) / feed.width) - below) - drained,
         lambda z: rate / (feed.width * np.sqrt(2.0 * np.pi)) * np.exp(-0.5 * ((z - feed.height) / feed.width) ** 2),
-        feed.temperature, conduction, release,
+        feed.temperature, **heat,
     )  # fmt: skip
 
 
@@ -190,7 +242,7 @@ def predicted_layers(c: model.Coefficients, height: float, hot: float) -> list[t
     """
     from scipy.linalg import eig
 
-    names = list(c.fields)
+    names = [*c.streams, *(["G"] if c.level == "field" else [])]
     place = {name: k for k, name in enumerate(names)}
     K, W, S = (np.zeros((len(names), len(names))) for _ in range(3))
 
@@ -206,15 +258,17 @@ def predicted_layers(c: model.Coefficients, height: float, hot: float) -> list[t
     power = 16.0 * optics.SIGMA * hot**3
     for name, stream in c.streams.items():
         K[place[name], place[name]] = stream.conduction
-        W[place[name], place[name]] = float(np.max(np.abs(stream.flow(np.linspace(0.0, height, 65)))))
+        fastest = float(np.max(np.abs(stream.flow(np.linspace(0.0, height, 65)))))
+        W[place[name], place[name]] = fastest * float(stream.heat_capacity(hot))
+    volume = c.section * (1.0 - c.delta)
     for name, item in c.species.items():
-        couple(f"T_{name}", "T_emulsion", c.volume * item.gas)
+        couple(f"T_{name}", "T_emulsion", volume * item.gas)
         for x in c.surfaces.values():
             couple(f"T_{name}", None, x.perimeter * x.coefficient * item.share)
         if c.level == "field":
-            couple(f"T_{name}", "G", c.volume * item.absorption * power)
+            couple(f"T_{name}", "G", volume * item.absorption * power)
     for (one, other), value in c.pairs.items():
-        couple(f"T_{one}", f"T_{other}", c.volume * value)
+        couple(f"T_{one}", f"T_{other}", volume * value)
     if c.bubbles is not None:
         couple("T_bubble", "T_emulsion", c.section * c.delta * c.exchange)
     if c.level == "field":

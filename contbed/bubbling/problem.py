@@ -19,6 +19,7 @@ from contbed.solve.newton import newton
 Array = Any
 EXTRA = 4  # order of quadrature beyond the product of two basis functions, for powers of T and Arrhenius factors
 CAPACITY = 1e4  # heat capacity of a phase, only to approach a steady state in time [J/m/K]
+TYPICAL = 1e3  # temperature [K]
 SHARPENED = 2  # Newton steps at the end: rounding in thin cells hides what is left of a smooth error
 
 
@@ -26,13 +27,15 @@ class BubblingProblem:
     """The unknowns of a plan and their equations; a `solve.timestep.Problem` in temperatures at all nodes."""
 
     linear = False
-    weights = 1.0
 
     def __init__(self, plan: BubblingPlan):
         self.plan, self.c = plan, plan.coefficients
         self.system = System(plan.mesh.skfem, plan.fields, 2 * plan.scene.solver.degree + EXTRA)
         (self.bottom,), (self.top,) = self.system.boundary("bottom"), self.system.boundary("top")
         self.fixed = np.empty(0, dtype=np.int64)
+        self.weights = np.ones(self.system.size)  # what compares steps of flows and sizes with those of temperatures
+        for name, size in (self.c.computed.sizes if self.c.computed is not None else {}).items():
+            self.system.part(self.weights, name)[:] = TYPICAL / size
         self.forms = [
             (model.residual, self.system.cells, self.c),
             (model.bottom, self.bottom, self.c),
@@ -54,7 +57,7 @@ class BubblingProblem:
         Instead of G at a node the unknown is the temperature of its equilibrium, (G/(4 sigma))^(1/4): what species emit
         and absorb is then curved alike, and far from the solution a step leaves their difference small.
         """
-        x = np.full(self.system.size, self.plan.scene.solver.guess if guess is None else guess)
+        x = self._start(self.plan.scene.solver.guess if guess is None else guess)
         try:
             x, history = self._newton(x)
         except ConvergenceError as error:
@@ -65,6 +68,15 @@ class BubblingProblem:
             x = x - Solver(matrix, self.plan.policy)(residual)
         return self._state(x), history
 
+    def _start(self, T: float) -> Array:
+        """One temperature everywhere, with the bubbles of a bed that has it."""
+        x = np.full(self.system.size, T)
+        if self.c.computed is not None:
+            places = self.space.points[0]
+            for name, values in self.c.computed.start(T, places).items():
+                self.system.part(x, name)[:] = values
+        return x
+
     def _newton(self, x: Array) -> tuple[Array, list[float]]:
         options = self.plan.scene.solver
         _, matrix = self.steady(x, True)
@@ -72,7 +84,8 @@ class BubblingProblem:
         rounding = np.finfo(float).eps * float((abs(matrix) @ np.abs(x)).max()) * len(x) ** 0.5
         return newton(
             self.steady, x, self.fixed, self.plan.policy, tolerance=options.newton_tolerance,
-            iterations=options.newton_iterations, lower=0.0, floor=rounding, what="bubbling bed",
+            iterations=options.newton_iterations, lower=0.0, floor=rounding, weights=self.weights,
+            what="bubbling bed",
         )  # fmt: skip
 
     def _state(self, x: Array) -> Array:
@@ -113,7 +126,7 @@ class BubblingProblem:
         """Heat that leaves the particles by mechanism [W]; positive out of the bed."""
         c, out = self.c, {}
         for name, x in c.surfaces.items():
-            out[f"{name}_convection_W"] = self.total(lambda u, o, x=x: model.convected(u, c, x), state)
+            out[f"{name}_convection_W"] = self.total(lambda u, o, n=name: model.convected(u, c, n, c.at(u, o)), state)
             out[f"{name}_radiation_W"] = self.total(lambda u, o, x=x: model.radiated(u, c, x), state)
         if c.plate is not None:
             out["distributor_convection_W"] = self.at(lambda u, o: model.to_plate(u, c)[0], self.bottom, state)
@@ -132,13 +145,15 @@ class BubblingProblem:
     def carried(self, state: Array) -> dict[str, tuple[float, float]]:
         """Heat above 0 K that each stream brings and takes away [W]."""
         c, out = self.c, {}
+        for name in c.gases:
+            brought = self.at(lambda u, o, n=name: c.at(u, o).flows[n] * c.at(u, o).h(n, c.inlet), self.bottom, state)
+            taken = self.at(lambda u, o, n=name: c.at(u, o).flows[n] * c.at(u, o).h(n, getattr(u, n)), self.top, state)
+            out[name] = (brought, taken)
         for name, stream in c.streams.items():
-            ends = [self.at(lambda u, o, n=name, s=stream: s.flow(o.x[0]) * getattr(u, n), end, state)
+            if stream.fed is None:
+                continue
+            ends = [self.at(lambda u, o, n=name, s=stream: s.flow(o.x[0]) * s.enthalpy(getattr(u, n)), end, state)
                     for end in (self.bottom, self.top)]  # fmt: skip
-            if name in c.gases:
-                brought = self.at(lambda u, o, s=stream: s.flow(o.x[0]) * c.inlet, self.bottom, state)
-                out[name] = (brought, ends[1])
-            elif stream.fed is not None:
-                brought = self.total(lambda u, o, s=stream: s.fed(o.x[0]) * s.feed_temperature, state)
-                out[name] = (brought, ends[1] - ends[0])
+            brought = self.total(lambda u, o, s=stream: s.fed(o.x[0]) * s.enthalpy(s.feed_temperature), state)
+            out[name] = (brought, ends[1] - ends[0])
         return out

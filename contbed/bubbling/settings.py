@@ -2,31 +2,42 @@
 
     [bubbling_bed]            height, section and packing of the emulsion
     [bubbles]                 absent: all gas flows through the emulsion
-    [gas]                     of the emulsion, and the temperature at which all gas enters
+    [gas]                     what enters; its properties, or the capacity flow of the emulsion alone
     [species.NAME]            one kind of particle, with its feed, heat release and exchange with other kinds
     [tubes], [walls]          immersed surfaces        [distributor], [freeboard]    what bounds the bed
     [radiation]               level by name; absent: none
 
-A table that is absent means that its physics is absent. Flows of streams are capacity flows, mass flow times heat
-capacity.
+A table that is absent means that its physics is absent. There are two ways to write a scene. With gas.capacity_flow
+every coefficient is a number, frozen, and flows of streams are capacity flows, mass flow times heat capacity. With
+gas.mass_flow and gas.composition a coefficient may be a closure by name, a file, or a number, and flows are mass flows.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from contbed.scene import settings as s
-from contbed.scene.quantities import Cells, unit
+from contbed.scene.quantities import Cells, form, unit
 
 Area = Annotated[float, *unit("m**2"), Field(gt=0)]
 CapacityFlow = Annotated[float, *unit("W/K"), Field(ge=0)]
 Exchange = Annotated[float, *unit("W/m**3/K"), Field(ge=0)]
 GasCoefficient = Annotated[float, *unit("W/m**2/K"), Field(gt=0)]
 Kelvin = Annotated[float, *unit("K")]
+HeatCapacity = Annotated[Annotated[s.HeatCapacity, Tag("number")] | s.Polynomial, Discriminator(form)]
 Share = Annotated[s.Number, Field(ge=0, le=1)]
-BubbleFraction = Annotated[s.Number, Field(ge=0, lt=1)]
+MassFlow = Annotated[float, *unit("kg/s"), Field(gt=0)]
+Speed = Annotated[float, *unit("m/s"), Field(gt=0)]
+
+BubbleFraction = Annotated[
+    Annotated[s.Number, Field(ge=0, lt=1), Tag("number")] | s.NamedOrFile, Discriminator(form)
+]
+ExchangeOrClosure = Annotated[Annotated[Exchange, Tag("number")] | s.NamedOrFile, Discriminator(form)]
+SpeedOrClosure = Annotated[Annotated[Speed, Tag("number")] | s.NamedOrFile, Discriminator(form)]
+LengthOrClosure = Annotated[Annotated[s.Length, Tag("number")] | s.NamedOrFile, Discriminator(form)]
+GasCoefficientOrClosure = Annotated[Annotated[GasCoefficient, Tag("number")] | s.NamedOrFile, Discriminator(form)]
 
 
 class BubblingBed(s.Table):
@@ -35,14 +46,26 @@ class BubblingBed(s.Table):
     height: s.Length
     section: Area = Field(description="cross-section of the bed")
     solids_fraction: s.Fraction = Field(description="share of the emulsion's volume, one minus its voidage")
+    minimum_fluidization: SpeedOrClosure = Field("minimum_fluidization_grace", description="superficial velocity")
+    conductivity: s.ConductivityOrClosure | None = Field(
+        None, description="of the resting emulsion, added to the mixing and split by volume; absent: none"
+    )
 
 
 class Bubbles(s.Table):
     """Gas that passes as bubbles free of particles."""
 
-    fraction: BubbleFraction = Field(description="share of the bed's volume")
-    capacity_flow: CapacityFlow
-    exchange: Exchange = Field(description="with the gas of the emulsion, per volume of bubbles")
+    fraction: BubbleFraction = Field("bubble_fraction_kunii_levenspiel", description="share of the bed's volume")
+    capacity_flow: CapacityFlow | None = Field(None, description="with gas.capacity_flow only")
+    exchange: ExchangeOrClosure = Field(
+        "bubble_heat_kunii_levenspiel", description="with the gas of the emulsion, per volume of bubbles"
+    )
+    size: LengthOrClosure = Field("bubble_growth_mori_wen", description="diameter, or how it grows")
+    start: LengthOrClosure = Field("bubble_start_porous_plate", description="diameter at the distributor")
+    rise: SpeedOrClosure = Field("bubble_rise_davidson_harrison", description="velocity of the bubbles")
+    emulsion_gas: SpeedOrClosure = Field(
+        "emulsion_gas_two_phase", description="gas through the emulsion per its section; the rest is bubbles"
+    )
 
 
 class Release(s.Table):
@@ -61,17 +84,30 @@ class Release(s.Table):
 
 
 class Gas(s.Table):
-    """Gas of the emulsion; bubbles enter at the same temperature."""
+    """What enters below the distributor, all at one temperature."""
 
-    capacity_flow: CapacityFlow
+    capacity_flow: CapacityFlow | None = Field(None, description="of the emulsion's gas; coefficients are numbers")
+    mass_flow: MassFlow | None = Field(None, description="of all gas; coefficients may be closures")
+    composition: str | None = Field(None, description='with mass_flow: mole fractions, "N2:0.79, O2:0.21"')
+    pressure: s.Pressure = 101325.0
+    mechanism: str = Field("gri30.yaml", description="a Cantera file with the species of the gas")
     temperature: s.Temperature = Field(description="below the distributor")
-    release: Release | None = None
+    release: Release | None = Field(None, description="heat released in the gas of the emulsion")
+
+    @model_validator(mode="after")
+    def _one(self) -> Gas:
+        if (self.capacity_flow is None) == (self.mass_flow is None):
+            raise ValueError("give one of capacity_flow, mass_flow")
+        if (self.mass_flow is None) != (self.composition is None):
+            raise ValueError("mass_flow and composition belong together")
+        return self
 
 
 class Feed(s.Table):
     """Particles that enter around a height, Gaussian, and leave the bed at one end."""
 
-    capacity_flow: CapacityFlow
+    capacity_flow: CapacityFlow | None = Field(None, description="with gas.capacity_flow")
+    mass_flow: Annotated[float, *unit("kg/s"), Field(ge=0)] | None = Field(None, description="with gas.mass_flow")
     temperature: s.Temperature
     height: Annotated[s.Position, Field(ge=0)]
     width: s.Length = Field(description="standard deviation; what it puts beyond the ends enters inside")
@@ -82,11 +118,17 @@ class Species(s.Table):
     """One kind of particle."""
 
     volume_fraction: Share = Field(description="share of the solids; 0: this kind is left out")
-    diameter: s.Length = Field(description="Sauter mean")
+    diameter: s.Length = Field(description="Sauter mean, of spheres of the particles' volumes")
+    sphericity: Annotated[s.Number, Field(gt=0, le=1)] = Field(1.0, description="surface of such spheres over the true")
+    density: s.Density | None = Field(None, description="needed with gas.mass_flow")
+    heat_capacity: HeatCapacity | None = Field(None, description="needed with gas.mass_flow")
+    thermal_conductivity: s.Conductivity = Field(1.0, description="of the material")
     emissivity: s.Emissivity | None = Field(None, description="needed with [radiation]")
-    gas_coefficient: GasCoefficient = Field(description="particle surface to emulsion gas")
-    conductivity: s.Conductivity = Field(description="of axial mixing, on the whole section")
-    exchange: dict[str, Exchange] = Field(
+    gas_coefficient: GasCoefficientOrClosure = Field(description="particle to emulsion gas, or a nusselt closure")
+    conductivity: s.ConductivityOrClosure = Field(
+        description="of axial mixing, on the whole section, or a closure of the solids' dispersion"
+    )
+    exchange: dict[str, ExchangeOrClosure] = Field(
         default_factory=dict, description="with other species by name, per emulsion volume; each pair once"
     )
     feed: Feed | None = None
@@ -97,7 +139,7 @@ class Surface(s.Table):
     """Tubes or walls along the whole height."""
 
     perimeter: s.Length = Field(description="surface per height of bed")
-    coefficient: s.WallCoefficient = Field(description="convective, split over the species by their surface")
+    coefficient: s.WallCoefficientOrClosure = Field(description="convective, split over the species by their surface")
     temperature: s.Temperature
     emissivity: s.Emissivity | None = Field(None, description="absent: a mirror")
 
@@ -174,6 +216,11 @@ class BubblingScene(s.SceneBase):
     mesh: Mesh = Mesh()
     solver: Solver = Solver()
     output: s.Output = s.Output()
+
+    @property
+    def computed(self) -> bool:
+        """Whether coefficients follow from the properties of gas and particles."""
+        return self.gas.mass_flow is not None
 
     @property
     def present(self) -> dict[str, Species]:

@@ -21,10 +21,23 @@ pressure_gradient [Pa/m], radiation [W/m/K or -], wall [W/m2/K]; of fluidized be
 minimum_fluidization [-], drag [kg/m3/s], bubble_size [m], bubble_rise [m/s], gas_exchange [1/s], bubble_heat [W/m3/K].
 """
 
+from contbed.closures.bed_tube import (
+    bed_tube_martin,
+    bed_tube_molerus_laminar,
+    bed_tube_molerus_wirth,
+    bed_tube_zabrodsky,
+)
 from contbed.closures.bubbles import (
+    bubble_growth_darton,
+    bubble_growth_horio_nonaka,
+    bubble_growth_mori_wen,
     bubble_heat_kunii_levenspiel,
+    bubble_heat_sit_grace,
     bubble_rise_davidson_harrison,
     bubble_size_mori_wen,
+    bubble_start_darton,
+    bubble_start_orifices,
+    bubble_start_porous_plate,
     gas_exchange_kunii_levenspiel,
     gas_exchange_sit_grace,
 )
@@ -51,9 +64,19 @@ from contbed.closures.dispersion import (
 )
 from contbed.closures.drag import drag_di_felice, drag_gidaspow, drag_wen_yu
 from contbed.closures.fluidization import (
+    bubble_fraction_kunii_levenspiel,
+    bubble_fraction_two_phase,
+    emulsion_gas_kunii_levenspiel,
+    emulsion_gas_two_phase,
+    minimum_fluidization_babu,
     minimum_fluidization_chitester,
+    minimum_fluidization_ergun,
     minimum_fluidization_grace,
+    minimum_fluidization_richardson,
+    minimum_fluidization_saxena_vogel,
     minimum_fluidization_wen_yu,
+    nusselt_kunii_levenspiel,
+    solids_mixing_kunii_levenspiel,
 )
 from contbed.closures.nusselt import (
     nusselt_gunn,
@@ -74,15 +97,29 @@ from contbed.closures.pressure_drop import (
     pressure_gradient_ergun,
 )
 from contbed.closures.registry import RangeUse, Sheet, closure, data_sheet, get, names, sheet, usage
+from contbed.closures.solid_solid import solid_exchange_agu
 from contbed.closures.wall import wall_li_finlayson, wall_martin_nilles
 
 __all__ = [
     "DispersionPair",
     "RangeUse",
     "Sheet",
+    "bed_tube_martin",
+    "bed_tube_molerus_laminar",
+    "bed_tube_molerus_wirth",
+    "bed_tube_zabrodsky",
+    "bubble_fraction_kunii_levenspiel",
+    "bubble_fraction_two_phase",
+    "bubble_growth_darton",
+    "bubble_growth_horio_nonaka",
+    "bubble_growth_mori_wen",
     "bubble_heat_kunii_levenspiel",
+    "bubble_heat_sit_grace",
     "bubble_rise_davidson_harrison",
     "bubble_size_mori_wen",
+    "bubble_start_darton",
+    "bubble_start_orifices",
+    "bubble_start_porous_plate",
     "closure",
     "conductivity_hashin_shtrikman_lower",
     "conductivity_hashin_shtrikman_upper",
@@ -103,16 +140,23 @@ __all__ = [
     "drag_di_felice",
     "drag_gidaspow",
     "drag_wen_yu",
+    "emulsion_gas_kunii_levenspiel",
+    "emulsion_gas_two_phase",
     "forchheimer_ergun",
     "forchheimer_ward",
     "gas_exchange_kunii_levenspiel",
     "gas_exchange_sit_grace",
     "get",
+    "minimum_fluidization_babu",
     "minimum_fluidization_chitester",
+    "minimum_fluidization_ergun",
     "minimum_fluidization_grace",
+    "minimum_fluidization_richardson",
+    "minimum_fluidization_saxena_vogel",
     "minimum_fluidization_wen_yu",
     "names",
     "nusselt_gunn",
+    "nusselt_kunii_levenspiel",
     "nusselt_kuwahara",
     "nusselt_kuwahara_pivem",
     "nusselt_power",
@@ -126,6 +170,8 @@ __all__ = [
     "radiation_emissivity_half_space",
     "radiation_rosseland",
     "sheet",
+    "solid_exchange_agu",
+    "solids_mixing_kunii_levenspiel",
     "tortuosity_hsu",
     "usage",
     "wall_li_finlayson",

@@ -13,6 +13,9 @@ GRAVITY = 9.81  # [m/s2]
 _INF = float("inf")
 _KL = "Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, Butterworth-Heinemann, Boston"
 _MORI_WEN = "Mori, Wen 1975, AIChE J. 21, 109-115, doi:10.1002/aic.690210114"
+_HORIO = "Horio, Nonaka 1987, AIChE J. 33, 1865-1872, doi:10.1002/aic.690331113"
+_DARTON = "Darton, LaNauze, Davidson, Harrison 1977, Trans. Inst. Chem. Eng. 55, 274-280"
+_MIWA = "Miwa, Mori, Kato, Muchi 1972, Int. Chem. Eng. 12, 181-187"
 _SIT_GRACE = "Sit, Grace 1981, Chem. Eng. Sci. 36, 327-335"
 
 
@@ -235,3 +238,304 @@ def bubble_heat_kunii_levenspiel(d_b, u_mf, rho_gas, cp_gas, k_gas):
     """
     content = rho_gas * cp_gas
     return 4.5 * u_mf * content / d_b + 5.85 * (k_gas * content) ** 0.5 * GRAVITY**0.25 / d_b**1.25
+
+
+@closure(
+    kind="bubble_growth", unit="-", ranges={"D_bed": (0.3, 1.3), "u_excess": (0.0, 0.48)}, source=_MORI_WEN
+)
+def bubble_growth_mori_wen(d_b, u_excess, D_bed):
+    """Mori and Wen (1975): slope of bubble_size_mori_wen over the height, at the excess of gas there.
+
+        d d_b / dz = 0.3 (d_bm - d_b) / D_bed,  d_bm = 1.64 (A u_excess)^0.4,  A = pi D_bed^2 / 4
+
+    Parameters
+    ----------
+    d_b : [m] diameter of the bubbles
+    u_excess : [m/s] u - u_mf
+    D_bed : [m] diameter of the bed
+
+    Returns
+    -------
+    [-] growth per height
+
+    Range
+    -----
+    D_bed : 0.3 to 1.3
+    u_excess : 0.0 to 0.48
+
+    Fitted to
+    ---------
+    data of several authors, u_mf 5 to 200 mm/s, particles of 60 to 450 um
+
+    Limits
+    ------
+    d_b -> d_bm: 0; larger bubbles shrink.
+
+    Example
+    -------
+    >>> round(float(bubble_growth_mori_wen(d_b=0.1, u_excess=0.3, D_bed=1.0)), 6)
+    0.24604
+
+    Source
+    ------
+    Mori, Wen 1975, AIChE J. 21, 109-115, doi:10.1002/aic.690210114.
+    """
+    d_bm = 2.59 * (0.25 * np.pi * D_bed**2 * u_excess / GRAVITY**0.5) ** 0.4
+    return 0.3 * (d_bm - d_b) / D_bed
+
+
+@closure(
+    kind="bubble_growth", unit="-", ranges={"D_bed": (0.05, 1.3), "u_excess": (0.0, 1.0)}, source=_HORIO
+)
+def bubble_growth_horio_nonaka(d_b, u_excess, u_mf, D_bed):
+    """Horio and Nonaka (1987): coalescence and splitting.
+
+        d d_b / dz = 0.3 (d_bm - d_b - gamma (D_bed d_b)^(1/2)) / D_bed
+        gamma = 0.0256 (D_bed / g)^(1/2) / u_mf,  d_bm = 1.64 (A u_excess)^0.4
+
+    Parameters
+    ----------
+    d_b : [m] diameter of the bubbles
+    u_excess : [m/s] u - u_mf
+    u_mf : [m/s] superficial velocity at minimum fluidization
+    D_bed : [m] diameter of the bed
+
+    Returns
+    -------
+    [-] growth per height
+
+    Range
+    -----
+    D_bed : 0.05 to 1.3
+    u_excess : 0.0 to 1.0
+
+    Fitted to
+    ---------
+    beds of fine and coarse particles; the bounds of the data have not been seen
+
+    Limits
+    ------
+    u_mf -> inf: bubble_growth_mori_wen.
+
+    Example
+    -------
+    >>> round(float(bubble_growth_horio_nonaka(d_b=0.1, u_excess=0.3, u_mf=0.1, D_bed=1.0)), 6)
+    0.238286
+
+    Source
+    ------
+    Horio, Nonaka 1987, AIChE J. 33, 1865-1872, doi:10.1002/aic.690331113.
+    As quoted in the documentation of a process simulator.
+    """
+    d_bm = 2.59 * (0.25 * np.pi * D_bed**2 * u_excess / GRAVITY**0.5) ** 0.4
+    gamma = 0.0256 * (D_bed / GRAVITY) ** 0.5 / u_mf
+    return 0.3 * (d_bm - d_b - gamma * (D_bed * d_b) ** 0.5) / D_bed
+
+
+@closure(kind="bubble_growth", unit="-", ranges={"u_excess": (0.0, _INF), "d_b/D_bed": (0.0, 0.3)}, source=_DARTON)
+def bubble_growth_darton(d_b, u_excess, D_bed):
+    """Darton et al. (1977): pairwise coalescence without end.
+
+        d_b = 0.54 u_excess^0.4 (z + z_0)^0.8 / g^0.2,  hence  d d_b / dz = 0.8 d_b / (z + z_0)
+
+    Parameters
+    ----------
+    d_b : [m] diameter of the bubbles, from which z + z_0 follows
+    u_excess : [m/s] u - u_mf
+    D_bed : [m] diameter of the bed; enters the range only
+
+    Returns
+    -------
+    [-] growth per height
+
+    Range
+    -----
+    u_excess : 0.0 to inf
+    d_b/D_bed : 0.0 to 0.3
+
+    Fitted to
+    ---------
+    freely bubbling beds of many authors; wider bubbles are slugs
+
+    Limits
+    ------
+    d_b -> 0: infinite, as d_b^(-1/4).
+
+    Example
+    -------
+    >>> round(float(bubble_growth_darton(d_b=0.1, u_excess=0.3, D_bed=1.0)), 6)
+    0.20381
+
+    Source
+    ------
+    Darton, LaNauze, Davidson, Harrison 1977, Trans. Inst. Chem. Eng. 55, 274-280.
+    """
+    height = (d_b * GRAVITY**0.2 / (0.54 * u_excess**0.4)) ** 1.25
+    return 0.8 * d_b / height
+
+
+@closure(kind="bubble_start", unit="m", ranges={"u_excess": (0.0, _INF)}, source=_MORI_WEN)
+def bubble_start_porous_plate(u_excess, factor=2.78):
+    """Mori and Wen (1975): diameter of bubbles above a porous plate.
+
+        d_b0 = factor u_excess^2 / g
+
+    Parameters
+    ----------
+    u_excess : [m/s] u - u_mf
+    factor : [-] 2.78; others print 3.685 and 3.77
+
+    Returns
+    -------
+    [m] diameter
+
+    Range
+    -----
+    u_excess : 0.0 to inf
+
+    Fitted to
+    ---------
+    data of others on porous plates
+
+    Limits
+    ------
+    u_excess -> 0: 0.
+
+    Example
+    -------
+    >>> round(float(bubble_start_porous_plate(u_excess=0.3)), 6)
+    0.025505
+
+    Source
+    ------
+    Mori, Wen 1975, AIChE J. 21, 109-115, doi:10.1002/aic.690210114.
+    As Kunii and Levenspiel 1991, Eq. 5.19.
+    """
+    return factor * u_excess**2 / GRAVITY
+
+
+@closure(kind="bubble_start", unit="m", ranges={"u_excess": (0.0, _INF)}, source=_MIWA)
+def bubble_start_orifices(u_excess, area):
+    """Miwa et al. (1972): diameter of bubbles above a perforated plate.
+
+        d_b0 = 1.30 g^-0.2 (u_excess area)^0.4
+
+    Parameters
+    ----------
+    u_excess : [m/s] u - u_mf
+    area : [m2] of plate for one orifice
+
+    Returns
+    -------
+    [m] diameter
+
+    Range
+    -----
+    u_excess : 0.0 to inf
+
+    Fitted to
+    ---------
+    plates whose bubbles do not touch, d_b0 below the pitch area^(1/2); above that the porous plate's equation holds
+
+    Limits
+    ------
+    u_excess -> 0: 0.
+
+    Example
+    -------
+    >>> round(float(bubble_start_orifices(u_excess=0.3, area=1e-3)), 6)
+    0.032097
+
+    Source
+    ------
+    Miwa, Mori, Kato, Muchi 1972, Int. Chem. Eng. 12, 181-187.
+    As Kunii and Levenspiel 1991, Eq. 5.15.
+    """
+    return 1.30 * GRAVITY**-0.2 * (u_excess * area) ** 0.4
+
+
+@closure(kind="bubble_start", unit="m", ranges={"u_excess": (0.0, _INF)}, source=_DARTON)
+def bubble_start_darton(u_excess, area):
+    """Darton et al. (1977): diameter of bubbles above the distributor.
+
+        d_b0 = 0.54 u_excess^0.4 (4 area^(1/2))^0.8 / g^0.2
+
+    Parameters
+    ----------
+    u_excess : [m/s] u - u_mf
+    area : [m2] of plate for one orifice; 56e-6 for a porous plate
+
+    Returns
+    -------
+    [m] diameter
+
+    Range
+    -----
+    u_excess : 0.0 to inf
+
+    Fitted to
+    ---------
+    freely bubbling beds of many authors
+
+    Limits
+    ------
+    u_excess -> 0: 0.
+
+    Example
+    -------
+    >>> round(float(bubble_start_darton(u_excess=0.3, area=1e-3)), 6)
+    0.040416
+
+    Source
+    ------
+    Darton, LaNauze, Davidson, Harrison 1977, Trans. Inst. Chem. Eng. 55, 274-280.
+    """
+    return 0.54 * u_excess**0.4 * (4.0 * area**0.5) ** 0.8 / GRAVITY**0.2
+
+
+@closure(kind="bubble_heat", unit="W/m3/K", ranges={"d_b": (0.0, _INF), "eps_mf": (0.0, 1.0)}, source=_SIT_GRACE)
+def bubble_heat_sit_grace(d_b, u_mf, rho_gas, cp_gas, k_gas, eps_mf, u_b):
+    """Sit and Grace (1981): gas_exchange_sit_grace with the diffusivity of heat.
+
+        H_be = rho_gas cp_gas (2 u_mf / d_b + 12 (eps_mf a u_b / pi)^(1/2) / d_b^(3/2)),  a = k_gas / (rho_gas cp_gas)
+
+    Parameters
+    ----------
+    d_b : [m] diameter of the bubbles
+    u_mf : [m/s] superficial velocity at minimum fluidization
+    rho_gas : [kg/m3] density of the gas
+    cp_gas : [J/kg/K] its heat capacity
+    k_gas : [W/m/K] its conductivity
+    eps_mf : [-] voidage at minimum fluidization
+    u_b : [m/s] velocity of the bubbles
+
+    Returns
+    -------
+    [W/m3/K] per volume of bubbles: `bubbles.exchange` of a scene
+
+    Range
+    -----
+    d_b : 0.0 to inf
+    eps_mf : 0.0 to 1.0
+
+    Fitted to
+    ---------
+    exchange of gas, by the analogy of heat
+
+    Limits
+    ------
+    k_gas -> 0: 2 u_mf rho_gas cp_gas / d_b, by throughflow alone.
+
+    Example
+    -------
+    >>> h = bubble_heat_sit_grace(d_b=0.06, u_mf=0.05, rho_gas=0.3, cp_gas=1150.0, k_gas=0.075, eps_mf=0.45, u_b=0.8)
+    >>> round(float(h), 4)
+    1980.9532
+
+    Source
+    ------
+    Sit, Grace 1981, Chem. Eng. Sci. 36, 327-335.
+    """
+    content = rho_gas * cp_gas
+    diffusivity = k_gas / content
+    return content * (2.0 * u_mf / d_b + 12.0 * (eps_mf * diffusivity * u_b / np.pi) ** 0.5 / d_b**1.5)

@@ -16,12 +16,22 @@ PHASE = "conductivity_phase"
 # Arguments that a model knows and passes by itself, by kind; all others without a default come from the scene.
 _STREAM = frozenset({"Re", "Pr", "Pe", "eps", "T", "d_p", "D_bed", "k_fluid"})
 _PACKING = frozenset({"d_p", "eps"})
+# of a bubbling bed, at one height
+_BUBBLING = frozenset({
+    "Ar", "Pr", "Re", "eps", "eps_mf", "T", "p", "d_p", "D_bed", "sphericity", "rho_gas", "mu", "cp_gas", "k_gas",
+    "molar_mass", "D_gas", "rho_solid", "cp_solid", "k_solid", "u", "u_mf", "u_excess", "u_b", "d_b", "delta", "slip",
+    "f_1", "f_2", "d_1", "d_2", "rho_1", "rho_2", "cp_1", "cp_2", "k_1", "k_2",
+})  # fmt: skip
 SUPPLIED = {
     "nusselt": _STREAM,
     "dispersion": _STREAM,
     "wall": _STREAM | {"k_stagnant"},
     "conductivity": frozenset({"k_fluid", "k_solid", "eps", "T", "d_p"}),
     "tortuosity": frozenset({"k_fluid", "k_solid", "eps"}),
+    **dict.fromkeys(
+        ("minimum_fluidization", "bubble_size", "bubble_start", "bubble_growth", "bubble_rise", "bubble_fraction",
+         "emulsion_gas", "bubble_heat", "gas_exchange", "solids_mixing", "solid_exchange", "bed_tube"), _BUBBLING
+    ),
     "permeability": _PACKING,
     "forchheimer": _PACKING,
 }

@@ -1,0 +1,84 @@
+"""Beds with computed coefficients: the closures are those of the state reached, and Newton's method sees all of it."""
+
+import numpy as np
+import pytest
+from computed_scenes import hot
+
+import contbed as cb
+from contbed import closures
+from contbed.bubbling.planning import plan
+from contbed.bubbling.problem import BubblingProblem
+from contbed.materials import gas_mixture
+
+
+def solved(scene, closed=1e-12):
+    result = cb.run(scene)
+    assert abs(result.balances["energy"]["relative_residual"]) < closed
+    return result
+
+
+def test_jacobian_is_the_derivative():
+    problem = BubblingProblem(plan(hot(mesh={"cells": 8}, bubbles={"size": "horio_nonaka", "exchange": "sit_grace"})))
+    random = np.random.default_rng(1)
+    state = problem._state(problem._start(900.0) * (1 + 0.02 * random.normal(size=problem.system.size)))
+    direction = random.normal(size=state.size) * np.abs(state)
+    _, matrix = problem.assemble(state, True)
+    plus, minus = (problem.assemble(state + sign * 1e-6 * direction, False)[0] for sign in (1, -1))
+    difference = (plus - minus) / 2e-6
+    for name in problem.system.fields:
+        exact, estimate = (problem.system.part(part, name) for part in (matrix @ direction, difference))
+        # central differences with a step of 1e-6: rounding of 1e-16/1e-6
+        assert np.abs(exact - estimate).max() < 1e-8 * np.abs(estimate).max(), name
+
+
+@pytest.mark.parametrize("guess", [400.0, 700.0, 1000.0, 1500.0, 2000.0])
+def test_guesses_lead_to_one_state(guess):
+    reference, found = solved(hot()), solved(hot(solver={"guess": guess}))
+    assert len(found.history) <= 12
+    # the meshes differ, since layers are predicted with the coefficients of the guess
+    assert found.qoi == pytest.approx(reference.qoi, rel=1e-6)
+
+
+def test_closures_are_those_of_the_state():
+    """Every profile again from the temperatures by the closures alone."""
+    scene = hot(output={"positions": list(np.linspace(0.0, 0.6, 31)), "plots": False, "fields": False})
+    result = solved(scene)
+    column = {header.split(" [")[0]: values for header, values in result.profiles.items()}
+    gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)
+    T = 0.98 * column["T_inert"] + 0.02 * column["T_char"]
+    rho, mu = gas.density(T), gas.viscosity(T)
+    rho_solid, d_p = 0.98 * 2600 + 0.02 * 1200, 1 / (0.98 / 7e-4 + 0.02 / 3e-3)
+    Ar = d_p**3 * rho * (rho_solid - rho) * 9.81 / mu**2
+    u_mf = closures.minimum_fluidization_grace(Ar) * mu / (rho * d_p)
+    assert column["u_mf"] == pytest.approx(u_mf, rel=1e-9)
+    bubbles = column["flow_bubble"]
+    u = (0.6 - bubbles) / rho + bubbles / gas.density(column["T_bubble"])
+    # the bend of the excess at zero, (1e-3 u_mf)^2 / (4 u_mf (u - u_mf)), is below 1e-6 of u
+    assert column["u"] == pytest.approx(u, rel=1e-6)
+    u_b = closures.bubble_rise_davidson_harrison(column["d_b"], column["u"] - u_mf, 1.0)
+    delta = closures.bubble_fraction_kunii_levenspiel(column["u"], u_mf, u_b, 0.5)
+    assert column["delta"] == pytest.approx(delta, rel=1e-9)
+    # the flow is a field: the closure holds to the error of the mesh
+    assert bubbles == pytest.approx(0.6 - rho * (1 - delta) * u_mf, rel=1e-6)
+    assert column["d_b"][0] == pytest.approx(2.78 * (column["u"][0] - u_mf[0]) ** 2 / 9.81, rel=1e-6)
+
+
+def test_a_number_is_a_closure_that_returns_it():
+    """The bed with the numbers that closures gave, at the same heat capacity of gas, has the same temperatures."""
+    still = {"heat_capacity": 1000.0}
+    result = solved(hot(tubes__coefficient=250.0, species__char__conductivity=100.0,
+                        species__char__exchange={"inert": 40.0}, bubbles__size=0.1,
+                        species__char__heat_capacity=still["heat_capacity"]))  # fmt: skip
+    assert result.qoi["tubes_coefficient_W_m2K"] == pytest.approx(250.0, rel=1e-12)
+    assert np.all(result.profiles["d_b [m]"] == 0.1)
+    assert not any(use["kind"] in ("bed_tube", "solid_exchange", "bubble_growth") for use in result.closures)
+
+
+def test_ranges_are_reported_with_where_they_are_used():
+    result = solved(hot())
+    used = {use["used_by"]: use for use in result.closures if "used_by" in use}
+    assert used["species.char.gas_coefficient"]["name"] == "nusselt_ranz_marshall"
+    assert used["bubbles.size"]["share_outside"] > 0
+    assert any(text.startswith("bubbles.size: bubble_growth_mori_wen is used out of") for text in result.warnings)
+    with pytest.raises(cb.errors.ClosureRangeError, match="u_excess"):
+        cb.run(hot(solver={"strict": True}))
