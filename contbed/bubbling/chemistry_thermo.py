@@ -1,0 +1,112 @@
+"""Enthalpy, entropy and equilibrium of the gases and solids of a reacting bed, from Cantera's NASA polynomials.
+
+Both functions of T are continued from the lower range of each species over its mid temperature, where the published
+coefficients leave jumps of some 10 J/kg, and beyond the ends of the data with constant heat capacity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from contbed.closures.devolatilisation import molar_mass
+from contbed.closures.reactions import R_GAS
+from contbed.errors import SceneError
+from contbed.materials.common import integrated, polynomial
+
+P_STANDARD = 101325.0  # of Cantera's data for these species [Pa]
+T_STANDARD = 298.15
+GASES = ("O2", "N2", "CO2", "CO", "H2O", "H2", "CH4", "C6H6", "H2S", "SO2")
+SOLIDS = {"C": "C(gr)", "CaCO3": "CaCO3(caL)", "CaO": "CaO(s)", "CaSO4": "CaSO4(s)", "H2O(l)": "H2O(L)"}
+
+
+@dataclass(frozen=True, eq=False)
+class Species:
+    """One species; polynomials per mole and R."""
+
+    name: str
+    composition: Mapping[str, float]
+    molar_mass: float  # [kg/mol]
+    T_range: tuple[float, float]
+    T_mid: float
+    cp: tuple[tuple[float, ...], tuple[float, ...]]
+    h: tuple[tuple[float, ...], tuple[float, ...]]
+    s: tuple[float, float]  # constants of the entropy
+
+    def _held(self, T: Any) -> Any:
+        return np.minimum(np.maximum(T, self.T_range[0]), self.T_range[1])
+
+    def heat_capacity(self, T: Any) -> Any:
+        """[J/mol/K]"""
+        t = self._held(T)
+        return R_GAS * np.where(t > self.T_mid, polynomial(self.cp[1], t), polynomial(self.cp[0], t))
+
+    def enthalpy(self, T: Any) -> Any:
+        """[J/mol], of formation included."""
+        t = self._held(T)
+        inside = np.where(t > self.T_mid, polynomial(self.h[1], t), polynomial(self.h[0], t))
+        return R_GAS * inside + self.heat_capacity(T) * (T - t)
+
+    def entropy(self, T: Any) -> Any:
+        """[J/mol/K] at standard pressure."""
+        t, parts = self._held(T), []
+        for cp, constant in zip(self.cp, self.s, strict=True):
+            rest = polynomial(integrated(cp[1:]), t)
+            parts.append(cp[0] * np.log(t) + rest + constant)
+        inside = np.where(t > self.T_mid, parts[1], parts[0])
+        return R_GAS * inside + self.heat_capacity(T) * np.log(T / t)
+
+    def gibbs(self, T: Any) -> Any:
+        """[J/mol] at standard pressure."""
+        return self.enthalpy(T) - T * self.entropy(T)
+
+
+@lru_cache(maxsize=1)
+def table() -> dict[str, Species]:
+    """All species by name; solids by their formula, liquid water as H2O(l)."""
+    try:
+        import cantera
+    except ImportError as error:
+        raise SceneError(
+            f"reactions: the package cantera is needed for thermodynamics and cannot be imported ({error}); "
+            "install it (pip install cantera)"
+        ) from error
+    gas = {item.name: item for item in cantera.Species.list_from_file("nasa_gas.yaml")}
+    solid = {item.name: item for item in cantera.Species.list_from_file("nasa_condensed.yaml")}
+    out = {name: _species(name, gas[name]) for name in GASES}
+    return out | {name: _species(name, solid[other]) for name, other in SOLIDS.items()}
+
+
+def _species(name: str, item: Any) -> Species:
+    data = item.thermo
+    c = data.coeffs
+    T_mid, high, low = float(c[0]), c[1:8], c[8:15]
+    cp = tuple(map(float, low[:5])), tuple(map(float, high[:5]))
+    h_low = integrated(cp[0], float(low[5]))
+    h_high = integrated(cp[1], float(polynomial(h_low, T_mid) - polynomial(integrated(cp[1]), T_mid)))
+
+    def varying(k: int) -> float:
+        return float(cp[k][0] * np.log(T_mid) + polynomial(integrated(cp[k][1:]), T_mid))
+
+    s_low = float(low[6])
+    return Species(
+        name, dict(item.composition), molar_mass(item.composition), (data.min_temp, data.max_temp), T_mid, cp,
+        (h_low, h_high), (s_low, s_low + varying(0) - varying(1)),
+    )  # fmt: skip
+
+
+def ln_equilibrium(stoichiometry: Mapping[str, float], T: Any) -> Any:
+    """ln K of activities, gases at p/1 atm, solids pure."""
+    species = table()
+    change = sum(count * species[name].gibbs(T) for name, count in stoichiometry.items())
+    return -change / (R_GAS * T)
+
+
+def heat_of_reaction(stoichiometry: Mapping[str, float], T: Any) -> Any:
+    """[J/mol], negative where heat is released."""
+    species = table()
+    return sum(count * species[name].enthalpy(T) for name, count in stoichiometry.items())
