@@ -124,6 +124,7 @@ class Bed:
         """All that moves, as arrays for a checkpoint."""
         arrays = {f"particles_{name}": value for name, value in self.simulation.state().items()}
         arrays |= {f"gas_{name}": value for name, value in self.gas.state().items()}
+        arrays |= {"force": self.force.copy(), "received": self.received.copy()}
         if self.T is not None:
             arrays["T"] = self.T.copy()
         if self._network is not None:
@@ -137,6 +138,7 @@ class Bed:
         for prefix, part in (("particles_", self.simulation), ("gas_", self.gas)):
             found = {name.removeprefix(prefix): value for name, value in state.items() if name.startswith(prefix)}
             part.restore(found)  # type: ignore[attr-defined]
+        self.force, self.received = np.array(state["force"]), np.array(state["received"])
         self.time, above, self.radiated, self._next, *start = state["bed"].tolist()
         self.above, self._start = int(above), None if np.isnan(start[0]) else (start[0], start[1])
         if self.T is not None:
@@ -152,7 +154,9 @@ class Bed:
             gas.start(self.motion)
             self._start = 0.0 if self.T is None else float(self.capacity @ self.T), float(gas.heat.sum())
         allowed = min(self.gas_step, longest, COURANT / max(gas.courant, 1e-300))
-        steps = max(1, int(allowed / simulation.time_step * (1.0 + 1e-9)))
+        # equal parts of what is left: a last step far shorter than the others would shake the pressure
+        allowed = longest / int(np.ceil(longest / allowed * (1.0 - 1e-9)))
+        steps = max(1, round(allowed / simulation.time_step))
         dt = steps * simulation.time_step if self.moving else allowed
         if self.moving:
             simulation.force[:] = self.force

@@ -99,7 +99,7 @@ class Gas:
         gravity: Any = (0.0, 0.0, -9.81),
         no_slip: bool = False,
         smearing: float = 1.0,
-        tolerance: float = 1e-8,
+        tolerance: float = 1e-7,
     ):
         if smearing < 1.0:
             raise SceneError(f"gas: smearing = {smearing:g} must be at least 1, the particle itself")
@@ -108,7 +108,9 @@ class Gas:
         self.smearing, self.tolerance = float(smearing), float(tolerance)
         faces = len(grid.face_kind)
         self._base = float(fluid.enthalpy(T))
-        self._names = () if nusselt is None else nusselt.sheet.arguments  # type: ignore[attr-defined]
+        # of a partial function, which carries options, the sheet is that of its function
+        law: Any = getattr(nusselt, "func", nusselt)
+        self._names = () if law is None else law.sheet.arguments
         self._area, self._below = grid.area[grid.face_axis], grid.face_kind == INLET
         self.open_volume = np.where(grid.open_cells, grid.volume, 0.0)
         self.inlet_mass, self.inlet_T = np.zeros(faces), np.full(faces, np.nan)
@@ -214,8 +216,9 @@ class Gas:
         source = (self.mass / self.density - eps * self.open_volume) / dt + self._expansion() * gained
         source -= kernels.divergence(self._area * eps_face * loose, grid.cell_face)
         self.p, iterations, error = kernels.pressure(
-            self.p, conductance, source, grid.cell_face, grid.face_cell, grid.open_cells, self.tolerance, STEPS
-        )
+            self.p, conductance, source, grid.cell_face, grid.face_cell, grid.open_cells, grid.count[2],
+            self.tolerance, STEPS,
+        )  # fmt: skip
         if not error <= self.tolerance:
             raise ConvergenceError(f"gas: pressure found to {error:.2g} after {iterations} iterations, "
                                    f"{self.tolerance:.2g} is wanted; shorten the step")  # fmt: skip

@@ -144,40 +144,56 @@ def momentum(u, mass, eps, rho, mu, weight, size, cell_face, face_cell, face_nex
 
 
 @njit(cache=True)
-def pressure(p, conductance, source, cell_face, face_cell, opened, tolerance, most):
+def pressure(p, conductance, source, cell_face, face_cell, opened, height, tolerance, most):
     """Solve sum over faces of conductance (p - p_beyond) = source, with p = 0 beyond outlets, from the guess `p`.
 
-    Conjugate gradients with the diagonal; returns p, iterations, residual relative to the source.
+    Conjugate gradients; the columns of `height` cells, solved exactly, are the preconditioner. Returns p, iterations,
+    residual relative to the source.
     """
     n = len(cell_face)
-    diagonal = np.zeros(n)
+    pivot, link = np.empty(n), np.zeros(n)
     for c in range(n):
+        diagonal = 0.0
         for side in range(6):
-            diagonal[c] += conductance[cell_face[c, side]]
-        if not opened[c] or diagonal[c] == 0.0:
-            diagonal[c] = 1.0
+            diagonal += conductance[cell_face[c, side]]
+        if not opened[c] or diagonal == 0.0:
+            diagonal = 1.0
+        if c % height > 0:
+            link[c] = conductance[cell_face[c, 4]] / pivot[c - 1]
+            diagonal -= link[c] * conductance[cell_face[c, 4]]
+        pivot[c] = diagonal
     norm = np.sqrt((source * source).sum())
     r = source - _apply(p, conductance, cell_face, face_cell)
-    z = r / diagonal
+    z = _columns(r, pivot, link, height)
     d = z.copy()
     rho = (r * z).sum()
     steps = 0
     error = np.sqrt((r * r).sum())
-    while error > tolerance * norm and steps < most and rho > 0.0:
+    while error > tolerance * norm and steps < most:
         q = _apply(d, conductance, cell_face, face_cell)
-        along = (d * q).sum()
-        if along <= 0.0:
-            break
-        alpha = rho / along
+        alpha = rho / (d * q).sum()
         p = p + alpha * d
         r = r - alpha * q
-        z = r / diagonal
+        z = _columns(r, pivot, link, height)
         new = (r * z).sum()
         d = z + (new / rho) * d
         rho = new
         error = np.sqrt((r * r).sum())
         steps += 1
     return p, steps, error / norm if norm > 0.0 else 0.0
+
+
+@njit(cache=True)
+def _columns(r, pivot, link, height):
+    z = r.copy()
+    for c in range(len(r)):
+        if c % height > 0:
+            z[c] += link[c] * z[c - 1]
+    for c in range(len(r) - 1, -1, -1):
+        z[c] /= pivot[c]
+        if c % height < height - 1:
+            z[c] += link[c + 1] * z[c + 1]
+    return z
 
 
 @njit(cache=True)
