@@ -78,6 +78,14 @@ from contbed.closures.fluidization import (
     nusselt_kunii_levenspiel,
     solids_mixing_kunii_levenspiel,
 )
+from contbed.closures.freeboard import (
+    decay_kunii_levenspiel,
+    ejection_pemberton_davidson,
+    ejection_wen_chen,
+    elutriation_colakyan_levenspiel,
+    elutriation_geldart,
+    terminal_velocity_haider_levenspiel,
+)
 from contbed.closures.nusselt import (
     nusselt_gunn,
     nusselt_kuwahara,
@@ -132,6 +140,7 @@ __all__ = [
     "conductivity_zehner_bauer_schluender",
     "conductivity_zehner_schluender",
     "data_sheet",
+    "decay_kunii_levenspiel",
     "dispersion_pair",
     "dispersion_vdi_axial",
     "dispersion_vdi_transverse",
@@ -140,6 +149,10 @@ __all__ = [
     "drag_di_felice",
     "drag_gidaspow",
     "drag_wen_yu",
+    "ejection_pemberton_davidson",
+    "ejection_wen_chen",
+    "elutriation_colakyan_levenspiel",
+    "elutriation_geldart",
     "emulsion_gas_kunii_levenspiel",
     "emulsion_gas_two_phase",
     "forchheimer_ergun",
@@ -172,6 +185,7 @@ __all__ = [
     "sheet",
     "solid_exchange_agu",
     "solids_mixing_kunii_levenspiel",
+    "terminal_velocity_haider_levenspiel",
     "tortuosity_hsu",
     "usage",
     "wall_li_finlayson",

@@ -19,8 +19,8 @@ _PACKING = frozenset({"d_p", "eps"})
 # of a bubbling bed, at one height
 _BUBBLING = frozenset({
     "Ar", "Pr", "Re", "eps", "eps_mf", "T", "p", "d_p", "D_bed", "sphericity", "rho_gas", "mu", "cp_gas", "k_gas",
-    "molar_mass", "D_gas", "rho_solid", "cp_solid", "k_solid", "u", "u_mf", "u_excess", "u_b", "d_b", "delta", "slip",
-    "f_1", "f_2", "d_1", "d_2", "rho_1", "rho_2", "cp_1", "cp_2", "k_1", "k_2",
+    "molar_mass", "D_gas", "rho_solid", "cp_solid", "k_solid", "u", "u_mf", "u_excess", "u_b", "u_t", "u_gas", "d_b",
+    "delta", "slip", "f_1", "f_2", "d_1", "d_2", "rho_1", "rho_2", "cp_1", "cp_2", "k_1", "k_2",
 })  # fmt: skip
 SUPPLIED = {
     "nusselt": _STREAM,
@@ -30,7 +30,8 @@ SUPPLIED = {
     "tortuosity": frozenset({"k_fluid", "k_solid", "eps"}),
     **dict.fromkeys(
         ("minimum_fluidization", "bubble_size", "bubble_start", "bubble_growth", "bubble_rise", "bubble_fraction",
-         "emulsion_gas", "bubble_heat", "gas_exchange", "solids_mixing", "solid_exchange", "bed_tube"), _BUBBLING
+         "emulsion_gas", "bubble_heat", "gas_exchange", "solids_mixing", "solid_exchange", "bed_tube",
+         "terminal_velocity", "ejection", "decay", "elutriation"), _BUBBLING
     ),
     "permeability": _PACKING,
     "forchheimer": _PACKING,
