@@ -69,8 +69,8 @@ class Bed:
         moving: bool = True,
     ):
         n = len(simulation.position)
-        if (T is None) != (gas.nusselt is None):
-            raise SceneError("gas: temperatures of the particles and a nusselt closure of the gas go together")
+        if (T is None) == gas.energy:
+            raise SceneError("gas: temperatures of the particles and an energy equation of the gas go together")
         self.simulation, self.gas, self.solid, self.moving = simulation, gas, solid, moving
         self.gas_step, self.heat_interval, self.emissivity = float(gas_step), float(heat_interval), float(emissivity)
         self.T = None if T is None else np.array(np.broadcast_to(np.asarray(T, dtype=float), (n,)))
@@ -187,7 +187,7 @@ class Bed:
     def _connect(self) -> None:
         self._next = self.time + self.heat_interval
         solid = self.solid or Solid(0.0)
-        pairs, parts = solid.exchange(self.simulation, self.gas)
+        pairs, parts = solid.exchange(self.simulation, self.gas.around(self.motion))
         self._network = pairs, heat.total(parts)
 
     def _radiation(self, pairs: heat.Pairs) -> Array:
@@ -199,7 +199,7 @@ class Bed:
         i, j = pairs.i[near], pairs.j[near]
         count = np.bincount(i, minlength=n) + np.bincount(j, minlength=n)
         total = np.bincount(i, self.T[j], n) + np.bincount(j, self.T[i], n)
-        around = self.gas.around(self.simulation.position, self.simulation.radius)
-        seen = np.where(count > 0, total / np.maximum(count, 1), around["T"])
-        local = around["eps"] * around["T"] + (1.0 - around["eps"]) * seen
+        around = self.gas.around(self.motion)
+        seen = np.where(count > 0, total / np.maximum(count, 1), around.T)
+        local = around.eps * around.T + (1.0 - around.eps) * seen
         return heat.radiation(self.T, local, d_p, self.emissivity)[0]

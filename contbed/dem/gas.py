@@ -60,13 +60,14 @@ class Motion:
 
 @dataclass
 class Local:
-    """The gas around each particle (n,): porosity, superficial Reynolds number of the slip, Pr, mu, k [SI]."""
+    """The gas around each particle (n,): porosity, superficial Reynolds number of the slip, Pr, mu, k, T [SI]."""
 
     eps: Array
     Re: Array
     Pr: Array
     mu: Array
     k: Array
+    T: Array
 
 
 class Gas:
@@ -77,15 +78,16 @@ class Gas:
     grid : cells
     fluid : from `contbed.materials`
     drag : a closure of kind "drag", called with Re, eps, d_p, mu
-    nusselt : a closure of kind "nusselt", called with the arguments it names, or None: no energy equation
+    nusselt : a closure of kind "nusselt", called with the arguments it names; None: no energy equation
     T : initial temperature [K]
+    isothermal : no energy equation in spite of `nusselt`, which then only gives coefficients
     gravity [m/s2] (3,)
     no_slip : sides stick
     smearing : radius over which the volume of a particle is spread, over its own; at least 1
     tolerance : residual of the pressure equation over its right-hand side
 
     Attributes: intrinsic and superficial velocity `u`, `q` (f,) [m/s]; `p` [Pa], `T` [K], `eps`, `mass` [kg] and `heat`
-    [J] of the cells; `given` (f,) force on the particles [N]; `h` [W/m2/K] of the particles; `sums` of mass and heat
+    [J] of the cells; `given` (f,) force on the particles [N]; `sums` of mass and heat
     that entered and left and heat gained from the particles; `counts` of steps, iterations, porosities below LEAST.
     """
 
@@ -96,6 +98,7 @@ class Gas:
         drag: Callable[..., Any],
         nusselt: Callable[..., Any] | None = None,
         T: float = 300.0,
+        isothermal: bool = False,
         gravity: Any = (0.0, 0.0, -9.81),
         no_slip: bool = False,
         smearing: float = 1.0,
@@ -104,13 +107,15 @@ class Gas:
         if smearing < 1.0:
             raise SceneError(f"gas: smearing = {smearing:g} must be at least 1, the particle itself")
         self.grid, self.fluid, self.drag, self.nusselt = grid, fluid, drag, nusselt
+        self.energy = nusselt is not None and not isothermal
         self.gravity, self.no_slip = np.array(gravity, dtype=float), bool(no_slip)
         self.smearing, self.tolerance = float(smearing), float(tolerance)
         faces = len(grid.face_kind)
         self._base = float(fluid.enthalpy(T))
         # of a partial function, which carries options, the sheet is that of its function
         law: Any = getattr(nusselt, "func", nusselt)
-        self._names = () if law is None else law.sheet.arguments
+        known = set(Local.__dataclass_fields__)
+        self._names = () if law is None else tuple(name for name in law.sheet.arguments if name in known)
         self._area, self._below = grid.area[grid.face_axis], grid.face_kind == INLET
         self.open_volume = np.where(grid.open_cells, grid.volume, 0.0)
         self.inlet_mass, self.inlet_T = np.zeros(faces), np.full(faces, np.nan)
@@ -197,8 +202,7 @@ class Gas:
         self.u[self._below] = (self.inlet_mass / (rho * eps_face))[self._below]
         self.q = eps_face * self.u
         carried = eps_at[:, None] * bed.v
-        slip = np.linalg.norm(kernels.gather_faces(faces, weight, self.q) - carried, axis=1)
-        local = self._local(where, share, eps_at, slip, d_p)
+        local = self._local(where, share, eps_at, kernels.gather_faces(faces, weight, self.q) - carried, d_p)
         beta = self.drag(Re=local.Re, eps=local.eps, d_p=d_p, mu=local.mu)
         drag = np.repeat((beta * volume / ((1.0 - eps_at) * eps_at))[:, None], 3, 1)
         resisted = kernels.scatter_faces(faces, weight, drag, len(self.u))
@@ -232,11 +236,12 @@ class Gas:
         force = drag * (kernels.gather_faces(faces, weight, self.q) - carried)
         return force - volume[:, None] * kernels.gather_faces(faces, weight, slope), received
 
-    def around(self, x: Array, radius: Array) -> dict[str, Array]:
-        """Porosity `eps`, temperature `T` [K] and conductivity `k` [W/m/K] of the gas at each particle, (n,)."""
-        where, share = self.grid.shares(x, self.smearing * radius)
-        cells = {"eps": self.eps, "T": self.T, "k": self._on_cells(self.fluid.conductivity)}
-        return {name: kernels.gather(where, share, values) for name, values in cells.items()}
+    def around(self, bed: Motion) -> Local:
+        """The gas at each particle."""
+        where, share = self.grid.shares(bed.x, self.smearing * bed.radius)
+        eps = kernels.gather(where, share, self.eps)
+        slip = kernels.gather_faces(*self.grid.weights(bed.x), self.q) - eps[:, None] * bed.v
+        return self._local(where, share, eps, slip, 2.0 * bed.radius)
 
     def state(self) -> dict[str, Array]:
         """All that a step depends on, as arrays for a checkpoint."""
@@ -270,12 +275,15 @@ class Gas:
         return np.where(low, LEAST, eps)
 
     def _local(self, where: Any, share: Array, eps: Array, slip: Array, d_p: Array) -> Local:
-        def at(values: Array) -> Any:
-            return values[0] if self.fluid.constant else kernels.gather(where, share, values)
+        def at(of: Callable[[Array], Any]) -> Any:
+            if self.fluid.constant:
+                return np.full(len(eps), of(self.T))
+            return kernels.gather(where, share, self._on_cells(of))
 
-        rho, mu, k, c = (at(self._on_cells(of)) for of in (
-            self.fluid.density, self.fluid.viscosity, self.fluid.conductivity, self.fluid.heat_capacity))  # fmt: skip
-        return Local(eps, rho * slip * d_p / mu, mu * c / k + 0.0 * eps, mu + 0.0 * eps, k + 0.0 * eps)
+        fluid, speed = self.fluid, np.linalg.norm(slip, axis=1)
+        mu, k = at(fluid.viscosity), at(fluid.conductivity)
+        T = kernels.gather(where, share, self.T)
+        return Local(eps, at(fluid.density) * speed * d_p / mu, mu * at(fluid.heat_capacity) / k, mu, k, T)
 
     def convection(self, local: Local, d_p: Array) -> Array:
         """Heat transfer coefficient of every particle [W/m2/K]."""
@@ -287,7 +295,7 @@ class Gas:
         self, dt: float, bed: Motion, where: Any, share: Array, local: Local, eps_face: Array
     ) -> tuple[Array, Array]:
         """Heat that cells gain from particles and neighbours [W], and that particles receive; implicit in the gas."""
-        if self.nusselt is None:
+        if not self.energy:
             return np.zeros(self.grid.cells), np.zeros(len(bed.x))
         assert bed.T is not None
         grid, c = self.grid, self._on_cells(self.fluid.heat_capacity)
@@ -301,7 +309,6 @@ class Gas:
         T = (held * self.T - c * carried + conducted + from_bed) / (held + own)
         given = np.where(grid.open_cells, from_bed - own * T, 0.0)
         self.sums["gained"] += dt * float(given.sum())
-        self.h = exchange / (4.0 * np.pi * bed.radius**2)
         return given + conducted, exchange * (kernels.gather(where, share, T) - bed.T)
 
     def _conduction(self, eps_face: Array) -> Array:
@@ -320,7 +327,7 @@ class Gas:
         mass = self._density_at(upwind) * self.q * self._area
         self._count(dt, "mass", mass)
         self.mass = self.mass - dt * kernels.divergence(mass, grid.cell_face)
-        if self.nusselt is None:
+        if not self.energy:
             return
         heat = mass * (self.fluid.enthalpy(upwind) - self._base)
         self._count(dt, "heat", heat)

@@ -9,7 +9,7 @@ by Eqs. 8-9 at small differences of temperature. All of it is corrected for part
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,13 @@ from contbed.dem.heat_pair import IMPACT, STATIC, correction
 from contbed.dem.particles import E_EFF, pair_table
 from contbed.dem.simulation import Simulation
 
+if TYPE_CHECKING:
+    from contbed.dem.coupling import Bed
+    from contbed.dem.gas import Local
+
 Array = NDArray[np.float64]
+
+MECHANISMS = ("convection", "contact", "impact", "fluid_touching", "fluid_apart", "radiation")
 
 
 @dataclass(frozen=True)
@@ -39,21 +45,20 @@ class Solid:
     modulus: float | None = None
     exponents: tuple[float, float] = (STATIC, IMPACT)
 
-    def exchange(self, simulation: Simulation, gas: Any) -> tuple[heat.Pairs, dict[str, Array]]:
+    def exchange(self, simulation: Simulation, around: Local) -> tuple[heat.Pairs, dict[str, Array]]:
         """Pairs of particles within 1.5 diameters and their conductances [W/K].
 
         Mechanisms: `contact` and `impact` through closed contacts, `fluid_touching`, `fluid_apart` through the gas.
         """
         x, radius = simulation.position, simulation.radius
         equal = np.ptp(radius) == 0.0
-        around = gas.around(x, radius)
         box = tuple(np.array(corner, dtype=float) for corner in (simulation.domain.lower, simulation.domain.upper))
         pairs = heat.near_pairs(x, heat.VIEW * 2.0 * float(radius.max()), box, simulation.domain.periodic)  # type: ignore[arg-type]
         if self.conductivity == 0.0:
             return pairs, {}
         soft = simulation.materials[0].youngs_modulus
         static, hit = (correction(soft, self.modulus or soft, exponent) for exponent in self.exponents)
-        how = heat.Conduction(self.conductivity, float(around["k"].mean()), around["eps"], float(static))
+        how = heat.Conduction(self.conductivity, float(around.k.mean()), around.eps, float(static))
         parts = heat.conductances(pairs, radius[0] if equal else radius, how)
         return pairs, self._impacts(simulation, pairs, parts, float(hit))
 
@@ -87,3 +92,57 @@ class Solid:
         contact, hit = parts["contact"].copy(), parts["impact"]
         hit[where[same]], contact[where[same]] = G[hits][same], 0.0
         return parts | {"contact": contact}
+
+
+def coefficients(bed: Bed, solid: Solid, emissivity: float = 0.0, T: float = 300.0) -> dict[str, Array]:
+    """Coefficient of every particle by mechanism [W/m2/K], (n,), as the bed is now; `T` [K] is that of radiation."""
+    simulation, around = bed.simulation, bed.gas.around(bed.motion)
+    n, d_p = len(simulation.position), 2.0 * simulation.radius
+    pairs, parts = solid.exchange(simulation, around)
+    if emissivity > 0.0:
+        parts["radiation"] = heat.radiation_conductance(pairs, n, T, float(d_p.mean()), emissivity, around.eps)
+    area = np.pi * d_p**2
+    found = {
+        name: (np.bincount(pairs.i, part, n) + np.bincount(pairs.j, part, n)) / area for name, part in parts.items()
+    }
+    return {"convection": bed.gas.convection(around, d_p)} | found
+
+
+class Average:
+    """Time average of the coefficients of every particle: call it with a bed at even intervals.
+
+    `mean` maps mechanisms to (n,) [W/m2/K], `coordination` is the mean number of touching neighbours, `series` holds
+    bed averages at each call; `Re`, `eps` are those at the particles (n,), averaged.
+    """
+
+    def __init__(self, solid: Solid, emissivity: float = 0.0, T: float = 300.0):
+        self.solid, self.emissivity, self.T = solid, emissivity, T
+        self.mean: dict[str, Array] = {}
+        self.count, self.coordination = 0, 0.0
+        self.Re: Array = np.zeros(0)
+        self.eps: Array = np.zeros(0)
+        self.Pr = 0.0
+        self.series: dict[str, list[float]] = {}
+
+    def __call__(self, bed: Bed) -> None:
+        found = coefficients(bed, self.solid, self.emissivity, self.T)
+        around, z = bed.gas.around(bed.motion), 2.0 * len(bed.simulation.contacts()) / len(bed.simulation.position)
+        old = self.count / (self.count + 1.0)
+        self.count += 1
+        new = 1.0 - old
+        for name, h in found.items():
+            self.mean[name] = old * self.mean[name] + new * h if name in self.mean else h
+            self.series.setdefault(name, []).append(float(h.mean()))
+        self.coordination = old * self.coordination + new * z
+        self.Re, self.eps = (new * now + (old * past if len(past) else 0.0)
+                             for past, now in ((self.Re, around.Re), (self.eps, around.eps)))  # fmt: skip
+        self.Pr = old * self.Pr + new * float(around.Pr.mean())
+
+    @property
+    def total(self) -> Array:
+        """Sum of the mechanisms for every particle [W/m2/K]."""
+        return heat.total(self.mean)
+
+    def bed_means(self) -> dict[str, float]:
+        """Averages over all particles by mechanism [W/m2/K]."""
+        return {name: float(h.mean()) for name, h in self.mean.items()}
