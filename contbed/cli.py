@@ -6,13 +6,15 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 from typer import Argument, Option
 
 from contbed import __version__
 from contbed.errors import ContbedError, SceneError
+
+RANK = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")  # number of a process, set by what started it
 
 app = typer.Typer(
     name="contbed",
@@ -78,14 +80,17 @@ def run(
     quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
     restart: Annotated[Path | None, Option("--restart", metavar="DIR", help="continue from its checkpoint")] = None,
     settings: Settings = None,
+    engine: Annotated[
+        Literal["skfem", "dolfinx"], Option("--engine", help="dolfinx: PETSc, also under mpirun")
+    ] = "skfem",
 ) -> None:
     """Solve a scene and write its results to DIR; if not given, to that of the restart, else to results/SCENE."""
     loaded = _load(scene, settings)
     from contbed.runner import run as solve
 
     folder = out or restart or Path("results") / scene.stem
-    result = solve(loaded, out=folder, quiet=quiet, restart=restart)
-    if not quiet:
+    result = solve(loaded, out=folder, quiet=quiet, restart=restart, engine=engine)
+    if not quiet and result is not None:
         print(result.table())
         print(f"results are in {folder}")
 
@@ -154,21 +159,31 @@ def bench(study: Annotated[Path, Argument(metavar="STUDY", help="a study's folde
 
 @app.command()
 def sweep(
-    study: Annotated[Path, Argument(metavar="STUDY", help="a TOML file with a scene and lists of values")],
-    jobs: Annotated[int, Option("--jobs", metavar="N", help="processes; -1 for all processors")] = 1,
+    study: Annotated[Path, Argument(metavar="STUDY", help="a TOML file with a scene and values of its keys")],
+    jobs: Annotated[int, Option("--jobs", metavar="N", help="processes; -1 for one a core")] = -1,
     out: OutFolder = None,
+    scheduler: Annotated[
+        str | None, Option("--scheduler", metavar="tcp://HOST:PORT", help="compute on this dask cluster")
+    ] = None,
+    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
     quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
 ) -> None:
-    """Run every combination of a study's values. Finished runs are kept, failed ones are tried again."""
-    from contbed.sweeping import sweep as run_all
-
-    if jobs == 0:
+    """Run every scene of a study that has not been run, then write a table and plots."""
+    if jobs == 0 or jobs < -1:
         raise typer.BadParameter("a number of processes, or -1", param_hint="--jobs")
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ[name] = "1"  # also where this process computes, so that all get the same to the last digit
+    from contbed.sweep.sweep import sweep as run_all
+
     folder = out or Path("results") / study.stem
-    rows = run_all(study, jobs, folder, progress=not quiet)
-    failed = sum(bool(row.problem) for row in rows)
-    print(f"{len(rows) - failed} of {len(rows)} runs are finished, see {folder / 'sweep.csv'}")
-    if failed:
+    done = run_all(study, folder, jobs, scheduler, retry_failed, quiet)
+    for text in done.warnings:
+        _complain(f"warning: {text}")
+    for text in done.failures():
+        _complain(text)
+    finished = len(done.rows) - len(done.failed)
+    print(f"{finished} of {len(done.rows)} runs are finished, {done.before} were before; see {folder / 'table.csv'}")
+    if done.failed:
         raise typer.Exit(3)
 
 
@@ -192,4 +207,6 @@ def _assignment(text: str) -> tuple[str, Any]:
 
 
 def _complain(text: str) -> None:
-    print(text, file=sys.stderr)
+    """A message on stderr; of the processes that mpirun started the first speaks for all."""
+    if not any(os.environ.get(name, "0").strip("0") for name in RANK):
+        print(text, file=sys.stderr)

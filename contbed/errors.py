@@ -42,3 +42,9 @@ class BalanceError(ContbedError):
     """A conserved quantity does not close to the tolerance that the scene asks for."""
 
     exit_code = 5
+
+
+class EngineError(ContbedError):
+    """The engine that is asked for is missing, cannot solve the scene, or lost one of its processes."""
+
+    exit_code = 2

@@ -79,6 +79,10 @@ class Plan:
     @property
     def policy(self) -> Policy:
         """How linear systems are solved."""
+        if self.mesh.engine == "dolfinx":
+            from contbed.engine.petsc import PetscPolicy
+
+            return PetscPolicy(self.mesh.skfem.dim(), self.scene.solver.memory_GB)
         return Policy(self.mesh.skfem.dim(), self.scene.solver.memory_GB)
 
     def unknowns(self) -> dict[str, int]:

@@ -27,7 +27,11 @@ OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is 
 
 
 def run(
-    scene: s.Scene, out: str | Path | None = None, quiet: bool = True, restart: str | Path | None = None
+    scene: s.Scene,
+    out: str | Path | None = None,
+    quiet: bool = True,
+    restart: str | Path | None = None,
+    engine: str = "skfem",
 ) -> Result:
     """Solve a scene.
 
@@ -37,14 +41,29 @@ def run(
     out : folder for the results; nothing is written, plotted or imported for it if None
     quiet : no progress bar
     restart : folder of an earlier run of the same scene whose checkpoint is continued
+    engine : "skfem", or "dolfinx" for PETSc under MPI; then only the first rank returns a result, others None
 
     Raises
     ------
     SceneError, ConvergenceError, ClosureRangeError, BalanceError : after what was found has been written to `out`
     """
+    if engine != "skfem":
+        from contbed.engine.ranks import lead
+
+        return lead(lambda: _run(scene, out, quiet, restart, engine))
+    return _run(scene, out, quiet, restart, engine)
+
+
+def _run(
+    scene: s.Scene, out: str | Path | None, quiet: bool, restart: str | Path | None, engine: str
+) -> Result:
     start = clock.perf_counter()
     folder = Path(out) if out is not None else Path(restart) if restart is not None else None
     plan: Any = make_plan(scene)
+    if engine != "skfem":
+        from contbed.engine.dolfinx import adopted
+
+        plan = adopted(plan)
     result = Result(plan)
     result.timings["plan"] = clock.perf_counter() - start
     checkpoint = None if restart is None else _checkpoint(scene, plan, Path(restart))

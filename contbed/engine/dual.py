@@ -66,9 +66,9 @@ class Dual(NDArrayOperatorsMixin):
         self.value = value
         self.tangents = tangents
 
-    def chain(self, value: Array, derivative: Array) -> Dual:
-        """The function with this value and derivative at `self.value`; tables enter a form here."""
-        return Dual(value, _combine([(self.tangents, derivative)]))
+    def apply(self, f: Callable[[Array], Array], derivative: Callable[[Array], Array]) -> Dual:
+        """A function given by its value and its derivative; tables enter a form here."""
+        return Dual(f(self.value), _combine([(self.tangents, derivative(self.value))]))
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
         if method != "__call__" or kwargs or any(isinstance(item, Linear | Components) for item in inputs):

@@ -14,11 +14,11 @@ from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
-import basix.ufl
 import numpy as np
 import ufl
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
+from contbed.engine.dolfinx_versions import lagrange, mixed
 from contbed.engine.dual import Components
 from contbed.engine.skfem import Ops
 
@@ -121,11 +121,6 @@ class UflOps(Ops):
         return Pointwise(self._low[field.expression])
 
 
-def _element(cell: str, degree: int, ncomponents: int) -> Any:
-    shape = (ncomponents,) if ncomponents else None
-    return basix.ufl.element("Lagrange", cell, degree, lagrange_variant=basix.LagrangeVariant.equispaced, shape=shape)
-
-
 class UflSystem:
     """Named unknowns on one cell type, the counterpart of `engine.skfem.System`.
 
@@ -136,9 +131,9 @@ class UflSystem:
     def __init__(self, cell: str, fields: Mapping[str, tuple[int, int]], axisymmetric: bool = False):
         self.cell, self.fields = cell, fields
         dim = ufl.Cell(cell).topological_dimension
-        self.mesh = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(dim,)))
-        self.element = basix.ufl.mixed_element([_element(cell, *field) for field in fields.values()])
-        self.element_low = basix.ufl.mixed_element([_element(cell, 1, n) for _, n in fields.values()])
+        self.mesh = ufl.Mesh(lagrange(cell, 1, dim))
+        self.element = mixed([lagrange(cell, *field) for field in fields.values()])
+        self.element_low = mixed([lagrange(cell, 1, n) for _, n in fields.values()])
         space = ufl.FunctionSpace(self.mesh, self.element)
         self.state = ufl.Coefficient(space)
         self.state_low = ufl.Coefficient(ufl.FunctionSpace(self.mesh, self.element_low))
@@ -155,7 +150,7 @@ class UflSystem:
 
     def known(self, degree: int, ncomponents: int) -> tuple[ufl.Coefficient, Any]:
         """A known finite-element field: the UFL coefficient, and what a form sees of it."""
-        coefficient = ufl.Coefficient(ufl.FunctionSpace(self.mesh, _element(self.cell, degree, ncomponents)))
+        coefficient = ufl.Coefficient(ufl.FunctionSpace(self.mesh, lagrange(self.cell, degree, ncomponents)))
         if ncomponents:
             return coefficient, _components(coefficient, 0, ncomponents)
         return coefficient, Pointwise(coefficient)

@@ -12,13 +12,12 @@ def pointwise(f: Callable[[Any], Any], df: Callable[[Any], Any], T: Any) -> Any:
     Parameters
     ----------
     f, df : functions of a plain array: the value and its derivative with respect to T
-    T : number, array, or a dual number with `value` (array) and `chain(value, derivative)`, which returns the dual
-        number of that value whose tangents are derivative * dT
+    T : number, array, or a value of a form, whose `apply(f, df)` returns the value of the function with its derivative
 
     Returns
     -------
     f(T), of the kind of T
     """
-    if hasattr(T, "chain"):
-        return T.chain(f(T.value), df(T.value))
+    if hasattr(T, "apply"):
+        return T.apply(f, df)
     return f(T)

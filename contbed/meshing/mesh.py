@@ -30,11 +30,13 @@ class Mesh:
     skfem : mesh with `boundaries` (exterior facets by name) and `subdomains` (cells by region)
     axisymmetric : coordinates are (r, z) with r >= 0
     axis : index of the bed axis coordinate
+    engine : what assembles and solves on it, one of `contbed.engine.ENGINES`
     """
 
     skfem: skfem.Mesh
     axisymmetric: bool = False
     axis: int = 0
+    engine: str = "skfem"
 
     @property
     def boundaries(self) -> tuple[str, ...]:

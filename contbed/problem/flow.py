@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.engine import system as make_system
 from contbed.engine.dual import Components
 from contbed.engine.skfem import System
 from contbed.errors import SceneError
@@ -63,9 +64,8 @@ def solve_flow(
     Inlet nodes keep the inlet velocity also where a no-slip wall begins, so that the volume flow is the prescribed one.
     """
     dim = mesh.skfem.dim()
-    measure = {"axisymmetric": mesh.axisymmetric}
     kink = c.forchheimer > 0 and any(c.velocity_solid.items)  # of the drag where the fluid moves with the bed
-    system = System(mesh.skfem, {"u": (2, dim), "p": (1, 0)}, 9 if kink else 5, **measure)
+    system = make_system(mesh, {"u": (2, dim), "p": (1, 0)}, 9 if kink else 5)
     state = np.zeros(system.size)
     system.part(state, "u")[:] = np.asarray(inlet, dtype=float)[:, None]
     fixed: list[Any] = []

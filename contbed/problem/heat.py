@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from contbed.engine import system as make_system
 from contbed.engine.domain import Domain
-from contbed.engine.skfem import Ops, System
+from contbed.engine.skfem import Ops
 from contbed.errors import ConvergenceError
 from contbed.meshing.mesh import Mesh
 from contbed.models import two_energy
@@ -39,7 +40,7 @@ class HeatProblem:
         self.radiation = _coupling(scene)
         names = two_energy.FIELDS if self.radiation is None else (*two_energy.FIELDS, *self.radiation.fields)
         fields = dict.fromkeys(names, (degree, 0))
-        self.system = System(mesh.skfem, fields, order, axisymmetric=mesh.axisymmetric, section=section)
+        self.system = make_system(mesh, fields, order, section)
         self.linear = medium.constant
         self.T_span = self._span()
         self.weights = self._weights()

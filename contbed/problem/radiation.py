@@ -9,6 +9,7 @@ import numpy as np
 
 from contbed.closures import optics as closures
 from contbed.closures.sizes import SizeDistribution
+from contbed.engine import system as make_system
 from contbed.engine.skfem import System
 from contbed.meshing.mesh import Mesh
 from contbed.models import radiation
@@ -205,8 +206,7 @@ class RadiationProblem:
         self.equilibrium = not self.conductivity and not self.optics.passive
         degree = scene.solver.degree
         fields = {"G": (degree, 0)} | ({"T_solid": (degree, 0)} if self.conductivity else {})
-        measure = {"axisymmetric": mesh.axisymmetric, "section": section}
-        self.system = System(mesh.skfem, fields, 2 * degree + (4 if self.conductivity else 1), **measure)
+        self.system = make_system(mesh, fields, 2 * degree + (4 if self.conductivity else 1), section)
         active = {"T_solid": self.optics.active} if self.conductivity else {}
         c = radiation.Coefficients(active, self.optics.diffusion, self.optics.emission, self.optics.passive)
         self.surfaces = surfaces(scene, mesh, self.system)

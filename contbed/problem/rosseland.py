@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from contbed.closures.optics import conductivity, error_rosseland
-from contbed.engine.skfem import System
+from contbed.engine import system as make_system
 from contbed.meshing.mesh import Mesh
 from contbed.models import radiation
 from contbed.problem.radiation import RadiationProblem, optics, surfaces
@@ -73,8 +73,7 @@ class RosselandProblem(RadiationProblem):
         self.scene, self.mesh, self.optics = scene, mesh, optics(scene)
         self.conductivity = table.conductivity or 0.0
         degree = scene.solver.degree
-        measure = {"axisymmetric": mesh.axisymmetric, "section": section}
-        self.system = System(mesh.skfem, {"T_solid": (degree, 0)}, 2 * degree + 3, **measure)
+        self.system = make_system(mesh, {"T_solid": (degree, 0)}, 2 * degree + 3, section)
         self.surfaces = surfaces(scene, mesh, self.system)
         self.forms = [(self._conduction, self.system.cells, None)]
         self.fixed, self.fixed_values, self.fixed_owner = self._fixed()

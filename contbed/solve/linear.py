@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ NEARBY = 12  # iterations that cost about as much as a factorisation
 PIVOT = 1e-3  # diagonal entries down to this share of the column are kept as pivots, which keeps the ordering
 ROUNDING = 1e-14  # share of its terms down to which a residual can be computed
 SINGULAR = 1e11  # terms over right-hand side beyond which the matrix counts as singular
+RTOL = "rtol" if "rtol" in signature(spla.gmres).parameters else "tol"  # its name before SciPy 1.12
 RESIDUAL = 1e-9  # a solve with a larger relative residual is repeated with full pivoting
 
 
@@ -75,15 +77,20 @@ class Solver:
     def __init__(self, matrix: sp.csc_matrix, policy: Policy):
         self.matrix, self.policy = matrix, policy
         policy.check_memory(matrix.shape[0])
+        self._apply: Callable[[Any], Any]
+        if not sp.issparse(matrix):  # of an engine that solves by itself
+            self._apply = matrix.inverse(policy)
+            return
         if not np.isfinite(matrix.data).all():
             raise ConvergenceError("the matrix holds values that are not finite: check closures and initial values")
-        self._apply: Callable[[Any], Any]
         if policy.direct(matrix.shape[0]):
             self._apply = _factor(matrix, policy.order) or self._pivoted()
         else:
             self._apply = _krylov(matrix)
 
     def _pivoted(self) -> Callable[[Any], Any]:
+        if not sp.issparse(self.matrix):  # has pivoted as far as it can
+            return self._apply
         apply = _factor(self.matrix, None, pivoting=True)
         if apply is None:
             raise ConvergenceError("the linear system is singular: is a temperature or the pressure fixed anywhere?")
@@ -97,7 +104,7 @@ class Solver:
         if not self.policy.direct(len(rhs)):
             return None
         product = spla.LinearOperator(matrix.shape, lambda y: matrix @ self._apply(y), dtype=float)
-        y, failed = spla.gmres(product, rhs, rtol=tolerance, atol=0.0, restart=NEARBY, maxiter=1)
+        y, failed = _gmres(product, rhs, tolerance, restart=NEARBY, maxiter=1)
         return None if failed else self._apply(y)
 
     def _is_rounding(self, residual: Any, x: Any, scale: float) -> bool:
@@ -155,12 +162,17 @@ def _factor(matrix: sp.csc_matrix, order: Any, pivoting: bool = False) -> Callab
     return lambda rhs: scale * factors.solve((scale * rhs)[order])[back]
 
 
+def _gmres(matrix: Any, rhs: Any, tolerance: float, **options: Any) -> tuple[Any, int]:
+    """GMRES to a relative residual."""
+    return spla.gmres(matrix, rhs, atol=0.0, **{RTOL: tolerance}, **options)
+
+
 def _krylov(matrix: sp.csc_matrix) -> Callable[[Any], Any]:
     incomplete = spla.spilu(matrix, drop_tol=1e-4, fill_factor=20, permc_spec="MMD_AT_PLUS_A")
     preconditioner = spla.LinearOperator(matrix.shape, incomplete.solve)
 
     def apply(rhs: Any) -> Any:
-        x, _ = spla.gmres(matrix, rhs, rtol=1e-13, restart=80, maxiter=10, M=preconditioner)
+        x, _ = _gmres(matrix, rhs, 1e-13, restart=80, maxiter=10, M=preconditioner)
         return x
 
     return apply
@@ -168,6 +180,8 @@ def _krylov(matrix: sp.csc_matrix) -> Callable[[Any], Any]:
 
 def constrain(matrix: sp.csc_matrix, fixed: Any) -> sp.csc_matrix:
     """The matrix with the rows and columns of fixed unknowns replaced by the identity."""
+    if not sp.issparse(matrix):
+        return matrix.constrained(fixed)
     free = np.ones(matrix.shape[0])
     free[fixed] = 0.0
     columns = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))

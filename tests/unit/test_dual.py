@@ -106,7 +106,7 @@ def test_comparisons_are_plain() -> None:
 
 
 def test_table_enters_by_value_and_derivative() -> None:
-    result = Dual(np.array([2.0]), {"T": 3.0}).chain(np.array([7.0]), np.array([0.5]))
+    result = Dual(np.array([2.0]), {"T": 3.0}).apply(lambda T: 3.5 * T, lambda T: 0.25 * T)
     assert result.value.tolist() == [7.0]
     assert result.tangents["T"].tolist() == [1.5]
 

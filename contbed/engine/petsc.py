@@ -1,0 +1,242 @@
+"""Distributed matrices, and their inverses by policy: MUMPS where its factors fit, else multigrid.
+
+At the leader a `Matrix` is a number that all ranks know; it offers what Newton's method, time steps and
+`solve.linear.Solver` do with a matrix of SciPy. Vectors come and go whole, in the leader's numbering.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contbed.engine.ranks import Crew
+from contbed.errors import ConvergenceError
+from contbed.solve.linear import Policy
+
+DIRECT_3D = 120_000
+KRYLOV = 1e-11  # relative residual of an iterative solution
+
+
+class PetscPolicy(Policy):
+    """How PETSc solves; memory is that of all ranks."""
+
+    def direct(self, size: int) -> bool:
+        """Whether systems of this size are factored by MUMPS."""
+        return self.dimension < 3 or size <= DIRECT_3D
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Where unknowns are: `order` names those of each rank in turn, `counts` of them; `size` in all."""
+
+    order: Any
+    counts: Any
+    size: int
+
+    @staticmethod
+    def spread(all_ranks: Crew, layout: Layout | None, values: Any) -> Any:
+        """This rank's share of the leader's vector."""
+        if layout is None:
+            return all_ranks.scatter(None, None, 1, float)[:, 0]
+        return all_ranks.scatter(values[layout.order], layout.counts, 1, float)[:, 0]
+
+    def collected(self, parts: Any) -> Any:
+        """The vector whose shares were gathered."""
+        out = np.empty(self.size)
+        out[self.order] = parts
+        return out
+
+    def places(self) -> Any:
+        """PETSc's number of each unknown."""
+        out = np.empty(self.size, dtype=np.int32)
+        out[self.order] = np.arange(self.size, dtype=np.int32)
+        return out
+
+    def entries(self, matrix: Any) -> tuple[Any, Any, Any, Any]:
+        """Entries of a SciPy matrix in PETSc's numbers: row starts, columns, values, and the rows that have any."""
+        rows = matrix.tocsr()
+        places, filled = self.places(), np.flatnonzero(np.diff(rows.indptr))
+        starts = np.append(0, np.cumsum(np.diff(rows.indptr)[filled])).astype(np.int32)
+        return starts, places[rows.indices], rows.data, places[filled]
+
+
+@dataclass(eq=False)
+class Piece:
+    """This rank's piece of a matrix over the unknowns of a system."""
+
+    A: Any
+    unknowns: Any
+
+    def destroy(self) -> None:
+        """Free it."""
+        self.A.destroy()
+
+
+class Matrix:
+    """A distributed matrix, at the leader."""
+
+    __array_ufunc__ = None  # numbers of NumPy leave products to us
+
+    def __init__(self, all_ranks: Crew, key: int, layout: Layout):
+        self.crew, self.key, self.layout = all_ranks, key, layout
+        self.shape = (layout.size, layout.size)
+
+    def __del__(self) -> None:
+        self.crew.dropped.append(self.key)
+
+    def _made(self, function: Callable[..., None], *arguments: Any, root: Any = None) -> Matrix:
+        key = self.crew.new()
+        self.crew.together(function, key, self.key, *arguments, root=root)
+        return Matrix(self.crew, key, self.layout)
+
+    def __matmul__(self, x: Any) -> Any:
+        return self.layout.collected(self.crew.together(multiply, self.key, False, root=(self.layout, x)))
+
+    def __abs__(self) -> Any:
+        return _Absolute(self)
+
+    def __mul__(self, factor: float) -> Matrix:
+        return self._made(combine, None, float(factor))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: float) -> Matrix:
+        return self * (1.0 / divisor)
+
+    def __add__(self, other: Matrix) -> Matrix:
+        return self._made(combine, other.key, 1.0)
+
+    def scaled_columns(self, factors: Any) -> Matrix:
+        """The matrix with each column times a factor."""
+        return self._made(scale_columns, root=(self.layout, factors))
+
+    def constrained(self, fixed: Any) -> Matrix:
+        """The matrix with the rows and columns of fixed unknowns replaced by the identity."""
+        return self._made(constrain, root=self.layout.places()[fixed])
+
+    def inverse(self, policy: Policy) -> Callable[[Any], Any]:
+        """Solutions for right-hand sides."""
+        return _Inverse(self, policy)
+
+
+class _Absolute:
+    """The matrix of absolute values, for products only."""
+
+    def __init__(self, matrix: Matrix):
+        self.matrix = matrix
+
+    def __matmul__(self, x: Any) -> Any:
+        m = self.matrix
+        return m.layout.collected(m.crew.together(multiply, m.key, True, root=(m.layout, x)))
+
+
+class _Inverse:
+    """Factors or a preconditioner with a Krylov method, at the leader."""
+
+    def __init__(self, matrix: Matrix, policy: Policy):
+        self.matrix, self.crew, self.key = matrix, matrix.crew, matrix.crew.new()
+        self.direct = policy.direct(matrix.layout.size)
+        self.iterations: list[int] = []
+        self.crew.together(prepare, self.key, matrix.key, self.direct)
+
+    def __del__(self) -> None:
+        self.crew.dropped.append(self.key)
+
+    def __call__(self, rhs: Any) -> Any:
+        """The solution; raises ConvergenceError where PETSc gives up."""
+        layout = self.matrix.layout
+        parts, reason, iterations = self.crew.together(apply, self.key, root=(layout, rhs))
+        self.iterations.append(iterations)
+        if reason < 0:
+            how = "the factorisation failed: is a temperature or the pressure fixed anywhere?" if self.direct else (
+                f"no convergence in {iterations} iterations")  # fmt: skip
+            raise ConvergenceError(f"linear solver of PETSc, reason {reason}: {how}")
+        return layout.collected(parts)
+
+
+# What follows runs on all ranks.
+
+
+def multiply(all_ranks: Crew, root: Any, key: int, absolute: bool) -> Any:
+    """Product with a vector."""
+    A = all_ranks.things[key].A
+    layout, x = root or (None, None)
+    right, left = A.createVecs()
+    right.array[:] = Layout.spread(all_ranks, layout, x)
+    if absolute:
+        from petsc4py import PETSc
+
+        starts, columns, values = A.getValuesCSR()
+        A = PETSc.Mat().createAIJ(A.getSizes(), csr=(starts, columns, np.abs(values)), comm=A.comm)
+    A.mult(right, left)
+    if absolute:
+        A.destroy()
+    return all_ranks.gather(left.array, layout and layout.counts)
+
+
+def combine(all_ranks: Crew, root: Any, key: int, first: int, second: int | None, factor: float) -> None:
+    """Thing `key` becomes factor * first (+ second)."""
+    from petsc4py import PETSc
+
+    piece = all_ranks.things[first]
+    A = piece.A.copy()
+    if factor != 1.0:
+        A.scale(factor)
+    if second is not None:
+        A.axpy(1.0, all_ranks.things[second].A, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+    all_ranks.things[key] = Piece(A, piece.unknowns)
+
+
+def scale_columns(all_ranks: Crew, root: Any, key: int, first: int) -> None:
+    """Thing `key` becomes first with scaled columns."""
+    piece = all_ranks.things[first]
+    A = piece.A.copy()
+    right = A.createVecRight()
+    right.array[:] = Layout.spread(all_ranks, *(root or (None, None)))
+    A.diagonalScale(R=right)
+    all_ranks.things[key] = Piece(A, piece.unknowns)
+
+
+def constrain(all_ranks: Crew, root: Any, key: int, first: int) -> None:
+    """Thing `key` becomes first with rows and columns `root` replaced by the identity."""
+    piece = all_ranks.things[first]
+    A = piece.A.copy()
+    A.zeroRowsColumns(np.empty(0, np.int32) if root is None else root.astype(np.int32), 1.0)
+    all_ranks.things[key] = Piece(A, piece.unknowns)
+
+
+def prepare(all_ranks: Crew, root: Any, key: int, matrix: int, direct: bool) -> None:
+    """Thing `key` becomes a solver with a matrix."""
+    from petsc4py import PETSc
+
+    piece = all_ranks.things[matrix]
+    ksp = PETSc.KSP().create(piece.A.comm)
+    ksp.setOperators(piece.A)
+    pc = ksp.getPC()
+    if direct:
+        ksp.setType("preonly")
+        pc.setType("lu")
+        pc.setFactorSolverType("mumps")
+        pc.setFactorSetUpSolverType()
+        pc.getFactorMatrix().setMumpsIcntl(14, 60)  # room for pivots, in percent
+    else:
+        ksp.setType("fgmres")
+        ksp.setGMRESRestart(60)
+        ksp.setTolerances(rtol=KRYLOV, atol=0.0, max_it=600)
+        pc.setType("gamg")
+    ksp.setFromOptions()
+    all_ranks.things[key] = ksp
+
+
+def apply(all_ranks: Crew, root: Any, key: int) -> Any:
+    """Solution, reason and iterations."""
+    ksp = all_ranks.things[key]
+    layout, rhs = root or (None, None)
+    x, b = ksp.getOperators()[0].createVecs()
+    b.array[:] = Layout.spread(all_ranks, layout, rhs)
+    ksp.solve(b, x)
+    parts = all_ranks.gather(x.array, layout and layout.counts)
+    return parts, ksp.getConvergedReason(), ksp.getIterationNumber()
