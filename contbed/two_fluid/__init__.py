@@ -1,0 +1,1 @@
+"""Transient two-fluid model of gas and particles with the kinetic theory of granular flow."""

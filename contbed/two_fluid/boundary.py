@@ -1,0 +1,155 @@
+"""What happens at the boundaries: walls, symmetry, inlets, pressure outlets, given fields.
+
+Solids cross only inlets, outlets and given fields. A distributor is an `Inlet` without solids: its superficial velocity
+is the flux of gas, and eps_s = 0 there, so that it is not divided by the porosity; solids slip along it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from contbed.errors import SceneError
+from contbed.two_fluid.grid import Grid
+
+WALL, GIVEN, OUTLET = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A wall; with `velocity` [m/s] in its own plane. Johnson and Jackson's law takes `specularity`, `restitution`."""
+
+    gas: Literal["no_slip", "slip"] = "no_slip"
+    solid: Literal["no_slip", "slip", "johnson_jackson"] = "no_slip"
+    specularity: float = 0.0
+    restitution: float = 1.0
+    velocity: tuple[float, ...] = ()
+
+
+def symmetry() -> Wall:
+    """A plane of symmetry, or the axis."""
+    return Wall(gas="slip", solid="slip")
+
+
+@dataclass(frozen=True)
+class Inlet:
+    """Gas at a superficial `velocity` [m/s] normal to the boundary, and solids of fraction `eps_s` either with the mass
+    flux `solid_flux` [kg/m2/s] or with the velocity `solid_velocity` [m/s]; `theta` [m2/s2] is what they bring.
+    """
+
+    velocity: float = 0.0
+    eps_s: float = 0.0
+    solid_flux: float = 0.0
+    solid_velocity: float = 0.0
+    theta: float = 0.0
+
+
+@dataclass(frozen=True)
+class Outlet:
+    """Gas and solids leave freely against a `pressure` [Pa]; gas may come back, solids may not."""
+
+    pressure: float = 0.0
+
+
+@dataclass(frozen=True)
+class Given:
+    """Fields given as functions of the position (n, dim): intrinsic velocities (n, dim) [m/s], eps_s, theta."""
+
+    u_gas: Callable[[np.ndarray], np.ndarray]
+    u_solid: Callable[[np.ndarray], np.ndarray]
+    eps_s: Callable[[np.ndarray], np.ndarray]
+    theta: Callable[[np.ndarray], np.ndarray]
+
+
+Condition = Wall | Inlet | Outlet | Given
+
+
+class Side(NamedTuple):
+    """The conditions of one phase on each boundary face, nb of them.
+
+    kind : WALL, GIVEN or OUTLET
+    flux [m/s] : superficial velocity that is imposed, positive outwards
+    u (nb, dim) [m/s] : velocity of the wall, or of what enters
+    pores : 1 where what enters has the intrinsic velocity of the cell, its flux over its fraction
+    slip : 1 free slip, 0 none; -1 Johnson and Jackson
+    """
+
+    kind: np.ndarray
+    flux: np.ndarray
+    u: np.ndarray
+    pores: np.ndarray
+    slip: np.ndarray
+
+
+class Edge(NamedTuple):
+    """Both phases, and what they share: eps_s and theta of what enters, p outside, the wall's law for particles."""
+
+    gas: Side
+    solid: Side
+    eps_s: np.ndarray
+    theta: np.ndarray
+    p: np.ndarray
+    specularity: np.ndarray
+    restitution: np.ndarray
+
+
+def assemble(grid: Grid, conditions: Mapping[str, Condition], rho_solid: float) -> Edge:
+    """The conditions by boundary name, face by face.
+
+    Raises
+    ------
+    SceneError : a boundary without a condition, a condition without a boundary, solids that enter without fraction
+    """
+    known = ", ".join(sorted(grid.boundaries))
+    missing, extra = set(grid.boundaries) - set(conditions), set(conditions) - set(grid.boundaries)
+    problems = [f"boundary.{name}: missing; every boundary needs a condition" for name in sorted(missing)]
+    problems += [f"boundary.{name}: no such boundary; the mesh has {known}" for name in sorted(extra)]
+    for name, c in conditions.items():
+        if isinstance(c, Inlet) and (c.solid_flux or c.solid_velocity) and not 0 < c.eps_s < 1:
+            problems.append(f"boundary.{name}: solids enter with eps_s = {c.eps_s}; give 0 < eps_s < 1")
+        if isinstance(c, Wall) and c.velocity:
+            speed = grid.geometry.normal[grid.boundaries[name]][:, : len(c.velocity)] @ np.array(c.velocity)
+            if np.abs(speed).max() > 1e-9 * np.abs(c.velocity).max():
+                problems.append(f"boundary.{name}: a wall moves in its own plane only, found velocity {c.velocity}")
+    if problems:
+        raise SceneError(problems)
+    nb, dim = len(grid.geometry.left) - grid.interior, grid.dimension
+
+    def side() -> Side:
+        return Side(np.zeros(nb, dtype=np.int64), np.zeros(nb), np.zeros((nb, dim)), np.zeros(nb), np.zeros(nb))
+
+    edge = Edge(side(), side(), *(np.zeros(nb) for _ in range(5)))
+    for name, c in conditions.items():
+        faces = grid.boundaries[name]
+        _fill(edge, faces - grid.interior, c, grid.geometry.normal[faces], grid.middles[faces], rho_solid)
+    return edge
+
+
+def _fill(edge: Edge, at: np.ndarray, c: Condition, normal: np.ndarray, position: np.ndarray, rho_solid: float) -> None:
+    gas, solid = edge.gas, edge.solid
+    if isinstance(c, Wall):
+        velocity = np.zeros(normal.shape[1])
+        velocity[: len(c.velocity)] = c.velocity
+        gas.u[at] = solid.u[at] = velocity
+        gas.slip[at] = c.gas == "slip"
+        solid.slip[at] = {"no_slip": 0.0, "slip": 1.0, "johnson_jackson": -1.0}[c.solid]
+        edge.specularity[at], edge.restitution[at] = c.specularity, c.restitution
+    elif isinstance(c, Outlet):
+        gas.kind[at] = solid.kind[at] = OUTLET
+        edge.p[at] = c.pressure
+    elif isinstance(c, Inlet):
+        gas.kind[at], gas.flux[at], gas.pores[at] = GIVEN, -c.velocity, 1.0
+        solid.slip[at] = 1.0
+        if c.eps_s > 0:
+            speed = c.solid_velocity or c.solid_flux / (rho_solid * c.eps_s)
+            solid.kind[at], solid.flux[at], solid.u[at] = GIVEN, -c.eps_s * speed, -speed * normal
+            edge.eps_s[at], edge.theta[at] = c.eps_s, c.theta
+    else:
+        gas.kind[at] = solid.kind[at] = GIVEN
+        gas.u[at], solid.u[at] = c.u_gas(position), c.u_solid(position)
+        edge.eps_s[at], edge.theta[at] = c.eps_s(position), c.theta(position)
+        gas.flux[at] = (1 - edge.eps_s[at]) * (gas.u[at] * normal).sum(axis=1)
+        solid.flux[at] = edge.eps_s[at] * (solid.u[at] * normal).sum(axis=1)

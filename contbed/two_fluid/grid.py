@@ -1,0 +1,203 @@
+"""Cells and faces of a mesh as flat lists: who is left and right of a face, areas, normals, weights of gradients.
+
+Cells are numbered so that neighbours are near (reverse Cuthill-McKee). Interior faces come first and point from the
+cell on their left, which has the smaller number, to the cell on their right; boundary faces follow and point outwards.
+A periodic pair is one interior face. In axisymmetric grids, coordinates (r, z), areas and volumes carry 2 pi r.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+import skfem
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from contbed.errors import SceneError
+from contbed.meshing.mesh import Mesh
+
+
+class Geometry(NamedTuple):
+    """What the kernels need, for nf faces of which ni are interior, and nc cells.
+
+    left (nf,), right (ni,) : cells of a face
+    area (nf,) [m, m2], flat (nf,) : size of a face with and without the weight 2 pi r
+    normal (nf, dim), distance (nf,) : n, and d.n for the vector d from the left centre to the right one or to the face
+    cross (nf, dim) : n - d/(d.n), the part of the normal that the two centres do not see
+    share (ni,) : weight of the left value in an interpolation to the face
+    skew (ni, dim) : from the point that `share` interpolates to, to the middle of the face
+    arm_left (nf, dim), arm_right (ni, dim) : from the centre to the middle of the face
+    slope_left (nf, dim), slope_right (ni, dim) : weights of the jump right - left in the least-squares gradients
+    volume (nc,) [m, m2, m3], inverse (nc, dim, dim) : of the sum of flat n n over the faces of a cell
+    radius (nc,) : r of the centre, 0 where the grid is not axisymmetric
+    axes : dim zeros; a tuple, so that its length is known to the compiler
+    """
+
+    left: np.ndarray
+    right: np.ndarray
+    area: np.ndarray
+    flat: np.ndarray
+    normal: np.ndarray
+    distance: np.ndarray
+    cross: np.ndarray
+    share: np.ndarray
+    skew: np.ndarray
+    arm_left: np.ndarray
+    arm_right: np.ndarray
+    slope_left: np.ndarray
+    slope_right: np.ndarray
+    volume: np.ndarray
+    inverse: np.ndarray
+    radius: np.ndarray
+    axes: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """The lists of `geometry`, and what connects them with the mesh.
+
+    cells (nc,) : cell of the mesh behind each cell; a field goes to the mesh by `out[grid.cells] = field`
+    centres (nc, dim), middles (nf, dim) : of cells and faces [m]
+    boundaries : faces of each named boundary that is not periodic
+    regions : cells of each named region
+    skewed : whether any face needs the corrections by `cross` or `skew`
+    bandwidth : largest distance of neighbours in the numbering
+    """
+
+    geometry: Geometry
+    cells: np.ndarray
+    centres: np.ndarray
+    middles: np.ndarray
+    boundaries: dict[str, np.ndarray]
+    regions: dict[str, np.ndarray]
+    axisymmetric: bool
+    skewed: bool
+    bandwidth: int
+
+    @property
+    def dimension(self) -> int:
+        """1, 2 or 3."""
+        return self.centres.shape[1]
+
+    @property
+    def interior(self) -> int:
+        """Number of interior faces."""
+        return len(self.geometry.right)
+
+
+def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
+    """Grid of a mesh; `periodic` names pairs of boundaries that are one and the same.
+
+    Raises
+    ------
+    SceneError : a periodic pair that does not match, a cell without volume or a face that its cells do not face
+    """
+    old = mesh.skfem
+    dim, count = old.dim(), old.nelements
+    # order 4 is exact: a trilinear map has a determinant of degree 2 in each direction, and r adds one in 2-D
+    inside = skfem.CellBasis(old, old.elem(), intorder=4)
+    weight = inside.dx * (2 * np.pi * np.asarray(inside.global_coordinates())[0] if mesh.axisymmetric else 1.0)
+    plain, volume = inside.dx.sum(axis=1), weight.sum(axis=1)
+    if not (volume > 0).all():
+        raise SceneError(f"mesh: {np.sum(~(volume > 0))} cells have no volume; repair the mesh")
+    centres = (np.asarray(inside.global_coordinates()) * inside.dx).sum(axis=2).T / plain[:, None]
+    faces = skfem.FacetBasis(old, old.elem(), facets=np.arange(old.facets.shape[1]), intorder=4)
+    position = np.asarray(faces.global_coordinates())
+    vector = (np.asarray(faces.normals) * faces.dx).sum(axis=2).T
+    flat = np.linalg.norm(vector, axis=1)
+    middles = (position * faces.dx).sum(axis=2).T / faces.dx.sum(axis=1)[:, None]
+    area = 2 * np.pi * middles[:, 0] * flat if mesh.axisymmetric else flat
+    first, second = old.f2t
+    joined = _pairs(mesh, periodic, middles)
+
+    interior = np.flatnonzero(second >= 0)
+    front, back = np.concatenate((interior, joined[0])), np.concatenate((interior, joined[1]))
+    left, right = first[front], np.concatenate((second[interior], first[joined[1]]))
+    graph = sp.coo_matrix((np.ones(len(left)), (left, right)), (count, count)).tocsr()
+    cells = np.asarray(reverse_cuthill_mckee(graph + graph.T, symmetric_mode=True), dtype=np.int64)
+    rank = np.empty(count, dtype=np.int64)
+    rank[cells] = np.arange(count)
+
+    left, right = rank[left], rank[right]
+    turned = left > right
+    order = np.lexsort((np.maximum(left, right), np.minimum(left, right)))
+    edge = np.setdiff1d(np.flatnonzero(second < 0), np.concatenate(joined))
+    seen = np.where(turned, back, front)[order], np.where(turned, front, back)[order]
+    face = np.concatenate((front[order], edge))  # facet that lends area and normal
+    sign = np.concatenate((np.where(turned, -1.0, 1.0)[order], np.ones(len(edge))))
+    left, right = (
+        np.concatenate((np.minimum(left, right)[order], rank[first[edge]])),
+        np.maximum(left, right)[order],
+    )
+    centres, volume = centres[cells], volume[cells]
+    normal = sign[:, None] * vector[face] / flat[face][:, None]
+    ni = len(right)
+    arm_left = middles[np.concatenate((seen[0], edge))] - centres[left]
+    arm_right = middles[seen[1]] - centres[right]
+    d = arm_left.copy()
+    d[:ni] -= arm_right
+    distance = (d * normal).sum(axis=1)
+    if not (distance > 0).all():
+        where = middles[face][np.argmin(distance)]
+        raise SceneError(f"mesh: the cells beside the face at {where} do not face each other; improve the mesh there")
+    share = -(arm_right * normal[:ni]).sum(axis=1) / distance[:ni]
+    skew = arm_left[:ni] - (1 - share)[:, None] * d[:ni]
+    cross = normal - d / distance[:, None]
+    slopes = _slopes(d, left, right, count)
+    moment = np.zeros((count, dim, dim))
+    outer = flat[face][:, None, None] * normal[:, :, None] * normal[:, None, :]
+    np.add.at(moment, left, outer)
+    np.add.at(moment, right, outer[:ni])
+    arrays = (
+        left, right, area[face], flat[face], normal, distance, cross, share, skew, arm_left, arm_right,
+        *slopes, volume, np.linalg.inv(moment), centres[:, 0] if mesh.axisymmetric else np.zeros(count),
+    )  # fmt: skip
+    size = np.sqrt((d * d).sum(axis=1))
+    skewed = max(np.abs(cross[:ni]).max(initial=0), (np.abs(skew) / size[:ni, None]).max(initial=0)) > 1e-8
+    number = np.full(len(first), -1)
+    number[edge] = ni + np.arange(len(edge))
+    named = {name: number[facets] for name, facets in old.boundaries.items()}
+    return Grid(
+        Geometry(*map(np.ascontiguousarray, arrays), axes=(0,) * dim),
+        cells, centres, middles[face],
+        {name: np.sort(f[f >= 0]) for name, f in named.items() if (f >= 0).any()},
+        {name: np.sort(rank[c]) for name, c in old.subdomains.items()},
+        mesh.axisymmetric, bool(skewed), int((right - left[:ni]).max(initial=0)),
+    )  # fmt: skip
+
+
+def _pairs(mesh: Mesh, periodic: Sequence[tuple[str, str]], middles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Facets on either side of the periodic boundaries, in the same order."""
+    one: list[np.ndarray] = [np.empty(0, dtype=np.int64)]
+    two: list[np.ndarray] = [np.empty(0, dtype=np.int64)]
+    for a, b in periodic:
+        here, there = (mesh.skfem.boundaries[name] for name in (a, b))
+        x, y = middles[here], middles[there]
+        if len(x) != len(y):
+            raise SceneError(f"mesh: periodic {a} has {len(x)} faces and {b} has {len(y)}; mesh both sides alike")
+        shift = y.mean(axis=0) - x.mean(axis=0)
+        tolerance = 1e-6 * np.linalg.norm(shift)
+        keys = [np.lexsort(np.rint(points / tolerance).T) for points in (x + shift, y)]
+        if np.abs((x + shift)[keys[0]] - y[keys[1]]).max() > 10 * tolerance:
+            raise SceneError(f"mesh: periodic {a} and {b} are not shifted copies; mesh both sides alike")
+        one.append(here[keys[0]])
+        two.append(there[keys[1]])
+    return np.concatenate(one), np.concatenate(two)
+
+
+def _slopes(d: np.ndarray, left: np.ndarray, right: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Weights of least-squares gradients, exact for linear fields, with weights 1/d2."""
+    ni = len(right)
+    weighted = d / (d * d).sum(axis=1)[:, None]
+    moment = np.zeros((count, d.shape[1], d.shape[1]))
+    outer = weighted[:, :, None] * d[:, None, :]
+    np.add.at(moment, left, outer)
+    np.add.at(moment, right, outer[:ni])
+    inverse = np.linalg.inv(moment)
+    return (
+        np.einsum("fij,fj->fi", inverse[left], weighted),
+        np.einsum("fij,fj->fi", inverse[right], weighted[:ni]),
+    )

@@ -1,0 +1,140 @@
+"""Kernels for what only the particles have: compaction, granular temperature, Johnson and Jackson's wall."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from contbed.two_fluid.boundary import GIVEN, WALL
+
+TINY = 1e-300
+SOFT = 1e-12  # [m2/s2] stiffness of particles that do not touch, so that its inverse exists
+EMPTY = 1e-30  # a cell with a smaller fraction keeps its velocity and granular temperature
+
+
+@njit(cache=True)
+def slip_speed(u_gas, u_solid, out):
+    """|u_gas - u_solid| of each cell."""
+    for c in range(len(out)):
+        total = 0.0
+        for k in range(u_gas.shape[1]):
+            total += (u_gas[c, k] - u_solid[c, k]) ** 2
+        out[c] = np.sqrt(total)
+
+
+@njit(cache=True)
+def compaction(g, dt, rho_s, stiffness, drag, flux, source, coef, diagonal, rhs):
+    """The implicit part of the solids pressure: V y/c - sum of coef (y_neighbour - y) = rhs for the change y of
+    p_solid/rho_s, with the change y/c of eps_s where c is the `stiffness` (nc,) dp_solid/deps_s/rho_s [m2/s2].
+    """
+    ni = len(g.right)
+    for c in range(len(drag)):
+        diagonal[c, 0] = g.volume[c] / (stiffness[c] + SOFT)
+        rhs[c, 0] = dt * g.volume[c] * source[c]
+    for f in range(len(g.left)):
+        rhs[g.left[f], 0] -= dt * flux[f]
+        coef[f, 0] = 0.0
+        if f >= ni:
+            continue
+        left, right = g.left[f], g.right[f]
+        rhs[right, 0] += dt * flux[f]
+        w = g.share[f]
+        hold = 1.0 + dt * (w * drag[left] + (1.0 - w) * drag[right]) / rho_s
+        coef[f, 0] = dt * dt * g.area[f] / g.distance[f] / hold
+        diagonal[left, 0] += coef[f, 0]
+        diagonal[right, 0] += coef[f, 0]
+
+
+@njit(cache=True)
+def compact(g, dt, coef, y, flux):
+    """Adds the flux that the change y of p_solid/rho_s drives."""
+    for f in range(len(g.right)):
+        flux[f] -= coef[f, 0] * (y[g.right[f], 0] - y[g.left[f], 0]) / dt
+
+
+@njit(cache=True)
+def wall_slip(g, solid, edge, eps_max, rho_s, s, theta, g0, mu, slip):
+    """Share of the cell's tangential velocity that particles keep at the wall: Johnson and Jackson's law, where the
+    shear (pi/6) sqrt(3) specularity rho_s eps_s g0 sqrt(theta) u/eps_max equals mu (u_cell - u)/distance.
+    """
+    ni = len(g.right)
+    for b in range(len(slip)):
+        slip[b] = solid.slip[b]
+        if slip[b] < 0.0:
+            c = g.left[ni + b]
+            rub = np.pi * np.sqrt(3.0 * theta[c]) * edge.specularity[b] * rho_s * s[c] * g0[c] / (6.0 * eps_max)
+            slide = mu[c] / g.distance[ni + b]
+            slip[b] = slide / (slide + rub + TINY) if rub > 0.0 else 1.0
+
+
+@njit(cache=True)
+def production(g, mu, bulk, u, grad, divergence, out):
+    """Work of the kinetic and collisional stress on the mean shear [W/m3], never negative."""
+    dim = len(g.axes)
+    for c in range(len(out)):
+        total = trace = 0.0
+        for k in range(dim):
+            trace += grad[c, k, k]
+            for d in range(dim):
+                total += 0.5 * (grad[c, k, d] + grad[c, d, k]) ** 2
+        if g.radius[c] > 0.0:
+            ring = u[c, 0] / g.radius[c]
+            total += ring**2
+            trace += ring
+        out[c] = mu[c] * max(0.0, 2.0 * (total - trace**2 / 3.0)) + bulk[c] * trace**2
+
+
+@njit(cache=True)
+def conduct(g, solid, edge, k, theta, grad, corrections, out, coef):
+    """Adds the conducted k grad theta . n area [W] of all faces to `out`, its links to `coef`; walls conduct nothing."""
+    ni = len(g.right)
+    for f in range(len(g.left)):
+        left = g.left[f]
+        coef[f, 0] = 0.0
+        if f < ni:
+            right = g.right[f]
+            mean = 2.0 * k[left] * k[right] / (k[left] + k[right] + TINY)
+            coef[f, 0] = mean * g.area[f] / g.distance[f]
+            rate = coef[f, 0] * (theta[right] - theta[left])
+            if corrections:
+                for d in range(len(g.axes)):
+                    both = g.share[f] * grad[left, 0, d] + (1.0 - g.share[f]) * grad[right, 0, d]
+                    rate += mean * g.area[f] * g.cross[f, d] * both
+            out[left] += rate
+            out[right] -= rate
+        elif solid.kind[f - ni] == GIVEN:
+            coef[f, 0] = k[left] * g.area[f] / g.distance[f]
+            out[left] += coef[f, 0] * (edge.theta[f - ni] - theta[left])
+            if corrections:
+                for d in range(len(g.axes)):
+                    out[left] += k[left] * g.area[f] * g.cross[f, d] * grad[left, 0, d]
+
+
+@njit(cache=True)
+def theta_system(
+    g, edge, solid, slip, dt, rho_s, eps_max, s, old, g0, sink, pressure, divergence, source, u, rhs, diagonal
+):
+    """Completes the system for the change of theta: `rhs` holds what is convected and conducted [W].
+
+    sink (nc,) [W s2/m5] : (dissipation + 3 beta theta)/theta; pressure (nc,) [kg/m3] : p_solid/theta; source [W/m3]
+    """
+    ni = len(g.right)
+    for c in range(len(s)):
+        compress = pressure[c] * divergence[c]
+        rhs[c, 0] += g.volume[c] * (source[c] - (sink[c] + compress) * old[c])
+        mass = 1.5 * rho_s * (s[c] + EMPTY) / dt
+        diagonal[c, 0] = g.volume[c] * (mass + sink[c] + max(0.0, compress))
+    for b in range(len(slip)):
+        if solid.slip[b] >= 0.0 or solid.kind[b] != WALL:
+            continue
+        f = ni + b
+        c = g.left[f]
+        common = g.area[f] * np.pi * np.sqrt(3.0) * rho_s * s[c] * g0[c] * np.sqrt(old[c]) / eps_max
+        slide = away = 0.0
+        for k in range(len(g.axes)):
+            away += (u[c, k] - solid.u[b, k]) * g.normal[f, k]
+        for k in range(len(g.axes)):
+            slide += (slip[b] * (u[c, k] - solid.u[b, k] - away * g.normal[f, k])) ** 2
+        loss = common * (1.0 - edge.restitution[b] ** 2) / 4.0
+        rhs[c, 0] += common * edge.specularity[b] * slide / 6.0 - loss * old[c]
+        diagonal[c, 0] += loss

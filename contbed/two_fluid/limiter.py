@@ -1,0 +1,81 @@
+"""Conservative limit on the solids flux, so that 0 <= eps_s <= eps_max holds after the step whatever the flux.
+
+A flux is only ever made smaller, and both its cells see the same flux, so mass is kept. No cell gives more than it
+holds at the start of the step, so that what comes in is a share of what is there afterwards. Fluxes into a cell that would
+overfill shrink to what it can take, round by round, as one repair can fill a neighbour. If that does not end, each
+cell's inflow shrinks to its room without counting on its outflow: then nothing below can break a bound.
+
+Cells that lose a large part of their particles in the step are marked: what they give must have their own velocity and
+granular temperature, not a reconstructed one, or the few particles left would keep the difference for all.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+ROUNDS = 50
+SAFE, SAFER = 1.0 - 1e-12, 1.0 - 2e-12  # leave room for rounding
+NOTABLE = 1e-9  # change of eps_s above which a limited flux is counted
+UNDERFLOW = 1e-200  # a fraction whose products are no longer numbers counts as none
+KEPT = 0.75  # share of its particles that a cell keeps in a step, or else counts as drained
+
+
+@njit(cache=True)
+def fill(g, dt, s, source, flux, gain, loss, out):
+    """out = eps_s after the step with the volume flux `flux` [m3/s] and the source [1/s]; gain, loss of the cells."""
+    ni = len(g.right)
+    for c in range(len(s)):
+        gain[c] = max(0.0, source[c]) * g.volume[c]
+        loss[c] = -min(0.0, source[c]) * g.volume[c]
+    for f in range(len(g.left)):
+        rate = flux[f]
+        if rate >= 0.0:
+            loss[g.left[f]] += rate
+            if f < ni:
+                gain[g.right[f]] += rate
+        else:
+            gain[g.left[f]] -= rate
+            if f < ni:
+                loss[g.right[f]] -= rate
+    for c in range(len(s)):
+        out[c] = s[c] + dt * (gain[c] - loss[c]) / g.volume[c]
+
+
+@njit(cache=True)
+def limit(g, dt, s, source, highest, flux, out, drained):
+    """Limits `flux` in place, leaves eps_s after the step in `out` and marks `drained` cells; returns the numbers of
+    faces limited and of rounds.
+    """
+    count, nf, ni = len(s), len(g.left), len(g.right)
+    touched = np.zeros(nf, dtype=np.bool_)
+    gain, loss, into, away = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    for turn in range(ROUNDS + 2):
+        fill(g, dt, s, source, flux, gain, loss, out)
+        last = turn >= ROUNDS
+        right = True
+        for c in range(count):
+            into[c] = away[c] = 1.0
+            content, room = s[c] * g.volume[c] / dt, (highest - s[c]) * g.volume[c] / dt
+            if loss[c] > SAFE * content:
+                away[c] = SAFER * content / loss[c]
+                right = False
+            if out[c] > highest or (last and gain[c] > room):
+                into[c] = SAFER * max(0.0, room + (0.0 if last else loss[c] * away[c])) / gain[c]
+                right = False
+        if right:
+            break
+        for f in range(nf):
+            forward = flux[f] >= 0.0
+            part = away[g.left[f]] if forward else into[g.left[f]]
+            if f < ni:
+                part = min(part, into[g.right[f]] if forward else away[g.right[f]])
+            if part < 1.0:
+                # the trickle out of cells that are empty but for rounding is not worth a mention
+                touched[f] |= dt * abs(flux[f]) * (1.0 - part) > NOTABLE * g.volume[g.left[f]]
+                flux[f] *= part
+    for c in range(count):
+        if out[c] < UNDERFLOW:
+            out[c] = 0.0
+        drained[c] = out[c] < KEPT * s[c]
+    return touched.sum(), turn

@@ -1,0 +1,41 @@
+"""What the closures give a step: drag, and pressure, viscosities, conductivity and dissipation of the particles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Rheology(NamedTuple):
+    """Fields (nc,) that the particles' stress and granular temperature need.
+
+    g0 : radial distribution
+    pressure : kinetic and collisional pressure over rho_s theta
+    stiffness [m2/s2] : d p_solid/d eps_s/rho_s with friction
+    mu, bulk [Pa s] : kinetic and collisional viscosities
+    mu_friction [Pa s] : frictional viscosity
+    h [m2/s2] : integral of d p_friction/(rho_s eps_s)
+    conductivity [kg/m/s] : of granular energy
+    dissipation [kg/m3] : gamma/theta^(3/2), so that gamma is in W/m3
+    """
+
+    g0: np.ndarray
+    pressure: np.ndarray
+    stiffness: np.ndarray
+    mu: np.ndarray
+    bulk: np.ndarray
+    mu_friction: np.ndarray
+    h: np.ndarray
+    conductivity: np.ndarray
+    dissipation: np.ndarray
+
+
+@dataclass(frozen=True)
+class Closures:
+    """drag(eps_s, slip speed) gives K = beta/eps_s [kg/m3/s]; granular(eps_s, theta, K) the rest."""
+
+    drag: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    granular: Callable[[np.ndarray, np.ndarray, np.ndarray], Rheology]
