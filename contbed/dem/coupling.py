@@ -79,7 +79,7 @@ class Bed:
         self.force, self.received = np.zeros((n, 3)), np.zeros(n)
         self._top = float(gas.grid.lower[2] + gas.grid.count[2] * gas.grid.size[2])
         self._network: tuple[heat.Pairs, Array] | None = None
-        self._start: tuple[float, float] | None = None
+        self._start: tuple[float, float, float] | None = None
 
     @property
     def motion(self) -> Motion:
@@ -112,6 +112,12 @@ class Bed:
                     if on_interval is not None:
                         on_interval(self)
 
+    def mass_balance(self) -> dict[str, float]:
+        """Gas [kg] since the first step: stored, in and out."""
+        sums, held = self.gas.sums, float(self.gas.mass.sum())
+        start = held if self._start is None else self._start[2]
+        return {"in": sums["mass_in"], "out": sums["mass_out"], "source": 0.0, "stored": held - start}
+
     def balance(self) -> dict[str, float]:
         """Heat [J] since the first step: stored in particles and gas, in and out with the gas, by radiation."""
         if self.T is None or self._start is None:
@@ -130,7 +136,7 @@ class Bed:
         if self._network is not None:
             pairs, G = self._network
             arrays |= {"pair_i": pairs.i, "pair_j": pairs.j, "pair_vector": pairs.vector, "pair_G": G}
-        start = self._start or (np.nan, np.nan)
+        start = self._start or (np.nan, np.nan, np.nan)
         return arrays | {"bed": np.array([self.time, self.above, self.radiated, self._next, *start])}
 
     def restore(self, state: Mapping[str, Array]) -> None:
@@ -140,7 +146,7 @@ class Bed:
             part.restore(found)  # type: ignore[attr-defined]
         self.force, self.received = np.array(state["force"]), np.array(state["received"])
         self.time, above, self.radiated, self._next, *start = state["bed"].tolist()
-        self.above, self._start = int(above), None if np.isnan(start[0]) else (start[0], start[1])
+        self.above, self._start = int(above), None if np.isnan(start[0]) else (start[0], start[1], start[2])
         if self.T is not None:
             self.T = np.array(state["T"])
         if "pair_i" in state:
@@ -152,7 +158,8 @@ class Bed:
         gas, simulation = self.gas, self.simulation
         if self._start is None:
             gas.start(self.motion)
-            self._start = 0.0 if self.T is None else float(self.capacity @ self.T), float(gas.heat.sum())
+            held = 0.0 if self.T is None else float(self.capacity @ self.T)
+            self._start = held, float(gas.heat.sum()), float(gas.mass.sum())
         allowed = min(self.gas_step, longest, COURANT / max(gas.courant, 1e-300))
         # equal parts of what is left: a last step far shorter than the others would shake the pressure
         allowed = longest / int(np.ceil(longest / allowed * (1.0 - 1e-9)))
