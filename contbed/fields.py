@@ -45,6 +45,9 @@ _ALL = (
     Field("speed", "|u|", "m/s", "magnitude of the superficial velocity of the fluid"),
     Field("G", "G", "W/m2", "incident radiation, the intensity integrated over all directions"),
     Field("q_radiation", r"q_\mathrm{r}", "W/m2", "radiative heat flux along the bed"),
+    Field("pressure_drop", r"\Delta p", "Pa", "pressure of the gas below a bed of particles over that above"),
+    Field("height", "H", "m", "mean height of the surface of a bed of particles"),
+    Field("coordination", "z", "1", "mean number of touching neighbours of a particle"),
     Field("p", "p", "Pa", "pressure in the momentum equation, porosity times the intrinsic pressure of the fluid"),
 )
 FIELDS = {field.name: field for field in _ALL}

@@ -127,6 +127,10 @@ def plan(scene: Any) -> Any:
         from contbed.bubbling.planning import plan as plan_bubbling
 
         return plan_bubbling(scene)
+    if scene.kind == "particles_gas":
+        from contbed.dem.gas_study import plan as plan_gas
+
+        return plan_gas(scene)
     if scene.kind == "particles":
         from contbed.dem.study import plan as plan_particles
 

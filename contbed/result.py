@@ -87,6 +87,11 @@ class Result:
 
             bubbling_plot(out / "profiles.png", self.profiles, scene.title)
             return
+        if scene.kind == "particles_gas":
+            from contbed.output.particles import history_plot
+
+            history_plot(out / "profiles.png", self.profiles, scene.title)
+            return
         coordinate = next(iter(self.profiles))
         draw = transient_plot if "t [s]" in self.profiles else profile_plot
         draw(out / "profiles.png", self.profiles, coordinate, scene.title)

@@ -142,6 +142,12 @@ def _solve(
         with _timed(result, "heat"):
             solve(plan, result)
         return
+    if scene.kind == "particles_gas":
+        from contbed.dem.gas_study import solve as solve_gas
+
+        with _timed(result, "particles and gas"):
+            solve_gas(plan, result, folder, quiet, start)
+        return
     if scene.kind == "particles":
         from contbed.dem.study import solve as solve_particles
 

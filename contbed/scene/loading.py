@@ -24,7 +24,7 @@ _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Scene:
     """The scene of a file. `overrides` such as {"mesh.refine": 2} replace values before anything is checked.
 
-    A file with a table [bubbling_bed] gives a `bubbling.settings.BubblingScene`, one with [particles] or [lattice] a
+    A file with [particles] and [gas] gives a `dem.gas_settings.GasScene`, one with a table [bubbling_bed] a `bubbling.settings.BubblingScene`, one with [particles] or [lattice] a
     `dem.settings.ParticleScene`.
     """
     return _build(*read(path), overrides or {})
@@ -115,6 +115,11 @@ def _kind(values: Mapping[str, Any]) -> tuple[Any, Any]:
         from contbed.bubbling.settings import BubblingScene
 
         return BubblingScene, CHECKS
+    if "particles" in values and "gas" in values:
+        from contbed.dem.gas_checks import CHECKS as gas_checks
+        from contbed.dem.gas_settings import GasScene
+
+        return GasScene, gas_checks
     if {"particles", "lattice"} & set(values) or ("mesh" not in values and "conduction" in values):
         from contbed.dem.checks import CHECKS as particle_checks
         from contbed.dem.settings import ParticleScene

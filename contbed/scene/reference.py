@@ -28,7 +28,7 @@ _BOUNDS = {
 _TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false"}
 
 
-KINDS = ("packed_bed", "bubbling_bed", "particles")
+KINDS = ("packed_bed", "bubbling_bed", "particles", "particles_gas")
 _definitions: dict[str, Node] = {}  # of the schemas that have been asked for; one name means one table in all of them
 
 
@@ -40,6 +40,8 @@ def schema(kind: str = "packed_bed") -> Node:
     model: type[SceneBase] = Scene
     if kind == "bubbling_bed":
         from contbed.bubbling.settings import BubblingScene as model
+    elif kind == "particles_gas":
+        from contbed.dem.gas_settings import GasScene as model
     elif kind == "particles":
         from contbed.dem.settings import ParticleScene as model
     found = model.model_json_schema(ref_template=f"{kind}/{{model}}")
