@@ -28,6 +28,7 @@ SUPPLIED = {
     "wall": _STREAM | {"k_stagnant"},
     "conductivity": frozenset({"k_fluid", "k_solid", "eps", "T", "d_p"}),
     "tortuosity": frozenset({"k_fluid", "k_solid", "eps"}),
+    "drag": frozenset({"Re", "eps", "d_p", "mu"}),
     **dict.fromkeys(
         ("minimum_fluidization", "bubble_size", "bubble_start", "bubble_growth", "bubble_rise", "bubble_fraction",
          "emulsion_gas", "bubble_heat", "gas_exchange", "solids_mixing", "solid_exchange", "bed_tube",
