@@ -9,8 +9,8 @@ results use the arm of the contact; what is left is the first-order error of the
 import numpy as np
 import pytest
 
-from contbed.dem.contact import contact_force, hertz_impact, largest_safe_step, rayleigh_time
-from contbed.dem.particles import E_EFF, G_EFF, Material, Particles, damping_ratio, pair_table
+from contbed.dem.contact import contact_law, hertz_impact, largest_safe_step, rayleigh_time
+from contbed.dem.particles import E_EFF, G_EFF, SLIDE, Material, Particles, damping_ratio, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Plane
 from contbed.errors import SceneError
@@ -91,9 +91,8 @@ def test_mindlin_slope(axis):
     """Small motion at fixed overlap: slope 8 G* sqrt(R* delta), for equal spheres k_n 2 (1 - nu)/(2 - nu)."""
     pair = pair_table([Material(restitution=1.0)])[0, 0]
     overlap, moved = 1e-6, 1e-12
-    past = np.array([0.0, 0.0, 0.0, -1.0, 0.0])
     n, t = along(axis), along((axis + 1) % 3)
-    force = contact_force(*n, overlap, *t, RADIUS / 2, 1.0, pair, past, 1.0, moved)
+    force = contact_law(*n, overlap, *t, 0.0, 0.0, 0.0, RADIUS / 2, 1.0, *pair[:SLIDE + 1], moved)
     k_n = 2.0 * pair[E_EFF] * np.sqrt(RADIUS / 2 * overlap)
     slope = -np.dot(force[:3], t) / moved
     assert slope == pytest.approx(8.0 * pair[G_EFF] * np.sqrt(RADIUS / 2 * overlap), rel=1e-12)
@@ -103,9 +102,11 @@ def test_mindlin_slope(axis):
 
 def test_friction_never_exceeds_coulomb_and_releases_in_tension():
     pair = pair_table([GLASS])[0, 0]
-    past = np.array([0.0, 0.0, 0.0, -1.0, 0.0])
+    spring = (0.0, 0.0, 0.0)
     for speed in (0.0, -0.5, 0.5, 50.0):
-        fx, fy, fz, normal = contact_force(0, 0, 1, 1e-6, 3.0, 4.0, speed, RADIUS, 1e-5, pair, past, 1.0, 1e-6)
+        fx, fy, fz, normal, *spring, _ = contact_law(
+            0.0, 0.0, 1.0, 1e-6, 3.0, 4.0, speed, *spring, RADIUS, 1e-5, *pair[:SLIDE + 1], 1e-6
+        )
         assert np.hypot(fx, fy) <= GLASS.sliding_friction * max(normal, 0.0) * (1 + 1e-12)
         assert fz == normal
     assert normal < 0.0 and fx == 0.0
