@@ -1,4 +1,4 @@
-"""The reacting part of a bubbling bed from its scene: which gases and solids are unknown, feeds, enthalpies, guesses."""
+"""The reacting part of a bubbling bed from its scene: which gases and solids are unknown, feeds, enthalpies."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from contbed.bubbling import chemistry_reactions as cr
 from contbed.bubbling import chemistry_settings as t
 from contbed.bubbling import chemistry_thermo as thermo
 from contbed.closures import devolatilisation as dv
-from contbed.closures import reactions_solid as rs
 from contbed.closures.reactions import R_GAS
 from contbed.materials.composition import mole_fractions
 from contbed.models import bubbling_species as model
 
 CP_VOLATILES, CP_ASH = 1500.0, 1000.0  # [J/kg/K]
+LEAST = 1e-6  # surface that a fuel has even when there is none of it [m2/m]
 
 
 @dataclass(frozen=True)
@@ -79,8 +79,10 @@ def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
             out.append(cr.Devolatilisation(fuel.species, table.devolatilisation.time, data.volatiles.yields))
         if table.of_char:
             diameter = fuel.char_diameter or scene.species[fuel.species].diameter
-            out.append(cr.Char(fuel.species, diameter, fuel.char_density, fuel.char_model, fuel.sherwood,
-                               {name: (cr.law_of(name, item), item) for name, item in table.of_char.items()}))  # fmt: skip
+            laws = {name: (cr.law_of(name, item), item) for name, item in table.of_char.items()}
+            out.append(
+                cr.Char(fuel.species, diameter, fuel.char_density, fuel.char_model, fuel.sherwood, laws)
+            )
     if (stone := scene.limestone) is not None:
         item = scene.species[stone.species]
         taking = table.sulphation
@@ -187,8 +189,22 @@ class Chemistry:
         flows = {f"N_{name}_{phase}": self.inlet_flow for phase in self.part.phases for name in self.part.gases}
         return flows | {f"n_{name}": solid.typical for name, solid in self.part.solids.items()}
 
+    def surfaces(self, u: Any) -> dict[str, Any]:
+        """Surface of the fuel per height [m2/m]: char in all stages of burning, and what is not yet char."""
+        out: dict[str, Any] = {}
+        for item in self.reactions:
+            if isinstance(item, cr.Char):
+                out[item.species] = LEAST + item.surface * u.n_char
+                if "volatiles" in self.part.solids:
+                    out[item.species] = out[item.species] + 6.0 / (item.diameter * item.density) * u.n_volatiles
+        return out
+
     def mixtures(self, u: Any, entering: Any) -> dict[str, Mixture]:
-        """Gas of each phase."""
+        """Gas of each phase; what enters where flows are not known."""
+        if not self.part.known(u):
+            mean = sum(self.part.gases[name].molar_mass * x for name, x in self.part.inlet.items())
+            mole = {name: x / mean for name, x in self.part.inlet.items()}
+            return {phase: Mixture(entering, self.part.pressure, mean, mole) for phase in self.part.phases}
         state = self.part.state(u, None)
         gases = {
             phase: Mixture(entering, self.part.pressure, state.molar_mass[phase],
@@ -225,7 +241,7 @@ def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
 def _solids(
     scene: Any, data: FuelData | None, running: tuple[Any, ...], inlet: dict[str, float], moles: float
 ) -> tuple[dict[str, model.Solid], tuple[model.Ash, ...]]:
-    species, height, T0 = thermo.table(), scene.bubbling_bed.height, thermo.T_STANDARD
+    species, height = thermo.table(), scene.bubbling_bed.height
     kept = np.inf if scene.drain is None else scene.drain.time
     solids: dict[str, model.Solid] = {}
     ash = []
@@ -239,7 +255,8 @@ def _solids(
 
         times = {item.__class__: item.time for item in running if isinstance(item, cr.Drying | cr.Devolatilisation)}
         add("moisture", species["H2O(l)"].enthalpy, data.moisture, times.get(cr.Drying, kept))
-        add("volatiles", _linear(data.enthalpy, CP_VOLATILES), data.volatile, times.get(cr.Devolatilisation, kept), 40.0)
+        matter = _linear(data.enthalpy, CP_VOLATILES)
+        add("volatiles", matter, data.volatile, times.get(cr.Devolatilisation, kept), 40.0)
         add("char", species["C"].enthalpy, data.carbon, min(_burnout(scene, running, inlet), kept))
         if data.ash:
             ash.append(model.Ash(fuel.species, lambda z: data.ash * share(z), fuel.feed.temperature,

@@ -45,8 +45,8 @@ class Homogeneous:
     def __call__(self, state: State, book: Book) -> None:
         for phase, x in state.x.items():
             T = state.T[phase]
-            concentration = {name: x[name] * state.pressure / (R_GAS * T) for name in self.law.stoichiometry if name in x}
-            concentration |= {name: x[name] * state.pressure / (R_GAS * T) for name in self.law.orders if name in x}
+            molar = state.pressure / (R_GAS * T)
+            concentration = {name: x[name] * molar for name in {**self.law.stoichiometry, **self.law.orders}}
             rate = self.rate(T, concentration, state.pressure)
             book.homogeneous(phase, self.law.stoichiometry, state.volume[phase] * rate)
 
@@ -110,7 +110,8 @@ class Char:
     def film(self, gas: str, T: Any, p: float) -> Any:
         """Mass transfer coefficient [m/s]."""
         M = thermo.table()[gas].molar_mass
-        return self.sherwood * rs.diffusion_in_nitrogen(gas, M, T, p) / (rs.POPULATIONS[self.model].film * self.diameter)
+        diameter = rs.POPULATIONS[self.model].film * self.diameter
+        return self.sherwood * rs.diffusion_in_nitrogen(gas, M, T, p) / diameter
 
     def carbon_per_oxygen(self, T: Any) -> Any:
         """Moles of carbon that a mole of O2 burns."""

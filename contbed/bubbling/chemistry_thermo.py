@@ -17,6 +17,7 @@ from contbed.closures.devolatilisation import molar_mass
 from contbed.closures.reactions import R_GAS
 from contbed.errors import SceneError
 from contbed.materials.common import integrated, polynomial
+from contbed.materials.pointwise import pointwise
 
 P_STANDARD = 101325.0  # of Cantera's data for these species [Pa]
 T_STANDARD = 298.15
@@ -37,32 +38,42 @@ class Species:
     h: tuple[tuple[float, ...], tuple[float, ...]]
     s: tuple[float, float]  # constants of the entropy
 
-    def _held(self, T: Any) -> Any:
-        return np.minimum(np.maximum(T, self.T_range[0]), self.T_range[1])
+    def _of(self, polynomials: Any, T: Any) -> Any:
+        t = np.clip(T, *self.T_range)
+        return np.where(t > self.T_mid, polynomial(polynomials[1], t), polynomial(polynomials[0], t))
+
+    def _cp(self, T: Any) -> Any:
+        return R_GAS * self._of(self.cp, T)
+
+    def _cp_slope(self, T: Any) -> Any:
+        inside = (self.T_range[0] <= T) & (self.T_range[1] >= T)
+        return np.where(inside, R_GAS * self._of([_derivative(cp) for cp in self.cp], T), 0.0)
+
+    def _h(self, T: Any) -> Any:
+        return R_GAS * self._of(self.h, T) + self._cp(T) * (T - np.clip(T, *self.T_range))
 
     def heat_capacity(self, T: Any) -> Any:
         """[J/mol/K]"""
-        t = self._held(T)
-        return R_GAS * np.where(t > self.T_mid, polynomial(self.cp[1], t), polynomial(self.cp[0], t))
+        return pointwise(self._cp, self._cp_slope, T)
 
     def enthalpy(self, T: Any) -> Any:
         """[J/mol], of formation included."""
-        t = self._held(T)
-        inside = np.where(t > self.T_mid, polynomial(self.h[1], t), polynomial(self.h[0], t))
-        return R_GAS * inside + self.heat_capacity(T) * (T - t)
+        return pointwise(self._h, self._cp, T)
 
     def entropy(self, T: Any) -> Any:
-        """[J/mol/K] at standard pressure."""
-        t, parts = self._held(T), []
-        for cp, constant in zip(self.cp, self.s, strict=True):
-            rest = polynomial(integrated(cp[1:]), t)
-            parts.append(cp[0] * np.log(t) + rest + constant)
-        inside = np.where(t > self.T_mid, parts[1], parts[0])
-        return R_GAS * inside + self.heat_capacity(T) * np.log(T / t)
+        """[J/mol/K] at standard pressure; of plain numbers."""
+        t = np.clip(T, *self.T_range)
+        parts = [cp[0] * np.log(t) + polynomial(integrated(cp[1:]), t) + constant
+                 for cp, constant in zip(self.cp, self.s, strict=True)]  # fmt: skip
+        return R_GAS * np.where(t > self.T_mid, parts[1], parts[0]) + self._cp(T) * np.log(T / t)
 
     def gibbs(self, T: Any) -> Any:
-        """[J/mol] at standard pressure."""
-        return self.enthalpy(T) - T * self.entropy(T)
+        """[J/mol] at standard pressure; of plain numbers."""
+        return self._h(T) - T * self.entropy(T)
+
+
+def _derivative(coefficients: tuple[float, ...]) -> list[float]:
+    return [n * a for n, a in enumerate(coefficients)][1:]
 
 
 @lru_cache(maxsize=1)
@@ -100,10 +111,13 @@ def _species(name: str, item: Any) -> Species:
 
 
 def ln_equilibrium(stoichiometry: Mapping[str, float], T: Any) -> Any:
-    """ln K of activities, gases at p/1 atm, solids pure."""
+    """ln K of activities, gases at p/1 atm, solids pure; its slope is that of van 't Hoff."""
     species = table()
-    change = sum(count * species[name].gibbs(T) for name, count in stoichiometry.items())
-    return -change / (R_GAS * T)
+
+    def value(T: Any) -> Any:
+        return -sum(count * species[name].gibbs(T) for name, count in stoichiometry.items()) / (R_GAS * T)
+
+    return pointwise(value, lambda T: heat_of_reaction(stoichiometry, T) / (R_GAS * T * T), T)
 
 
 def heat_of_reaction(stoichiometry: Mapping[str, float], T: Any) -> Any:

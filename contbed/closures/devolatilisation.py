@@ -5,9 +5,9 @@ N leaves as N2, S as H2S, and C, H, O as CO, CO2, H2O, H2, CH4 and tar, written 
 is a correlation of the volatile matter; of all amounts that hold the elements, the one of least relative entropy to it
 is taken,
 
-    min sum_i y_i (ln(y_i/y_i0) - 1)  with  sum_i a_ei y_i = b_e:    y_i = y_i0 exp(sum_e a_ei l_e),
+    min sum_i y_i (ln(y_i/y_i0) - 1)  with  sum_i a_ei y_i = b_e:    y_i = y_i0 exp(sum_e a_ei m_e),
 
-which is positive and unique wherever a positive one exists; three multipliers l_e by Newton's method.
+which is positive and unique wherever a positive one exists; three multipliers m_e by Newton's method.
 """
 
 from __future__ import annotations
@@ -88,25 +88,25 @@ def balanced(guess: Mapping[str, float], elements: list[float]) -> dict[str, flo
     """The amounts nearest to the guess that hold the elements C, H, O [mol]; see the module's docstring."""
     A = np.array([[FORMULAS[name].get(element, 0.0) for name in guess] for element in BALANCED])
     b, start = np.array(elements), np.array(list(guess.values()))
-    l = np.zeros(len(b))
+    m = np.zeros(len(b))
 
-    def value(l: np.ndarray) -> float:
+    def value(m: np.ndarray) -> float:
         with np.errstate(over="ignore"):
-            return float((start * np.exp(A.T @ l)).sum() - b @ l)
+            return float((start * np.exp(A.T @ m)).sum() - b @ m)
 
     for _ in range(200):
-        y = start * np.exp(A.T @ l)
+        y = start * np.exp(A.T @ m)
         gap = A @ y - b
         if np.abs(gap).max() <= 1e-14 * np.abs(b).max():
             break
         step = -np.linalg.solve((A * y) @ A.T, gap)
         damping = 1.0
-        while damping > 1e-12 and not value(l + damping * step) <= value(l) + 1e-15 * abs(value(l)):
+        while damping > 1e-12 and not value(m + damping * step) <= value(m) + 1e-15 * abs(value(m)):
             damping /= 2
-        l = l + damping * step
-        if np.abs(l).max() > 200.0:
+        m = m + damping * step
+        if np.abs(m).max() > 200.0:
             break
-    y = start * np.exp(A.T @ l)
+    y = start * np.exp(A.T @ m)
     if not np.abs(A @ y - b).max() <= 1e-10 * np.abs(b).max():
         raise SceneError(
             "fuel: no amounts of CO, CO2, H2O, H2, CH4 and C6H6 hold the carbon, hydrogen and oxygen of its volatile "

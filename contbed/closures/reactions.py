@@ -52,7 +52,8 @@ class Law:
 
     def constant(self, T: Any) -> Any:
         """A T^b exp(-E/T)"""
-        return self.A * T**self.b * np.exp(-self.E / T) if self.b else self.A * np.exp(-self.E / T)
+        k = self.A * np.exp(-self.E / T)
+        return k * T**self.b if self.b else k
 
     def rate(self, T: Any, concentration: Mapping[str, Any], small: Any) -> Any:
         """Forward rate [mol/m3/s] at concentrations [mol/m3]; `small` is s of the module's docstring [mol/m3]."""

@@ -158,6 +158,10 @@ class Species:
         flows = [f"N_{name}_{phase}" for phase in self.phases for name in self.gases]
         return (*flows, *(f"n_{name}" for name in self.solids))
 
+    def known(self, u: Any) -> bool:
+        """Whether flows of gases are among the unknowns `u`; where a bed is only estimated they are not."""
+        return hasattr(u, f"N_{next(iter(self.gases))}_emulsion")
+
     def flow(self, u: Any, phase: str) -> dict[str, Any]:
         """Mole flows [mol/s]."""
         return {name: getattr(u, f"N_{name}_{phase}") for name in self.gases}
@@ -165,6 +169,10 @@ class Species:
     def mass(self, u: Any, phase: str) -> Any:
         """Mass flow [kg/s]."""
         return sum(self.gases[name].molar_mass * amount for name, amount in self.flow(u, phase).items())
+
+    def changed(self, u: Any, phase: str, o: Any, T: Any) -> Any:
+        """sum_i N_i' h_i [W/m]"""
+        return sum(o.grad(amount)[0] * self.gases[name].enthalpy(T) for name, amount in self.flow(u, phase).items())
 
     def state(self, u: Any, local: Any) -> State:
         """Compositions and temperatures."""
@@ -243,7 +251,7 @@ class Species:
                 strong = o.grad(N)[0] - made
                 total = total + HEAT * ((stable * strong - N) * slope - made * v)
         for name, solid in self.solids.items():
-            n, v = f"n_{name}", getattr(tests, f"n_{name}")
+            v = getattr(tests, f"n_{name}")
             flux, slope = self.flux(u, name, local, o), o.grad(v)[0]
             fed = solid.fed(o.x[0]) if solid.fed is not None else 0.0
             total = total - HEAT * solid.scale * (flux * slope + (sources.solid[name] + fed) * v)
@@ -251,6 +259,14 @@ class Species:
             brought = fed * solid.enthalpy(solid.feed_temperature) if solid.fed is not None else 0.0
             total = total - (flux * solid.enthalpy(T) * o.grad(test)[0] + brought * test)
         return total
+
+    def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any:
+        """What the bed holds: solids, and gas at 1 m/s."""
+        held = sum((HEAT * getattr(u, f"N_{name}_{phase}") * getattr(tests, f"N_{name}_{phase}")
+                    for phase in self.phases for name in self.gases), start=0.0)  # fmt: skip
+        for name, solid in self.solids.items():
+            held = held + HEAT * solid.scale * getattr(u, f"n_{name}") * getattr(tests, f"n_{name}")
+        return held
 
     @staticmethod
     def _loss(made: Any, amount: Any) -> Any:

@@ -14,10 +14,11 @@ STEPS = 200
 
 
 def relax(
-    problem: Problem, state: Any, policy: Policy, lower: Any = 0.0, first: float = 1e-3, last: float = 1e12
-) -> Any:
-    """March from `state` with steps from `first` to `last` [s]; a step that fails is shortened. Unknowns stay above
-    `lower`.
+    problem: Problem, state: Any, policy: Policy, lower: Any = 0.0, first: float = 1e-3, last: float = 1e12,
+    growth: float = GROWTH, tolerance: float = 1e-6,
+) -> Any:  # fmt: skip
+    """March from `state` with steps that grow from `first` to `last` [s]; a step that fails is shortened. Unknowns stay
+    above `lower`.
     """
     dt = first
     history: list[float] = []
@@ -31,14 +32,14 @@ def relax(
 
         try:
             state, history = newton(
-                assemble, state, problem.fixed, policy, tolerance=1e-6, lower=lower, what="continuation"
+                assemble, state, problem.fixed, policy, tolerance=tolerance, lower=lower, what="continuation"
             )
         except ConvergenceError:
-            dt /= GROWTH**2
+            dt /= growth**2
             if dt < 1e-6 * first:
                 raise
             continue
         if dt >= last:
             return state
-        dt *= GROWTH
+        dt *= growth
     raise ConvergenceError(f"continuation: no steady state after {STEPS} steps, step {dt:.3g} s", history, state)
