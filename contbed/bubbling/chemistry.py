@@ -70,8 +70,9 @@ def gaussian(feed: t.SolidsFeed, height: float) -> Callable[[Any], Any]:
 
 def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
     """All that the scene lets run."""
-    table, out = scene.reactions, []
-    out += [cr.Homogeneous(name, cr.law_of(name, item), item.factor) for name, item in table.homogeneous.items()]
+    table = scene.reactions
+    out: list[Any] = [cr.Homogeneous(name, cr.law_of(name, item), item.factor)
+                      for name, item in table.homogeneous.items()]  # fmt: skip
     if (fuel := scene.fuel) is not None and data is not None:
         if table.drying is not None and data.moisture:
             out.append(cr.Drying(fuel.species, table.drying.time))

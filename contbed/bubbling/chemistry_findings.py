@@ -22,7 +22,7 @@ UNDERSHOT = 1e-4  # mole fraction below zero that is worth a warning
 def carried(problem: Any, chemistry: Chemistry, state: Any) -> dict[str, tuple[float, float]]:
     """Enthalpy, of formation included, that each stream brings and takes away [W]."""
     part, c = chemistry.part, problem.c
-    out = {}
+    out: dict[str, tuple[float, float]] = {}
     for phase in part.phases:
         brought = problem.at(
             lambda u, o, p=phase: sum(n * part.gases[name].enthalpy(c.inlet)

@@ -99,7 +99,7 @@ def balanced(guess: Mapping[str, float], elements: list[float]) -> dict[str, flo
         gap = A @ y - b
         if np.abs(gap).max() <= 1e-14 * np.abs(b).max():
             break
-        step = -np.linalg.solve((A * y) @ A.T, gap)
+        step = -np.linalg.lstsq((A * y) @ A.T, gap, rcond=None)[0]
         damping = 1.0
         while damping > 1e-12 and not value(m + damping * step) <= value(m) + 1e-15 * abs(value(m)):
             damping /= 2
