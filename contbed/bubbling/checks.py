@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from types import SimpleNamespace
 
+from contbed.bubbling import chemistry_checks
 from contbed.bubbling import settings as b
 from contbed.bubbling.coefficients import named, uses
 from contbed.errors import SceneError
@@ -78,12 +79,16 @@ def bubbles_carry_their_gas(bubbles: b.Bubbles | None, see: See) -> Mistakes:
 
 def coefficients_fit_the_gas(
     gas: b.Gas, bubbling_bed: b.BubblingBed, bubbles: b.Bubbles | None, species: Kinds, tubes: b.Surface | None,
-    walls: b.Surface | None, origin: Origin, see: See,
+    walls: b.Surface | None, freeboard: b.Freeboard | None, origin: Origin, see: See,
 ) -> Mistakes:  # fmt: skip
     """Numbers only with a capacity flow, closures that exist with a mass flow, and the properties that these need."""
     computed = gas.mass_flow is not None
     which = f"see {see('gas.mass_flow' if computed else 'gas.capacity_flow')}"
-    tables = SimpleNamespace(bubbling_bed=bubbling_bed, bubbles=bubbles, species=species, tubes=tubes, walls=walls)
+    tables = SimpleNamespace(bubbling_bed=bubbling_bed, bubbles=bubbles, species=species, tubes=tubes, walls=walls,
+                             freeboard=freeboard)  # fmt: skip
+    if not computed and freeboard is not None and freeboard.height is not None:
+        yield ("freeboard", "height"), f"a freeboard needs the properties of the gas: give gas.mass_flow; {which}"
+        return
     for path, spec, kind in uses(tables):
         table = {"bubbles": bubbles, "bubbling_bed": bubbling_bed}.get(str(path[0]))
         idle = table is not None and path[-1] not in ("fraction", "exchange")
@@ -189,4 +194,5 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
     something_fixes_the_plate,
     something_fixes_the_temperatures,
     positions_lie_in_the_bed,
+    *chemistry_checks.CHECKS,
 )

@@ -8,6 +8,7 @@ the mixture of particles: density by volume, heat capacity by mass, diameter and
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,6 +17,7 @@ import numpy as np
 from contbed.bubbling import settings as b
 from contbed.closures import registry
 from contbed.closures.bubbles import GRAVITY
+from contbed.closures.reactions_solid import diffusion_in_nitrogen
 from contbed.materials.common import integrated, polynomial
 from contbed.models import bubbling_bed as model
 from contbed.models import bubbling_flow
@@ -41,8 +43,9 @@ def uses(scene: Any) -> Iterator[Use]:
     if bed.conductivity is not None:
         yield ("bubbling_bed", "conductivity"), bed.conductivity, "conductivity"
     if bubbles is not None:
-        for key, kind in (("fraction", "bubble_fraction"), ("exchange", "bubble_heat"), ("size", "bubble_growth"),
-                          ("start", "bubble_start"), ("rise", "bubble_rise"), ("emulsion_gas", "emulsion_gas")):
+        for key, kind in (("fraction", "bubble_fraction"), ("exchange", "bubble_heat"),
+                          ("gas_exchange", "gas_exchange"), ("size", "bubble_growth"), ("start", "bubble_start"),
+                          ("rise", "bubble_rise"), ("emulsion_gas", "emulsion_gas")):
             yield ("bubbles", key), getattr(bubbles, key), kind
     for name, item in scene.species.items():
         yield ("species", name, "gas_coefficient"), item.gas_coefficient, "nusselt"
@@ -52,6 +55,10 @@ def uses(scene: Any) -> Iterator[Use]:
     for key, table in (("tubes", scene.tubes), ("walls", scene.walls)):
         if table is not None:
             yield (key, "coefficient"), table.coefficient, "bed_tube"
+    if scene.freeboard is not None and scene.freeboard.height is not None:
+        for key, kind in (("ejection", "ejection"), ("decay", "decay"), ("terminal_velocity", "terminal_velocity"),
+                          ("elutriation", "elutriation"), ("gas_coefficient", "nusselt")):
+            yield ("freeboard", key), getattr(scene.freeboard, key), kind
 
 
 class Wired:
@@ -104,6 +111,32 @@ class Computed:
         self.k_solid = self._by_surface({name: item.thermal_conductivity for name, item in present.items()})
         self.bubbling = scene.bubbles is not None and scene.bubbles.fraction != 0
         self.grows = self.bubbling and self.wired["bubbles", "size"].value is None
+        self.chemistry = self._chemistry() if scene.reactions is not None else None
+        self.above = None
+        if scene.freeboard is not None and scene.freeboard.height is not None:
+            from contbed.bubbling.freeboard import Above
+
+            self.above = Above(scene, self)
+
+    def _chemistry(self) -> Any:
+        """The reacting part, whose gas makes the mixtures and the flows."""
+        from contbed.bubbling.chemistry import chemistry
+
+        mixing = {name: partial(self._dispersion, name) for name in self.names}
+        found = chemistry(self.scene, mixing, self._gas_exchange)
+        self.mixtures = lambda u: found.mixtures(u, self.gas)
+        return found
+
+    def _dispersion(self, name: str, local: model.Local) -> Any:
+        """Axial mixing of a species [m2/s]: its conductivity over its heat capacity per height."""
+        emulsion = self.section * (1.0 - local.delta) * self.solids * self.share[name]
+        content = emulsion * self.density[name] * self.heat_capacity(name, local.state["T"])
+        return local.state["conduction"][name] / content
+
+    def _gas_exchange(self, local: model.Local, state: Any) -> Any:
+        """Gas between bubbles and emulsion per volume of bubbles [1/s]."""
+        D = diffusion_in_nitrogen("O2", 0.031998, local.state["T"], self.gas.pressure)
+        return self._call(("bubbles", "gas_exchange"), local.state | {"D_gas": D})
 
     @property
     def fields(self) -> tuple[str, ...]:
@@ -166,6 +199,9 @@ class Computed:
         """The coefficients at the points of a domain."""
         scene = self.scene
         flow = u.flow_gas if self.gas_flow_is_unknown else self.flow
+        part = self.chemistry.part if self.chemistry is not None else None
+        if part is not None and part.known(u):
+            flow = sum(part.mass(u, phase) for phase in part.phases)
         state, gases = self.state(u, flow)
         flows, slopes, crossing, unknown = {"T_emulsion": flow}, {"T_emulsion": 0.0}, None, None
         heat = 1e3 * gases["emulsion"].heat_capacity(scene.solver.guess)  # a kg of gas heated by 1000 K
@@ -181,15 +217,36 @@ class Computed:
                                           heat * self.flow / self.D_bed)  # fmt: skip
         delta = state.get("delta", 0.0)
         state["eps_bed"] = 1.0 - (1.0 - delta) * self.solids
-        return model.Local(
+        changes = {}
+        if part is not None and part.known(u):
+            state["entering"] = {"T_emulsion": self.flow} if not self.bubbling else {
+                "T_emulsion": self.flow - u.flow_bubble, "T_bubble": u.flow_bubble}  # fmt: skip
+            flows = {f"T_{phase}": part.mass(u, phase) for phase in part.phases}
+            changes = {f"T_{phase}": partial(part.changed, u, phase, o) for phase in part.phases}
+        local = model.Local(
             delta, {name: self._to_gas(name, state) for name in self.names},
             {name: self._mixing(name, state) for name in self.names}, self._pairs(state),
             self._call(("bubbles", "exchange"), state) if self.bubbling else 0.0,
             {key: self._contact(key, state) for key in ("tubes", "walls") if getattr(scene, key) is not None},
             flows, slopes, crossing,
             {f"T_{phase}": gas.enthalpy for phase, gas in gases.items()},
-            {f"T_{phase}": gas.heat_capacity for phase, gas in gases.items()}, unknown, state,
+            {f"T_{phase}": gas.heat_capacity for phase, gas in gases.items()}, unknown, state, changes,
         )  # fmt: skip
+        if changes:
+            self._inventory(u, local)
+        return local
+
+    def _inventory(self, u: Any, local: model.Local) -> None:
+        """Scale what goes by the surface of the fuel from its volume_fraction to what the bed holds."""
+        state = local.state
+        assert self.chemistry is not None
+        state["conduction"] = dict(local.conduction)
+        for name, surface in self.chemistry.surfaces(u).items():
+            share = surface / (self.section * (1.0 - local.delta) * self.surface[name])
+            local.gas[name] = share * local.gas[name]
+            local.conduction[name] = share * local.conduction[name]
+            local.pairs = {pair: share * value if name in pair else value for pair, value in local.pairs.items()}
+            local.shares[name] = share
 
     def recorded(self, values: dict[str, Any], z: Any) -> tuple[model.Local, list[Any]]:
         """The coefficients at heights where the unknowns have `values`, and how they used their closures."""
@@ -239,6 +296,15 @@ class Computed:
     def _contact(self, key: str, state: dict[str, Any]) -> Any:
         return self.wired[key, "coefficient"](state | {"eps": state["eps_bed"]}, self.ranges)
 
+    def surface_state(self, T: float) -> dict[str, Any]:
+        """What closures see at the surface of a bed of one temperature."""
+        u = SimpleNamespace(**{f"T_{name}": np.full(1, T) for name in self.names}, T_emulsion=T, T_bubble=T)
+        state, gases = self.state(u, self.flow)
+        if self.bubbling:
+            flows, sizes = self.march(T, np.array([self.scene.bubbling_bed.height]))
+            self.bubbles(state, gases["bubble"].density(T), self.flow, flows, sizes)
+        return state
+
     def march(self, T: float, z: Any) -> tuple[Any, Any]:
         """Flow and size of bubbles over the height in a bed of one temperature: where Newton's method starts."""
         u = SimpleNamespace(**{f"T_{name}": np.full(1, T) for name in self.names}, T_emulsion=T, T_bubble=T)
@@ -264,14 +330,27 @@ class Computed:
     def sizes(self) -> dict[str, float]:
         """Typical values of the unknown fields."""
         typical = {"flow_bubble": self.flow, "flow_gas": self.flow, "d_bubble": self.D_bed}
-        return {name: typical[name] for name in self.fields}
+        out = {name: typical[name] for name in self.fields}
+        for item in (self.chemistry, self.above):
+            out |= item.sizes if item is not None else {}
+        return out
 
     def start(self, T: float, z: Any) -> dict[str, Any]:
         """The unknown fields in a bed of one temperature."""
         out: dict[str, Any] = {"flow_gas": self.flow}
         if self.bubbling:
             out["flow_bubble"], out["d_bubble"] = self.march(T, z)
-        return {name: out[name] for name in self.fields}
+        out = {name: out[name] for name in self.fields}
+        if self.chemistry is not None:
+            bubbles = {"bubble": out["flow_bubble"]} if self.bubbling else {}
+            flows = {"emulsion": self.flow - bubbles.get("bubble", 0.0)} | bubbles
+            out |= self.chemistry.start(T, z, flows)
+        return out | (self.above.start(T, z) if self.above is not None else {})
+
+    @property
+    def parts(self) -> tuple[Any, ...]:
+        """Physics joined to the bed."""
+        return tuple(item.part for item in (self.chemistry, self.above) if item is not None)
 
     def frozen(self, T: float, height: float) -> dict[str, Any]:
         """Numbers at one temperature half way up, from which layers are predicted."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -67,9 +68,18 @@ def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: R
     if "G" in nodal:
         result.profiles["G [W/m2]"] = probe(space, nodal["G"])
         result.profiles["q_radiation [W/m2]"] = -c.diffusion * probe.slope(space, nodal["G"], 0)
+    chemistry = c.computed.chemistry if c.computed is not None else None
+    if chemistry is not None:
+        from contbed.bubbling import chemistry_findings
+
+        along = {name: probe(space, nodal[name]) for name in chemistry.part.fields}
+        result.profiles |= chemistry_findings.profiles(chemistry, along)
     if c.computed is not None:
-        _computed(plan, {name: probe(space, nodal[name]) for name in c.fields}, positions, result)
-    result.nodal |= {name: (space, values) for name, values in nodal.items()}
+        values = {name: probe(space, nodal[name]) for name in c.fields}
+        values |= {name: float(problem.system.part(state, name)[0]) for name in c.scalars}
+        _computed(plan, values, positions, result)
+    above = problem.above.part.fields if problem.above is not None else ()
+    result.nodal |= {name: (space, values) for name, values in nodal.items() if name not in above}
 
     height = scene.bubbling_bed.height
     middle, top = Probe(plan.mesh, np.array([[0.5 * height]])), Probe(plan.mesh, np.array([[height]]))
@@ -80,11 +90,14 @@ def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: R
     duties, releases = problem.duties(state), problem.releases(state)
     result.qoi |= duties | {f"release_{name}_W": value for name, value in releases.items()}
     result.balances["energy"] = _balance(problem, state, duties, releases)
+    if chemistry is not None:
+        chemistry_findings.findings(problem, chemistry, state, result)
     if plan.albedo is not None:
         use = registry.usage(optics.radiation_emissivity_half_space, albedo=plan.albedo)
         result.closures.append(use.to_dict())
 
 
+FREEBOARD = {"T_freeboard": "K", "T_up": "K", "T_down": "K", "flow_up": "kg/m2/s", "G_freeboard": "W/m2"}
 HYDRODYNAMICS = {
     "u": "m/s", "u_mf": "m/s", "u_e": "m/s", "u_b": "m/s", "delta": "1", "flow_bubble": "kg/s", "d_b": "m",
 }  # fmt: skip
@@ -94,15 +107,17 @@ def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, result: Result
     """What closures gave over the height, and whether they and the gas hold there."""
     computed = plan.coefficients.computed
     local, used = computed.recorded(values, z)
+    found = local.state | {"flow_bubble": values.get("flow_bubble")}
+    for name, unit in HYDRODYNAMICS.items():
+        if found.get(name) is not None:
+            result.profiles[f"{name} [{unit}]"] = np.broadcast_to(found[name], z.shape).copy()
+    if computed.above is not None:
+        used += _freeboard(computed.above, values, local, z, result)
     result.closures += used
     for use in used:
         if use["share_outside"] > 0:
             result.warnings.append(f"{use['used_by']}: {use['name']} is used out of its range on "
                                    f"{100 * use['share_outside']:.3g} % of the height")  # fmt: skip
-    found = local.state | {"flow_bubble": values.get("flow_bubble")}
-    for name, unit in HYDRODYNAMICS.items():
-        if found.get(name) is not None:
-            result.profiles[f"{name} [{unit}]"] = np.broadcast_to(found[name], z.shape).copy()
     for name, value in local.contact.items():
         result.qoi[f"{name}_coefficient_W_m2K"] = float(np.trapezoid(np.broadcast_to(value, z.shape), z) / np.ptp(z))
     if computed.bubbling:
@@ -121,6 +136,27 @@ def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, result: Result
                                    f"{low:g} to {high:g} K")  # fmt: skip
 
 
+def _freeboard(above: Any, values: dict[str, Any], local: Any, z: Any, result: Result) -> list[Any]:
+    """Profiles above the bed, which is upside down on the mesh of the bed; how the freeboard used its closures."""
+    part, computed = above.part, above.computed
+    computed.ranges = []
+    above.here(SimpleNamespace(**values), None)
+    ejected = float(np.broadcast_to(above.ejected(local), z.shape)[-1])
+    used, computed.ranges = computed.ranges, None
+    result.qoi |= {"ejected_kg_m2s": ejected, "carryover_kg_s": part.section * values["carryover"]}
+    if values["carryover"] > ejected:
+        result.warnings.append("gas carries away more particles than bubbles throw up: freeboard.elutriation")
+    above_bed = part.bed + (part.bed - z[::-1]) * part.stretch
+    nothing = np.full(len(z) - 1, np.nan)
+    for header, column in result.profiles.items():
+        result.profiles[header] = np.append(column, above_bed[1:] if header == "z [m]" else nothing)
+    for name, unit in FREEBOARD.items():
+        if name in values:
+            rising = values[name][::-1]
+            result.profiles[f"{name} [{unit}]"] = np.concatenate([nothing, rising])
+    return used
+
+
 def _balance(
     problem: BubblingProblem, state: Any, duties: dict[str, float], releases: dict[str, float]
 ) -> dict[str, Any]:
@@ -128,7 +164,8 @@ def _balance(
     what the distributor takes.
     """
     parts = [value for brought, taken in problem.carried(state).values() for value in (brought, -taken)]
-    parts += [-value for name, value in duties.items() if not name.startswith("distributor")]
+    inside = ("distributor",) if problem.above is None else ("distributor", "top_radiation")
+    parts += [-value for name, value in duties.items() if not name.startswith(inside)]
     entering, leaving = sum(part for part in parts if part > 0), -sum(part for part in parts if part < 0)
     source = sum(releases.values())
     scale = max(entering, leaving, abs(source), 1e-300)

@@ -43,7 +43,7 @@ class BubblingPlan:
     def fields(self) -> dict[str, tuple[int, int]]:
         """Degree and components of each unknown field; the distributor is one number."""
         along: dict[str, tuple[int, int]] = dict.fromkeys(self.coefficients.fields, (self.scene.solver.degree, 0))
-        return along if self.coefficients.plate is None else along | {"T_distributor": (0, 0)}
+        return along | dict.fromkeys(self.coefficients.scalars, (0, 0))
 
     def unknowns(self) -> dict[str, int]:
         """Number of unknowns of each part that is solved."""
@@ -76,6 +76,8 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
         (c.bubbles is not None, "bubble gas", "exchange with the emulsion gas", "no bubbles"),
         (c.plate is not None, "distributor", "one temperature", "no [distributor] table"),
         (bool(c.surfaces), "immersed surfaces", ", ".join(c.surfaces), "no [tubes], no [walls]"),
+        (c.computed is not None and c.computed.above is not None, "freeboard", "gas, particles, radiation",
+         "no [freeboard] with a height"),
         (c.level != "none", "radiation", levels.get(c.level, ""), "level none"),
     ):
         (built if there else skipped).append((what, how if there else why))
@@ -123,6 +125,7 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
         section, number["delta"], scene.gas.temperature, species, number["pairs"], emulsion, gases.get("T_bubble"),
         number["exchange"], surfaces, plate, level if level in ("none", "paper") else "field", diffusion,
         _radiosity(scene.freeboard), scene.solver.degree, computed, computed.fields if computed is not None else (),
+        computed.parts if computed is not None else (),
     ), albedo  # fmt: skip
 
 
@@ -222,7 +225,7 @@ def _release(table: b.Release | None, section: float) -> Any:
 
 
 def _radiosity(table: b.Freeboard | None) -> float | None:
-    if table is None:
+    if table is None or table.height is not None:
         return None
     return table.radiosity if table.temperature is None else optics.SIGMA * table.temperature**4
 

@@ -18,8 +18,9 @@ from contbed.solve.newton import newton
 
 Array = Any
 EXTRA = 4  # order of quadrature beyond the product of two basis functions, for powers of T and Arrhenius factors
-CAPACITY = 1e4  # heat capacity of a phase, only to approach a steady state in time [J/m/K]
+CAPACITY = 1e6  # heat capacity of a phase, only to approach a steady state in time [J/m/K]
 TYPICAL = 1e3  # temperature [K]
+MISSED = 0.01  # share of a typical flow or inventory by which Newton's method may undershoot zero
 SHARPENED = 2  # Newton steps at the end: rounding in thin cells hides what is left of a smooth error
 
 
@@ -33,14 +34,29 @@ class BubblingProblem:
         self.system = System(plan.mesh.skfem, plan.fields, 2 * plan.scene.solver.degree + EXTRA)
         (self.bottom,), (self.top,) = self.system.boundary("bottom"), self.system.boundary("top")
         self.fixed = np.empty(0, dtype=np.int64)
+        self.radiant = [name for name in ("G", "G_freeboard") if name in self.system.fields]
         self.weights = np.ones(self.system.size)  # what compares steps of flows and sizes with those of temperatures
         for name, size in (self.c.computed.sizes if self.c.computed is not None else {}).items():
             self.system.part(self.weights, name)[:] = TYPICAL / size
+        self.lower = np.zeros(self.system.size)
+        chemistry = self.c.computed.chemistry if self.c.computed is not None else None
+        for name, size in (chemistry.sizes if chemistry is not None else {}).items():
+            self.system.part(self.lower, name)[:] = -MISSED * size  # what is exhausted may be missed by little
         self.forms = [
             (model.residual, self.system.cells, self.c),
             (model.bottom, self.bottom, self.c),
             (model.top, self.top, self.c),
         ]
+
+    @property
+    def above(self) -> Any:
+        """The freeboard, None where none is solved for."""
+        return self.c.computed.above if self.c.computed is not None else None
+
+    @property
+    def chemistry(self) -> Any:
+        """What reacts, None where nothing does."""
+        return self.c.computed.chemistry if self.c.computed is not None else None
 
     @property
     def space(self) -> Any:
@@ -58,10 +74,12 @@ class BubblingProblem:
         and absorb is then curved alike, and far from the solution a step leaves their difference small.
         """
         x = self._start(self.plan.scene.solver.guess if guess is None else guess)
+        if self.chemistry is not None:  # heat and char take hours to settle, gas a second: no guess serves both
+            x = relax(self, x, self.plan.policy, self.lower, first=1e-2, last=1e7, growth=8.0, tolerance=1e-3)
         try:
             x, history = self._newton(x)
         except ConvergenceError as error:
-            x, history = self._newton(relax(self, x, self.plan.policy))
+            x, history = self._newton(relax(self, x, self.plan.policy, self.lower))
             history = error.history + history
         for _ in range(SHARPENED):
             residual, matrix = self.steady(x, True)
@@ -84,24 +102,25 @@ class BubblingProblem:
         rounding = np.finfo(float).eps * float((abs(matrix) @ np.abs(x)).max()) * len(x) ** 0.5
         return newton(
             self.steady, x, self.fixed, self.plan.policy, tolerance=options.newton_tolerance,
-            iterations=options.newton_iterations, lower=0.0, floor=rounding, weights=self.weights,
+            iterations=options.newton_iterations, lower=self.lower, floor=rounding, weights=self.weights,
             what="bubbling bed",
         )  # fmt: skip
 
     def _state(self, x: Array) -> Array:
         """The fields for temperatures at all nodes."""
         state = x.copy()
-        if "G" in self.system.fields:
-            G = self.system.part(state, "G")
+        for name in self.radiant:
+            G = self.system.part(state, name)
             G[:] = emitted(G)
         return state
 
     def steady(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
         """Residual and Jacobian by temperatures at all nodes."""
         residual, matrix = self.assemble(self._state(x), jacobian)
-        if jacobian and "G" in self.system.fields:
+        if jacobian and self.radiant:
             slope = np.ones_like(x)
-            self.system.part(slope, "G")[:] = 16.0 * SIGMA * self.system.part(x, "G") ** 3
+            for name in self.radiant:
+                self.system.part(slope, name)[:] = 16.0 * SIGMA * self.system.part(x, name) ** 3
             matrix = matrix.multiply(slope).tocsc()
         return residual, matrix
 
@@ -111,8 +130,9 @@ class BubblingProblem:
         def form(unknowns: Any, tests: Any, names: tuple[str, ...], o: Any) -> Any:
             return CAPACITY * sum((getattr(unknowns, name) * getattr(tests, name) for name in names), start=0.0)
 
+        parts = [(part.content, self.system.cells, None) for part in self.c.parts]
         plate = [(form, self.bottom, ("T_distributor",))] if self.c.plate is not None else []
-        return self.system.assemble([(form, self.system.cells, tuple(self.c.streams)), *plate], x, jacobian)
+        return self.system.assemble([(form, self.system.cells, tuple(self.c.streams)), *plate, *parts], x, jacobian)
 
     def total(self, expression: Any, state: Array) -> float:
         """Integral over the height of `expression(unknowns, ops)` [W/m] in W."""
@@ -131,8 +151,11 @@ class BubblingProblem:
         if c.plate is not None:
             out["distributor_convection_W"] = self.at(lambda u, o: model.to_plate(u, c)[0], self.bottom, state)
             out["distributor_radiation_W"] = self.at(lambda u, o: model.to_plate(u, c)[1], self.bottom, state)
-        out["top_radiation_W"] = self.at(lambda u, o: model.to_freeboard(u, c), self.top, state)
-        return out
+        if self.above is None:
+            out["top_radiation_W"] = self.at(lambda u, o: model.to_freeboard(u, c), self.top, state)
+            return out
+        out["top_radiation_W"] = self.at(lambda u, o: self.above.part.joined(u), self.top, state)
+        return out | self.above.duties(self, state)
 
     def releases(self, state: Array) -> dict[str, float]:
         """Heat release of each phase [W]."""
@@ -148,7 +171,7 @@ class BubblingProblem:
         for name in c.gases:
             brought = self.at(lambda u, o, n=name: c.at(u, o).flows[n] * c.at(u, o).h(n, c.inlet), self.bottom, state)
             taken = self.at(lambda u, o, n=name: c.at(u, o).flows[n] * c.at(u, o).h(n, getattr(u, n)), self.top, state)
-            out[name] = (brought, taken)
+            out[name] = (brought, taken if self.above is None else 0.0)
         for name, stream in c.streams.items():
             if stream.fed is None:
                 continue
@@ -156,4 +179,8 @@ class BubblingProblem:
                     for end in (self.bottom, self.top)]  # fmt: skip
             brought = self.total(lambda u, o, s=stream: s.fed(o.x[0]) * s.enthalpy(s.feed_temperature), state)
             out[name] = (brought, ends[1] - ends[0])
-        return out
+        if self.chemistry is not None:
+            from contbed.bubbling import chemistry_findings
+
+            out |= chemistry_findings.carried(self, self.chemistry, state)
+        return out if self.above is None else out | self.above.carried(self, state)

@@ -6,6 +6,7 @@
     [species.NAME]            one kind of particle, with its feed, heat release and exchange with other kinds
     [tubes], [walls]          immersed surfaces        [distributor], [freeboard]    what bounds the bed
     [radiation]               level by name; absent: none
+    [fuel], [limestone], [drain], [reactions]     see bubbling.chemistry_settings; they need gas.mass_flow
 
 A table that is absent means that its physics is absent. There are two ways to write a scene. With gas.capacity_flow
 every coefficient is a number, frozen, and flows of streams are capacity flows, mass flow times heat capacity. With
@@ -18,6 +19,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from contbed.bubbling import chemistry_settings as chemistry
 from contbed.scene import settings as s
 from contbed.scene.quantities import Cells, form, unit
 
@@ -29,12 +31,18 @@ Kelvin = Annotated[float, *unit("K")]
 HeatCapacity = Annotated[Annotated[s.HeatCapacity, Tag("number")] | s.Polynomial, Discriminator(form)]
 Share = Annotated[s.Number, Field(ge=0, le=1)]
 MassFlow = Annotated[float, *unit("kg/s"), Field(gt=0)]
+Frequency = Annotated[float, *unit("1/s"), Field(ge=0)]
 Speed = Annotated[float, *unit("m/s"), Field(gt=0)]
 
 BubbleFraction = Annotated[
     Annotated[s.Number, Field(ge=0, lt=1), Tag("number")] | s.NamedOrFile, Discriminator(form)
 ]
 ExchangeOrClosure = Annotated[Annotated[Exchange, Tag("number")] | s.NamedOrFile, Discriminator(form)]
+RateOrClosure = Annotated[Annotated[Frequency, Tag("number")] | s.NamedOrFile, Discriminator(form)]
+EjectionOrClosure = Annotated[
+    Annotated[float, *unit("kg/m**2/s"), Field(ge=0), Tag("number")] | s.NamedOrFile, Discriminator(form)
+]
+RateOfDecayOrClosure = Annotated[Annotated[s.Extinction, Tag("number")] | s.NamedOrFile, Discriminator(form)]
 SpeedOrClosure = Annotated[Annotated[Speed, Tag("number")] | s.NamedOrFile, Discriminator(form)]
 LengthOrClosure = Annotated[Annotated[s.Length, Tag("number")] | s.NamedOrFile, Discriminator(form)]
 GasCoefficientOrClosure = Annotated[Annotated[GasCoefficient, Tag("number")] | s.NamedOrFile, Discriminator(form)]
@@ -59,6 +67,9 @@ class Bubbles(s.Table):
     capacity_flow: CapacityFlow | None = Field(None, description="with gas.capacity_flow only")
     exchange: ExchangeOrClosure = Field(
         "bubble_heat_kunii_levenspiel", description="with the gas of the emulsion, per volume of bubbles"
+    )
+    gas_exchange: RateOrClosure = Field(
+        "gas_exchange_sit_grace", description="of gas with the emulsion, where it reacts"
     )
     size: LengthOrClosure = Field("bubble_growth_mori_wen", description="diameter, or how it grows")
     start: LengthOrClosure = Field("bubble_start_porous_plate", description="diameter at the distributor")
@@ -152,16 +163,39 @@ class Distributor(s.Table):
     emissivity: s.Emissivity | None = Field(None, description="absent: a mirror")
 
 
+class FreeboardSurface(s.Table):
+    """Tubes or walls along the whole freeboard."""
+
+    perimeter: s.Length = Field(description="surface per height")
+    coefficient: s.WallCoefficient = Field(description="to the gas")
+    temperature: s.Temperature
+    emissivity: s.Emissivity | None = Field(None, description="absent: a mirror")
+
+
 class Freeboard(s.Table):
-    """Radiation from above: a radiosity, or a black space at a temperature."""
+    """What is above the bed: a radiosity, a black space at a temperature, or a freeboard of some height whose gas,
+    particles and radiation are solved for. The last needs gas.mass_flow.
+    """
 
     radiosity: s.Irradiance | None = None
     temperature: s.Temperature | None = None
+    height: s.Length | None = None
+    temperature_above: s.Temperature | None = Field(None, description="black, above `height`; absent: a mirror")
+    tubes: FreeboardSurface | None = None
+    walls: FreeboardSurface | None = None
+    ejection: EjectionOrClosure = Field("ejection_pemberton_davidson", description="flow of particles thrown up")
+    decay: RateOfDecayOrClosure = Field("decay_kunii_levenspiel", description="of that flow over the height")
+    terminal_velocity: SpeedOrClosure = Field("terminal_velocity_haider_levenspiel", description="of each species")
+    elutriation: EjectionOrClosure = Field("elutriation_geldart", description="rate constant of each species")
+    gas_coefficient: GasCoefficientOrClosure = Field("nusselt_ranz_marshall", description="particles to gas")
 
     @model_validator(mode="after")
     def _one(self) -> Freeboard:
-        if (self.radiosity is None) == (self.temperature is None):
-            raise ValueError("give one of radiosity, temperature")
+        given = [name for name in ("radiosity", "temperature", "height") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError("give one of radiosity, temperature, height")
+        if self.height is None and (idle := sorted(self.model_fields_set - set(given))):
+            raise ValueError(f"{', '.join(idle)}: has no use without height")
         return self
 
 
@@ -213,6 +247,10 @@ class BubblingScene(s.SceneBase):
     distributor: Distributor | None = None
     freeboard: Freeboard | None = Field(None, description="absent: no radiation leaves upward")
     radiation: Radiation = Radiation(level="none")
+    fuel: chemistry.Fuel | None = None
+    limestone: chemistry.Limestone | None = None
+    drain: chemistry.Drain | None = Field(None, description="absent: char and limestone leave by reaction alone")
+    reactions: chemistry.Reactions | None = Field(None, description="absent: an inert gas")
     mesh: Mesh = Mesh()
     solver: Solver = Solver()
     output: s.Output = s.Output()

@@ -124,17 +124,24 @@ class Local:
     heat_capacity: dict[str, Any] = field(default_factory=dict)  # [J/kg/K]
     gas_flow: Any = None  # bubbling_flow.Local; None where no flow is an unknown
     state: dict[str, Any] = field(default_factory=dict)  # velocities, properties: what parts may build upon
+    changes: dict[str, Any] = field(default_factory=dict)  # (W h)' at constant T of gases whose composition changes
+    shares: dict[str, Any] = field(default_factory=dict)  # surface of species over that which absorption is for
 
     def h(self, name: str, T: Any) -> Any:
         """Enthalpy of a gas."""
         return self.enthalpy.get(name, same)(T)
+
+    def changed(self, name: str, T: Any) -> Any:
+        """W' h of a gas, or what stands for it where its composition changes."""
+        return self.changes[name](T) if name in self.changes else self.slopes[name] * self.h(name, T)
 
 
 class Part(Protocol):
     """Physics joined to the bed: unknown fields of its own, and what it gives to the phases.
 
     `gains` is heat per height [W/m] by the field of the phase; gas that is made brings its enthalpy in there. `made` is
-    gas per height [kg/s/m] by the field of the gas, None where the part makes none.
+    gas per height [kg/s/m] by the field of the gas, None where the part makes none. `content` is what the part holds,
+    by which a steady state is approached in time. `scalars`, if there are any, are unknowns of one number each.
     """
 
     fields: tuple[str, ...]
@@ -144,6 +151,7 @@ class Part(Protocol):
     def residual(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any: ...
     def bottom(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any: ...
     def top(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any: ...
+    def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any: ...
 
 
 @dataclass(frozen=True)
@@ -170,6 +178,12 @@ class Coefficients:
     computed: Any = None
     extra: tuple[str, ...] = ()  # fields of bubbling_flow
     parts: tuple[Part, ...] = ()
+
+    @property
+    def scalars(self) -> tuple[str, ...]:
+        """Unknowns that are one number each."""
+        plate = ("T_distributor",) if self.plate is not None else ()
+        return (*plate, *(name for part in self.parts for name in getattr(part, "scalars", ())))
 
     def at(self, u: Any, o: Any) -> Local:
         """The coefficients at the points of a domain."""
@@ -278,6 +292,7 @@ def taken_up(u: Any, c: Coefficients, local: Local) -> list[Any]:
     T, volume = temperatures(u, c), c.volume(local)
     absorption = [item.absorption for item in c.species.values()]
     if c.level == "field":
+        absorption = [local.shares.get(name, 1.0) * item.absorption for name, item in c.species.items()]
         return [volume * radiation.absorbed(t, u.G, K) for K, t in zip(absorption, T, strict=True)]
     taken = [-volume * lost for lost in exchange_equilibrium(absorption, T)]
     for x in c.surfaces.values():
@@ -307,7 +322,7 @@ def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
     sinks = [(0.25 * x.perimeter * x.emissivity, x.temperature) for x in c.surfaces.values()]
     volume = c.volume(local)
     optics = radiation.Coefficients(
-        {f"T_{name}": volume * item.absorption for name, item in c.species.items()},
+        {f"T_{name}": volume * local.shares.get(name, 1.0) * item.absorption for name, item in c.species.items()},
         c.section * c.diffusion,
         emission=sum(factor * radiation.emitted(T) for factor, T in sinks),
         passive=sum(factor for factor, _ in sinks),
@@ -332,7 +347,7 @@ def _gas(u: Any, name: str, v: Any, gain: Any, c: Coefficients, local: Local, o:
     """Balance of a gas, which does not conduct."""
     T, slope, flow = getattr(u, name), o.grad(v)[0], local.flows[name]
     capacity = flow * local.heat_capacity.get(name, one)(T)
-    strong = capacity * o.grad(T)[0] + local.slopes[name] * local.h(name, T) - gain
+    strong = capacity * o.grad(T)[0] + local.changed(name, T) - gain
     stable = tau(capacity, 0.0, _coupling(c, name, local), 1.0, o.h, c.degree)
     return -flow * local.h(name, T) * slope - gain * v + stable * strong * capacity * slope
 

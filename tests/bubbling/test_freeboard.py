@@ -1,0 +1,98 @@
+"""The freeboard above a bed: flows of particles, gas that walls cool, heat that particles carry back, balances."""
+
+import numpy as np
+import pytest
+from computed_scenes import hot
+from scipy.integrate import solve_ivp
+
+import contbed as cb
+from contbed.bubbling.planning import plan
+from contbed.bubbling.problem import BubblingProblem
+from contbed.materials import gas_mixture
+
+WALLS = {"perimeter": 3.5, "coefficient": 20.0, "temperature": 600.0, "emissivity": 0.8}
+
+
+def column(result, name):
+    """A profile above the bed, with the height above its surface."""
+    values = result.profiles[name]
+    above = ~np.isnan(values)
+    return result.profiles["z [m]"][above] - 0.6, values[above]
+
+
+def solved(scene, closed=1e-12):
+    result = cb.run(scene)
+    assert abs(result.balances["energy"]["relative_residual"]) < closed
+    return result
+
+
+def test_jacobian_is_the_derivative():
+    scene = hot(freeboard={"height": 2.0, "walls": WALLS, "temperature_above": 500.0}, mesh={"cells": 8})
+    problem = BubblingProblem(plan(scene))
+    random = np.random.default_rng(1)
+    state = problem._state(problem._start(900.0) * (1 + 0.02 * random.normal(size=problem.system.size)))
+    direction = random.normal(size=state.size) * np.abs(state)
+    _, matrix = problem.assemble(state, True)
+    plus, minus = (problem.assemble(state + sign * 1e-6 * direction, False)[0] for sign in (1, -1))
+    difference = (plus - minus) / 2e-6
+    for name in problem.system.fields:
+        exact, estimate = (problem.system.part(part, name) for part in (matrix @ direction, difference))
+        assert np.abs(exact - estimate).max() < 1e-7 * np.abs(estimate).max(), name
+
+
+def test_particles_fall_off_exponentially():
+    given = {"height": 2.0, "ejection": 40.0, "decay": 3.0, "elutriation": 0.5}
+    result = solved(hot(freeboard=given))
+    y, flow = column(result, "flow_up [kg/m2/s]")
+    # cubic elements on the mesh of the bed: 12 decay lengths
+    assert flow == pytest.approx(0.5 + 39.5 * np.exp(-3.0 * y), rel=1e-4)
+    assert result.qoi["carryover_kg_s"] == pytest.approx(0.5 + 39.5 * np.exp(-6.0), rel=1e-4)
+
+
+def test_gas_without_particles_is_cooled_by_the_walls():
+    """m h' = p h_w (T_w - T) from the mixture of both gases at the surface of the bed."""
+    given = {"height": 2.0, "ejection": 1e-7, "decay": 3.0, "elutriation": 0.0, "gas_coefficient": 1e-3,
+             "walls": {**WALLS, "emissivity": None}}  # fmt: skip
+    given["walls"].pop("emissivity")
+    result = solved(hot(freeboard=given, radiation=None, distributor={"coefficient": 80.0, "preheat_NTU": 2.5}))
+    gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)
+    y, T = column(result, "T_freeboard [K]")
+    top = np.flatnonzero(np.isclose(result.profiles["z [m]"], 0.6))[0]
+    bubbles = result.profiles["flow_bubble [kg/s]"][top]
+    mixed = sum(flow * gas.enthalpy(result.profiles[f"T_{name} [K]"][top])
+                for name, flow in (("bubble", bubbles), ("emulsion", 0.6 - bubbles)))  # fmt: skip
+    assert 0.6 * gas.enthalpy(T[0]) == pytest.approx(mixed, rel=1e-5)
+    exact = solve_ivp(lambda y, T: 3.5 * 20.0 * (600.0 - T) / (0.6 * gas.heat_capacity(T)), (0, 2), T[:1], t_eval=y,
+                      rtol=1e-10)  # fmt: skip
+    assert np.abs(T - exact.y[0]).max() < 1e-4  # of 100 K
+    lost = 0.6 * (gas.enthalpy(T[0]) - gas.enthalpy(T[-1]))
+    assert result.qoi["freeboard_walls_convection_W"] == pytest.approx(lost, rel=1e-6)
+
+
+def test_many_particles_bring_the_gas_to_the_temperature_of_the_bed():
+    """50 kg/m2/s hold a hundred times the heat of the gas, which leaves the bubbles cold."""
+    above = {"height": 2.0, "decay": 3.0, "elutriation": 0.0, "ejection": 50.0}
+    result = solved(hot(freeboard=above, radiation=None, solver={"guess": 700.0},
+                        distributor={"coefficient": 80.0, "preheat_NTU": 2.5}))  # fmt: skip
+    surface = result.profiles["T_inert [K]"][np.flatnonzero(np.isclose(result.profiles["z [m]"], 0.6))[0]]
+    gas, up = (column(result, name)[1] for name in ("T_freeboard [K]", "T_up [K]"))
+    assert surface - gas[0] > 5 and abs(surface - gas[-1]) < 1
+    assert gas[-1] == pytest.approx(up[-1], abs=0.1)
+
+
+def test_walls_above_cool_the_bed():
+    base = {"height": 3.0, "temperature_above": 700.0}
+    adiabatic, cooled = (solved(hot(freeboard=base | more)) for more in ({}, {"walls": WALLS}))
+    assert cooled.qoi["T_inert_mid_K"] < adiabatic.qoi["T_inert_mid_K"]
+    assert cooled.qoi["freeboard_walls_radiation_W"] > 0
+    # radiation is continuous through the surface of the bed, to one over the factor that joins both sides
+    z, G = cooled.profiles["z [m]"], cooled.profiles["G [W/m2]"]
+    top = np.flatnonzero(np.isclose(z, 0.6))[0]
+    assert column(cooled, "G_freeboard [W/m2]")[1][0] == pytest.approx(G[top], rel=1e-5)
+
+
+def test_a_freeboard_needs_its_gas_and_one_choice():
+    with pytest.raises(cb.errors.SceneError, match="has no use without height"):
+        hot(freeboard={"temperature": 900.0, "ejection": 3.0})
+    with pytest.raises(cb.errors.SceneError, match="give one of radiosity, temperature, height"):
+        hot(freeboard={})
