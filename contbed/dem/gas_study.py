@@ -73,6 +73,7 @@ def plan(scene: g.GasScene) -> GasPlan:
     sides = (table.periodic, table.periodic)
     domain = Domain((0.0, 0.0, 0.0), (*table.width, INFINITE), (*sides, False))
     particles = _read(scene) if table.file is not None else _settled(scene)
+    _require_room(scene, particles)
     d = 2.0 * float(particles.radius.max())
     wide, high = (scale * d for scale in scene.gas.cell)
     count = tuple(max(1, round(length / size)) for length, size in
@@ -128,9 +129,9 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
     simulation = Simulation(plan.particles, [material], box(plan.domain), plan.domain, impact_speed=0.3,
                             gravity=(0.0, 0.0, -9.81 if gas.gravity else 0.0))  # fmt: skip
     solid = Solid(table.conductivity, table.heat_capacity, table.modulus_real, table.exponents)
-    flow = Gas(plan.grid, _fluid(scene), _law(scene, "drag"), _law(scene, "nusselt"), gas.T, scene.heat is None,
-               simulation.gravity, gas.no_slip, tolerance=scene.solver.pressure_tolerance)  # fmt: skip
     T = None if scene.heat is None else scene.heat.T
+    flow = Gas(plan.grid, _fluid(scene), _law(scene, "drag"), _law(scene, "nusselt"), T or gas.T, T is None,
+               simulation.gravity, gas.no_slip, tolerance=scene.solver.pressure_tolerance)  # fmt: skip
     interval = 5e-3 if scene.heat is None else scene.heat.interval
     bed = Bed(simulation, flow, gas.step, T, table.heat_capacity, solid, table.emissivity, interval, not table.fixed)
     _open(scene, bed)
@@ -205,8 +206,9 @@ def _findings(plan: GasPlan, bed: Bed, history: History, result: Result) -> None
     around = {"Re": average.Re, "Pr": average.Pr, "eps": average.eps}
     d_p, mu = 2.0 * plan.particles.radius, float(np.mean(bed.gas.fluid.viscosity(bed.gas.T)))
     for kind, known in (("drag", around | {"d_p": d_p, "mu": mu}), ("nusselt", around)):
-        law: Any = _law(scene, kind)
-        function, options = (law.func, law.keywords) if isinstance(law, partial) else (law, {})
+        law = _law(scene, kind)
+        function: Any = getattr(law, "func", law)
+        options = getattr(law, "keywords", {})
         use = usage(function, **{name: known[name] for name in function.sheet.arguments if name in known}, **options)
         result.closures.append(use.to_dict())
 
@@ -239,8 +241,8 @@ def nusselt_points(plan: GasPlan, velocities: Any, of: str = "convection") -> tu
         bed, solid = build(plan)
         gas, T = bed.gas, plan.scene.gas.T
         gas.inlet(U, T)
-        # until the gas has crossed the grid a few times
-        bed.run(3.0 * float(plan.grid.size[2] * plan.grid.count[2]) / U)
+        # until the gas has crossed the grid
+        bed.run(float(plan.grid.size[2] * plan.grid.count[2]) / U)
         average = Average(solid)
         average(bed)
         h = average.mean["convection"] if of == "convection" else average.total
@@ -340,11 +342,18 @@ def _read(scene: g.GasScene) -> Particles:
     if not dumps.is_dump(path):
         return Particles(dumps.read_positions(path), table.radius or 0.0)
     frame = dumps.read_dump(path)[-1]
-    x = frame.x - np.array([*frame.low[:2], frame.low[2] if np.isfinite(frame.low[2]) else 0.0])
-    if (x[:, :2] > np.array(table.width)).any():
-        where = scene.origin.at(("particles", "width"))
-        raise SceneError(f"{where}: particles.width: {table.file} is {x[:, 0].max():.4g} x {x[:, 1].max():.4g} m wide")
     speeds = [frame.columns.get(name) for name in ("vx", "vy", "vz")]
     v = 0.0 if table.fixed or any(speed is None for speed in speeds) else np.stack(speeds, axis=1)  # type: ignore[arg-type]
-    radius = frame.radius if table.radius is None else np.full(len(x), table.radius)
-    return Particles(x, radius, velocity=v)
+    radius = frame.radius if table.radius is None else np.full(len(frame.x), table.radius)
+    return Particles(frame.x - frame.low, radius, velocity=v)
+
+
+def _require_room(scene: g.GasScene, particles: Particles) -> None:
+    """Refuse particles whose centres are outside of the box."""
+    room = (*scene.particles.width, scene.gas.height)
+    for axis, key in enumerate(("particles.width", "particles.width", "gas.height")):
+        far = particles.position[:, axis]
+        if far.min() < 0.0 or far.max() > room[axis]:
+            where = scene.origin.at(tuple(key.split(".")))
+            raise SceneError(f"{where}: {key}: centres from {far.min():.4g} to {far.max():.4g} m in {'xyz'[axis]}, "
+                             f"the box from 0 to {room[axis]:.4g} m")  # fmt: skip

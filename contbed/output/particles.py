@@ -14,7 +14,7 @@ from contbed.output.files import atomic
 
 def write_particles(path: Path | str, x: NDArray, columns: Mapping[str, NDArray]) -> None:
     """Write centres (n, 3) and columns of shape (n,) or (n, 3)."""
-    grid = meshio.Mesh(x, [("vertex", np.arange(len(x))[:, None])], {name: column for name, column in columns.items()})
+    grid = meshio.Mesh(x, [("vertex", np.arange(len(x))[:, None])], dict(columns))
     with atomic(path) as temporary:
         meshio.write(temporary, grid, file_format="vtu")
 

@@ -1,0 +1,153 @@
+"""Heat transfer coefficients of particles from packed to bubbling beds: Zhou, Yu, Zulli 2009, Figs 3-7, and 2010, Fig. 10.
+
+python studies/zhou_2009_htc/study.py            # everything, about 10 min on one core
+python studies/zhou_2009_htc/study.py plot       # table and pictures from results.json
+"""
+
+import json
+import sys
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from contbed.closures import drag_di_felice, drag_gidaspow, nusselt_power
+from contbed.dem.coupling import Bed
+from contbed.dem.gas import Gas
+from contbed.dem.gas_grid import Grid
+from contbed.dem.htc import Average, Solid
+from contbed.dem.packing import pack
+from contbed.dem.particles import Material, Particles
+from contbed.dem.simulation import Simulation
+from contbed.materials.constant import ConstantFluid
+
+HERE = Path(__file__).parent
+D, WIDTH, COUNT = 2e-3, 26e-3, 2500
+GLASS = Material(density=2500.0, youngs_modulus=1e7, poisson_ratio=0.3, restitution=0.335, sliding_friction=0.3,
+                 rolling_friction=0.04)  # fmt: skip
+AIR = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026)
+NUSSELT = partial(nusselt_power, a=1.2, b=0.5)
+VELOCITIES = (0.2, 0.42, 0.8, 1.0, 1.2, 1.3, 1.4, 1.6, 2.0, 2.4)
+START, END, SAMPLE = 0.4, 0.8, 0.02  # s: averages from START on, every SAMPLE
+PAPER = (1 / 5, 2 / 15)  # r_c times c = (E/E0)^(1/5) everywhere: an impact's heat then goes with c^2
+CASES = {
+    "0.08": Solid(0.08, 840.0, 5e10, PAPER),
+    "0.84": Solid(0.84, 840.0, 5e10, PAPER),
+    "30": Solid(30.0, 840.0, 5e10, PAPER),
+    "0.84 at 10 MPa, no correction": Solid(0.84, 840.0),
+    "0.84, exponents 1/3 and 1/5": Solid(0.84, 840.0, 5e10),
+    "30 at 10 MPa, no correction": Solid(30.0, 840.0),
+    "30, exponents 1/3 and 1/5": Solid(30.0, 840.0, 5e10),
+}
+HOT = 9
+SHOWN = (0.42, 1.0, 1.4, 2.0)  # velocities of the distributions
+
+
+def settled():
+    return pack((WIDTH, WIDTH), radius=D / 2, count=COUNT, seed=1, material=GLASS)
+
+
+def bed(packing, U, drag=drag_di_felice, energy=False, gas_step=2e-4):
+    simulation = Simulation(Particles(packing.position, packing.radius), [GLASS], packing.walls, packing.domain)
+    size = np.array([WIDTH / 4, WIDTH / 4, 1.5 * D])
+    gas = Gas(Grid(np.zeros(3), size, (4, 4, 60)), AIR, drag, NUSSELT, T=300.0, isothermal=not energy)
+    gas.inlet(U, 300.0)
+    T = None
+    if energy:
+        T = np.full(COUNT, 300.0)
+        T[hot_ones(packing)] = 400.0
+    return Bed(simulation, gas, gas_step, T, solid=CASES["0.84"] if energy else None, heat_interval=SAMPLE)
+
+
+def hot_ones(packing):
+    """Nine spheres at three heights on three verticals."""
+    top = packing.statistics["surface"]
+    spots = [(a * WIDTH, a * WIDTH, b * top) for a in (0.25, 0.5, 0.75) for b in (0.25, 0.5, 0.75)]
+    return [int(np.argmin(((packing.position - spot) ** 2).sum(axis=1))) for spot in spots]
+
+
+def one_velocity(packing, U):
+    """Averages by mechanism for every case, coordination, hot spheres."""
+    run = bed(packing, U, energy=True)
+    averages = {name: Average(solid) for name, solid in CASES.items()}
+    radiation = {T: Average(replace(CASES["0.84"], conductivity=0.0), 0.9, T) for T in (373.0, 1273.0)}
+    drops, heights = [], []
+
+    def sample(now):
+        for average in (*averages.values(), *radiation.values()):
+            average(now)
+        drops.append(now.gas.pressure_drop)
+        heights.append(float(np.percentile(now.simulation.position[:, 2], 99)))
+
+    run.run(START)
+    hot = hot_ones(packing)
+    before = run.T[hot].copy()
+    run.run(END - START, SAMPLE, sample)
+    # cooling of the hot spheres in the time of the averages, as a thermocouple in them would see it
+    h_hot = run.capacity[hot] / (np.pi * D**2) * np.log((before - 300.0) / (run.T[hot] - 300.0)) / (END - START)
+    glass = averages["0.84"]
+    conduction = glass.total - glass.mean["convection"]
+    found = {
+        "U": U,
+        "coordination": glass.coordination,
+        "porosity": float(glass.eps.mean()),
+        "pressure_drop": float(np.mean(drops)),
+        "height": float(np.mean(heights)),
+        "cases": {name: average.bed_means() for name, average in averages.items()},
+        "radiation": {f"{T:g}": average.bed_means()["radiation"] for T, average in radiation.items()},
+        "hot_cooling": h_hot.tolist(),
+        "hot_average": glass.total[hot].tolist(),
+        "convection": np.percentile(glass.mean["convection"], [5, 50, 95]).tolist(),
+        "conduction": np.percentile(conduction, [5, 50, 95]).tolist(),
+        "above": run.above,
+        "raised": run.gas.counts["raised"],
+    }
+    if U in SHOWN:
+        found["distribution"] = {
+            "convection": np.histogram(glass.mean["convection"], 60, (60, 360), density=True)[0].tolist(),
+            "conduction": np.histogram(conduction, 60, (0, 180), density=True)[0].tolist(),
+        }
+    print(json.dumps({key: value for key, value in found.items() if key != "distribution"}), flush=True)
+    return found
+
+
+def minimum_fluidization(packing, drag):
+    """Pressure drop over weight while the velocity is lowered in steps; the crossing of its two branches."""
+    run = bed(packing, 1.6, drag, gas_step=2e-4)
+    weight = COUNT * np.pi / 6 * D**3 * 2500.0 * 9.81 / WIDTH**2
+    run.run(0.3)
+    rows = []
+    for U in np.arange(1.5, 0.55, -0.1):
+        run.gas.inlet(float(U), 300.0)
+        run.run(0.06)
+        drops = []
+        run.run(0.06, 2e-3, lambda now, drops=drops: drops.append(now.gas.pressure_drop))
+        rows.append((float(U), float(np.mean(drops)) / weight))
+    U, ratio = np.array(rows).T
+    packed = ratio < 0.8
+    power, level = np.polyfit(np.log(U[packed]), np.log(ratio[packed]), 1)
+    eps = 1 - COUNT * np.pi / 6 * D**3 / (WIDTH**2 * packing.statistics["surface"])
+    print(drag.__name__, rows, flush=True)
+    return {"curve": rows, "U_mf": float(np.exp(-level / power)), "ergun": ergun(eps), "porosity": eps}
+
+
+def ergun(eps):
+    """Velocity at which Ergun's pressure drop carries the bed [m/s]."""
+    a, b = 1.75 / eps**3 * 1.2 / D, 150 * (1 - eps) / eps**3 * 1.8e-5 / D**2
+    return float((-b + np.sqrt(b**2 + 4 * a * (2500.0 - 1.2) * 9.81)) / (2 * a))
+
+
+def main():
+    packing = settled()
+    results = {
+        "bed": packing.statistics,
+        "U_mf": {drag.__name__: minimum_fluidization(packing, drag) for drag in (drag_gidaspow, drag_di_felice)},
+        "velocities": [one_velocity(packing, U) for U in VELOCITIES],
+    }
+    (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] != ["plot"]:
+        main()

@@ -1,0 +1,217 @@
+"""Heat transfer coefficients of particles: exact lattices, impacts, scenes of particles in a gas, closure, restart."""
+
+import json
+from functools import partial
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.closures import drag_di_felice, nusselt_power
+from contbed.dem import gas_study, heat_impact
+from contbed.dem.coupling import Bed
+from contbed.dem.gas import Gas
+from contbed.dem.gas_grid import Grid
+from contbed.dem.heat_pair import correction
+from contbed.dem.htc import Average, Solid, coefficients
+from contbed.dem.particles import Material, Particles
+from contbed.dem.simulation import Simulation
+from contbed.dem.walls import Domain
+from contbed.errors import SceneError
+from contbed.materials.constant import ConstantFluid
+from contbed.scene.loading import loads
+
+AIR = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026)
+D, STEP = 2e-3, 0.999 * 2e-3
+RE, PR = 1.2 * 0.5 * D / 1.8e-5, 1.8e-5 * 1005.0 / 0.026
+NU = partial(nusselt_power, a=1.2, b=0.5)
+
+SCENE = """
+[particles]
+file = "bed.csv"
+radius = "1 mm"
+width = [0.017982, 0.017982]
+periodic = true
+fixed = true
+density = 2500.0
+conductivity = 30.0
+
+[fluid]
+density = 1.2
+viscosity = 1.8e-5
+heat_capacity = 1005.0
+conductivity = 0.026
+
+[gas]
+velocity = 0.5
+height = 0.029970
+gravity = false
+nusselt = { name = "power", a = 1.2, b = 0.5 }
+cell = [2.997, 2.997]
+step = 1e-2
+
+[time]
+end = 0.1
+sample = 0.05
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A simple cubic lattice that fills the box of SCENE, as positions and as a dump."""
+    path = tmp_path_factory.mktemp("beds")
+    x = lattice()
+    np.savetxt(path / "bed.csv", x, delimiter=",", fmt="%.17g")
+    head = f"ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n{len(x)}\nITEM: BOX BOUNDS pp pp ff\n"
+    head += "\n".join(f"0 {n * STEP:.17g}" for n in (9, 9, 15))
+    rows = [f"{k} {a:.17g} {b:.17g} {c:.17g} 0.001" for k, (a, b, c) in enumerate(x)]
+    (path / "bed.dump").write_text(head + "\nITEM: ATOMS id x y z radius\n" + "\n".join(rows) + "\n")
+    return path
+
+
+def lattice():
+    return np.stack(
+        np.meshgrid(*[(np.arange(n) + 0.5) * STEP for n in (9, 9, 15)], indexing="ij"), -1
+    ).reshape(-1, 3)  # fmt: skip
+
+
+def test_a_lattice_has_the_coefficients_of_its_contacts():
+    domain = Domain((0, 0, 0), (9 * STEP, 9 * STEP, np.inf), (True, True, False))
+    simulation = Simulation(Particles(lattice(), D / 2), [Material(2500.0, 1e7)], (), domain)
+    gas = Gas(Grid(np.zeros(3), np.full(3, 3 * STEP), (3, 3, 5), (True, True)), AIR, drag_di_felice, NU,
+              isothermal=True, gravity=(0, 0, 0))  # fmt: skip
+    gas.inlet(0.5, 300.0)
+    bed = Bed(simulation, gas, 1e-3, moving=False)
+    bed.run(0.1)
+    solid = Solid(30.0, modulus=5e10)
+    h = coefficients(bed, solid, 0.9, 1000.0)
+    inner = (simulation.position[:, 2] > 2 * STEP) & (simulation.position[:, 2] < 13 * STEP)
+    # six contacts of G = 2 k c sqrt(R* delta), convection at the superficial Reynolds number: exact
+    radius = correction(1e7, 5e10) * np.sqrt(D / 4 * (D - STEP))
+    assert h["contact"][inner] == pytest.approx(6 * 2 * 30.0 * radius / (np.pi * D**2), rel=1e-9)
+    assert h["convection"] == pytest.approx(float(NU(Re=RE, Pr=PR)) * 0.026 / D, rel=1e-6)
+    assert h["impact"].max() == 0.0
+    # all neighbours within 1.5 d at one temperature: 4 sigma e T^3 (1 - eps)
+    eps = 1 - np.pi / 6 * (D / STEP) ** 3
+    assert h["radiation"][inner] == pytest.approx(4 * 5.670374419e-8 * 0.9 * 1e9 * (1 - eps), rel=1e-9)
+    average = Average(solid)
+    average(bed)
+    average(bed)
+    assert average.total == pytest.approx(sum(h[name] for name in h if name != "radiation"), rel=1e-12)
+    assert average.Re == pytest.approx(RE, rel=1e-6)
+
+
+def test_a_fresh_contact_conducts_as_an_impact():
+    # two spheres meet: while the contact is younger than Hertz's duration Eq. 7 holds, and Eq. 6 does not
+    x = np.array([[0.0, 0.0, 0.01], [D * 1.001, 0.0, 0.01]]) + 3 * D
+    pair = Particles(x, D / 2, velocity=np.array([[0.05, 0, 0], [-0.05, 0, 0]]))
+    glass = Material(2500.0, 1e7, restitution=1.0)
+    simulation = Simulation(pair, [glass], (), Domain(), (0, 0, 0), 1e-6)
+    gas = Gas(Grid(np.zeros(3), np.full(3, 3 * D), (4, 4, 4)), AIR, drag_di_felice, NU, isothermal=True)
+    bed = Bed(simulation, gas, moving=False)
+    gas.start(bed.motion)
+    solid = Solid(0.84, 840.0)
+    around = bed.gas.around(bed.motion)
+    heat, alone = 0.0, True
+    for _ in range(400):
+        simulation.run(1)
+        parts = solid.exchange(simulation, around)[1]
+        heat += 1e-6 * parts["impact"].sum()
+        alone = alone and not (parts["impact"].any() and parts["contact"].any())
+    impact = heat_impact.hertz_impact(D / 4, simulation.mass[0] / 2, 1e7 / (2 * (1 - 0.3**2)), 0.1)
+    wanted = heat_impact.impact_conductance(impact, (0.84, 0.84), (2.1e6, 2.1e6)) * impact.duration
+    # the duration is met to a step of 1e-6 s in 3.2e-4 s
+    assert alone and heat == pytest.approx(float(wanted), rel=0.01)
+    assert float(wanted) == pytest.approx(1.865e-7, rel=2e-3)
+
+
+def test_a_scene_gives_coefficients_and_a_closure_that_scenes_use(folder, tmp_path):
+    text = SCENE + '\n[closure]\nvelocities = [0.1, 0.3, 0.6, 1.0]\n'
+    result = cb.run(loads(text, base=folder), out=tmp_path / "out")
+    assert result.qoi["h_convection [W/m2/K]"] == pytest.approx(float(NU(Re=RE, Pr=PR)) * 0.026 / D, rel=1e-6)
+    assert result.qoi["coordination"] == pytest.approx(6 - 2 / 15, rel=1e-12)
+    assert abs(result.balances["gas"]["relative_residual"]) < 1e-12
+    assert [use["kind"] for use in result.closures] == ["drag", "nusselt"]
+    assert {path.name for path in (tmp_path / "out").iterdir()} >= {
+        "summary.json", "profiles.csv", "profiles.png", "particles.pvd", "particles_0000.vtu", "checkpoint.npz",
+        "closure.toml",
+    }  # fmt: skip
+    assert json.loads((tmp_path / "out/summary.json").read_text())["scene"]["gas"]["velocity"] == 0.5
+    # where every particle sees the same gas the fit is the law that went in
+    packed = """
+mesh = {{ type = "line", length = 0.1 }}
+fluid = {{ density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026 }}
+solid = {{ density = 2500.0, heat_capacity = 840.0, conductivity = 0.84 }}
+bed = {{ porosity = 0.475, particle_diameter = "2 mm" }}
+flow = {{ velocity = 0.5, velocity_solid = -1e-4 }}
+heat = {{ nusselt = {} }}
+boundary = {{ left = {{ fluid = {{ fixed = 300.0 }} }}, right = {{ solid = {{ fixed = 400.0 }} }} }}
+"""
+    with_file = cb.run(loads(packed.format('{ file = "closure.toml" }'), base=tmp_path / "out"))
+    named = cb.run(loads(packed.format('{ name = "power", a = 1.2, b = 0.5 }')))
+    assert with_file.qoi["T_fluid_out_K"] == pytest.approx(named.qoi["T_fluid_out_K"], rel=1e-7)
+
+
+def test_a_dump_of_another_program_gives_the_same(folder):
+    plain, dumped = (cb.run(loads(text, base=folder)).qoi for text in (SCENE, SCENE.replace("bed.csv", "bed.dump")))
+    for name in ("h_total [W/m2/K]", "h_contact [W/m2/K]", "pressure_drop [Pa]"):
+        assert dumped[name] == pytest.approx(plain[name], rel=1e-9)
+
+
+STIRRED = """
+particles = { count = 200, radius = "1 mm", width = ["12 mm", "12 mm"], density = 2500.0, conductivity = 0.84, \
+modulus = "1 MPa", modulus_real = "50 GPa", restitution = 0.5, seed = 3 }
+fluid = { model = "cantera", composition = "N2:0.79, O2:0.21" }
+gas = { velocity = 1.0, T = 400.0, height = "60 mm", nusselt = "gunn", \
+jet = { slot = [0.004, 0.008], mass_flux = 4.0, T = 600.0, end = 0.012 } }
+heat = { T = 300.0 }
+time = { end = 0.04, average_from = 0.01, sample = 0.01 }
+output = { plots = false, fields = false }
+"""
+
+
+def test_an_interrupted_scene_continues_bit_for_bit(tmp_path, monkeypatch):
+    scene = loads(STIRRED)
+    whole = cb.run(scene)
+    assert abs(whole.balances["energy"]["relative_residual"]) < 1e-10
+    assert whole.qoi["T_fluid_max_K"] < 600.0
+    row, calls = gas_study._row, []
+
+    def once(*arguments):
+        calls.append(1)
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        row(*arguments)
+
+    monkeypatch.setattr(gas_study, "_row", once)
+    with pytest.raises(KeyboardInterrupt):
+        cb.run(scene, out=tmp_path)
+    assert json.loads((tmp_path / "summary.json").read_text())["status"] == "interrupted"
+    monkeypatch.setattr(gas_study, "_row", row)
+    again = cb.run(scene, restart=tmp_path)
+    assert again.qoi == whole.qoi
+    for name, column in whole.profiles.items():
+        assert np.array_equal(column, again.profiles[name]), name
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "wanted"),
+    [
+        ('file = "bed.csv"', 'file = "none.csv"', "scene.toml:3: particles.file"),
+        ('file = "bed.csv"', "", "particles: give either count"),
+        ('radius = "1 mm"\n', "", "particles.radius: missing; bed.csv has none"),
+        ("velocity = 0.5", "velocity = 0.5\ndrag = \"ergon\"", "unknown drag closure"),
+        ("gravity = false", "gravity = false\njet = { slot = [0.01, 0.5], mass_flux = 1.0, T = 300.0 }", "gas.jet.slot"),
+        ("gravity = false", "gravity = false\njet = { slot = [0.0, 0.01], mass_flux = 1.0, T = 500.0 }", "gas.jet.T"),
+        ("end = 0.1", "end = 0.1\naverage_from = 0.2", "scene.toml:27: time.average_from"),
+        ("fixed = true", "fixed = false\n[closure]\nvelocities = [0.1, 0.2, 0.3, 0.4]\n[particlez]", "closure"),
+        ("conductivity = 0.026", "", "fluid.conductivity: missing"),
+        ("height = 0.029970", "height = 0.02", "gas.height: centres from"),
+        ("velocity = 0.5", "velocity = -0.5", "gas.velocity = -0.5: out of range"),
+        ("width = [0.017982, 0.017982]", "width = [0.01, 0.01]", "scene.toml:5: particles.width: centres from"),
+    ],
+)
+def test_mistakes_are_named_with_their_line(folder, old, new, wanted):
+    with pytest.raises(SceneError) as error:
+        cb.run(loads(SCENE.replace(old, new, 1), "scene.toml", base=folder))
+    assert any(wanted in problem for problem in error.value.problems), error.value.problems
