@@ -162,7 +162,7 @@ def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str,
     found = _value(values, path)
     if kind == "extra_forbidden":
         known = reference.keys(_locate(error["loc"][:-1], root)[1])
-        return path, f"unknown key; {_nearest(str(path[-1]), known)}"
+        return path, f"unknown key; {nearest(str(path[-1]), known)}"
     if kind == "missing":
         table = node.get("type") == "object" or "$ref" in node or "discriminator" in node
         needs = reference.allowed(node)
@@ -173,9 +173,9 @@ def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str,
         if kind == "union_tag_not_found":
             return (*path, selector), f"missing; allowed: {', '.join(map(repr, known))}"
         tag = found.get(selector) if isinstance(found, dict) else None
-        return (*path, selector), f"unknown choice; {_nearest(str(tag), known)}"
+        return (*path, selector), f"unknown choice; {nearest(str(tag), known)}"
     if kind in ("literal_error", "enum"):
-        return path, f"unknown choice; {_nearest(str(found), reference.choices(node))}"
+        return path, f"unknown choice; {nearest(str(found), reference.choices(node))}"
     if kind in _LIMITS:
         return path, f"out of range; allowed: {reference.allowed(node)}"
     if kind == "value_error":
@@ -209,7 +209,8 @@ def _locate(loc: tuple[Any, ...], root: dict[str, Any]) -> tuple[KeyPath, dict[s
     return path, node
 
 
-def _nearest(name: str, known: list[Any]) -> str:
+def nearest(name: str, known: list[Any]) -> str:
+    """What is allowed in place of a name that is not known, and which of it was probably meant."""
     allowed = f"allowed: {', '.join(str(item) if isinstance(item, str) else json.dumps(item) for item in known)}"
     near = _near(name, known)
     return f"{allowed}; did you mean '{near[0]}'?" if near else allowed

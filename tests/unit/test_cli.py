@@ -1,7 +1,5 @@
-"""The command line: exit codes, plain lines on stderr, and what a sweep keeps."""
+"""The command line: exit codes and plain lines on stderr."""
 
-import csv
-import json
 import os
 import subprocess
 import sys
@@ -180,72 +178,3 @@ def test_list_shows_everything_by_name(scene, capsys):
     out = capsys.readouterr().out
     for part in ("two_energy", "closures: nusselt", "nusselt_gunn", "boundary.NAME", "author_2020", "case.toml"):
         assert part in out
-
-
-STUDY = """\
-scene = "scene.toml"
-[parameters]
-flow.velocity = [0.1, "20 cm/s"]
-"bed.particle_diameter" = ["1 mm", "2 mm"]
-"""
-
-
-def read_table(folder):
-    with open(folder / "sweep.csv", newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def test_a_sweep_runs_all_combinations_once_and_retries_failures(scene, runner, capsys):
-    (scene.parent / "study.toml").write_text(STUDY)
-    out = scene.parent / "out"
-    runner.error = ConvergenceError("stalled")
-    assert cli.main(["sweep", "study.toml", "--out", "out"]) == 3
-    assert [row["problem"] for row in read_table(out)] == ["stalled"] * 4
-    assert len(runner.calls) == 4
-
-    runner.error = None
-    assert cli.main(["sweep", "study.toml", "--out", "out"]) == 0
-    rows = read_table(out)
-    assert len(runner.calls) == 8
-    assert list(rows[0]) == ["flow.velocity [m/s]", "bed.particle_diameter [m]", "pressure_drop", "run", "problem"]
-    assert [row["flow.velocity [m/s]"] for row in rows] == ["0.1", "0.1", "0.2", "0.2"]
-    assert [float(row["pressure_drop"]) for row in rows] == [2000.0, 1000.0, 2000.0, 1000.0]
-    assert not list(out.glob(".*"))
-
-    table = (out / "sweep.csv").read_bytes()
-    assert cli.main(["sweep", "study.toml", "--out", "out"]) == 0
-    assert len(runner.calls) == 8
-    assert (out / "sweep.csv").read_bytes() == table
-
-    (scene.parent / "study.toml").write_text(STUDY.replace("0.1,", "0.1, 0.3,"))
-    (out / rows[0]["run"] / "finished.json").write_text("{ broken")
-    assert cli.main(["sweep", "study.toml", "--out", "out"]) == 0
-    assert len(runner.calls) == 11
-    assert json.loads((out / rows[0]["run"] / "finished.json").read_text()) == {"pressure_drop": 2000.0}
-
-
-def test_a_crash_in_one_run_does_not_lose_the_others(scene, runner):
-    (scene.parent / "study.toml").write_text(STUDY)
-    runner.error = ZeroDivisionError("a\nb")
-    assert cli.main(["sweep", "study.toml", "--out", "out", "--quiet"]) == 3
-    assert {row["problem"] for row in read_table(scene.parent / "out")} == {"ZeroDivisionError: a; b"}
-
-
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        (STUDY.replace("0.1,", "-9e999,"), "study.toml:3: flow.velocity = -Infinity: not a finite number"),
-        (STUDY.replace("flow.velocity", "flow.velocty"), "study.toml:3: flow.velocty = 0.1: unknown key"),
-        (STUDY.replace('[0.1, "20 cm/s"]', "0.1"), "study.toml:3: flow.velocity: expected a list of values"),
-        (STUDY.replace("scene =", "scenes ="), "study.toml:1: scenes: unknown key; allowed: scene, parameters"),
-        ('scene = "scene.toml"', "study.toml:1: parameters: missing"),
-        (STUDY.replace("scene.toml", "no.toml"), "no.toml:1: no such file"),
-        (STUDY.replace("0.1,", f"{'0.1, ' * 60000}"), "study.toml:2: parameters: 120002 runs; at most 100000"),
-    ],
-)
-def test_mistakes_in_a_study_are_told_before_the_first_run(scene, runner, capsys, text, line):
-    (scene.parent / "study.toml").write_text(text)
-    assert cli.main(["sweep", "study.toml", "--out", "out"]) == 2
-    assert line in capsys.readouterr().err
-    assert not runner.calls
-    assert not (scene.parent / "out").exists()

@@ -70,7 +70,7 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
     assert not unwanted & found
     own = {"problem.flow", "problem.transient", "solve.timestep", "solve.continuation", "models.porous_flow",
            "models.fronts", "models.radiation", "models.ordinates", "problem.radiation", "problem.findings_radiation",
-           "problem.ordinates", "problem.rosseland", "output", "meshing.mesh_file", "scene.units", "sweeping",
+           "problem.ordinates", "problem.rosseland", "output", "meshing.mesh_file", "scene.units", "sweep",
            "bubbling", "dem", "cli"}  # fmt: skip
     assert not {f"contbed.{name}" for name in own} & found
     written = after_run(BED, tmp_path)

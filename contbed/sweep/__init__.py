@@ -1,0 +1,1 @@
+"""Many scenes from one study file: designs, workers, tables and plots."""

@@ -1,0 +1,197 @@
+"""The values of a design: lists, ranges and samples, read from the tables of a study and turned into SI.
+
+    ["3 mm", "6 mm"]                                            a list, as it is
+    { from = "3 mm", to = "12 mm", count = 4 }                  even steps, both ends exact
+    { from = 0.01, to = 100, count = 5, spacing = "log" }       even ratios, both ends exact; ends of one sign
+    { distribution = "uniform", from = 0.36, to = 0.44 }        in a sample; also "log_uniform"
+    { distribution = "normal", mean = "6 mm", deviation = "0.2 mm" }
+
+A sample is a set of points in the unit cube, Latin hypercube or scrambled Sobol, that each distribution maps to
+its values. The Latin hypercube has one point in each of `count` slices of equal probability, for every parameter
+(McKay, Beckman & Conover 1979, doi:10.1080/00401706.1979.10489755); the Sobol points fill all dimensions evenly if
+`count` is a power of two (Owen 1998, doi:10.1006/jcom.1998.0487).
+
+Mistakes are told to `say(path below the table, text)`, and what could not be read is None.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.scene.loading import nearest
+
+Array = NDArray[np.float64]
+Say = Callable[[tuple[str, ...], str], None]
+Distribution = Callable[[Array], Array]
+
+MOST_RUNS = 100_000
+METHODS = ("latin_hypercube", "sobol")
+SPACINGS = ("linear", "log")
+_MAGNITUDE = re.compile(r"^[\s+-]*[\d.]+(?:[eE][+-]?\d+)?")
+DISTRIBUTIONS = {"uniform": ("from", "to"), "log_uniform": ("from", "to"), "normal": ("mean", "deviation")}
+
+
+def is_values(entry: Any) -> bool:
+    """Whether an entry of [parameters] holds values, and not keys further down."""
+    return not isinstance(entry, Mapping) or not entry or bool({"from", "to"} & entry.keys())
+
+
+def is_distribution(entry: Any) -> bool:
+    """Whether an entry of [sample.parameters] holds a distribution, and not keys further down."""
+    return not isinstance(entry, Mapping) or not entry or bool({"distribution", "from", "to", "mean"} & entry.keys())
+
+
+def is_log(entry: Any) -> bool:
+    """Whether the values of a range or distribution are even in their logarithm."""
+    return isinstance(entry, Mapping) and "log" in {entry.get("spacing"), str(entry.get("distribution"))[:3]}
+
+
+def values(entry: Any, unit: str | None, say: Say) -> list[Any] | None:
+    """The values of a list or range whose key has the SI unit `unit`."""
+    if isinstance(entry, list):
+        if not entry:
+            say((), "an empty list; give at least one value")
+            return None
+        return entry
+    if not isinstance(entry, Mapping):
+        say((), "expected a list of values, or a range { from, to, count }")
+        return None
+    _only(entry, ("from", "to", "count", "spacing"), say)
+    count = whole(entry, "count", 2, MOST_RUNS, say)
+    spacing = choice(entry, "spacing", SPACINGS, say, "linear")
+    ends = _ends(entry, unit, spacing == "log", say)
+    if ends is None or count is None or spacing is None:
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = (np.geomspace if spacing == "log" else np.linspace)(*ends, count)
+    if not np.isfinite(found).all():
+        say((), "the range is too wide for a computer's numbers")
+        return None
+    if all(isinstance(entry[key], int) for key in ("from", "to")) and (found == found.round()).all():
+        return [int(value) for value in found]  # of a key that counts
+    return [ends[0], *map(tidy, found[1:-1]), ends[1]]
+
+
+def distribution(entry: Any, unit: str | None, say: Say) -> Distribution | None:
+    """The map from (0, 1) to the values of a distribution."""
+    if not isinstance(entry, Mapping):
+        say((), 'expected a distribution, { from, to } or { distribution = "normal", mean, deviation }')
+        return None
+    name = choice(entry, "distribution", tuple(DISTRIBUTIONS), say, "normal" if "mean" in entry else "uniform")
+    if name is None:
+        return None
+    _only(entry, ("distribution", *DISTRIBUTIONS[name]), say)
+    if name == "normal":
+        return _normal(entry, unit, say)
+    ends = _ends(entry, unit, name == "log_uniform", say)
+    if ends is None:
+        return None
+    low, high = ends
+    if name == "uniform":
+        return lambda u: low + u * (high - low)
+    return lambda u: low * np.exp(u * math.log(high / low))
+
+
+def tidy(value: float) -> float:
+    """The value to 14 digits, so that the last ones, which differ between computers, do not make another scene."""
+    return float(f"{value:.14g}")
+
+
+def sample(method: str, count: int, seed: int, dimensions: int) -> Array:
+    """Points of a design in the unit cube, (count, dimensions); the same for the same seed.
+
+    >>> points = sample("latin_hypercube", 5, seed=1, dimensions=2)
+    >>> [sorted(int(5 * u) for u in column) for column in points.T]
+    [[0, 1, 2, 3, 4], [0, 1, 2, 3, 4]]
+    """
+    import warnings
+
+    from scipy.stats import qmc
+
+    random = np.random.default_rng(seed)
+    if method == "latin_hypercube":
+        return qmc.LatinHypercube(dimensions, seed=random).random(count)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # on counts that are no power of two, which the study tells
+        return qmc.Sobol(dimensions, scramble=True, seed=random).random(count)
+
+
+def whole(entry: Mapping[str, Any], key: str, low: int, high: int, say: Say, default: int | None = None) -> int | None:
+    """The whole number of a key, within bounds."""
+    value = entry.get(key, default)
+    if isinstance(value, int) and not isinstance(value, bool) and low <= value <= high:
+        return value
+    say((key,) if key in entry else (), f"{key} is {_shown(entry, key)}; allowed: a whole number from {low} to {high}")
+    return None
+
+
+def choice(
+    entry: Mapping[str, Any], key: str, known: Sequence[str], say: Say, default: str | None = None
+) -> str | None:
+    """The choice of a key."""
+    value = entry.get(key, default)
+    if value in known:
+        return str(value)
+    say((key,) if key in entry else (), f"{key} is {_shown(entry, key)}; {nearest(str(value), list(known))}")
+    return None
+
+
+def _ends(entry: Mapping[str, Any], unit: str | None, logarithmic: bool, say: Say) -> tuple[float, float] | None:
+    low, high = (_number(entry, key, unit, say) for key in ("from", "to"))
+    if low is None or high is None:
+        return None
+    if low == high:
+        say((), f"an empty range, from and to are both {low:g}")
+    elif logarithmic and (low == 0.0 or high == 0.0 or (low > 0.0) != (high > 0.0)):
+        say((), f"a logarithmic range from {low:g} to {high:g}; its ends must have the same sign and not be 0")
+    else:
+        return low, high
+    return None
+
+
+def _normal(entry: Mapping[str, Any], unit: str | None, say: Say) -> Distribution | None:
+    from scipy.special import ndtri
+
+    mean, deviation = _number(entry, "mean", unit, say), _number(entry, "deviation", unit, say, difference=True)
+    if mean is None or deviation is None:
+        return None
+    if deviation <= 0.0:
+        say(("deviation",), f"deviation is {deviation:g}; allowed: a number > 0")
+        return None
+    return lambda u: mean + deviation * ndtri(u)
+
+
+def _number(
+    entry: Mapping[str, Any], key: str, unit: str | None, say: Say, difference: bool = False
+) -> float | None:
+    """A number in SI; a `difference` of temperatures does not move with the zero of its scale."""
+    value = entry.get(key)
+    if isinstance(value, str) and unit is not None:
+        from contbed.scene.units import to_si
+
+        try:
+            return to_si(value, unit) - (to_si(_MAGNITUDE.sub("0 ", value), unit) if difference else 0.0)
+        except ValueError as error:
+            say((key,), f"{key}: {error}")
+            return None
+    if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
+        return float(value)
+    plain = "a plain number, this key has no unit" if isinstance(value, str) else "a finite number"
+    say((key,) if key in entry else (), f"{key} is {_shown(entry, key)}; allowed: {plain}")
+    return None
+
+
+def _only(entry: Mapping[str, Any], known: tuple[str, ...], say: Say) -> None:
+    for key in entry:
+        if key not in known:
+            say((key,), f"{key}: unknown key; {nearest(key, list(known))}")
+
+
+def _shown(entry: Mapping[str, Any], key: str) -> str:
+    return "missing" if key not in entry else repr(entry[key])

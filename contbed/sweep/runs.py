@@ -1,0 +1,132 @@
+"""One run of a sweep: its folder, its outcome, and what its workers did.
+
+`runs/NAME/` holds what the run writes, and
+
+    outcome.json    exit code, problem, parameters and named results; the scene too if the run failed
+    workers.log     a line when a worker begins the run and when it has ended it
+
+The outcome appears whole or not at all, after everything else, and a run that has one is never computed again. The log
+is locked by the worker that computes: if two want the same run, the second waits and takes what the first has found.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import socket
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO, Any
+
+from contbed.errors import ContbedError, SceneError
+from contbed.output.summary import write_json
+from contbed.scene.loading import resolved
+from contbed.sweep.study import Case
+
+OUTCOME = "outcome.json"
+LOG = "workers.log"
+KILLED = 137  # what a shell returns for a process that was killed
+_BEGUN = "begun"
+
+Outcome = dict[str, Any]
+
+
+def folder_of(case: Case, out: Path) -> Path:
+    """The folder of a run."""
+    return out / "runs" / case.name
+
+
+def known(case: Case, out: Path) -> Outcome | None:
+    """The outcome of a run; None if it is not finished."""
+    try:
+        outcome = json.loads((folder_of(case, out) / OUTCOME).read_text(encoding="utf-8"))
+        return outcome if {"exit_code", "problem", "qoi"} <= outcome.keys() else None
+    except (FileNotFoundError, NotADirectoryError, ValueError, AttributeError):
+        return None
+
+
+def forget(case: Case, out: Path) -> None:
+    """Let a run be computed again."""
+    (folder_of(case, out) / OUTCOME).unlink(missing_ok=True)
+
+
+def is_begun(case: Case, out: Path) -> bool:
+    """Whether the last thing that is known of a run is that a worker began it."""
+    try:
+        return (folder_of(case, out) / LOG).read_text(encoding="utf-8").rstrip().endswith(_BEGUN)
+    except OSError:
+        return False
+
+
+def compute(case: Case, out: Path) -> Outcome:
+    """Run a scene and keep its outcome; what is already there is returned as it is.
+
+    Raises
+    ------
+    ContbedError, OSError : the disk is full or cannot be written; this is no fault of the scene and is not kept
+    """
+    with _claimed(case, out) as log:
+        if (found := known(case, out)) is not None:
+            return found
+        _note(log, _BEGUN)
+        return _keep(case, out, log, lambda: _results(case, out))
+
+
+def give_up(case: Case, out: Path) -> Outcome:
+    """The outcome of a run whose workers die; what one of them has found after all is returned."""
+    with _claimed(case, out) as log:
+        if (found := known(case, out)) is not None:
+            return found
+        text = "its worker died: out of memory, killed from outside, or crashed"
+        return _keep(case, out, log, lambda: (KILLED, text, {}))
+
+
+@contextmanager
+def _claimed(case: Case, out: Path) -> Iterator[IO[str]]:
+    folder = folder_of(case, out)
+    folder.mkdir(parents=True, exist_ok=True)
+    with open(folder / LOG, "a", encoding="utf-8") as log:
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(log, fcntl.LOCK_EX)
+        yield log
+
+
+def _keep(case: Case, out: Path, log: IO[str], solve: Callable[[], tuple[int, str, dict[str, Any]]]) -> Outcome:
+    code, problem, qoi = solve()
+    outcome = {"exit_code": code, "problem": problem, "parameters": case.parameters, "qoi": qoi}
+    if code:
+        outcome["scene"] = resolved(case.scene)
+    write_json(folder_of(case, out) / OUTCOME, outcome)
+    _note(log, f"failed with {code}" if code else "finished")
+    found = known(case, out)  # exactly what a later sweep will read
+    assert found is not None
+    return found
+
+
+def _results(case: Case, out: Path) -> tuple[int, str, dict[str, Any]]:
+    """Exit code, problem and named results of a run."""
+    from contbed.runner import run
+
+    scene: Any = case.scene
+    try:
+        result = run(scene, out=folder_of(case, out), quiet=True)
+    except Exception as error:  # one broken run must not lose the others
+        if _is_disk(error):
+            raise
+        code, name = (error.exit_code, "") if isinstance(error, ContbedError) else (1, f"{type(error).__name__}: ")
+        return code, f"{name}{error}".replace("\n", "; "), {}
+    return 0, "", dict(result.summary.get("qoi", {}))
+
+
+def _is_disk(error: Exception) -> bool:
+    """Whether a file could not be written, which the next run would meet as well."""
+    return isinstance(error, OSError) or (isinstance(error.__cause__, OSError) and not isinstance(error, SceneError))
+
+
+def _note(log: IO[str], text: str) -> None:
+    now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+    log.write(f"{now} {socket.gethostname()} {os.getpid()} {text}\n")
+    log.flush()

@@ -1,0 +1,117 @@
+"""`contbed sweep`: run every scene of a study that is not there yet, then write the table and the plots.
+
+Everything that a sweep knows lies in its folder: an interrupted one, however it ended, goes on with the same command.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from contbed.errors import SceneError
+from contbed.output.files import prepare
+from contbed.output.progress import Progress
+from contbed.scene.loading import nearest
+from contbed.sweep import table, workers
+from contbed.sweep.runs import Outcome, forget, known
+from contbed.sweep.study import Case, Study, read_study
+from contbed.sweep.table import Row
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The runs of a sweep in the order of the study, how many of them were there before, and what to know."""
+
+    rows: list[Row]
+    before: int
+    warnings: tuple[str, ...]
+
+    @property
+    def failed(self) -> list[Row]:
+        """The runs that failed."""
+        return [row for row in self.rows if row.exit_code]
+
+    def failures(self, most: int = 20) -> list[str]:
+        """A line for each run that failed, with its parameters, exit code and problem."""
+        lines = [
+            f"failed with {row.exit_code}: {', '.join(f'{k} = {v}' for k, v in row.parameters.items())}: {row.problem}"
+            for row in self.failed[:most]
+        ]
+        rest = len(self.failed) - most
+        return [*lines, f"{rest} more failed, see table.csv"] if rest > 0 else lines
+
+
+def sweep(
+    study: str | Path,
+    out: str | Path | None = None,
+    jobs: int = -1,
+    scheduler: str | None = None,
+    retry_failed: bool = False,
+    quiet: bool = True,
+) -> Sweep:
+    """Run a study; all its scenes are checked first.
+
+    Parameters
+    ----------
+    study : its TOML file
+    out : folder for runs, table and plots; results/STUDY if absent
+    jobs : processes on this machine, -1 for one a core; 1 computes in this process
+    scheduler : address of a dask scheduler, whose workers compute instead
+    retry_failed : compute the failed runs again
+    quiet : no progress bar
+
+    Raises
+    ------
+    SceneError : mistakes in the study or its scenes, before anything is written; a name in `qoi` that no run has
+    ContbedError : the folder cannot be written, or there is nobody to compute
+    """
+    todo = read_study(study)
+    folder = (Path(out) if out else Path("results") / todo.file.stem).absolute()
+    if scheduler is not None:
+        workers.require_dask()
+    prepare(folder)
+    outcomes: dict[str, Outcome] = {}
+    for case in todo.cases:
+        if (found := known(case, folder)) is not None:
+            if retry_failed and found["exit_code"]:
+                forget(case, folder)
+            else:
+                outcomes[case.name] = found
+    before = len(outcomes)
+    try:
+        with Progress(len(todo.cases), "runs", quiet) as progress:
+            for case, outcome in _found(todo, folder, outcomes, jobs, scheduler):
+                outcomes[case.name] = outcome
+                failed = sum(bool(outcome["exit_code"]) for outcome in outcomes.values())
+                progress.advance_to(len(outcomes), f"{failed} failed" if failed else "")
+    finally:
+        rows = [_row(case, outcomes[case.name]) for case in todo.cases if case.name in outcomes]
+        table.write(folder, todo, rows)
+    _require_known(todo, rows)
+    from contbed.sweep.plots import plot
+
+    plot(folder / "sweep.png", todo, rows)
+    return Sweep(rows, before, todo.warnings)
+
+
+def _found(todo: Study, folder: Path, outcomes: dict[str, Outcome], jobs: int, scheduler: str | None) -> workers.Found:
+    waiting = [case for case in todo.cases if case.name not in outcomes]
+    if not waiting:
+        return iter(())
+    if scheduler is not None:
+        return workers.on_cluster(waiting, folder, scheduler)
+    return workers.in_this_process(waiting, folder) if jobs == 1 else workers.on_this_machine(waiting, folder, jobs)
+
+
+def _row(case: Case, outcome: Outcome) -> Row:
+    return Row(case.name, case.parameters, outcome["qoi"], outcome["exit_code"], outcome["problem"])
+
+
+def _require_known(todo: Study, rows: list[Row]) -> None:
+    """Names to plot that no run has; not a mistake while every run fails."""
+    results = [quantity.key for quantity in table.columns(todo, rows)[1]]
+    missing = [name for name in todo.qoi if name not in results]
+    if results and missing:
+        raise SceneError([
+            f'{todo.qoi_at}: qoi: no run has the result "{name}"; {nearest(name, results)}' for name in missing
+        ])  # fmt: skip

@@ -1,0 +1,119 @@
+"""The table of a sweep: parameters and named results of every run that has ended, as CSV and as JSON."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from contbed.fields import FIELDS, name_of, unit_of
+from contbed.output.files import atomic
+from contbed.output.summary import write_json
+from contbed.scene import reference
+from contbed.scene.toml_lines import parse_key
+from contbed.sweep.study import Study
+
+# units that end the name of a result, T_fluid_out_K
+_ENDINGS = {"K": "K", "W": "W", "J": "J", "m": "m", "s": "s", "Pa": "Pa", "kg": "kg", "Pa_m": "Pa/m", "W_m2": "W/m2"}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run that has ended: its name, its parameters in SI, its named results, or its exit code and problem."""
+
+    name: str
+    parameters: Mapping[str, Any]
+    qoi: Mapping[str, Any]
+    exit_code: int = 0
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A parameter or result: its key in scene or summary, and its name and unit apart; unit None is no number."""
+
+    key: str
+    name: str
+    unit: str | None
+
+    @property
+    def header(self) -> str:
+        """Column header, "T_fluid_out [K]"; a plain number has "-"."""
+        return self.name if self.unit is None else f"{self.name} [{'-' if self.unit == '1' else self.unit}]"
+
+    @property
+    def label(self) -> str:
+        """Axis label, with the symbol of the field that a result is named after."""
+        field, rest = self.name, ""
+        while field and field not in FIELDS:
+            field, _, end = field.rpartition("_")
+            rest = f" {end}{rest}"
+        words = self.name if "." in self.name else self.name.replace("_", " ")
+        text = f"${FIELDS[field].symbol}${rest}" if field else words
+        return text if self.unit in (None, "1") else f"{text} [{self.unit}]"
+
+
+def parameter(key: str, values: Iterable[Any]) -> Quantity:
+    """A key of the scene; names and tables have no unit, also where a number might stand."""
+    named = any(isinstance(value, str | dict) for value in values)
+    return Quantity(key, key, None if named else reference.unit(parse_key(key)))
+
+
+def result(key: str) -> Quantity:
+    """A named result: "k_eff [W/m/K]" and "T_fluid_out_K" bring their unit, "u_max" has that of its field.
+
+    >>> [result(key).header for key in ("T_fluid_out_K", "k_eff [W/m/K]", "u_max", "porosity")]
+    ['T_fluid_out [K]', 'k_eff [W/m/K]', 'u_max [m/s]', 'porosity [-]']
+    """
+    if " [" in key:
+        return Quantity(key, name_of(key), key[key.index(" [") + 2 : -1])
+    for ending in sorted(_ENDINGS, key=len, reverse=True):
+        if key.endswith(f"_{ending}"):
+            return Quantity(key, key.removesuffix(f"_{ending}"), _ENDINGS[ending])
+    return Quantity(key, key, unit_of(key) or "1")
+
+
+def write(out: Path, study: Study, rows: list[Row]) -> None:
+    """Write table.csv and table.json."""
+    parameters, results = columns(study, rows)
+    with atomic(out / "table.csv") as temporary:
+        temporary.write_text(_csv(parameters, results, rows), encoding="utf-8")
+    described = {
+        "parameters": {q.key: {"unit": q.unit} for q in parameters},
+        "qoi": {q.key: {"unit": q.unit} for q in results},
+    }
+    runs = [
+        {"run": row.name, "exit_code": row.exit_code, "problem": row.problem, "parameters": row.parameters,
+         "qoi": row.qoi}
+        for row in rows
+    ]  # fmt: skip
+    counts = {"cases": len(study.cases), "ended": len(rows), "failed": sum(bool(row.exit_code) for row in rows)}
+    write_json(out / "table.json", {"study": study.file.name, **counts, "warnings": study.warnings, **described,
+                                    "runs": runs})  # fmt: skip
+
+
+def columns(study: Study, rows: list[Row]) -> tuple[list[Quantity], list[Quantity]]:
+    """The parameters, and the results that any run has."""
+    keys = dict.fromkeys(key for row in rows for key in row.qoi)
+    parameters = [parameter(key, (row.parameters[key] for row in rows)) for key in study.parameters]
+    return parameters, [result(key) for key in keys]
+
+
+def _csv(parameters: list[Quantity], results: list[Quantity], rows: list[Row]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*(q.header for q in parameters), *(q.header for q in results), "run", "exit code", "problem"])
+    for row in rows:
+        values = [_cell(row.parameters[q.key]) for q in parameters] + [_cell(row.qoi.get(q.key)) for q in results]
+        writer.writerow([*values, row.name, row.exit_code, row.problem])
+    return text.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, float):
+        return repr(value)
+    return json.dumps(value) if isinstance(value, list | dict) else value

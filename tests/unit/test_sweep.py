@@ -1,0 +1,436 @@
+"""Sweeps in this process: designs, tables, what is kept and what is told; their workers are in tests/stress."""
+
+import csv
+import errno
+import json
+import math
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.special import ndtr
+
+from contbed import cli
+from contbed.errors import ContbedError, ConvergenceError
+from contbed.sweep import design, table
+from contbed.sweep.plots import _Axis, _is_plane, _means
+from contbed.sweep.study import read_study
+
+SCENE = """\
+[mesh]
+type = "line"
+length = 2
+[fluid]
+density = 1
+viscosity = 2e-5
+[bed]
+porosity = 0.4
+particle_diameter = "3 mm"
+[flow]
+velocity = 0.1
+"""
+STUDY = """\
+scene = "scene.toml"
+[parameters]
+flow.velocity = [0.1, "20 cm/s"]
+"bed.particle_diameter" = ["1 mm", "2 mm"]
+"""
+CONDUCTION = "[conduction]\nparticles = 1.0\n[output]\nplots = false\n"
+ALONE = 'scene = "scene.toml"\n[parameters]\n'
+SAMPLE = """\
+scene = "scene.toml"
+[sample]
+method = "sobol"
+count = 8
+seed = 3
+[sample.parameters]
+flow.velocity = { distribution = "log_uniform", from = "1 cm/s", to = 1 }
+bed.porosity = { from = 0.3, to = 0.5 }
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "study.toml").write_text(STUDY)
+    return tmp_path
+
+
+@pytest.fixture
+def runner(monkeypatch):
+    """A runner that only records its calls; `runner.error(scene)` may return what it raises."""
+    module = types.ModuleType("contbed.runner")
+    module.calls, module.error = [], lambda scene: None
+
+    def run(scene, out, quiet):
+        module.calls.append(scene)
+        if error := module.error(scene):
+            raise error
+        out.mkdir(parents=True, exist_ok=True)
+        drop = scene.flow.velocity / scene.bed.particle_diameter * (2.0 if scene.bed.shape == "rods" else 1.0)
+        return types.SimpleNamespace(summary={"qoi": {"pressure_drop_Pa": drop, "u_max": scene.flow.velocity}})
+
+    module.run = run
+    monkeypatch.setitem(sys.modules, "contbed.runner", module)
+    return module
+
+
+def sweep(*arguments):
+    return cli.main(["sweep", "study.toml", "--out", "out", "--jobs", "1", *arguments])
+
+
+def rows(folder):
+    with open(folder / "out" / "table.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def never(below, text):
+    raise AssertionError(f"{below}: {text}")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "count", "spacing"),
+    [
+        (0.1, 0.7, 7, "linear"), (3.0, -1.0, 10, "linear"),
+        (0.1, 0.7, 7, "log"), (-1e3, -1e-5, 9, "log"), (7, 1, 2, "log"),
+    ],
+)
+def test_ranges_are_even_and_exact_at_both_ends(low, high, count, spacing):
+    found = design.values({"from": low, "to": high, "count": count, "spacing": spacing}, "1", never)
+    assert len(found) == count
+    assert (found[0], found[-1]) == (low, high)  # to the last bit
+    steps = np.diff(np.log(np.abs(found)) if spacing == "log" else found)
+    np.testing.assert_allclose(steps, steps.mean(), rtol=1e-12)
+
+
+def test_ranges_carry_units_and_count_in_whole_numbers():
+    assert design.values({"from": "3 mm", "to": "1.2 cm", "count": 4}, "m", never) == [0.003, 0.006, 0.009, 0.012]
+    assert design.values({"from": "0 degC", "to": 373.15, "count": 2}, "K", never) == [273.15, 373.15]
+    whole = design.values({"from": 10, "to": 40, "count": 4}, None, never)
+    assert whole == [10, 20, 30, 40] and all(type(value) is int for value in whole)
+    assert design.values({"from": 1, "to": 2, "count": 3}, None, never) == [1.0, 1.5, 2.0]
+
+
+@pytest.mark.parametrize("count", [1, 7, 64, 1000])
+def test_a_latin_hypercube_has_one_point_in_each_slice_of_equal_probability(count):
+    u = design.sample("latin_hypercube", count, seed=5, dimensions=4)
+    spread = [
+        {"from": 2.0, "to": 3.0},
+        {"distribution": "log_uniform", "from": -1e-3, "to": -10.0},
+        {"mean": 5.0, "deviation": 0.1},
+        {"from": 1.0, "to": -1.0},
+    ]
+    values = [design.distribution(entry, "1", never)(u[:, k]) for k, entry in enumerate(spread)]
+    probabilities = [
+        values[0] - 2.0,
+        np.log(values[1] / -1e-3) / math.log(1e4),
+        ndtr((values[2] - 5.0) / 0.1),
+        (1.0 - values[3]) / 2.0,
+    ]
+    for column in probabilities:
+        # exact: a point would have to lie within round-off of an edge to be counted in the wrong slice
+        assert sorted(np.floor(count * column).astype(int)) == list(range(count))
+
+
+def test_sobol_points_are_those_of_their_seed_and_fill_every_dimension():
+    u = design.sample("sobol", 64, seed=1, dimensions=6)
+    np.testing.assert_array_equal(u, design.sample("sobol", 64, seed=1, dimensions=6))
+    np.testing.assert_array_equal(u[:16], design.sample("sobol", 16, seed=1, dimensions=6))  # more points go on
+    assert (u != design.sample("sobol", 64, seed=2, dimensions=6)).all()
+    for column in u.T:
+        assert sorted(np.floor(64 * column).astype(int)) == list(range(64))
+    # a (0, 6, 2) net: one point in each box of 2^-k by 2^(k-6)
+    for k in range(7):
+        boxes = np.floor(u[:, :2] * (2**k, 2 ** (6 - k))).astype(int)
+        assert len(np.unique(boxes, axis=0)) == 64
+
+
+def test_a_normal_sample_has_its_mean_and_deviation_also_in_degrees():
+    spread = design.distribution({"mean": "700 degC", "deviation": "10 degC"}, "K", never)
+    np.testing.assert_allclose(spread(ndtr(np.array([-2.0, 0.0, 1.0]))), [953.15, 973.15, 983.15], rtol=1e-12)
+
+
+def test_parts_are_combined_and_zipped_ones_go_in_step(folder):
+    (folder / "study.toml").write_text(
+        STUDY
+        + "[[zipped]]\nfluid.density = [1.2, 0.6, 0.3]\nfluid.viscosity = { from = 1e-5, to = 3e-5, count = 3 }\n"
+        + SAMPLE.partition("\n")[2].replace("flow.velocity", "bed.permeability").replace('"1 cm/s"', '"1e-9 m2"')
+    )
+    study = read_study("study.toml")
+    assert len(study.cases) == 2 * 2 * 3 * 8
+    assert len({case.name for case in study.cases}) == len(study.cases)
+    pairs = {(case.parameters["fluid.density"], case.parameters["fluid.viscosity"]) for case in study.cases}
+    assert pairs == {(1.2, 1e-5), (0.6, 2e-5), (0.3, 3e-5)}
+    assert study.axes == ("flow.velocity", "bed.particle_diameter", "fluid.density", "bed.permeability", "bed.porosity")
+    assert study.parameters == (*study.axes[:3], "fluid.viscosity", *study.axes[3:])
+    assert study.logarithmic == {"bed.permeability"}
+    for case in study.cases:
+        assert case.scene.fluid.viscosity == case.parameters["fluid.viscosity"]
+        assert case.scene.bed.porosity == case.parameters["bed.porosity"]
+    assert not study.warnings
+
+
+def test_the_same_scene_twice_is_one_run(folder):
+    (folder / "study.toml").write_text(STUDY.replace('"20 cm/s"', '"10 cm/s", 0.1'))
+    assert len(read_study("study.toml").cases) == 2
+
+
+def test_scenes_of_every_kind(folder):
+    (folder / "scene.toml").write_text(
+        '[lattice]\ntype = "sc"\nradius = "1 mm"\ncontact_radius = 1e-5\n' + CONDUCTION
+    )
+    (folder / "study.toml").write_text('scene = "scene.toml"\n[parameters]\nlattice.type = ["sc", "bcc", "fcc"]\n')
+    assert sweep() == 0
+    found = [float(row["k_eff [W/m/K]"]) for row in rows(folder)]
+    assert found[0] < found[1] < found[2]  # more contacts conduct more
+    bubbling = Path(__file__).parents[2] / "studies" / "bubbling_bed_case1"
+    scene = sorted(bubbling.glob("*.toml"))[0]
+    (folder / "study.toml").write_text(f'scene = "{scene}"\n[parameters]\nmesh.cells = [30, 40]\n')
+    assert [case.scene.mesh.cells for case in read_study("study.toml").cases] == [30, 40]
+
+
+def test_a_sweep_runs_everything_once_and_keeps_failures(folder, runner, capsys):
+    runner.error = lambda scene: ConvergenceError("stalled\nat once") if scene.flow.velocity > 0.15 else None
+    assert sweep() == 3
+    out, err = capsys.readouterr()
+    assert out == "2 of 4 runs are finished, 0 were before; see out/table.csv\n"
+    assert err.splitlines() == [
+        f"failed with 3: flow.velocity = 0.2, bed.particle_diameter = {d}: stalled; at once" for d in (0.001, 0.002)
+    ]
+    assert [row["exit code"] for row in rows(folder)] == ["0", "0", "3", "3"]
+    assert [row["problem"] for row in rows(folder)] == ["", "", "stalled; at once", "stalled; at once"]
+    kept = json.loads((folder / "out" / "runs" / rows(folder)[2]["run"] / "outcome.json").read_text())
+    assert kept["exit_code"] == 3 and kept["scene"]["flow"]["velocity"] == 0.2
+
+    assert sweep() == 3
+    assert len(runner.calls) == 4
+    runner.error = lambda scene: None
+    assert sweep("--retry-failed") == 0
+    assert len(runner.calls) == 6
+    assert sweep("--retry-failed") == 0
+    assert len(runner.calls) == 6
+    found = rows(folder)
+    assert list(found[0]) == [
+        "flow.velocity [m/s]", "bed.particle_diameter [m]", "pressure_drop [Pa]", "u_max [m/s]", "run", "exit code",
+        "problem",
+    ]  # fmt: skip
+    assert [row["flow.velocity [m/s]"] for row in found] == ["0.1", "0.1", "0.2", "0.2"]
+    assert [float(row["pressure_drop [Pa]"]) for row in found] == [100.0, 50.0, 200.0, 100.0]
+    whole = json.loads((folder / "out" / "table.json").read_text())
+    assert whole["qoi"] == {"pressure_drop_Pa": {"unit": "Pa"}, "u_max": {"unit": "m/s"}}
+    assert whole["runs"][3]["qoi"] == {"pressure_drop_Pa": 100.0, "u_max": 0.2}
+    assert (folder / "out" / "sweep.png").read_bytes().startswith(b"\x89PNG")
+
+    written = (folder / "out" / "table.csv").read_bytes()
+    assert sweep() == 0
+    assert (folder / "out" / "table.csv").read_bytes() == written
+
+    # a new value and a damaged outcome are run, the rest is there
+    (folder / "study.toml").write_text(STUDY.replace("0.1,", "0.1, 0.3,"))
+    (folder / "out" / "runs" / found[0]["run"] / "outcome.json").write_text("{ broken")
+    assert sweep() == 0
+    assert len(runner.calls) == 9
+    log = (folder / "out" / "runs" / found[0]["run"] / "workers.log").read_text().splitlines()
+    assert [line.split()[-1] for line in log] == ["begun", "finished"] * 2
+
+
+def test_a_changed_file_is_a_changed_scene(folder):
+    (folder / "scene.toml").write_text(SCENE.replace('type = "line"\nlength = 2', 'type = "file"\nfile = "bed.msh"'))
+    (folder / "bed.msh").write_bytes(b"one")
+    first = {case.name for case in read_study("study.toml").cases}
+    (folder / "bed.msh").write_bytes(b"two")
+    assert not first & {case.name for case in read_study("study.toml").cases}
+
+
+def test_a_crash_in_one_run_does_not_lose_the_others(folder, runner):
+    runner.error = lambda scene: ZeroDivisionError("a\nb") if scene.flow.velocity > 0.15 else None
+    assert sweep("--quiet") == 3
+    assert [row["problem"] for row in rows(folder)] == ["", "", *["ZeroDivisionError: a; b"] * 2]
+    assert [row["exit code"] for row in rows(folder)] == ["0", "0", "1", "1"]
+
+
+def test_a_full_disk_stops_the_sweep_and_is_no_fault_of_the_scene(folder, runner, capsys):
+    full = OSError(errno.ENOSPC, "No space left on device", "out/runs")
+
+    def error(scene):
+        if len(runner.calls) < 3:
+            return None
+        failure = ContbedError("cannot write profiles.csv: No space left on device; free some space")
+        failure.__cause__ = full
+        return failure
+
+    runner.error = error
+    assert sweep() == 1
+    assert capsys.readouterr().err == "cannot write profiles.csv: No space left on device; free some space\n"
+    assert len(runner.calls) == 3
+    assert [row["exit code"] for row in rows(folder)] == ["0", "0"]
+    runner.error = lambda scene: full if len(runner.calls) == 4 else None
+    assert sweep() == 1
+    assert sweep() == 0
+    assert len(runner.calls) == 6
+
+
+def test_an_interrupt_keeps_what_is_there(folder, runner, capsys):
+    runner.error = lambda scene: KeyboardInterrupt() if len(runner.calls) == 2 else None
+    assert sweep() == 130
+    assert capsys.readouterr().err == "interrupted\n"
+    assert len(rows(folder)) == 1
+    assert json.loads((folder / "out" / "table.json").read_text())["cases"] == 4
+    assert sweep() == 0
+    assert len(runner.calls) == 5
+    assert len(rows(folder)) == 4
+
+
+def test_a_folder_that_cannot_be_written_is_told_before_the_first_run(folder, runner, capsys):
+    (folder / "out").write_text("a file")
+    assert sweep() == 1
+    assert "cannot write" in capsys.readouterr().err
+    assert not runner.calls
+
+
+def test_a_scheduler_without_dask_names_the_extra(folder, runner, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert sweep("--scheduler", "tcp://localhost:1") == 1
+    assert "pip install 'contbed[cluster]'" in capsys.readouterr().err
+    assert not (folder / "out").exists()
+
+
+def test_a_sobol_count_that_is_no_power_of_two_is_a_warning(folder, runner, capsys):
+    (folder / "study.toml").write_text(SAMPLE.replace("count = 8", "count = 6"))
+    assert sweep() == 0
+    assert capsys.readouterr().err == (
+        "warning: study.toml:4: sample.count = 6: not a power of two; Sobol points fill the space evenly at 4 or 8\n"
+    )
+    assert json.loads((folder / "out" / "table.json").read_text())["warnings"]
+
+
+def test_a_result_that_no_run_has_is_told_with_those_there_are(folder, runner, capsys):
+    (folder / "study.toml").write_text('qoi = ["u_max", "presure_drop_Pa"]\n' + STUDY)
+    assert sweep() == 2
+    assert capsys.readouterr().err == (
+        'study.toml:1: qoi: no run has the result "presure_drop_Pa"; allowed: pressure_drop_Pa, u_max; '
+        "did you mean 'pressure_drop_Pa'?\n"
+    )
+    assert len(rows(folder)) == 4
+    (folder / "study.toml").write_text('qoi = ["u_max", "pressure_drop_Pa"]\n' + STUDY)
+    assert sweep() == 0
+    assert len(runner.calls) == 4
+
+
+def parameters(text):
+    return STUDY.replace('[0.1, "20 cm/s"]', text)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (parameters("[-9e999, 1]"), "study.toml:3: flow.velocity = -Infinity: not a finite number"),
+        (STUDY.replace("flow.velocity", "flow.velocty"), 'did you mean \'velocity\'? (and 1 more values)'),
+        (parameters("0.1"), "study.toml:3: flow.velocity: expected a list of values, or a range { from, to, count }"),
+        (parameters("[]"), "study.toml:3: flow.velocity: an empty list; give at least one value"),
+        (parameters("{}"), "study.toml:3: flow.velocity: count is missing"),
+        (parameters("{ from = 1, to = 1, count = 3 }"), "flow.velocity: an empty range, from and to are both 1"),
+        (parameters("{ from = 1, to = 2, count = 0 }"), "flow.velocity: count is 0; allowed: a whole number from 2"),
+        (parameters("{ from = 1, to = 2, count = 2.0 }"), "flow.velocity: count is 2.0; allowed: a whole number"),
+        (parameters("{ from = 1, to = 2 }"), "flow.velocity: count is missing; allowed: a whole number from 2"),
+        (parameters("{ from = -1, to = 2, count = 3, spacing = 'log' }"), "a logarithmic range from -1 to 2; its ends"),
+        (parameters("{ from = 0, to = 2, count = 3, spacing = 'log' }"), "must have the same sign and not be 0"),
+        (parameters("{ from = 1, to = 2, count = 3, spacing = 'lin' }"), "did you mean 'linear'?"),
+        (parameters("{ from = 1, to = 2, count = 3, sacing = 'log' }"), "sacing: unknown key; allowed: from, to, "),
+        (parameters("{ from = '1 kg', to = inf, count = 3 }"), "flow.velocity: from: expected a velocity like 'm/s'"),
+        (parameters("{ from = '1 kg', to = inf, count = 3 }"), "flow.velocity: to is inf; allowed: a finite number"),
+        (parameters("{ from = -1e308, to = 1e308, count = 3 }"), "the range is too wide for a computer's numbers"),
+        (STUDY.replace("scene =", "scenes ="), "study.toml:1: scenes: unknown key; allowed: title, scene, qoi,"),
+        (STUDY.replace("scene =", "scenes ="), "study.toml:1: scene: missing; give the file of the scene"),
+        (STUDY.replace("scene.toml", "no.toml"), 'study.toml:1: scene: no such file: "no.toml", looked for beside'),
+        ('scene = "scene.toml"', "study.toml:1: parameters: missing"),
+        ("title = 1\nqoi = 'u_max'\n" + STUDY, "study.toml:1: title: expected a text"),
+        ("title = 1\nqoi = 'u_max'\n" + STUDY, "study.toml:2: qoi: expected a list of names of results"),
+        (STUDY + "bed.porosity = [0.4, 1.4]", "study.toml:5: bed.porosity = 1.4: out of range; allowed: a number > 0"),
+        (STUDY + "bed.'porosity' = [0.4]\n[[zipped]]\nbed.porosity = [0.3]", "stands twice, also at study.toml:5"),
+        (STUDY + "[[zipped]]\nbed.porosity = [0.3]\nmesh.length = [1, 2]", "found 1 of bed.porosity, 2 of mesh.length"),
+        (STUDY + "[zipped]\nbed.porosity = [0.3]", "study.toml:5: zipped: expected tables [[zipped]]"),
+        (STUDY.replace("0.1,", f"{'0.1, ' * 60000}"), "study.toml:2: parameters: 120002 runs; at most 100000"),
+        (SAMPLE.replace("sobol", "soboll"), "study.toml:3: sample: method is 'soboll'; allowed: latin_hypercube, "),
+        (SAMPLE.replace("count = 8", "count = true"), "study.toml:4: sample: count is True; allowed: a whole number"),
+        (SAMPLE.replace("count = 8", "cuont = 8"), "study.toml:4: sample: cuont: unknown key"),
+        (SAMPLE.replace("seed = 3", "seed = -3"), "study.toml:5: sample: seed is -3"),
+        (SAMPLE.partition("[sample.p")[0], "study.toml:2: sample: parameters: missing; give distributions"),
+        (SAMPLE.replace("log_uniform", "lognormal"), "study.toml:7: flow.velocity: distribution is 'lognormal'"),
+        (SAMPLE.replace('"1 cm/s"', "-1"), "study.toml:7: flow.velocity: a logarithmic range from -1 to 1"),
+        (SAMPLE.replace("from = 0.3, to", "mean = 0.3, deviation"), "study.toml:8: bed.porosity = "),
+        (SAMPLE.replace("from = 0.3, to = 0.5", "mean = 0.3, deviation = 0"), "deviation is 0; allowed: a number > 0"),
+        (SAMPLE.replace("{ from = 0.3, to = 0.5 }", "[0.3]"), "study.toml:8: bed.porosity: expected a distribution"),
+        (SAMPLE.replace("to = 0.5", "to = '5 mm'"), "bed.porosity: to: expected a plain number, found '5 mm'"),
+        ("sample = 3\n" + STUDY, "study.toml:1: sample: expected a table with method, count, seed and parameters"),
+    ],
+)  # fmt: skip
+def test_mistakes_in_a_study_are_told_before_the_first_run(folder, runner, capsys, text, line):
+    (folder / "study.toml").write_text(text)
+    assert sweep() == 2
+    out, err = capsys.readouterr()
+    assert line in err and out == ""
+    assert all(told.startswith("study.toml:") for told in err.splitlines())
+    assert not runner.calls
+    assert not (folder / "out").exists()
+
+
+def test_a_contradiction_in_the_scene_names_the_values_that_make_it(folder, runner, capsys):
+    (folder / "study.toml").write_text('scene = "scene.toml"\n[parameters]\nmesh.type = ["line", "file"]\n')
+    assert sweep() == 2
+    assert "(with mesh.type = file)" in capsys.readouterr().err
+
+
+def test_quantities_have_names_units_and_labels():
+    found = [table.result(name) for name in ("T_fluid_out_K", "heat_wall_W", "k_eff [W/m/K]", "u_max", "porosity")]
+    assert [q.header for q in found] == [
+        "T_fluid_out [K]", "heat_wall [W]", "k_eff [W/m/K]", "u_max [m/s]", "porosity [-]",
+    ]  # fmt: skip
+    assert [q.label for q in found] == [
+        r"$T_\mathrm{f}$ out [K]", "heat wall [W]", "k eff [W/m/K]", "$u$ max [m/s]", "porosity",
+    ]  # fmt: skip
+    assert table.parameter("bed.particle_diameter", [0.1]).label == "bed.particle_diameter [m]"
+    assert table.parameter("heat.nusselt", [2.0, "nusselt_gunn"]).header == "heat.nusselt"
+    assert table.parameter("heat.nusselt", [2.0, 4.0]).header == "heat.nusselt [-]"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        ALONE + "flow.velocity = [0.1, 0.2, 0.4]",
+        ALONE + "flow.velocity = { from = -1, to = -0.1, count = 3, spacing = 'log' }",
+        ALONE + "bed.shape = ['spheres', 'rods']",
+        ALONE + "bed.shape = ['spheres', 'rods']\nflow.velocity = [0.1, 0.2]",
+        STUDY.replace('["1 mm", "2 mm"]', '{ from = 1e-3, to = 1e-2, count = 3, spacing = "log" }'),
+        STUDY + "bed.shape = ['spheres', 'rods']",
+        STUDY + "mesh.length = [1, 2]\nfluid.density = [1, 2]\nfluid.viscosity = [1, 2]\nbed.porosity = [0.3, 0.4]",
+        SAMPLE.replace("count = 8", "count = 64"),
+    ],
+    ids=["line", "negative log", "choice", "line for each choice", "contours", "effects", "six effects", "sample"],
+)
+@pytest.mark.parametrize("failures", [0, 1])
+def test_pictures_also_where_runs_failed(folder, runner, text, failures):
+    (folder / "study.toml").write_text(text)
+    runner.error = lambda scene: ConvergenceError("no") if len(runner.calls) <= failures else None
+    assert sweep() == (3 if failures else 0)
+    # the only other shape is left: nothing varies
+    assert (folder / "out" / "sweep.png").exists() == (not (failures and len(runner.calls) == 2))
+
+
+def test_no_picture_where_nothing_varies(folder, runner):
+    (folder / "study.toml").write_text(ALONE + "flow.velocity = [0.1]")
+    assert sweep() == 0
+    assert sorted(path.name for path in (folder / "out").iterdir()) == ["runs", "table.csv", "table.json"]
+
+
+def test_main_effects_of_a_sum_are_its_terms():
+    """A product design of y = a + b: the mean over b at each a is a + mean(b), to round-off."""
+    a, b = (grid.ravel() for grid in np.meshgrid([1.0, 2.0, 5.0], [0.0, 10.0, 40.0, 50.0]))
+    levels, means = _means(_Axis(table.parameter("flow.velocity", a), a), a + b)
+    np.testing.assert_allclose(levels, [1.0, 2.0, 5.0])
+    np.testing.assert_allclose(means, [26.0, 27.0, 30.0], rtol=1e-14)
+    axes = [_Axis(table.parameter("flow.velocity", a), values) for values in (a, b, 3.0 * a + 1.0)]
+    assert _is_plane([axes[0], axes[1]]) and not _is_plane([axes[0], axes[2]])
