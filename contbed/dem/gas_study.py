@@ -17,7 +17,7 @@ from contbed.dem import gas_settings as g
 from contbed.dem.coupling import Bed
 from contbed.dem.gas import Gas
 from contbed.dem.gas_grid import Grid
-from contbed.dem.htc import Average, Solid
+from contbed.dem.htc import Average, Solid, bed_nusselt
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
@@ -226,32 +226,15 @@ def _closure(plan: GasPlan, result: Result, folder: Path | None) -> None:
 
     scene = plan.scene
     assert scene.closure is not None
-    Re, Pr, Nu = nusselt_points(plan, scene.closure.velocities, scene.closure.of)
-    fit = extract.fit_power(Re, Pr, Nu)
+    points = []
+    for U in scene.closure.velocities:
+        bed, solid = build(plan)
+        points.append(bed_nusselt(bed, U, scene.gas.T, solid, scene.closure.of))
+    fit = extract.fit_power(*np.array(points).T)
     result.qoi["closure_residual"] = fit.content["residuals"]["largest"]
     if folder is not None:
         name = Path(scene.origin.name).name
         fit.write(folder / "closure.toml", {"scene": name, "scene_hash": scene_hash(scene), "of": scene.closure.of})
-
-
-def nusselt_points(plan: GasPlan, velocities: Any, of: str = "convection") -> tuple[Array, Array, Array]:
-    """Re and Pr of the superficial velocity, and Nu of the mean coefficient of all particles of a bed at rest."""
-    rows = []
-    for U in velocities:
-        bed, solid = build(plan)
-        gas, T = bed.gas, plan.scene.gas.T
-        gas.inlet(U, T)
-        # until the gas has crossed the grid
-        bed.run(float(plan.grid.size[2] * plan.grid.count[2]) / U)
-        average = Average(solid)
-        average(bed)
-        h = average.mean["convection"] if of == "convection" else average.total
-        mu, k = float(gas.fluid.viscosity(T)), float(gas.fluid.conductivity(T))
-        d_p = 2.0 * plan.particles.radius
-        rows.append((float(gas.fluid.density(T)) * U * float(d_p.mean()) / mu,
-                     mu * float(gas.fluid.heat_capacity(T)) / k, float((h * d_p).mean()) / k))  # fmt: skip
-    Re, Pr, Nu = np.array(rows).T
-    return Re, Pr, Nu
 
 
 def _keeper(

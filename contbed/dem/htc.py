@@ -146,3 +146,21 @@ class Average:
     def bed_means(self) -> dict[str, float]:
         """Averages over all particles by mechanism [W/m2/K]."""
         return {name: float(h.mean()) for name, h in self.mean.items()}
+
+
+def bed_nusselt(
+    bed: Bed, velocity: float, T: float, solid: Solid, of: str = "convection"
+) -> tuple[float, float, float]:
+    """Re and Pr of a superficial velocity [m/s] through a bed at rest, and Nu of the mean coefficient of its particles.
+
+    The gas enters at T [K], that of the bed, and has crossed the grid once. `of` "total" adds what `solid` conducts.
+    """
+    gas, grid, d_p = bed.gas, bed.gas.grid, 2.0 * bed.simulation.radius
+    gas.inlet(velocity, T)
+    bed.run(float(grid.size[2] * grid.count[2]) / velocity)
+    average = Average(solid)
+    average(bed)
+    h = average.mean["convection"] if of == "convection" else average.total
+    rho, mu, k, c = (float(getattr(gas.fluid, name)(T)) for name in
+                     ("density", "viscosity", "conductivity", "heat_capacity"))  # fmt: skip
+    return rho * velocity * float(d_p.mean()) / mu, mu * c / k, float((h * d_p).mean()) / k

@@ -1,4 +1,4 @@
-"""Heat transfer coefficients of particles from packed to bubbling beds: Zhou, Yu, Zulli 2009, Figs 3-7, and 2010, Fig. 10.
+"""Heat transfer coefficients from packed to bubbling beds: Zhou, Yu, Zulli 2009, Figs 3-7, and 2010, Fig. 10.
 
 python studies/zhou_2009_htc/study.py            # everything, about 10 min on one core
 python studies/zhou_2009_htc/study.py plot       # table and pictures from results.json
