@@ -161,7 +161,7 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     number[edge] = ni + np.arange(len(edge))
     named = {name: number[facets] for name, facets in old.boundaries.items()}
     return Grid(
-        Geometry(*map(np.ascontiguousarray, arrays), axes=(0,) * dim),
+        Geometry._make([*map(np.ascontiguousarray, arrays), (0,) * dim]),
         cells, centres, middles[face],
         {name: np.sort(f[f >= 0]) for name, f in named.items() if (f >= 0).any()},
         {name: np.sort(rank[c]) for name, c in old.subdomains.items()},

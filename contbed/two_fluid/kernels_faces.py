@@ -34,14 +34,14 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
 
     rho : densities of gas and solid
     cells : eps_s, change of eps_s in half a step, K, P, h, p
-    vectors : H_g, H_s
+    vectors : H_g, H_s and the velocities before
     gradients : of eps_s, H_g, H_s, (p, P, h)
     corrections : whether the mesh is skewed
     faces (nf, 8) : u_g, u_s without pressure, their mobilities, fractions of gas and solid, normal H_g, H_s
     coef (nf,), rhs (nc,) : of the pressure equation sum coef (p - p_neighbour) = rhs
     """
     s, ahead, drag, kinetic, friction, p = cells
-    h_g, h_s = vectors
+    h_g, h_s, old_g, old_s = vectors
     grad_s, grad_g_old, grad_s_old, grad_p = gradients
     rho_g, rho_s = rho
     ni, dim = len(g.right), len(g.axes)
@@ -54,6 +54,19 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
             faces[f, 4], faces[f, 5] = 1.0 - eps, eps
             faces[f, 6] = faces[f, 0] = open_gas / (1.0 - eps)
             faces[f, 7] = faces[f, 1] = solid.flux[b] / eps if solid.kind[b] == GIVEN and eps > 0.0 else 0.0
+            # where velocities are given, the force is the one that keeps them so; at a wall there is none
+            for k in range(dim):
+                if gas.kind[b] == GIVEN:
+                    faces[f, 6] += g.normal[f, k] * (h_g[left, k] - old_g[left, k])
+                if solid.kind[b] == GIVEN:
+                    faces[f, 7] += g.normal[f, k] * (h_s[left, k] - old_s[left, k])
+            if solid.flux[b] > 0.0:
+                # what leaves has the fraction of the cell
+                part = ahead[left]
+                for d in range(dim):
+                    part += grad_s[left, 0, d] * g.arm_left[f, d]
+                jump = edge.eps_s[b] - s[left]
+                faces[f, 5] = s[left] + (min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part)
             faces[f, 2] = faces[f, 3] = coef[f] = 0.0
             rhs[left] -= g.area[f] * (open_gas + solid.flux[b])
             continue
@@ -162,7 +175,7 @@ def correct(g, gas, solid, edge, p, faces, coef, flux_solid, flux_total, outflow
             if u_s < 0.0:
                 faces[f, 1] = u_s = 0.0
         elif f >= ni:
-            flux_solid[f] = area * solid.flux[f - ni]
+            flux_solid[f] = area * faces[f, 5] * u_s
             flux_total[f] = area * (gas.flux[f - ni] + solid.flux[f - ni])
         else:
             flux_solid[f] = area * faces[f, 5] * u_s

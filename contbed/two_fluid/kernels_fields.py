@@ -67,7 +67,8 @@ def increment(slope, along, jump, ahead, limited):
         return 0.0
     size = abs(along)
     part = min(1.0, 2.0 * abs(behind) / size, 2.0 * abs(jump) / size) * (slope + ahead)
-    return min(max(part, min(0.0, jump)), max(0.0, jump))
+    aside = abs(slope - 0.5 * along)  # the middle of the face may lie off the line between the centres
+    return min(max(part, min(0.0, jump) - aside), max(0.0, jump) + aside)
 
 
 @njit(cache=True)

@@ -76,7 +76,7 @@ def production(g, mu, bulk, u, grad, divergence, out):
         for k in range(dim):
             trace += grad[c, k, k]
             for d in range(dim):
-                total += 0.5 * (grad[c, k, d] + grad[c, d, k]) ** 2
+                total += 0.25 * (grad[c, k, d] + grad[c, d, k]) ** 2
         if g.radius[c] > 0.0:
             ring = u[c, 0] / g.radius[c]
             total += ring**2
@@ -86,7 +86,7 @@ def production(g, mu, bulk, u, grad, divergence, out):
 
 @njit(cache=True)
 def conduct(g, solid, edge, k, theta, grad, corrections, out, coef):
-    """Adds the conducted k grad theta . n area [W] of all faces to `out`, its links to `coef`; walls conduct nothing."""
+    """Adds the conducted k grad theta . n area [W] of all faces to `out`, its links to `coef`; none through walls."""
     ni = len(g.right)
     for f in range(len(g.left)):
         left = g.left[f]

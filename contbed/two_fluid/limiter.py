@@ -1,9 +1,9 @@
 """Conservative limit on the solids flux, so that 0 <= eps_s <= eps_max holds after the step whatever the flux.
 
 A flux is only ever made smaller, and both its cells see the same flux, so mass is kept. No cell gives more than it
-holds at the start of the step, so that what comes in is a share of what is there afterwards. Fluxes into a cell that would
-overfill shrink to what it can take, round by round, as one repair can fill a neighbour. If that does not end, each
-cell's inflow shrinks to its room without counting on its outflow: then nothing below can break a bound.
+holds at the start of the step, so that what comes in is a share of what is there afterwards. Fluxes into a cell that
+would overfill shrink to what it can take, round by round, as one repair can fill a neighbour. If that does not end,
+each cell's inflow shrinks to its room without counting on its outflow: then nothing below can break a bound.
 
 Cells that lose a large part of their particles in the step are marked: what they give must have their own velocity and
 granular temperature, not a reconstructed one, or the few particles left would keep the difference for all.

@@ -31,6 +31,7 @@ from contbed.two_fluid.rheology import Closures
 
 ITERATIONS = 500
 TOLERANCE = 1e-10
+EXTENSIONS = 60  # rounds in which gradients extend initial fields to the walls
 EXPLICIT = 0.1  # viscous exchange of a cell in a step, as share of its content, below which it is not solved for
 
 
@@ -129,6 +130,7 @@ class TwoFluid:
 
         # what the next step remembers of the last one
         self.lag_g, self.lag_s, self.lag_theta = np.zeros((nc, dim)), np.zeros((nc, dim)), np.zeros((nc, 1))
+        self.force_g, self.force_s = np.zeros((nc, dim)), np.zeros((nc, dim))
         self.gain_eps, self.carried = np.zeros((nc, 1)), np.zeros((nc, 1))
         self.drag, self.stiffness = np.zeros(nc), np.zeros(nc)
         self.grad_p, self.grad_theta = np.zeros((nc, 3, dim)), np.zeros((nc, 1, dim))
@@ -147,6 +149,9 @@ class TwoFluid:
         for name, value in fields.items():
             getattr(self, name)[...] = value
         self._evaluate()
+        if self.grid.skewed:
+            for _ in range(EXTENSIONS):
+                self._slopes_of_forces(self.rheology.pressure * self.theta)
         kept = self.u_gas, self.u_solid
         grad = [np.zeros((*u.shape, u.shape[1])) for u in kept]
         self._faces_step(self.options.dt or self.options.dt_first, *kept, *grad)
@@ -286,11 +291,15 @@ class TwoFluid:
         kc.add_links(g, coef, links)
         diagonal = links + content[:, None]
         change = np.empty_like(u)
+        force = (self.force_g, self.force_s)[phase]
         if (links <= EXPLICIT * content[:, None]).all():
             change = rhs / content[:, None]
         else:
+            # with the last forces the change vanishes in a steady state, which the implicit part then leaves alone
+            rhs += (dt * content)[:, None] * force
             name = ("u_gas", "u_solid")[phase]
             self._check(kc.conjugate(g, coef, diagonal, rhs, change, TOLERANCE, ITERATIONS), name)
+            change -= dt * force
         return u + change, grad
 
     def _faces_step(self, dt, h_g, h_s, grad_g, grad_s) -> np.ndarray:
@@ -302,6 +311,8 @@ class TwoFluid:
         kinetic = r.pressure * self.theta
         if skewed:
             self._slopes_of_forces(kinetic)
+            grad_g = grad_g + self._slopes(h_g - self.u_gas)
+            grad_s = grad_s + self._slopes(h_s - self.u_solid)
         grad_eps = self._eps_gradient()
         carried = np.empty((nc, 1))
         kc.advance_rate(s.reshape(-1, 1), grad_eps, self.u_solid, carried)
@@ -310,7 +321,7 @@ class TwoFluid:
         coef, rhs = np.empty(nf), g.volume * (self.sources.solid + self.sources.gas)
         cells = (s, ahead, self.drag, kinetic, r.h, self.p)
         kf.predict(
-            g, edge.gas, edge.solid, edge, dt, self.gravity, self.rho, cells, (h_g, h_s),
+            g, edge.gas, edge.solid, edge, dt, self.gravity, self.rho, cells, (h_g, h_s, self.u_gas, self.u_solid),
             (grad_eps, grad_g, grad_s, self.grad_p), skewed, limited, faces, coef, rhs,
         )  # fmt: skip
         self.p = self.pressure.solve(coef, rhs)
@@ -321,14 +332,26 @@ class TwoFluid:
         )  # fmt: skip
         kf.presence(faces, self._presence)
         new = [np.empty((nc, dim)) for _ in range(4)]
-        zero = grad_g
-        kf.gather(g, faces, 0, self._all, zero, False, new[0])
-        kf.gather(g, faces, 6, self._all, zero, False, new[1])
-        kf.gather(g, faces, 1, self._presence, zero, False, new[2])
-        kf.gather(g, faces, 7, self._presence, zero, False, new[3])
+        for phase, (weight, grad) in enumerate(((self._all, grad_g), (self._presence, grad_s))):
+            u, before = new[2 * phase], new[2 * phase + 1]
+            kf.gather(g, faces, phase, weight, grad, False, u)
+            kf.gather(g, faces, 6 + phase, weight, grad, False, before)
+            if skewed:
+                # once more, with the slopes of H and of the change by forces
+                change = self._slopes(u - before)
+                kf.gather(g, faces, phase, weight, grad + change, True, u)
+                kf.gather(g, faces, 6 + phase, weight, grad, True, before)
         kf.cell_velocities(dt, self.rho, s, self.drag, h_g, h_s, new[1], new[3], new[0], new[2])
         self.u_gas, self.u_solid = new[0], new[2]
+        self.force_g, self.force_s = (new[0] - h_g) / dt, (new[2] - h_s) / dt
         return divergence
+
+    def _slopes(self, u: np.ndarray) -> np.ndarray:
+        """Gradient of a cell vector (nc, dim) that is level at the boundaries."""
+        g = self.grid.geometry
+        out = np.empty((*u.shape, u.shape[1]))
+        kc.gradient(g, u, u[g.left[self.grid.interior :]], out)
+        return out
 
     def _eps_gradient(self) -> np.ndarray:
         g, solid = self.grid.geometry, self.edge.solid
@@ -431,12 +454,12 @@ class TwoFluid:
                 x = ", ".join(f"{v:.4g}" for v in self.grid.centres[cell])
                 number = int(self.grid.cells[cell])
                 raise ConvergenceError(
-                    f"t = {self.time:.6g} s, step {self.steps}: {name} is not finite in cell {number} at ({x}) m; reduce "
-                    "the Courant number, or look at the closures and boundaries there"
+                    f"t = {self.time:.6g} s, step {self.steps}: {name} is not finite in cell {number} at ({x}) m; "
+                    "reduce the Courant number, or look at the closures and boundaries there"
                 )
 
 
 _STATE = (
-    *FIELDS, "flux_solid", "flux_total", "lag_g", "lag_s", "lag_theta", "gain_eps", "carried", "drag", "stiffness",
+    *FIELDS, "flux_solid", "flux_total", "lag_g", "lag_s", "lag_theta", "force_g", "force_s", "gain_eps", "carried", "drag", "stiffness",
     "grad_p", "grad_theta", "outflow",
 )  # fmt: skip
