@@ -55,7 +55,7 @@ def carried(problem: Any, chemistry: Chemistry, state: Any) -> dict[str, tuple[f
 
 def profiles(chemistry: Chemistry, values: dict[str, Any]) -> dict[str, Any]:
     """Mole fractions of both phases and what the bed holds of each solid."""
-    part, out = chemistry.part, {}
+    part, out = chemistry.part, dict[str, Any]()
     for phase in part.phases:
         total = sum(values[f"N_{name}_{phase}"] for name in part.gases)
         out |= {f"x_{name}_{phase} [1]": values[f"N_{name}_{phase}"] / total for name in part.gases}

@@ -27,11 +27,8 @@ def law_of(name: str, table: Any) -> r.Law:
 
 def equilibrium_quotient(law: r.Law, T: Any, p: dict[str, Any]) -> Any:
     """Product of the pressures of what is made over K [atm to the order of what is consumed]: K's own reactants."""
-    out = np.exp(-thermo.ln_equilibrium(law.stoichiometry, T))
-    for name, count in law.stoichiometry.items():
-        for _ in range(round(max(count, 0.0)) if name in p else 0):
-            out = out * p[name]
-    return out
+    made = [p[name] for name, count in law.stoichiometry.items() if name in p for _ in range(round(max(count, 0.0)))]
+    return np.exp(-thermo.ln_equilibrium(law.stoichiometry, T)) * r.product(made)
 
 
 @dataclass(frozen=True)
@@ -57,9 +54,7 @@ class Homogeneous:
             return self.factor * self.law.rate(T, concentration, small)
         # both of first order: k (prod of reactants - prod of products/K), in concentrations
         unit = R_GAS * T / thermo.P_STANDARD
-        forward = 1.0
-        for name in self.law.orders:
-            forward = forward * concentration[name]
+        forward = r.product([concentration[name] for name in self.law.orders])
         p = {name: c * unit for name, c in concentration.items()}
         backward = equilibrium_quotient(self.law, T, p) * unit ** -sum(self.law.orders.values())
         return self.factor * self.law.constant(T) * (forward - backward)

@@ -6,7 +6,7 @@ Orders below one have infinite slopes at zero, where nothing is left to react. T
 
     [i]^n  ->  [i] ([i]^2 + s^2)^((n - 1)/2),   s = 1e-5 of all molecules,
 
-which changes r where less than about s is left and lets a slightly negative [i] pull back.
+which changes r where less than about s is left and lets a slightly negative [i] pull back; two of them do not.
 
 Reversible reactions run backward at the rate that thermodynamic equilibrium demands: r (1 - Q/K).
 
@@ -15,7 +15,7 @@ Constants are those quoted for the sources in secondary literature; `share_outsi
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -57,10 +57,7 @@ class Law:
 
     def rate(self, T: Any, concentration: Mapping[str, Any], small: Any) -> Any:
         """Forward rate [mol/m3/s] at concentrations [mol/m3]; `small` is s of the module's docstring [mol/m3]."""
-        rate = self.constant(T)
-        for name, order in self.orders.items():
-            rate = rate * power(concentration[name], order, small)
-        return rate
+        return self.constant(T) * product([power(concentration[name], n, small) for name, n in self.orders.items()])
 
 
 def stoichiometry(reaction: str) -> dict[str, float]:
@@ -72,6 +69,21 @@ def stoichiometry(reaction: str) -> dict[str, float]:
             count, _, name = term.strip().rpartition(" ")
             out[name] = out.get(name, 0.0) + sign * (float(count) if count else 1.0)
     return out
+
+
+def product(factors: Sequence[Any]) -> Any:
+    """Their product where at most one is negative, else 0: what two reactants lack is not taken from both."""
+    up = [np.maximum(factor, 0.0) for factor in factors]
+    total: Any = 1.0
+    for factor in up:
+        total = total * factor
+    for k, factor in enumerate(factors):
+        lacking = np.minimum(factor, 0.0)
+        for j, other in enumerate(up):
+            if j != k:
+                lacking = lacking * other
+        total = total + lacking
+    return total
 
 
 def power(c: Any, order: float, small: Any) -> Any:

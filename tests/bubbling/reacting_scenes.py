@@ -1,0 +1,66 @@
+"""Small reacting beds for the tests."""
+
+from copy import deepcopy
+
+from contbed.scene.loading import from_dict
+
+COAL = {
+    "species": "char", "moisture": 0.08, "ash": 0.10, "volatile_matter": 0.38,
+    "ultimate": {"C": 0.70, "H": 0.047, "O": 0.12, "N": 0.013, "S": 0.02},
+    "feed": {"mass_flow": 0.035, "temperature": 300.0, "height": 0.2, "width": 0.1},
+}  # fmt: skip
+BURNING = {name: {} for name in ("char_combustion", "CO_oxidation", "H2_oxidation", "CH4_oxidation",
+                                 "tar_oxidation", "H2S_oxidation")}  # fmt: skip
+BURNING |= {"drying": {"time": 10.0}, "devolatilisation": {"time": 20.0}}
+STONE = {
+    "species": "stone", "purity": 0.95,
+    "feed": {"mass_flow": 0.005, "temperature": 300.0, "height": 0.2, "width": 0.1},
+}  # fmt: skip
+
+
+def particles(share, diameter, density, **keys):
+    """One kind of particles with its own numbers."""
+    return {
+        "volume_fraction": share, "diameter": diameter, "density": density, "heat_capacity": 1000.0,
+        "gas_coefficient": 150.0, "conductivity": 4e4 * share + 200.0,
+    } | keys  # fmt: skip
+
+
+def tables(stone=False, **changes):
+    """A combustor of 1 m2 with 1 MW of coal; None removes a table."""
+    inert = 0.98 - (0.1 if stone else 0.0)
+    found = {
+        "bubbling_bed": {"height": 1.0, "section": 1.0, "solids_fraction": 0.55},
+        "gas": {"mass_flow": 0.45, "composition": "O2:0.21, N2:0.78, H2O:0.01", "temperature": 400.0},
+        "bubbles": {"size": 0.1},
+        "species": {
+            "char": particles(0.02, 2e-3, 900.0, exchange={"inert": 2e4}),
+            "inert": particles(inert, 8e-4, 2600.0),
+        },
+        "tubes": {"perimeter": 2.0, "coefficient": 250.0, "temperature": 550.0},
+        "fuel": deepcopy(COAL), "drain": {"time": 7200.0}, "reactions": deepcopy(BURNING),
+        "mesh": {"cells": 12}, "solver": {"degree": 2}, "output": {"plots": False, "fields": False},
+    }  # fmt: skip
+    if stone:
+        found["species"]["stone"] = particles(0.1, 6e-4, 2600.0, exchange={"inert": 1e5})
+        found["limestone"] = deepcopy(STONE)
+        found["reactions"] |= {"calcination": {}, "sulphation": {}}
+    return {key: value for key, value in (found | changes).items() if value is not None}
+
+
+def combustor(stone=False, **changes):
+    """Its scene."""
+    return from_dict(tables(stone, **changes))
+
+
+def tube(composition, reactions, **changes):
+    """Gas alone through a bed without bubbles that its walls hold at 1200 K."""
+    found = {
+        "bubbling_bed": {"height": 0.5, "section": 0.1, "solids_fraction": 0.55},
+        "gas": {"mass_flow": 0.02, "composition": composition, "temperature": 1200.0},
+        "species": {"inert": particles(1.0, 2e-3, 2600.0, gas_coefficient=1e4)},
+        "walls": {"perimeter": 1.0, "coefficient": 1e6, "temperature": 1200.0},
+        "reactions": reactions, "mesh": {"cells": 20}, "solver": {"degree": 3, "guess": 1200.0},
+        "output": {"plots": False, "fields": False},
+    }  # fmt: skip
+    return from_dict(found | changes)

@@ -1,0 +1,191 @@
+"""Reacting beds whose solution is known, and beds that break models: each converges and closes every balance."""
+
+import numpy as np
+import pytest
+from reacting_scenes import BURNING, COAL, combustor, tables, tube
+from scipy.integrate import solve_ivp
+
+import contbed as cb
+from contbed.bubbling import chemistry_reactions as cr
+from contbed.bubbling import chemistry_thermo as thermo
+from contbed.closures import reactions as r
+from contbed.errors import SceneError
+from contbed.scene.loading import from_dict
+
+CLOSED = 1e-11  # of the throughput: rounding of exchange with walls; what is asked for is 1e-8
+
+
+def solved(scene):
+    result = cb.run(scene)
+    for name, balance in result.balances.items():
+        assert abs(balance["relative_residual"]) < CLOSED, name
+    return result
+
+
+@pytest.fixture(scope="module")
+def burning():
+    return solved(combustor(stone=True))
+
+
+def test_a_combustor_burns_its_coal(burning):
+    qoi = burning.qoi
+    assert set(burning.balances) == {"energy", "C", "H", "O", "N", "S", "Ca"}
+    assert qoi["ignited"] == 1 and qoi["carbon_conversion"] > 0.97 and qoi["combustion_efficiency"] > 0.97
+    assert 0.5 < qoi["sulphur_capture"] < 0.9 and qoi["calcined"] > 0.99
+    power = qoi["fuel_power_W"] * qoi["combustion_efficiency"]
+    assert 0.3 < qoi["tubes_convection_W"] / power < 0.5
+    wet = sum(value for name, value in qoi.items() if name.startswith("x_") and name.endswith("_wet"))
+    assert wet == pytest.approx(1.0, rel=1e-12)
+    # what is not captured leaves with the gas, but for 0.3 % in volatile matter that is drained
+    S = (qoi["x_SO2_wet"] + qoi["x_H2S_wet"]) * qoi["gas_out_mol_s"]
+    assert S == pytest.approx((1.0 - qoi["sulphur_capture"]) * burning.balances["S"]["in"], rel=0.02)
+
+
+def test_profiles_are_fractions(burning):
+    for phase in ("emulsion", "bubble"):
+        columns = [values for name, values in burning.profiles.items() if name.startswith("x_") and f"_{phase} " in name]
+        assert np.sum(columns, axis=0) == pytest.approx(1.0, rel=1e-12)
+        assert np.min(columns) > -1e-3  # 12 cells
+    assert any(use["name"] == "char_combustion: field" for use in burning.closures)
+
+
+def test_nothing_reacts_as_nothing_is_computed():
+    """Tables of no reaction give the inert bed of the same gas, but for two sets of polynomials of its heat."""
+    inert = tables(fuel=None, drain=None, reactions={}, gas={**tables()["gas"], "temperature": 700.0})
+    result = solved(from_dict(inert))
+    plain = cb.run(from_dict({key: value for key, value in inert.items() if key != "reactions"}))
+    for name in ("T_inert_mid_K", "T_emulsion_top_K"):
+        assert result.qoi[name] == pytest.approx(plain.qoi[name], rel=1e-3)
+    assert "x_CO2_wet" not in result.qoi and result.qoi["x_O2_wet"] == pytest.approx(0.21, rel=1e-10)
+    assert not any(name.startswith("x_") for name in plain.profiles)
+
+
+@pytest.mark.slow
+def test_a_millionth_of_fuel_is_no_fuel():
+    little = tables()
+    little["fuel"]["feed"]["mass_flow"] = 1e-8
+    result = solved(from_dict(little))
+    none = solved(from_dict(tables(fuel=None, drain=None, reactions={})))
+    # without fuel the bed holds 2 % of its particles less, whose surface the gas then lacks
+    assert result.qoi["T_inert_mid_K"] == pytest.approx(none.qoi["T_inert_mid_K"], rel=1e-3)
+    assert result.qoi["x_O2_wet"] == pytest.approx(none.qoi["x_O2_wet"], rel=1e-5)
+
+
+def test_shift_by_an_integrator_of_ordinary_equations():
+    """N_CO' = -V r at 1200 K, walls and particles hold it there."""
+    scene = tube("CO:0.3, H2O:0.4, N2:0.3", {"water_gas_shift": {"factor": 3.0}}, solver={"degree": 3, "guess": 1200.0})
+    result = solved(scene)
+    law = r.LAWS["water_gas_shift"]["biba"]
+    item = cr.Homogeneous("water_gas_shift", law, 3.0)
+    species = thermo.table()
+    x = {"CO": 0.3, "H2O": 0.4, "N2": 0.3, "CO2": 0.0, "H2": 0.0}
+    total = 0.02 / sum(species[name].molar_mass * value for name, value in x.items())
+    volume, c = 0.1 * 0.45, 101325.0 / (r.R_GAS * 1200.0)
+
+    def slope(z, made):
+        now = {name: (value + law.stoichiometry.get(name, 0.0) * made[0] / total) * c for name, value in x.items()}
+        return [volume * item.rate(1200.0, now, 101325.0)]
+
+    z = result.profiles["z [m]"]
+    exact = solve_ivp(slope, (0, 0.5), [0.0], t_eval=z, rtol=1e-10, atol=1e-12).y[0] / total
+    # 20 cells of degree 3, and 0.05 K by which the gas leads the walls
+    assert result.profiles["x_CO2_emulsion [1]"] == pytest.approx(exact, abs=2e-5)
+    assert exact[-1] > 0.05
+
+
+def test_infinite_rate_is_equilibrium():
+    scene = tube("CO:0.3, H2O:0.4, N2:0.3", {"water_gas_shift": {"factor": 1e5}})
+    q = solved(scene).qoi
+    K = float(np.exp(thermo.ln_equilibrium(r.LAWS["water_gas_shift"]["biba"].stoichiometry, q["T_emulsion_top_K"])))
+    assert q["x_CO2_wet"] * q["x_H2_wet"] / (q["x_CO_wet"] * q["x_H2O_wet"]) == pytest.approx(K, rel=1e-6)
+
+
+def test_exhausted_fuel_and_exhausted_oxygen():
+    """Rates a thousand times faster than any: whichever is short is gone, and mole fractions stay at zero."""
+    fast = {name: {"factor": 1e3} for name in ("CO_oxidation", "H2_oxidation")}
+    rich = solved(tube("CO:0.1, H2:0.1, O2:0.02, H2O:0.05, N2:0.73", fast)).qoi
+    lean = solved(tube("CO:0.02, H2:0.02, O2:0.1, H2O:0.05, N2:0.81", fast)).qoi
+    assert abs(rich["x_O2_wet"]) < 1e-8 and rich["x_CO_wet"] > 0.05
+    assert abs(lean["x_CO_wet"]) < 1e-8 and abs(lean["x_H2_wet"]) < 1e-8
+    # N2 is the tie: 0.02 of each fuel takes 0.02 of O2
+    assert lean["x_O2_wet"] / lean["x_N2_wet"] == pytest.approx((0.1 - 0.02) / 0.81, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_no_char():
+    none = tables()
+    none["fuel"] |= {"volatile_matter": 1.0 - 1e-9, "ultimate": {"C": 0.46, "H": 0.055, "O": 0.385}}
+    gas = solved(from_dict(none))
+    assert gas.qoi["ignited"] == 1 and gas.qoi["held_char_mol"] < 1e-3
+
+
+@pytest.mark.slow
+def test_only_char():
+    coke = tables(reactions={"char_combustion": {"products": "arthur"}, "CO_oxidation": {}})
+    coke["fuel"] |= {"volatile_matter": 0.0, "moisture": 0.0, "ultimate": {"C": 0.9, "H": 0.0, "O": 0.0}}
+    coke["solver"]["guess"] = 1200.0
+    char = solved(from_dict(coke))
+    assert char.qoi["carbon_conversion"] > 0.9
+    assert "x_H2S_wet" not in char.qoi and "volatiles [kg/m]" not in char.profiles
+
+
+@pytest.mark.slow
+def test_six_guesses_lead_to_two_states():
+    found = {guess: solved(combustor(solver={"degree": 2, "guess": guess})).qoi
+             for guess in (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)}  # fmt: skip
+    hot = [q["T_inert_mid_K"] for q in found.values() if q["ignited"]]
+    cold = [q["T_inert_mid_K"] for q in found.values() if not q["ignited"]]
+    assert found[400.0]["ignited"] == 0 and found[1500.0]["ignited"] == 1
+    assert np.ptp(hot) < 0.1 and np.ptp(cold) < 0.1 and min(hot) > max(cold) + 300
+
+
+@pytest.mark.slow
+def test_energy_follows_the_heating_value():
+    """More heat per kg of the same elements makes the bed hotter."""
+    low, high = tables(), tables()
+    low["fuel"]["heating_value"], high["fuel"]["heating_value"] = 27e6, 29e6
+    a, b = (solved(from_dict(each)).qoi for each in (low, high))
+    assert b["fuel_power_W"] - a["fuel_power_W"] == pytest.approx(2e6 * 0.035 * 0.92, rel=1e-9)
+    assert b["T_inert_mid_K"] > a["T_inert_mid_K"] + 20
+
+
+def changed(path, value, **changes):
+    found = tables(**changes)
+    place = found
+    for key in path[:-1]:
+        place = place[key]
+    if value is None:
+        place.pop(path[-1])
+    else:
+        place[path[-1]] = value
+    return found
+
+
+BAD = {
+    "sum to 1.1, not to 1": changed(("fuel", "ultimate", "O"), 0.22),
+    "less than the fixed carbon": changed(("fuel", "volatile_matter"), 0.1),
+    "no amounts of CO": changed(("fuel",), {**COAL, "ultimate": {"C": 0.15, "H": 0.01, "O": 0.74}, "volatile_matter": 0.9}),
+    "far from the": changed(("fuel", "heating_value"), 3e6),
+    "did you mean 'char'": changed(("fuel", "species"), "chr"),
+    "char never leaves": tables(drain=None, reactions={"drying": {"time": 1.0}, "devolatilisation": {"time": 1.0}}),
+    "moisture never leaves": tables(drain=None, reactions={k: v for k, v in BURNING.items() if k != "drying"}),
+    "never leaves the bed: give": tables(stone=True, drain=None),
+    "there is no .fuel.": tables(fuel=None),
+    "did you mean 'howard'": changed(("reactions", "CO_oxidation"), {"law": "howrd"}),
+    "above the bed": changed(("fuel", "feed", "height"), 2.0),
+    "reactions know no AR": changed(("gas", "composition"), "O2:0.21, N2:0.78, AR:0.01"),
+    "has no use without": tables(reactions=None),
+    "unknown key": changed(("reactions", "CO_oxydation"), {}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_bad_scenes_are_explained(text):
+    with pytest.raises(SceneError, match=text):
+        from_dict(BAD[text])
+
+
+def test_reactions_that_cannot_run_are_named():
+    result = solved(tube("CO:0.3, H2O:0.3, N2:0.4", {"CO_oxidation": {}, "water_gas_shift": {}}))
+    assert any("CO_oxidation does not run" in text for text in result.warnings)
+    assert "x_O2_wet" not in result.qoi
