@@ -17,6 +17,7 @@ class Result:
 
     plan: Plan
     profiles: dict[str, Any] = field(default_factory=dict)
+    tables: dict[str, dict[str, Any]] = field(default_factory=dict)  # further tables, written as NAME.csv
     nodal: dict[str, Any] = field(default_factory=dict)
     series: list[tuple[float, dict[str, Any]]] = field(default_factory=list)
     qoi: dict[str, Any] = field(default_factory=dict)
@@ -64,16 +65,21 @@ class Result:
         settings, mesh = self.plan.scene.output, self.plan.mesh
         if self.profiles:
             write_table(out / "profiles.csv", self.profiles)
+        for name, columns in self.tables.items():
+            write_table(out / f"{name}.csv", columns)
         if settings.fields and self.nodal:
-            from contbed.output.vtu import write_fields, write_series
-
+            if mesh.engine == "dolfinx":
+                from contbed.output.pieces import write
+            else:
+                from contbed.output.vtu import write
             if self.series:
-                names = [(time, f"fields_{k:04d}.vtu") for k, (time, _) in enumerate(self.series)]
-                for (_, name), (_, nodal) in zip(names, self.series, strict=True):
-                    write_fields(out / name, mesh.skfem, nodal)
+                from contbed.output.vtu import write_series
+
+                names = [(time, write(out / f"fields_{k:04d}.vtu", mesh.skfem, nodal))
+                         for k, (time, nodal) in enumerate(self.series)]  # fmt: skip
                 write_series(out / "fields.pvd", names)
             else:
-                write_fields(out / "fields.vtu", mesh.skfem, self.nodal)
+                write(out / "fields.vtu", mesh.skfem, self.nodal)
         if settings.plots and self.profiles:
             self._plot(out)
         write_json(out / "summary.json", self.summary)
@@ -86,6 +92,10 @@ class Result:
             from contbed.output.bubbling_plots import bubbling_plot
 
             bubbling_plot(out / "profiles.png", self.profiles, scene.title)
+            if "continuation" in self.tables:
+                from contbed.output.bubbling_plots import branch_plot
+
+                branch_plot(out / "continuation.png", self.tables["continuation"], scene.title)
             return
         if scene.kind == "particles_gas":
             from contbed.output.particles import history_plot

@@ -181,6 +181,28 @@ def positions_lie_in_the_bed(bubbling_bed: b.BubblingBed, output: s.Output, see:
             yield ("output", "positions", index), text
 
 
+def the_parameter_is_a_number(
+    continuation: b.Continuation | None, bubbling_bed: b.BubblingBed, gas: b.Gas, bubbles: b.Bubbles | None,
+    species: Kinds, tubes: b.Surface | None, walls: b.Surface | None, distributor: b.Distributor | None,
+    freeboard: b.Freeboard | None,
+) -> Mistakes:  # fmt: skip
+    if continuation is None:
+        return
+    from contbed.bubbling.branch import value_at
+
+    tables = {"bubbling_bed": bubbling_bed, "gas": gas, "bubbles": bubbles, "species": species, "tubes": tubes,
+              "walls": walls, "distributor": distributor, "freeboard": freeboard}  # fmt: skip
+    found = value_at(tables, continuation.parameter)
+    fixed = continuation.parameter.startswith("bubbling_bed.height") or "diameter" in continuation.parameter
+    if not isinstance(found, float) or fixed:
+        text = "no number of this scene can be varied under this key; allowed: keys such as gas.temperature, "
+        yield ("continuation", "parameter"), text + "gas.mass_flow, walls.coefficient, species.NAME.feed.temperature"
+    elif found == continuation.to:
+        yield ("continuation", "to"), "is the value that the scene has"
+    elif continuation.back_to is not None and (continuation.back_to - found) * (continuation.to - found) > 0:
+        yield ("continuation", "back_to"), f"lies on the same side of the value in the scene, {found:g}, as `to`"
+
+
 CHECKS: tuple[Callable[..., Mistakes], ...] = (
     shares_sum_to_one,
     names_are_free,
@@ -194,5 +216,6 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
     something_fixes_the_plate,
     something_fixes_the_temperatures,
     positions_lie_in_the_bed,
+    the_parameter_is_a_number,
     *chemistry_checks.CHECKS,
 )

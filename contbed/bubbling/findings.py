@@ -25,6 +25,10 @@ def solve(plan: Any, result: Result) -> None:
     result.history += history
     findings(plan, problem, state, result)
     scene = plan.scene
+    if scene.continuation is not None:
+        from contbed.bubbling.branch import follow
+
+        follow(problem, state, result)
     if any(item.release is not None and item.release.activation for item in (scene.gas, *scene.present.values())):
         result.qoi["steady_states_found"] = _steady_states(problem, state, result)
 

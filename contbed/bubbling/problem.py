@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -42,11 +43,26 @@ class BubblingProblem:
         chemistry = self.c.computed.chemistry if self.c.computed is not None else None
         for name, size in (chemistry.sizes if chemistry is not None else {}).items():
             self.system.part(self.lower, name)[:] = -MISSED * size  # what is exhausted may be missed by little
-        self.forms = [
-            (model.residual, self.system.cells, self.c),
-            (model.bottom, self.bottom, self.c),
-            (model.top, self.top, self.c),
-        ]
+
+    @property
+    def forms(self) -> list[Any]:
+        """The weak forms with their domains."""
+        ends = ((model.residual, self.system.cells), (model.bottom, self.bottom), (model.top, self.top))
+        return [(form, where, self.c) for form, where in ends]
+
+    def with_coefficients(self, plan: BubblingPlan) -> BubblingProblem:
+        """This problem with the coefficients of another plan, on the same mesh."""
+        other = copy(self)
+        other.plan, other.c = plan, plan.coefficients
+        return other
+
+    def unknowns(self, state: Array) -> Array:
+        """Temperatures at all nodes for a state, the inverse of `_state`."""
+        x = state.copy()
+        for name in self.radiant:
+            G = self.system.part(x, name)
+            G[:] = (G / (4.0 * SIGMA)) ** 0.25
+        return x
 
     @property
     def above(self) -> Any:

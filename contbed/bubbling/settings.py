@@ -6,6 +6,7 @@
     [species.NAME]            one kind of particle, with its feed, heat release and exchange with other kinds
     [tubes], [walls]          immersed surfaces        [distributor], [freeboard]    what bounds the bed
     [radiation]               level by name; absent: none
+    [continuation]            steady states over one value of the scene
     [fuel], [limestone], [drain], [reactions]     see bubbling.chemistry_settings; they need gas.mass_flow
 
 A table that is absent means that its physics is absent. There are two ways to write a scene. With gas.capacity_flow
@@ -212,6 +213,15 @@ class Radiation(s.Table):
     anisotropy: Annotated[s.Number, Field(ge=-1, le=1)] = Field(0.0, description="mean cosine of scattering")
 
 
+class Continuation(s.Table):
+    """The branch of steady states from the value in this scene to another, through the folds between them."""
+
+    parameter: str = Field(description='key of a number in this scene, "gas.temperature" or "walls.coefficient"')
+    to: s.Number = Field(description="in SI")
+    back_to: s.Number | None = Field(None, description="end of the other side; absent: the value in this scene")
+    points: Annotated[s.Whole, Field(ge=3, le=10_000)] = Field(200, description="at most")
+
+
 class Mesh(s.Table):
     """Cells along the height, graded to the layers at both ends."""
 
@@ -251,6 +261,7 @@ class BubblingScene(s.SceneBase):
     limestone: chemistry.Limestone | None = None
     drain: chemistry.Drain | None = Field(None, description="absent: char and limestone leave by reaction alone")
     reactions: chemistry.Reactions | None = Field(None, description="absent: an inert gas")
+    continuation: Continuation | None = None
     mesh: Mesh = Mesh()
     solver: Solver = Solver()
     output: s.Output = s.Output()

@@ -16,6 +16,30 @@ COLOURS = ("#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00")
 GASES = {"emulsion": "#0072B2", "bubble": "#56B4E9"}
 
 
+def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -> None:
+    """Mean temperatures of the species along a branch; what lies between two folds, unstable, is dashed.
+
+    Parameters
+    ----------
+    path : PNG file
+    columns : as in continuation.csv: point, parameter, turns, temperatures, duties
+    title : text above the picture
+    """
+    headers = list(columns)
+    p, turns = np.asarray(columns[headers[1]]), np.asarray(columns["turns [1]"])
+    with _figure(path, 4.2, title) as figure:
+        axes = figure.subplots()
+        for k, header in enumerate(header for header in headers if header.startswith("T_")):
+            T = np.asarray(columns[header])
+            for turn in np.unique(turns):
+                part = np.flatnonzero(turns == turn)
+                part = np.append(part, min(part[-1] + 1, len(p) - 1))
+                axes.plot(p[part], T[part], color=COLOURS[k % len(COLOURS)], linestyle="--" if turn % 2 else "-",
+                          label=name_of(header).removeprefix("T_") if turn == 0 else None)  # fmt: skip
+        axes.set(xlabel=name_of(headers[1]), ylabel="mean temperature [K]")
+        figure.legend(loc="outside lower center", ncols=5)
+
+
 def bubbling_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -> None:
     """Height upward; gases dashed.
 

@@ -1,0 +1,66 @@
+"""Branches of steady states: folds of a stirred bed, which a quadratic gives, and a bed with everything in it."""
+
+import numpy as np
+import pytest
+from bubbling_scenes import case1, one, species, values
+from scipy.optimize import brentq
+
+import contbed as cb
+from contbed.errors import SceneError
+
+E, RISE = 3000.0, 5.0 * 3000.0 / 2.5  # activation and heat release at infinite temperature over the capacity flow [K]
+
+
+def stirred(guess, start, to):
+    """One temperature: W (T - T_in) = W RISE exp(-E/T)."""
+    flow, height, section = 300.0, 0.6, 1.3
+    release = {"rate": RISE * np.exp(-E / 1000.0) * flow / height / section, "activation": E, "reference": 1000.0}
+    inert = {"gas_coefficient": 1e5, "conductivity": 1e7, "release": release}
+    return one(inert=inert, gas={"capacity_flow": flow, "temperature": start}, solver={"guess": guess},
+               continuation={"parameter": "gas.temperature", "to": to}, mesh={"cells": 6})  # fmt: skip
+
+
+def test_folds_of_a_stirred_bed():
+    result = cb.run(stirred(400.0, 600.0, 760.0))
+    # dT_in/dT = 0 where (E/T^2) RISE exp(-E/T) = 1, on both sides of its largest value at E/2
+    turns = [brentq(lambda T: E / T**2 * RISE * np.exp(-E / T) - 1, *ends) for ends in ((600, E / 2), (E / 2, 4000))]
+    exact = [T - RISE * np.exp(-E / T) for T in turns]
+    assert exact[0] > exact[1]
+    found = [result.qoi["fold_1"], result.qoi["fold_2"]]
+    # mixing of 1e7 W/m/K leaves differences of W RISE exp(-E/T) H/(A k), 3e-3 to 2e-2 K, along the height
+    assert found == pytest.approx(exact, abs=1e-2)
+    table = result.tables["continuation"]
+    p, T = table["gas.temperature [1]"], table["T_inert [K]"]
+    assert p[0] == 600 and p[-1] == 760
+    assert T - RISE * np.exp(-E / T) == pytest.approx(p, abs=2e-2)
+    assert set(table["turns [1]"]) == {0.0, 1.0, 2.0}
+
+
+def test_back_from_the_ignited_side():
+    result = cb.run(stirred(2500.0, 760.0, 600.0))
+    assert [result.qoi["fold_1"], result.qoi["fold_2"]] == pytest.approx([661.4, 708.4], abs=1)
+
+
+def test_a_bed_with_radiation_ignites_at_a_fold():
+    """Cold and hot guesses lead to two states; between them the branch over the heat of the gas finds a third."""
+    release = {**values()["species"]["char"]["release"], "activation": 8000.0}
+    gas = {**values()["gas"], "release": {"rate": 1.0e6, "length": 0.3}}
+    found = []
+    for cells in (16, 24):
+        result = cb.run(case1(
+            species=species(char={"release": release}), gas=gas, solver={"guess": 400.0}, mesh={"cells": cells},
+            continuation={"parameter": "gas.release.rate", "to": 3e6},
+        ))  # fmt: skip
+        found.append(result.qoi["fold_1"])
+        table = result.tables["continuation"]
+        p, T = table["gas.release.rate [1]"], table["T_inert [K]"]
+        assert p[-1] == p[0] == 1e6 and list(table["turns [1]"][[0, -1]]) == [0.0, 1.0]
+        assert T[0] == pytest.approx(result.qoi["T_inert_mid_K"], abs=20)
+        assert T[0] + 300 < T[-1] < 1230  # below the state that a hot guess leads to, 1234.9 K
+    assert found[0] == pytest.approx(found[1], rel=1e-4)  # of the meshes
+
+
+@pytest.mark.parametrize("parameter", ["gas.temprature", "bubbling_bed.height", "species.inert", "title"])
+def test_what_cannot_be_varied_is_refused(parameter):
+    with pytest.raises(SceneError, match="can be varied"):
+        case1(continuation={"parameter": parameter, "to": 3.0})
