@@ -114,6 +114,12 @@ def write_fields(
         content.write(temporary, file_format="vtu")
 
 
+def write(path: Path, mesh: skfem.Mesh, nodal: Mapping[str, tuple[Space, Array]]) -> str:
+    """`write_fields`; returns the name of the file to open."""
+    write_fields(path, mesh, nodal)
+    return path.name
+
+
 def _padded(rows: Array) -> Array:
     """(ncomponents, n) -> (n, 3)."""
     out = np.zeros((rows.shape[1], 3))
