@@ -8,6 +8,8 @@ Four codes settle 2500 spheres in a box 13 d wide to a core porosity of 0.397-0.
 import numpy as np
 import pytest
 
+from contbed.dem import heat, network
+from contbed.dem.heat_pair import IMPACT, STATIC, correction
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
@@ -36,14 +38,15 @@ def test_statistics_of_a_periodic_bed(bed):
 
 
 def test_forces_carry_the_weight(bed):
-    """The floor holds what the bed weighs, and no sphere is below it or outside the sides."""
+    """The floor holds what the bed weighs, once its last vibrations (3 % of the weight) have decayed for 0.1 s more."""
     simulation = Simulation(
         Particles(bed.position, bed.radius), [bed.material], bed.walls, bed.domain, time_step=1e-5, largest_overlap=0.1
     )
+    simulation.run(10_000)
     modulus = simulation._table[0, 0, 0]
-    pressed = np.maximum(bed.radius - bed.position[:, 2], 0.0)
+    pressed = np.maximum(bed.radius - simulation.position[:, 2], 0.0)
     floor = (4 / 3 * modulus * np.sqrt(bed.radius) * pressed**1.5).sum()
-    assert floor == pytest.approx(simulation.mass.sum() * 9.81, rel=2e-2)
+    assert floor == pytest.approx(simulation.mass.sum() * 9.81, rel=1e-2)
     assert (bed.position[:, 2] > 0.98 * bed.radius).all()
     assert ((bed.position[:, :2] >= -1e-4) & (bed.position[:, :2] <= 6 * D + 1e-4)).all()
 
@@ -104,12 +107,23 @@ def test_a_bed_that_does_not_rest(monkeypatch):
 
 
 @pytest.mark.slow
-def test_2500_spheres():
-    found = pack((13 * D, 13 * D), count=2500).statistics
+@pytest.mark.parametrize("seed", [0, 3])
+def test_2500_spheres(seed):
+    """Conductivity as in an independent program's bed of the same spheres (studies/zhou_2010_etc), to the 3 % asked."""
+    bed = pack((13 * D, 13 * D), count=2500, material=Material(density=1000.0), seed=seed)
+    found = bed.statistics
     assert 0.385 < found["porosity_core"] < 0.405
     assert 0.415 < found["porosity_box"] < 0.44
-    assert found["coordination"] == pytest.approx(4.65, abs=0.15)
-    assert found["coordination_core"] == pytest.approx(5.14, abs=0.12)
+    assert found["coordination"] == pytest.approx(4.6, abs=0.1)
+    assert found["coordination_core"] == pytest.approx(5.08, abs=0.15)
+    x = bed.position
+    pairs = heat.near_pairs(x, 1.5 * D)
+    for exponent, wanted in ((IMPACT, (3.640, 7.042, 14.11)), (STATIC, (3.610, 6.745, 11.21))):
+        for ratio, value in zip((10, 100, 1000), wanted, strict=True):
+            how = heat.Conduction(0.026 * ratio, 0.026, found["porosity_core"], correction(1e7, 5e10, exponent))
+            parts = heat.conductances(pairs, 0.5 * D, how)
+            layers = network.between_layers(x, pairs, parts, x[:, 2] < D, x[:, 2] > 24.7e-3, (13 * D) ** 2)
+            assert layers.conductivity / 0.026 == pytest.approx(value, rel=0.03)
 
 
 @pytest.mark.slow
@@ -118,6 +132,8 @@ def test_angle_of_repose(rolling, least, most):
     """A low block collapses on a floor of tubes between periodic sides; slope of 20 to 80 % of the height.
 
     Spheres with friction come to rest at 20-25 degrees, more with rolling friction; a heap this small scatters by 4.
+    The heap rests, its slope moves by less than a degree in the last quarter of a second; but without rolling friction
+    a few spheres that fell ahead of it roll along the grooves for ever, through the periodic sides.
     """
     grain = Material(youngs_modulus=1e6, restitution=0.5, sliding_friction=0.5, rolling_friction=rolling)
     block = pack((16 * D, 5 * D), count=900, periodic=(False, True), material=grain)
@@ -126,10 +142,14 @@ def test_angle_of_repose(rolling, least, most):
     walls = [*floor, Plane((0, 0, 0), (1, 0, 0)), Plane((50 * D, 0, 0), (-1, 0, 0))]
     spheres = Particles(block.position, block.radius)
     simulation = Simulation(spheres, [grain], walls, domain, impact_speed=0.5, largest_overlap=0.1)
-    simulation.run(round(1.0 / simulation.time_step))
-    x, top = simulation.position[:, 0], simulation.position[:, 2]
     edges = np.arange(0.0, 50 * D, D)
-    heights = np.array([top[(x >= low) & (x < low + D)].max(initial=0.0) for low in edges])
-    slope = (heights > 0.2 * heights.max()) & (heights < 0.8 * heights.max())
-    assert simulation.kinetic_energy < 1e-3 * (simulation.mass * 9.81 * D).sum()
-    assert least < np.degrees(np.arctan(-np.polyfit(edges[slope], heights[slope], 1)[0])) < most
+    angles = []
+    for seconds in (0.75, 0.25):
+        simulation.run(round(seconds / simulation.time_step))
+        x, top = simulation.position[:, 0], simulation.position[:, 2]
+        heights = np.array([top[(x >= low) & (x < low + D)].max(initial=0.0) for low in edges])
+        slope = (heights > 0.2 * heights.max()) & (heights < 0.8 * heights.max())
+        angles.append(np.degrees(np.arctan(-np.polyfit(edges[slope], heights[slope], 1)[0])))
+    assert (np.linalg.norm(simulation.velocity, axis=1) > 5e-3).mean() < 0.02
+    assert abs(angles[1] - angles[0]) < 1.0
+    assert least < angles[1] < most
