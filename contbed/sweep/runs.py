@@ -88,10 +88,20 @@ def give_up(case: Case, out: Path) -> Outcome:
 def _claimed(case: Case, out: Path) -> Iterator[IO[str]]:
     folder = folder_of(case, out)
     folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / LOG, "a", encoding="utf-8") as log:
-        with suppress(OSError):  # a file system without locks
-            fcntl.flock(log, fcntl.LOCK_EX)
+    with open(folder / LOG, "a", encoding="utf-8") as log, locked(log.fileno()):
         yield log
+
+
+@contextmanager
+def locked(descriptor: int) -> Iterator[None]:
+    """Wait for the lock of an open file or folder, which goes with the process that holds it."""
+    with suppress(OSError):  # a file system without locks
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            fcntl.flock(descriptor, fcntl.LOCK_UN)
 
 
 def _keep(case: Case, out: Path, log: IO[str], solve: Callable[[], tuple[int, str, dict[str, Any]]]) -> Outcome:

@@ -5,6 +5,9 @@ Everything that a sweep knows lies in its folder: an interrupted one, however it
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +16,7 @@ from contbed.output.files import prepare
 from contbed.output.progress import Progress
 from contbed.scene.loading import nearest
 from contbed.sweep import table, workers
-from contbed.sweep.runs import Outcome, forget, known
+from contbed.sweep.runs import Outcome, forget, known, locked
 from contbed.sweep.study import Case, Study, read_study
 from contbed.sweep.table import Row
 
@@ -85,13 +88,27 @@ def sweep(
                 failed = sum(bool(outcome["exit_code"]) for outcome in outcomes.values())
                 progress.advance_to(len(outcomes), f"{failed} failed" if failed else "")
     finally:
-        rows = [_row(case, outcomes[case.name]) for case in todo.cases if case.name in outcomes]
-        table.write(folder, todo, rows)
+        ended = ((case, outcomes.get(case.name) or known(case, folder)) for case in todo.cases)
+        rows = [_row(case, outcome) for case, outcome in ended if outcome is not None]
+        with _alone(folder):
+            table.write(folder, todo, rows)
     _require_known(todo, rows)
     from contbed.sweep.plots import plot
 
-    plot(folder / "sweep.png", todo, rows)
+    with _alone(folder):
+        plot(folder / "sweep.png", todo, rows)
     return Sweep(rows, before, todo.warnings)
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Another sweep of the same study may end at the same time."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        with locked(descriptor):
+            yield
+    finally:
+        os.close(descriptor)
 
 
 def _found(todo: Study, folder: Path, outcomes: dict[str, Outcome], jobs: int, scheduler: str | None) -> workers.Found:

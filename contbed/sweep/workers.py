@@ -87,7 +87,7 @@ def on_cluster(cases: list[Case], out: Path, scheduler: str) -> Found:
         _inspect(client, out, scheduler)
         futures = {client.submit(_on_cluster_worker, case, out, pure=False): case for case in cases}
         deaths: dict[str, int] = {}
-        ended = distributed.as_completed(futures)
+        ended = distributed.as_completed(futures, loop=client.loop)
         for future in ended:
             case = futures.pop(future)
             if future.status == "finished":
