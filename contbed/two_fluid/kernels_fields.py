@@ -1,4 +1,4 @@
-"""Kernels on cell fields: gradients, values at boundaries, convection, stress, symmetric systems.
+"""Kernels on cell fields: gradients, values at boundaries, reconstruction on faces, convection.
 
 Fields are (nc, m) with m components; `g` is the Geometry of grid.py. Face by face, what leaves the left cell enters the
 right one.
@@ -6,7 +6,6 @@ right one.
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from contbed.two_fluid.boundary import GIVEN, OUTLET, WALL
@@ -72,14 +71,25 @@ def increment(slope, along, jump, ahead, limited):
 
 
 @njit(cache=True)
-def advance_rate(u, grad, carrier, out):
-    """carrier . grad u (nc, m)."""
+def half_ahead(dt, u, grad, carrier, lag, out):
+    """Change of u (nc, m) in half a step: what is carried now, and the rest `lag` of the last rate of change."""
     for c in range(u.shape[0]):
         for k in range(u.shape[1]):
-            total = 0.0
+            rate = lag[c, k]
             for d in range(carrier.shape[1]):
-                total += carrier[c, d] * grad[c, k, d]
-            out[c, k] = total
+                rate -= carrier[c, d] * grad[c, k, d]
+            out[c, k] = 0.5 * dt * rate
+
+
+@njit(cache=True)
+def remember(dt, new, u, grad, carrier, lag):
+    """lag = rate of change less what was carried."""
+    for c in range(u.shape[0]):
+        for k in range(u.shape[1]):
+            rate = (new[c, k] - u[c, k]) / dt
+            for d in range(carrier.shape[1]):
+                rate += carrier[c, d] * grad[c, k, d]
+            lag[c, k] = rate
 
 
 @njit(cache=True)
@@ -123,153 +133,46 @@ def convect(g, flux, u, grad, ahead, edge, limited, low, out):
 
 
 @njit(cache=True)
-def stress(g, side, slip, mu, bulk, u, grad, edge, out, coef):
-    """Adds the force of the full stress mu (grad u + grad u^T) + (bulk - 2/3 mu) div u I on each cell to `out` [N].
+def on_face(g, f, forward, s, grad, ahead, limited):
+    """Solid fraction on an interior face, reconstructed in the cell that the phase comes from."""
+    left, right = g.left[f], g.right[f]
+    slope = along = 0.0
+    if forward:
+        for d in range(len(g.axes)):
+            slope += grad[left, 0, d] * g.arm_left[f, d]
+            along += grad[left, 0, d] * (g.arm_left[f, d] - g.arm_right[f, d])
+        return s[left] + increment(slope, along, s[right] - s[left], ahead[left, 0], limited)
+    for d in range(len(g.axes)):
+        slope += grad[right, 0, d] * g.arm_right[f, d]
+        along += grad[right, 0, d] * (g.arm_right[f, d] - g.arm_left[f, d])
+    return s[right] + increment(slope, along, s[left] - s[right], ahead[right, 0], limited)
 
-    `coef` (nf, m) gets the part of it that goes with the jump of each component across a face, for the implicit
-    solution. At the face mu and bulk are harmonic means: where there are no particles no stress passes. A wall takes
-    the shear that `slip` leaves and the normal stress; an outlet takes none.
+
+@njit(cache=True)
+def fractions(g, gas, solid, edge, s, grad, ahead, limited, faces):
+    """Fractions of both phases on faces: columns 4 and 5 of `faces` (nf, 8) hold the velocities that choose the cell
+    they come from, and get the fractions of gas and solids.
     """
-    ni, dim = len(g.right), len(g.axes)
-    local = np.empty((dim, dim))
+    ni = len(g.right)
     for f in range(len(g.left)):
         left = g.left[f]
         if f < ni:
-            right = g.right[f]
-            m = 2.0 * mu[left] * mu[right] / (mu[left] + mu[right] + 1e-300)
-            lam = 2.0 * bulk[left] * bulk[right] / (bulk[left] + bulk[right] + 1e-300)
-            w = g.share[f]
-            divergence = 0.0
-            for k in range(dim):
-                missing = u[right, k] - u[left, k]
-                for d in range(dim):
-                    local[k, d] = w * grad[left, k, d] + (1.0 - w) * grad[right, k, d]
-                    missing -= local[k, d] * (g.arm_left[f, d] - g.arm_right[f, d])
-                for d in range(dim):
-                    local[k, d] += missing * g.normal[f, d] / g.distance[f]
-                divergence += local[k, k]
-            if g.radius[left] > 0.0:
-                divergence += (w * u[left, 0] + (1.0 - w) * u[right, 0]) / (g.radius[left] + g.arm_left[f, 0])
-            for k in range(dim):
-                traction = (lam - 2.0 / 3.0 * m) * divergence * g.normal[f, k]
-                for d in range(dim):
-                    traction += m * (local[k, d] + local[d, k]) * g.normal[f, d]
-                out[left, k] += g.area[f] * traction
-                out[right, k] -= g.area[f] * traction
-                coef[f, k] = g.area[f] / g.distance[f] * (m + (m / 3.0 + lam) * g.normal[f, k] ** 2)
+            faces[f, 4] = 1.0 - on_face(g, f, faces[f, 4] >= 0.0, s, grad, ahead, limited)
+            faces[f, 5] = on_face(g, f, faces[f, 5] >= 0.0, s, grad, ahead, limited)
             continue
         b = f - ni
-        m, lam = mu[left], bulk[left]
-        scale = g.area[f] / g.distance[f]
-        if side.kind[b] == OUTLET:
-            for k in range(dim):
-                coef[f, k] = 0.0
-        elif side.kind[b] == WALL:
-            away = 0.0
-            for k in range(dim):
-                away += (u[left, k] - side.u[b, k]) * g.normal[f, k]
-            for k in range(dim):
-                n = g.normal[f, k]
-                along = u[left, k] - side.u[b, k] - away * n
-                out[left, k] -= scale * (m * (1.0 - slip[b]) * along + (4.0 / 3.0 * m + lam) * away * n)
-                coef[f, k] = scale * (m * (1.0 - slip[b]) * (1.0 - n * n) + (4.0 / 3.0 * m + lam) * n * n)
+        if gas.kind[b] == OUTLET:
+            # gas may come back, without particles
+            faces[f, 4] = 1.0 - s[left] if faces[f, 4] > 0.0 else 1.0
+            faces[f, 5] = s[left] if faces[f, 5] > 0.0 else 0.0
         else:
-            divergence = 0.0
-            for k in range(dim):
-                missing = edge[b, k] - u[left, k]
-                for d in range(dim):
-                    missing -= grad[left, k, d] * g.arm_left[f, d]
-                for d in range(dim):
-                    local[k, d] = grad[left, k, d] + missing * g.normal[f, d] / g.distance[f]
-                divergence += local[k, k]
-            if g.radius[left] > 0.0:
-                divergence += edge[b, 0] / (g.radius[left] + g.arm_left[f, 0])
-            for k in range(dim):
-                traction = (lam - 2.0 / 3.0 * m) * divergence * g.normal[f, k]
-                for d in range(dim):
-                    traction += m * (local[k, d] + local[d, k]) * g.normal[f, d]
-                out[left, k] += g.area[f] * traction
-                coef[f, k] = scale * (m + (m / 3.0 + lam) * g.normal[f, k] ** 2)
-
-
-@njit(cache=True)
-def hoop_stress(g, mu, bulk, u, grad, out, diagonal):
-    """The stress around the axis, which pulls inwards: adds its force to `out` and its part in u_r to `diagonal`."""
-    for c in range(u.shape[0]):
-        r = g.radius[c]
-        divergence = grad[c, 0, 0] + grad[c, 1, 1] + u[c, 0] / r
-        ring = 2.0 * mu[c] * u[c, 0] / r + (bulk[c] - 2.0 / 3.0 * mu[c]) * divergence
-        out[c, 0] -= g.volume[c] * ring / r
-        diagonal[c, 0] += g.volume[c] * (4.0 / 3.0 * mu[c] + bulk[c]) / r**2
-
-
-@njit(cache=True)
-def add_links(g, coef, diagonal):
-    """Adds to `diagonal` (nc, m) what `coef` (nf, m) couples a cell with; boundary faces couple with given values."""
-    ni = len(g.right)
-    for f in range(coef.shape[0]):
-        for k in range(coef.shape[1]):
-            diagonal[g.left[f], k] += coef[f, k]
-            if f < ni:
-                diagonal[g.right[f], k] += coef[f, k]
-
-
-@njit(cache=True)
-def product(g, coef, diagonal, x, out):
-    """out = diagonal x - sum of coef times the neighbours; returns x . out."""
-    ni = len(g.right)
-    for c in range(x.shape[0]):
-        for k in range(x.shape[1]):
-            out[c, k] = diagonal[c, k] * x[c, k]
-    for f in range(ni):
-        left, right = g.left[f], g.right[f]
-        for k in range(x.shape[1]):
-            out[left, k] -= coef[f, k] * x[right, k]
-            out[right, k] -= coef[f, k] * x[left, k]
-    total = 0.0
-    for c in range(x.shape[0]):
-        for k in range(x.shape[1]):
-            total += x[c, k] * out[c, k]
-    return total
-
-
-@njit(cache=True)
-def conjugate(g, coef, diagonal, rhs, x, tolerance, most):
-    """Jacobi-preconditioned conjugate gradients from x = rhs/diagonal; returns the iterations, -1 if too many.
-
-    `tolerance` is relative in the norm of the inverse diagonal.
-    """
-    size = rhs.shape
-    r, z, p, q = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
-    first = 0.0
-    for c in range(size[0]):
-        for k in range(size[1]):
-            x[c, k] = rhs[c, k] / diagonal[c, k]
-            first += rhs[c, k] * x[c, k]
-    if first == 0.0:
-        return 0
-    product(g, coef, diagonal, x, q)
-    rho = 0.0
-    for c in range(size[0]):
-        for k in range(size[1]):
-            r[c, k] = rhs[c, k] - q[c, k]
-            z[c, k] = r[c, k] / diagonal[c, k]
-            p[c, k] = z[c, k]
-            rho += r[c, k] * z[c, k]
-    for iteration in range(most):
-        if rho <= tolerance**2 * first:
-            return iteration
-        alpha = rho / product(g, coef, diagonal, p, q)
-        after = 0.0
-        for c in range(size[0]):
-            for k in range(size[1]):
-                x[c, k] += alpha * p[c, k]
-                r[c, k] -= alpha * q[c, k]
-                z[c, k] = r[c, k] / diagonal[c, k]
-                after += r[c, k] * z[c, k]
-        beta = after / rho
-        rho = after
-        for c in range(size[0]):
-            for k in range(size[1]):
-                p[c, k] = z[c, k] + beta * p[c, k]
-    return -1 if rho > tolerance**2 * first else most
+            eps = edge.eps_s[b] if solid.kind[b] == GIVEN else s[left]
+            faces[f, 4] = 1.0 - eps
+            if solid.flux[b] > 0.0:
+                # what leaves has the fraction of the cell
+                part = ahead[left, 0]
+                for d in range(len(g.axes)):
+                    part += grad[left, 0, d] * g.arm_left[f, d]
+                jump = eps - s[left]
+                eps = s[left] + (min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part)
+            faces[f, 5] = eps

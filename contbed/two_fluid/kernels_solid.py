@@ -68,7 +68,7 @@ def wall_slip(g, solid, edge, eps_max, rho_s, s, theta, g0, mu, slip):
 
 
 @njit(cache=True)
-def production(g, mu, bulk, u, grad, divergence, out):
+def production(g, mu, bulk, u, grad, out):
     """Work of the kinetic and collisional stress on the mean shear [W/m3], never negative."""
     dim = len(g.axes)
     for c in range(len(out)):
@@ -138,3 +138,19 @@ def theta_system(
         loss = common * (1.0 - edge.restitution[b] ** 2) / 4.0
         rhs[c, 0] += common * edge.specularity[b] * slide / 6.0 - loss * old[c]
         diagonal[c, 0] += loss
+
+
+@njit(cache=True)
+def starved(g, dt, s, old, rhs, low):
+    """Marks in `low` the cells where convection alone would make theta negative, and their neighbours; returns whether
+    any was not marked before.
+    """
+    found = False
+    for f in range(len(g.left)):
+        left = g.left[f]
+        right = g.right[f] if f < len(g.right) else left
+        for c, other in ((left, right), (right, left)):
+            if s[c] * g.volume[c] * old[c] + dt * rhs[c, 0] < 0.0 and not (low[c] and low[other]):
+                low[c] = low[other] = True
+                found = True
+    return found

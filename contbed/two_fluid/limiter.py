@@ -17,7 +17,7 @@ from numba import njit
 ROUNDS = 50
 SAFE, SAFER = 1.0 - 1e-12, 1.0 - 2e-12  # leave room for rounding
 NOTABLE = 1e-9  # change of eps_s above which a limited flux is counted
-UNDERFLOW = 1e-200  # a fraction whose products are no longer numbers counts as none
+UNDERFLOW = 1e-60  # a fraction whose products are no longer numbers counts as none
 KEPT = 0.75  # share of its particles that a cell keeps in a step, or else counts as drained
 
 

@@ -1,0 +1,89 @@
+"""Kernels of the viscous stress of a phase; `g` is the Geometry of grid.py, fields are (nc, dim)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from contbed.two_fluid.boundary import OUTLET, WALL
+
+
+@njit(cache=True)
+def stress(g, side, slip, mu, bulk, u, grad, edge, out, coef):
+    """Adds the force of the full stress mu (grad u + grad u^T) + (bulk - 2/3 mu) div u I on each cell to `out` [N].
+
+    `coef` (nf, m) gets the part of it that goes with the jump of each component across a face, for the implicit
+    solution. At the face mu and bulk are harmonic means: where there are no particles no stress passes. A wall takes
+    the shear that `slip` leaves and the normal stress; an outlet takes none.
+    """
+    ni, dim = len(g.right), len(g.axes)
+    local = np.empty((dim, dim))
+    for f in range(len(g.left)):
+        left = g.left[f]
+        if f < ni:
+            right = g.right[f]
+            m = 2.0 * mu[left] * mu[right] / (mu[left] + mu[right] + 1e-300)
+            lam = 2.0 * bulk[left] * bulk[right] / (bulk[left] + bulk[right] + 1e-300)
+            w = g.share[f]
+            divergence = 0.0
+            for k in range(dim):
+                missing = u[right, k] - u[left, k]
+                for d in range(dim):
+                    local[k, d] = w * grad[left, k, d] + (1.0 - w) * grad[right, k, d]
+                    missing -= local[k, d] * (g.arm_left[f, d] - g.arm_right[f, d])
+                for d in range(dim):
+                    local[k, d] += missing * g.normal[f, d] / g.distance[f]
+                divergence += local[k, k]
+            if g.radius[left] > 0.0:
+                divergence += (w * u[left, 0] + (1.0 - w) * u[right, 0]) / (g.radius[left] + g.arm_left[f, 0])
+            for k in range(dim):
+                traction = (lam - 2.0 / 3.0 * m) * divergence * g.normal[f, k]
+                for d in range(dim):
+                    traction += m * (local[k, d] + local[d, k]) * g.normal[f, d]
+                out[left, k] += g.area[f] * traction
+                out[right, k] -= g.area[f] * traction
+                coef[f, k] = g.area[f] / g.distance[f] * (m + (m / 3.0 + lam) * g.normal[f, k] ** 2)
+            continue
+        b = f - ni
+        m, lam = mu[left], bulk[left]
+        scale = g.area[f] / g.distance[f]
+        if side.kind[b] == OUTLET:
+            for k in range(dim):
+                coef[f, k] = 0.0
+        elif side.kind[b] == WALL:
+            away = 0.0
+            for k in range(dim):
+                away += (u[left, k] - side.u[b, k]) * g.normal[f, k]
+            for k in range(dim):
+                n = g.normal[f, k]
+                along = u[left, k] - side.u[b, k] - away * n
+                out[left, k] -= scale * (m * (1.0 - slip[b]) * along + (4.0 / 3.0 * m + lam) * away * n)
+                coef[f, k] = scale * (m * (1.0 - slip[b]) * (1.0 - n * n) + (4.0 / 3.0 * m + lam) * n * n)
+        else:
+            divergence = 0.0
+            for k in range(dim):
+                missing = edge[b, k] - u[left, k]
+                for d in range(dim):
+                    missing -= grad[left, k, d] * g.arm_left[f, d]
+                for d in range(dim):
+                    local[k, d] = grad[left, k, d] + missing * g.normal[f, d] / g.distance[f]
+                divergence += local[k, k]
+            if g.radius[left] > 0.0:
+                divergence += edge[b, 0] / (g.radius[left] + g.arm_left[f, 0])
+            for k in range(dim):
+                traction = (lam - 2.0 / 3.0 * m) * divergence * g.normal[f, k]
+                for d in range(dim):
+                    traction += m * (local[k, d] + local[d, k]) * g.normal[f, d]
+                out[left, k] += g.area[f] * traction
+                coef[f, k] = scale * (m + (m / 3.0 + lam) * g.normal[f, k] ** 2)
+
+
+@njit(cache=True)
+def hoop_stress(g, mu, bulk, u, grad, out, diagonal):
+    """The stress around the axis, which pulls inwards: adds its force to `out` and its part in u_r to `diagonal`."""
+    for c in range(u.shape[0]):
+        r = g.radius[c]
+        divergence = grad[c, 0, 0] + grad[c, 1, 1] + u[c, 0] / r
+        ring = 2.0 * mu[c] * u[c, 0] / r + (bulk[c] - 2.0 / 3.0 * mu[c]) * divergence
+        out[c, 0] -= g.volume[c] * ring / r
+        diagonal[c, 0] += g.volume[c] * (4.0 / 3.0 * mu[c] + bulk[c]) / r**2

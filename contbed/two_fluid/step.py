@@ -1,0 +1,335 @@
+"""One step of the two-fluid model.
+
+The solids move with one limited volume flux F that everything after uses; velocities are convected and sheared; forces
+and drag act on faces, and one equation gives the pressure; cell velocities follow from the faces; granular temperature
+moves with F. Drag, solids pressure, stress and granular temperature are implicit; the step is bound by the Courant
+number alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from contbed.errors import ConvergenceError
+from contbed.two_fluid import boundary, limiter
+from contbed.two_fluid import kernels_faces as kf
+from contbed.two_fluid import kernels_fields as kc
+from contbed.two_fluid import kernels_linear as kl
+from contbed.two_fluid import kernels_solid as ks
+from contbed.two_fluid import kernels_stress as kt
+from contbed.two_fluid.grid import Grid
+from contbed.two_fluid.pressure import Pressure
+from contbed.two_fluid.rheology import Closures
+
+ITERATIONS = 500
+TOLERANCE = 1e-9
+EXTENSIONS = 60  # rounds in which gradients extend initial fields to the walls
+EXPLICIT = 0.1  # viscous exchange of a cell in a step, as share of its content, below which it is not solved for
+FIELDS = ("eps_s", "u_gas", "u_solid", "theta", "p")
+
+
+@dataclass(frozen=True)
+class Materials:
+    """Densities [kg/m3], gas viscosity [Pa s], particle diameter [m], densest packing, gravity [m/s2]."""
+
+    rho_gas: float
+    mu_gas: float
+    rho_solid: float
+    d_p: float
+    eps_max: float
+    gravity: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to step.
+
+    courant : largest share of a cell that a phase crosses in a step
+    dt_max, dt_first [s] : largest and first step; growth : of the step at most
+    dt [s] : fixed step, instead of the Courant number
+    order : in time, 1 or 2; a step of order 2 extrapolates from one step and two halves, and costs three
+    limited : limit reconstructions; off keeps full order for smooth fields
+    theta : "pde", "algebraic" (production balances dissipation) or "frozen"
+    """
+
+    courant: float = 0.5
+    dt_max: float = 1e-2
+    dt_first: float = 1e-5
+    growth: float = 1.1
+    dt: float | None = None
+    order: Literal[1, 2] = 1
+    limited: bool = True
+    theta: Literal["pde", "algebraic", "frozen"] = "pde"
+
+
+@dataclass
+class Sources:
+    """Sources per volume, zero unless set: of solids and gas volume [1/s], accelerations (nc, dim) [m/s2] of both
+    phases, and granular energy [W/m3].
+    """
+
+    solid: np.ndarray
+    gas: np.ndarray
+    force_gas: np.ndarray
+    force_solid: np.ndarray
+    theta: np.ndarray
+
+
+class Stepper:
+    """Fields and the step of first order; `simulation.TwoFluid` adds time, account and restart.
+
+    The fields are in the order of the grid. `flux_solid` and `flux_total` (nf,) [m3/s] are the volume fluxes of the
+    solids and of both phases that the next step starts with, `moved` the solids flux of the last step after limits.
+    What else a step remembers of the last one: `lag_*`, rates of change less convection; `force_*`, accelerations;
+    `drag` and `stiffness`; `grad_p`, gradients of p and solids pressure on skewed meshes; `outflow` for the Courant
+    number.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        materials: Materials,
+        closures: Closures,
+        boundaries: Mapping[str, boundary.Condition],
+        options: Options | None = None,
+    ):
+        self.grid, self.materials, self.closures = grid, materials, closures
+        self.options = options if options is not None else Options()
+        self.edge = boundary.assemble(grid, boundaries, materials.rho_solid)
+        g = grid.geometry
+        nc, nf, dim = len(g.volume), len(g.left), grid.dimension
+        self.pressure = Pressure(grid, not (self.edge.gas.kind == boundary.OUTLET).any())
+        self.gravity = np.array(materials.gravity, dtype=float)
+        self.rho = (materials.rho_gas, materials.rho_solid)
+        self.sources = Sources(np.zeros(nc), np.zeros(nc), np.zeros((nc, dim)), np.zeros((nc, dim)), np.zeros(nc))
+        self.eps_s, self.theta, self.p = np.zeros(nc), np.zeros(nc), np.zeros(nc)
+        self.u_gas, self.u_solid = np.zeros((nc, dim)), np.zeros((nc, dim))
+        self.flux_solid, self.flux_total, self.moved = np.zeros(nf), np.zeros(nf), np.zeros(nf)
+        self.lag_g, self.lag_s = np.zeros((nc, dim)), np.zeros((nc, dim))
+        self.lag_eps, self.lag_theta = np.zeros((nc, 1)), np.zeros((nc, 1))
+        self.force_g, self.force_s = np.zeros((nc, dim)), np.zeros((nc, dim))
+        self.drag, self.stiffness = np.zeros(nc), np.zeros(nc)
+        self.grad_p = np.zeros((nc, 3, dim))
+        self.outflow = np.zeros((nc, 2))
+        self.time, self.steps = 0.0, 0
+        names = ("limited_faces", "limited_steps", "limiter_rounds", "theta_upwind_cells", "theta_clipped_cells")
+        self.counters = dict.fromkeys(names, 0)
+
+        self._faces, self._moment = np.zeros((nf, 8)), np.zeros((nc, dim, dim))
+        self._slip = np.zeros(nf - grid.interior)
+        self._drained, self._none = np.zeros(nc, dtype=np.bool_), np.zeros(nc, dtype=np.bool_)
+        self._mu_gas, self._bulk_gas = np.full(nc, materials.mu_gas), np.zeros(nc)
+        self._near = g.left[grid.interior :]
+
+    def settle_fluxes(self, dt: float) -> None:
+        """Fluxes and pressure that belong to the fields, as after a step of `dt` [s] without convection."""
+        self._evaluate()
+        if self.grid.skewed:
+            for _ in range(EXTENSIONS):
+                self._slopes_of_forces(self.rheology.pressure * self.theta)
+        kept = self.u_gas, self.u_solid
+        grad = [np.zeros((*u.shape, u.shape[1])) for u in kept]
+        self._forces(dt, *kept, *grad)
+        self.u_gas, self.u_solid = kept
+        self.force_g, self.force_s = np.zeros_like(kept[0]), np.zeros_like(kept[0])
+
+    def substep(self, dt: float) -> None:
+        """One step of first order in time, `dt` [s] long."""
+        g = self.grid.geometry
+        u_gas, u_solid = self.u_gas, self.u_solid
+        gas = self._move_solids(dt)
+        self._evaluate()
+        r = self.rheology
+        shear = r.mu + r.mu_friction
+        ks.wall_slip(
+            g, self.edge.solid, self.edge, self.materials.eps_max, self.rho[1],
+            self.eps_s, self.theta, r.g0, shear, self._slip,
+        )  # fmt: skip
+        h_g, grad_g = self._velocity(dt, 0, gas, 1.0 - self.eps_s, self._mu_gas, self._bulk_gas)
+        h_s, grad_s = self._velocity(dt, 1, self.moved, self.eps_s, shear, r.bulk)
+        divergence = self._forces(dt, h_g, h_s, grad_g, grad_s)
+        kc.remember(dt, self.u_gas, u_gas, grad_g, u_gas, self.lag_g)
+        kc.remember(dt, self.u_solid, u_solid, grad_s, u_solid, self.lag_s)
+        if self.options.theta != "frozen":
+            self._granular(dt, grad_s, divergence)
+
+    def _move_solids(self, dt: float) -> np.ndarray:
+        """eps_s after the step and the flux `moved` that leads there; returns the volume flux of the gas."""
+        g, old, new, source = self.grid.geometry, self.eps_s, np.empty_like(self.eps_s), self.sources.solid
+        size = (len(old), 1)
+        coef, diagonal, rhs, y = np.empty((len(g.left), 1)), np.empty(size), np.empty(size), np.empty(size)
+        flux = self.flux_solid.copy()
+        ks.compaction(g, dt, self.rho[1], self.stiffness, self.drag, flux, source, coef, diagonal, rhs)
+        self._solve(coef, diagonal, rhs, y, "eps_s")
+        ks.compact(g, dt, coef, y, flux)
+        touched, rounds = limiter.limit(g, dt, old, source, self.materials.eps_max, flux, new, self._drained)
+        if touched:
+            self.counters["limited_faces"] += int(touched)
+            self.counters["limited_steps"] += 1
+            self.counters["limiter_rounds"] += int(rounds)
+        self.lag_eps = self.lag_eps + (new - old).reshape(-1, 1) / dt
+        self.eps_s, self.moved = new, flux
+        return self.flux_total - flux
+
+    def _evaluate(self) -> None:
+        """Closures at the present state."""
+        speed = np.empty_like(self.eps_s)
+        ks.slip_speed(self.u_gas, self.u_solid, speed)
+        self.drag = self.closures.drag(self.eps_s, speed)
+        self.rheology = self.closures.granular(self.eps_s, self.theta, self.drag)
+        self.stiffness = self.rheology.stiffness
+
+    def _velocity(self, dt, phase, flux, eps, mu, bulk) -> tuple[np.ndarray, np.ndarray]:
+        """Velocity of one phase after convection and stress, and its gradient before."""
+        g, rho = self.grid.geometry, self.rho[phase]
+        if phase == 0:
+            side, slip, u, lag, force = self.edge.gas, self.edge.gas.slip, self.u_gas, self.lag_g, self.force_g
+            source, low = self.sources.force_gas, self._none
+        else:
+            side, slip, u, lag, force = self.edge.solid, self._slip, self.u_solid, self.lag_s, self.force_s
+            source, low = self.sources.force_solid, self._drained
+        given, grad, ahead = np.empty_like(side.u), np.empty((*u.shape, u.shape[1])), np.empty_like(u)
+        kc.edge_velocity(g, side, slip, u, eps, given)
+        kc.gradient(g, u, given, grad)
+        kc.half_ahead(dt, u, grad, u, lag, ahead)
+        rhs, links, coef = np.zeros_like(u), np.zeros_like(u), np.empty((len(g.left), u.shape[1]))
+        kc.convect(g, flux, u, grad, ahead, given, self.options.limited, low, rhs)
+        rhs *= rho
+        content = (rho / dt * (eps + ks.EMPTY) * g.volume)[:, None]
+        rhs += dt * content * source
+        kt.stress(g, side, slip, mu, bulk, u, grad, given, rhs, coef)
+        if self.grid.axisymmetric:
+            kt.hoop_stress(g, mu, bulk, u, grad, rhs, links)
+        kl.add_links(g, coef, links)
+        if (links <= EXPLICIT * content).all():
+            return u + rhs / content, grad
+        # with the last forces the change vanishes in a steady state, which the implicit part then leaves alone
+        change = np.empty_like(u)
+        self._solve(coef, links + content, rhs + dt * content * force, change, ("u_gas", "u_solid")[phase])
+        return u + change - dt * force, grad
+
+    def _forces(self, dt, h_g, h_s, grad_g, grad_s) -> np.ndarray:
+        """Forces, drag and pressure on faces; sets velocities, pressure and fluxes, returns div u_solid."""
+        g, edge, s, faces, skewed = self.grid.geometry, self.edge, self.eps_s, self._faces, self.grid.skewed
+        kinetic = self.rheology.pressure * self.theta
+        if skewed:
+            self._slopes_of_forces(kinetic)
+            grad_g = grad_g + self._slopes(h_g - self.u_gas)
+            grad_s = grad_s + self._slopes(h_s - self.u_solid)
+        cells, vectors = (s, self.drag, kinetic, self.rheology.h, self.p), (h_g, h_s, self.u_gas, self.u_solid)
+        gradients = (grad_g, grad_s, self.grad_p)
+        kf.predict(g, edge.gas, edge.solid, edge, dt, self.gravity, self.rho, cells, vectors, gradients, skewed, faces)
+        column = s.reshape(-1, 1)
+        grad_eps, ahead = np.empty((len(s), 1, self.grid.dimension)), np.empty((len(s), 1))
+        given = np.where(edge.solid.kind == boundary.GIVEN, edge.eps_s, s[self._near])
+        kc.gradient(g, column, given.reshape(-1, 1), grad_eps)
+        kc.half_ahead(dt, column, grad_eps, self.u_solid, self.lag_eps, ahead)
+        self.lag_eps = self.lag_eps - 2.0 / dt * ahead
+        kc.fractions(g, edge.gas, edge.solid, edge, s, grad_eps, ahead, self.options.limited, faces)
+        coef, rhs = np.empty(len(g.left)), g.volume * (self.sources.solid + self.sources.gas)
+        kf.assemble(g, edge.gas, edge.solid, edge, faces, coef, rhs)
+        self.p = self.pressure.solve(coef, rhs)
+        divergence = np.empty_like(s)
+        kf.correct(
+            g, edge.gas, edge.solid, edge, self.p, faces,
+            self.flux_solid, self.flux_total, self.outflow, divergence,
+        )  # fmt: skip
+        new_g, old_g, new_s, old_s = (np.empty_like(h_g) for _ in range(4))
+        kf.gather_gas(g, faces, grad_g, grad_g, False, new_g, old_g)
+        kf.gather_solid(g, faces, grad_s, grad_s, False, self._moment, new_s, old_s)
+        if skewed:
+            # once more, with the slopes of H and of the change by forces
+            change_g, change_s = self._slopes(new_g - old_g), self._slopes(new_s - old_s)
+            kf.gather_gas(g, faces, grad_g + change_g, grad_g, True, new_g, old_g)
+            kf.gather_solid(g, faces, grad_s + change_s, grad_s, True, self._moment, new_s, old_s)
+        self.force_g, self.force_s = np.empty_like(h_g), np.empty_like(h_s)
+        kf.cell_velocities(dt, self.rho, s, self.drag, h_g, h_s, old_g, old_s, new_g, new_s, self.force_g, self.force_s)
+        self.u_gas, self.u_solid = new_g, new_s
+        return divergence
+
+    def _slopes(self, u: np.ndarray) -> np.ndarray:
+        """Gradient of a cell vector (nc, dim) that is level at the boundaries."""
+        out = np.empty((*u.shape, u.shape[1]))
+        kc.gradient(self.grid.geometry, u, u[self._near], out)
+        return out
+
+    def _slopes_of_forces(self, kinetic: np.ndarray) -> None:
+        """Gradients of p, kinetic pressure and h for skewed meshes; the last ones extend the fields to the walls."""
+        g, outlet = self.grid.geometry, self.edge.gas.kind == boundary.OUTLET
+        values = np.stack((self.p, kinetic, self.rheology.h), axis=1)
+        arm = g.arm_left[self.grid.interior :]
+        given = values[self._near] + np.einsum("bkd,bd->bk", self.grad_p[self._near], arm)
+        given[outlet, 0] = self.edge.p[outlet]
+        kc.gradient(g, values, given, self.grad_p)
+
+    def _granular(self, dt: float, grad_s: np.ndarray, divergence: np.ndarray) -> None:
+        """Granular temperature: convected with the solids flux, conducted, produced, dissipated."""
+        g, edge, r, s, rho_s = self.grid.geometry, self.edge, self.rheology, self.eps_s, self.rho[1]
+        old, made = self.theta, np.empty_like(s)
+        ks.production(g, r.mu, r.bulk, self.u_solid, grad_s, made)
+        made += self.sources.theta
+        if self.options.theta == "algebraic":
+            self.theta = self._balanced(made, divergence)
+            return
+        sink = r.dissipation * np.sqrt(old) + 3.0 * self.drag * s
+        column = old.reshape(-1, 1)
+        given = np.where(edge.solid.kind == boundary.GIVEN, edge.theta, old[self._near]).reshape(-1, 1)
+        grad, ahead = np.empty((len(s), 1, self.grid.dimension)), np.empty_like(column)
+        kc.gradient(g, column, given, grad)
+        kc.half_ahead(dt, column, grad, self.u_solid, self.lag_theta, ahead)
+        low = self._drained.copy()
+        while True:
+            rhs = np.zeros_like(column)
+            kc.convect(g, self.moved, column, grad, ahead, given, self.options.limited, low, rhs)
+            if not ks.starved(g, dt, s, old, rhs, low):
+                break
+        self.counters["theta_upwind_cells"] += int(low.sum()) - int(self._drained.sum())
+        rhs *= 1.5 * rho_s
+        coef, diagonal, change = np.empty((len(g.left), 1)), np.empty_like(column), np.empty_like(column)
+        ks.conduct(g, edge.solid, edge, r.conductivity, old, grad, self.grid.skewed, rhs, coef)
+        ks.theta_system(
+            g, edge, edge.solid, self._slip, dt, rho_s, self.materials.eps_max, s, old, r.g0, sink,
+            rho_s * r.pressure, divergence, made, self.u_solid, rhs, diagonal,
+        )  # fmt: skip
+        kl.add_links(g, coef, diagonal)
+        self._solve(coef, diagonal, rhs, change, "theta")
+        self.theta = old + change[:, 0]
+        if (below := self.theta < 0.0).any():
+            self.counters["theta_clipped_cells"] += int(below.sum())
+            self.theta[below] = 0.0
+        kc.remember(dt, self.theta.reshape(-1, 1), column, grad, self.u_solid, self.lag_theta)
+
+    def _balanced(self, made: np.ndarray, divergence: np.ndarray) -> np.ndarray:
+        """Granular temperature at which production balances dissipation, a quadratic for its square root."""
+        r, s, rho_s = self.rheology, self.eps_s, self.rho[1]
+        root = np.sqrt(self.theta)
+        factor = np.where(root > 0, made / np.maximum(root, 1e-150), 0.0)
+        linear = rho_s * r.pressure * divergence + 3.0 * self.drag * s
+        y = 2.0 * factor / (linear + np.sqrt(linear**2 + 4.0 * r.dissipation * factor) + 1e-300)
+        return np.maximum(y, 0.0) ** 2
+
+    def _solve(self, coef, diagonal, rhs, x, name: str) -> None:
+        """A symmetric system by conjugate gradients."""
+        if kl.conjugate(self.grid.geometry, coef, diagonal, rhs, x, TOLERANCE, ITERATIONS) < 0:
+            self.check_finite()
+            raise ConvergenceError(
+                f"t = {self.time:.6g} s, step {self.steps}: {name} did not converge in {ITERATIONS} iterations; "
+                "reduce the Courant number"
+            )
+
+    def check_finite(self) -> None:
+        """Raise ConvergenceError where a field is not finite, with its name, the cell and its place."""
+        for name in FIELDS:
+            values = getattr(self, name)
+            if not np.isfinite(values.sum()) and (wrong := ~np.isfinite(values)).any():
+                cell = int(np.flatnonzero(wrong.reshape(len(values), -1).any(axis=1))[0])
+                place = ", ".join(f"{v:.4g}" for v in self.grid.centres[cell])
+                number = int(self.grid.cells[cell])
+                raise ConvergenceError(
+                    f"t = {self.time:.6g} s, step {self.steps}: {name} is not finite in cell {number} at ({place}) m; "
+                    "reduce the Courant number, or look at the closures and boundaries there"
+                )

@@ -1,0 +1,71 @@
+"""Closures with few constants for tests of the two-fluid numerics, and beds made with them."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from contbed.meshing import mesh as meshing
+from contbed.scene import settings
+from contbed.two_fluid import grid
+from contbed.two_fluid.rheology import Closures, Rheology
+from contbed.two_fluid.simulation import Materials, Options, TwoFluid
+
+
+def rectangle(length, height, cells, periodic=(), shape="quadrilateral", **mesh):
+    """Grid of a rectangle of quadrilaterals, or of triangles."""
+    chosen = settings.MeshRectangle(type="rectangle", length=length, height=height, cells=cells, shape=shape, **mesh)
+    return grid.build(meshing.build(chosen), periodic)
+
+
+def line(length, cells, periodic=False):
+    """Grid of a line along x, from left to right."""
+    mesh = meshing.build(settings.MeshLine(type="line", length=length, cells=cells))
+    return grid.build(mesh, [("left", "right")] if periodic else [])
+
+
+def closures(
+    drag=0.0, pressure=0.0, viscosity=0.0, bulk=0.0, conductivity=0.0, dissipation=0.0, friction=0.0, eps_friction=0.5
+):
+    """K [kg/m3/s] a number or a function of eps_s and slip; p_s = rho_s eps_s theta where `pressure` is 1; viscosities,
+    conductivity [Pa s] times eps_s; gamma = dissipation eps_s^2 theta^1.5; friction [Pa] times (eps_s - 0.5)^2."""
+
+    def exchange(eps_s, slip):
+        return drag(eps_s, slip) if callable(drag) else np.full(len(eps_s), float(drag))
+
+    def granular(eps_s, theta, _):
+        over = np.maximum(eps_s - eps_friction, 0.0)
+        # p = friction over^2, so that h is the integral of 2 friction over/eps_s
+        h = 2 * friction * (over - eps_friction * np.log1p(over / eps_friction))
+        return Rheology(
+            g0=np.ones_like(eps_s),
+            pressure=pressure * eps_s,
+            stiffness=pressure * theta + 2 * friction * over,
+            mu=viscosity * eps_s,
+            bulk=bulk * eps_s,
+            mu_friction=np.zeros_like(eps_s),
+            h=h,
+            conductivity=conductivity * eps_s,
+            dissipation=dissipation * eps_s**2,
+        )
+
+    return Closures(exchange, granular)
+
+
+def bed(on, laws, boundaries, gravity=(0.0, 0.0), options=None, **materials):
+    """A bed with air and glass unless told otherwise."""
+    values = {"rho_gas": 1.2, "mu_gas": 1.8e-5, "rho_solid": 2500.0, "d_p": 275e-6, "eps_max": 0.63} | materials
+    return TwoFluid(on, Materials(**values, gravity=gravity), laws, boundaries, options or Options())
+
+
+def solids(bed):
+    """Volume of the solids [m3]."""
+    return float(bed.eps_s @ bed.grid.geometry.volume)
+
+
+def shaken(shape, cells, amount=0.15, seed=1):
+    """Grid of a unit square whose inner nodes are moved at random by a share of the cell size."""
+    mesh = meshing.build(settings.MeshRectangle(type="rectangle", length=1.0, height=1.0, cells=cells, shape=shape))
+    p = mesh.skfem.p.copy()
+    inner = ((p > 1e-9) & (p < 1 - 1e-9)).all(axis=0)
+    p[:, inner] += amount / cells[0] * np.random.default_rng(seed).uniform(-1, 1, (2, inner.sum()))
+    return grid.build(replace(mesh, skfem=replace(mesh.skfem, doflocs=p)))
