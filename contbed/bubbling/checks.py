@@ -15,7 +15,7 @@ from contbed.scene.checks import Mistakes, See
 from contbed.scene.closure_choice import resolve_closure
 from contbed.scene.toml_lines import KeyPath, Origin
 
-RESERVED = ("emulsion", "bubble", "distributor")
+RESERVED = ("emulsion", "bubble", "distributor", "freeboard", "tubes", "walls", "up", "down")
 SUM = 1e-9  # by which shares may miss one
 SHARES = 1e-6  # by which mole fractions may, which people round
 Kinds = Mapping[str, b.Species]

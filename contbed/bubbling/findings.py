@@ -91,6 +91,9 @@ def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: R
         result.qoi["T_distributor_K"] = float(problem.system.part(state, "T_distributor")[0])
     result.qoi |= {f"T_{name}_mid_K": float(middle(space, nodal[f"T_{name}"])[0]) for name in c.species}
     result.qoi |= {f"{name}_top_K": float(top(space, nodal[name])[0]) for name in c.gases}
+    for name, item in (("tubes", scene.tubes), ("walls", scene.walls)):
+        if item is not None and item.steam is not None:
+            _water(problem, name, state, result, {key: probe(space, nodal[f"{key}_{name}"]) for key in ("h", "T")})
     duties, releases = problem.duties(state), problem.releases(state)
     result.qoi |= duties | {f"release_{name}_W": value for name, value in releases.items()}
     result.balances["energy"] = _balance(problem, state, duties, releases)
@@ -102,6 +105,35 @@ def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: R
 
 
 FREEBOARD = {"T_freeboard": "K", "T_up": "K", "T_down": "K", "flow_up": "kg/m2/s", "G_freeboard": "W/m2"}
+def _water(problem: BubblingProblem, name: str, state: Any, result: Result, values: dict[str, Any]) -> None:
+    """What water does inside of a surface: profiles, what leaves, and its own balance."""
+    from contbed.materials.steam import steam
+
+    table = getattr(problem.plan.scene, name).steam
+    water = steam(table.pressure)
+    padded = np.full(len(result.profiles["z [m]"]), np.nan)
+    for header, column in ((f"T_{name}_surface [K]", values["T"]), (f"T_{name}_water [K]",
+                           water.temperature(values["h"])), (f"h_{name}_water [kJ/kg]", values["h"])):
+        padded[: len(column)] = column
+        result.profiles[header] = padded.copy()
+    h_in = water.enthalpy(table.temperature)
+    end = problem.top if table.direction == "up" else problem.bottom
+    h_out = problem.at(lambda u, o: getattr(u, f"h_{name}"), end, state)
+    gained = sum(value for key, value in problem.duties(state).items()
+                 if key in (f"{name}_convection_W", f"{name}_radiation_W"))  # fmt: skip
+    flow = 1e3 * table.mass_flow
+    result.qoi |= {f"{name}_water_W": flow * (h_out - h_in), f"{name}_water_out_K": float(water.temperature(h_out)),
+                   f"{name}_water_out_kJ_kg": h_out}  # fmt: skip
+    if (quality := water.quality(h_out)) is not None:
+        result.qoi[f"{name}_water_out_quality"] = quality
+    if not water.h_range[0] <= h_out <= water.h_range[1]:
+        result.warnings.append(f"{name}: water leaves at {h_out:g} kJ/kg, outside of its table")
+    result.balances[f"water in {name}"] = {
+        "in": flow * h_in, "out": flow * h_out, "source": gained, "stored": 0.0, "unit": "W",
+        "relative_residual": (flow * (h_in - h_out) + gained) / max(abs(flow * h_in), abs(flow * h_out), abs(gained)),
+    }  # fmt: skip
+
+
 HYDRODYNAMICS = {
     "u": "m/s", "u_mf": "m/s", "u_e": "m/s", "u_b": "m/s", "delta": "1", "flow_bubble": "kg/s", "d_b": "m",
 }  # fmt: skip

@@ -111,8 +111,9 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
     }  # fmt: skip
     surfaces = {
         name: model.Surface(
-            item.perimeter, number["contact"][name], item.temperature,
+            item.perimeter, number["contact"][name], item.temperature or HOT,
             float(optics.emissivity_immersed(eps_bed, item.emissivity)) if eps_bed and item.emissivity else 0.0,
+            None if item.steam is None else f"T_{name}",
         )
         for name, item in _surfaces(scene).items()
     }  # fmt: skip
@@ -125,8 +126,25 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
         section, number["delta"], scene.gas.temperature, species, number["pairs"], emulsion, gases.get("T_bubble"),
         number["exchange"], surfaces, plate, level if level in ("none", "paper") else "field", diffusion,
         _radiosity(scene.freeboard), scene.solver.degree, computed, computed.fields if computed is not None else (),
-        computed.parts if computed is not None else (),
+        (computed.parts if computed is not None else ()) + _water(scene),
     ), albedo  # fmt: skip
+
+
+def _water(scene: b.BubblingScene) -> tuple[Any, ...]:
+    """What flows inside of surfaces."""
+    wanted = {name: item.steam for name, item in _surfaces(scene).items() if item.steam is not None}
+    if not wanted:
+        return ()
+    from contbed.materials.steam import steam
+    from contbed.models.steam import Steam
+
+    out = []
+    for name, table in wanted.items():
+        water = steam(table.pressure)
+        conductance = _surfaces(scene)[name].perimeter * table.coefficient
+        out.append(Steam(name, table.mass_flow, water.enthalpy(table.temperature), conductance, water.temperature,
+                         table.direction == "up"))  # fmt: skip
+    return tuple(out)
 
 
 def _surfaces(scene: b.BubblingScene) -> dict[str, b.Surface]:
@@ -232,7 +250,7 @@ def _radiosity(table: b.Freeboard | None) -> float | None:
 
 def _hot(scene: b.BubblingScene) -> float:
     """The highest temperature that the scene gives [K]."""
-    given = [item.temperature for item in (scene.gas, scene.tubes, scene.walls) if item is not None]
+    given = [item.temperature or 0.0 for item in (scene.gas, scene.tubes, scene.walls) if item is not None]
     given += [item.feed.temperature for item in scene.present.values() if item.feed is not None]
     return max(*given, HOT)
 

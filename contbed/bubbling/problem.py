@@ -109,6 +109,9 @@ class BubblingProblem:
             places = self.space.points[0]
             for name, values in self.c.computed.start(T, places).items():
                 self.system.part(x, name)[:] = values
+        for part in self.c.parts:
+            for name, value in getattr(part, "initial", {}).items():
+                self.system.part(x, name)[:] = value
         return x
 
     def _newton(self, x: Array) -> tuple[Array, list[float]]:

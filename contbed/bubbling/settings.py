@@ -147,13 +147,30 @@ class Species(s.Table):
     release: Release | None = None
 
 
+class Steam(s.Table):
+    """Water, boiling water or steam inside of a surface."""
+
+    pressure: s.Pressure
+    temperature: s.Temperature = Field(description="of what enters; it does not boil there")
+    mass_flow: MassFlow
+    coefficient: Annotated[s.WallCoefficient, Field(gt=0)] = Field(description="inside, on the outer surface")
+    direction: Literal["up", "down"] = "up"
+
+
 class Surface(s.Table):
-    """Tubes or walls along the whole height."""
+    """Tubes or walls along the whole height, at a temperature or with water inside."""
 
     perimeter: s.Length = Field(description="surface per height of bed")
     coefficient: s.WallCoefficientOrClosure = Field(description="convective, split over the species by their surface")
-    temperature: s.Temperature
+    temperature: s.Temperature | None = None
     emissivity: s.Emissivity | None = Field(None, description="absent: a mirror")
+    steam: Steam | None = Field(None, description="instead of `temperature`")
+
+    @model_validator(mode="after")
+    def _one(self) -> Surface:
+        if (self.temperature is None) == (self.steam is None):
+            raise ValueError("give one of temperature, steam")
+        return self
 
 
 class Distributor(s.Table):

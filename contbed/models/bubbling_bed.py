@@ -96,6 +96,11 @@ class Surface:
     coefficient: float  # [W/m2/K]
     temperature: float  # [K]
     emissivity: float  # effective [1]; 0 for a mirror
+    field: str | None = None  # unknown temperature, in place of the given one
+
+    def cold(self, u: Any) -> Any:
+        """Temperature of the surface [K]."""
+        return self.temperature if self.field is None else getattr(u, self.field)
 
 
 @dataclass(frozen=True)
@@ -235,14 +240,14 @@ def incident(u: Any, c: Coefficients) -> Any:
 def convected(u: Any, c: Coefficients, name: str, local: Local) -> Any:
     """Heat that particles give to a surface by contact [W/m]."""
     x, each = c.surfaces[name], zip(c.species.values(), temperatures(u, c), strict=True)
-    return sum(x.perimeter * local.contact[name] * item.share * (T - x.temperature) for item, T in each)
+    return sum(x.perimeter * local.contact[name] * item.share * (T - x.cold(u)) for item, T in each)
 
 
 def radiated(u: Any, c: Coefficients, x: Surface) -> Any:
     """Radiation into a surface [W/m]."""
     if c.level == "none" or not x.emissivity:
         return 0.0
-    return 0.25 * x.perimeter * x.emissivity * (incident(u, c) - radiation.emitted(x.temperature))
+    return 0.25 * x.perimeter * x.emissivity * (incident(u, c) - radiation.emitted(x.cold(u)))
 
 
 def released(u: Any, stream: Stream, name: str, o: Any) -> Any:
@@ -270,7 +275,7 @@ def gains(u: Any, c: Coefficients, local: Local, o: Any) -> dict[str, Any]:
         pass_on(f"T_{name}", "T_emulsion", volume * local.gas[name])
         for surface, x in c.surfaces.items():
             contact = x.perimeter * local.contact[surface] * item.share
-            gain[f"T_{name}"] = gain[f"T_{name}"] - contact * (T[f"T_{name}"] - x.temperature)
+            gain[f"T_{name}"] = gain[f"T_{name}"] - contact * (T[f"T_{name}"] - x.cold(u))
     for (one, other), coefficient in local.pairs.items():
         pass_on(f"T_{one}", f"T_{other}", volume * coefficient)
     if c.bubbles is not None:
@@ -297,7 +302,7 @@ def taken_up(u: Any, c: Coefficients, local: Local) -> list[Any]:
     taken = [-volume * lost for lost in exchange_equilibrium(absorption, T)]
     for x in c.surfaces.values():
         factor = 0.25 * x.perimeter * x.emissivity / sum(absorption)
-        cold = radiation.emitted(x.temperature)
+        cold = radiation.emitted(x.cold(u))
         taken = [old - factor * K * (radiation.emitted(t) - cold)
                  for old, K, t in zip(taken, absorption, T, strict=True)]  # fmt: skip
     return taken
@@ -319,7 +324,7 @@ def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
         total = total + part.residual(u, tests, c, local, o)
     if c.level != "field":
         return total
-    sinks = [(0.25 * x.perimeter * x.emissivity, x.temperature) for x in c.surfaces.values()]
+    sinks = [(0.25 * x.perimeter * x.emissivity, x.cold(u)) for x in c.surfaces.values()]
     volume = c.volume(local)
     optics = radiation.Coefficients(
         {f"T_{name}": volume * local.shares.get(name, 1.0) * item.absorption for name, item in c.species.items()},
