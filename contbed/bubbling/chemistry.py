@@ -71,7 +71,7 @@ def gaussian(feed: t.SolidsFeed, height: float) -> Callable[[Any], Any]:
 def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
     """All that the scene lets run."""
     table = scene.reactions
-    out: list[Any] = [cr.Homogeneous(name, cr.law_of(name, item), item.factor)
+    out: list[Any] = [cr.Homogeneous(name, cr.law_of(name, item), item.factor, table.mixing_time)
                       for name, item in table.homogeneous.items()]  # fmt: skip
     if (fuel := scene.fuel) is not None and data is not None:
         if table.drying is not None and data.moisture:

@@ -38,6 +38,7 @@ class Homogeneous:
     name: str
     law: r.Law
     factor: float
+    mixing: float = 0.0  # time [s]
 
     def __call__(self, state: State, book: Book) -> None:
         for phase, x in state.x.items():
@@ -50,14 +51,16 @@ class Homogeneous:
     def rate(self, T: Any, concentration: dict[str, Any], pressure: float) -> Any:
         """Net rate [mol/m3/s]."""
         small = r.SMALL * pressure / (R_GAS * T)
+        frequency = self.factor * self.law.frequency(T, concentration, small)
+        slowed = self.factor / (1.0 + self.mixing * frequency)
         if not self.law.reversible:
-            return self.factor * self.law.rate(T, concentration, small)
+            return slowed * self.law.rate(T, concentration, small)
         # both of first order: k (prod of reactants - prod of products/K), in concentrations
         unit = R_GAS * T / thermo.P_STANDARD
         forward = r.product([concentration[name] for name in self.law.orders])
         p = {name: c * unit for name, c in concentration.items()}
         backward = equilibrium_quotient(self.law, T, p) * unit ** -sum(self.law.orders.values())
-        return self.factor * self.law.constant(T) * (forward - backward)
+        return slowed * self.law.constant(T) * (forward - backward)
 
 
 @dataclass(frozen=True)

@@ -120,6 +120,9 @@ class Sulphation(s.Table):
 class Reactions(s.Table):
     """Reactions that run."""
 
+    mixing_time: Annotated[float, *unit("s"), Field(ge=0)] = Field(
+        1e-3, description="of gases, which burn no faster than they mix"
+    )
     drying: Timed | None = None
     devolatilisation: Timed | None = None
     char_combustion: CharCombustion | None = None

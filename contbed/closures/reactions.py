@@ -8,6 +8,7 @@ Orders below one have infinite slopes at zero, where nothing is left to react. T
 
 which changes r where less than about s is left and lets a slightly negative [i] pull back; two of them do not.
 
+Gases burn no faster than they mix: with a time tau of mixing, r/(1 + tau sum_i r/[i]) is at most [i]/tau of the scarcest.
 Reversible reactions run backward at the rate that thermodynamic equilibrium demands: r (1 - Q/K).
 
 Constants are those quoted for the sources in secondary literature; `share_outside` tells where a run left `T_range`.
@@ -58,6 +59,20 @@ class Law:
     def rate(self, T: Any, concentration: Mapping[str, Any], small: Any) -> Any:
         """Forward rate [mol/m3/s] at concentrations [mol/m3]; `small` is s of the module's docstring [mol/m3]."""
         return self.constant(T) * product([power(concentration[name], n, small) for name, n in self.orders.items()])
+
+    def frequency(self, T: Any, concentration: Mapping[str, Any], small: Any) -> Any:
+        """Sum over the reactants of forward rate over what there is of each [1/s]; the scarcest decides."""
+        total: Any = 0.0
+        for name in self.orders:
+            others: Any = 1.0
+            for other, n in self.orders.items():
+                c = concentration[other]
+                if other == name:
+                    others = others * (1.0 if n == 1.0 else (c * c + small * small) ** (0.5 * (n - 1.0)))
+                else:
+                    others = others * np.maximum(power(c, n, small), 0.0)
+            total = total + others
+        return self.constant(T) * total
 
 
 def stoichiometry(reaction: str) -> dict[str, float]:

@@ -29,7 +29,7 @@ def burning():
 
 def test_a_combustor_burns_its_coal(burning):
     qoi = burning.qoi
-    assert set(burning.balances) == {"energy", "C", "H", "O", "N", "S", "Ca"}
+    assert sorted(burning.balances) == ["C", "Ca", "H", "N", "O", "S", "energy"]
     assert qoi["ignited"] == 1 and qoi["carbon_conversion"] > 0.97 and qoi["combustion_efficiency"] > 0.97
     assert 0.5 < qoi["sulphur_capture"] < 0.9 and qoi["calcined"] > 0.99
     power = qoi["fuel_power_W"] * qoi["combustion_efficiency"]
@@ -43,7 +43,7 @@ def test_a_combustor_burns_its_coal(burning):
 
 def test_profiles_are_fractions(burning):
     for phase in ("emulsion", "bubble"):
-        columns = [values for name, values in burning.profiles.items() if name.startswith("x_") and f"_{phase} " in name]
+        columns = [column for name, column in burning.profiles.items() if name.endswith(f"_{phase} [1]")]
         assert np.sum(columns, axis=0) == pytest.approx(1.0, rel=1e-12)
         assert np.min(columns) > -1e-3  # 12 cells
     assert any(use["name"] == "char_combustion: field" for use in burning.closures)
@@ -76,7 +76,7 @@ def test_shift_by_an_integrator_of_ordinary_equations():
     scene = tube("CO:0.3, H2O:0.4, N2:0.3", {"water_gas_shift": {"factor": 3.0}}, solver={"degree": 3, "guess": 1200.0})
     result = solved(scene)
     law = r.LAWS["water_gas_shift"]["biba"]
-    item = cr.Homogeneous("water_gas_shift", law, 3.0)
+    item = cr.Homogeneous("water_gas_shift", law, 3.0, 1e-3)
     species = thermo.table()
     x = {"CO": 0.3, "H2O": 0.4, "N2": 0.3, "CO2": 0.0, "H2": 0.0}
     total = 0.02 / sum(species[name].molar_mass * value for name, value in x.items())
@@ -164,7 +164,9 @@ def changed(path, value, **changes):
 BAD = {
     "sum to 1.1, not to 1": changed(("fuel", "ultimate", "O"), 0.22),
     "less than the fixed carbon": changed(("fuel", "volatile_matter"), 0.1),
-    "no amounts of CO": changed(("fuel",), {**COAL, "ultimate": {"C": 0.15, "H": 0.01, "O": 0.74}, "volatile_matter": 0.9}),
+    "no amounts of CO": changed(
+        ("fuel",), {**COAL, "ultimate": {"C": 0.15, "H": 0.01, "O": 0.74}, "volatile_matter": 0.9}
+    ),
     "far from the": changed(("fuel", "heating_value"), 3e6),
     "did you mean 'char'": changed(("fuel", "species"), "chr"),
     "char never leaves": tables(drain=None, reactions={"drying": {"time": 1.0}, "devolatilisation": {"time": 1.0}}),
