@@ -4,6 +4,7 @@ python studies/zhou_2009_htc/study.py            # everything, about 10 min on o
 python studies/zhou_2009_htc/study.py plot       # table and pictures from results.json
 """
 
+import csv
 import json
 import sys
 from dataclasses import replace
@@ -20,6 +21,7 @@ from contbed.dem.htc import Average, Solid
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
+from contbed.dem.statistics import surface
 from contbed.materials.constant import ConstantFluid
 
 HERE = Path(__file__).parent
@@ -127,7 +129,8 @@ def minimum_fluidization(packing, drag):
     U, ratio = np.array(rows).T
     packed = ratio < 0.8
     power, level = np.polyfit(np.log(U[packed]), np.log(ratio[packed]), 1)
-    eps = 1 - COUNT * np.pi / 6 * D**3 / (WIDTH**2 * packing.statistics["surface"])
+    # of the bed as it lies when it has come to rest again
+    eps = 1 - COUNT * np.pi / 6 * D**3 / (WIDTH**2 * surface(run.simulation.position, run.simulation.radius))
     print(drag.__name__, rows, flush=True)
     return {"curve": rows, "U_mf": float(np.exp(-level / power)), "ergun": ergun(eps), "porosity": eps}
 
@@ -148,6 +151,84 @@ def main():
     (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n")
 
 
+def table(results):
+    """results.csv: one row for each velocity, coefficients by mechanism for the three conductivities."""
+    head = ["U [m/s]", "porosity", "coordination", "pressure drop/weight", "h_convection"]
+    parts = ("fluid_touching", "fluid_apart", "contact", "impact")
+    for k in ("0.08", "0.84", "30"):
+        head += [f"{name} {k}" for name in (*parts, "total")]
+    head += ["total 0.84 E=10 MPa c=1", "total 30 E=10 MPa c=1", "total 30 exponents 1/3 1/5", "radiation 373 K",
+             "radiation 1273 K", "hot spheres by cooling", "hot spheres by average"]  # fmt: skip
+    weight = COUNT * np.pi / 6 * D**3 * 2500.0 * 9.81 / WIDTH**2
+    with open(HERE / "results.csv", "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(head)
+        for row in results["velocities"]:
+            cases = row["cases"]
+            values = [row["porosity"], row["coordination"], row["pressure_drop"] / weight]
+            values.append(cases["0.84"]["convection"])
+            for k in ("0.08", "0.84", "30"):
+                values += [*(cases[k][name] for name in parts), sum(cases[k].values())]
+            values += [sum(cases[name].values()) for name in ("0.84 at 10 MPa, no correction",
+                       "30 at 10 MPa, no correction", "30, exponents 1/3 and 1/5")]  # fmt: skip
+            values += [row["radiation"]["373"], row["radiation"]["1273"]]
+            values += [np.mean(row["hot_cooling"]), np.mean(row["hot_average"])]
+            writer.writerow([row["U"], *(f"{value:.4g}" for value in values)])
+
+
+def plots(results):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    rows = results["velocities"]
+    U = np.array([row["U"] for row in rows])
+    U_mf = results["U_mf"]["drag_di_felice"]["U_mf"]
+    colours = {"0.08": "#0072B2", "0.84": "#009E73", "30": "#D55E00"}
+
+    def part(case, *names):
+        return np.array([sum(row["cases"][case][name] for name in names) for row in rows])
+
+    conduction = ("fluid_touching", "fluid_apart", "contact", "impact")
+    figure, axes = plt.subplots(2, 2, figsize=(9.0, 6.6), layout="constrained")
+    for k, colour in colours.items():
+        axes[0, 0].plot(U, part(k, "convection", *conduction), "o-", color=colour, label=f"$k_p$ = {k} W/m/K")
+        axes[0, 1].plot(U, part(k, *conduction), "s--", color=colour, label=f"conduction, {k} W/m/K")
+    axes[0, 1].plot(U, part("0.84", "convection"), "ko-", label="convection")
+    axes[0, 0].set_ylabel("$h$ [W/m$^2$/K]")
+    axes[0, 0].set_ylim(0, None)
+    for panel, k in zip(axes[1], ("0.08", "30"), strict=True):
+        whole = part(k, *conduction)
+        for name, label in (("fluid_touching", "fluid, touching"), ("fluid_apart", "fluid, apart")):
+            panel.plot(U, 100 * part(k, name) / whole, "o-", label=label)
+        panel.plot(U, 100 * part(k, "contact", "impact") / whole, "o-", label="contact")
+        panel.set_ylabel(f"share of conduction, $k_p$ = {k} [%]")
+    for panel in axes.flat:
+        panel.axvline(U_mf, color="0.6", linewidth=0.8)
+        panel.set_xlabel("$U$ [m/s]")
+        panel.legend(frameon=False, fontsize=8)
+    figure.savefig(HERE / "htc.png", dpi=150)
+    figure, axes = plt.subplots(1, 3, figsize=(11.0, 3.4), layout="constrained")
+    for row in rows:
+        if "distribution" in row:
+            for panel, name, end in ((axes[0], "convection", (60, 360)), (axes[1], "conduction", (0, 180))):
+                edges = np.linspace(*end, 61)
+                panel.plot(0.5 * (edges[1:] + edges[:-1]), row["distribution"][name], label=f"{row['U']:g} m/s")
+                panel.set_xlabel(f"$h$ by {name} [W/m$^2$/K]")
+    axes[0].set_ylabel("probability density [m$^2$K/W]")
+    axes[2].plot(U, part("0.84 at 10 MPa, no correction", *conduction), "s-", label="10 MPa, $c$ = 1")
+    axes[2].plot(U, part("0.84", *conduction), "o-", label="10 MPa, $c$ = 0.182")
+    axes[2].plot(U, part("0.84, exponents 1/3 and 1/5", *conduction), "^-", label="10 MPa, powers 1/3 and 1/5")
+    axes[2].set(xlabel="$U$ [m/s]", ylabel="conduction, $k_p$ = 0.84 [W/m$^2$/K]", ylim=(0, None))
+    for panel in axes:
+        panel.legend(frameon=False, fontsize=8)
+    figure.savefig(HERE / "distributions.png", dpi=150)
+
+
 if __name__ == "__main__":
     if sys.argv[1:] != ["plot"]:
         main()
+    found = json.loads((HERE / "results.json").read_text())
+    table(found)
+    plots(found)
