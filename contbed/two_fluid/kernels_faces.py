@@ -15,21 +15,22 @@ The columns of `faces` (nf, 8): u_g, u_s, their mobilities, fractions of gas and
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from contbed.two_fluid.boundary import GIVEN, OUTLET
+from contbed.two_fluid.compiled import kernel
 
 TINY = 1e-300
+UNDERFLOW = 1e-60  # [m/s]
 
 
-@njit(cache=True)
+@kernel
 def two_phase(first, second, a_g, a_s):
     """Both velocities after implicit drag."""
     scale = 1.0 / (1.0 + a_g + a_s)
     return scale * ((1.0 + a_s) * first + a_g * second), scale * (a_s * first + (1.0 + a_g) * second)
 
 
-@njit(cache=True)
+@kernel
 def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, corrections, faces):
     """Face velocities without the pressure; columns 4 and 5 get them with the last pressure.
 
@@ -104,7 +105,7 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
         faces[f, 4], faces[f, 5], faces[f, 6], faces[f, 7] = u_g - move_g * drop, u_s - move_s * drop, hg, hs
 
 
-@njit(cache=True)
+@kernel
 def assemble(g, gas, solid, edge, faces, coef, rhs):
     """The equation of pressure, sum of coef (nf,) (p - p_neighbour) = rhs (nc,), from the sum of both fluxes; `rhs`
     holds the sources.
@@ -125,7 +126,7 @@ def assemble(g, gas, solid, edge, faces, coef, rhs):
             rhs[left] += coef[f] * edge.p[f - ni]
 
 
-@njit(cache=True)
+@kernel
 def correct(g, gas, solid, edge, p, faces, flux_solid, flux_total, outflow, divergence):
     """Face velocities with the pressure; fluxes of the solids and of both phases together [m3/s].
 
@@ -165,7 +166,7 @@ def correct(g, gas, solid, edge, p, faces, flux_solid, flux_total, outflow, dive
         divergence[c] /= g.volume[c]
 
 
-@njit(cache=True)
+@kernel
 def gather_gas(g, faces, grad_new, grad_old, corrections, new, old):
     """Cell vectors (nc, dim) from the normal u_g and H_g of the faces by least squares; exact for linear fields with
     the gradients of both on skewed meshes.
@@ -198,7 +199,7 @@ def gather_gas(g, faces, grad_new, grad_old, corrections, new, old):
             new[c, k], old[c, k] = first[k], second[k]
 
 
-@njit(cache=True)
+@kernel
 def gather_solid(g, faces, grad_new, grad_old, corrections, moment, new, old):
     """The same for u_s and H_s; a face that no particles reach has no say in their velocity."""
     ni, dim = len(g.right), len(g.axes)
@@ -239,7 +240,7 @@ def gather_solid(g, faces, grad_new, grad_old, corrections, moment, new, old):
             old[c, i] /= moment[c, i, i]
 
 
-@njit(cache=True)
+@kernel
 def cell_velocities(dt, rho, s, drag, h_g, h_s, mean_g, mean_s, new_g, new_s, force_g, force_s):
     """Cell velocities from the gathered ones: `new`, in place, plus what gathering the normal H leaves of H, which is
     `h - mean`, after implicit drag. The forces [m/s2] are the changes from H over the step.
@@ -250,7 +251,8 @@ def cell_velocities(dt, rho, s, drag, h_g, h_s, mean_g, mean_s, new_g, new_s, fo
         a_g = dt * drag[c] * s[c] / ((1.0 - s[c]) * rho_g)
         for k in range(h_g.shape[1]):
             rest_g, rest_s = two_phase(h_g[c, k] - mean_g[c, k], h_s[c, k] - mean_s[c, k], a_g, a_s)
-            new_g[c, k] += rest_g
-            new_s[c, k] += rest_s
+            # numbers that fade away in a bed at rest would end as slow subnormal ones
+            new_g[c, k] = new_g[c, k] + rest_g if abs(new_g[c, k] + rest_g) > UNDERFLOW else 0.0
+            new_s[c, k] = new_s[c, k] + rest_s if abs(new_s[c, k] + rest_s) > UNDERFLOW else 0.0
             force_g[c, k] = (new_g[c, k] - h_g[c, k]) / dt
             force_s[c, k] = (new_s[c, k] - h_s[c, k]) / dt

@@ -6,12 +6,11 @@ right one.
 
 from __future__ import annotations
 
-from numba import njit
-
 from contbed.two_fluid.boundary import GIVEN, OUTLET, WALL
+from contbed.two_fluid.compiled import kernel
 
 
-@njit(cache=True)
+@kernel
 def gradient(g, values, edge, out):
     """Least-squares gradients (nc, m, dim) of `values` with boundary values `edge` (nb, m)."""
     ni, dim = len(g.right), len(g.axes)
@@ -30,7 +29,7 @@ def gradient(g, values, edge, out):
                 out[left, k, d] += g.slope_left[f, d] * jump
 
 
-@njit(cache=True)
+@kernel
 def edge_velocity(g, side, slip, u, eps, out):
     """Velocity of a phase at the boundary (nb, dim): what walls leave of the cell's, what inlets give."""
     ni, dim = len(g.right), len(g.axes)
@@ -52,7 +51,7 @@ def edge_velocity(g, side, slip, u, eps, out):
                 out[b, k] = u[c, k]
 
 
-@njit(cache=True)
+@kernel
 def increment(slope, along, jump, ahead, limited):
     """Value at a face minus the value of the upwind cell: second order, limited to monotonized central differences.
 
@@ -64,13 +63,14 @@ def increment(slope, along, jump, ahead, limited):
     behind = 2.0 * along - jump
     if behind * jump <= 0.0:
         return 0.0
-    size = abs(along)
-    part = min(1.0, 2.0 * abs(behind) / size, 2.0 * abs(jump) / size) * (slope + ahead)
+    part, size, least = slope + ahead, abs(along), 2.0 * min(abs(behind), abs(jump))
+    if least < size:
+        part *= least / size
     aside = abs(slope - 0.5 * along)  # the middle of the face may lie off the line between the centres
     return min(max(part, min(0.0, jump) - aside), max(0.0, jump) + aside)
 
 
-@njit(cache=True)
+@kernel
 def half_ahead(dt, u, grad, carrier, lag, out):
     """Change of u (nc, m) in half a step: what is carried now, and the rest `lag` of the last rate of change."""
     for c in range(u.shape[0]):
@@ -81,7 +81,7 @@ def half_ahead(dt, u, grad, carrier, lag, out):
             out[c, k] = 0.5 * dt * rate
 
 
-@njit(cache=True)
+@kernel
 def remember(dt, new, u, grad, carrier, lag):
     """lag = rate of change less what was carried."""
     for c in range(u.shape[0]):
@@ -92,7 +92,7 @@ def remember(dt, new, u, grad, carrier, lag):
             lag[c, k] = rate
 
 
-@njit(cache=True)
+@kernel
 def convect(g, flux, u, grad, ahead, edge, limited, low, out):
     """Adds -sum over faces of flux (u_face - u_cell) [m3/s times u] to `out`; `flux` (nf,) is a volume flux. Cells
     marked in `low` give their own value to all their faces.
@@ -132,7 +132,7 @@ def convect(g, flux, u, grad, ahead, edge, limited, low, out):
             out[left, k] -= rate * (value - u[left, k])
 
 
-@njit(cache=True)
+@kernel
 def on_face(g, f, forward, s, grad, ahead, limited):
     """Solid fraction on an interior face, reconstructed in the cell that the phase comes from."""
     left, right = g.left[f], g.right[f]
@@ -148,7 +148,7 @@ def on_face(g, f, forward, s, grad, ahead, limited):
     return s[right] + increment(slope, along, s[left] - s[right], ahead[right, 0], limited)
 
 
-@njit(cache=True)
+@kernel
 def fractions(g, gas, solid, edge, s, grad, ahead, limited, faces):
     """Fractions of both phases on faces: columns 4 and 5 of `faces` (nf, 8) hold the velocities that choose the cell
     they come from, and get the fractions of gas and solids.

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from contbed.two_fluid.compiled import kernel
 
 
-@njit(cache=True)
+@kernel
 def add_links(g, coef, diagonal):
     """Adds to `diagonal` (nc, m) what `coef` (nf, m) couples a cell with; boundary faces couple with given values."""
     ni = len(g.right)
@@ -17,7 +18,7 @@ def add_links(g, coef, diagonal):
                 diagonal[g.right[f], k] += coef[f, k]
 
 
-@njit(cache=True)
+@kernel
 def product(g, coef, diagonal, x, out):
     """out = diagonal x - sum of coef times the neighbours; returns x . out."""
     ni = len(g.right)
@@ -36,7 +37,7 @@ def product(g, coef, diagonal, x, out):
     return total
 
 
-@njit(cache=True)
+@kernel
 def conjugate(g, coef, diagonal, rhs, x, tolerance, most):
     """Jacobi-preconditioned conjugate gradients from x = rhs/diagonal; returns the iterations, -1 if too many.
 

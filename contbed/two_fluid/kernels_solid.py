@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from contbed.two_fluid.boundary import GIVEN, WALL
+from contbed.two_fluid.compiled import kernel
 
 TINY = 1e-300
 SOFT = 1e-12  # [m2/s2] stiffness of particles that do not touch, so that its inverse exists
 EMPTY = 1e-30  # a cell with a smaller fraction keeps its velocity and granular temperature
 
 
-@njit(cache=True)
+@kernel
 def slip_speed(u_gas, u_solid, out):
     """|u_gas - u_solid| of each cell."""
     for c in range(len(out)):
@@ -22,7 +22,7 @@ def slip_speed(u_gas, u_solid, out):
         out[c] = np.sqrt(total)
 
 
-@njit(cache=True)
+@kernel
 def compaction(g, dt, rho_s, stiffness, drag, flux, source, coef, diagonal, rhs):
     """The implicit part of the solids pressure: V y/c - sum of coef (y_neighbour - y) = rhs for the change y of
     p_solid/rho_s, with the change y/c of eps_s where c is the `stiffness` (nc,) dp_solid/deps_s/rho_s [m2/s2].
@@ -45,14 +45,14 @@ def compaction(g, dt, rho_s, stiffness, drag, flux, source, coef, diagonal, rhs)
         diagonal[right, 0] += coef[f, 0]
 
 
-@njit(cache=True)
+@kernel
 def compact(g, dt, coef, y, flux):
     """Adds the flux that the change y of p_solid/rho_s drives."""
     for f in range(len(g.right)):
         flux[f] -= coef[f, 0] * (y[g.right[f], 0] - y[g.left[f], 0]) / dt
 
 
-@njit(cache=True)
+@kernel
 def wall_slip(g, solid, edge, eps_max, rho_s, s, theta, g0, mu, slip):
     """Share of the cell's tangential velocity that particles keep at the wall: Johnson and Jackson's law, where the
     shear (pi/6) sqrt(3) specularity rho_s eps_s g0 sqrt(theta) u/eps_max equals mu (u_cell - u)/distance.
@@ -67,7 +67,7 @@ def wall_slip(g, solid, edge, eps_max, rho_s, s, theta, g0, mu, slip):
             slip[b] = slide / (slide + rub + TINY) if rub > 0.0 else 1.0
 
 
-@njit(cache=True)
+@kernel
 def production(g, mu, bulk, u, grad, out):
     """Work of the kinetic and collisional stress on the mean shear [W/m3], never negative."""
     dim = len(g.axes)
@@ -84,7 +84,7 @@ def production(g, mu, bulk, u, grad, out):
         out[c] = mu[c] * max(0.0, 2.0 * (total - trace**2 / 3.0)) + bulk[c] * trace**2
 
 
-@njit(cache=True)
+@kernel
 def conduct(g, solid, edge, k, theta, grad, corrections, out, coef):
     """Adds the conducted k grad theta . n area [W] of all faces to `out`, its links to `coef`; none through walls."""
     ni = len(g.right)
@@ -100,17 +100,17 @@ def conduct(g, solid, edge, k, theta, grad, corrections, out, coef):
                 for d in range(len(g.axes)):
                     both = g.share[f] * grad[left, 0, d] + (1.0 - g.share[f]) * grad[right, 0, d]
                     rate += mean * g.area[f] * g.cross[f, d] * both
-            out[left] += rate
-            out[right] -= rate
+            out[left, 0] += rate
+            out[right, 0] -= rate
         elif solid.kind[f - ni] == GIVEN:
             coef[f, 0] = k[left] * g.area[f] / g.distance[f]
-            out[left] += coef[f, 0] * (edge.theta[f - ni] - theta[left])
+            out[left, 0] += coef[f, 0] * (edge.theta[f - ni] - theta[left])
             if corrections:
                 for d in range(len(g.axes)):
-                    out[left] += k[left] * g.area[f] * g.cross[f, d] * grad[left, 0, d]
+                    out[left, 0] += k[left] * g.area[f] * g.cross[f, d] * grad[left, 0, d]
 
 
-@njit(cache=True)
+@kernel
 def theta_system(
     g, edge, solid, slip, dt, rho_s, eps_max, s, old, g0, sink, pressure, divergence, source, u, rhs, diagonal
 ):
@@ -140,7 +140,7 @@ def theta_system(
         diagonal[c, 0] += loss
 
 
-@njit(cache=True)
+@kernel
 def starved(g, dt, s, old, rhs, low):
     """Marks in `low` the cells where convection alone would make theta negative, and their neighbours; returns whether
     any was not marked before.

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from contbed.two_fluid.boundary import OUTLET, WALL
+from contbed.two_fluid.compiled import kernel
 
 
-@njit(cache=True)
+@kernel
 def stress(g, side, slip, mu, bulk, u, grad, edge, out, coef):
     """Adds the force of the full stress mu (grad u + grad u^T) + (bulk - 2/3 mu) div u I on each cell to `out` [N].
 
@@ -78,7 +78,7 @@ def stress(g, side, slip, mu, bulk, u, grad, edge, out, coef):
                 coef[f, k] = scale * (m + (m / 3.0 + lam) * g.normal[f, k] ** 2)
 
 
-@njit(cache=True)
+@kernel
 def hoop_stress(g, mu, bulk, u, grad, out, diagonal):
     """The stress around the axis, which pulls inwards: adds its force to `out` and its part in u_r to `diagonal`."""
     for c in range(u.shape[0]):

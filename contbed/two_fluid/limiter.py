@@ -12,7 +12,8 @@ granular temperature, not a reconstructed one, or the few particles left would k
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from contbed.two_fluid.compiled import kernel
 
 ROUNDS = 50
 SAFE, SAFER = 1.0 - 1e-12, 1.0 - 2e-12  # leave room for rounding
@@ -21,7 +22,7 @@ UNDERFLOW = 1e-60  # a fraction whose products are no longer numbers counts as n
 KEPT = 0.75  # share of its particles that a cell keeps in a step, or else counts as drained
 
 
-@njit(cache=True)
+@kernel
 def fill(g, dt, s, source, flux, gain, loss, out):
     """out = eps_s after the step with the volume flux `flux` [m3/s] and the source [1/s]; gain, loss of the cells."""
     ni = len(g.right)
@@ -42,7 +43,7 @@ def fill(g, dt, s, source, flux, gain, loss, out):
         out[c] = s[c] + dt * (gain[c] - loss[c]) / g.volume[c]
 
 
-@njit(cache=True)
+@kernel
 def limit(g, dt, s, source, highest, flux, out, drained):
     """Limits `flux` in place, leaves eps_s after the step in `out` and marks `drained` cells; returns the numbers of
     faces limited and of rounds.

@@ -7,14 +7,14 @@ converges. Where no boundary fixes the pressure, it is 0 in the first cell.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from scipy.linalg import lapack
 
 from contbed.errors import ConvergenceError
+from contbed.two_fluid.compiled import kernel
 from contbed.two_fluid.grid import Grid
 
 
-@njit(cache=True)
+@kernel
 def _band(g, coef, floating, out):
     out[:] = 0.0
     for f in range(len(coef)):

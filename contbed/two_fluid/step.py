@@ -29,6 +29,7 @@ ITERATIONS = 500
 TOLERANCE = 1e-9
 EXTENSIONS = 60  # rounds in which gradients extend initial fields to the walls
 EXPLICIT = 0.1  # viscous exchange of a cell in a step, as share of its content, below which it is not solved for
+UNDERFLOW = 1e-60  # [m2/s2] granular temperature that counts as none
 FIELDS = ("eps_s", "u_gas", "u_solid", "theta", "p")
 
 
@@ -298,9 +299,9 @@ class Stepper:
         kl.add_links(g, coef, diagonal)
         self._solve(coef, diagonal, rhs, change, "theta")
         self.theta = old + change[:, 0]
-        if (below := self.theta < 0.0).any():
-            self.counters["theta_clipped_cells"] += int(below.sum())
-            self.theta[below] = 0.0
+        if (low := self.theta < UNDERFLOW).any():
+            self.counters["theta_clipped_cells"] += int((self.theta < 0.0).sum())
+            self.theta[low] = 0.0
         kc.remember(dt, self.theta.reshape(-1, 1), column, grad, self.u_solid, self.lag_theta)
 
     def _balanced(self, made: np.ndarray, divergence: np.ndarray) -> np.ndarray:
