@@ -91,7 +91,11 @@ def on_cluster(cases: list[Case], out: Path, scheduler: str) -> Found:
         for future in ended:
             case = futures.pop(future)
             if future.status == "finished":
-                yield case, future.result()
+                try:
+                    outcome = future.result()
+                except (OSError, distributed.CancelledError) as error:
+                    raise _lost(scheduler) from error
+                yield case, outcome
             elif future.status == "error" and isinstance(future.exception(), distributed.KilledWorker):
                 deaths[case.name] = deaths.get(case.name, 0) + 1
                 if is_begun(case, out) or deaths[case.name] == ATTEMPTS:
@@ -102,8 +106,15 @@ def on_cluster(cases: list[Case], out: Path, scheduler: str) -> Found:
                     ended.add(again)
             elif future.status == "error":
                 raise future.exception()
+            elif future.status in ("pending", "lost"):  # it died with the worker that held it, and comes again
+                futures[future] = case
+                ended.add(future)
             else:
-                raise ContbedError(f"lost the scheduler at {scheduler}; the same command goes on from here")
+                raise _lost(scheduler)
+
+
+def _lost(scheduler: str) -> ContbedError:
+    return ContbedError(f"lost the scheduler at {scheduler}; the same command goes on from here")
 
 
 def _on_cluster_worker(case: Case, out: Path) -> Outcome:

@@ -254,6 +254,24 @@ def test_two_hundred_runs_on_a_cluster_with_a_worker_killed(folder, cluster):
 
 
 @pytest.mark.slow
+def test_a_lost_scheduler_ends_the_sweep_and_the_machine_goes_on(folder, cluster):
+    write_study(20, SLOW)
+
+    def killer():
+        wait_for(lambda: len(outcomes("out")) >= 3)
+        cluster.loop.add_callback(cluster.scheduler.close)
+
+    thread = Thread(target=killer)
+    thread.start()
+    with pytest.raises(ContbedError, match="lost the scheduler at tcp:.*; the same command goes on from here"):
+        sweep("study.toml", "out", scheduler=cluster.scheduler_address)
+    thread.join()
+    found = sweep("study.toml", "out", jobs=1)
+    assert found.before >= 3 and len(found.rows) == 20 and not found.failed
+    assert max(times("out", "finished").values()) == 1
+
+
+@pytest.mark.slow
 def test_a_cluster_that_cannot_compute_says_why(folder, cluster):
     write_study(2)
     with pytest.raises(ContbedError, match="no dask scheduler answers at tcp:"):
