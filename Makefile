@@ -1,11 +1,15 @@
-# make heater: install and run the main example.   make test: install and test.
+# make heater: install and run the main example.   make test: install and test.   make test-dolfinx: the engine for MPI.
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 # what gmsh's wheel needs to mesh a .geo, and what compiles the UFL forms; both are optional
 SYSTEM := libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1 gcc libc6-dev python3-dev
 
-.PHONY: heater test test-slow system lint clean
+# the engine for MPI comes from the system, with the system's Python and NumPy; its environment sees both
+VENV_DOLFINX ?= .venv-dolfinx
+SYSTEM_DOLFINX := python3-dolfinx mpi-default-bin python3-venv gcc libc6-dev python3-dev
+
+.PHONY: heater test test-slow test-dolfinx dolfinx system lint clean
 
 heater: $(BIN)/contbed
 	$(BIN)/contbed run studies/moving_bed_heater/heater.toml --out results/heater
@@ -15,6 +19,20 @@ test: system $(VENV)/.test
 
 test-slow: system $(VENV)/.test
 	$(BIN)/python -m pytest -q -n auto -m slow
+
+test-dolfinx: $(VENV_DOLFINX)/.test
+	OMP_NUM_THREADS=1 $(VENV_DOLFINX)/bin/python -m pytest -q tests/dolfinx
+
+dolfinx: $(VENV_DOLFINX)/.test
+
+$(VENV_DOLFINX)/.test: pyproject.toml
+	@if ! dpkg -s $(SYSTEM_DOLFINX) >/dev/null 2>&1; then \
+	  if [ "$$(id -u)" = 0 ]; then apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qqy install $(SYSTEM_DOLFINX) >/dev/null; \
+	  else echo "needed: sudo apt-get install $(SYSTEM_DOLFINX)"; exit 1; fi; fi
+	/usr/bin/python3 -m venv --system-site-packages $(VENV_DOLFINX)
+	/usr/bin/python3 -c "import numpy, scipy; print(f'numpy=={numpy.__version__}\nscipy=={scipy.__version__}')" > $(VENV_DOLFINX)/system.txt
+	$(VENV_DOLFINX)/bin/python -m pip install --quiet --disable-pip-version-check -c $(VENV_DOLFINX)/system.txt -e . 'pytest>=7.4'
+	@touch $@
 
 lint: $(VENV)/.test
 	$(BIN)/ruff check .
@@ -36,4 +54,4 @@ system:
 	  else echo "optional system packages are missing: sudo apt-get install $(SYSTEM)"; fi; fi
 
 clean:
-	rm -rf $(VENV) build *.egg-info results
+	rm -rf $(VENV) $(VENV_DOLFINX) build *.egg-info results

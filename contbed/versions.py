@@ -7,7 +7,7 @@ import sys
 
 from contbed import __version__
 
-_LIBRARIES = ("numpy", "scipy", "skfem", "cantera", "CoolProp", "gmsh", "meshio", "numba")
+_LIBRARIES = ("numpy", "scipy", "skfem", "cantera", "CoolProp", "gmsh", "meshio", "numba", "dolfinx", "petsc4py")
 
 
 def versions() -> dict[str, str]:

@@ -50,7 +50,10 @@ def adopted(plan: Any) -> Any:
         lacking = "radiation by ordinates"
     if lacking:
         raise EngineError(f"{scene.origin.name}: the engine dolfinx has no {lacking}; run it with --engine skfem")
-    return replace(plan, mesh=replace(plan.mesh, engine="dolfinx"))
+    dolfinx, _ = versions.modules()
+    size = crew().comm.size
+    how = f"DOLFINx {dolfinx.__version__} and PETSc on {size} rank{'s' if size > 1 else ''}"
+    return replace(plan, mesh=replace(plan.mesh, engine="dolfinx"), built=(("engine", how), *plan.built))
 
 
 @dataclass(eq=False)

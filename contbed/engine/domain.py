@@ -77,7 +77,7 @@ class Domain:
         total = sum(
             np.abs(sum(_plain(rate[a]) * slopes[a][n] for a in range(self.dim))) for n in range(geometry.nvertices)
         )
-        return 2.0 / total
+        return 2.0 / np.maximum(total, 1e-150)  # where nothing moves a direction may vanish
 
     def table(self, space: Space, kind: Any) -> Array:
         """Reference table of a slot: "v", ("g", a), ("h", a, b) or "low" (vertex interpolant): (nb, nq)."""

@@ -77,6 +77,8 @@ class Dual(NDArrayOperatorsMixin):
         if ufunc in _COMPARISONS:
             return ufunc(*values)
         tangents = [item.tangents if isinstance(item, Dual) else {} for item in inputs]
+        if not any(tangents):  # a constant, such as a speed of 0, needs no derivative
+            return Dual(ufunc(*values), {})
         if ufunc in (np.power, np.float_power):
             return self._power(values, tangents)
         result = ufunc(*values)

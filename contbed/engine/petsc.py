@@ -16,8 +16,20 @@ from contbed.engine.ranks import Crew
 from contbed.errors import ConvergenceError
 from contbed.solve.linear import Policy
 
-DIRECT_3D = 120_000
-KRYLOV = 1e-11  # relative residual of an iterative solution
+DIRECT_3D = 60_000
+KRYLOV = {"ksp_type": "fgmres", "ksp_rtol": 1e-11, "ksp_atol": 0.0, "ksp_max_it": 600, "ksp_gmres_restart": 80}
+SMOOTHER = {"mg_levels_ksp_type": "richardson", "mg_levels_ksp_max_it": 1, "mg_levels_pc_type": "bjacobi"}
+# all temperatures of a node are one block, because exchange binds them; ILU(0) of these blocks smooths
+MULTIGRID = KRYLOV | {"pc_type": "gamg"} | SMOOTHER
+# drag makes the velocity block nearly diagonal, so its diagonal gives a good Schur complement for the pressure
+SPLIT = KRYLOV | {
+    "pc_type": "fieldsplit", "pc_fieldsplit_type": "schur", "pc_fieldsplit_schur_fact_type": "full",
+    "pc_fieldsplit_schur_precondition": "selfp", "fieldsplit_0_ksp_type": "preonly",
+    "fieldsplit_0_pc_type": "bjacobi", "fieldsplit_1_ksp_type": "preonly", "fieldsplit_1_pc_type": "gamg",
+}  # fmt: skip
+FACTORS = {
+    "ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps", "mat_mumps_icntl_14": 60,
+}  # room for pivots, in percent
 
 
 class PetscPolicy(Policy):
@@ -213,21 +225,22 @@ def prepare(all_ranks: Crew, root: Any, key: int, matrix: int, direct: bool) -> 
     from petsc4py import PETSc
 
     piece = all_ranks.things[matrix]
+    mixed = len(piece.unknowns.fields) > 1 and piece.unknowns.block == 1
     ksp = PETSc.KSP().create(piece.A.comm)
     ksp.setOperators(piece.A)
-    pc = ksp.getPC()
-    if direct:
-        ksp.setType("preonly")
-        pc.setType("lu")
-        pc.setFactorSolverType("mumps")
-        pc.setFactorSetUpSolverType()
-        pc.getFactorMatrix().setMumpsIcntl(14, 60)  # room for pivots, in percent
-    else:
-        ksp.setType("fgmres")
-        ksp.setGMRESRestart(60)
-        ksp.setTolerances(rtol=KRYLOV, atol=0.0, max_it=600)
-        pc.setType("gamg")
+    ksp.setOptionsPrefix(prefix := f"contbed_{key}_")
+    options = PETSc.Options(prefix)
+    chosen: dict[str, Any] = FACTORS if direct else SPLIT if mixed else MULTIGRID
+    for name, value in chosen.items():
+        options[name] = value
     ksp.setFromOptions()
+    if mixed and not direct:
+        start = piece.A.getOwnershipRange()[0]
+        parts = (PETSc.IS().createGeneral(part + start, comm=piece.A.comm) for part in piece.unknowns.fields)
+        ksp.getPC().setFieldSplitIS(*((str(k), part) for k, part in enumerate(parts)))
+    ksp.setUp()
+    for name in chosen:
+        options.delValue(name)
     all_ranks.things[key] = ksp
 
 

@@ -1,0 +1,92 @@
+"""Fields of a large mesh as one VTU piece for each rank, written at the same time, and a .pvtu that names them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from contbed.engine.dolfinx import Partition
+from contbed.engine.elements import Space
+from contbed.engine.ranks import Crew, crew
+from contbed.output.files import atomic
+from contbed.output.vtu import write_fields
+
+WHOLE = 100_000  # cells up to which the first rank writes one file
+
+
+def write(path: Path, mesh: Any, nodal: Mapping[str, tuple[Space, Any]]) -> str:
+    """Write fields of the leader's mesh, see `output.vtu.write_fields`; returns the name of the file to open."""
+    all_ranks = crew()
+    if all_ranks.comm.size == 1 or mesh.nelements <= WHOLE:
+        write_fields(path, mesh, nodal)
+        return path.name
+    partition = Partition.of(all_ranks, mesh)
+    names = [*(mesh.subdomains or {})] if len(mesh.subdomains or {}) > 1 else []
+    region = np.full((mesh.nelements, 1), -1, dtype=np.int64)
+    for k, name in enumerate(names):
+        region[mesh.subdomains[name], 0] = k
+    fields = {name: (space.degree, np.atleast_2d(values).shape[0] if np.ndim(values) > 1 else 0)
+              for name, (space, values) in nodal.items()}  # fmt: skip
+    corners = mesh.p[:, mesh.t].transpose(2, 0, 1).reshape(mesh.nelements, -1)
+    by_cell = [row[space.dofs.T] for space, values in nodal.values() for row in np.atleast_2d(values)]
+    root = [partition.shares(table) for table in (mesh.t.T, corners, region, *by_cell)]
+    folder = path.parent.resolve()
+    all_ranks.together(write_piece, type(mesh), mesh.dim(), fields, names, str(folder), path.stem, root=root)
+    header = path.with_suffix(".pvtu")
+    with atomic(header) as temporary:
+        temporary.write_text(_header(fields, bool(names), path.stem, all_ranks.comm.size), encoding="utf-8")
+    return header.name
+
+
+def _header(fields: dict[str, tuple[int, int]], region: bool, stem: str, count: int) -> str:
+    def array(name: str, kind: str, ncomponents: int) -> str:
+        return f'      <PDataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{ncomponents}"/>'
+
+    return "\n".join([
+        '<?xml version="1.0"?>', '<VTKFile type="PUnstructuredGrid" version="0.1">', '  <PUnstructuredGrid>',
+        "    <PPointData>", *(array(name, "Float64", 3 if n else 1) for name, (_, n) in fields.items()),
+        "    </PPointData>", "    <PCellData>", *([array("region", "Int32", 1)] if region else []),
+        "    </PCellData>", "    <PPoints>", array("Points", "Float64", 3), "    </PPoints>",
+        *(f"    <Piece Source={quoteattr(_piece(stem, rank))}/>" for rank in range(count)),
+        "  </PUnstructuredGrid>", "</VTKFile>", "",
+    ])  # fmt: skip
+
+
+def _piece(stem: str, rank: int) -> str:
+    return f"{stem}_p{rank:05d}.vtu"
+
+
+def write_piece(
+    all_ranks: Crew, root: Any, kind: Any, dim: int, fields: dict[str, tuple[int, int]], names: list[str], folder: str,
+    stem: str,
+) -> None:  # fmt: skip
+    """The cells of this rank as one file; runs on all ranks."""
+    tables = iter(root or ())
+
+    def share(width: int, dtype: Any) -> Any:
+        values, counts = next(tables, (None, None))
+        return all_ranks.scatter(values, counts, width, dtype)
+
+    shape = kind.elem.refdom
+    cells = share(shape.nnodes, np.int64)
+    corners = share(dim * shape.nnodes, float).reshape(len(cells), dim, shape.nnodes)
+    region = share(1, np.int64)[:, 0]
+    vertices, local = np.unique(cells, return_inverse=True)
+    t = local.reshape(cells.shape).T
+    points = np.empty((dim, len(vertices)))
+    points[:, t] = corners.transpose(1, 2, 0)
+    mesh = kind(points, t)
+    nodal = {}
+    for name, (degree, ncomponents) in fields.items():
+        space = Space(mesh, degree)
+        values = np.empty((max(ncomponents, 1), space.size))
+        for row in values:
+            row[space.dofs.T] = share(len(space.element.nodes), float)
+        nodal[name] = (space, values if ncomponents else values[0])
+    if names:
+        mesh = mesh.with_subdomains({name: np.flatnonzero(region == k) for k, name in enumerate(names)})
+    write_fields(Path(folder) / _piece(stem, all_ranks.comm.rank), mesh, nodal)

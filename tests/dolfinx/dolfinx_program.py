@@ -1,0 +1,112 @@
+"""What the tests run under mpirun: `dolfinx_program.py COMMAND OUT ...`, see `COMMANDS`."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from dolfinx_scenes import SCENES
+
+from contbed.runner import run
+from contbed.scene.loading import from_dict
+
+STOP = 25.0  # [s] of the run that is interrupted
+
+
+def found(result: Any) -> dict[str, Any]:
+    """Fields, profiles, balances and named results of a run as arrays."""
+    out = {f"nodal.{name}": np.asarray(values) for name, (_, values) in result.nodal.items()}
+    out |= {f"series.{k}.{name}": np.asarray(values) for k, (_, nodal) in enumerate(result.series)
+            for name, (_, values) in nodal.items()}  # fmt: skip
+    out |= {f"profile.{name}": np.asarray(column) for name, column in result.profiles.items()}
+    out |= {f"balance.{name}": np.array(item["relative_residual"]) for name, item in result.balances.items()}
+    out |= {f"qoi.{name}": np.array(value) for name, value in result.qoi.items() if isinstance(value, float)}
+    for item in result.closures:
+        out |= {f"used.{item['name']}.{k}": np.array(use["used"], float) for k, use in item["ranges"].items()}
+    return out
+
+
+def agree(out: Path, engine: str = "dolfinx") -> None:
+    """Run all scenes."""
+    for name, scene in SCENES.items():
+        result = run(from_dict(scene), engine=engine)
+        if result is not None:
+            np.savez(out / f"{name}.npz", **found(result))
+
+
+def iterate(out: Path) -> None:
+    """Scenes in space without factorisations."""
+    from contbed.engine import petsc
+
+    petsc.DIRECT_3D = 0
+    for name in ("heat_tetrahedra", "heat_hexahedra"):
+        result = run(from_dict(SCENES[name]), engine="dolfinx")
+        if result is not None:
+            np.savez(out / f"{name}.npz", **found(result))
+
+
+def write(out: Path) -> None:
+    """Results of two scenes as files, in pieces where there are several ranks."""
+    from contbed.output import pieces
+
+    pieces.WHOLE = 10
+    for name in ("heat_sources_and_tubes", "transient_gas"):
+        run(from_dict(SCENES[name]), out=out / name, engine="dolfinx")
+
+
+def stop(out: Path) -> None:
+    """A transient run that is interrupted."""
+    from contbed.output.progress import Progress
+
+    def advance(self: Any, time: float) -> None:
+        if time > STOP:
+            raise KeyboardInterrupt
+
+    Progress.advance_to = advance
+    try:
+        run(from_dict(SCENES["transient_gas"]), out=out, engine="dolfinx")
+    except BaseException as error:
+        assert "KeyboardInterrupt" in (type(error).__name__, str(error))
+        return
+    raise AssertionError("not interrupted")
+
+
+def resume(out: Path, folder: str) -> None:
+    """Continue from the checkpoint in a folder."""
+    result = run(from_dict(SCENES["transient_gas"]), restart=folder, out=out, engine="dolfinx")
+    if result is not None:
+        np.savez(out / "found.npz", **found(result))
+
+
+def lose(out: Path) -> None:
+    """The last rank fails in the middle of an assembly."""
+    from mpi4py import MPI
+
+    from contbed.engine import dolfinx
+
+    whole = dolfinx._jacobian
+
+    def broken(*arguments: Any) -> Any:
+        if MPI.COMM_WORLD.rank == MPI.COMM_WORLD.size - 1:
+            raise FloatingPointError("this rank has had enough")
+        return whole(*arguments)
+
+    dolfinx._jacobian = broken
+    run(from_dict(SCENES["heat_constant"]), engine="dolfinx")
+
+
+def complain(out: Path) -> None:
+    """All ranks meet the error that ended the leader."""
+    try:
+        run(from_dict(SCENES["heat_gas_walls"] | {"solver": {"newton_iterations": 1}}), engine="dolfinx")
+    except Exception as error:
+        from mpi4py import MPI
+
+        text = f"{type(error).__name__} {getattr(error, 'exit_code', None)} {error}"
+        (out / f"rank{MPI.COMM_WORLD.rank}.txt").write_text(text)
+
+
+COMMANDS = {f.__name__: f for f in (agree, iterate, write, stop, resume, lose, complain)}
+
+if __name__ == "__main__":
+    COMMANDS[sys.argv[1]](Path(sys.argv[2]), *sys.argv[3:])

@@ -1,0 +1,58 @@
+"""Both engines give the same results on the same mesh, on one rank and on two.
+
+They sum the same terms in another order and factor with other pivots, so states differ by rounding times the condition
+of the systems, which Newton's last steps reduce: 1e-10 of the largest value of a field is the tolerance, and 1e-12 is
+usual. Heats are differences of what streams carry, so they are compared with the largest of them.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dolfinx_scenes import SCENES
+
+from contbed.runner import run
+from contbed.scene.loading import from_dict
+
+TOLERANCE = 1e-10
+
+
+def heats(found) -> float:
+    """The largest heat of a run [W or J], 1 if there is none."""
+    return max((abs(float(v)) for k, v in found.items() if k.startswith("qoi.heat_")), default=0.0) or 1.0
+
+
+@pytest.fixture(scope="session")
+def expected():
+    """Results of the first engine, made when asked for."""
+    from dolfinx_program import found
+
+    return lambda name: found(run(from_dict(SCENES[name])))
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("name", SCENES)
+def test_scene(name: str, ranks: int, results, expected) -> None:
+    one, other = expected(name), dict(np.load(Path(results("agree", ranks)) / f"{name}.npz"))
+    assert one.keys() == other.keys()
+    assert any(np.ptp(values) > 0 for key, values in one.items() if key.startswith("nodal."))
+    for key, values in one.items():
+        assert values.shape == other[key].shape, key
+        scale = np.abs(values).max()
+        if key.startswith("qoi.heat_"):
+            scale = heats(one)
+        elif key.startswith("balance.") or key in ("qoi.theta_overshoot", "qoi.estimated_error"):
+            scale = 1.0
+        elif key.startswith("profile.q_radiation"):  # slopes of G over cells
+            scale = scale + 1e-3 * np.abs(one["profile.G [W/m2]"]).max()
+        assert np.abs(values - other[key]).max() <= TOLERANCE * scale, key
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("name", ["heat_tetrahedra", "heat_hexahedra"])
+def test_multigrid_and_field_split_reach_the_same(name: str, ranks: int, results, expected) -> None:
+    """Krylov methods stop at 1e-11 of the right-hand side, Newton at 1e-10 of its first residual: 1e-8 of fields."""
+    one, other = expected(name), np.load(results("iterate", ranks) / f"{name}.npz")
+    for key in (key for key in one if key.startswith("nodal.")):
+        assert np.abs(one[key] - other[key]).max() <= 1e-8 * np.abs(one[key]).max(), key
+    assert abs(float(other["balance.energy"])) <= 1e-10

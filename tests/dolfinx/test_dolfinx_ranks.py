@@ -1,0 +1,106 @@
+"""Runs of several ranks: what goes wrong is said, ends all ranks with an exit code, and never hangs."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dolfinx_launch import started
+
+SCENE = """\
+[mesh]
+type = "line"
+length = 1.0
+cells = {cells}
+[radiation]
+level = "{level}"
+absorption = 3.0
+scattering = 1.0
+[boundary]
+left.radiation = {{ temperature = 1000.0, emissivity = 0.8 }}
+right.radiation = {{ temperature = 500.0, emissivity = 0.8 }}
+[output]
+plots = false
+"""
+
+
+@pytest.fixture
+def scene(tmp_path: Path):
+    """Writes a scene and returns its path."""
+
+    def write(cells: int = 4, level: str = "p1", text: str = SCENE) -> Path:
+        path = tmp_path / "scene.toml"
+        path.write_text(text.format(cells=cells, level=level))
+        return path
+
+    return write
+
+
+def run(ranks: int, scene: Path, *options: str):
+    out = scene.parent / "out"
+    return started(ranks, "run", scene, "--engine", "dolfinx", "--out", out, *options, program="contbed")
+
+
+@pytest.mark.without_dolfinx
+def test_missing_dolfinx_is_named(scene) -> None:
+    code = (
+        "import sys; sys.modules['dolfinx'] = None\nfrom contbed.cli import main\n"
+        f"sys.exit(main(['run', {str(scene())!r}, '--engine', 'dolfinx', '--out', {str(scene().parent / 'out')!r}]))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert "the engine dolfinx cannot be loaded" in done.stderr and "python3-dolfinx" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_complex_petsc_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    from petsc4py import PETSc
+
+    from contbed.engine import dolfinx_versions
+    from contbed.errors import EngineError
+
+    monkeypatch.setattr(PETSc, "ScalarType", np.complex128)
+    with pytest.raises(EngineError, match="real numbers, found a complex build"):
+        dolfinx_versions.modules()
+
+
+def test_two_ranks_write_one_result(scene) -> None:
+    done = run(2, scene())
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("results are in") == 1
+    summary = json.loads((scene().parent / "out" / "summary.json").read_text())
+    assert summary["status"] == "ok" and summary["versions"]["dolfinx"]
+
+
+def test_more_ranks_than_cells(scene) -> None:
+    done = run(2, scene(cells=1))
+    assert done.returncode == 2
+    assert done.stderr.count("2 ranks for a mesh of 1 cells: each rank needs one") == 1
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_what_the_engine_lacks_is_named(scene, ranks: int) -> None:
+    done = run(ranks, scene(level="ordinates"))
+    assert done.returncode == 2
+    assert done.stderr.count("has no radiation by ordinates") == 1
+
+
+def test_a_bad_scene_is_told_once(scene) -> None:
+    done = run(2, scene(text=SCENE.replace("length", "lenght")))
+    assert done.returncode == 2
+    assert done.stderr.count("lenght") == 1 and "length" in done.stderr
+
+
+def test_a_rank_that_fails_ends_all() -> None:
+    done = started(2, "lose", "unused")
+    assert done.returncode != 0
+    assert "rank 1 of 2 failed (FloatingPointError: this rank has had enough); all ranks end" in done.stderr
+
+
+def test_all_ranks_meet_the_error_of_the_leader(results) -> None:
+    folder = results("complain", 2)
+    first, second = ((folder / f"rank{k}.txt").read_text() for k in range(2))
+    assert first.startswith("ConvergenceError 3 ") and second.startswith("FollowerError 3 ")
+    assert first.split(" ", 2)[2] == second.split(" ", 2)[2]
