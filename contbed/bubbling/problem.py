@@ -19,7 +19,7 @@ from contbed.solve.newton import newton
 
 Array = Any
 EXTRA = 4  # order of quadrature beyond the product of two basis functions, for powers of T and Arrhenius factors
-CAPACITY = 1e6  # heat capacity of a phase, only to approach a steady state in time [J/m/K]
+CAPACITY = 5e5  # heat capacity of a phase, only to approach a steady state in time [J/m3/K]
 TYPICAL = 1e3  # temperature [K]
 MISSED = 0.01  # share of a typical flow or inventory by which Newton's method may undershoot zero
 SHARPENED = 2  # Newton steps at the end: rounding in thin cells hides what is left of a smooth error
@@ -91,7 +91,7 @@ class BubblingProblem:
         """
         x = self._start(self.plan.scene.solver.guess if guess is None else guess)
         if self.chemistry is not None:  # heat and char take hours to settle, gas a second: no guess serves both
-            x = relax(self, x, self.plan.policy, self.lower, first=1e-2, last=1e7, growth=8.0, tolerance=1e-3)
+            x = relax(self, x, self.plan.policy, self.lower, first=1e-3, last=1e7, growth=8.0, tolerance=1e-3)
         try:
             x, history = self._newton(x)
         except ConvergenceError as error:
@@ -146,8 +146,10 @@ class BubblingProblem:
     def content(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
         """A heat content of all phases that lets the bed approach its steady state from where Newton's method fails."""
 
+        capacity = CAPACITY * self.c.section
+
         def form(unknowns: Any, tests: Any, names: tuple[str, ...], o: Any) -> Any:
-            return CAPACITY * sum((getattr(unknowns, name) * getattr(tests, name) for name in names), start=0.0)
+            return capacity * sum((getattr(unknowns, name) * getattr(tests, name) for name in names), start=0.0)
 
         parts = [(part.content, self.system.cells, None) for part in self.c.parts]
         plate = [(form, self.bottom, ("T_distributor",))] if self.c.plate is not None else []
