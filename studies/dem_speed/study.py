@@ -220,9 +220,9 @@ def plot(path: Path, fast: list[dict], error: list[dict], size: list[dict]) -> N
     for k, name in enumerate(dict.fromkeys(row["code"] for row in fast)):
         values = [float(row["particle_steps_per_cpu_s"]) / 1e6 for row in fast if row["code"] == name]
         left.bar(np.arange(len(values)) + 0.25 * (k - 1), values, 0.23, label=name)
-    left.set_xticks(range(len(groups)), [f"{count}\nskin {skin} mm" for count, skin in groups])
+    left.set_xticks(range(len(groups)), [f"{count}\n{skin} mm" for count, skin in groups])
     left.set_ylabel("million particle-steps per CPU second")
-    left.set_title("settled bed, one core")
+    left.set_title("settled bed, one core, by number and skin")
     left.legend()
     for key, label in (
         ("overlap_error", "largest overlap, e = 1"),
