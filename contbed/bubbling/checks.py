@@ -146,7 +146,7 @@ def radiation_has_its_emissivities(
     for name, item in species.items():
         if item.volume_fraction > 0 and item.emissivity is None:
             yield ("species", name, "emissivity"), f"missing; radiation needs it; see {see('radiation')}"
-    if level == "paper" and radiation.correction == "close_packed":
+    if level in ("paper", "pairwise") and radiation.correction == "close_packed":
         yield ("radiation", "correction"), "exchange at one place is that of the surfaces: independent, or leave it out"
     if level == "two_flux" and radiation.anisotropy:
         yield ("radiation", "anisotropy"), f"the two-flux method ignores it; see {see('radiation.level')}"

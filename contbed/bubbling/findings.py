@@ -15,6 +15,7 @@ from contbed.problem.probe import Probe, axis_points
 from contbed.result import Result
 
 COLD, HOT = 400.0, 2000.0  # temperatures from which other steady states are looked for [K]
+EVEN = 201  # heights at which the use of closures is counted
 APART = 1.0  # difference of temperatures of two steady states [K]
 
 
@@ -81,7 +82,11 @@ def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: R
     if c.computed is not None:
         values = {name: probe(space, nodal[name]) for name in c.fields}
         values |= {name: float(problem.system.part(state, name)[0]) for name in c.scalars}
-        _computed(plan, values, positions, result)
+        even = np.linspace(0.0, scene.bubbling_bed.height, EVEN)
+        evenly = Probe(plan.mesh, even[None, :])
+        at = {name: evenly(space, nodal[name]) if name in nodal else value for name, value in values.items()}
+        used = c.computed.recorded(at, even)[1]
+        _computed(plan, values, positions, used, result)
     above = problem.above.part.fields if problem.above is not None else ()
     result.nodal |= {name: (space, values) for name, values in nodal.items() if name not in above}
 
@@ -139,10 +144,10 @@ HYDRODYNAMICS = {
 }  # fmt: skip
 
 
-def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, result: Result) -> None:
-    """What closures gave over the height, and whether they and the gas hold there."""
+def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any], result: Result) -> None:
+    """What closures gave over the height, and whether they, as used at even heights, and the gas hold there."""
     computed = plan.coefficients.computed
-    local, used = computed.recorded(values, z)
+    local, _ = computed.recorded(values, z)
     found = local.state | {"flow_bubble": values.get("flow_bubble")}
     for name, unit in HYDRODYNAMICS.items():
         if found.get(name) is not None:

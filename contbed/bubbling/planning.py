@@ -69,6 +69,7 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
     skipped = [(f"species {name}", "volume_fraction is 0") for name in scene.species if name not in c.species]
     levels = {
         "paper": "among the species at one height, algebraic",
+        "pairwise": "between pairs of species at one height",
         "field": f"{'two-flux' if scene.radiation.level == 'two_flux' else 'P1'}, one field",
     }
     for there, what, how, why in (
@@ -95,7 +96,7 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
         found = _optics(scene, fractions)
         absorption, albedo = found.absorption, float(found.albedo)
         eps_bed = float(optics.radiation_emissivity_half_space(albedo))
-        if level != "paper":
+        if level in ("p1", "two_flux"):
             diffusion = float(found.diffusion(level))
     section = bed.section
     computed = _computed(scene)
@@ -105,7 +106,7 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
     species = {
         name: model.Species(
             _solids(name, item, bed.height, section, number["conduction"][name], computed), number["gas"][name],
-            float(surface[k] / surface.sum()), float(absorption[k]),
+            float(surface[k] / surface.sum()), float(absorption[k]), item.emissivity or 1.0,
         )
         for k, (name, item) in enumerate(present.items())
     }  # fmt: skip
@@ -124,7 +125,7 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
     emulsion = replace(gases["T_emulsion"], release=_release(scene.gas.release, section))
     return model.Coefficients(
         section, number["delta"], scene.gas.temperature, species, number["pairs"], emulsion, gases.get("T_bubble"),
-        number["exchange"], surfaces, plate, level if level in ("none", "paper") else "field", diffusion,
+        number["exchange"], surfaces, plate, level if level not in ("p1", "two_flux") else "field", diffusion,
         _radiosity(scene.freeboard), scene.solver.degree, computed, computed.fields if computed is not None else (),
         (computed.parts if computed is not None else ()) + _water(scene),
     ), albedo  # fmt: skip
@@ -198,7 +199,7 @@ def _optics(scene: b.BubblingScene, fractions: Any) -> optics.Optics:
         optics.Species(name, float(fraction), item.diameter, float(item.emissivity or 0.0))
         for (name, item), fraction in zip(scene.present.items(), fractions, strict=True)
     ]
-    default = "independent" if scene.radiation.level == "paper" else "close_packed"
+    default = "independent" if scene.radiation.level in ("paper", "pairwise") else "close_packed"
     return optics.optics(particles, scene.radiation.correction or default, scene.radiation.anisotropy)
 
 

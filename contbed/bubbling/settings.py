@@ -220,12 +220,13 @@ class Freeboard(s.Table):
 class Radiation(s.Table):
     """Radiation between the particles of a bubbling bed."""
 
-    level: Literal["none", "paper", "two_flux", "p1"] = Field(
-        "p1", description="paper: among the species at one height only, eq. 34 of Rabi & de Souza-Santos"
+    level: Literal["none", "pairwise", "paper", "two_flux", "p1"] = Field(
+        "p1", description="pairwise, paper: among the species at one height only, eqs. 2-11 and 34 of "
+        "Rabi & de Souza-Santos",
     )
     correction: Literal["close_packed", "independent"] | None = Field(
         None,
-        description="extinction over the voidage, the default, or the limit of points far apart; paper: independent",
+        description="extinction over the voidage, the default, or the limit of points far apart; pairwise, paper: that"
     )
     anisotropy: Annotated[s.Number, Field(ge=-1, le=1)] = Field(0.0, description="mean cosine of scattering")
 

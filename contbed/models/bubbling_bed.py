@@ -29,8 +29,9 @@ J        radiosity of the freeboard [W/m2]      NTU      transfer units of the g
 With frozen coefficients W is a capacity flow [W/K], h = T, and X = 0. Computed coefficients are functions of the
 unknowns at the same place, see `Local`; bubbles then bring the fields of models.bubbling_flow.
 
-Without transport of radiation ("paper") G is the algebraic 4 sum K_a,m E_m / sum K_a,m, surfaces cool the species by
-their shares, p_x (eps_x/4) (K_a,m/K_a) 4 (E_m - E_x), and neither distributor nor freeboard take part.
+Without transport of radiation ("paper", "pairwise") G is the algebraic 4 sum K_a,m E_m / sum K_a,m, surfaces cool the
+species by their shares, p_x (eps_x/4) (K_a,m/K_a) 4 (E_m - E_x), and neither distributor nor freeboard take part.
+"pairwise" exchanges between species by the network of pairs that the paper replaces, see closures.enclosure.
 
 Source: Rabi & de Souza-Santos, Incorporation of a two-flux model for radiative heat transfer in a comprehensive
 fluidized bed simulator, part I. Their balances march solids upward from unknown T_m(0); with mixing along the height
@@ -49,7 +50,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from contbed.closures.enclosure import exchange_equilibrium, irradiation_equilibrium
+from contbed.closures.enclosure import exchange_equilibrium, exchange_pairwise, irradiation_equilibrium
 from contbed.closures.optics import marshak
 from contbed.models import bubbling_flow, radiation
 from contbed.models.two_energy import tau
@@ -86,6 +87,7 @@ class Species:
     gas: float  # a_m h_gm [W/m3/K]
     share: float  # f_m [1]
     absorption: float = 0.0  # K_a,m [1/m]
+    emissivity: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -161,8 +163,8 @@ class Part(Protocol):
 
 @dataclass(frozen=True)
 class Coefficients:
-    """The whole bed. `bubbles` and `plate` are None where absent, `level` is "none", "paper", or "field" where G is
-    an unknown with diffusion coefficient `diffusion` [m]. With `computed`, a function of (unknowns, ops) that returns
+    """The whole bed. `bubbles` and `plate` are None where absent, `level` is "none", "paper", "pairwise", or "field"
+    where G is an unknown with diffusion coefficient `diffusion` [m]. With `computed`, a function of (unknowns, ops) that returns
     `Local`, the numbers of the same name count for the grading of the mesh only.
     """
 
@@ -299,7 +301,12 @@ def taken_up(u: Any, c: Coefficients, local: Local) -> list[Any]:
     if c.level == "field":
         absorption = [local.shares.get(name, 1.0) * item.absorption for name, item in c.species.items()]
         return [volume * radiation.absorbed(t, u.G, K) for K, t in zip(absorption, T, strict=True)]
-    taken = [-volume * lost for lost in exchange_equilibrium(absorption, T)]
+    if c.level == "pairwise":
+        emissivity = [item.emissivity for item in c.species.values()]
+        extinction = [K / eps for K, eps in zip(absorption, emissivity, strict=True)]
+        taken = [-volume * lost for lost in exchange_pairwise(extinction, emissivity, T)]
+    else:
+        taken = [-volume * lost for lost in exchange_equilibrium(absorption, T)]
     for x in c.surfaces.values():
         factor = 0.25 * x.perimeter * x.emissivity / sum(absorption)
         cold = radiation.emitted(x.cold(u))

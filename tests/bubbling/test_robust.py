@@ -126,7 +126,7 @@ BAD = {
     "there is none of this species": {"species": species(char={"volume_fraction": 0.0},
                                                          inert={"volume_fraction": 0.82})},
     "belong together": {"gas": {**values()["gas"], "release": {"rate": 1.0, "activation": 100.0}}},
-    "unknown choice; allowed: none, paper, two_flux, p1": {"radiation": {"level": "p3"}},
+    "unknown choice; allowed: none, pairwise, paper, two_flux, p1": {"radiation": {"level": "p3"}},
     "bubbling_bed.solids_fraction": {"bubbling_bed": {"height": 1.0, "section": 1.0, "solids_fraction": 1.0}},
     "outside of the bed": {"output": {"positions": [0.7]}},
 }  # fmt: skip
