@@ -44,14 +44,29 @@ class _Axis:
         """The values as they are spread along the axis."""
         return np.log10(np.abs(self.values)) if self.logarithmic else self.values
 
-    def label(self, axes: Any) -> None:
-        """Label and scale the x axis."""
-        axes.set_xlabel(self.quantity.label)
+    def label(self, axes: Any, which: str = "x", ticks: int = 4) -> None:
+        """Label and scale the x or y axis."""
+        from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
+
+        axes.set(**{f"{which}label": self.quantity.label})
+        axis = getattr(axes, f"{which}axis")
         if self.choices:
-            axes.set_xticks(range(len(self.choices)), self.choices)
-        elif self.logarithmic:
-            low = float(np.abs(self.values).min())
-            axes.set_xscale("log") if self.values[0] > 0 else axes.set_xscale("symlog", linthresh=low)
+            axis.set_ticks(range(len(self.choices)), self.choices)
+            return
+        size = np.abs(self.values)
+        if self.logarithmic and size.max() >= 3.0 * size.min():
+            if self.values[0] > 0.0:
+                axes.set(**{f"{which}scale": "log"})
+            else:
+                getattr(axes, f"set_{which}scale")("symlog", linthresh=size.min())
+            decades = 10.0 ** np.arange(np.floor(np.log10(size.min())), np.ceil(np.log10(size.max())) + 1)
+            marks = np.outer(decades, (1.0, 2.0, 5.0) if len(decades) < 4 else (1.0,)).ravel()
+            marks = marks[(marks > 0.999 * size.min()) & (marks < 1.001 * size.max())]
+            axis.set_major_locator(FixedLocator(np.sign(self.values[0]) * marks))
+            axis.set_minor_locator(NullLocator())
+        else:
+            axis.set_major_locator(MaxNLocator(ticks))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def plot(path: Path, study: Study, rows: list[Row]) -> None:
@@ -138,9 +153,7 @@ def _contours(path: Path, title: str, axes: list[_Axis], results: list[tuple[Qua
             panel.plot(x.values, y.values, ".", color="white", markersize=2)
             panel.plot(x.values[failed], y.values[failed], **_FAILED)
             x.label(panel)
-            panel.set_ylabel(y.quantity.label)
-            if y.logarithmic:
-                panel.set_yscale("log") if y.values[0] > 0 else panel.set_yscale("symlog", linthresh=min(-y.values))
+            y.label(panel, "y")
             panel.set_title(quantity.label, loc="left")
             panel.label_outer()
         for panel in panels.flat[len(results) :]:
@@ -150,7 +163,7 @@ def _contours(path: Path, title: str, axes: list[_Axis], results: list[tuple[Qua
 def _effects(path: Path, title: str, axes: list[_Axis], results: list[tuple[Quantity, Array]], failed: Any) -> None:
     # those that move the first result most
     strongest = sorted(axes, key=lambda axis: -np.ptp(_means(axis, results[0][1])[1]))[:_MOST_EFFECTS]
-    shown = [axis for axis in axes if axis in strongest]
+    shown = [axis for axis in axes if any(axis is other for other in strongest)]
     if len(shown) < len(axes):
         title = f"{title}\n" * bool(title) + f"the {len(shown)} strongest of {len(axes)} parameters"
     with _figure(path, 1.0 + 2.2 * len(results), title) as figure:
@@ -160,7 +173,7 @@ def _effects(path: Path, title: str, axes: list[_Axis], results: list[tuple[Quan
                 panel.plot(axis.values, values, ".", color="0.75", markersize=3)
                 panel.plot(*_means(axis, values), "o-", color=_COLOURS[0], markersize=4)
                 _crosses(panel, axis, failed)
-                axis.label(panel)
+                axis.label(panel, ticks=3)
                 panel.set_xlabel(_folded(axis.quantity.label), fontsize=8)
                 panel.tick_params(which="both", labelsize=8)
                 panel.set_ylabel(_folded(quantity.label))
@@ -202,6 +215,8 @@ def _folded(label: str) -> str:
     """A long label with its unit, or its last part, on a line of its own."""
     if len(label) <= _WIDE:
         return label
-    if " [" in label:
-        label = label.replace(" [", "\n[")
-    return label.replace(".", ".\n", 1) if len(label.split("\n")[0]) > _WIDE else label
+    name, bracket, unit = label.partition(" [")
+    if len(name) > _WIDE:
+        above, point, last = name.rpartition(".")
+        name = f"{above}{point}\n{last}"
+    return name + bracket.replace(" ", "\n") + unit

@@ -18,6 +18,7 @@ from contbed.sweep import design, table
 from contbed.sweep.plots import _Axis, _is_plane, _means
 from contbed.sweep.study import read_study
 
+STUDIES = Path(__file__).parents[2] / "studies"
 SCENE = """\
 [mesh]
 type = "line"
@@ -186,8 +187,7 @@ def test_scenes_of_every_kind(folder):
     assert sweep() == 0
     found = [float(row["k_eff [W/m/K]"]) for row in rows(folder)]
     assert found[0] < found[1] < found[2]  # more contacts conduct more
-    bubbling = Path(__file__).parents[2] / "studies" / "bubbling_bed_case1"
-    scene = sorted(bubbling.glob("*.toml"))[0]
+    scene = STUDIES / "bubbling_bed_case1" / "none.toml"
     (folder / "study.toml").write_text(f'scene = "{scene}"\n[parameters]\nmesh.cells = [30, 40]\n')
     assert [case.scene.mesh.cells for case in read_study("study.toml").cases] == [30, 40]
 
@@ -434,3 +434,10 @@ def test_main_effects_of_a_sum_are_its_terms():
     np.testing.assert_allclose(means, [26.0, 27.0, 30.0], rtol=1e-14)
     axes = [_Axis(table.parameter("flow.velocity", a), values) for values in (a, b, 3.0 * a + 1.0)]
     assert _is_plane([axes[0], axes[1]]) and not _is_plane([axes[0], axes[2]])
+
+
+@pytest.mark.parametrize("path", sorted(STUDIES.glob("*/sweeps/*.toml")), ids=lambda path: path.stem)
+def test_the_sweeps_of_studies_are_read(path):
+    found = read_study(path)
+    assert len(found.cases) == {"map": 91, "uncertainty": 64}[path.stem]
+    assert found.qoi and not found.warnings
