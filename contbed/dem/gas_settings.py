@@ -65,7 +65,9 @@ class GasFlow(s.Table):
     height: s.Length = Field(description="of the box, with room above the bed")
     drag: Annotated[s.Named, Discriminator(s.form)] = "di_felice"
     nusselt: Annotated[s.NamedOrFile, Discriminator(s.form)]
-    cell: tuple[s.Positive, s.Positive] = Field((3.0, 1.5), description="width and height of cells in diameters")
+    cell: tuple[s.Positive, s.Positive] = Field(
+        (3.0, 1.0), description="width and height of cells in diameters; high cells smear the surface, U_mf grows"
+    )
     no_slip: s.Switch = Field(False, description="the gas sticks to the sides")
     step: s.Seconds = Field(2e-4, description="longest step of the gas")
     gravity: s.Switch = True

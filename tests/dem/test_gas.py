@@ -54,7 +54,7 @@ def bed_of(packing, U, gas=None, nusselt=None, periodic=(True, True), **options)
     simulation = Simulation(
         Particles(packing.position, packing.radius), [GLASS], packing.walls, packing.domain, impact_speed=0.3
     )
-    grid = Grid(np.zeros(3), np.array([2.5, 2.5, 1.5]) * D, (4, 4, 40), periodic)
+    grid = Grid(np.zeros(3), np.array([2.5, 2.5, 1.0]) * D, (4, 4, 40), periodic)
     gas = gas or Gas(grid, AIR, drag_gidaspow, nusselt)
     gas.inlet(U, 300.0)
     return Bed(simulation, gas, **options)
@@ -187,21 +187,21 @@ def test_minimum_fluidization_is_ergun_s(packing):
     velocities, lift = np.linspace(0.8, 1.2, 3) * ergun_velocity(eps), []
     for U in velocities:
         bed = bed_of(packing, U, moving=False, gas_step=1e-3)
-        bed.run(0.05)
+        bed.run(0.03)
         lift.append(bed.force[:, 2].sum() / weight)
     assert np.interp(1.0, lift, velocities) == pytest.approx(ergun_velocity(eps), rel=0.05)
 
 
 def test_a_fluidized_bed_is_carried_by_the_gas(packing):
-    bed = bed_of(packing, 1.5, gas_step=2e-4)
+    bed = bed_of(packing, 1.3, gas_step=2e-4)
     bed.run(0.1)
     drops = []
-    bed.run(0.3, 1e-3, lambda bed: drops.append(bed.gas.pressure_drop))
-    # weight of particles and gas; 5 %: what remains of the acceleration over three periods of the bed
+    bed.run(0.15, 1e-3, lambda bed: drops.append(bed.gas.pressure_drop))
+    # weight of particles and gas; 5 %: the floor carries 3 % of this bed, which is 9 diameters high
     area = (10 * D) ** 2
-    wanted = 1000 * VOLUME * 2500.0 * 9.81 / area + 1.2 * 9.81 * (60 * D - 1000 * VOLUME / area)
+    wanted = 1000 * VOLUME * 2500.0 * 9.81 / area + 1.2 * 9.81 * (40 * D - 1000 * VOLUME / area)
     assert np.mean(drops) == pytest.approx(wanted, rel=0.05)
-    assert bed.simulation.position[:, 2].max() < 60 * D and bed.gas.counts["raised"] == 0
+    assert bed.simulation.position[:, 2].max() < 40 * D and bed.gas.counts["raised"] == 0
 
 def hot_bed(packing):
     gas = Gas(Grid(np.zeros(3), np.array([2.5, 2.5, 2.5]) * D, (4, 4, 20), (True, True)),
