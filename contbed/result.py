@@ -91,7 +91,7 @@ class Result:
         if scene.kind == "bubbling_bed":
             from contbed.output.bubbling_plots import bubbling_plot
 
-            bubbling_plot(out / "profiles.png", self.profiles, scene.title)
+            bubbling_plot(out / "profiles.png", self.profiles, scene.title, self.qoi)
             if "continuation" in self.tables:
                 from contbed.output.bubbling_plots import branch_plot
 

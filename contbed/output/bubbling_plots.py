@@ -1,4 +1,4 @@
-"""The picture of a bubbling bed: temperature of every phase over the height, and radiation beside it."""
+"""Pictures of a bubbling bed: one page of profiles and heat flows, and branches of steady states."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from contbed.fields import name_of
 from contbed.output.plots import _figure
 
 # Okabe and Ito's colours without yellow
-COLOURS = ("#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00")
-GASES = {"emulsion": "#0072B2", "bubble": "#56B4E9"}
+COLOURS = ("#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2")
 
 
 def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -> None:
@@ -40,34 +39,94 @@ def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -
         figure.legend(loc="outside lower center", ncols=5)
 
 
-def bubbling_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -> None:
-    """Height upward; gases dashed.
+def bubbling_plot(
+    path: Path | str, columns: Mapping[str, Any], title: str = "", results: Mapping[str, Any] | None = None
+) -> None:
+    """One page: temperatures of all phases, radiation, bubbles, gases over the height, and heat flows. What the run did
+    not solve for is left out.
 
     Parameters
     ----------
     path : PNG file
     columns : values by header, as in profiles.csv, the height first
     title : text above the picture
+    results : named results; those in W are drawn as heat flows
     """
     values = {name_of(header): np.asarray(column) for header, column in columns.items()}
     z = values.pop("z")
-    radiation = [name for name in ("G", "q_radiation") if name in values]
-    with _figure(path, 5.2, title) as figure:
-        panels = figure.subplots(1, 1 + len(radiation), sharey=True, squeeze=False,
-                                 width_ratios=[2.2] + [1.0] * len(radiation))[0]  # fmt: skip
-        species = [name for name in values if name.startswith("T_") and name.removeprefix("T_") not in GASES]
-        for k, name in enumerate(species):
-            # the first are the widest, so that equal temperatures show
-            panels[0].plot(values[name], z, color=COLOURS[k % len(COLOURS)], label=name.removeprefix("T_"),
-                           linewidth=max(1.2, 4.0 - 1.2 * k))  # fmt: skip
-        for gas, colour in GASES.items():
-            if f"T_{gas}" in values:
-                panels[0].plot(values[f"T_{gas}"], z, color=colour, linestyle=(0, (4, 2)), label=f"{gas} gas")
-        panels[0].set(xlabel="temperature [K]", ylabel="height above the distributor [m]")
-        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=min(6, len(values)))
-        labels = {"G": "$G$ [kW/m$^2$]", "q_radiation": "$q_r$ [kW/m$^2$]"}
-        for axes, name in zip(panels[1:], radiation, strict=True):
-            axes.plot(1e-3 * values[name], z, color="#D55E00")
-            axes.set_xlabel(labels[name])
-        for axes in panels:
-            axes.set_ylim(z[0], z[-1])
+    flows = {name: value for name, value in (results or {}).items()
+             if name.endswith("_W") and value and not name.endswith("_water_W")}  # fmt: skip
+    panels: list[tuple[Any, float]] = [(_temperatures, 2.0)]
+    panels += [(_radiation, 1.0)] if "G" in values else []
+    panels += [(_bubbles, 1.0)] if "delta" in values else []
+    panels += [(_gases, 1.3)] if any(name.startswith("x_") for name in values) else []
+    panels += [(_heat, 1.5)] if flows else []
+    with _figure(path, 5.6, title, width=max(7.0, 2.6 * sum(width for _, width in panels))) as figure:
+        axes = figure.subplots(1, len(panels), squeeze=False, width_ratios=[width for _, width in panels])[0]
+        for panel, (draw, _) in zip(axes, panels, strict=True):
+            if draw is _heat:
+                _heat(panel, flows)
+                continue
+            draw(panel, z, values)
+            panel.set_ylim(z[0], z[-1])
+        axes[0].set_ylabel("height above the distributor [m]")
+
+
+def _temperatures(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
+    """Solids, the first the widest, so that equal temperatures show; gases dashed."""
+    dashed = {"T_emulsion": "emulsion gas", "T_bubble": "bubble gas", "T_freeboard": "freeboard gas"}
+    colours = dict(zip(dashed, ("#0072B2", "#56B4E9", "#0072B2"), strict=True))
+    others = {"T_up": "rising particles", "T_down": "falling particles"}
+    k = 0
+    for name in (name for name in values if name.startswith("T_")):
+        if name in dashed:
+            axes.plot(values[name], z, color=colours[name], linestyle=(0, (4, 2)), label=dashed[name])
+        else:
+            axes.plot(values[name], z, color=COLOURS[k % len(COLOURS)], linewidth=max(1.2, 4.0 - 1.2 * k),
+                      label=others.get(name, name.removeprefix("T_").replace("_", " ")))  # fmt: skip
+            k += 1
+    axes.set_xlabel("temperature [K]")
+    axes.legend(frameon=False, fontsize=8)
+
+
+def _radiation(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
+    for name, label, colour in (("G", "$G$", "#D55E00"), ("G_freeboard", None, "#D55E00"),
+                                ("q_radiation", "$q_r$", "#000000")):  # fmt: skip
+        if name in values:
+            axes.plot(1e-3 * values[name], z, color=colour, label=label)
+    axes.set_xlabel("radiation [kW/m$^2$]")
+    axes.legend(frameon=False, fontsize=8)
+
+
+def _bubbles(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
+    for name, label, colour in (("d_b", "diameter [m]", "#009E73"), ("delta", "share of volume", "#CC79A7"),
+                                ("u_b", "velocity [m/s]", "#E69F00")):  # fmt: skip
+        if name in values:
+            axes.plot(values[name], z, color=colour, label=label)
+    axes.set_xlabel("bubbles")
+    axes.legend(frameon=False, fontsize=8)
+
+
+def _gases(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
+    """Mole fractions but of nitrogen; in bubbles dashed."""
+    names = [name for name in values if name.startswith("x_") and not name.startswith("x_N2_")]
+    colours: dict[str, str] = {}
+    for name in names:
+        gas, _, phase = name.removeprefix("x_").rpartition("_")
+        if np.nanmax(values[name]) < 1e-3:
+            continue
+        colour = colours.setdefault(gas, COLOURS[len(colours) % len(COLOURS)])
+        axes.plot(values[name], z, color=colour, linestyle="--" if phase == "bubble" else "-",
+                  label=gas if phase == "emulsion" else None)  # fmt: skip
+    axes.set_xlabel("mole fraction (bubbles dashed)")
+    axes.legend(frameon=False, fontsize=8)
+
+
+def _heat(axes: Any, flows: Mapping[str, float]) -> None:
+    names = list(flows)[::-1]
+    colours = ["#D55E00" if name.startswith("release") else "#0072B2" for name in names]
+    axes.barh([name.removesuffix("_W").replace("_", " ") for name in names], [1e-3 * flows[name] for name in names],
+              color=colours)  # fmt: skip
+    axes.tick_params(axis="y", labelsize=7)
+    axes.axvline(0.0, color="black", linewidth=0.6)
+    axes.set_xlabel("heat [kW], released or taken out")

@@ -59,7 +59,9 @@ _STYLE: dict[Any, Any] = {
 
 
 @contextmanager
-def _figure(path: Path | str, height: float, title: str, layout: Any = "constrained") -> Iterator[Any]:
+def _figure(
+    path: Path | str, height: float, title: str, layout: Any = "constrained", width: float | None = None
+) -> Iterator[Any]:
     """A figure in the common style, saved as PNG when the block ends."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -68,7 +70,7 @@ def _figure(path: Path | str, height: float, title: str, layout: Any = "constrai
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(_STYLE)
-        figure = Figure(figsize=(WIDTH, height), dpi=DPI, layout=layout)
+        figure = Figure(figsize=(width or WIDTH, height), dpi=DPI, layout=layout)
         FigureCanvasAgg(figure)
         if title:
             # a dollar in a title is a dollar, not the start of a formula
