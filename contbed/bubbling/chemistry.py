@@ -185,6 +185,11 @@ class Chemistry:
         return out
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Of the reactions that run."""
+        return tuple(name for item in self.reactions for name in item.names)
+
+    @property
     def sizes(self) -> dict[str, float]:
         """Typical values of the unknown fields."""
         flows = {f"N_{name}_{phase}": self.inlet_flow for phase in self.part.phases for name in self.part.gases}

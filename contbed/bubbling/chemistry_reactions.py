@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -40,6 +40,11 @@ class Homogeneous:
     factor: float
     mixing: float = 0.0  # time [s]
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Keys of the scene."""
+        return (self.name,)
+
     def __call__(self, state: State, book: Book) -> None:
         for phase, x in state.x.items():
             T = state.T[phase]
@@ -69,6 +74,7 @@ class Drying:
 
     species: str
     time: float
+    names: ClassVar[tuple[str, ...]] = ("drying",)
 
     def __call__(self, state: State, book: Book) -> None:
         rate = state.solid["moisture"] / self.time
@@ -82,6 +88,7 @@ class Devolatilisation:
     species: str
     time: float
     yields: dict[str, float]
+    names: ClassVar[tuple[str, ...]] = ("devolatilisation",)
 
     def __call__(self, state: State, book: Book) -> None:
         rate = state.solid["volatiles"] / self.time
@@ -98,7 +105,12 @@ class Char:
     density: float
     model: str
     sherwood: float
-    reactions: dict[str, tuple[r.Law, t.GasReaction]]
+    reactions: dict[str, tuple[r.Law, t.Reaction]]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Keys of the scene."""
+        return tuple(self.reactions)
 
     @property
     def surface(self) -> float:
@@ -170,6 +182,12 @@ class Lime:
     maximum: float
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Keys of the scene."""
+        wanted = (("calcination", self.calcination), ("sulphation", self.sulphation))
+        return tuple(name for name, factor in wanted if factor is not None)
+
+    @property
     def volume(self) -> float:
         """[m3/mol]"""
         return thermo.table()["CaCO3"].molar_mass / self.density
@@ -210,6 +228,5 @@ def used_laws(reactions: tuple[Any, ...]) -> Iterator[tuple[str, str, r.Law]]:
             for name, (law, _) in item.reactions.items():
                 yield name, item.species, law
         elif isinstance(item, Lime):
-            for wanted, law in ((item.calcination, rs.CALCINATION), (item.sulphation, rs.SULPHATION)):
-                if wanted is not None:
-                    yield law.name, item.species, law
+            for name in item.names:
+                yield name, item.species, rs.CALCINATION if name == "calcination" else rs.SULPHATION

@@ -20,7 +20,6 @@ MassFraction = Annotated[s.Number, Field(ge=0, le=1)]
 HeatingValue = Annotated[float, *unit("J/kg"), Field(gt=0)]
 Seconds = Annotated[float, *unit("s"), Field(gt=0)]
 Factor = Annotated[s.Number, Field(gt=0)]
-Surface = Annotated[s.Number, Field(gt=0)]
 
 
 class SolidsFeed(s.Table):
@@ -83,18 +82,14 @@ class Timed(s.Table):
     time: Seconds = Field(description="mean time in a particle")
 
 
-class GasReaction(s.Table):
-    """A reaction within the gas of emulsion and bubbles."""
+class Reaction(s.Table):
+    """A reaction with a rate law."""
 
     law: str | None = Field(None, description="rate law by name; absent: the first of the list")
     factor: Factor = Field(1.0, description="multiplies the rate")
 
 
-class CharReaction(GasReaction):
-    """A reaction of char."""
-
-
-class CharCombustion(GasReaction):
+class CharCombustion(Reaction):
     """Char with O2."""
 
     products: Literal["arthur", "CO2", "CO"] = Field(
@@ -126,25 +121,25 @@ class Reactions(s.Table):
     drying: Timed | None = None
     devolatilisation: Timed | None = None
     char_combustion: CharCombustion | None = None
-    char_steam: CharReaction | None = None
-    char_CO2: CharReaction | None = None
-    char_H2: CharReaction | None = None
-    CO_oxidation: GasReaction | None = None
-    H2_oxidation: GasReaction | None = None
-    CH4_oxidation: GasReaction | None = None
-    tar_oxidation: GasReaction | None = None
-    H2S_oxidation: GasReaction | None = None
-    water_gas_shift: GasReaction | None = None
-    reforming: GasReaction | None = None
+    char_steam: Reaction | None = None
+    char_CO2: Reaction | None = None
+    char_H2: Reaction | None = None
+    CO_oxidation: Reaction | None = None
+    H2_oxidation: Reaction | None = None
+    CH4_oxidation: Reaction | None = None
+    tar_oxidation: Reaction | None = None
+    H2S_oxidation: Reaction | None = None
+    water_gas_shift: Reaction | None = None
+    reforming: Reaction | None = None
     calcination: Calcination | None = None
     sulphation: Sulphation | None = None
 
     @property
-    def homogeneous(self) -> dict[str, GasReaction]:
+    def homogeneous(self) -> dict[str, Reaction]:
         """Those within the gas."""
         return {name: item for name in LAWS if (item := getattr(self, name)) is not None}
 
     @property
-    def of_char(self) -> dict[str, GasReaction]:
+    def of_char(self) -> dict[str, Reaction]:
         """Those of char."""
         return {name: item for name in CHAR_LAWS if (item := getattr(self, name)) is not None}

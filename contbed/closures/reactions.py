@@ -8,8 +8,8 @@ Orders below one have infinite slopes at zero, where nothing is left to react. T
 
 which changes r where less than about s is left and lets a slightly negative [i] pull back; two of them do not.
 
-Gases burn no faster than they mix: with a time tau of mixing, r/(1 + tau sum_i r/[i]) is at most [i]/tau of the scarcest.
-Reversible reactions run backward at the rate that thermodynamic equilibrium demands: r (1 - Q/K).
+Gases burn no faster than they mix: with a time tau of mixing, r/(1 + tau sum_i r/[i]) is at most [i]/tau of the
+scarcest. Reversible reactions run backward at the rate that thermodynamic equilibrium demands: r (1 - Q/K).
 
 Constants are those quoted for the sources in secondary literature; `share_outside` tells where a run left `T_range`.
 """
@@ -17,7 +17,7 @@ Constants are those quoted for the sources in secondary literature; `share_outsi
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -39,7 +39,6 @@ class Law:
     T_range: tuple[float, float]
     source: str
     unit: str = "mol/m3/s"
-    tags: frozenset[str] = field(default_factory=frozenset)
 
     @property
     def reversible(self) -> bool:

@@ -25,7 +25,7 @@ Good values: O2 burns off char within 10-300 mm; char in a combustor is 0.5-3 % 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -150,7 +150,6 @@ class Species:
     reactions: tuple[Reactions, ...]
     exchange: Callable[[Any, State], Any] | None
     degree: int
-    carried: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def fields(self) -> tuple[str, ...]:
