@@ -82,6 +82,11 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
         (c.level != "none", "radiation", levels.get(c.level, ""), "level none"),
     ):
         (built if there else skipped).append((what, how if there else why))
+    if c.computed is not None and (chemistry := c.computed.chemistry) is not None:
+        built.append(("gases", ", ".join(chemistry.part.gases)))
+        built += [("reactions", ", ".join(chemistry.names))] if chemistry.names else []
+    else:
+        skipped.append(("reactions", "no [reactions] table"))
     return BubblingPlan(scene, c, mesh, tuple(built), tuple(skipped), albedo)
 
 
