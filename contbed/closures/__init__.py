@@ -18,7 +18,9 @@ Or by name, as a scene does, and ask what was used outside of the declared range
 `closures.names(kind)` lists them and `print(closures.data_sheet(name))` shows one. Kinds: nusselt [-],
 conductivity [W/m/K], tortuosity [-], dispersion [W/m/K], permeability [m2], forchheimer [-],
 pressure_gradient [Pa/m], radiation [W/m/K or -], wall [W/m2/K]; of fluidized beds
-minimum_fluidization [-], drag [kg/m3/s], bubble_size [m], bubble_rise [m/s], gas_exchange [1/s], bubble_heat [W/m3/K].
+minimum_fluidization [-], drag [kg/m3/s], bubble_size [m], bubble_rise [m/s], gas_exchange [1/s],
+bubble_heat [W/m3/K]; of granular flow radial_distribution, granular_pressure, granular_viscosity,
+granular_bulk_viscosity, granular_conductivity, granular_dissipation, without units, and granular_friction [Pa].
 """
 
 from contbed.closures.bed_tube import (
@@ -62,7 +64,7 @@ from contbed.closures.dispersion import (
     dispersion_wakao_kaguei_axial,
     dispersion_wakao_kaguei_transverse,
 )
-from contbed.closures.drag import drag_di_felice, drag_gidaspow, drag_wen_yu
+from contbed.closures.drag import drag_di_felice, drag_gidaspow, drag_syamlal_obrien, drag_wen_yu
 from contbed.closures.fluidization import (
     bubble_fraction_kunii_levenspiel,
     bubble_fraction_two_phase,
@@ -85,6 +87,23 @@ from contbed.closures.freeboard import (
     elutriation_colakyan_levenspiel,
     elutriation_geldart,
     terminal_velocity_haider_levenspiel,
+)
+from contbed.closures.granular import (
+    friction_johnson_jackson,
+    g0_carnahan_starling,
+    g0_lun_savage,
+    g0_ma_ahmadi,
+    g0_sinclair_jackson,
+    granular_pressure_lun,
+    granular_pressure_syamlal,
+)
+from contbed.closures.granular_transport import (
+    granular_bulk_lun,
+    granular_conductivity_gidaspow,
+    granular_conductivity_syamlal,
+    granular_dissipation_lun,
+    granular_viscosity_gidaspow,
+    granular_viscosity_syamlal,
 )
 from contbed.closures.nusselt import (
     nusselt_gunn,
@@ -148,6 +167,7 @@ __all__ = [
     "dispersion_wakao_kaguei_transverse",
     "drag_di_felice",
     "drag_gidaspow",
+    "drag_syamlal_obrien",
     "drag_wen_yu",
     "ejection_pemberton_davidson",
     "ejection_wen_chen",
@@ -157,9 +177,22 @@ __all__ = [
     "emulsion_gas_two_phase",
     "forchheimer_ergun",
     "forchheimer_ward",
+    "friction_johnson_jackson",
+    "g0_carnahan_starling",
+    "g0_lun_savage",
+    "g0_ma_ahmadi",
+    "g0_sinclair_jackson",
     "gas_exchange_kunii_levenspiel",
     "gas_exchange_sit_grace",
     "get",
+    "granular_bulk_lun",
+    "granular_conductivity_gidaspow",
+    "granular_conductivity_syamlal",
+    "granular_dissipation_lun",
+    "granular_pressure_lun",
+    "granular_pressure_syamlal",
+    "granular_viscosity_gidaspow",
+    "granular_viscosity_syamlal",
     "minimum_fluidization_babu",
     "minimum_fluidization_chitester",
     "minimum_fluidization_ergun",

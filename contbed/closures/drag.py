@@ -15,10 +15,13 @@ from contbed.closures.registry import closure
 _FELICE = "Di Felice 1994, Int. J. Multiphase Flow 20, 153-159, doi:10.1016/0301-9322(94)90011-6"
 _GIDASPOW = "Gidaspow 1994, Multiphase Flow and Fluidization, Academic Press, eq. 2.11"
 _WEN_YU = "Wen, Yu 1966, Chem. Eng. Prog. Symp. Ser. 62, 100-111"
+_SYAMLAL = "Syamlal, Rogers, O'Brien 1993, MFIX documentation: theory guide, doi:10.2172/10145548"
 _INF = float("inf")
 _STEP = 1000.0  # Re at which Schiller and Naumann's law meets the constant 0.44, but for 0.4 %
 _LOOSE = 0.8  # porosity at which Gidaspow changes from Ergun to Wen and Yu
 _BLEND = 0.01  # width of that change
+_DILUTE = 0.85  # porosity at which Syamlal and O'Brien's terminal velocity changes its power
+_TURN = 0.002  # width of that change
 
 
 @closure(kind="drag", unit="kg/m3/s", ranges={"Re": (0.01, 1e4), "eps": (0.37, 1)}, source=_FELICE)
@@ -110,6 +113,61 @@ def drag_gidaspow(Re, eps, d_p, mu):
     packed = (150.0 * (1 - eps) ** 2 + 1.75 * (1 - eps) * Re) / eps * mu / d_p**2
     share = 1.0 / (1.0 + np.exp((_LOOSE - eps) / _BLEND))
     return packed + share * (drag_wen_yu(Re, eps, d_p, mu) - packed)
+
+
+@closure(kind="drag", unit="kg/m3/s", ranges={"Re": (0, _INF), "eps": (0.35, 1)}, source=_SYAMLAL)
+def drag_syamlal_obrien(Re, eps, d_p, mu, c=0.8, d=2.65):
+    """Syamlal and O'Brien (1993): Dallavalle's drag at the terminal velocity of the suspension.
+
+        beta = 3/4 (1 - eps) eps/v^2 (0.63 Re_i^(1/2) + 4.8 v^(1/2))^2 mu/d_p^2,  Re_i = Re/eps
+        v = (A - 0.06 Re_i + ((0.06 Re_i)^2 + 0.12 Re_i (2 B - A) + A^2)^(1/2))/2
+        A = eps^4.14,  B = c eps^1.28 up to eps = 0.85, then eps^d
+
+    joined by a logistic step in eps of width 0.002. c and d move the minimum fluidization to a measured one, with
+    c 0.85^1.28 = 0.85^d; as they stand it comes too late for most beds.
+
+    Parameters
+    ----------
+    Re : [-] superficial Reynolds number eps rho |u_gas - u_solid| d_p/mu
+    eps : [-] porosity
+    d_p : [m] particle diameter
+    mu : [Pa s] viscosity of the gas
+    c : [-] factor below a porosity of 0.85
+    d : [-] power above
+
+    Returns
+    -------
+    [kg/m3/s] drag coefficient per volume of the bed
+
+    Range
+    -----
+    Re : 0 to inf
+    eps : 0.35 to 1
+
+    Fitted to
+    ---------
+    terminal velocities in settling and fluidized beds
+
+    Limits
+    ------
+    eps -> 1: Dallavalle's single sphere.
+
+    Example
+    -------
+    >>> round(float(drag_syamlal_obrien(Re=100.0, eps=0.4, d_p=2e-3, mu=1.8e-5)), 4)
+    2069.3673
+
+    Source
+    ------
+    Syamlal, Rogers, O'Brien 1993, MFIX documentation: theory guide, doi:10.2172/10145548.
+    The powers are positive; print with minus signs is wrong.
+    """
+    inner = Re / eps
+    a = eps**4.14
+    share = 1.0 / (1.0 + np.exp((_DILUTE - eps) / _TURN))
+    b = c * eps**1.28 * (1.0 - share) + eps**d * share
+    v = 0.5 * (a - 0.06 * inner + ((0.06 * inner) ** 2 + 0.12 * inner * (2 * b - a) + a**2) ** 0.5)
+    return 0.75 * (1 - eps) * eps / v**2 * (0.63 * inner**0.5 + 4.8 * v**0.5) ** 2 * mu / d_p**2
 
 
 @closure(kind="drag", unit="kg/m3/s", ranges={"Re": (0, _INF), "eps": (0.4, 1)}, source=_WEN_YU)

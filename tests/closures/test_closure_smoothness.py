@@ -61,6 +61,10 @@ BOX = {
     "cp_2": (500.0, 2000.0),
     "k_1": (0.1, 10.0),
     "k_2": (0.1, 10.0),
+    "eps_s": (0.001, 0.3),
+    "eps_max": (0.6, 0.64),
+    "g0": (1.0, 50.0),
+    "e": (0.7, 0.99),
 }
 # zero or almost on a part of the line: differences of terms, and an exponential of -5.4 u_t / u
 VANISHES = {
@@ -71,6 +75,7 @@ VANISHES = {
     closures.elutriation_colakyan_levenspiel,
     closures.elutriation_geldart,
     closures.emulsion_gas_kunii_levenspiel,
+    closures.friction_johnson_jackson,
 }
 ALL = [closures.get(name) for name in closures.names()]
 shares = st.lists(st.floats(0, 1), min_size=14, max_size=14)

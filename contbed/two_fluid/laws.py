@@ -1,0 +1,182 @@
+"""The closures of a two-fluid model, by name, made into functions of all cells.
+
+The very functions of `contbed.closures` are compiled and called cell by cell. Near packing the radial distribution is
+taken at most at DENSEST of eps_max; friction keeps its own distance. What guards and this limit touch is counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import FunctionType
+
+import numpy as np
+from numba import njit
+
+from contbed import closures
+from contbed.closures.granular_transport import share_drag, share_free_path
+from contbed.two_fluid.rheology import Closures, Rheology
+from contbed.two_fluid.step import Materials
+
+DENSEST = 0.997  # of eps_max, up to which the radial distribution follows its law
+DILUTEST = 1e-9  # fraction below which the drag on one particle no longer changes
+GUARDED = 0.99  # a kinetic part counts as guarded where less than this is left
+STEP = 1e-7  # of eps_max, for the slope of the pressure
+FRICTION_TIME = 0.5  # frictional viscosity over frictional shear stress [s], as twoPhaseEulerFoam has it
+ENTRIES = 4001  # of the tables of friction
+
+USUAL = {
+    "drag": "drag_wen_yu",
+    "radial_distribution": "g0_sinclair_jackson",
+    "granular_pressure": "granular_pressure_lun",
+    "granular_viscosity": "granular_viscosity_gidaspow",
+    "granular_bulk_viscosity": "granular_bulk_lun",
+    "granular_conductivity": "granular_conductivity_syamlal",
+    "granular_dissipation": "granular_dissipation_lun",
+    "granular_friction": "friction_johnson_jackson",
+}
+COUNTED = ("drag_guard_cells", "free_path_guard_cells", "packed_cells")
+
+
+@dataclass(frozen=True)
+class Particles:
+    """What the closures need of the particles besides `Materials`.
+
+    restitution : of two particles [-]
+    friction_from : fraction above which particles rub; friction_strength [Pa], 0 for none; friction_angle [rad]
+    free_path : the largest that the guards of dilute flow allow [m]; None without guards
+    """
+
+    restitution: float
+    friction_from: float = 0.5
+    friction_strength: float = 0.05
+    friction_angle: float = 0.49742
+    free_path: float | None = None
+
+
+@dataclass(frozen=True)
+class Laws:
+    """`closures` for the step; `chosen` functions by kind; `counts` of cells in steps, in the order of COUNTED."""
+
+    closures: Closures
+    chosen: Mapping[str, Callable]
+    counts: np.ndarray = field(default_factory=lambda: np.zeros(3, dtype=np.int64))
+
+
+def make(
+    materials: Materials,
+    particles: Particles,
+    names: Mapping[str, str] | None = None,
+    drag_options: Mapping[str, float] | None = None,
+) -> Laws:
+    """The laws of `names`, closure by kind, the USUAL ones where nothing is named.
+
+    Raises
+    ------
+    SceneError : no closure of that name and kind
+    """
+    chosen = {kind: closures.get((names or {}).get(kind, usual), kind=kind) for kind, usual in USUAL.items()}
+    counts = np.zeros(3, dtype=np.int64)
+    drag = _drag(materials, chosen["drag"], drag_options or {})
+    granular = _granular(materials, particles, chosen)
+    table = _friction(materials, particles, chosen["granular_friction"])
+
+    def exchange(eps_s: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        out = np.empty_like(eps_s)
+        drag(eps_s, slip, out)
+        return out
+
+    def rheology(eps_s: np.ndarray, theta: np.ndarray, K: np.ndarray) -> Rheology:
+        out = Rheology(*(np.empty_like(eps_s) for _ in Rheology._fields))
+        granular(eps_s, theta, K, table, counts, out)
+        return out
+
+    return Laws(Closures(exchange, rheology), chosen, counts)
+
+
+def compiled(function: Callable) -> Callable:
+    """A closure compiled, and with it the closures that it calls."""
+    known = function.__globals__
+    called = {name: compiled(known[name]) for name in function.__code__.co_names if hasattr(known.get(name), "sheet")}
+    plain = FunctionType(function.__code__, known | called, function.__name__, function.__defaults__)
+    return njit(plain, error_model="numpy")
+
+
+def _drag(materials: Materials, closure: Callable, options: Mapping[str, float]) -> Callable:
+    """K = beta/eps_s in all cells."""
+    beta = compiled(closure)
+    rho, mu, d_p = materials.rho_gas, materials.mu_gas, materials.d_p
+    more = tuple(float(options.get(name, usual)) for name, usual in closure.sheet.options.items())  # type: ignore
+
+    @njit
+    def kernel(eps_s, slip, out):
+        for i in range(len(eps_s)):
+            s = max(eps_s[i], DILUTEST)
+            out[i] = beta((1.0 - s) * rho * slip[i] * d_p / mu, 1.0 - s, d_p, mu, *more) / s
+
+    return kernel
+
+
+def _granular(materials: Materials, particles: Particles, chosen: Mapping[str, Callable]) -> Callable:
+    """Everything else, in all cells."""
+    contact = compiled(chosen["radial_distribution"])
+    if "eps_max" in chosen["radial_distribution"].sheet.arguments:  # type: ignore[attr-defined]
+        packs, contact_at = True, contact
+    else:
+        packs, contact_at = False, njit(lambda eps_s, _: contact(eps_s))
+    pressure, viscosity = compiled(chosen["granular_pressure"]), compiled(chosen["granular_viscosity"])
+    bulk, conductivity = compiled(chosen["granular_bulk_viscosity"]), compiled(chosen["granular_conductivity"])
+    dissipation = compiled(chosen["granular_dissipation"])
+    by_drag, by_path = compiled(share_drag), compiled(share_free_path)
+    rho, d_p, eps_max, e = materials.rho_solid, materials.d_p, materials.eps_max, particles.restitution
+    guarded, path = particles.free_path is not None, particles.free_path or 1.0
+    first, rubs = particles.friction_from, particles.friction_strength > 0
+    spacing = (eps_max - first) / (ENTRIES - 1)
+    eta = 0.5 * (1.0 + e)
+    dilute_mu, dilute_k = 5.0 / 96.0 * np.pi**0.5, 75.0 * np.pi**0.5 / (48.0 * eta * (41.0 - 33.0 * eta))
+
+    @njit
+    def kernel(eps_s, theta, K, table, counts, out):
+        for i in range(len(eps_s)):
+            s, t = eps_s[i], theta[i]
+            if packs and s > DENSEST * eps_max:
+                s = DENSEST * eps_max
+                counts[2] += 1
+            g0, further = contact_at(s, eps_max), s + STEP * eps_max
+            p = pressure(s, g0, e)
+            slope = (pressure(further, contact_at(further, eps_max), e) - p) / (STEP * eps_max)
+            left_mu, left_k = 1.0, 1.0
+            if guarded:
+                left_mu = by_drag(K[i], t, s, g0, rho, d_p, dilute_mu, 2.0)
+                left_k = by_drag(K[i], t, s, g0, rho, d_p, dilute_k, 1.2)
+                counts[0] += left_mu < GUARDED
+                share = by_path(s, g0, d_p, path)
+                counts[1] += share < GUARDED
+                left_mu *= share
+                left_k *= share
+            scale = rho * d_p * t**0.5
+            out.g0[i] = g0
+            out.pressure[i] = p * eps_s[i] / s if s > 0 else p
+            out.stiffness[i] = t * slope
+            out.mu[i] = scale * viscosity(s, g0, e, left_mu)
+            out.bulk[i] = scale * bulk(s, g0, e)
+            out.conductivity[i] = scale * conductivity(s, g0, e, left_k)
+            out.dissipation[i] = rho / d_p * dissipation(s, g0, e)
+            out.h[i] = 0.0
+            out.mu_friction[i] = 0.0
+            if rubs and eps_s[i] > first:
+                j = min(int((eps_s[i] - first) / spacing), ENTRIES - 2)
+                w = (eps_s[i] - first) / spacing - j
+                out.h[i] = table[0, j] + w * (table[0, j + 1] - table[0, j])
+                out.stiffness[i] += eps_s[i] * (table[0, j + 1] - table[0, j]) / spacing
+                out.mu_friction[i] = table[1, j] + w * (table[1, j + 1] - table[1, j])
+
+    return kernel
+
+
+def _friction(materials: Materials, particles: Particles, closure: Callable) -> np.ndarray:
+    """Integral of d p_friction/(rho_s eps_s), and frictional viscosity, from first contact to densest packing."""
+    s = np.linspace(particles.friction_from, materials.eps_max, ENTRIES)
+    p = closure(s, materials.eps_max, particles.friction_from, particles.friction_strength)
+    h = np.concatenate(([0.0], np.cumsum(2.0 * np.diff(p) / (s[1:] + s[:-1])))) / materials.rho_solid
+    return np.stack((h, FRICTION_TIME * np.sin(particles.friction_angle) * p))
