@@ -12,7 +12,7 @@ from contbed.planning import Plan
 @dataclass
 class Result:
     """`profiles` maps CSV headers to columns; `nodal` maps field names to (Space, values) at the last time;
-    `series` holds (time, nodal) of a transient; `summary` is what summary.json says.
+    `engine` holds what ranks took; `series` holds (time, nodal) of a transient; `summary` is what summary.json says.
     """
 
     plan: Plan
@@ -27,6 +27,7 @@ class Result:
     timings: dict[str, float] = field(default_factory=dict)
     adaptations: int = 0
     history: list[float] = field(default_factory=list)
+    engine: dict[str, Any] = field(default_factory=dict)
     status: str = "ok"
 
     @property
@@ -49,6 +50,7 @@ class Result:
             "qoi": self.qoi,
             "adaptations": self.adaptations,
             "newton": self.history,
+            **({"engine": self.engine} if self.engine else {}),
         }
 
     def table(self) -> str:

@@ -82,6 +82,10 @@ def _run(
             result.warnings.append(str(error))
             _keep_last(scene, error, folder)
     result.timings["total"] = clock.perf_counter() - start
+    if engine != "skfem":
+        from contbed.engine.dolfinx import account
+
+        result.engine = account()
     if folder is not None:
         with _timed(result, "output"):
             result.write(folder)

@@ -56,6 +56,16 @@ def adopted(plan: Any) -> Any:
     return replace(plan, mesh=replace(plan.mesh, engine="dolfinx"), built=(("engine", how), *plan.built))
 
 
+def account() -> dict[str, Any]:
+    """Ranks, iterations of each linear solution so far, and what each rank took: processor time [s], memory [GB]."""
+    all_ranks = crew()
+    taken = np.asarray(all_ranks.together(usage)).reshape(-1, 2)
+    return {
+        "name": "dolfinx", "ranks": all_ranks.comm.size, "iterations": all_ranks.iterations,
+        "cpu_s": taken[:, 0].tolist(), "memory_GB": taken[:, 1].tolist(),
+    }  # fmt: skip
+
+
 @dataclass(eq=False)
 class Partition:
     """How the cells of a mesh are dealt out: `order` names them rank after rank, `counts` of them to each."""
@@ -191,6 +201,15 @@ def _by_cell(space: Space) -> Any:
 
 
 # What follows runs on all ranks.
+
+
+def usage(all_ranks: Crew, root: Any) -> Any:
+    """Processor time [s] and largest memory [GB] of each rank."""
+    import resource
+
+    own = resource.getrusage(resource.RUSAGE_SELF)
+    mine = np.array([own.ru_utime + own.ru_stime, 1.024e-6 * own.ru_maxrss])
+    return all_ranks.gather(mine, [2] * all_ranks.comm.size)
 
 
 def make_mesh(all_ranks: Crew, root: Any, key: int, cell: str, dim: int) -> Any:

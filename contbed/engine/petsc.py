@@ -127,7 +127,7 @@ class Matrix:
 
     def constrained(self, fixed: Any) -> Matrix:
         """The matrix with the rows and columns of fixed unknowns replaced by the identity."""
-        return self._made(constrain, root=self.layout.places()[fixed])
+        return self._made(constrain, root=self.layout.places()[fixed]) if len(fixed) else self
 
     def inverse(self, policy: Policy) -> Callable[[Any], Any]:
         """Solutions for right-hand sides."""
@@ -151,7 +151,6 @@ class _Inverse:
     def __init__(self, matrix: Matrix, policy: Policy):
         self.matrix, self.crew, self.key = matrix, matrix.crew, matrix.crew.new()
         self.direct = policy.direct(matrix.layout.size)
-        self.iterations: list[int] = []
         self.crew.together(prepare, self.key, matrix.key, self.direct)
 
     def __del__(self) -> None:
@@ -161,7 +160,7 @@ class _Inverse:
         """The solution; raises ConvergenceError where PETSc gives up."""
         layout = self.matrix.layout
         parts, reason, iterations = self.crew.together(apply, self.key, root=(layout, rhs))
-        self.iterations.append(iterations)
+        self.crew.iterations.append(iterations)
         if reason < 0:
             how = "the factorisation failed: is a temperature or the pressure fixed anywhere?" if self.direct else (
                 f"no convergence in {iterations} iterations")  # fmt: skip

@@ -36,6 +36,7 @@ class Crew:
         self.things: dict[int, Any] = {}
         self.dropped: list[int] = []
         self.partition: Any = None
+        self.iterations: list[int] = []
         self.count = 0
 
     def new(self) -> int:
