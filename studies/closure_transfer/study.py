@@ -1,4 +1,4 @@
-"""From packings to a packed bed: effective conductivity of four packings as a closure, used beside the literature's.
+"""From packings to beds: conductivity and heat transfer coefficient of four packings, used beside the literature's.
 
 python studies/closure_transfer/study.py
 """
@@ -6,15 +6,24 @@ python studies/closure_transfer/study.py
 import csv
 import tempfile
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 import contbed as cb
+from contbed.closures import drag_di_felice, nusselt_gunn, nusselt_power
 from contbed.dem import extract
+from contbed.dem.coupling import Bed
+from contbed.dem.gas import Gas
+from contbed.dem.gas_grid import Grid
 from contbed.dem.heat_pair import STATIC, correction
+from contbed.dem.htc import Solid, bed_nusselt
 from contbed.dem.packing import pack
-from contbed.dem.particles import Material
+from contbed.dem.particles import Material, Particles
+from contbed.dem.simulation import Simulation
+from contbed.dem.walls import Domain
+from contbed.materials.gas import gas_mixture
 
 HERE = Path(__file__).parent
 SCENE = HERE / "heated_wall.toml"
@@ -23,6 +32,11 @@ RATIOS = np.geomspace(5, 100, 9)
 WIDTH, R, SOFT, REAL, K_FLUID = 0.026, 1e-3, 1e7, 5e10, 0.026
 LITERATURE = ("zehner_schluender", "kunii_smith", "krupiczka", "hashin_shtrikman_lower")
 SAMPLES = 12
+PAIR = HERE / "moving_bed.toml"
+VELOCITIES = np.geomspace(0.15, 3.0, 6)
+TEMPERATURES = (300.0, 400.0, 600.0)
+LAWS = {"Zhou, Yu, Zulli": partial(nusselt_power, a=1.2, b=0.5), "Gunn": nusselt_gunn}  # of a single particle
+EXCHANGE = ("wakao_kaguei", "gunn", "ranz_marshall")
 
 
 def packings():
@@ -41,17 +55,70 @@ def fit(beds, paths="cones"):
     return extract.fit_log_polynomial("conductivity", data, k, {extract.RATIO: "log"}, (3,))
 
 
-def outlet(conductivity, **overrides):
+def exchange_points(bed, law):
+    """Re, Pr and mean Nu of the particles of a bed at rest, at all velocities and temperatures."""
+    top, air = bed.x[:, 2].max() + R, gas_mixture("N2:0.79, O2:0.21", 101325.0)
+    count = (4, 4, round(1.3 * top / (3 * R)))
+    grid = Grid(np.zeros(3), np.array([WIDTH, WIDTH, 1.3 * top]) / count, count, (True, True))
+    domain = Domain((0, 0, 0), (WIDTH, WIDTH, np.inf), (True, True, False))
+    points = []
+    for T in TEMPERATURES:
+        for U in VELOCITIES:
+            simulation = Simulation(Particles(bed.x, R), [Material(1000.0, SOFT)], (), domain)
+            gas = Gas(grid, air, drag_di_felice, law, T, isothermal=True)
+            points.append(bed_nusselt(Bed(simulation, gas, 1e-2, moving=False), U, T, Solid(0.84)))
+    return np.array(points).T
+
+
+def fit_exchange(beds, law):
+    """Nu = 2 + a Re^b Pr^(1/3) of some beds together."""
+    return extract.fit_power(*np.concatenate([exchange_points(bed, law) for bed in beds], axis=1))
+
+
+def outlet(conductivity, scene=SCENE, **overrides):
     """Mean temperature of the gas at the outlet [K]."""
     changes = {"heat.conductivity_solid": conductivity, "output.plots": False, "output.fields": False, **overrides}
-    return cb.run(cb.load(SCENE, changes)).qoi["T_fluid_out_K"]
+    return cb.run(cb.load(scene, changes)).qoi["T_fluid_out_K"]
 
 
-def outlet_of(found):
-    """The same with a fit that is not kept."""
+def outlet_of(found, exchange=None, scene=SCENE):
+    """The same with fits that are not kept."""
     with tempfile.TemporaryDirectory() as folder:
-        found.write(Path(folder) / "closure.toml", {"scene": "sample"})
-        return outlet({"file": str(Path(folder) / "closure.toml")})
+        files = {"conductivity": found} | ({} if exchange is None else {"exchange": exchange})
+        for name, fit in files.items():
+            fit.write(Path(folder) / f"{name}.toml", {"scene": "sample"})
+        more = {} if exchange is None else {"heat.nusselt": {"file": str(Path(folder) / "exchange.toml")}}
+        return outlet({"file": str(Path(folder) / "conductivity.toml")}, scene, **more)
+
+
+def both(beds, conductivity):
+    """Conductivity and exchange from the packings in a packed and a moving bed, beside those of the literature."""
+    laws = {name: fit_exchange(beds, law) for name, law in LAWS.items()}
+    fit_of = laws["Zhou, Yu, Zulli"]
+    fit_of.write(HERE / "closures/nusselt.toml", {"scene": "closure_transfer/study.py", "seeds": str(SEEDS)})
+    print("Nusselt", {name: law.content["parameters"] for name, law in laws.items()}, fit_of.content["residuals"])
+    ours = {"heat.nusselt": {"file": "closures/nusselt.toml"}}
+    rows = []
+    for scene in (SCENE, PAIR):
+        file = {"file": "closures/conductivity.toml"}
+        base = outlet(file, scene, **ours)
+        single = [outlet_of(fit([bed]), fit_exchange([bed], LAWS["Zhou, Yu, Zulli"]), scene) for bed in beds]
+        drawn = [
+            outlet_of(replace(conductivity, content=k.content), replace(fit_of, content=Nu.content), scene)
+            for k, Nu in zip(conductivity.samples(SAMPLES, seed=1), fit_of.samples(SAMPLES, seed=2), strict=True)
+        ]
+        rows.append((scene.stem, "packings", base, np.std(single, ddof=1), np.std(drawn)))
+        rows.append((scene.stem, "packings, Gunn at every particle", outlet_of(conductivity, laws["Gunn"], scene)))
+        for nusselt in EXCHANGE:
+            rows.append((scene.stem, f"zehner_schluender, {nusselt}",
+                         outlet("zehner_schluender", scene, **{"heat.nusselt": nusselt})))  # fmt: skip
+    with open(HERE / "outlet_both.csv", "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["scene", "closures", "T_out [K]", "over packings [K]", "over parameters [K]"])
+        writer.writerows([name, what, *(f"{value:.4f}" for value in values), *[""] * (3 - len(values))]
+                         for name, what, *values in rows)  # fmt: skip
+    for name, what, *values in rows:
+        print(f"{name:12} {what:36}", *(f"{value:9.4f}" for value in values))
 
 
 def main():
@@ -71,6 +138,7 @@ def main():
         writer.writerows((name, f"{T:.3f}", f"{T - rows[0][1]:.3f}") for name, T in rows)
     for name, T in rows:
         print(f"{name:28} {T:8.3f} K {T - rows[0][1]:+7.3f} K")
+    both(beds, whole)
     print(f"standard deviation over packings {np.std(each, ddof=1):.3f} K, over the parameters {np.std(drawn):.3f} K; "
           f"finer mesh {mesh - rows[0][1]:+.4f} K")  # fmt: skip
 
