@@ -1,0 +1,132 @@
+"""Element and energy closure, gas and carbon conversion of published gasifiers, with what is not published as bands.
+
+    python study.py            eight cases of cases.csv, one with bands: results.csv, gasifiers.png
+    python study.py all        all 23 cases with complete inputs
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import contbed as cb
+from contbed.errors import ContbedError
+from contbed.scene.loading import from_dict
+
+HERE = Path(__file__).parent
+OMITTED = ("VTTP10", "VTTP15", "WSV-F")  # oxygen ratio recomputed from the flows is off the tabulated one by 12 to 24 %
+SIZES = {"VTTP": 0.15, "VTTA": 0.158, "WSV": 0.4}  # diameter of the bed [m]
+BASE = {"height": 0.8, "char": 2e-3, "hold": 0.3, "loss": 10.0}
+BANDS = {
+    "height": (0.5, 1.2),  # of the fluidized bed [m]: stands for the inventory
+    "char": (1e-3, 4e-3),  # diameter of fresh char [m]
+    "hold": (0.1, 0.6),  # share of char in the particles if none of it reacted: sets its residence time
+    "loss": (0.0, 30.0),  # through the walls [W/m2/K]
+}
+CHOSEN = ("VTTA-A", "WSV-D", "VTTP5", "VTTP14", "VTTP1", "VTTA-D", "WSV-A", "VTTP8")  # every plant, fuel and pressure
+BANDED = ("VTTA-A",)
+DENSITY = 500.0  # of char [kg/m3]
+NORMAL = 101325.0 / 8.314462618 / 273.15  # [mol/Nm3]
+WANTED = ("T_emulsion_top_K", "x_CO_dry", "x_CO2_dry", "x_H2_dry", "x_CH4_dry", "x_C6H6_dry", "x_N2_dry", "x_H2O_wet",
+          "carbon_conversion", "cold_gas_efficiency", "oxygen_ratio", "char_volume_fraction")  # fmt: skip
+ELEMENTS = ("C", "H", "O", "N", "S", "energy")
+
+
+def cases() -> dict[str, dict[str, str]]:
+    """Rows with fuel, air and steam, by name."""
+    with (HERE / "cases.csv").open(encoding="utf-8") as file:
+        rows = {row["case"]: row for row in csv.DictReader(file)}
+    return {name: row for name, row in rows.items() if row["primary_air_Nm3_h"] and name not in OMITTED}
+
+
+def scene(row: dict[str, str], height: float, char: float, hold: float, loss: float) -> dict[str, Any]:
+    """The tables of a case. All air enters at the bottom: where the secondary air enters is not tabulated."""
+    number = {name: float(value or 0.0) for name, value in row.items()
+              if name not in ("case", "plant", "fuel", "recycle", "note")}  # fmt: skip
+    D = next(size for plant, size in SIZES.items() if row["case"].startswith(plant))
+    air = (number["primary_air_Nm3_h"] + number["secondary_air_Nm3_h"]) * NORMAL / 3600.0
+    steam = number["steam_kg_h"] / 3600.0 / 0.018015
+    moles = {"O2": 0.21 * air, "N2": 0.79 * air, "H2O": steam}
+    total = sum(moles.values())
+    dry = {name: number[f"{name}_dry"] for name in "CHONS"}
+    whole = sum(dry.values()) + number["ash_dry"]
+    section = 0.25 * 3.14159265 * D**2
+    carbon = number["feed_kg_h"] / 3600.0 * (1.0 - number["moisture_wt"] / 100.0) * (1.0 - number["ash_dry"] / whole)
+    carbon *= 1.0 - number["VM_daf"] / 100.0
+    drain = hold * section * height * 0.55 * 0.5 * DENSITY / carbon  # half of the bed are bubbles
+    return {
+        "title": f"{row['case']}, {row['plant']}, {row['fuel']}",
+        "bubbling_bed": {"height": height, "section": section, "solids_fraction": 0.55},
+        "gas": {
+            "mass_flow": 0.031998 * moles["O2"] + 0.028014 * moles["N2"] + 0.018015 * moles["H2O"],
+            "composition": ", ".join(f"{name}:{n / total:.6f}" for name, n in moles.items() if n > 0),
+            "pressure": 1e6 * number["p_MPa"], "temperature": 550.0,
+        },
+        "bubbles": {"gas_exchange": "gas_exchange_sit_grace"},
+        "species": {
+            "char": {"volume_fraction": 0.05, "diameter": char, "density": 600.0, "heat_capacity": 1500.0,
+                     "gas_coefficient": 200.0, "conductivity": 2e3, "exchange": {"sand": 5e4}},
+            "sand": {"volume_fraction": 0.95, "diameter": 4e-4, "density": 2600.0, "heat_capacity": 1000.0,
+                     "gas_coefficient": 400.0, "conductivity": 3e4},
+        },
+        "walls": {"perimeter": 3.14159265 * D, "coefficient": loss, "temperature": 300.0},
+        "fuel": {
+            "species": "char", "moisture": number["moisture_wt"] / 100.0, "ash": number["ash_dry"] / whole,
+            "volatile_matter": number["VM_daf"] / 100.0, "char_density": DENSITY,
+            "ultimate": {name: share / whole for name, share in dry.items()},
+            "feed": {"mass_flow": number["feed_kg_h"] / 3600.0, "temperature": 300.0, "height": 0.3 * height,
+                     "width": 0.1 * height},
+        },
+        "drain": {"time": drain},
+        "reactions": {
+            "drying": {"time": 10.0}, "devolatilisation": {"time": 20.0}, "char_combustion": {}, "char_steam": {},
+            "char_CO2": {}, "char_H2": {}, "CO_oxidation": {}, "H2_oxidation": {}, "CH4_oxidation": {},
+            "tar_oxidation": {}, "H2S_oxidation": {}, "water_gas_shift": {},
+        },
+        "mesh": {"cells": 12}, "solver": {"degree": 2, "guess": 1150.0}, "output": {"plots": False, "fields": False},
+    }  # fmt: skip
+
+
+def run(row: dict[str, str], **changes: float) -> dict[str, Any]:
+    """Named results of a case, or why there are none."""
+    start = time.process_time()
+    values = BASE | changes
+    out: dict[str, Any] = {"case": row["case"], "fuel": row["fuel"], **values, "lambda_tabulated": float(row["lambda_O2"])}
+    try:
+        result = cb.run(from_dict(scene(row, **values)))
+    except ContbedError as error:
+        return out | {"status": str(error).splitlines()[0][:80]}
+    out |= {"status": "ok"} | {name: result.qoi.get(name, 0.0) for name in WANTED}
+    out |= {f"open_{name}": abs(result.balances[name]["relative_residual"])
+            for name in ELEMENTS if name in result.balances}  # fmt: skip
+    return out | {"cpu_s": time.process_time() - start}
+
+
+def main() -> None:
+    """All cases and bands."""
+    rows, found = cases(), []
+    chosen = tuple(rows) if sys.argv[1:] == ["all"] else CHOSEN
+    wanted: list[tuple[str, dict[str, float]]] = [(name, {}) for name in chosen[:2]]
+    wanted += [(name, {key: value}) for name in BANDED for key, band in BANDS.items() for value in band]
+    wanted += [(name, {}) for name in chosen[2:]]
+    for name, changes in wanted:
+        found.append(run(rows[name], **changes))
+        print(name, changes, found[-1]["status"], flush=True)
+        write(found)
+
+
+def write(found: list[dict[str, Any]]) -> None:
+    """The table."""
+    names = list(dict.fromkeys(key for item in found for key in item))
+    with (HERE / "results.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, names)
+        writer.writeheader()
+        writer.writerows({key: f"{value:.6g}" if isinstance(value, float) else value for key, value in item.items()}
+                         for item in found)  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()
