@@ -1,6 +1,7 @@
 """Heat exchanged by two particles in one impact: Hertz's collision and Zhou, Yu and Horio's finite-element fit.
 
-Equation numbers are those of Zhou, Hou and Yu 2011. Numbers or arrays that broadcast, SI.
+Equation numbers are those of Zhou, Hou and Yu 2011. Numbers or arrays that broadcast, SI. `impact_of` and
+`conductance_of` are bare arithmetic, which the time loop compiles (`contact_heat`).
 """
 
 from __future__ import annotations
@@ -8,11 +9,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
 _DURATION = 2.9432751843247043  # t_c v/delta_max = 2 sqrt(pi) Gamma(7/5)/Gamma(9/10)
+DURATION5 = _DURATION**5 * (15.0 / 16.0) ** 2  # t_c^5 in units of m*^2/(R* E*^2 v)
 
 
 class Impact(NamedTuple):
@@ -35,8 +38,14 @@ def hertz_impact(R: ArrayLike, mass: ArrayLike, modulus: ArrayLike, speed: Array
     speed : normal relative speed before the impact [m/s], > 0
     """
     R, mass, modulus, speed = (np.asarray(item, dtype=float) for item in (R, mass, modulus, speed))
+    return Impact(*impact_of(R, mass, modulus, speed))
+
+
+@register_jitable(error_model="numpy")
+def impact_of(R, mass, modulus, speed):
+    """Largest overlap, duration and contact radius as `hertz_impact`."""
     overlap = (15.0 * mass * speed**2 / (16.0 * modulus * np.sqrt(R))) ** 0.4
-    return Impact(overlap, _DURATION * overlap / speed, np.sqrt(R * overlap))
+    return overlap, _DURATION * overlap / speed, np.sqrt(R * overlap)
 
 
 def impact_factor(fourier: ArrayLike, capacity_ratio: ArrayLike) -> Array:
@@ -50,13 +59,16 @@ def impact_factor(fourier: ArrayLike, capacity_ratio: ArrayLike) -> Array:
     capacity_ratio : s; s > 1 is taken as 1/s: the fit is not symmetric by itself
     """
     s = np.asarray(capacity_ratio, dtype=float)
-    s = np.minimum(s, 1.0 / s)
+    return _factor(np.asarray(fourier, dtype=float), np.minimum(s, 1.0 / s))
+
+
+@register_jitable(error_model="numpy")
+def _factor(fourier, s):
     C1 = -2.300 * s**2 + 8.909 * s - 4.235
     C2 = 8.169 * s**2 - 33.770 * s + 24.885
     C3 = -5.758 * s**2 + 24.464 * s - 20.511
-    free = C3 - np.asarray(fourier, dtype=float)
     # the smaller root without cancellation: C1 vanishes at s = 0.556
-    return 0.435 * -4.0 * free / (np.sqrt(C2**2 - 4.0 * C1 * free) + C2)
+    return 0.435 * -4.0 * (C3 - fourier) / (np.sqrt(C2**2 - 4.0 * C1 * (C3 - fourier)) + C2)
 
 
 def impact_conductance(
@@ -82,10 +94,16 @@ def impact_conductance(
     c = np.asarray(factor, dtype=float)
     first = C_i <= C_j
     lean, rich, k_lean = np.where(first, C_i, C_j), np.where(first, C_j, C_i), np.where(first, k_i, k_j)
-    # Fo = k t_c/(rho c r_c^2) of the real impact: both t_c and r_c^2 carry c^2
-    fourier = k_lean * impact.duration / (lean * impact.radius**2)
     effusivity = 1.0 / ((C_i * k_i) ** -0.5 + (C_j * k_j) ** -0.5)
-    return c**3 * impact_factor(fourier, lean / rich) * np.pi * impact.radius**2 * effusivity / np.sqrt(impact.duration)
+    return c**3 * conductance_of(impact.duration, impact.radius, k_lean / lean, lean / rich, effusivity)
+
+
+@register_jitable(error_model="numpy")
+def conductance_of(duration, radius, diffusivity, ratio, effusivity):
+    """Eq. 7 without correction [W/K]; ratio <= 1, diffusivity of the particle of smaller rho c, both effusivities."""
+    # the correction changes t_c and r_c^2 alike, so that Fo is that of the real impact as well
+    factor = _factor(diffusivity * duration / radius**2, ratio)
+    return factor * np.pi * radius**2 * effusivity / np.sqrt(duration)
 
 
 def colliding(age: ArrayLike, duration: ArrayLike) -> NDArray[np.bool_]:

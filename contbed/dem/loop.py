@@ -1,4 +1,4 @@
-"""The time loop: velocity Verlet, forces of pairs and walls, neighbours and blow-up detection in one compiled kernel.
+"""The time loop: velocity Verlet, forces, heat of contacts, neighbours and blow-up detection in one compiled kernel.
 
 Each step kicks by half a step, moves, and finds the forces at the new positions with velocities extrapolated by half a
 step, so that dashpots are of second order too. The two half kicks between steps are rounded in the same way whether or
@@ -13,7 +13,9 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
-from contbed.dem import contact, forces, neighbours, particles
+from contbed.dem import contact, forces, heat_impact, neighbours, particles
+from contbed.dem import contact_heat as conduction
+from contbed.dem.contact_heat import contact_heat
 from contbed.dem.forces import pair_forces, wall_forces, workspace
 from contbed.dem.neighbours import carry_over, half_list, shifts, wall_list, wrap
 
@@ -64,10 +66,12 @@ def _moved(x, x0):
 def _steps(
     x, v, w, f, q, x0, start, mates, past, near, wall_past, radius, mass, inertia, kind, table, walls, wall_kind,
     lower, upper, periodic, gravity, force, uniform, dt, skin, limit, reach, first, steps, rebuild,
+    T, source, per_capacity, heat_table,
 ):  # fmt: skip
     vh, wh, per_mass, per_inertia = np.empty_like(v), np.empty_like(w), 1.0 / mass, 1.0 / inertia
     image = shifts(lower, upper, periodic)
     block, rows = workspace()
+    gained = np.empty_like(T)
     status, culprit, done = OK, -1, 0
     for step in range(steps):
         fastest2, culprit = _advance(
@@ -98,6 +102,11 @@ def _steps(
             x, v, w, f, q, radius, mass, inertia, kind, uniform, table, image, start, mates, past, now, dt, block, rows
         )  # fmt: skip
         wall_forces(x, v, w, f, q, radius, mass, inertia, kind, table, walls, wall_kind, near, wall_past, now, dt)
+        if len(T):
+            contact_heat(
+                x, T, source, per_capacity, radius, mass, kind, table, heat_table, image, start, mates, past, now, dt,
+                gained,
+            )  # fmt: skip
         done += 1
     if status == OK and steps > 0:
         _finish(v, w, vh, wh, f, q, per_mass, per_inertia, gravity, dt)
@@ -115,7 +124,7 @@ def _compiled(stamp: int):
 
 
 def _content() -> int:
-    files = (Path(str(module.__file__)) for module in (contact, forces, neighbours, particles))
+    files = (Path(str(module.__file__)) for module in (contact, conduction, forces, heat_impact, neighbours, particles))
     return zlib.crc32(b"".join(file.read_bytes() for file in files))
 
 

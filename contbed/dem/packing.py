@@ -1,8 +1,8 @@
 """Packings: spheres placed at random, settled soft under gravity, then stiffened to the wanted modulus.
 
-Soft contacts take long time steps, and the energy kept in overlaps is below 1 % of m g d, so stiffening hardly moves the
-bed. Restitution stays that of the material: a restitution of 0.2 in place of 0.9 would leave a bed looser by 0.01 of
-porosity, with 4 % less conductivity. The same arguments and seed give the same packing.
+Soft contacts take long time steps, and the energy kept in overlaps is below 1 % of m g d, so that stiffening hardly
+moves the bed. Restitution stays that of the material: 0.2 in place of 0.9 would leave a bed looser by 0.01 of porosity,
+with 4 % less conductivity. The same arguments and seed give the same packing.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contbed.dem import loop
 from contbed.dem.contact import HISTORY, SINCE, SPEED, largest_safe_step, require_safe_step
+from contbed.dem.contact_heat import ContactHeat
 from contbed.dem.neighbours import BITS, MASK, half_list, shifts, wall_gaps
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.walls import Domain, Wall, wall_rows
@@ -21,7 +22,7 @@ STRIDE = 0.1  # of the smallest radius: nothing may move farther in one step
 SKIN = 0.1  # of the smallest radius, unless given
 _STATE = (
     "position", "velocity", "spin", "force",
-    "_load", "_torque", "_listed", "_start", "_mates", "_past", "_near", "_wall_past",
+    "_load", "_torque", "_listed", "_start", "_mates", "_past", "_near", "_wall_past", "T",
 )  # fmt: skip
 
 
@@ -52,8 +53,10 @@ class Simulation:
     impact_speed [m/s] : typical speed of impacts, for the time step
     skin [m] : room of the neighbour list
     largest_overlap : of the smaller radius, accepted at the start
+    heat, T [K] : conduction through contacts and temperatures at the start, one or each; None without
 
-    `force` [N] of shape (n, 3) is added to every particle; change it between calls of `run`.
+    `force` [N] of shape (n, 3) is added to every particle, `heat_source` [W] (n,) to its heat; change them between
+    calls of `run`. `T` (n,) has no entries without `heat`.
 
     Raises
     ------
@@ -71,6 +74,8 @@ class Simulation:
         impact_speed: float = 0.1,
         skin: float | None = None,
         largest_overlap: float = LARGEST_OVERLAP,
+        heat: ContactHeat | None = None,
+        T: ArrayLike | None = None,
     ):
         domain = domain or Domain()
         n = len(particles)
@@ -101,6 +106,7 @@ class Simulation:
         self._load, self._torque, self._listed = np.zeros((n, 3)), np.zeros((n, 3)), self.position.copy()
         self._wall_past = _blank(len(walls), n)
         self._near = np.zeros((0, 2), np.int32)
+        self._warm(heat, T)
         self._reach, self._stale = 0.0, True
         self._require_inside()
         self._start, self._mates = half_list(self.position, self.radius, *self._sides, self.skin)
@@ -111,6 +117,11 @@ class Simulation:
     def time(self) -> float:
         """Since the start [s]."""
         return self.steps_done * self.time_step
+
+    @property
+    def heat_content(self) -> float:
+        """Above 0 K [J], of particles with temperatures."""
+        return float((self.heat_capacity * self.T).sum())
 
     @property
     def kinetic_energy(self) -> float:
@@ -193,8 +204,14 @@ class Simulation:
             self._past, self._near, self._wall_past, self.radius, self.mass, self.inertia, self.kind, self._table,
             self._walls, self._wall_kind, *self._sides, self.gravity, np.ascontiguousarray(self.force, np.float64),
             self._uniform, self.time_step, self.skin, STRIDE * float(self.radius.min()) / self.time_step, self._reach,
-            self.steps_done, steps, self._stale,
+            self.steps_done, steps, self._stale, self.T, np.ascontiguousarray(self.heat_source, np.float64),
+            1.0 / self.heat_capacity, self._heat_table,
         )  # fmt: skip
+        if status == loop.OK and not np.isfinite(self.T).all():
+            culprit = int((~np.isfinite(self.T)).argmax())
+            self.restore(before)
+            raise ConvergenceError(f"dem: temperature of particle {culprit} is not a number; a heat source, or a heat "
+                                   "capacity too small for the time step", state=before)  # fmt: skip
         if status == loop.OK:
             self.steps_done += steps
             self._stale = False
@@ -203,6 +220,17 @@ class Simulation:
         self.restore(before)
         time = (self.steps_done + done + 1) * self.time_step
         raise ConvergenceError(_obituary(status, culprit, where, speed, time), state=before)
+
+    def _warm(self, heat: ContactHeat | None, T: ArrayLike | None) -> None:
+        if (heat is None) != (T is None):
+            raise SceneError("dem: give both heat and T, or neither")
+        n = 0 if heat is None else len(self.position)
+        self.T, self.heat_source = np.empty(n), np.zeros(n)
+        self.heat_capacity, self._heat_table = np.ones(n), np.zeros((0, 0, 5))
+        if heat is not None and T is not None:
+            self.T[:] = T
+            self.heat_capacity = self.mass * heat.capacities(self.materials)[self.kind]
+            self._heat_table = heat.table(self.materials)
 
     @property
     def _uniform(self) -> bool:

@@ -1,0 +1,106 @@
+"""Temperatures of particles that move: conduction through every closed contact, at every step of the time loop.
+
+    m_i c_i dT_i/dt = sum over contacts of G_ij (T_j - T_i) + q_i
+
+G is Eq. 7 (`heat_impact`) during the first t_c of a contact, t_c the duration of an elastic impact at the speed with
+which the particles met, and Eq. 6 (`heat_pair`) afterwards; equation numbers are those of Zhou, Hou and Yu 2011. A step
+in which t_c ends counts in part, so that an impact gives the heat Q = G t_c whatever the time step. What leaves one
+particle enters another, so that heat is conserved to rounding. Walls are adiabatic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from contbed.dem.contact import SINCE, SPEED
+from contbed.dem.heat_impact import DURATION5, conductance_of, impact_of
+from contbed.dem.neighbours import BITS, MASK
+from contbed.dem.particles import E_EFF, Material
+from contbed.errors import SceneError
+
+STATIC, REST, RATIO, FOURIER, EFFUSE = range(5)  # columns of a heat table
+
+
+@dataclass(frozen=True)
+class ContactHeat:
+    """Thermal properties, one for all or one for each material, and corrections for too soft particles.
+
+    Parameters
+    ----------
+    conductivity [W/m/K]; heat_capacity [J/kg/K]
+    static, impact : factors c of `heat_pair.correction` for contacts at rest (exponent 1/3) and impacts (1/5)
+    """
+
+    conductivity: ArrayLike
+    heat_capacity: ArrayLike = 840.0
+    static: float = 1.0
+    impact: float = 1.0
+
+    def capacities(self, materials: Sequence[Material]) -> NDArray[np.float64]:
+        """Heat capacity of each material [J/kg/K]."""
+        return self._each(self.heat_capacity, materials, "heat_capacity")
+
+    def table(self, materials: Sequence[Material]) -> NDArray[np.float64]:
+        """Constants of every pair of materials, shape (m, m, 5).
+
+        Columns: 4 c/(1/k_i + 1/k_j) [W/m/K]; c^3; the smaller rho c over the larger; k/(rho c) of the smaller [m2/s];
+        1/((rho c k)_i^(-1/2) + (rho c k)_j^(-1/2)) [W s^0.5/m2/K].
+        """
+        k = self._each(self.conductivity, materials, "conductivity")
+        C = np.array([material.density for material in materials]) * self.capacities(materials)
+        lean = np.where(np.less_equal.outer(C, C), k[:, None], k[None, :])
+        table = np.empty((len(materials), len(materials), 5))
+        table[..., STATIC] = 4.0 * self.static / np.add.outer(1.0 / k, 1.0 / k)
+        table[..., REST] = self.impact**3
+        table[..., RATIO] = np.minimum.outer(C, C) / np.maximum.outer(C, C)
+        table[..., FOURIER] = lean / np.minimum.outer(C, C)
+        table[..., EFFUSE] = 1.0 / np.add.outer((C * k) ** -0.5, (C * k) ** -0.5)
+        return table
+
+    @staticmethod
+    def _each(values: ArrayLike, materials: Sequence[Material], name: str) -> NDArray[np.float64]:
+        found = np.asarray(values, dtype=np.float64)
+        if found.shape not in ((), (len(materials),)) or not (found > 0.0).all():
+            raise SceneError(f"heat: {name} = {values!r} must be positive, one number or one for each material")
+        return np.broadcast_to(found, (len(materials),)).copy()
+
+
+@njit(error_model="numpy")
+def contact_heat(
+    x, T, source, per_capacity, radius, mass, kind, table, heat_table, image, start, mates, past, now, dt, gained
+):  # fmt: skip
+    """Advance T by a step `dt`; contacts have the histories of step number `now`. `gained` is room for n numbers."""
+    gained[:] = source
+    for i in range(len(x)):
+        for k in range(start[i], start[i + 1]):
+            if past[k, SINCE] < 0.0:
+                continue
+            j = mates[k] & MASK
+            shift = mates[k] >> BITS
+            far2 = 0.0
+            for a in range(3):
+                far2 += (x[i, a] - x[j, a] - image[shift, a]) ** 2
+            overlap = max(radius[i] + radius[j] - np.sqrt(far2), 0.0)
+            r_eff = radius[i] * radius[j] / (radius[i] + radius[j])
+            pair = heat_table[kind[i], kind[j]]
+            G = pair[STATIC] * np.sqrt(r_eff * overlap)
+            share = 0.0
+            age, speed = now - past[k, SINCE], past[k, SPEED]
+            if speed > 0.0:
+                m_eff = mass[i] * mass[j] / (mass[i] + mass[j])
+                modulus = table[kind[i], kind[j], E_EFF]
+                if speed * (age * dt) ** 5 < DURATION5 * m_eff**2 / (r_eff * modulus**2):
+                    _, duration, area = impact_of(r_eff, m_eff, modulus, speed)
+                    share = min(duration / dt - age, 1.0)
+                    hit = conductance_of(duration, area, pair[FOURIER], pair[RATIO], pair[EFFUSE])
+                    G = share * pair[REST] * hit + (1.0 - share) * G
+            flow = G * (T[j] - T[i])
+            gained[i] += flow
+            gained[j] -= flow
+    for i in range(len(x)):
+        T[i] += dt * gained[i] * per_capacity[i]
