@@ -115,6 +115,10 @@ def described(plan: Any) -> str:
     lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
     for part, size in plan.unknowns().items():
         lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * plan.policy.predicted_GB(size)):.0f} MB")
+    if isinstance(plan, Plan) and not plan.fronts:
+        from contbed.solve.cost import advice
+
+        lines.append(advice(max(plan.unknowns().values()), plan.policy))
     return "\n".join(lines)
 
 
@@ -127,6 +131,10 @@ def plan(scene: Any) -> Any:
         from contbed.bubbling.planning import plan as plan_bubbling
 
         return plan_bubbling(scene)
+    if scene.kind == "two_fluid":
+        from contbed.two_fluid.planning import plan as plan_two_fluid
+
+        return plan_two_fluid(scene)
     if scene.kind == "particles_gas":
         from contbed.dem.gas_study import plan as plan_gas
 
