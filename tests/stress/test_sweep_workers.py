@@ -144,7 +144,11 @@ def test_a_killed_process_costs_only_what_was_running(folder):
 
 
 @pytest.mark.slow
-def test_a_run_that_always_kills_its_worker_fails_and_the_others_finish(folder):
+@pytest.mark.parametrize("where", ["processes", "cluster"])
+def test_a_run_that_always_kills_its_worker_fails_and_the_others_finish(folder, where, request):
+    workers = {"jobs": 2}
+    if where == "cluster":
+        workers = {"scheduler": request.getfixturevalue("cluster").scheduler_address}
     write_study(5, SLOW)
     victim = sweep_names()[2]
     done = []
@@ -159,7 +163,7 @@ def test_a_run_that_always_kills_its_worker_fails_and_the_others_finish(folder):
 
     thread = Thread(target=killer)
     thread.start()
-    found = sweep("study.toml", "out", jobs=2)
+    found = sweep("study.toml", "out", **workers)
     done.append(True)
     thread.join()
     assert [row.name for row in found.failed] == [victim]
@@ -263,7 +267,7 @@ def test_a_lost_scheduler_ends_the_sweep_and_the_machine_goes_on(folder, cluster
 
     thread = Thread(target=killer)
     thread.start()
-    with pytest.raises(ContbedError, match="lost the scheduler at tcp:.*; the same command goes on from here"):
+    with pytest.raises(ContbedError, match=r"lost the scheduler at tcp:.*; the same command goes on from here"):
         sweep("study.toml", "out", scheduler=cluster.scheduler_address)
     thread.join()
     found = sweep("study.toml", "out", jobs=1)
