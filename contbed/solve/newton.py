@@ -42,7 +42,7 @@ def newton(
     residual[fixed] = 0.0
     scale = max(float(np.linalg.norm(residual)), 1e-300)
     if floor is None:
-        floor = 1e-15 * float(np.linalg.norm(abs(matrix) @ np.maximum(1.0, np.abs(state))))
+        floor = 0.0 if linear else 1e-15 * float(np.linalg.norm(abs(matrix) @ np.maximum(1.0, np.abs(state))))
     history = [1.0]
     solver = None
     goal = 1e-2 * tolerance
