@@ -1,12 +1,16 @@
 """Dumps of LIGGGHTS and LAMMPS: what the programs write comes back; what is cut or missing is named with its line."""
 
 import gzip
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from contbed.dem import dumps
 from contbed.errors import SceneError
+
+# six spheres on a plane, written by LIGGGHTS 3.8.0 and LAMMPS 2022-01-06; contacts conduct in the first
+REAL = Path(__file__).parent / "dumps"
 
 LIGGGHTS = """ITEM: TIMESTEP
 60000
@@ -118,3 +122,48 @@ def test_positions(tmp_path):
     path.write_text("1,2,3\n1,2\n")
     with pytest.raises(SceneError, match=r"x\.csv:2: 2 numbers where 3 finite ones"):
         dumps.read_positions(path)
+
+
+def test_a_dump_that_liggghts_wrote():
+    first, last = dumps.read_dump(REAL / "liggghts.dump")
+    assert (first.step, last.step) == (0, 500)
+    assert first.radius == pytest.approx([1e-3, 1e-3, 1e-3, 1.5e-3, 1e-3, 1e-3])
+    assert first.x[3] == pytest.approx([0.002, 0.0037, 0.001499])
+    assert pytest.approx([300.0] * 5 + [400.0]) == first.T
+    assert (last.low.tolist(), last.high.tolist(), last.periodic) == ([0, 0, -2e-3], [6e-3, 6e-3, 1e-2], (False,) * 3)
+    # the hot sphere has touched the large one and lost to it; 0.008 K of 300 are known to 6 % in the digits of a dump
+    lost, won = ((last.radius**3 * (last.T - first.T))[k] for k in (5, 3))
+    assert won > 0.0 and won == pytest.approx(-lost, rel=0.07)
+
+
+def test_a_dump_that_lammps_wrote():
+    first, last = dumps.read_dump(REAL / "lammps.dump")
+    assert (first.step, last.step) == (0, 250)
+    # scaled positions of six digits in a box of 6 and 12 mm; the same spheres as in the other dump
+    assert first.x == pytest.approx(dumps.read_dump(REAL / "liggghts.dump")[0].x, abs=1.2e-8)
+    assert first.radius[3] == pytest.approx(1.5e-3) and first.T is None
+    assert last.periodic == (True, True, False)
+    assert last.columns["vz"][5] == pytest.approx(0.631756)
+
+
+@pytest.mark.parametrize("name", ["liggghts.dump", "lammps.dump"])
+def test_real_dumps_cut_after_any_line(name, dump):
+    """Only a cut between two steps leaves a dump; every other one is an error with its line."""
+    lines = (REAL / name).read_text().splitlines(keepends=True)
+    whole = []
+    for count in range(1, len(lines)):
+        path = dump("".join(lines[:count]))
+        try:
+            whole.append((count, len(dumps.read_dump(path))))
+        except SceneError as error:
+            assert str(error).startswith(f"{path}:") and ("truncated" in str(error) or "no frame" in str(error))
+    second = next(k for k, line in enumerate(lines) if k > 5 and line.startswith(("ITEM: TIME\n", "ITEM: TIMESTEP")))
+    assert {count for count, _ in whole} <= {second, second + 2}  # LAMMPS writes the time before a step
+    assert (second, 1) in whole
+
+
+@pytest.mark.parametrize("name", ["liggghts.dump", "lammps.dump"])
+def test_real_dumps_cut_within_a_line(name, dump):
+    text = (REAL / name).read_text()
+    last = text.rstrip("\n").rindex("\n")
+    assert "truncated: " in failure(dump(text[: last + 9]))
