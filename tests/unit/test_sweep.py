@@ -96,7 +96,7 @@ def never(below, text):
     ("low", "high", "count", "spacing"),
     [
         (0.1, 0.7, 7, "linear"), (3.0, -1.0, 10, "linear"),
-        (0.1, 0.7, 7, "log"), (-1e3, -1e-5, 9, "log"), (7, 1, 2, "log"),
+        (math.pi, math.e, 5, "log"), (-1e3, -1e-5, 9, "log"), (7, 1, 2, "log"),
     ],
 )
 def test_ranges_are_even_and_exact_at_both_ends(low, high, count, spacing):
