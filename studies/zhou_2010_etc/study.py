@@ -21,7 +21,7 @@ R, WIDTH, EPS, K_FLUID = 1e-3, 0.026, 0.391, 0.026
 BOTTOM, TOP, AREA = 2e-3, 24.7e-3, WIDTH**2
 SOFT, REAL = 1e7, 5e10  # modulus of the shared packing and of the material [Pa]
 RATIOS = np.geomspace(1, 1000, 13)
-MODULI = (1e6, 1e7, 1e8, 1e9)  # of packings of our own
+MODULI = (1e6, 1e7, 1e8, 1e9, 1e10, 5e10)  # of packings of our own
 EXPONENTS = {"none": 0.0, "1/5": IMPACT, "1/3": STATIC}
 
 
