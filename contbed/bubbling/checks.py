@@ -91,7 +91,7 @@ def coefficients_fit_the_gas(
         return
     for path, spec, kind in uses(tables):
         table = {"bubbles": bubbles, "bubbling_bed": bubbling_bed}.get(str(path[0]))
-        idle = table is not None and path[-1] not in ("fraction", "exchange")
+        idle = table is not None and path[-1] not in ("fraction", "exchange", "expansion")
         if not computed and idle:
             if path[-1] in table.model_fields_set:  # type: ignore[union-attr]
                 yield path, f"has no use where coefficients are frozen; {which}"
@@ -112,6 +112,22 @@ def coefficients_fit_the_gas(
         right, wrong = ("mass_flow", "capacity_flow") if computed else ("capacity_flow", "mass_flow")
         if item.feed is not None and (getattr(item.feed, right) is None or getattr(item.feed, wrong) is not None):
             yield ("species", name, "feed"), f"give {right}, not {wrong}; {which}"
+
+
+def settling_has_what_it_needs(
+    gas: b.Gas, bubbling_bed: b.BubblingBed, species: Kinds, freeboard: b.Freeboard | None, see: See
+) -> Mistakes:
+    if gas.mass_flow is None and bubbling_bed.settled_height is not None:
+        yield ("bubbling_bed", "settled_height"), f"needs the properties of the gas; see {see('gas.capacity_flow')}"
+    if bubbling_bed.expansion is not None and bubbling_bed.settled_height is None:
+        yield ("bubbling_bed", "expansion"), f"has no use where the height is given; see {see('bubbling_bed.height')}"
+    for name, item in species.items():
+        if item.sizes is None or item.sizes.feed is None:
+            continue
+        if freeboard is None or freeboard.height is None:
+            yield ("species", name, "sizes"), "what is carried away needs [freeboard] with a height; or give bed"
+        if item.feed is None or not item.feed.mass_flow:
+            yield ("species", name, "sizes"), f"needs species.{name}.feed with a mass_flow; or give bed"
 
 
 def the_gas_is_known(gas: b.Gas, species: Kinds) -> Mistakes:
@@ -212,6 +228,7 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
     bubbles_carry_their_gas,
     coefficients_fit_the_gas,
     the_gas_is_known,
+    settling_has_what_it_needs,
     radiation_has_its_emissivities,
     something_fixes_the_plate,
     something_fixes_the_temperatures,

@@ -40,6 +40,8 @@ def uses(scene: Any) -> Iterator[Use]:
     """Where the scene may name a closure, what stands there, and of which kind it is; `scene` has the tables."""
     bed, bubbles = scene.bubbling_bed, scene.bubbles
     yield ("bubbling_bed", "minimum_fluidization"), bed.minimum_fluidization, "minimum_fluidization"
+    if bed.expansion is not None:
+        yield ("bubbling_bed", "expansion"), bed.expansion, "expansion"
     if bed.conductivity is not None:
         yield ("bubbling_bed", "conductivity"), bed.conductivity, "conductivity"
     if bubbles is not None:
@@ -254,6 +256,10 @@ class Computed:
         local = self(SimpleNamespace(**values), SimpleNamespace(grad=lambda field: (np.zeros_like(z),), x=(z,)))
         found, self.ranges = self.ranges, None
         return local, found
+
+    def expansion(self, u: Any, o: Any) -> Any:
+        """Height of the bed over that at minimum fluidization."""
+        return self._call(("bubbling_bed", "expansion"), self(u, o).state)
 
     def _to_gas(self, name: str, state: dict[str, Any]) -> Any:
         d_p = self.scene.species[name].diameter

@@ -24,6 +24,12 @@ def solve(plan: Any, result: Result) -> None:
     problem = BubblingProblem(plan)
     state, history = problem.solve()
     result.history += history
+    if plan.scene.computed:
+        from contbed.bubbling.settling import settle, unsettled
+
+        if unsettled(plan.scene):
+            problem, state = settle(problem, state, result)
+            plan = result.plan = problem.plan  # type: ignore[assignment]
     findings(plan, problem, state, result)
     scene = plan.scene
     if scene.continuation is not None:
@@ -49,8 +55,9 @@ def _steady_states(problem: BubblingProblem, state: Any, result: Result) -> int:
                 for each in (state, other)
             )
             result.warnings.append(
-                f"this is one of several steady states: its particles are at {here:.6g} K on average, those of another "
-                f"at {there:.6g} K; solver.guess = {guess:g} leads there"
+                f"this is the {'ignited' if here > there else 'extinguished'} one of several steady states: its "
+                f"particles are at {here:.6g} K on average, those of another at {there:.6g} K; solver.guess = {guess:g}"
+                " leads there"
             )
             found.append(other)
     return len(found)

@@ -72,11 +72,23 @@ class Above:
         }  # fmt: skip
         return state, flow, gas
 
-    def _of(self, state: dict[str, Any], name: str) -> dict[str, Any]:
-        """The state with the particles of one species."""
+    def _of(self, state: dict[str, Any], name: str, diameter: float) -> dict[str, Any]:
+        """The state with particles of one species and size."""
         item, rho = self.scene.species[name], self.computed.density[name]
-        Ar = item.diameter**3 * state["rho_gas"] * (rho - state["rho_gas"]) * GRAVITY / state["mu"] ** 2
-        return state | {"d_p": item.diameter, "sphericity": item.sphericity, "rho_solid": rho, "Ar": Ar}
+        Ar = diameter**3 * state["rho_gas"] * (rho - state["rho_gas"]) * GRAVITY / state["mu"] ** 2
+        return state | {"d_p": diameter, "sphericity": item.sphericity, "rho_solid": rho, "Ar": Ar}
+
+    def rates(self, u: Any, name: str) -> list[Any]:
+        """Elutriation rate constants of the sizes of a species [kg/m2/s]."""
+        return self._rates(self.state(u)[0], name)
+
+    def _rates(self, state: dict[str, Any], name: str) -> list[Any]:
+        item, out = self.scene.species[name], []
+        for diameter in (item.diameter,) if item.sizes is None else item.sizes.diameters:
+            own = self._of(state, name, diameter)
+            own["u_t"] = self._call("terminal_velocity", own)
+            out.append(self._call("elutriation", own))
+        return out
 
     def _call(self, key: str, state: dict[str, Any]) -> Any:
         return self.called["freeboard", key](state, self.computed.ranges)
@@ -86,9 +98,10 @@ class Above:
         state, flow, gas = self.state(u)
         computed, carried = self.computed, 0.0
         for name, share in self.shares.items():
-            own = self._of(state, name)
-            own["u_t"] = self._call("terminal_velocity", own)
-            carried = carried + share * self._call("elutriation", own)
+            item = self.scene.species[name]
+            shares = (1.0,) if item.sizes is None else item.sizes.bed or item.sizes.feed
+            for part, rate in zip(shares, self._rates(state, name), strict=True):
+                carried = carried + share * part * rate
         mixed = state | {"d_p": computed.d_p, "Re": state["rho_gas"] * state["u_gas"] * computed.d_p / state["mu"]}
         nusselt = self.called["freeboard", "gas_coefficient"]
         exchange = nusselt(mixed, computed.ranges)

@@ -319,7 +319,11 @@ def _mesh(scene: b.BubblingScene, layers: list[tuple[float, float]]) -> Mesh:
         nodes = graded(height, layers, coarse=height / COARSE, scale=scale)
     if not np.all(np.diff(nodes) > 0):
         raise SceneError(f"{scene.origin.name}: mesh: a layer is too thin to resolve; check the coefficients")
-    line = skfem.MeshLine.init_tensor(nodes)
+    return refine(line(nodes), scene.mesh.refine)
+
+
+def line(nodes: Any) -> Mesh:
+    """A mesh between the distributor and the surface of the bed."""
     ends = {"bottom": lambda x: x[0] == nodes[0], "top": lambda x: x[0] == nodes[-1]}
-    named = line.with_boundaries(ends).with_subdomains({REGION: lambda x: np.full(x.shape[-1], True)})
-    return refine(Mesh(named), scene.mesh.refine)
+    named = skfem.MeshLine.init_tensor(nodes).with_boundaries(ends)
+    return Mesh(named.with_subdomains({REGION: lambda x: np.full(x.shape[-1], True)}))

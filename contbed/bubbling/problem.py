@@ -97,10 +97,18 @@ class BubblingProblem:
         except ConvergenceError as error:
             x, history = self._newton(relax(self, x, self.plan.policy, self.lower))
             history = error.history + history
+        return self._sharpened(x), history
+
+    def solve_from(self, x: Array) -> tuple[Array, list[float]]:
+        """Newton from given temperatures and other unknowns."""
+        x, history = self._newton(x)
+        return self._sharpened(x), history
+
+    def _sharpened(self, x: Array) -> Array:
         for _ in range(SHARPENED):
             residual, matrix = self.steady(x, True)
             x = x - Solver(matrix, self.plan.policy)(residual)
-        return self._state(x), history
+        return self._state(x)
 
     def _start(self, T: float) -> Array:
         """One temperature everywhere, with the bubbles of a bed that has it."""

@@ -16,7 +16,7 @@ gas.mass_flow and gas.composition a coefficient may be a closure by name, a file
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -40,6 +40,7 @@ BubbleFraction = Annotated[
 ]
 ExchangeOrClosure = Annotated[Annotated[Exchange, Tag("number")] | s.NamedOrFile, Discriminator(form)]
 RateOrClosure = Annotated[Annotated[Frequency, Tag("number")] | s.NamedOrFile, Discriminator(form)]
+NamedExpansion = Annotated[s.NamedOrFile, Discriminator(form)]
 EjectionOrClosure = Annotated[
     Annotated[float, *unit("kg/m**2/s"), Field(ge=0), Tag("number")] | s.NamedOrFile, Discriminator(form)
 ]
@@ -52,13 +53,29 @@ GasCoefficientOrClosure = Annotated[Annotated[GasCoefficient, Tag("number")] | s
 class BubblingBed(s.Table):
     """The bed between distributor and freeboard; z is the height above the distributor."""
 
-    height: s.Length
+    height: s.Length = Field(description="of the bubbling bed; or settled_height")
+    settled_height: s.Length | None = Field(None, description="at minimum fluidization, from which the height follows")
+    expansion: NamedExpansion | None = Field(
+        None, description="ratio of both heights by a closure; absent: by the volume of the bubbles"
+    )
     section: Area = Field(description="cross-section of the bed")
     solids_fraction: s.Fraction = Field(description="share of the emulsion's volume, one minus its voidage")
     minimum_fluidization: SpeedOrClosure = Field("minimum_fluidization_grace", description="superficial velocity")
     conductivity: s.ConductivityOrClosure | None = Field(
         None, description="of the resting emulsion, added to the mixing and split by volume; absent: none"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _guess(cls, values: Any) -> Any:
+        """A height to begin with where it follows from that of the settled bed."""
+        given = values.get("settled_height") if isinstance(values, dict) else None
+        if given is None or "height" in values:
+            return values
+        from contbed.scene.units import to_si
+
+        number = to_si(given, "m") if isinstance(given, str) else given
+        return values | {"height": 1.3 * number if isinstance(number, float | int) else given}
 
 
 class Bubbles(s.Table):
@@ -126,11 +143,30 @@ class Feed(s.Table):
     drain: Literal["top", "bottom"] = "top"
 
 
+class Sizes(s.Table):
+    """Sizes of one kind of particle: those fed, or those in the bed. The first need [freeboard] with a height."""
+
+    diameters: Annotated[tuple[s.Length, ...], Field(min_length=2)]
+    feed: tuple[s.NonNegative, ...] | None = Field(None, description="mass fractions, which sum to one")
+    bed: tuple[s.NonNegative, ...] | None = Field(None, description="instead of `feed`")
+
+    @model_validator(mode="after")
+    def _sums(self) -> Sizes:
+        given = [shares for shares in (self.feed, self.bed) if shares is not None]
+        if not given:
+            raise ValueError("give one of feed, bed")
+        for shares in given:
+            if len(shares) != len(self.diameters) or abs(sum(shares) - 1.0) > 1e-6:
+                raise ValueError(f"{len(self.diameters)} mass fractions that sum to 1; found {sum(shares):.8g}")
+        return self
+
+
 class Species(s.Table):
     """One kind of particle."""
 
     volume_fraction: Share = Field(description="share of the solids; 0: this kind is left out")
-    diameter: s.Length = Field(description="Sauter mean, of spheres of the particles' volumes")
+    diameter: s.Length = Field(description="Sauter mean, of spheres of the particles' volumes; or sizes")
+    sizes: Sizes | None = None
     sphericity: Annotated[s.Number, Field(gt=0, le=1)] = Field(1.0, description="surface of such spheres over the true")
     density: s.Density | None = Field(None, description="needed with gas.mass_flow")
     heat_capacity: HeatCapacity | None = Field(None, description="needed with gas.mass_flow")
@@ -145,6 +181,17 @@ class Species(s.Table):
     )
     feed: Feed | None = None
     release: Release | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _mean(cls, values: Any) -> Any:
+        """The mean diameter of the sizes given."""
+        sizes = values.get("sizes") if isinstance(values, dict) else None
+        if sizes is None or "diameter" in values:
+            return values
+        table = Sizes.model_validate(sizes)
+        shares = table.bed or table.feed or ()
+        return values | {"diameter": 1.0 / sum(x / d for x, d in zip(shares, table.diameters, strict=True))}
 
 
 class Steam(s.Table):

@@ -15,6 +15,7 @@ _SAXENA = "Saxena, Vogel 1977, Trans. Inst. Chem. Eng. 55, 184-189"
 _BABU = "Babu, Shah, Talwalkar 1978, AIChE Symp. Ser. 74 (176), 176-186"
 _ERGUN = "Ergun 1952, Chem. Eng. Prog. 48, 89-94"
 _KL = "Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, Butterworth-Heinemann, Boston"
+_SOUZA = "Souza-Santos 2010, Solid Fuels Combustion and Gasification, 2nd edition, CRC Press, Boca Raton"
 _TOOMEY = "Toomey, Johnstone 1952, Chem. Eng. Prog. 48, 220-226"
 _GRACE = "Grace 1982, in Hetsroni (ed.), Handbook of Multiphase Systems, chapter 8, Hemisphere, Washington"
 
@@ -553,3 +554,46 @@ def solids_mixing_kunii_levenspiel(delta, u_b, d_b, u_mf, eps_mf, wake=0.2):
     Quoted from secondary sources.
     """
     return wake**2 * eps_mf * delta * d_b * u_b**2 / (3.0 * u_mf)
+
+
+@closure(kind="expansion", unit="-", ranges={"u_excess": (0.0, _INF), "d_p": (5e-5, 5e-3)}, source=_SOUZA)
+def expansion_souza_santos(u_excess, u_mf, d_p, rho_solid, rho_gas):
+    """Souza-Santos (2010): height of a bed wider than 64 mm over its height at minimum fluidization. In SI.
+
+        R = 1 + 14.314 u_excess^0.738 d_p^1.006 rho_solid^0.376 / (rho_gas^0.126 u_mf^0.937)
+
+    Parameters
+    ----------
+    u_excess : [m/s] u - u_mf
+    u_mf : [m/s] superficial velocity at minimum fluidization
+    d_p : [m] particle diameter
+    rho_solid : [kg/m3] density of the particles
+    rho_gas : [kg/m3] density of the gas
+
+    Returns
+    -------
+    [-] ratio of the heights
+
+    Range
+    -----
+    u_excess : 0.0 to inf
+    d_p : 5e-05 to 0.005
+
+    Fitted to
+    ---------
+    beds of many authors, by Babu, Shah and Talwalkar (1978); the bounds of the data have not been seen
+
+    Limits
+    ------
+    u_excess -> 0: 1.
+
+    Example
+    -------
+    >>> round(float(expansion_souza_santos(u_excess=0.5, u_mf=0.2, d_p=7e-4, rho_solid=2600.0, rho_gas=0.3)), 6)
+    1.58159
+
+    Source
+    ------
+    Souza-Santos 2010, Solid Fuels Combustion and Gasification, 2nd edition, CRC Press, Boca Raton, Eq. 14.8.
+    """
+    return 1.0 + 14.314 * u_excess**0.738 * d_p**1.006 * rho_solid**0.376 / (rho_gas**0.126 * u_mf**0.937)

@@ -32,7 +32,7 @@ SUPPLIED = {
     **dict.fromkeys(
         ("minimum_fluidization", "bubble_size", "bubble_start", "bubble_growth", "bubble_rise", "bubble_fraction",
          "emulsion_gas", "bubble_heat", "gas_exchange", "solids_mixing", "solid_exchange", "bed_tube",
-         "terminal_velocity", "ejection", "decay", "elutriation"), _BUBBLING
+         "terminal_velocity", "expansion", "ejection", "decay", "elutriation"), _BUBBLING
     ),
     "permeability": _PACKING,
     "forchheimer": _PACKING,

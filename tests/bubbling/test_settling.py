@@ -1,0 +1,80 @@
+"""Sizes of particles by feed, drain and carry-over, and the height of a bed, with the state they belong to."""
+
+import numpy as np
+import pytest
+from computed_scenes import HOT, hot, tables
+
+import contbed as cb
+from contbed.errors import ConvergenceError, SceneError
+from contbed.scene.loading import from_dict
+
+SAND = {"diameters": [1e-4, 2e-4, 5e-4, 1e-3], "feed": [0.1, 0.2, 0.4, 0.3]}
+
+
+def sized(**changes):
+    """The hot bed with sand of four sizes, fed and drained, below a freeboard."""
+    found = tables(**changes)
+    sand = found["species"]["inert"]
+    sand.pop("diameter")
+    sand["sizes"] = dict(SAND)
+    sand["feed"] = {"mass_flow": 0.2, "temperature": 300.0, "height": 0.2, "width": 0.05}
+    found["freeboard"] = {"height": 3.0, "elutriation": "geldart"}
+    found["mesh"] = {"cells": 16}
+    return found
+
+
+def test_mass_of_every_size_is_balanced():
+    result = cb.run(from_dict(sized()))
+    assert abs(result.balances["energy"]["relative_residual"]) < 1e-12
+    problem_sizes = result.plan.scene.species["inert"].sizes
+    x, feed = np.array(problem_sizes.bed), 0.2 * np.array(SAND["feed"])
+    assert x.sum() == pytest.approx(1.0, rel=1e-12)
+    drain = result.qoi["inert_drain_kg_s"]
+    carried = feed - drain * x
+    assert np.all(carried >= -1e-12) and np.all(np.diff(carried / x) <= 1e-12)  # fine sizes are carried away first
+    assert x[0] < SAND["feed"][0] and x[-1] > SAND["feed"][-1]
+    assert carried.sum() == pytest.approx(result.qoi["inert_carryover_kg_s"], rel=1e-10)
+    diameter = 1.0 / np.sum(x / np.array(SAND["diameters"]))
+    assert result.qoi["inert_diameter_m"] == pytest.approx(diameter, rel=1e-8)
+    assert result.plan.scene.species["inert"].diameter == pytest.approx(diameter, rel=1e-8)
+
+
+def test_nothing_carried_away_leaves_the_feed():
+    scene = from_dict(sized() | {"freeboard": {"height": 3.0, "elutriation": 0.0}})
+    result = cb.run(scene)
+    assert result.plan.scene.species["inert"].sizes.bed == pytest.approx(SAND["feed"], rel=1e-10)
+    assert result.qoi["inert_drain_kg_s"] == pytest.approx(0.2, rel=1e-10)
+
+
+def test_a_feed_too_small_for_what_is_carried_away_is_told():
+    scene = sized()
+    scene["species"]["inert"]["feed"]["mass_flow"] = 1e-3
+    scene["freeboard"] = {"height": 3.0, "elutriation": 5.0}
+    with pytest.raises(ConvergenceError, match="feed more or coarser"):
+        cb.run(from_dict(scene))
+
+
+@pytest.mark.parametrize("expansion", [None, "souza_santos"])
+def test_height_of_the_bubbling_bed(expansion):
+    bed = {"settled_height": 0.4, "section": 1.0, "solids_fraction": 0.5}
+    bed |= {"expansion": expansion} if expansion else {}
+    result = cb.run(hot(bubbling_bed=bed, mesh={"cells": 24}))
+    height = result.qoi["bed_height_m"]
+    assert result.profiles["z [m]"][-1] == pytest.approx(height, rel=1e-12)
+    if expansion is None:
+        # the trapezoidal rule of the table; the balance itself is to round-off
+        assert result.qoi["height_at_minimum_fluidization_m"] == pytest.approx(0.4, rel=1e-4)
+    else:
+        assert 0.45 < height < 1.5
+    direct = cb.run(hot(bubbling_bed={**HOT["bubbling_bed"], "height": height}, mesh={"cells": 24}))
+    # cells of another grading
+    assert result.qoi["T_inert_mid_K"] == pytest.approx(direct.qoi["T_inert_mid_K"], rel=1e-5)
+
+
+def test_sizes_that_cannot_be_balanced_are_refused():
+    with pytest.raises(SceneError, match=r"needs \[freeboard\] with a height"):
+        from_dict({**sized(), "freeboard": {"temperature": 900.0}})
+    wrong = sized()
+    wrong["species"]["inert"]["sizes"] = {"diameters": [1e-4, 1e-3], "feed": [0.5, 0.4]}
+    with pytest.raises(SceneError, match=r"sum to 1; found 0\.9"):
+        from_dict(wrong)
