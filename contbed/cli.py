@@ -14,6 +14,7 @@ from typer import Argument, Option
 from contbed import __version__
 from contbed.errors import ContbedError, SceneError
 
+SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")  # how many processes mpirun started
 RANK = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")  # number of a process, set by what started it
 
 app = typer.Typer(
@@ -81,14 +82,15 @@ def run(
     restart: Annotated[Path | None, Option("--restart", metavar="DIR", help="continue from its checkpoint")] = None,
     settings: Settings = None,
     engine: Annotated[
-        Literal["skfem", "dolfinx"], Option("--engine", help="dolfinx: PETSc, also under mpirun")
-    ] = "skfem",
+        Literal["skfem", "dolfinx"] | None, Option("--engine", help="dolfinx: PETSc, the default under mpirun")
+    ] = None,
 ) -> None:
     """Solve a scene and write its results to DIR; if not given, to that of the restart, else to results/SCENE."""
     loaded = _load(scene, settings)
     from contbed.runner import run as solve
 
     folder = out or restart or Path("results") / scene.stem
+    engine = engine or ("dolfinx" if any(int(os.environ.get(name, "1")) > 1 for name in SIZE) else "skfem")
     result = solve(loaded, out=folder, quiet=quiet, restart=restart, engine=engine)
     if not quiet and result is not None:
         print(result.table())
