@@ -99,6 +99,11 @@ class Result:
 
                 branch_plot(out / "continuation.png", self.tables["continuation"], scene.title)
             return
+        if scene.kind == "two_fluid":
+            from contbed.output.two_fluid_plots import two_fluid_plot
+
+            two_fluid_plot(out / "profiles.png", self.profiles, self.tables, scene.title)
+            return
         if scene.kind == "particles_gas":
             from contbed.output.particles import history_plot
 

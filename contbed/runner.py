@@ -146,6 +146,12 @@ def _solve(
         with _timed(result, "heat"):
             solve(plan, result)
         return
+    if scene.kind == "two_fluid":
+        from contbed.two_fluid.study import solve as solve_two_fluid
+
+        with _timed(result, "flow"):
+            solve_two_fluid(plan, result, folder, quiet, start)
+        return
     if scene.kind == "particles_gas":
         from contbed.dem.gas_study import solve as solve_gas
 

@@ -95,6 +95,7 @@ from contbed.closures.granular import (
     g0_lun_savage,
     g0_ma_ahmadi,
     g0_sinclair_jackson,
+    granular_pressure_dilute,
     granular_pressure_lun,
     granular_pressure_syamlal,
 )
@@ -191,6 +192,7 @@ __all__ = [
     "granular_conductivity_gidaspow",
     "granular_conductivity_syamlal",
     "granular_dissipation_lun",
+    "granular_pressure_dilute",
     "granular_pressure_lun",
     "granular_pressure_syamlal",
     "granular_viscosity_gidaspow",

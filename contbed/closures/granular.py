@@ -149,7 +149,6 @@ def g0_ma_ahmadi(eps_s, eps_max):
     Parameters
     ----------
     eps_s : [-] fraction of the particles
-    eps_max : [-] densest packing
 
     Returns
     -------
@@ -221,6 +220,47 @@ def granular_pressure_lun(eps_s, g0, e):
     return eps_s * (1.0 + 2.0 * (1.0 + e) * eps_s * g0)
 
 
+@closure(kind="granular_pressure", unit="-", ranges=_DENSE, source=_LUN)
+def granular_pressure_dilute(eps_s, g0, e):
+    """Lun et al. (1984): pressure over rho_s theta in the dilute limit, without collisions.
+
+        p = rho_s theta eps_s
+
+    Parameters
+    ----------
+    eps_s : [-] fraction of the particles
+    g0 : [-] radial distribution at contact, without effect
+    e : [-] restitution of two particles, without effect
+
+    Returns
+    -------
+    [-] p/(rho_s theta)
+
+    Range
+    -----
+    eps_s : 0 to 0.63
+    e : 0 to 1
+
+    Fitted to
+    ---------
+    kinetic theory of slightly inelastic spheres
+
+    Limits
+    ------
+    the ideal gas of particles
+
+    Example
+    -------
+    >>> float(granular_pressure_dilute(eps_s=0.3, g0=1.0, e=0.95))
+    0.3
+
+    Source
+    ------
+    Lun, Savage, Jeffrey, Chepurniy 1984, J. Fluid Mech. 140, 223-256, doi:10.1017/S0022112084000586.
+    """
+    return eps_s + 0.0 * (g0 + e)
+
+
 @closure(kind="granular_pressure", unit="-", ranges=_DENSE, source=_SYAMLAL)
 def granular_pressure_syamlal(eps_s, g0, e):
     """Syamlal et al. (1993): pressure over rho_s theta, collisions alone.
@@ -273,7 +313,6 @@ def friction_johnson_jackson(eps_s, eps_max, eps_min=0.5, strength=0.05, gap=0.0
     Parameters
     ----------
     eps_s : [-] fraction of the particles
-    eps_max : [-] densest packing
     eps_min : [-] fraction above which particles rub
     strength : [Pa] factor
     gap : [-] smallest eps_max - eps_s that counts

@@ -36,6 +36,11 @@ SUPPLIED = {
     ),
     "permeability": _PACKING,
     "forchheimer": _PACKING,
+    **dict.fromkeys(
+        ("radial_distribution", "granular_pressure", "granular_viscosity", "granular_bulk_viscosity",
+         "granular_conductivity", "granular_dissipation", "granular_friction"),
+        frozenset({"eps_s", "eps_max", "g0", "e"}),
+    ),
 }
 
 Function = Callable[..., Any]

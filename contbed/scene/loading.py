@@ -24,7 +24,8 @@ _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Scene:
     """The scene of a file. `overrides` such as {"mesh.refine": 2} replace values before anything is checked.
 
-    A file with [particles] and [gas] gives a `dem.gas_settings.GasScene`, one with a table [bubbling_bed] a `bubbling.settings.BubblingScene`, one with [particles] or [lattice] a
+    A table names the kind of scene: [two_fluid] a `two_fluid.settings.TwoFluidScene`, [bubbling_bed] a
+    `bubbling.settings.BubblingScene`, [particles] and [gas] a `dem.gas_settings.GasScene`, [particles] or [lattice] a
     `dem.settings.ParticleScene`.
     """
     return _build(*read(path), overrides or {})
@@ -110,6 +111,11 @@ def _override(
 
 def _kind(values: Mapping[str, Any]) -> tuple[Any, Any]:
     """The model of this kind of scene and its checks, None for the usual ones."""
+    if "two_fluid" in values:
+        from contbed.two_fluid.checks import CHECKS as two_fluid_checks
+        from contbed.two_fluid.settings import TwoFluidScene
+
+        return TwoFluidScene, two_fluid_checks
     if any(_near(name, ["bubbling_bed"]) for name in values):
         from contbed.bubbling.checks import CHECKS
         from contbed.bubbling.settings import BubblingScene

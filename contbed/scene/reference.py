@@ -28,7 +28,7 @@ _BOUNDS = {
 _TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false"}
 
 
-KINDS = ("packed_bed", "bubbling_bed", "particles", "particles_gas")
+KINDS = ("packed_bed", "bubbling_bed", "particles", "particles_gas", "two_fluid")
 _definitions: dict[str, Node] = {}  # of the schemas that have been asked for; one name means one table in all of them
 
 
@@ -44,6 +44,8 @@ def schema(kind: str = "packed_bed") -> Node:
         from contbed.dem.gas_settings import GasScene as model
     elif kind == "particles":
         from contbed.dem.settings import ParticleScene as model
+    elif kind == "two_fluid":
+        from contbed.two_fluid.settings import TwoFluidScene as model
     found = model.model_json_schema(ref_template=f"{kind}/{{model}}")
     _definitions.update({f"{kind}/{name}": node for name, node in found["$defs"].items()})
     return found

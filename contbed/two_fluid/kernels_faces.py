@@ -21,6 +21,7 @@ from contbed.two_fluid.compiled import kernel
 
 TINY = 1e-300
 UNDERFLOW = 1e-60  # [m/s]
+FEW, NEVER = 1e-2, 1e-30  # share of the particles of a cell that is few, as in kernels_fields.py
 
 
 @kernel
@@ -65,6 +66,11 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
                     away_p += g.cross[f, d] * (w * grad_p[left, 0, d] + (1.0 - w) * grad_p[right, 0, d])
                     away_k += g.cross[f, d] * (w * grad_p[left, 1, d] + (1.0 - w) * grad_p[right, 1, d])
                     away_h += g.cross[f, d] * (w * grad_p[left, 2, d] + (1.0 - w) * grad_p[right, 2, d])
+                # the slopes of cells around must not push where there are no particles
+                most = (kinetic[left] + kinetic[right]) / g.distance[f]
+                away_k = min(max(away_k, -most), most)
+                most = (friction[left] + friction[right]) / g.distance[f]
+                away_h = min(max(away_h, -most), most)
             mean = w * s[left] + (1.0 - w) * s[right]
             k_face = w * drag[left] + (1.0 - w) * drag[right]
             # with this mean the force of P on both cells together is its jump, as momentum needs
@@ -127,15 +133,13 @@ def assemble(g, gas, solid, edge, faces, coef, rhs):
 
 
 @kernel
-def correct(g, gas, solid, edge, p, faces, flux_solid, flux_total, outflow, divergence):
+def correct(g, gas, solid, edge, p, faces, flux_solid, flux_total, outflow):
     """Face velocities with the pressure; fluxes of the solids and of both phases together [m3/s].
 
     outflow (nc, 2) [1/s] : rate at which each phase's velocity empties a cell, for the Courant numbers
-    divergence (nc,) [1/s] : of the velocity of the solids
     """
     ni = len(g.right)
     outflow[:] = 0.0
-    divergence[:] = 0.0
     for f in range(len(g.left)):
         left = g.left[f]
         area = g.area[f]
@@ -154,16 +158,13 @@ def correct(g, gas, solid, edge, p, faces, flux_solid, flux_total, outflow, dive
         out_g, out_s = area * u_g, area * u_s
         outflow[left, 0] += max(0.0, out_g)
         outflow[left, 1] += max(0.0, out_s)
-        divergence[left] += out_s
         if f < ni:
             right = g.right[f]
             outflow[right, 0] -= min(0.0, out_g)
             outflow[right, 1] -= min(0.0, out_s)
-            divergence[right] -= out_s
     for c in range(len(g.volume)):
         outflow[c, 0] /= g.volume[c]
         outflow[c, 1] /= g.volume[c]
-        divergence[c] /= g.volume[c]
 
 
 @kernel
@@ -200,16 +201,16 @@ def gather_gas(g, faces, grad_new, grad_old, corrections, new, old):
 
 
 @kernel
-def gather_solid(g, faces, grad_new, grad_old, corrections, moment, new, old):
-    """The same for u_s and H_s; a face that no particles reach has no say in their velocity."""
+def gather_solid(g, faces, s, grad_new, grad_old, corrections, moment, new, old):
+    """The same for u_s and H_s; a face that few of a cell's particles reach has little say in their velocity."""
     ni, dim = len(g.right), len(g.axes)
     new[:] = 0.0
     old[:] = 0.0
     moment[:] = 0.0
     for f in range(len(g.left)):
-        weight = (faces[f, 5] + 1e-18) / (faces[f, 5] + 1e-7) * g.flat[f]
         for side in range(2 if f < ni else 1):
             c = g.left[f] if side == 0 else g.right[f]
+            weight = min(1.0, (faces[f, 5] + NEVER) / (FEW * s[c] + NEVER)) * g.flat[f]
             u, h = faces[f, 1], faces[f, 7]
             if corrections:
                 for k in range(dim):
@@ -238,6 +239,22 @@ def gather_solid(g, faces, grad_new, grad_old, corrections, moment, new, old):
                 old[c, i] -= moment[c, i, k] * old[c, k]
             new[c, i] /= moment[c, i, i]
             old[c, i] /= moment[c, i, i]
+
+
+@kernel
+def expansion(g, faces, s, u, out):
+    """Divergence (nc,) [1/s] of the velocity of the solids, without faces that few of a cell's particles reach."""
+    ni, dim = len(g.right), len(g.axes)
+    for c in range(len(s)):
+        out[c] = u[c, 0] / g.radius[c] if g.radius[c] > 0.0 else 0.0
+    for f in range(len(g.left)):
+        for side in range(2 if f < ni else 1):
+            c = g.left[f] if side == 0 else g.right[f]
+            weight = min(1.0, (faces[f, 5] + NEVER) / (FEW * s[c] + NEVER)) * g.area[f] / g.volume[c]
+            speed = faces[f, 1]
+            for k in range(dim):
+                speed -= u[c, k] * g.normal[f, k]
+            out[c] += weight * speed if side == 0 else -weight * speed
 
 
 @kernel

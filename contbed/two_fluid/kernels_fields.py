@@ -9,6 +9,8 @@ from __future__ import annotations
 from contbed.two_fluid.boundary import GIVEN, OUTLET, WALL
 from contbed.two_fluid.compiled import kernel
 
+FEW, NEVER = 1e-2, 1e-30  # share of the particles of a cell that is few
+
 
 @kernel
 def gradient(g, values, edge, out):
@@ -27,6 +29,33 @@ def gradient(g, values, edge, out):
                 jump = edge[f - ni, k] - values[left, k]
             for d in range(dim):
                 out[left, k, d] += g.slope_left[f, d] * jump
+
+
+@kernel
+def heard(there, here):
+    """How much particles of fraction `here` notice those of fraction `there`: fully, unless those are few."""
+    return min(1.0, (there + NEVER) / (FEW * here + NEVER))
+
+
+@kernel
+def gradient_solid(g, s, values, edge, out):
+    """The same for a field of the particles: a neighbour with few of them counts as level."""
+    ni, dim = len(g.right), len(g.axes)
+    out[:] = 0.0
+    for f in range(len(g.left)):
+        left = g.left[f]
+        if f < ni:
+            right = g.right[f]
+            to_left, to_right = heard(s[right], s[left]), heard(s[left], s[right])
+            for k in range(values.shape[1]):
+                jump = values[right, k] - values[left, k]
+                for d in range(dim):
+                    out[left, k, d] += to_left * jump * g.slope_left[f, d]
+                    out[right, k, d] += to_right * jump * g.slope_right[f, d]
+        else:
+            for k in range(values.shape[1]):
+                for d in range(dim):
+                    out[left, k, d] += (edge[f - ni, k] - values[left, k]) * g.slope_left[f, d]
 
 
 @kernel

@@ -68,23 +68,6 @@ def wall_slip(g, solid, edge, eps_max, rho_s, s, theta, g0, mu, slip):
 
 
 @kernel
-def production(g, mu, bulk, u, grad, out):
-    """Work of the kinetic and collisional stress on the mean shear [W/m3], never negative."""
-    dim = len(g.axes)
-    for c in range(len(out)):
-        total = trace = 0.0
-        for k in range(dim):
-            trace += grad[c, k, k]
-            for d in range(dim):
-                total += 0.25 * (grad[c, k, d] + grad[c, d, k]) ** 2
-        if g.radius[c] > 0.0:
-            ring = u[c, 0] / g.radius[c]
-            total += ring**2
-            trace += ring
-        out[c] = mu[c] * max(0.0, 2.0 * (total - trace**2 / 3.0)) + bulk[c] * trace**2
-
-
-@kernel
 def conduct(g, solid, edge, k, theta, grad, corrections, out, coef):
     """Adds the conducted k grad theta . n area [W] of all faces to `out`, its links to `coef`; none through walls."""
     ni = len(g.right)
@@ -124,6 +107,8 @@ def theta_system(
         rhs[c, 0] += g.volume[c] * (source[c] - (sink[c] + compress) * old[c])
         mass = 1.5 * rho_s * (s[c] + EMPTY) / dt
         diagonal[c, 0] = g.volume[c] * (mass + sink[c] + max(0.0, compress))
+        if source[c] < 0.0:
+            diagonal[c, 0] -= g.volume[c] * source[c] / (old[c] + TINY)
     for b in range(len(slip)):
         if solid.slip[b] >= 0.0 or solid.kind[b] != WALL:
             continue

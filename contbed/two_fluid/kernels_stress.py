@@ -9,12 +9,13 @@ from contbed.two_fluid.compiled import kernel
 
 
 @kernel
-def stress(g, side, slip, mu, bulk, u, grad, edge, out, coef):
+def stress(g, side, slip, mu, bulk, u, grad, edge, out, coef, work):
     """Adds the force of the full stress mu (grad u + grad u^T) + (bulk - 2/3 mu) div u I on each cell to `out` [N].
 
     `coef` (nf, m) gets the part of it that goes with the jump of each component across a face, for the implicit
     solution. At the face mu and bulk are harmonic means: where there are no particles no stress passes. A wall takes
-    the shear that `slip` leaves and the normal stress; an outlet takes none.
+    the shear that `slip` leaves and the normal stress; an outlet takes none. `work` (nc,) gets the work [W] of the
+    stress on the velocities in each cell: what the mean motion loses.
     """
     ni, dim = len(g.right), len(g.axes)
     local = np.empty((dim, dim))
@@ -42,6 +43,11 @@ def stress(g, side, slip, mu, bulk, u, grad, edge, out, coef):
                     traction += m * (local[k, d] + local[d, k]) * g.normal[f, d]
                 out[left, k] += g.area[f] * traction
                 out[right, k] -= g.area[f] * traction
+                middle = w * u[left, k] + (1.0 - w) * u[right, k]
+                for d in range(dim):
+                    middle += local[k, d] * g.skew[f, d]
+                work[left] += g.area[f] * traction * (middle - u[left, k])
+                work[right] += g.area[f] * traction * (u[right, k] - middle)
                 coef[f, k] = g.area[f] / g.distance[f] * (m + (m / 3.0 + lam) * g.normal[f, k] ** 2)
             continue
         b = f - ni
@@ -57,7 +63,9 @@ def stress(g, side, slip, mu, bulk, u, grad, edge, out, coef):
             for k in range(dim):
                 n = g.normal[f, k]
                 along = u[left, k] - side.u[b, k] - away * n
-                out[left, k] -= scale * (m * (1.0 - slip[b]) * along + (4.0 / 3.0 * m + lam) * away * n)
+                pull = scale * (m * (1.0 - slip[b]) * along + (4.0 / 3.0 * m + lam) * away * n)
+                out[left, k] -= pull
+                work[left] += pull * ((1.0 - slip[b]) * along + away * n)
                 coef[f, k] = scale * (m * (1.0 - slip[b]) * (1.0 - n * n) + (4.0 / 3.0 * m + lam) * n * n)
         else:
             divergence = 0.0
@@ -75,15 +83,17 @@ def stress(g, side, slip, mu, bulk, u, grad, edge, out, coef):
                 for d in range(dim):
                     traction += m * (local[k, d] + local[d, k]) * g.normal[f, d]
                 out[left, k] += g.area[f] * traction
+                work[left] += g.area[f] * traction * (edge[b, k] - u[left, k])
                 coef[f, k] = scale * (m + (m / 3.0 + lam) * g.normal[f, k] ** 2)
 
 
 @kernel
-def hoop_stress(g, mu, bulk, u, grad, out, diagonal):
+def hoop_stress(g, mu, bulk, u, grad, out, diagonal, work):
     """The stress around the axis, which pulls inwards: adds its force to `out` and its part in u_r to `diagonal`."""
     for c in range(u.shape[0]):
         r = g.radius[c]
         divergence = grad[c, 0, 0] + grad[c, 1, 1] + u[c, 0] / r
         ring = 2.0 * mu[c] * u[c, 0] / r + (bulk[c] - 2.0 / 3.0 * mu[c]) * divergence
         out[c, 0] -= g.volume[c] * ring / r
+        work[c] += g.volume[c] * ring * u[c, 0] / r
         diagonal[c, 0] += g.volume[c] * (4.0 / 3.0 * mu[c] + bulk[c]) / r**2

@@ -43,7 +43,7 @@ class Particles:
     """What the closures need of the particles besides `Materials`.
 
     restitution : of two particles [-]
-    friction_from : fraction above which particles rub; friction_strength [Pa], 0 for none; friction_angle [rad]
+    friction_from : fraction above which particles rub; friction_strength [Pa]; friction_angle [rad]
     free_path : the largest that the guards of dilute flow allow [m]; None without guards
     """
 
@@ -66,20 +66,21 @@ class Laws:
 def make(
     materials: Materials,
     particles: Particles,
-    names: Mapping[str, str] | None = None,
+    names: Mapping[str, str | None] | None = None,
     drag_options: Mapping[str, float] | None = None,
 ) -> Laws:
-    """The laws of `names`, closure by kind, the USUAL ones where nothing is named.
+    """The laws of `names`, closure by kind, the USUAL ones where nothing is named; None where there is no such physics.
 
     Raises
     ------
     SceneError : no closure of that name and kind
     """
-    chosen = {kind: closures.get((names or {}).get(kind, usual), kind=kind) for kind, usual in USUAL.items()}
+    wanted = USUAL | dict(names or {})
+    chosen = {kind: closures.get(name, kind=kind) for kind, name in wanted.items() if name is not None}
     counts = np.zeros(3, dtype=np.int64)
-    drag = _drag(materials, chosen["drag"], drag_options or {})
+    drag = _drag(materials, chosen.get("drag", _nothing), drag_options or {})
     granular = _granular(materials, particles, chosen)
-    table = _friction(materials, particles, chosen["granular_friction"])
+    table = _friction(materials, particles, chosen.get("granular_friction", _nothing))
 
     def exchange(eps_s: np.ndarray, slip: np.ndarray) -> np.ndarray:
         out = np.empty_like(eps_s)
@@ -102,11 +103,19 @@ def compiled(function: Callable) -> Callable:
     return njit(plain, error_model="numpy")
 
 
+def _nothing(*_):
+    return 0.0
+
+
+def _options(closure: Callable) -> dict[str, float]:
+    return dict(closure.sheet.options) if hasattr(closure, "sheet") else {}
+
+
 def _drag(materials: Materials, closure: Callable, options: Mapping[str, float]) -> Callable:
     """K = beta/eps_s in all cells."""
     beta = compiled(closure)
     rho, mu, d_p = materials.rho_gas, materials.mu_gas, materials.d_p
-    more = tuple(float(options.get(name, usual)) for name, usual in closure.sheet.options.items())  # type: ignore
+    more = tuple(float(value) for value in (_options(closure) | dict(options)).values())
 
     @njit
     def kernel(eps_s, slip, out):
@@ -124,13 +133,15 @@ def _granular(materials: Materials, particles: Particles, chosen: Mapping[str, C
         packs, contact_at = True, contact
     else:
         packs, contact_at = False, njit(lambda eps_s, _: contact(eps_s))
-    pressure, viscosity = compiled(chosen["granular_pressure"]), compiled(chosen["granular_viscosity"])
-    bulk, conductivity = compiled(chosen["granular_bulk_viscosity"]), compiled(chosen["granular_conductivity"])
-    dissipation = compiled(chosen["granular_dissipation"])
+    pressure = compiled(chosen["granular_pressure"])
+    viscosity, bulk, conductivity, dissipation = (
+        compiled(chosen.get(f"granular_{kind}", _nothing))
+        for kind in ("viscosity", "bulk_viscosity", "conductivity", "dissipation")
+    )
     by_drag, by_path = compiled(share_drag), compiled(share_free_path)
     rho, d_p, eps_max, e = materials.rho_solid, materials.d_p, materials.eps_max, particles.restitution
     guarded, path = particles.free_path is not None, particles.free_path or 1.0
-    first, rubs = particles.friction_from, particles.friction_strength > 0
+    first, rubs = particles.friction_from, "granular_friction" in chosen
     spacing = (eps_max - first) / (ENTRIES - 1)
     eta = 0.5 * (1.0 + e)
     dilute_mu, dilute_k = 5.0 / 96.0 * np.pi**0.5, 75.0 * np.pi**0.5 / (48.0 * eta * (41.0 - 33.0 * eta))
@@ -177,6 +188,6 @@ def _granular(materials: Materials, particles: Particles, chosen: Mapping[str, C
 def _friction(materials: Materials, particles: Particles, closure: Callable) -> np.ndarray:
     """Integral of d p_friction/(rho_s eps_s), and frictional viscosity, from first contact to densest packing."""
     s = np.linspace(particles.friction_from, materials.eps_max, ENTRIES)
-    p = closure(s, materials.eps_max, particles.friction_from, particles.friction_strength)
+    p = closure(s, materials.eps_max, particles.friction_from, particles.friction_strength) * np.ones(ENTRIES)
     h = np.concatenate(([0.0], np.cumsum(2.0 * np.diff(p) / (s[1:] + s[:-1])))) / materials.rho_solid
     return np.stack((h, FRICTION_TIME * np.sin(particles.friction_angle) * p))

@@ -29,6 +29,7 @@ ITERATIONS = 500
 TOLERANCE = 1e-9
 EXTENSIONS = 60  # rounds in which gradients extend initial fields to the walls
 EXPLICIT = 0.1  # viscous exchange of a cell in a step, as share of its content, below which it is not solved for
+RARE = 1e-8  # fraction below which particles exchange nothing with other cells but by moving
 UNDERFLOW = 1e-60  # [m2/s2] granular temperature that counts as none
 FIELDS = ("eps_s", "u_gas", "u_solid", "theta", "p")
 
@@ -152,11 +153,11 @@ class Stepper:
         )  # fmt: skip
         h_g, grad_g = self._velocity(dt, 0, gas, 1.0 - self.eps_s, self._mu_gas, self._bulk_gas)
         h_s, grad_s = self._velocity(dt, 1, self.moved, self.eps_s, shear, r.bulk)
-        divergence = self._forces(dt, h_g, h_s, grad_g, grad_s)
+        self._forces(dt, h_g, h_s, grad_g, grad_s)
         kc.remember(dt, self.u_gas, u_gas, grad_g, u_gas, self.lag_g)
         kc.remember(dt, self.u_solid, u_solid, grad_s, u_solid, self.lag_s)
         if self.options.theta != "frozen":
-            self._granular(dt, grad_s, divergence)
+            self._granular(dt)
 
     def _move_solids(self, dt: float) -> np.ndarray:
         """eps_s after the step and the flux `moved` that leads there; returns the volume flux of the gas."""
@@ -181,8 +182,11 @@ class Stepper:
         speed = np.empty_like(self.eps_s)
         ks.slip_speed(self.u_gas, self.u_solid, speed)
         self.drag = self.closures.drag(self.eps_s, speed)
-        self.rheology = self.closures.granular(self.eps_s, self.theta, self.drag)
-        self.stiffness = self.rheology.stiffness
+        r = self.closures.granular(self.eps_s, self.theta, self.drag)
+        self.stiffness = r.stiffness
+        # the few particles of a nearly empty cell do not shear or conduct
+        dense = self.eps_s / (self.eps_s + RARE)
+        self.rheology = r._replace(mu=r.mu * dense, bulk=r.bulk * dense, conductivity=r.conductivity * dense)
 
     def _velocity(self, dt, phase, flux, eps, mu, bulk) -> tuple[np.ndarray, np.ndarray]:
         """Velocity of one phase after convection and stress, and its gradient before."""
@@ -195,16 +199,20 @@ class Stepper:
             source, low = self.sources.force_solid, self._drained
         given, grad, ahead = np.empty_like(side.u), np.empty((*u.shape, u.shape[1])), np.empty_like(u)
         kc.edge_velocity(g, side, slip, u, eps, given)
-        kc.gradient(g, u, given, grad)
+        if phase == 0:
+            kc.gradient(g, u, given, grad)
+        else:
+            kc.gradient_solid(g, eps, u, given, grad)
         kc.half_ahead(dt, u, grad, u, lag, ahead)
         rhs, links, coef = np.zeros_like(u), np.zeros_like(u), np.empty((len(g.left), u.shape[1]))
         kc.convect(g, flux, u, grad, ahead, given, self.options.limited, low, rhs)
         rhs *= rho
         content = (rho / dt * (eps + ks.EMPTY) * g.volume)[:, None]
         rhs += dt * content * source
-        kt.stress(g, side, slip, mu, bulk, u, grad, given, rhs, coef)
+        self.work = np.zeros(len(eps))
+        kt.stress(g, side, slip, mu, bulk, u, grad, given, rhs, coef, self.work)
         if self.grid.axisymmetric:
-            kt.hoop_stress(g, mu, bulk, u, grad, rhs, links)
+            kt.hoop_stress(g, mu, bulk, u, grad, rhs, links, self.work)
         kl.add_links(g, coef, links)
         if (links <= EXPLICIT * content).all():
             return u + rhs / content, grad
@@ -213,8 +221,8 @@ class Stepper:
         self._solve(coef, links + content, rhs + dt * content * force, change, ("u_gas", "u_solid")[phase])
         return u + change - dt * force, grad
 
-    def _forces(self, dt, h_g, h_s, grad_g, grad_s) -> np.ndarray:
-        """Forces, drag and pressure on faces; sets velocities, pressure and fluxes, returns div u_solid."""
+    def _forces(self, dt, h_g, h_s, grad_g, grad_s) -> None:
+        """Forces, drag and pressure on faces; sets velocities, pressure and fluxes."""
         g, edge, s, faces, skewed = self.grid.geometry, self.edge, self.eps_s, self._faces, self.grid.skewed
         kinetic = self.rheology.pressure * self.theta
         if skewed:
@@ -234,23 +242,18 @@ class Stepper:
         coef, rhs = np.empty(len(g.left)), g.volume * (self.sources.solid + self.sources.gas)
         kf.assemble(g, edge.gas, edge.solid, edge, faces, coef, rhs)
         self.p = self.pressure.solve(coef, rhs)
-        divergence = np.empty_like(s)
-        kf.correct(
-            g, edge.gas, edge.solid, edge, self.p, faces,
-            self.flux_solid, self.flux_total, self.outflow, divergence,
-        )  # fmt: skip
+        kf.correct(g, edge.gas, edge.solid, edge, self.p, faces, self.flux_solid, self.flux_total, self.outflow)
         new_g, old_g, new_s, old_s = (np.empty_like(h_g) for _ in range(4))
         kf.gather_gas(g, faces, grad_g, grad_g, False, new_g, old_g)
-        kf.gather_solid(g, faces, grad_s, grad_s, False, self._moment, new_s, old_s)
+        kf.gather_solid(g, faces, s, grad_s, grad_s, False, self._moment, new_s, old_s)
         if skewed:
             # once more, with the slopes of H and of the change by forces
             change_g, change_s = self._slopes(new_g - old_g), self._slopes(new_s - old_s)
             kf.gather_gas(g, faces, grad_g + change_g, grad_g, True, new_g, old_g)
-            kf.gather_solid(g, faces, grad_s + change_s, grad_s, True, self._moment, new_s, old_s)
+            kf.gather_solid(g, faces, s, grad_s + change_s, grad_s, True, self._moment, new_s, old_s)
         self.force_g, self.force_s = np.empty_like(h_g), np.empty_like(h_s)
         kf.cell_velocities(dt, self.rho, s, self.drag, h_g, h_s, old_g, old_s, new_g, new_s, self.force_g, self.force_s)
         self.u_gas, self.u_solid = new_g, new_s
-        return divergence
 
     def _slopes(self, u: np.ndarray) -> np.ndarray:
         """Gradient of a cell vector (nc, dim) that is level at the boundaries."""
@@ -267,12 +270,13 @@ class Stepper:
         given[outlet, 0] = self.edge.p[outlet]
         kc.gradient(g, values, given, self.grad_p)
 
-    def _granular(self, dt: float, grad_s: np.ndarray, divergence: np.ndarray) -> None:
+    def _granular(self, dt: float) -> None:
         """Granular temperature: convected with the solids flux, conducted, produced, dissipated."""
         g, edge, r, s, rho_s = self.grid.geometry, self.edge, self.rheology, self.eps_s, self.rho[1]
-        old, made = self.theta, np.empty_like(s)
-        ks.production(g, r.mu, r.bulk, self.u_solid, grad_s, made)
-        made += self.sources.theta
+        old, divergence = self.theta, np.empty_like(s)
+        kf.expansion(g, self._faces, s, self.u_solid, divergence)
+        # friction does not agitate the particles
+        made = self.work / g.volume * r.mu / (r.mu + r.mu_friction + 1e-300) + self.sources.theta
         if self.options.theta == "algebraic":
             self.theta = self._balanced(made, divergence)
             return

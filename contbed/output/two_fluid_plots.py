@@ -1,0 +1,41 @@
+"""The picture of a two-fluid run: pressure drop over time, and profiles along and across the bed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from contbed.output.plots import _figure
+
+_PANELS = ("eps_s [1]", "u_solid [m/s]", "theta [m2/s2]")
+
+
+def two_fluid_plot(
+    path: Path | str, rows: Mapping[str, Any], tables: Mapping[str, Mapping[str, Any]], title: str = ""
+) -> None:
+    """Write the picture.
+
+    Parameters
+    ----------
+    path : PNG file
+    rows : columns over time, with "t [s]"
+    tables : "axial" and, for more than a line, "lateral", as in the files of these names
+    """
+    with _figure(path, 2.4 + 2.3 * len(tables), title) as figure:
+        panels = figure.subplots(1 + len(tables), 3, squeeze=False)
+        for axes, name in zip(panels[0], ("pressure_drop [Pa]", "centre_of_solids [m]", "theta_mean [m2/s2]"),
+                              strict=True):  # fmt: skip
+            axes.plot(rows["t [s]"], rows[name], color="#0072B2", linewidth=1)
+            axes.set(xlabel="t [s]", ylabel=name.replace("_", " "))
+            axes.margins(x=0)
+        for line, table in zip(panels[1:], tables.values(), strict=True):
+            coordinate = next(iter(table))
+            for axes, name in zip(line, _PANELS, strict=True):
+                axes.plot(table[coordinate], table[name], color="#D55E00", linewidth=1)
+                if name.startswith("theta") and "theta_total [m2/s2]" in table:
+                    axes.plot(table[coordinate], table["theta_total [m2/s2]"], color="#000000", linestyle="--",
+                              linewidth=1, label="with resolved motion")  # fmt: skip
+                    axes.legend()
+                axes.set(xlabel=coordinate, ylabel=name.replace("_", " "))
+                axes.margins(x=0)

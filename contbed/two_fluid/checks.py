@@ -1,0 +1,102 @@
+"""What is wrong with a two-fluid scene although every single value is right."""
+
+from __future__ import annotations
+
+from contbed.errors import SceneError
+from contbed.scene import settings_mesh as meshes
+from contbed.scene.checks import Mistakes, See
+from contbed.scene.closure_choice import resolve_closure
+from contbed.scene.toml_lines import Origin
+from contbed.two_fluid import settings as t
+
+KINDS = {
+    "drag": "drag",
+    "radial_distribution": "radial_distribution",
+    "pressure": "granular_pressure",
+    "viscosity": "granular_viscosity",
+    "bulk_viscosity": "granular_bulk_viscosity",
+    "conductivity": "granular_conductivity",
+    "dissipation": "granular_dissipation",
+    "friction": "granular_friction",
+}
+ABSENT = "none"
+
+
+def mesh_has_cells(mesh: meshes.Mesh, origin: Origin) -> Mistakes:
+    if isinstance(mesh, meshes.MeshFile):
+        if not (origin.base / mesh.file).is_file():
+            yield ("mesh", "file"), f"no such file; looked for {(origin.base / mesh.file).absolute()}"
+    elif mesh.cells is None:
+        yield ("mesh", "cells"), "missing; a two-fluid model has no layers to grade a mesh by"
+
+
+def closures_exist(two_fluid: t.TwoFluid, origin: Origin) -> Mistakes:
+    for key, kind in KINDS.items():
+        chosen = getattr(two_fluid, key)
+        if chosen == ABSENT:
+            if kind in ("radial_distribution", "granular_pressure"):
+                yield ("two_fluid", key), 'cannot be "none"; without collisions: pressure = "granular_pressure_dilute"'
+            continue
+        try:
+            resolve_closure(chosen, kind, origin.base)
+        except SceneError as error:
+            yield ("two_fluid", key), str(error)
+
+
+def fractions_fit(initial: t.Initial, boundary: dict[str, t.Boundary], solid: t.Solid, see: See) -> Mistakes:
+    known = see("solid.packing")
+    if initial.eps_s * (1.0 + initial.noise) > solid.packing:
+        yield ("initial", "eps_s"), f"denser than the densest packing with its noise; see {known}"
+    for k, layer in enumerate(initial.layer):
+        if layer.eps_s is not None and layer.eps_s * (1.0 + initial.noise) > solid.packing:
+            yield ("initial", "layer", k, "eps_s"), f"denser than the densest packing with its noise; see {known}"
+        if layer.start >= layer.end:
+            yield ("initial", "layer", k, "end"), "is not above start"
+    for name, part in boundary.items():
+        if isinstance(part, t.Inlet) and part.eps_s > solid.packing:
+            yield ("boundary", name, "eps_s"), f"denser than the densest packing; see {known}"
+    if solid.friction.start >= solid.packing:
+        yield ("solid", "friction", "start"), f"is not below the densest packing; see {known}"
+
+
+def boundaries_are_complete(boundary: dict[str, t.Boundary], mesh: meshes.Mesh) -> Mistakes:
+    sides = () if isinstance(mesh, meshes.MeshFile) else tuple(name for pair in mesh.sides for name in pair)
+    partners = {part.partner for part in boundary.values() if isinstance(part, t.Periodic)}
+    for name, part in boundary.items():
+        where = ("boundary", name)
+        whole = getattr(part, "on", None)
+        if whole is not None and (part.start is None or part.end is None or part.start >= part.end):  # type: ignore[union-attr]
+            yield where, f"a piece of {whole!r} needs start and end, start below end"
+        if sides and (whole or name) not in sides:
+            yield where, f"the mesh has no boundary {whole or name!r}; it has {', '.join(sides)}"
+        if isinstance(part, t.Periodic) and sides and part.partner not in sides:
+            yield (*where, "partner"), f"the mesh has no such boundary; it has {', '.join(sides)}"
+        if name in partners:
+            yield where, "is the partner of a periodic boundary and cannot be given twice"
+        if isinstance(part, t.Wall) and (part.solid == "johnson_jackson") != (part.specularity is not None):
+            yield (*where, "specularity"), "belongs to solid = 'johnson_jackson', which needs it"
+        if isinstance(part, t.Inlet):
+            if part.solid_flux is not None and part.solid_velocity is not None:
+                yield (*where, "solid_velocity"), "give either solid_flux or solid_velocity"
+            if (part.eps_s > 0) != (part.solid_flux is not None or part.solid_velocity is not None):
+                yield where, "particles need eps_s and either solid_flux or solid_velocity"
+    for side in sides:
+        if side not in boundary and side not in partners and side != "axis":
+            yield ("boundary", side), "missing; every side of the mesh needs a condition"
+
+
+def what_enters_can_leave(boundary: dict[str, t.Boundary]) -> Mistakes:
+    inlets = [name for name, part in boundary.items() if isinstance(part, t.Inlet)]
+    if inlets and not any(isinstance(part, t.Outlet) for part in boundary.values()):
+        yield ("boundary", inlets[0]), "enters but nothing leaves; one boundary has to be of type 'outlet'"
+
+
+def times_are_in_order(time: t.Time, see: See) -> Mistakes:
+    if time.average_from is not None and time.average_from >= time.end:
+        yield ("time", "average_from"), f"is not before the end; see {see('time.end')}"
+    if time.first > time.longest:
+        yield ("time", "first"), f"is longer than the longest step; see {see('time.longest')}"
+
+
+CHECKS = (mesh_has_cells, closures_exist, fractions_fit, boundaries_are_complete, what_enters_can_leave,
+          times_are_in_order)  # fmt: skip

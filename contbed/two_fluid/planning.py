@@ -1,0 +1,176 @@
+"""Plan of a two-fluid scene: grid, conditions, closures, and what is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import SceneError
+from contbed.meshing.mesh import Mesh, build
+from contbed.scene.closure_choice import resolve_closure
+from contbed.scene.settings_mesh import MeshFile
+from contbed.two_fluid import boundary, grid, laws
+from contbed.two_fluid import settings as t
+from contbed.two_fluid.checks import ABSENT, KINDS
+from contbed.two_fluid.simulation import Materials, Options, TwoFluid
+
+STEP_COST = 8e-7  # s of CPU per cell and step, of a bed of 5000 cells
+
+
+@dataclass(frozen=True)
+class TwoFluidPlan:
+    """What a run builds."""
+
+    scene: t.TwoFluidScene
+    mesh: Mesh
+    grid: grid.Grid
+    conditions: dict[str, boundary.Condition]
+    built: tuple[tuple[str, str], ...]
+    skipped: tuple[tuple[str, str], ...]
+    fronts: bool = False
+
+    @property
+    def policy(self) -> Any:
+        """How linear systems are solved."""
+        from contbed.solve.linear import Policy
+
+        return Policy(self.grid.dimension, None)
+
+    def unknowns(self) -> dict[str, int]:
+        """Number of unknowns: fraction, pressure, granular temperature and two velocities in each cell."""
+        theta = self.scene.two_fluid.granular_temperature != "frozen"
+        return {"flow": len(self.grid.cells) * (2 + theta + 2 * self.grid.dimension)}
+
+    def bed(self) -> tuple[TwoFluid, laws.Laws]:
+        """The bed at its start, and its laws."""
+        scene = self.scene
+        gravity = np.zeros(self.grid.dimension)
+        gravity[-1] = -scene.two_fluid.gravity
+        solid = scene.solid
+        materials = Materials(scene.gas.density, scene.gas.viscosity, solid.density, solid.diameter, solid.packing,
+                              tuple(gravity))  # fmt: skip
+        made = laws.make(materials, _particles(scene), *_names(scene))
+        bed = TwoFluid(self.grid, materials, made.closures, self.conditions, _options(scene))
+        bed.start(**initial(scene, self.grid))
+        return bed, made
+
+    def __str__(self) -> str:
+        from contbed.planning import described
+
+        return described(self)
+
+
+def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
+    """Build mesh and grid.
+
+    Raises
+    ------
+    SceneError : the mesh cannot be used, a boundary has no condition or does not exist
+    """
+    mesh = _cut(build(scene.mesh, base=str(scene.origin.base)), scene)
+    pairs = [(name, part.partner) for name, part in scene.boundary.items() if isinstance(part, t.Periodic)]
+    cells = grid.build(mesh, pairs)
+    conditions = {name: _condition(part) for name, part in scene.boundary.items() if not isinstance(part, t.Periodic)}
+    for name in cells.boundaries:
+        if name == "axis":
+            conditions.setdefault(name, boundary.symmetry())
+        if name not in conditions:
+            where = scene.origin.at(("boundary",))
+            raise SceneError(f"{where}: boundary.{name}: missing; every side needs a condition")
+    table = scene.two_fluid
+    built = [("cells", f"{len(cells.cells)}, about {STEP_COST * len(cells.cells) * 1e3:.2g} ms a step")]
+    skipped: list[tuple[str, str]] = []
+    for there, what, how, why in (
+        (table.drag != ABSENT, "drag", str(table.drag), 'drag = "none"'),
+        (table.granular_temperature != "frozen", "granular temperature", table.granular_temperature, "frozen"),
+        (table.viscosity != ABSENT, "stress of the particles", table.viscosity, 'viscosity = "none"'),
+        (table.friction != ABSENT, "friction", table.friction, 'friction = "none"'),
+        (table.guards, "guards of dilute flow", "drag and free path", "guards = false"),
+        (scene.time.average_from is not None, "averages", "in time", "no time.average_from"),
+    ):
+        (built if there else skipped).append((what, how if there else why))
+    return TwoFluidPlan(scene, mesh, cells, conditions, tuple(built), tuple(skipped))
+
+
+def initial(scene: t.TwoFluidScene, cells: grid.Grid) -> dict[str, np.ndarray]:
+    """Fields at the start; the pressure carries the weight above."""
+    start, height = scene.initial, cells.centres[:, -1]
+    scalars = {name: np.full(len(height), getattr(start, name)) for name in ("eps_s", "theta", "u_gas", "u_solid")}
+    for layer in start.layer:
+        inside = (height >= layer.start) & (height < layer.end)
+        for name, field in scalars.items():
+            if (value := getattr(layer, name)) is not None:
+                field[inside] = value
+    if start.noise:
+        random = np.random.default_rng(start.seed).uniform(-1.0, 1.0, len(height))
+        scalars["eps_s"] = scalars["eps_s"] * (1.0 + start.noise * random)
+    fields = {name: scalars[name] for name in ("eps_s", "theta")}
+    for name in ("u_gas", "u_solid"):
+        fields[name] = np.zeros((len(height), cells.dimension))
+        fields[name][:, -1] = scalars[name]
+    if start.shear:
+        fields["u_solid"][:, 0] += start.shear * (height - 0.5 * (height.min() + height.max()))
+    return fields
+
+
+def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
+    """The mesh with pieces of boundaries under names of their own."""
+    plain = mesh.skfem
+    named = dict(plain.boundaries or {})
+    middle = plain.p[-1, plain.facets].mean(axis=0)
+    for name, part in scene.boundary.items():
+        whole = getattr(part, "on", None)
+        if whole is None:
+            if name not in named:
+                known = ", ".join(named)
+                raise SceneError(f"{scene.origin.at(('boundary', name))}: boundary.{name}: the mesh has only {known}")
+            continue
+        if whole not in named:
+            raise SceneError(f"{scene.origin.at(('boundary', name, 'on'))}: boundary.{name}.on: no boundary {whole!r}")
+        inside = (middle[named[whole]] > part.start) & (middle[named[whole]] < part.end)  # type: ignore[union-attr]
+        if not inside.any():
+            raise SceneError(f"{scene.origin.at(('boundary', name))}: boundary.{name}: holds no face; refine the mesh")
+        named[name], named[whole] = named[whole][inside], named[whole][~inside]
+    if isinstance(scene.mesh, MeshFile) and not named:
+        raise SceneError(f"{scene.origin.at(('mesh', 'file'))}: mesh.file: the mesh names no boundaries")
+    return replace(mesh, skfem=replace(plain, _boundaries=named))
+
+
+def _condition(part: Any) -> boundary.Condition:
+    if isinstance(part, t.Wall):
+        return boundary.Wall(part.gas, part.solid, part.specularity or 0.0,
+                             1.0 if part.restitution is None else part.restitution, part.velocity)  # fmt: skip
+    if isinstance(part, t.Inlet):
+        return boundary.Inlet(part.velocity, part.eps_s, part.solid_flux or 0.0, part.solid_velocity or 0.0, part.theta)
+    return boundary.Outlet(part.pressure) if isinstance(part, t.Outlet) else boundary.symmetry()
+
+
+def closure_functions(scene: t.TwoFluidScene) -> dict[str, tuple[Callable, dict[str, Any]] | None]:
+    """Function and own parameters by kind, None for what is absent."""
+    found: dict[str, tuple[Callable, dict[str, Any]] | None] = {}
+    for key, kind in KINDS.items():
+        chosen = getattr(scene.two_fluid, key)
+        found[kind] = None if chosen == ABSENT else resolve_closure(chosen, kind, scene.origin.base)
+    return found
+
+
+def _names(scene: t.TwoFluidScene) -> tuple[dict[str, str | None], dict[str, float]]:
+    found = closure_functions(scene)
+    drag = found["drag"]
+    names = {kind: None if pair is None else pair[0].__name__ for kind, pair in found.items()}
+    return names, {} if drag is None else drag[1]
+
+
+def _particles(scene: t.TwoFluidScene) -> laws.Particles:
+    table, friction = scene.two_fluid, scene.solid.friction
+    return laws.Particles(scene.solid.restitution, friction.start, friction.strength, friction.angle,
+                          table.free_path if table.guards else None)  # fmt: skip
+
+
+def _options(scene: t.TwoFluidScene) -> Options:
+    time = scene.time
+    return Options(courant=time.courant, dt_max=time.longest, dt_first=time.first, dt=time.step, order=time.order,
+                   theta=scene.two_fluid.granular_temperature)  # fmt: skip

@@ -1,0 +1,140 @@
+"""Run of a two-fluid scene: rows over time, averages, checkpoints, files and findings."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed.closures import usage
+from contbed.result import Result
+from contbed.two_fluid import findings, laws, planning
+from contbed.two_fluid import settings as t
+from contbed.two_fluid.simulation import TwoFluid
+from contbed.two_fluid.statistics import Averages
+
+ROWS = 200  # in profiles.csv unless the scene says how often
+
+
+class Run:
+    """A bed on its way: rows over time and averages."""
+
+    def __init__(self, plan: planning.TwoFluidPlan):
+        self.plan, self.scene = plan, plan.scene
+        self.bed, self.laws = plan.bed()
+        time = self.scene.time
+        self.held = findings.held(self.bed)
+        self.averages = None if time.average_from is None else Averages(time.average_from, time.end)
+        self.rows: list[list[float]] = []
+        self.files: list[tuple[float, str]] = []
+        self.interval = time.sample or time.end / ROWS
+        self.take_row()
+
+    def take_row(self) -> None:
+        """One row of profiles.csv."""
+        self.rows.append(findings.row(self.bed))
+
+    def after_step(self, bed: TwoFluid) -> None:
+        """What every step adds to."""
+        if self.averages is not None:
+            self.averages.add(bed)
+
+    def arrays(self) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+        """Arrays and numbers for a checkpoint."""
+        state = self.bed.state()
+        plain = {name: value for name, value in state.items() if not isinstance(value, np.ndarray)}
+        arrays = {name: value for name, value in state.items() if isinstance(value, np.ndarray)}
+        arrays |= {"rows": np.array(self.rows), "counts": self.laws.counts, "held": np.array(self.held)}
+        if self.averages is not None:
+            arrays |= self.averages.arrays()
+        return arrays, {"state": json.dumps(plain), "files": json.dumps(self.files)}
+
+    def resume(self, arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
+        """Go on from a checkpoint, bit for bit."""
+        self.bed.restore({**arrays, **json.loads(meta["state"])})
+        self.rows = np.asarray(arrays["rows"]).tolist()
+        self.laws.counts[:] = arrays["counts"]
+        self.held = float(arrays["held"])
+        self.files = [(float(time), str(name)) for time, name in json.loads(meta["files"])]
+        if self.averages is not None:
+            self.averages.resume(dict(arrays))
+
+
+def solve(
+    plan: Any, result: Result, folder: Path | None, quiet: bool, start: tuple[Mapping[str, Any], Any] | None
+) -> None:
+    """Run and fill the result; fields and checkpoints go into `folder`."""
+    from contbed.output.progress import Progress
+    from contbed.scene.loading import scene_hash
+
+    run = Run(plan)
+    scene: t.TwoFluidScene = plan.scene
+    label = scene_hash(scene)
+    if start is not None:
+        run.resume(*start)
+    stops = np.arange(1, max(1, round(scene.time.end / run.interval)) + 1) * run.interval
+    stops[-1] = scene.time.end
+    try:
+        with Progress(scene.time.end, quiet=quiet) as progress:
+
+            def after(bed: TwoFluid) -> None:
+                run.after_step(bed)
+                progress.advance_to(bed.time, f"step {bed.dt:.2g} s")
+
+            for stop in stops[stops > run.bed.time * (1.0 + 1e-12)]:
+                run.bed.advance(stop, after)
+                run.take_row()
+                if folder is not None:
+                    _keep(run, folder, label)
+    finally:
+        _fill(run, result)
+        if folder is not None and scene.output.fields:
+            _fields(run, folder)
+
+
+def _keep(run: Run, folder: Path, label: str) -> None:
+    """Checkpoint after a row, and fields when their time has come."""
+    from contbed.output import checkpoint
+
+    arrays, meta = run.arrays()
+    checkpoint.save(folder, arrays, {"scene_hash": label, **meta})
+    every = run.scene.time.fields
+    if run.scene.output.fields and every is not None and run.bed.time >= (len(run.files) + 1) * every * (1.0 - 1e-9):
+        _fields(run, folder)
+
+
+def _fields(run: Run, folder: Path) -> None:
+    from contbed.output.two_fluid_files import write_cells
+    from contbed.output.vtu import write_series
+
+    if run.files and run.files[-1][0] == run.bed.time:
+        return
+    means = run.averages.means() if run.averages is not None and run.averages.weight.sum() > 0 else {}
+    name = f"fields_{len(run.files):04d}.vtu"
+    fields = {key: getattr(run.bed, key) for key in ("eps_s", "u_gas", "u_solid", "theta", "p")}
+    fields |= {f"{key}_mean": value for key, value in means.items()}
+    write_cells(folder / name, run.plan.mesh.skfem, run.plan.grid.cells, fields)
+    run.files.append((run.bed.time, name))
+    write_series(folder / "fields.pvd", run.files)
+
+
+def _fill(run: Run, result: Result) -> None:
+    """Profiles, tables, balances, closures and qoi."""
+    scene, bed = run.scene, run.bed
+    result.profiles |= dict(zip(findings.COLUMNS, np.array(run.rows).T.copy(), strict=True))
+    result.balances["solids"] = findings.balance(bed, run.held)
+    result.tables |= findings.tables(bed, run.averages, scene)
+    result.qoi |= findings.results(run.plan, bed, run.held, run.averages, result.profiles)
+    for name, number in [*bed.counters.items(), *zip(laws.COUNTED, run.laws.counts.tolist(), strict=True)]:
+        if number:
+            result.qoi[name] = int(number)
+    known = findings.arguments(bed, scene)
+    for pair in planning.closure_functions(scene).values():
+        if pair is not None:
+            function: Any = pair[0]
+            facts = function.sheet
+            given = {name: known[name] for name in facts.arguments}
+            result.closures.append(usage(function, **given, **pair[1]).to_dict())
