@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from contbed.bubbling.planning import BubblingPlan
 from contbed.bubbling.problem import BubblingProblem
@@ -167,10 +168,10 @@ def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any
             result.warnings.append(f"{use['used_by']}: {use['name']} is used out of its range on "
                                    f"{100 * use['share_outside']:.3g} % of the height")  # fmt: skip
     for name, value in local.contact.items():
-        result.qoi[f"{name}_coefficient_W_m2K"] = float(np.trapezoid(np.broadcast_to(value, z.shape), z) / np.ptp(z))
+        result.qoi[f"{name}_coefficient_W_m2K"] = float(trapezoid(np.broadcast_to(value, z.shape), z) / np.ptp(z))
     if computed.bubbling:
         emulsion = 1.0 - np.broadcast_to(local.delta, z.shape)
-        result.qoi["height_at_minimum_fluidization_m"] = float(np.trapezoid(emulsion, z))
+        result.qoi["height_at_minimum_fluidization_m"] = float(trapezoid(emulsion, z))
         if (share := float(np.mean(local.flows["T_emulsion"] <= 0))) > 0:
             message = f"gas flows down through the emulsion on {100 * share:.3g} % of the height: bubbles.emulsion_gas"
             raise ConvergenceError(message, result.history)
