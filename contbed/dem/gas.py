@@ -83,7 +83,6 @@ class Gas:
     isothermal : no energy equation in spite of `nusselt`, which then only gives coefficients
     gravity [m/s2] (3,)
     no_slip : sides stick
-    smearing : radius over which the volume of a particle is spread, over its own; at least 1
     tolerance : residual of the pressure equation over its right-hand side
 
     Attributes: intrinsic and superficial velocity `u`, `q` (f,) [m/s]; `p` [Pa], `T` [K], `eps`, `mass` [kg] and `heat`
@@ -101,15 +100,12 @@ class Gas:
         isothermal: bool = False,
         gravity: Any = (0.0, 0.0, -9.81),
         no_slip: bool = False,
-        smearing: float = 1.0,
         tolerance: float = 1e-7,
     ):
-        if smearing < 1.0:
-            raise SceneError(f"gas: smearing = {smearing:g} must be at least 1, the particle itself")
         self.grid, self.fluid, self.drag, self.nusselt = grid, fluid, drag, nusselt
         self.energy = nusselt is not None and not isothermal
         self.gravity, self.no_slip = np.array(gravity, dtype=float), bool(no_slip)
-        self.smearing, self.tolerance = float(smearing), float(tolerance)
+        self.tolerance = float(tolerance)
         faces = len(grid.face_kind)
         self._base = float(fluid.enthalpy(T))
         # of a partial function, which carries options, the sheet is that of its function
@@ -174,7 +170,7 @@ class Gas:
     def start(self, bed: Motion) -> None:
         """Fill the room between the particles with gas that rises everywhere with the mean superficial velocity."""
         grid = self.grid
-        self.eps, _ = self._porosity(bed, *grid.shares(bed.x, self.smearing * bed.radius))
+        self.eps, _ = self._porosity(bed, *grid.shares(bed.x, bed.radius))
         self.mass = self.density * self.eps * self.open_volume
         self.heat = self.mass * (self._on_cells(self.fluid.enthalpy) - self._base)
         self.q = np.where(grid.active & (grid.face_axis == 2), self.inlet_mass[grid.bottom].mean(), 0.0)
@@ -192,7 +188,7 @@ class Gas:
         if not self.started:
             self.start(bed)
         grid, volume, d_p = self.grid, bed.volume, 2.0 * bed.radius
-        where, share = grid.shares(bed.x, self.smearing * bed.radius)
+        where, share = grid.shares(bed.x, bed.radius)
         faces, weight = grid.weights(bed.x)
         eps, eps_at = self._porosity(bed, where, share)
         solid = kernels.scatter_faces(faces, weight, np.repeat(volume[:, None], 3, 1), len(self.u))
@@ -238,7 +234,7 @@ class Gas:
 
     def around(self, bed: Motion) -> Local:
         """The gas at each particle."""
-        where, share = self.grid.shares(bed.x, self.smearing * bed.radius)
+        where, share = self.grid.shares(bed.x, bed.radius)
         eps = kernels.gather(where, share, self.eps)
         slip = kernels.gather_faces(*self.grid.weights(bed.x), self.q) - eps[:, None] * bed.v
         return self._local(where, share, eps, slip, 2.0 * bed.radius)

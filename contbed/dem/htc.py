@@ -111,8 +111,8 @@ def coefficients(bed: Bed, solid: Solid, emissivity: float = 0.0, T: float = 300
 class Average:
     """Time average of the coefficients of every particle: call it with a bed at even intervals.
 
-    `mean` maps mechanisms to (n,) [W/m2/K], `coordination` is the mean number of touching neighbours, `series` holds
-    bed averages at each call; `Re`, `eps` are those at the particles (n,), averaged.
+    `mean` maps mechanisms to (n,) [W/m2/K], `coordination` is the mean number of touching neighbours; `Re`, `eps` are
+    those at the particles (n,), `Pr` their mean, averaged over the calls.
     """
 
     def __init__(self, solid: Solid, emissivity: float = 0.0, T: float = 300.0):
@@ -122,7 +122,6 @@ class Average:
         self.Re: Array = np.zeros(0)
         self.eps: Array = np.zeros(0)
         self.Pr = 0.0
-        self.series: dict[str, list[float]] = {}
 
     def __call__(self, bed: Bed) -> None:
         found = coefficients(bed, self.solid, self.emissivity, self.T)
@@ -132,7 +131,6 @@ class Average:
         new = 1.0 - old
         for name, h in found.items():
             self.mean[name] = old * self.mean[name] + new * h if name in self.mean else h
-            self.series.setdefault(name, []).append(float(h.mean()))
         self.coordination = old * self.coordination + new * z
         self.Re, self.eps = (new * now + (old * past if len(past) else 0.0)
                              for past, now in ((self.Re, around.Re), (self.eps, around.eps)))  # fmt: skip

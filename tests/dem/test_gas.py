@@ -249,5 +249,3 @@ def test_what_cannot_be_is_refused(packing):
         box(blocked=np.zeros((1, 1, 1), bool))
     with pytest.raises(SceneError, match="go together"):
         bed_of(packing, 1.0, T=300.0)
-    with pytest.raises(SceneError, match="smearing"):
-        Gas(box(), AIR, drag_di_felice, smearing=0.5)
