@@ -34,7 +34,7 @@ def carried(problem: Any, chemistry: Chemistry, state: Any) -> dict[str, tuple[f
                                       for name, n in part.flow(u, p).items()),
             problem.top, state,
         )  # fmt: skip
-        out[f"T_{phase}"] = (brought, taken)
+        out[f"T_{phase}"] = (brought, taken if problem.above is None else 0.0)  # the freeboard takes it further
     for name, solid in part.solids.items():
         brought = 0.0
         if solid.fed is not None:
