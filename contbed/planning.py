@@ -118,7 +118,7 @@ def described(plan: Any) -> str:
     if isinstance(plan, Plan) and not plan.fronts:
         from contbed.solve.cost import advice
 
-        lines.append(advice(max(plan.unknowns().values()), plan.policy))
+        lines.append(advice(plan.unknowns(), plan.policy))
     return "\n".join(lines)
 
 

@@ -1,8 +1,9 @@
-"""What a linear system costs on each engine, and which engine a scene wants.
+"""What a steady scene costs on each engine, and which engine it wants.
 
-The rates are processor seconds for one assembly and solution of a million unknowns, the power with which time grows,
-and bytes an unknown at the peak, all of them measured by studies/scaling on one core of a 2-core x86-64 machine. Memory
-is that of the whole run; with several ranks it is shared but for `LEADER`, the part that the first rank holds alone.
+The rates are processor seconds of a whole run per million unknowns (flow by Newton in 2-D, heat linear), the power with
+which time grows, and bytes an unknown at the peak, measured by studies/scaling on a 2-core x86-64 machine with one
+thread a rank. A transient takes about as much for every few steps. Ranks share memory but for `LEADER`, the part of the
+first.
 """
 
 from __future__ import annotations
@@ -12,8 +13,9 @@ from math import ceil
 
 from contbed.solve.linear import Policy, free_memory_GB
 
-LEADER = 1.2e3  # bytes an unknown
-LONG = 600.0  # [s] for a linear system beyond which ranks are worth their trouble
+LEADER = 900.0  # bytes an unknown
+LONG = 1800.0  # [s] beyond which ranks are worth their trouble
+START = 1.2  # [s] of any run
 
 
 @dataclass(frozen=True)
@@ -26,46 +28,44 @@ class Rate:
 
     def time(self, size: int) -> float:
         """[s]"""
-        return self.seconds * (size / 1e6) ** self.power
+        return START + self.seconds * (size / 1e6) ** self.power
 
     def memory_GB(self, size: int) -> float:
         """[GB]"""
-        return 1e-9 * self.memory * size
+        return 0.15 + 1e-9 * self.memory * size
 
 
-# by engine and dimension of the mesh; in 3-D scikit-fem's is for factors at 30 000 unknowns, which grow as n^(4/3)
+# by engine and dimension of the mesh; factors in 3-D grow faster than their memory, n^(4/3)
 RATES = {
-    ("skfem", 1): Rate(4.0, 1.0, 400.0),
-    ("skfem", 2): Rate(20.0, 1.15, 5000.0),
-    ("skfem", 3): Rate(600.0, 1.6, 8e3),
-    ("dolfinx", 1): Rate(3.0, 1.0, 700.0),
-    ("dolfinx", 2): Rate(6.0, 1.1, 3200.0),
-    ("dolfinx", 3): Rate(50.0, 1.05, 5200.0),
+    ("skfem", 1): Rate(6.0, 1.0, 400.0),
+    ("skfem", 2): Rate(40.0, 1.15, 4000.0),
+    ("skfem", 3): Rate(1000.0, 1.6, 20e3),
+    ("dolfinx", 1): Rate(7.0, 1.0, 900.0),
+    ("dolfinx", 2): Rate(21.0, 1.15, 2900.0),
+    ("dolfinx", 3): Rate(55.0, 1.05, 6600.0),
 }
 
 
-def advice(size: int, policy: Policy) -> str:
-    """Which engine a scene with this largest system wants, and what one linear system costs there.
+def advice(unknowns: dict[str, int], policy: Policy) -> str:
+    """Which engine a scene with these unknowns of its parts wants, and what it costs there.
 
     scikit-fem as long as its factors fit in the memory allowed and time is short, else DOLFINx on as many ranks as
     bring the time below `LONG`.
     """
-    dimension = policy.dimension
-    one, other = RATES["skfem", dimension], RATES["dolfinx", dimension]
-    need = policy.predicted_GB(size)
+    size, largest = sum(unknowns.values()), max(unknowns.values())
+    one, other = RATES["skfem", policy.dimension], RATES["dolfinx", policy.dimension]
+    need = policy.predicted_GB(largest)
     limit = policy.limit_GB if policy.limit_GB is not None else 0.6 * free_memory_GB()
-    seconds = other.time(size)
-    cost = f"about {_time(seconds)} of processor and {max(other.memory_GB(size), 0.001):.2g} GB"
+    there = f"about {_time(other.time(size))} of processor and {other.memory_GB(size):.2g} GB"
     if need <= limit and one.time(size) <= LONG:
-        return (f"engine: skfem, about {_time(one.time(size))} of processor and {max(need, 0.001):.2g} GB for each "
-                f"linear system; dolfinx {cost}")  # fmt: skip
+        return f"engine: skfem, about {_time(one.time(size))} of processor for a steady scene; dolfinx {there}"
     why = f"skfem would need {need:.3g} GB of {limit:.3g} GB" if need > limit else (
-        f"skfem would take {_time(one.time(size))} for each linear system")  # fmt: skip
-    ranks = max(2, ceil(seconds / LONG))
-    return f"engine: dolfinx, mpirun -n {ranks}: {cost} for each linear system, all ranks together; {why}"
+        f"skfem would take {_time(one.time(size))}")  # fmt: skip
+    ranks = max(2, ceil(other.time(size) / LONG))
+    first = 0.15 + 1e-9 * LEADER * size + other.memory_GB(size) / ranks
+    return (f"engine: dolfinx, mpirun -n {ranks}: {there} for a steady scene, {first:.2g} GB of it on the first rank; "
+            f"{why}")  # fmt: skip
 
 
 def _time(seconds: float) -> str:
-    if seconds >= 3600.0:
-        return f"{seconds / 3600.0:.2g} h"
-    return f"{max(seconds, 0.001):.2g} s"
+    return f"{seconds / 3600.0:.2g} h" if seconds >= 3600.0 else f"{seconds:.{0 if seconds >= 10.0 else 1}f} s"

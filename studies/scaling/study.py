@@ -60,6 +60,35 @@ def measured(scene: str, cells: tuple[int, ...], engine: str, ranks: int, python
     ), strict=True))  # fmt: skip
 
 
+def plot(rows: list[dict[str, str]]) -> None:
+    """Processor time and memory over unknowns, one panel for each scene."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    styles = {("skfem", "1"): ("k", "o", "scikit-fem"), ("dolfinx", "1"): ("tab:blue", "s", "DOLFINx, 1 rank"),
+              ("dolfinx", "2"): ("tab:orange", "^", "DOLFINx, 2 ranks")}  # fmt: skip
+    titles = {"plane": "2-D: flow and heat, direct", "space": "3-D: heat, multigrid above 60 000"}
+    figure, axes = plt.subplots(2, 2, figsize=(9, 7), sharex="col", layout="constrained")
+    for k, (scene, title) in enumerate(titles.items()):
+        for (engine, ranks), (colour, marker, label) in styles.items():
+            found = sorted((int(row["unknowns"]), float(row["cpu_s"]), float(row["memory_GB"])) for row in rows
+                           if (row["scene"], row["engine"], row["ranks"]) == (scene, engine, ranks))  # fmt: skip
+            if found:
+                n, time, memory = zip(*found, strict=True)
+                axes[0, k].loglog(n, time, color=colour, marker=marker, label=label)
+                axes[1, k].loglog(n, memory, color=colour, marker=marker)
+        axes[0, k].set_title(title)
+        axes[1, k].set_xlabel("unknowns")
+    axes[0, 0].set_ylabel("processor time of all ranks [s]")
+    axes[1, 0].set_ylabel("memory of all ranks [GB]")
+    axes[0, 0].legend(frameon=False)
+    for axis in axes.ravel():
+        axis.grid(alpha=0.3)
+    figure.savefig(HERE / "scaling.png", dpi=120)
+
+
 def main() -> None:
     """All runs that are not in the table yet, small ones first."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -82,6 +111,7 @@ def main() -> None:
             writer.writeheader()
             writer.writerows(rows)
         print(*rows[-1].values(), flush=True)
+    plot(rows)
 
 
 if __name__ == "__main__":
