@@ -63,4 +63,4 @@ def tube(composition, reactions, **changes):
         "reactions": reactions, "mesh": {"cells": 20}, "solver": {"degree": 3, "guess": 1200.0},
         "output": {"plots": False, "fields": False},
     }  # fmt: skip
-    return from_dict(found | changes)
+    return from_dict({key: value for key, value in (found | changes).items() if value is not None})

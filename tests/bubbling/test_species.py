@@ -1,5 +1,6 @@
 """Reacting beds whose solution is known, and beds that break models: each converges and closes every balance."""
 
+import cantera
 import numpy as np
 import pytest
 from reacting_scenes import BURNING, COAL, combustor, tables, tube
@@ -98,6 +99,23 @@ def test_infinite_rate_is_equilibrium():
     q = solved(scene).qoi
     K = float(np.exp(thermo.ln_equilibrium(r.LAWS["water_gas_shift"]["biba"].stoichiometry, q["T_emulsion_top_K"])))
     assert q["x_CO2_wet"] * q["x_H2_wet"] / (q["x_CO_wet"] * q["x_H2O_wet"]) == pytest.approx(K, rel=1e-6)
+
+
+def test_adiabatic_flame_by_cantera():
+    """Without walls the gas leaves at the temperature and composition of equilibrium at constant enthalpy."""
+    mixture = "CO:0.04, H2:0.03, O2:0.15, H2O:0.03, N2:0.75"
+    gas = {"mass_flow": 0.02, "composition": mixture, "temperature": 900.0}
+    q = solved(tube(mixture, {"CO_oxidation": {}, "H2_oxidation": {}}, gas=gas, walls=None)).qoi
+    names = ("CO", "H2", "O2", "H2O", "N2", "CO2")
+    burnt = cantera.Solution(thermo="ideal-gas", species=[
+        item for item in cantera.Species.list_from_file("nasa_gas.yaml") if item.name in names
+    ])  # fmt: skip
+    burnt.TPX = 900.0, 101325.0, mixture
+    burnt.equilibrate("HP")
+    # what is left of the fuel, and enthalpies smoothed at 1000 K
+    assert q["T_emulsion_top_K"] == pytest.approx(burnt.T, abs=0.1)
+    assert q["x_CO2_wet"] == pytest.approx(burnt["CO2"].X[0], rel=1e-4)
+    assert q["x_O2_wet"] == pytest.approx(burnt["O2"].X[0], rel=1e-4)
 
 
 def test_exhausted_fuel_and_exhausted_oxygen():
