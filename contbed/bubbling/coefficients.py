@@ -91,7 +91,6 @@ class Computed:
         self.scene, self.gas = scene, gas
         self.ranges: list[Any] | None = None
         self.mixtures: Callable[[Any], dict[str, Any]] = lambda u: {"emulsion": gas, "bubble": gas}
-        self.gas_flow_is_unknown = False
         self.flow = float(scene.gas.mass_flow or 0.0)
         bed, present = scene.bubbling_bed, scene.present
         base = scene.origin.base
@@ -143,7 +142,7 @@ class Computed:
     @property
     def fields(self) -> tuple[str, ...]:
         """The unknowns of models.bubbling_flow."""
-        there = (("flow_bubble", self.bubbling), ("d_bubble", self.grows), ("flow_gas", self.gas_flow_is_unknown))
+        there = (("flow_bubble", self.bubbling), ("d_bubble", self.grows))
         return tuple(name for name, wanted in there if wanted)
 
     def _by_surface(self, values: dict[str, float]) -> float:
@@ -200,7 +199,7 @@ class Computed:
     def __call__(self, u: Any, o: Any) -> model.Local:
         """The coefficients at the points of a domain."""
         scene = self.scene
-        flow = u.flow_gas if self.gas_flow_is_unknown else self.flow
+        flow = self.flow
         part = self.chemistry.part if self.chemistry is not None else None
         if part is not None and part.known(u):
             flow = sum(part.mass(u, phase) for phase in part.phases)
@@ -215,7 +214,7 @@ class Computed:
             flows = {"T_emulsion": flow - u.flow_bubble, "T_bubble": u.flow_bubble}
             crossing = o.grad(u.flow_bubble)[0]
             slopes = {"T_emulsion": -crossing, "T_bubble": crossing}
-            unknown = bubbling_flow.Local(target, growth, start, None, self.flow, heat,
+            unknown = bubbling_flow.Local(target, growth, start, heat,
                                           heat * self.flow / self.D_bed)  # fmt: skip
         delta = state.get("delta", 0.0)
         state["eps_bed"] = 1.0 - (1.0 - delta) * self.solids
@@ -335,7 +334,7 @@ class Computed:
     @property
     def sizes(self) -> dict[str, float]:
         """Typical values of the unknown fields."""
-        typical = {"flow_bubble": self.flow, "flow_gas": self.flow, "d_bubble": self.D_bed}
+        typical = {"flow_bubble": self.flow, "d_bubble": self.D_bed}
         out = {name: typical[name] for name in self.fields}
         for item in (self.chemistry, self.above):
             out |= item.sizes if item is not None else {}
@@ -343,7 +342,7 @@ class Computed:
 
     def start(self, T: float, z: Any) -> dict[str, Any]:
         """The unknown fields in a bed of one temperature."""
-        out: dict[str, Any] = {"flow_gas": self.flow}
+        out: dict[str, Any] = {}
         if self.bubbling:
             out["flow_bubble"], out["d_bubble"] = self.march(T, z)
         out = {name: out[name] for name in self.fields}
@@ -364,8 +363,6 @@ class Computed:
         if self.bubbling:
             flows, sizes = self.march(T, np.array([0.0, 0.5 * height]))
             at |= {"flow_bubble": flows[1:], "d_bubble": sizes[1:]}
-        if self.gas_flow_is_unknown:
-            at["flow_gas"] = self.flow
         local = self(SimpleNamespace(**at), SimpleNamespace(grad=lambda field: (0.0,), x=(np.full(1, 0.5 * height),)))
         cp = {name: local.heat_capacity[name](T) for name in local.flows}
 

@@ -164,8 +164,8 @@ class Part(Protocol):
 @dataclass(frozen=True)
 class Coefficients:
     """The whole bed. `bubbles` and `plate` are None where absent, `level` is "none", "paper", "pairwise", or "field"
-    where G is an unknown with diffusion coefficient `diffusion` [m]. With `computed`, a function of (unknowns, ops) that
-    returns `Local`, the numbers of the same name count for the grading of the mesh only.
+    where G is an unknown with diffusion coefficient `diffusion` [m]. With `computed`, a function of (unknowns, ops)
+    that returns `Local`, the numbers of the same name count for the grading of the mesh only.
     """
 
     section: float  # A [m2]

@@ -2,7 +2,6 @@
 
     W_b = W - rho_e A (1 - delta) u_e         flow of the bubbles: what the emulsion does not take
     d_b' = growth(d_b, ...),   d_b(0) = start
-    W' = made,                 W(0) = W_in    flow of all gas, an unknown only where reactions make gas
 
 W, W_b   mass flow of all gas and of the bubbles [kg/s]      A        section [m2]
 delta    share of bubbles in the volume [1]                  u_e      gas through the emulsion, per its section [m/s]
@@ -24,36 +23,24 @@ from typing import Any
 
 @dataclass
 class Local:
-    """What the equations need at the points of one domain. Entries are None for what is no unknown."""
+    """What the equations need at the points of one domain; growth and start are None where the size is a number."""
 
-    flow: Any = None  # W_b by the closures [kg/s]
+    flow: Any  # W_b by the closures [kg/s]
     growth: Any = None  # d_b' [1]
     start: Any = None  # d_b at the distributor [m]
-    made: Any = None  # W' [kg/s/m]
-    inlet: float = 0.0  # W_in [kg/s]
     heat: float = 1.0  # [J/kg]
     heat_size: float = 1.0  # [W/m]
 
 
 def residual(u: Any, tests: Any, c: Local, o: Any) -> Any:
     """Equations along the height; growth is tested along the stream as well."""
-    total: Any = 0.0
-    if c.flow is not None:
-        total = total + c.heat * (u.flow_bubble - c.flow) * tests.flow_bubble
+    total = c.heat * (u.flow_bubble - c.flow) * tests.flow_bubble
     if c.growth is not None:
         v = tests.d_bubble
         total = total + c.heat_size * (o.grad(u.d_bubble)[0] - c.growth) * (v + 0.5 * o.h * o.grad(v)[0])
-    if c.made is not None:
-        v = tests.flow_gas
-        total = total + c.heat * (o.grad(u.flow_gas)[0] - c.made) * (v + 0.5 * o.h * o.grad(v)[0])
     return total
 
 
 def bottom(u: Any, tests: Any, c: Local, o: Any) -> Any:
-    """Bubbles and gas that enter."""
-    total: Any = 0.0
-    if c.start is not None:
-        total = total + c.heat_size * (u.d_bubble - c.start) * tests.d_bubble
-    if c.made is not None:
-        total = total + c.heat * (u.flow_gas - c.inlet) * tests.flow_gas
-    return total
+    """Bubbles at the distributor."""
+    return 0.0 if c.start is None else c.heat_size * (u.d_bubble - c.start) * tests.d_bubble
