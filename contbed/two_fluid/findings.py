@@ -135,10 +135,10 @@ def results(
 
 
 def _slip(bed: TwoFluid) -> float:
-    """Mean velocity of the gas past the particles in the middle half of the height [m/s]."""
+    """Mean velocity of the gas past the particles in the middle fifth of the height [m/s]."""
     height = bed.grid.centres[:, -1]
     low, span = height.min(), np.ptp(height)
-    middle = (np.abs(height - low - 0.5 * span) <= 0.25 * span) & (bed.eps_s > 1e-12)
+    middle = (np.abs(height - low - 0.5 * span) <= 0.1 * span) & (bed.eps_s > 1e-12)
     mass = (bed.eps_s * bed.grid.geometry.volume)[middle]
     past = (bed.u_gas - bed.u_solid)[middle, -1]
     return float(mass @ past / mass.sum()) if middle.any() else 0.0
