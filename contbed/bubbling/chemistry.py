@@ -81,9 +81,7 @@ def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
         if table.of_char:
             diameter = fuel.char_diameter or scene.species[fuel.species].diameter
             laws = {name: (cr.law_of(name, item), item) for name, item in table.of_char.items()}
-            out.append(
-                cr.Char(fuel.species, diameter, fuel.char_density, fuel.char_model, fuel.sherwood, laws)
-            )
+            out.append(cr.Char(fuel.species, diameter, fuel.char_density, fuel.char_model, fuel.sherwood, laws))
     if (stone := scene.limestone) is not None:
         item = scene.species[stone.species]
         taking = table.sulphation
@@ -104,7 +102,6 @@ def gases_of(reactions: tuple[Any, ...], inlet: dict[str, float]) -> tuple[tuple
         running += found
         for item in found:
             there |= _makes(item)
-    # a reaction of char that lacks its gas is left out of those of char
     return tuple(name for name in thermo.GASES if name in there), tuple(item for item in reactions if item in running)
 
 
@@ -112,8 +109,6 @@ def _needs(item: Any) -> set[str]:
     if isinstance(item, cr.Homogeneous):
         made = {name for name, count in item.law.stoichiometry.items() if count < 0}
         return made | set(item.law.orders)
-    if isinstance(item, cr.Lime) and item.sulphation is not None:
-        return {"SO2", "O2"}
     return set()
 
 
@@ -127,7 +122,8 @@ def _makes(item: Any) -> set[str]:
     if isinstance(item, cr.Char):
         out = {name for law, _ in item.reactions.values() for name in law.stoichiometry if name != "C"}
         return out | ({"CO"} if "char_combustion" in item.reactions else set())
-    return {"CO2"} if item.calcination is not None else set()
+    calcines, takes = item.calcination is not None, item.sulphation is not None
+    return ({"CO2"} if calcines else set()) | ({"SO2", "O2"} if takes else set())
 
 
 @dataclass(eq=False)
