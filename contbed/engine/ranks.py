@@ -134,6 +134,7 @@ def crew() -> Crew:
 def lead(main: Callable[[], Any]) -> Any:
     """Run `main` on the first rank with the others at its service; they return None or raise what ended the leader."""
     all_ranks = crew()
+    all_ranks.iterations = []
     if not all_ranks.leads:
         code, words = all_ranks.follow()
         if code:

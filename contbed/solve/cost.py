@@ -38,7 +38,7 @@ class Rate:
 # by engine and dimension of the mesh; factors in 3-D grow faster than their memory, n^(4/3)
 RATES = {
     ("skfem", 1): Rate(6.0, 1.0, 400.0),
-    ("skfem", 2): Rate(40.0, 1.15, 4000.0),
+    ("skfem", 2): Rate(50.0, 1.25, 4000.0),
     ("skfem", 3): Rate(1000.0, 1.6, 20e3),
     ("dolfinx", 1): Rate(7.0, 1.0, 900.0),
     ("dolfinx", 2): Rate(21.0, 1.15, 2900.0),
