@@ -86,8 +86,8 @@ class Gas:
     tolerance : residual of the pressure equation over its right-hand side
 
     Attributes: intrinsic and superficial velocity `u`, `q` (f,) [m/s]; `p` [Pa], `T` [K], `eps`, `mass` [kg] and `heat`
-    [J] of the cells; `given` (f,) force on the particles [N]; `sums` of mass and heat
-    that entered and left and heat gained from the particles; `counts` of steps, iterations, porosities below LEAST.
+    [J] of the cells; `given` (f,) force on the particles [N]; `sums` of mass and heat that entered and left and heat
+    gained from the particles; `counts` of steps, iterations, porosities below LEAST.
     """
 
     def __init__(
@@ -153,7 +153,7 @@ class Gas:
         Columns that the slot covers in part get both streams, mixed by mass, and by enthalpy to first order in T.
         """
         grid, faces = self.grid, self.grid.bottom
-        main = self._density_at(T) * velocity
+        main = self.fluid.density(T) * velocity
         flux, warmth = np.full(faces.shape, main), np.full(faces.shape, main * T)
         if slot is not None:
             jet = T if slot_T is None else slot_T
@@ -161,7 +161,7 @@ class Gas:
             share = np.clip(np.minimum(edges[1:], slot[1]) - np.maximum(edges[:-1], slot[0]), 0.0, None) / grid.size[0]
             if not share.any():
                 raise SceneError(f"gas: the slot from {slot[0]:g} to {slot[1]:g} m is outside of the bed")
-            strong = self._density_at(jet) * slot_velocity
+            strong = self.fluid.density(jet) * slot_velocity
             flux += share[:, None] * (strong - flux)
             warmth += share[:, None] * (strong * jet - warmth)
         self.inlet_mass[faces] = np.where(grid.face_kind[faces] == INLET, flux, 0.0)
@@ -194,7 +194,7 @@ class Gas:
         solid = kernels.scatter_faces(faces, weight, np.repeat(volume[:, None], 3, 1), len(self.u))
         eps_face, room = self._face_porosity(solid, eps), np.where(grid.face_volume > 0.0, grid.face_volume, 1.0)
         rho = self._on_faces(self.density)
-        rho[self._below] = self._density_at(self.inlet_T[self._below])
+        rho[self._below] = self.fluid.density(self.inlet_T[self._below])
         self.u[self._below] = (self.inlet_mass / (rho * eps_face))[self._below]
         self.q = eps_face * self.u
         carried = eps_at[:, None] * bed.v
@@ -320,7 +320,7 @@ class Gas:
         """Mass and enthalpy of the cells by their fluxes, then temperature."""
         grid = self.grid
         upwind = kernels.limited(self.T, self.inlet_T, self.q, grid.cell_face, grid.face_cell, grid.face_axis)
-        mass = self._density_at(upwind) * self.q * self._area
+        mass = self.fluid.density(upwind) * self.q * self._area
         self._count(dt, "mass", mass)
         self.mass = self.mass - dt * kernels.divergence(mass, grid.cell_face)
         if not self.energy:
@@ -353,6 +353,3 @@ class Gas:
 
     def _on_faces(self, cells: Array) -> Array:
         return np.asarray(kernels.face_means(cells, self.grid.face_cell))
-
-    def _density_at(self, T: Any) -> Any:
-        return self.fluid.density(T)
