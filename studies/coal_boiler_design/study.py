@@ -60,7 +60,9 @@ def main() -> None:
         filled = axes.contourf(x, y, grid, levels=9, cmap="viridis")
         lines = axes.contour(x, y, grid, levels=filled.levels, colors="white", linewidths=0.6)
         axes.clabel(lines, fontsize=8)
-        axes.plot([row["tube_area_m2"] for row in rows], [excess[row["air_kg_s"]] for row in rows], "k.", markersize=2)
+        for row in rows:
+            burns = {"marker": ".", "color": "black"} if row["ignited"] else {"marker": "x", "color": "#B00020"}
+            axes.plot(row["tube_area_m2"], excess[row["air_kg_s"]], markersize=4, clip_on=False, **burns)
         axes.set(title=title, xlabel="tube area in the bed [m2]", ylabel="excess air [%]")
     figure.savefig(HERE / "design.png", dpi=130)
 
