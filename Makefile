@@ -27,7 +27,7 @@ dolfinx: $(VENV_DOLFINX)/.test
 
 $(VENV_DOLFINX)/.test: pyproject.toml
 	@if ! dpkg -s $(SYSTEM_DOLFINX) >/dev/null 2>&1; then \
-	  if [ "$$(id -u)" = 0 ]; then apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qqy install $(SYSTEM_DOLFINX) >/dev/null; \
+	  if [ "$$(id -u)" = 0 ]; then apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qqy install --no-install-recommends $(SYSTEM_DOLFINX) >/dev/null; \
 	  else echo "needed: sudo apt-get install $(SYSTEM_DOLFINX)"; exit 1; fi; fi
 	/usr/bin/python3 -m venv --system-site-packages $(VENV_DOLFINX)
 	/usr/bin/python3 -c "import numpy, scipy; print(f'numpy=={numpy.__version__}\nscipy=={scipy.__version__}')" > $(VENV_DOLFINX)/system.txt
