@@ -187,7 +187,7 @@ def fractions(g, gas, solid, edge, s, grad, ahead, limited, faces):
         left = g.left[f]
         if f < ni:
             faces[f, 4] = 1.0 - on_face(g, f, faces[f, 4] >= 0.0, s, grad, ahead, limited)
-            faces[f, 5] = on_face(g, f, faces[f, 5] >= 0.0, s, grad, ahead, limited)
+            faces[f, 5] = max(0.0, on_face(g, f, faces[f, 5] >= 0.0, s, grad, ahead, limited))
             continue
         b = f - ni
         if gas.kind[b] == OUTLET:

@@ -20,6 +20,7 @@ from contbed.two_fluid.step import Materials
 
 DENSEST = 0.997  # of eps_max, up to which the radial distribution follows its law
 DILUTEST = 1e-9  # fraction below which the drag on one particle no longer changes
+EMPTY = 1e-4  # fraction below which kinetic stress fades: it would heat particles that are not there
 GUARDED = 0.99  # a kinetic part counts as guarded where less than this is left
 STEP = 1e-7  # of eps_max, for the slope of the pressure
 FRICTION_TIME = 0.5  # frictional viscosity over frictional shear stress [s], as twoPhaseEulerFoam has it
@@ -156,11 +157,13 @@ def _granular(materials: Materials, particles: Particles, chosen: Mapping[str, C
             g0, further = contact_at(s, eps_max), s + STEP * eps_max
             p = pressure(s, g0, e)
             slope = (pressure(further, contact_at(further, eps_max), e) - p) / (STEP * eps_max)
-            left_mu, left_k = 1.0, 1.0
+            left_mu = s * s / (s * s + EMPTY * EMPTY)
+            left_k = left_mu
             if guarded:
-                left_mu = by_drag(K[i], t, s, g0, rho, d_p, dilute_mu, 2.0)
-                left_k = by_drag(K[i], t, s, g0, rho, d_p, dilute_k, 1.2)
-                counts[0] += left_mu < GUARDED
+                share = by_drag(K[i], t, s, g0, rho, d_p, dilute_mu, 2.0)
+                counts[0] += share < GUARDED
+                left_mu *= share
+                left_k *= by_drag(K[i], t, s, g0, rho, d_p, dilute_k, 1.2)
                 share = by_path(s, g0, d_p, path)
                 counts[1] += share < GUARDED
                 left_mu *= share

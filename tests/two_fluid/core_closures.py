@@ -24,17 +24,24 @@ def line(length, cells, periodic=False):
 
 
 def closures(
-    drag=0.0, pressure=0.0, viscosity=0.0, bulk=0.0, conductivity=0.0, dissipation=0.0, friction=0.0, eps_friction=0.5
+    drag=0.0,
+    pressure=0.0,
+    viscosity=0.0,
+    bulk=0.0,
+    conductivity=0.0,
+    dissipation=0.0,
+    friction=0.0,
+    eps_friction=0.5,
+    rubbing=0.0,
 ):
     """K [kg/m3/s] a number or a function of eps_s and slip; p_s = rho_s eps_s theta where `pressure` is 1; viscosities,
-    conductivity [Pa s] times eps_s; gamma = dissipation eps_s^2 theta^1.5; friction [Pa] times (eps_s - 0.5)^2."""
+    conductivity [Pa s] times eps_s; gamma = dissipation eps_s^2 theta^1.5; p_friction = rho_s `friction` (eps_s - 0.5)^2 with the viscosity `rubbing` [Pa s] where there is any."""
 
     def exchange(eps_s, slip):
         return drag(eps_s, slip) if callable(drag) else np.full(len(eps_s), float(drag))
 
     def granular(eps_s, theta, _):
         over = np.maximum(eps_s - eps_friction, 0.0)
-        # p = friction over^2, so that h is the integral of 2 friction over/eps_s
         h = 2 * friction * (over - eps_friction * np.log1p(over / eps_friction))
         return Rheology(
             g0=np.ones_like(eps_s),
@@ -42,7 +49,7 @@ def closures(
             stiffness=pressure * theta + 2 * friction * over,
             mu=viscosity * eps_s,
             bulk=bulk * eps_s,
-            mu_friction=np.zeros_like(eps_s),
+            mu_friction=np.where(over > 0, rubbing, 0.0),
             h=h,
             conductivity=conductivity * eps_s,
             dissipation=dissipation * eps_s**2,

@@ -1,0 +1,82 @@
+"""A fully developed flow on a mesh: assembly and solution. See `models.developed_flow`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contbed.engine.skfem import System
+from contbed.models import developed_flow as model
+from contbed.solve.continuation import relax
+from contbed.solve.newton import newton
+from contbed.two_fluid.developed_planning import DevelopedPlan
+
+Array = Any
+EXTRA = 4  # order of quadrature beyond the product of two basis functions
+BLUNT = 20  # power of the distance in the profile of the gas that the search starts from
+FIRST, LAST = 1e-5, 1e3  # steps in pseudo-time [s]; granular energy settles within a second
+
+
+class DevelopedProblem:
+    """The unknowns of a plan and their equations; a `solve.timestep.Problem` in granular energy."""
+
+    linear = False
+
+    def __init__(self, plan: DevelopedPlan, coefficients: model.Coefficients | None = None):
+        self.plan, self.c = plan, coefficients or plan.coefficients
+        degree = plan.scene.solver.degree
+        self.particles = self.c.solid_flux > 0
+        fields = {"u_gas": (degree, 0), "gradient": (0, 0)}
+        if self.particles:
+            fields |= {"u_solid": (degree, 0), "root": (degree, 0), "pressure": (0, 0)}
+        self.system = System(plan.mesh.skfem, fields, 2 * degree + EXTRA, axisymmetric=plan.mesh.axisymmetric)
+        (self.wall,) = self.system.boundary("wall")
+        self.fixed = self.system.nodes("u_gas", plan.mesh.skfem.boundaries["wall"])
+        self.lower = np.full(self.system.size, -np.inf)
+        for name in ("root", "pressure") if self.particles else ():
+            self.system.part(self.lower, name)[:] = 0.0
+
+    @property
+    def r(self) -> Array:
+        """Distance of the nodes from the centre [m]."""
+        return self.system.fields["u_gas"][0].points[0]
+
+    def steady(self, state: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Residual and exact Jacobian."""
+        if not self.particles:
+            return self.system.assemble([(model.gas, self.system.cells, self.c)], state, jacobian)
+        forms = [(model.residual, self.system.cells, self.c), (model.wall, self.wall, self.c)]
+        return self.system.assemble(forms, state, jacobian)
+
+    def content(self, state: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Granular energy and its Jacobian."""
+        return self.system.assemble([(model.content, self.system.cells, self.c)], state, jacobian)
+
+    def start(self, theta: float) -> Array:
+        """Particles evenly spread with one granular temperature, gas blunt."""
+        c, x = self.c, np.zeros(self.system.size)
+        eps_s = model.uniform_fraction(c) if self.particles else 0.0
+        place = self.r / self.r.max()
+        self.system.part(x, "u_gas")[:] = c.velocity / (1.0 - eps_s) * (1.0 - place**BLUNT)
+        self.system.part(x, "gradient")[:] = ((1.0 - eps_s) * c.rho_gas + eps_s * c.rho_solid) * c.gravity
+        if self.particles:
+            self.system.part(x, "u_solid")[:] = c.solid_flux / (c.rho_solid * eps_s)
+            self.system.part(x, "root")[:] = theta**0.5
+            self.system.part(x, "pressure")[:] = c.rho_solid * theta * c.relative_pressure(eps_s)
+        return x
+
+    def solve(self, theta: float) -> tuple[Array, list[float]]:
+        """The solution that granular energy settles to from a level `theta`, and the history of Newton's method."""
+        x = self.start(theta)
+        if self.particles:
+            x = relax(self, x, self.plan.policy, self.lower, first=FIRST, last=LAST, tolerance=1e-5)
+        return self.solve_from(x)
+
+    def solve_from(self, x: Array) -> tuple[Array, list[float]]:
+        """Newton from a state nearby."""
+        options = self.plan.scene.solver
+        return newton(
+            self.steady, x, self.fixed, self.plan.policy, tolerance=options.newton_tolerance,
+            iterations=options.newton_iterations, linear=not self.particles, lower=self.lower, what="developed flow",
+        )  # fmt: skip
