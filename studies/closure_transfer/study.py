@@ -23,7 +23,7 @@ from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain
-from contbed.materials.gas import gas_mixture
+from contbed.materials.constant import ConstantFluid
 
 HERE = Path(__file__).parent
 SCENE = HERE / "heated_wall.toml"
@@ -33,8 +33,8 @@ WIDTH, R, SOFT, REAL, K_FLUID = 0.026, 1e-3, 1e7, 5e10, 0.026
 LITERATURE = ("zehner_schluender", "kunii_smith", "krupiczka", "hashin_shtrikman_lower")
 SAMPLES = 12
 PAIR = HERE / "moving_bed.toml"
-VELOCITIES = np.geomspace(0.15, 3.0, 6)
-TEMPERATURES = (300.0, 400.0, 600.0)
+VELOCITIES = np.geomspace(0.1, 3.0, 6)
+PRANDTL = (0.68, 0.73)  # of air from 250 to 800 K
 LAWS = {"Zhou, Yu, Zulli": partial(nusselt_power, a=1.2, b=0.5), "Gunn": nusselt_gunn}  # of a single particle
 EXCHANGE = ("wakao_kaguei", "gunn", "ranz_marshall")
 
@@ -56,17 +56,18 @@ def fit(beds, paths="cones"):
 
 
 def exchange_points(bed, law):
-    """Re, Pr and mean Nu of the particles of a bed at rest, at all velocities and temperatures."""
-    top, air = bed.x[:, 2].max() + R, gas_mixture("N2:0.79, O2:0.21", 101325.0)
+    """Re, Pr and mean Nu of the particles of a bed at rest, at all velocities and Prandtl numbers."""
+    top = bed.x[:, 2].max() + R
     count = (4, 4, round(1.3 * top / (3 * R)))
     grid = Grid(np.zeros(3), np.array([WIDTH, WIDTH, 1.3 * top]) / count, count, (True, True))
     domain = Domain((0, 0, 0), (WIDTH, WIDTH, np.inf), (True, True, False))
     points = []
-    for T in TEMPERATURES:
+    for Pr in PRANDTL:
+        air = ConstantFluid(1.2, 1005.0, 1.8e-5, 1.8e-5 * 1005.0 / Pr)
         for U in VELOCITIES:
             simulation = Simulation(Particles(bed.x, R), [Material(1000.0, SOFT)], (), domain)
-            gas = Gas(grid, air, drag_di_felice, law, T, isothermal=True)
-            points.append(bed_nusselt(Bed(simulation, gas, 1e-2, moving=False), U, T, Solid(0.84)))
+            gas = Gas(grid, air, drag_di_felice, law, isothermal=True)
+            points.append(bed_nusselt(Bed(simulation, gas, 1e-2, moving=False), U, 300.0, Solid(0.84)))
     return np.array(points).T
 
 

@@ -1,7 +1,9 @@
 """Heat transfer coefficients of particles: exact lattices, impacts, scenes of particles in a gas, closure, restart."""
 
+import csv
 import json
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +23,7 @@ from contbed.errors import SceneError
 from contbed.materials.constant import ConstantFluid
 from contbed.scene.loading import loads
 
+STUDY = Path(__file__).parents[2] / "studies/closure_transfer"
 AIR = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026)
 D, STEP = 2e-3, 0.999 * 2e-3
 RE, PR = 1.2 * 0.5 * D / 1.8e-5, 1.8e-5 * 1005.0 / 0.026
@@ -215,3 +218,12 @@ def test_mistakes_are_named_with_their_line(folder, old, new, wanted):
     with pytest.raises(SceneError) as error:
         cb.run(loads(SCENE.replace(old, new, 1), "scene.toml", base=folder))
     assert any(wanted in problem for problem in error.value.problems), error.value.problems
+
+
+def test_the_study_of_transfer_to_a_moving_bed():
+    # both committed closure files give the committed outlet temperature, inside of their ranges
+    result = cb.run(cb.load(STUDY / "moving_bed.toml"))
+    with open(STUDY / "outlet_both.csv", newline="") as file:
+        rows = {(row["scene"], row["closures"]): float(row["T_out [K]"]) for row in csv.DictReader(file)}
+    assert result.qoi["T_fluid_out_K"] == pytest.approx(rows["moving_bed", "packings"], abs=2e-3)
+    assert all(use["share_outside"] == 0 for use in result.closures)
