@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 from contbed.bubbling import chemistry_checks
 from contbed.bubbling import settings as b
-from contbed.bubbling.coefficients import named, uses
+from contbed.bubbling.coefficients import mixture, named, uses
 from contbed.errors import SceneError
 from contbed.scene import settings as s
 from contbed.scene.checks import Mistakes, See
@@ -133,18 +133,17 @@ def settling_has_what_it_needs(
 def the_gas_is_known(gas: b.Gas, species: Kinds) -> Mistakes:
     if gas.composition is None:
         return
-    from contbed.materials import gas_mixture
     from contbed.materials.composition import _pairs
 
     try:
         amounts = [float(amount) for _, amount in _pairs(gas.composition)]
-        mixture = gas_mixture(gas.composition, gas.pressure, gas.mechanism)
+        known = mixture(gas.composition, gas.pressure, gas.mechanism)
     except (SceneError, ValueError) as error:
         yield ("gas", "composition"), str(error)
         return
     if abs(sum(amounts) - 1.0) > SHARES:
         yield ("gas", "composition"), f"mole fractions sum to {sum(amounts):.8g}, not to 1"
-    hottest = mixture.T_range[1]
+    hottest = known.T_range[1]
     entering: list[tuple[KeyPath, float]] = [(("gas", "temperature"), gas.temperature)]
     entering += [(("species", name, "feed", "temperature"), item.feed.temperature)
                  for name, item in species.items() if item.feed is not None]  # fmt: skip

@@ -8,7 +8,7 @@ the mixture of particles: density by volume, heat capacity by mass, diameter and
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import cache, partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -29,6 +29,14 @@ SMOOTHED = 1e-3  # share of u_mf over which the excess of gas bends to zero wher
 STEPS = 200  # of the march that gives a first guess of the bubbles
 
 Use = tuple[KeyPath, Any, str]
+
+
+@cache
+def mixture(composition: str, pressure: float, mechanism: str) -> Any:
+    """Properties of a gas, which take long to read."""
+    from contbed.materials import gas_mixture
+
+    return gas_mixture(composition, pressure, mechanism)
 
 
 def named(spec: Any) -> bool:

@@ -193,6 +193,11 @@ def _freeboard(above: Any, values: dict[str, Any], local: Any, z: Any, result: R
     ejected = float(np.broadcast_to(above.ejected(local), z.shape)[-1])
     used, computed.ranges = computed.ranges, None
     result.qoi |= {"ejected_kg_m2s": ejected, "carryover_kg_s": part.section * values["carryover"]}
+    fed = sum(item.feed.mass_flow or 0.0 for item in computed.scene.present.values() if item.feed is not None)
+    sized = any(item.sizes is not None for item in computed.scene.present.values())
+    if not sized and computed.chemistry is None and part.section * values["carryover"] > fed:
+        result.warnings.append(f"gas carries away {part.section * values['carryover']:.3g} kg/s of particles, "
+                               f"{fed:.3g} kg/s are fed: give species.NAME.sizes")  # fmt: skip
     if values["carryover"] > ejected:
         result.warnings.append("gas carries away more particles than bubbles throw up: freeboard.elutriation")
     above_bed = part.bed + (part.bed - z[::-1]) * part.stretch

@@ -161,11 +161,10 @@ def _computed(scene: b.BubblingScene) -> Any:
     """Coefficients as functions of the state; None where the scene gives frozen ones."""
     if not scene.computed:
         return None
-    from contbed.bubbling.coefficients import Computed
-    from contbed.materials import gas_mixture
+    from contbed.bubbling.coefficients import Computed, mixture
 
     assert scene.gas.composition is not None
-    return Computed(scene, gas_mixture(scene.gas.composition, scene.gas.pressure, scene.gas.mechanism))
+    return Computed(scene, mixture(scene.gas.composition, scene.gas.pressure, scene.gas.mechanism))
 
 
 def _fluidized(scene: b.BubblingScene, computed: Any) -> None:
