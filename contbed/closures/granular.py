@@ -303,7 +303,7 @@ def granular_pressure_syamlal(eps_s, g0, e):
 
 
 @closure(kind="granular_friction", unit="Pa", ranges={"eps_s": (0, 0.65)}, source=_JOHNSON)
-def friction_johnson_jackson(eps_s, eps_max, eps_min=0.5, strength=0.05, gap=0.001):
+def friction_johnson_jackson(eps_s, eps_max, eps_min=0.5, strength=0.05, gap=0.01):
     """Johnson and Jackson (1987): pressure of particles that rub, none below eps_min.
 
     p = strength (eps_s - eps_min)^2/(eps_max - eps_s)^5

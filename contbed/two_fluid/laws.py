@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from types import FunctionType
 
 import numpy as np
@@ -36,6 +37,7 @@ USUAL = {
     "granular_dissipation": "granular_dissipation_lun",
     "granular_friction": "friction_johnson_jackson",
 }
+THEORY = tuple(USUAL)[1:-1]  # what a kernel of the kinetic theory is made of
 COUNTED = ("drag_guard_cells", "free_path_guard_cells", "packed_cells")
 
 
@@ -79,18 +81,22 @@ def make(
     wanted = USUAL | dict(names or {})
     chosen = {kind: closures.get(name, kind=kind) for kind, name in wanted.items() if name is not None}
     counts = np.zeros(3, dtype=np.int64)
-    drag = _drag(materials, chosen.get("drag", _nothing), drag_options or {})
-    granular = _granular(materials, particles, chosen)
+    law = chosen.get("drag", _nothing)
+    drag, options = _drag(law), tuple(float(value) for value in (_options(law) | dict(drag_options or {})).values())
+    granular = _granular(*(chosen.get(kind, _nothing) for kind in THEORY))
     table = _friction(materials, particles, chosen.get("granular_friction", _nothing))
+    gas, m = (materials.rho_gas, materials.mu_gas, materials.d_p), materials
+    path = particles.free_path if particles.free_path is not None else np.inf
+    constants = (m.rho_solid, m.d_p, m.eps_max, particles.restitution, path, particles.friction_from)
 
     def exchange(eps_s: np.ndarray, slip: np.ndarray) -> np.ndarray:
         out = np.empty_like(eps_s)
-        drag(eps_s, slip, out)
+        drag(eps_s, slip, gas, options, out)
         return out
 
     def rheology(eps_s: np.ndarray, theta: np.ndarray, K: np.ndarray) -> Rheology:
         out = Rheology(*(np.empty_like(eps_s) for _ in Rheology._fields))
-        granular(eps_s, theta, K, table, counts, out)
+        granular(eps_s, theta, K, constants, table, counts, out)
         return out
 
     return Laws(Closures(exchange, rheology), chosen, counts)
@@ -112,43 +118,35 @@ def _options(closure: Callable) -> dict[str, float]:
     return dict(closure.sheet.options) if hasattr(closure, "sheet") else {}
 
 
-def _drag(materials: Materials, closure: Callable, options: Mapping[str, float]) -> Callable:
+@cache
+def _drag(closure: Callable) -> Callable:
     """K = beta/eps_s in all cells."""
     beta = compiled(closure)
-    rho, mu, d_p = materials.rho_gas, materials.mu_gas, materials.d_p
-    more = tuple(float(value) for value in (_options(closure) | dict(options)).values())
 
     @njit
-    def kernel(eps_s, slip, out):
+    def kernel(eps_s, slip, gas, options, out):
+        rho, mu, d_p = gas
         for i in range(len(eps_s)):
             s = max(eps_s[i], DILUTEST)
-            out[i] = beta((1.0 - s) * rho * slip[i] * d_p / mu, 1.0 - s, d_p, mu, *more) / s
+            out[i] = beta((1.0 - s) * rho * slip[i] * d_p / mu, 1.0 - s, d_p, mu, *options) / s
 
     return kernel
 
 
-def _granular(materials: Materials, particles: Particles, chosen: Mapping[str, Callable]) -> Callable:
-    """Everything else, in all cells."""
-    contact = compiled(chosen["radial_distribution"])
-    if "eps_max" in chosen["radial_distribution"].sheet.arguments:  # type: ignore[attr-defined]
-        packs, contact_at = True, contact
-    else:
-        packs, contact_at = False, njit(lambda eps_s, _: contact(eps_s))
-    pressure = compiled(chosen["granular_pressure"])
-    viscosity, bulk, conductivity, dissipation = (
-        compiled(chosen.get(f"granular_{kind}", _nothing))
-        for kind in ("viscosity", "bulk_viscosity", "conductivity", "dissipation")
-    )
+@cache
+def _granular(*theory: Callable) -> Callable:
+    """The kinetic theory in all cells, of closures in the order of THEORY, and friction from its table."""
+    packs = "eps_max" in theory[0].sheet.arguments  # type: ignore[attr-defined]
+    contact, pressure, viscosity, bulk, conductivity, dissipation = (compiled(closure) for closure in theory)
+    contact_at = contact if packs else njit(lambda eps_s, _: contact(eps_s))
     by_drag, by_path = compiled(share_drag), compiled(share_free_path)
-    rho, d_p, eps_max, e = materials.rho_solid, materials.d_p, materials.eps_max, particles.restitution
-    guarded, path = particles.free_path is not None, particles.free_path or 1.0
-    first, rubs = particles.friction_from, "granular_friction" in chosen
-    spacing = (eps_max - first) / (ENTRIES - 1)
-    eta = 0.5 * (1.0 + e)
-    dilute_mu, dilute_k = 5.0 / 96.0 * np.pi**0.5, 75.0 * np.pi**0.5 / (48.0 * eta * (41.0 - 33.0 * eta))
+    root = np.pi**0.5
 
     @njit
-    def kernel(eps_s, theta, K, table, counts, out):
+    def kernel(eps_s, theta, K, constants, table, counts, out):
+        rho, d_p, eps_max, e, path, first = constants
+        eta, spacing = 0.5 * (1.0 + e), (eps_max - first) / (ENTRIES - 1)
+        dilute_mu, dilute_k = 5.0 / 96.0 * root, 75.0 * root / (48.0 * eta * (41.0 - 33.0 * eta))
         for i in range(len(eps_s)):
             s, t = eps_s[i], theta[i]
             if packs and s > DENSEST * eps_max:
@@ -159,7 +157,7 @@ def _granular(materials: Materials, particles: Particles, chosen: Mapping[str, C
             slope = (pressure(further, contact_at(further, eps_max), e) - p) / (STEP * eps_max)
             left_mu = s * s / (s * s + EMPTY * EMPTY)
             left_k = left_mu
-            if guarded:
+            if path < np.inf:
                 share = by_drag(K[i], t, s, g0, rho, d_p, dilute_mu, 2.0)
                 counts[0] += share < GUARDED
                 left_mu *= share
@@ -178,7 +176,7 @@ def _granular(materials: Materials, particles: Particles, chosen: Mapping[str, C
             out.dissipation[i] = rho / d_p * dissipation(s, g0, e)
             out.h[i] = 0.0
             out.mu_friction[i] = 0.0
-            if rubs and eps_s[i] > first:
+            if eps_s[i] > first:
                 j = min(int((eps_s[i] - first) / spacing), ENTRIES - 2)
                 w = (eps_s[i] - first) / spacing - j
                 out.h[i] = table[0, j] + w * (table[0, j + 1] - table[0, j])
