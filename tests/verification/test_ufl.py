@@ -28,6 +28,7 @@ from contbed.materials import ConstantFluid, Solid, gas_mixture
 from contbed.models import porous_flow, radiation, two_energy
 
 basix = pytest.importorskip("basix", reason="fenics-basix is not installed")
+pytest.importorskip("basix.ufl", reason="fenics-basix is older than these tests")
 ufl = pytest.importorskip("ufl", reason="fenics-ufl is not installed")
 jit = pytest.importorskip("ffcx.codegeneration.jit", reason="fenics-ffcx is not installed")
 ufl_forms = pytest.importorskip("contbed.engine.ufl_forms", reason="fenics-basix is not installed")
