@@ -87,6 +87,20 @@ def test_what_the_engine_lacks_is_named(scene, ranks: int) -> None:
     assert done.stderr.count("has no radiation by ordinates") == 1
 
 
+@pytest.mark.parametrize(("study", "what"), [
+    ("patil_packed_bed/schumann.toml", "no fronts tracked along characteristics"),
+    ("bubbling_bed_case1/p1.toml", "no scenes of kind bubbling_bed"),
+    ("lattices/sc.toml", "no scenes of kind particles"),
+])  # fmt: skip
+def test_other_models_are_refused_by_name(study: str, what: str) -> None:
+    from contbed.errors import EngineError
+    from contbed.runner import run as solve
+    from contbed.scene.loading import load
+
+    with pytest.raises(EngineError, match=what):
+        solve(load(Path(__file__).parents[2] / "studies" / study), engine="dolfinx")
+
+
 def test_a_bad_scene_is_told_once(scene) -> None:
     done = run(2, scene(text=SCENE.replace("length", "lenght")))
     assert done.returncode == 2
