@@ -1,0 +1,123 @@
+"""Two-fluid scenes with mistakes: each is named with its key before anything is built."""
+
+from copy import deepcopy
+
+import meshio
+import numpy as np
+import pytest
+
+from contbed.errors import SceneError
+from contbed.planning import plan
+from contbed.scene.loading import from_dict
+
+GOOD = {
+    "mesh": {"type": "rectangle", "length": 0.1, "height": 0.4, "cells": [4, 16]},
+    "two_fluid": {},
+    "gas": {"density": 1.2, "viscosity": 1.8e-5},
+    "solid": {"diameter": 275e-6, "density": 2500.0, "packing": 0.63},
+    "initial": {"eps_s": 0.5},
+    "boundary": {
+        "left": {"type": "wall", "solid": "johnson_jackson", "specularity": 0.1, "restitution": 0.9},
+        "right": {"type": "wall"},
+        "bottom": {"type": "inlet", "velocity": 0.4},
+        "top": {"type": "outlet"},
+    },
+    "time": {"end": 0.1},
+}
+
+
+def scene(changes, without=()):
+    values = deepcopy(GOOD)
+    for path, value in changes.items():
+        *way, last = path.split(".")
+        table = values
+        for name in way:
+            table = table.setdefault(name, {})
+        table[last] = value
+    for path in without:
+        *way, last = path.split(".")
+        table = values
+        for name in way:
+            table = table[name]
+        del table[last]
+    return values
+
+
+def test_the_good_scene_is_good():
+    assert "cells" in str(plan(from_dict(GOOD)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "without", "told"),
+    [
+        ({"two_fluid.drag": "drag_wenyu"}, (), "drag_wen_yu"),
+        ({"two_fluid.viscosity": "granular_viscosity_gidaspov"}, (), "granular_viscosity_gidaspow"),
+        ({"two_fluid.drag": "g0_lun_savage"}, (), "wanted kind 'drag'"),
+        ({"two_fluid.drag": {"name": "drag_syamlal_obrien", "cc": 0.8}}, (), "no parameter 'cc'"),
+        ({"two_fluid.radial_distribution": "none"}, (), "two_fluid.radial_distribution"),
+        ({"two_fluid.granular_temperature": "pdf"}, (), "granular_temperature"),
+        ({"two_fluid.gravity": -9.81}, (), "gravity"),
+        ({"initial.eps_s": 0.64}, (), "denser than the densest packing"),
+        ({"initial.eps_s": 0.6, "initial.noise": 0.1}, (), "with its noise"),
+        ({"initial.layer": [{"start": 0.1, "end": 0.2, "eps_s": 0.7}]}, (), "initial.layer"),
+        ({"initial.layer": [{"start": 0.3, "end": 0.2}]}, (), "is not above start"),
+        ({"initial.theta": -1.0}, (), "initial.theta"),
+        ({"boundary.bottom.eps_s": 0.64, "boundary.bottom.solid_flux": 10.0}, (), "denser than the densest packing"),
+        ({"boundary.bottom.eps_s": 0.2}, (), "particles need eps_s and either"),
+        ({"boundary.bottom.solid_flux": 10.0}, (), "particles need eps_s and either"),
+        ({"boundary.bottom.eps_s": 0.2, "boundary.bottom.solid_flux": 9.0, "boundary.bottom.solid_velocity": 0.1}, (),
+         "give either solid_flux or solid_velocity"),
+        ({"boundary.bottom.velocity": -0.4}, (), "boundary.bottom"),
+        ({}, ("boundary.left.specularity",), "specularity"),
+        ({"boundary.right.specularity": 0.1}, (), "belongs to solid = 'johnson_jackson'"),
+        ({"boundary.left.specularity": 1.5}, (), "specularity"),
+        ({"boundary.left.solid": "partial"}, (), "johnson_jackson"),
+        ({"boundary.top": {"type": "wall"}}, (), "nothing leaves"),
+        ({}, ("boundary.right",), "boundary.right"),
+        ({"boundary.lid": {"type": "wall"}}, (), "no boundary 'lid'"),
+        ({"boundary.top.type": "outflow"}, (), "outlet"),
+        ({"boundary.left": {"type": "periodic", "partner": "rihgt"}}, (), "no such boundary"),
+        ({"boundary.left": {"type": "periodic", "partner": "right"}}, (), "cannot be given twice"),
+        ({"boundary.feed": {"type": "wall", "on": "left", "start": 0.2, "end": 0.1}}, (), "start below end"),
+        ({"boundary.feed": {"type": "wall", "on": "left", "start": 0.101, "end": 0.102}}, (), "refine the mesh"),
+        ({"solid.restitution": -0.1}, (), "solid.restitution"),
+        ({"solid.restitution": 1.1}, (), "solid.restitution"),
+        ({"solid.diameter": 0.0}, (), "solid.diameter"),
+        ({"solid.packing": 0.8}, (), "solid.packing"),
+        ({"solid.friction": {"start": 0.64}}, (), "is not below the densest packing"),
+        ({}, ("mesh.cells",), "mesh.cells"),
+        ({"mesh.cells": [0, 4]}, (), "mesh.cells"),
+        ({"time.courant": 1.5}, (), "time.courant"),
+        ({"time.average_from": 0.2}, (), "is not before the end"),
+        ({"time.first": 1.0}, (), "longer than the longest step"),
+        ({}, ("solid.density",), "solid.density"),
+        ({"gas.pressure": 1e5}, (), "pressure"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_named(changes, without, told):
+    with pytest.raises(SceneError) as caught:
+        plan(from_dict(scene(changes, without)))
+    assert told in str(caught.value)
+
+
+def test_all_mistakes_are_told_at_once():
+    with pytest.raises(SceneError) as caught:
+        from_dict(scene({"two_fluid.drag": "drag_wenyu", "initial.eps_s": 0.64, "boundary.lid": {"type": "wall"}}))
+    text = str(caught.value)
+    assert all(part in text for part in ("drag_wen_yu", "densest packing", "lid"))
+
+
+@pytest.mark.parametrize(
+    ("corner", "told"), [((1.0, 1.0), "plain.msh: 4 of 4 exterior facets"), ((0.5, 0.0), "plain.msh")]
+)
+def test_a_mesh_file_without_names_or_volume(tmp_path, corner, told):
+    points = np.array([[0.0, 0.0], [1.0, 0.0], corner, [0.0, 1.0]])
+    meshio.write(tmp_path / "plain.msh", meshio.Mesh(points, [("triangle", [[0, 1, 2], [0, 2, 3]])]), "gmsh")
+    with pytest.raises(SceneError) as caught:
+        plan(from_dict(scene({"mesh": {"type": "file", "file": "plain.msh"}}), base=tmp_path))
+    assert told in str(caught.value)
+
+
+def test_a_mesh_file_that_is_missing(tmp_path):
+    with pytest.raises(SceneError, match=r"mesh\.file.*no such file"):
+        from_dict(scene({"mesh": {"type": "file", "file": "absent.msh"}}), base=tmp_path)

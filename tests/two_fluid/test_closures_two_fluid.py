@@ -1,0 +1,166 @@
+"""Closures of the two-fluid model against closed forms: what drag and weight make of one particle and of a suspension,
+shear against dissipation, limits, joins, and the compiled functions against numpy's.
+
+Tolerances: the printed digits of the references where those are numbers, round-off where two ways must agree.
+"""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from contbed import closures
+from contbed.closures.granular_transport import share_drag, share_free_path
+from contbed.two_fluid import laws
+
+SEED = {"rho_s": 2550.0, "d_p": 150e-6, "rho": 1.2, "mu": 1.8e-5}
+TAGHIPOUR = {"rho_s": 2500.0, "d_p": 275e-6, "rho": 1.225, "mu": 1.7894e-5}
+GRAVITY = 9.81
+DRAG = ("drag_wen_yu", "drag_syamlal_obrien", "drag_gidaspow", "drag_di_felice")
+RADIAL = ("g0_sinclair_jackson", "g0_lun_savage", "g0_carnahan_starling", "g0_ma_ahmadi")
+
+
+def beta(name, eps, u, rho_s, d_p, rho, mu):
+    """Drag coefficient at an intrinsic slip."""
+    return closures.get(name, "drag")(Re=eps * rho * u * d_p / mu, eps=eps, d_p=d_p, mu=mu)
+
+
+def carried(name, eps, u, **system):
+    """Drag on a suspension less its weight in the gas, over the weight."""
+    weight = eps * (1 - eps) * (system["rho_s"] - system["rho"]) * GRAVITY
+    return beta(name, eps, u, **system) * u / weight - 1
+
+
+def g0(name, eps_s, eps_max=0.6):
+    function = closures.get(name)
+    return function(eps_s, eps_max) if "eps_max" in function.sheet.arguments else function(eps_s)
+
+
+@pytest.mark.parametrize(("name", "slip"), [("drag_wen_yu", 1.00303), ("drag_syamlal_obrien", 0.92414)])
+def test_terminal_velocity_of_one_particle(name, slip):
+    found = brentq(lambda u: carried(name, 1 - 1e-9, u, **SEED), 0.1, 3.0)
+    assert found == pytest.approx(slip, abs=6e-6)  # five printed digits
+
+
+@pytest.mark.parametrize(
+    ("name", "velocity", "voidage"),
+    [
+        ("drag_wen_yu", 0.38, 0.6150), ("drag_wen_yu", 0.46, 0.6477),
+        ("drag_syamlal_obrien", 0.38, 0.6097), ("drag_syamlal_obrien", 0.46, 0.6549),
+        ("drag_gidaspow", 0.38, 0.6297), ("drag_gidaspow", 0.46, 0.6632),
+    ],
+)  # fmt: skip
+def test_voidage_of_a_uniform_suspension(name, velocity, voidage):
+    found = brentq(lambda eps: carried(name, eps, velocity / eps, **TAGHIPOUR), 0.4, 0.75)
+    assert found == pytest.approx(voidage, abs=6e-5)  # four printed digits
+
+
+@pytest.mark.parametrize(
+    ("name", "velocity"), [("drag_syamlal_obrien", 0.1327), ("drag_gidaspow", 0.0718), ("drag_wen_yu", 0.0689)]
+)
+def test_velocity_that_carries_a_packing(name, velocity):
+    found = 0.4 * brentq(lambda u: carried(name, 0.4, u, **TAGHIPOUR), 1e-3, 1.0)
+    assert found == pytest.approx(velocity, abs=6e-5)
+
+
+@pytest.mark.parametrize("name", DRAG)
+def test_drag_is_finite_and_rises_with_slip_and_fraction(name):
+    eps_s, u = np.meshgrid([1e-9, 1e-4, 0.01, 0.1, 0.14, 0.16, 0.19, 0.21, 0.4, 0.6], [0.0, 1e-8, 1e-3, 0.1, 1.0, 20.0])
+    each = beta(name, 1 - eps_s, u, **SEED) / eps_s
+    assert np.isfinite(each).all()
+    force = each * u
+    assert (np.diff(force, axis=0) > 0).all()
+    dense = eps_s[0] > 0.25  # between 0.15 and 0.2 laws change over, where each may step by a few per cent
+    assert (np.diff(each[:, dense], axis=1) > 0).all()
+
+
+@pytest.mark.parametrize("name", ["drag_wen_yu", "drag_syamlal_obrien", "drag_gidaspow"])
+def test_drag_has_no_jump(name):
+    """A change by 1e-9 of the state changes the drag by no more than 1e-5: joins are steep but smooth."""
+    eps, Re = np.linspace(0.37, 0.9999, 4001), np.geomspace(0.1, 5e3, 4001)
+    function = closures.get(name)
+
+    def each(Re, eps):
+        return function(Re, eps, 1e-3, 1.8e-5) / (1 - eps)
+
+    np.testing.assert_allclose(each(50.0, eps - 1e-9), each(50.0, eps), rtol=1e-5)
+    np.testing.assert_allclose(each(Re * (1 + 1e-9), 0.9), each(Re, 0.9), rtol=1e-5)
+
+
+def test_wen_yu_joins_its_two_laws_within_a_few_per_cent_of_the_reynolds_number():
+    below, above = (closures.drag_wen_yu(Re, 0.9, d_p=1.0, mu=1.0) / (0.1 * 0.9**-2.65) for Re in (900.0, 1100.0))
+    assert below == pytest.approx(18 * (1 + 0.15 * 900.0**0.687), rel=1e-8)
+    assert above == pytest.approx(0.33 * 1100.0, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("eps_s", "restitution", "expected"),
+    [(0.3, 0.8, 0.523848), (0.3, 0.95, 2.057972), (0.05, 0.95, 24.9228), (0.5, 0.95, 1.73717)],
+)
+def test_shear_against_dissipation(eps_s, restitution, expected):
+    contact = g0("g0_sinclair_jackson", eps_s)
+    mu = closures.granular_viscosity_gidaspow(eps_s, contact, restitution)
+    gamma = closures.granular_dissipation_lun(eps_s, contact, restitution)
+    assert mu / gamma == pytest.approx(expected, rel=3e-6)  # six printed digits
+
+
+def test_rate_of_cooling():
+    """b of Haff's law, d sqrt(theta)/dt = -b theta/2, from dissipation over 3/2 eps_s."""
+    contact = g0("g0_sinclair_jackson", 0.3)
+    assert contact == pytest.approx(4.84732, abs=6e-6)
+    b = closures.granular_dissipation_lun(0.3, contact, 0.95) / (1.5 * 0.3 * 150e-6)
+    assert b == pytest.approx(4266.30, abs=6e-3)
+    assert 1e-2 / (1 + b * 0.1 * 0.1 / 2) ** 2 == pytest.approx(2.005229e-5, rel=3e-6)
+
+
+def test_bulk_viscosity_is_five_thirds_of_the_collisional_viscosity():
+    s, e = np.linspace(0.01, 0.6, 20), 0.9
+    contact = g0("g0_lun_savage", s, 0.63)
+    collisional = closures.granular_viscosity_gidaspow(s, contact, e, kinetic=0.0)
+    np.testing.assert_allclose(closures.granular_bulk_lun(s, contact, e), 5.0 / 3.0 * collisional, rtol=1e-14)
+
+
+@pytest.mark.parametrize("name", RADIAL)
+def test_radial_distribution_is_one_when_dilute_and_rises(name):
+    s = np.linspace(0.0, 0.59, 60)
+    values = g0(name, s)
+    assert values[0] == 1.0
+    assert (np.diff(values) > 0).all()
+
+
+@pytest.mark.parametrize("name", ["granular_viscosity_gidaspow", "granular_viscosity_syamlal"])
+def test_dilute_limits_of_viscosity(name):
+    """Gidaspow's stays finite, Syamlal's is proportional to the fraction: neither grows as the particles thin out."""
+    function, s = closures.get(name), np.array([1e-8, 1e-6, 1e-4])
+    values = function(s, 1.0, 0.9)
+    expected = 10 * np.pi**0.5 / (96 * 1.9) if "gidaspow" in name else s * np.pi**0.5 / (6 * 2.1)
+    np.testing.assert_allclose(values, expected * np.ones(3), rtol=2e-3)
+
+
+def test_guards_end_in_one_and_zero():
+    base = {"K": 60.0, "theta": 0.1, "g0": 1.3, "rho_s": 2550.0, "d_p": 150e-6, "dilute": 0.0923}
+    assert share_drag(eps_s=0.5, **base | {"K": 0.0}) == 1.0
+    assert share_drag(eps_s=1e-9, **base) < 1e-3
+    assert share_free_path(0.5, 5.0, 150e-6, 0.01) == pytest.approx(1.0, abs=1e-3)
+    assert share_free_path(1e-9, 1.0, 150e-6, 0.01) < 1e-4
+
+
+def test_friction_begins_where_particles_touch_and_is_smooth():
+    eps_s = np.array([0.3, 0.5, 0.5 + 1e-6, 0.6])
+    p = closures.friction_johnson_jackson(eps_s, 0.63)
+    assert (p[:2] == 0).all()
+    assert 0 < p[2] < 1e-6
+    assert p[3] == pytest.approx(0.05 * 0.1**2 / 0.03**5, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "name", ["drag_gidaspow", "drag_syamlal_obrien", "g0_ma_ahmadi", "granular_viscosity_gidaspow"]
+)
+def test_compiled_functions_are_those_of_numpy(name):
+    """numba and numpy evaluate one function; powers may differ by their last digits."""
+    function, s = closures.get(name), np.linspace(0.01, 0.58, 7)
+    known = {"Re": 40.0, "eps": 1 - s, "d_p": 1e-3, "mu": 1.8e-5, "eps_s": s, "eps_max": 0.6, "g0": 1.0 + s, "e": 0.9}
+    names = function.sheet.arguments
+    options = tuple(function.sheet.options.values())
+    kernel = laws.compiled(function)
+    one = [kernel(*(np.broadcast_to(known[k], s.shape)[i] for k in names), *options) for i in range(len(s))]
+    np.testing.assert_allclose(one, function(*(known[k] for k in names)), rtol=1e-13)
