@@ -1,0 +1,143 @@
+"""Two-fluid scenes from file to findings: the check cases against what is known exactly."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import contbed as cb
+from contbed import closures
+from contbed.errors import SceneError
+from contbed.scene.loading import loads
+
+STUDY = Path(__file__).parents[2] / "studies" / "two_fluid_checks"
+
+
+def found(name, **overrides):
+    """Named results of a check case."""
+    return cb.run(cb.load(STUDY / f"{name}.toml", {key.replace("__", "."): value for key, value in overrides.items()}))
+
+
+def slip(law, scene):
+    """Velocity of the gas past particles that drag holds against their weight in their own suspension."""
+    eps, gas, solid = 1.0 - scene.initial.eps_s, scene.gas, scene.solid
+
+    def missing(u):
+        Re = eps * gas.density * u * solid.diameter / gas.viscosity
+        beta = law(Re, eps, solid.diameter, gas.viscosity)
+        return beta * u - eps * (1.0 - eps) * (solid.density - gas.density) * 9.81
+
+    return brentq(missing, 1e-6, 10.0, xtol=1e-14)
+
+
+@pytest.mark.parametrize(("name", "law"), [
+    ("slip", "drag_wen_yu"), ("uniform_wenyu", "drag_wen_yu"), ("uniform_syamlal", "drag_syamlal_obrien"),
+    ("uniform_gidaspow", "drag_gidaspow"),
+])  # fmt: skip
+def test_gas_passes_a_suspension_at_its_slip_velocity(name, law):
+    # implicit drag gives the steady slip at any step; 1e-8 is what the relaxation of 1.2 s leaves
+    result = found(name)
+    assert result.qoi["slip_velocity"] == pytest.approx(slip(closures.get(law), result.plan.scene), rel=1e-6)
+
+
+def test_printed_slip_velocities():
+    # shared by several authors for this particle to the digits given
+    scene = cb.load(STUDY / "slip.toml")
+    assert slip(closures.drag_wen_yu, scene) == pytest.approx(1.00303, abs=5e-6)
+    assert slip(closures.drag_syamlal_obrien, scene) == pytest.approx(0.92414, abs=5e-6)
+
+
+def test_shear_balances_dissipation():
+    # a linear velocity and a uniform theta are exact on any grid; 1e-4 is left of the approach in 2 s
+    assert found("shear", mesh__cells=[2, 8]).qoi["theta_over_s2d2"] == pytest.approx(2.057972, rel=1e-4)
+
+
+def test_cooling_follows_haff():
+    # first order in time: 1e-3 at the step of 1e-5 s in the scene, ten times that here
+    theta = found("cooling", time__step=1e-4, mesh__cells=[2, 2]).qoi["theta_final"]
+    assert theta == pytest.approx(2.005229e-5, rel=1e-2)
+
+
+def test_second_order_cools_better():
+    theta = found("cooling", time__step=1e-4, time__order=2, mesh__cells=[2, 2]).qoi["theta_final"]
+    assert theta == pytest.approx(2.005229e-5, rel=3e-4)
+
+
+def test_fronts_of_settling():
+    # 200 cells of 0.5 mm; the fronts have run 37 and 7.4 mm, a fifth of a cell is allowed
+    qoi = found("settling").qoi
+    assert qoi["front_position_m"] == pytest.approx(0.1 - 8.0 * 4.60966e-3, abs=1e-4)
+    assert qoi["lower_front_position_m"] == pytest.approx(8.0 * 9.21932e-4, abs=1e-4)
+    assert abs(qoi["mass_drift_relative"]) < 1e-14
+
+
+def test_riemann_problem_of_a_granular_gas():
+    # exact: 0.01412995 and 1.18869463; half a cell of 1/400 in 0.36 of way
+    qoi = found("riemann", mesh__cells=400).qoi
+    assert qoi["eps_star"] == pytest.approx(0.01412995, rel=1e-3)
+    assert qoi["shock_speed"] == pytest.approx(1.18869463, abs=0.0125 / 0.3 * 0.3)
+
+
+def test_cold_streams_that_meet_lose_nothing():
+    result = found("crossing", mesh__cells=100)
+    assert abs(result.qoi["mass_drift_relative"]) < 1e-14
+    assert result.qoi["eps_s_max"] <= 0.63 * (1 + 1e-12)
+    assert result.qoi["max_velocity"] < 1.05
+
+
+def test_walls_of_johnson_and_jackson_lose_nothing():
+    result = found("closed_box_jj", mesh__cells=[7, 25], time__end=0.3)
+    assert abs(result.qoi["mass_drift_relative"]) < 1e-14
+    assert result.qoi["max_velocity"] > 0.05
+
+
+def test_restart_is_bit_for_bit(tmp_path):
+    change = {"mesh.cells": [4, 20], "time.end": 0.05, "time.sample": 0.01, "time.average_from": 0.02}
+    scene = cb.load(STUDY / "closed_box_jj.toml", change)
+    whole = cb.run(scene, tmp_path / "whole")
+    from contbed.two_fluid import study
+
+    keep, count = study._keep, []
+
+    def stop(*arguments):
+        keep(*arguments)
+        count.append(1)
+        if len(count) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(study, "_keep", stop)
+        with pytest.raises(KeyboardInterrupt):
+            cb.run(scene, tmp_path / "part")
+    rest = cb.run(scene, tmp_path / "part", restart=tmp_path / "part")
+    for name, column in whole.profiles.items():
+        assert np.array_equal(column, rest.profiles[name]), name
+    for name, column in whole.tables["axial"].items():
+        assert np.array_equal(column, rest.tables["axial"][name]), name
+
+
+BED = (STUDY / "closed_box_jj.toml").read_text()
+
+
+@pytest.mark.parametrize(("old", "new", "message"), [
+    ('drag = "drag_syamlal_obrien"', 'drag = "drag_wenyu"', "two_fluid.drag"),
+    ("restitution = 0.9\npacking", "restitution = 1.2\npacking", "solid.restitution"),
+    ("restitution = 0.9\npacking", "restitution = -0.1\npacking", "solid.restitution"),
+    ("eps_s = 0.6\n", "eps_s = 0.7\n", "denser than the densest packing"),
+    ("specularity = 0.01\n", "", "specularity"),
+    ('[boundary.top]\ntype = "outlet"', '[boundary.top]\ntype = "wall"', "nothing leaves"),
+    ("[boundary.left]", "[boundary.lefft]", "boundary.lefft"),
+    ("velocity = 0.46", "velocity = 0.46\neps_s = 0.2", "solid_flux or solid_velocity"),
+    ("velocity = 0.46", "velocity = 0.46\neps_s = 0.2\nsolid_flux = 1\nsolid_velocity = 1", "either solid_flux"),
+    ("cells = [28, 100]", "", "mesh.cells"),
+    ("[time]\n", '[time]\naverage_from = "2 s"\n', "is not before the end"),
+    ("end = 0.4\n", "start = 0.5\nend = 0.4\n", "is not above start"),
+    ("diameter = \"275 um\"", 'diameter = "275 Pa"', "solid.diameter"),
+    ("density = 2500.0", "density = nan", "solid.density"),
+])  # fmt: skip
+def test_mistakes_are_named_with_their_line(old, new, message):
+    assert old in BED
+    with pytest.raises(SceneError, match=message.replace(".", r"\.")) as caught:
+        cb.plan(loads(BED.replace(old, new, 1), "bed.toml"))
+    assert "bed.toml:" in str(caught.value)
