@@ -31,12 +31,11 @@ def test_jacobian_is_the_derivative():
         assert np.abs(exact - estimate).max() < 1e-8 * np.abs(estimate).max(), name
 
 
-@pytest.mark.parametrize("guess", [400.0, 700.0, 1000.0, 1500.0, 2000.0])
-def test_guesses_lead_to_one_state(guess):
-    reference, found = solved(hot()), solved(hot(solver={"guess": guess}))
-    assert len(found.history) <= 12
-    # the meshes differ, since layers are predicted with the coefficients of the guess
-    assert found.qoi == pytest.approx(reference.qoi, rel=1e-6)
+def test_six_guesses_lead_to_one_state():
+    found = [solved(hot(solver={"guess": guess})) for guess in (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)]
+    assert max(len(result.history) for result in found) <= 12
+    for result in found[1:]:
+        assert result.qoi == pytest.approx(found[0].qoi, rel=1e-9)
 
 
 def test_closures_are_those_of_the_state():
@@ -82,3 +81,20 @@ def test_ranges_are_reported_with_where_they_are_used():
     assert any(text.startswith("bubbles.size: bubble_growth_mori_wen is used out of") for text in result.warnings)
     with pytest.raises(cb.errors.ClosureRangeError, match="u_excess"):
         cb.run(hot(solver={"strict": True}))
+
+
+def test_gas_that_passes_into_the_bubbles_brings_its_heat():
+    """Without exchange bubbles are heated by that alone: W_b h_b' = X (h_e - h_b) where X = W_b' > 0."""
+    result = solved(hot(bubbles={"exchange": 0.0}, gas__mass_flow=0.5, solver={"guess": 900.0},
+                        species__inert__conductivity=20.0))  # fmt: skip
+    column = {header.split(" [")[0]: values for header, values in result.profiles.items()}
+    z, flow = column["z"], column["flow_bubble"]
+    gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)
+    h_emulsion, h_bubble = gas.enthalpy(column["T_emulsion"]), gas.enthalpy(column["T_bubble"])
+    passed = np.diff(flow)
+    mean = 0.5 * (h_emulsion[1:] + h_emulsion[:-1]), 0.5 * (h_bubble[1:] + h_bubble[:-1])
+    gained = np.sum(np.maximum(passed, 0) * mean[0] + np.minimum(passed, 0) * mean[1])
+    change = flow[-1] * h_bubble[-1] - flow[0] * h_bubble[0]
+    # gas does pass, and heats the bubbles; the trapezoidal rule of the table
+    assert np.abs(passed).sum() > 0.01 and abs(change - gained) < 1e-3 * abs(gained)
+    assert np.ptp(column["T_bubble"]) > 5
