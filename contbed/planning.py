@@ -135,6 +135,10 @@ def plan(scene: Any) -> Any:
         from contbed.two_fluid.planning import plan as plan_two_fluid
 
         return plan_two_fluid(scene)
+    if scene.kind == "fully_developed":
+        from contbed.two_fluid.developed_planning import plan as plan_developed
+
+        return plan_developed(scene)
     if scene.kind == "particles_gas":
         from contbed.dem.gas_study import plan as plan_gas
 

@@ -104,6 +104,11 @@ class Result:
 
             two_fluid_plot(out / "profiles.png", self.profiles, self.tables, scene.title)
             return
+        if scene.kind == "fully_developed":
+            from contbed.output.two_fluid_plots import developed_plot
+
+            developed_plot(out / "profiles.png", self.profiles, scene.title)
+            return
         if scene.kind == "particles_gas":
             from contbed.output.particles import history_plot
 

@@ -152,6 +152,12 @@ def _solve(
         with _timed(result, "flow"):
             solve_two_fluid(plan, result, folder, quiet, start)
         return
+    if scene.kind == "fully_developed":
+        from contbed.two_fluid.developed_findings import solve as solve_developed
+
+        with _timed(result, "flow"):
+            solve_developed(plan, result)
+        return
     if scene.kind == "particles_gas":
         from contbed.dem.gas_study import solve as solve_gas
 

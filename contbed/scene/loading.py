@@ -24,7 +24,8 @@ _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Scene:
     """The scene of a file. `overrides` such as {"mesh.refine": 2} replace values before anything is checked.
 
-    A table names the kind of scene: [two_fluid] a `two_fluid.settings.TwoFluidScene`, [bubbling_bed] a
+    A table names the kind of scene: [two_fluid] a `two_fluid.settings.TwoFluidScene`, [fully_developed] a
+    `two_fluid.developed_settings.DevelopedScene`, [bubbling_bed] a
     `bubbling.settings.BubblingScene`, [particles] and [gas] a `dem.gas_settings.GasScene`, [particles] or [lattice] a
     `dem.settings.ParticleScene`.
     """
@@ -116,6 +117,11 @@ def _kind(values: Mapping[str, Any]) -> tuple[Any, Any]:
         from contbed.two_fluid.settings import TwoFluidScene
 
         return TwoFluidScene, two_fluid_checks
+    if "fully_developed" in values:
+        from contbed.two_fluid.developed_checks import CHECKS as developed_checks
+        from contbed.two_fluid.developed_settings import DevelopedScene
+
+        return DevelopedScene, developed_checks
     if any(_near(name, ["bubbling_bed"]) for name in values):
         from contbed.bubbling.checks import CHECKS
         from contbed.bubbling.settings import BubblingScene

@@ -28,7 +28,7 @@ _BOUNDS = {
 _TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false"}
 
 
-KINDS = ("packed_bed", "bubbling_bed", "particles", "particles_gas", "two_fluid")
+KINDS = ("packed_bed", "bubbling_bed", "particles", "particles_gas", "two_fluid", "fully_developed")
 _definitions: dict[str, Node] = {}  # of the schemas that have been asked for; one name means one table in all of them
 
 
@@ -46,6 +46,8 @@ def schema(kind: str = "packed_bed") -> Node:
         from contbed.dem.settings import ParticleScene as model
     elif kind == "two_fluid":
         from contbed.two_fluid.settings import TwoFluidScene as model
+    elif kind == "fully_developed":
+        from contbed.two_fluid.developed_settings import DevelopedScene as model
     found = model.model_json_schema(ref_template=f"{kind}/{{model}}")
     _definitions.update({f"{kind}/{name}": node for name, node in found["$defs"].items()})
     return found

@@ -29,13 +29,9 @@ def closures_exist(fully_developed: d.FullyDeveloped, origin: Origin) -> Mistake
 
 def particles_fit(fully_developed: d.FullyDeveloped, solid: d.Solid, see: See) -> Mistakes:
     if fully_developed.radius < ROOM * solid.diameter:
-        room = f"{fully_developed.radius / solid.diameter:.3g}"
-        yield (
-            ("fully_developed", "radius"),
-            (
-                f"only {room} particles from centre to wall, at least {ROOM:g} make a continuum; see {see('solid.diameter')}"
-            ),
-        )
+        known = see("solid.diameter")
+        room = f"only {fully_developed.radius / solid.diameter:.3g} particles from centre to wall"
+        yield ("fully_developed", "radius"), f"{room}, at least {ROOM:g} make a continuum; see {known}"
 
 
 CHECKS = (closures_exist, particles_fit)

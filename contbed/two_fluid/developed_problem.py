@@ -15,6 +15,7 @@ from contbed.two_fluid.developed_planning import DevelopedPlan
 Array = Any
 EXTRA = 4  # order of quadrature beyond the product of two basis functions
 BLUNT = 20  # power of the distance in the profile of the gas that the search starts from
+TYPICAL = 0.03  # granular temperature [m2/s2]
 FIRST, LAST = 1e-5, 1e3  # steps in pseudo-time [s]; granular energy settles within a second
 
 
@@ -33,6 +34,9 @@ class DevelopedProblem:
         self.system = System(plan.mesh.skfem, fields, 2 * degree + EXTRA, axisymmetric=plan.mesh.axisymmetric)
         (self.wall,) = self.system.boundary("wall")
         self.fixed = self.system.nodes("u_gas", plan.mesh.skfem.boundaries["wall"])
+        self.weights = np.ones(self.system.size)  # what compares steps of pressures with those of velocities
+        for name in ("gradient", "pressure") if self.particles else ("gradient",):
+            self.system.part(self.weights, name)[:] = self.c.velocity / self.system.part(self.start(TYPICAL), name)
         self.lower = np.full(self.system.size, -np.inf)
         for name in ("root", "pressure") if self.particles else ():
             self.system.part(self.lower, name)[:] = 0.0
@@ -78,5 +82,6 @@ class DevelopedProblem:
         options = self.plan.scene.solver
         return newton(
             self.steady, x, self.fixed, self.plan.policy, tolerance=options.newton_tolerance,
-            iterations=options.newton_iterations, linear=not self.particles, lower=self.lower, what="developed flow",
+            iterations=options.newton_iterations, linear=not self.particles, lower=self.lower, weights=self.weights,
+            what="developed flow",
         )  # fmt: skip

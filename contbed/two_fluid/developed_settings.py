@@ -13,7 +13,7 @@ from pydantic import Field
 
 from contbed.scene import settings as s
 from contbed.scene.quantities import Table, unit
-from contbed.two_fluid.settings import Gas, Named
+from contbed.two_fluid.settings import Flux, Gas, Named
 
 
 class FullyDeveloped(Table):
@@ -22,9 +22,7 @@ class FullyDeveloped(Table):
     section: Literal["channel", "pipe"]
     radius: s.Length = Field(description="of the pipe, or half the width of the channel")
     velocity: Annotated[float, *unit("m/s"), Field(gt=0)] = Field(description="superficial, of the gas, upward")
-    solid_flux: Annotated[float, *unit("kg/m**2/s")] = Field(
-        description="mass flux of the particles, upward; without particles 0"
-    )
+    solid_flux: Flux = Field(description="mass flux of the particles, upward; 0: gas alone")
     theta_centre: Annotated[float, *unit("m**2/s**2"), Field(gt=0)] = Field(
         0.03, description="granular temperature at the centre, near which a solution is looked for: names the branch"
     )

@@ -1,0 +1,175 @@
+"""Fully developed flow of gas and particles up a channel or a pipe: profiles across, steady, nothing varies along.
+
+    0 = eps_g G + (r^n mu_g u_g')'/r^n - beta (u_g - u_s) - eps_g rho_g g
+    0 = eps_s G + (r^n mu_s u_s')'/r^n + beta (u_g - u_s) - eps_s rho_s g
+    0 = (r^n k theta')'/r^n + mu_s u_s'^2 - gamma - 3 beta theta,       p_s(eps_s, theta) = P over the section
+    r = 0:  u_g' = u_s' = theta' = 0
+    r = R:  u_g = 0,  mu_s u_s' = -c u_s,  k theta' = c u_s^2 - c_w theta
+    mean of eps_g u_g = U_g,  mean of rho_s eps_s u_s = G_s
+
+r        distance from the centre [m]            n        0 in a channel, 1 in a pipe
+u        intrinsic velocity upward [m/s]         theta    granular temperature [m2/s2]
+eps      fraction [1]                            G        -dp/dz [Pa/m]
+P        pressure of the particles [Pa]          beta     drag [kg/m3/s]
+mu_s, k, gamma    of the kinetic theory [Pa s, kg/m/s, W/m3]
+c        phi pi sqrt(3) rho_s eps_s g0 sqrt(theta)/(6 eps_max) [kg/m2/s], Johnson and Jackson's slip, specularity phi
+c_w      (1 - e_w^2) pi sqrt(3) rho_s eps_s g0 sqrt(theta)/(4 eps_max) [kg/m2/s]
+
+Unknowns are u_g, u_s, the root of theta, and two numbers, G and P; eps_s follows pointwise from P and theta. Several
+solutions may belong to one pair of U_g and G_s: the granular temperature at the centre names the branch.
+
+Source: Sinclair, Jackson 1989, AIChE J. 35, 1473-1486, doi:10.1002/aic.690350908; walls after Johnson, Jackson 1987,
+J. Fluid Mech. 176, 67-93, doi:10.1017/S0022112087000570.
+
+Good values: particles of 0.1-1 mm in 10-100 mm, specularity 0.01-0.5, U_g 3-20 m/s, G_s 10-500 kg/m2/s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+ITERATIONS = 60  # of Newton's method for the fraction
+ROUNDING = 1e-13  # of the logarithm of its pressure
+IMAGINARY = 1e-30  # part of the fraction whose image is the derivative
+STILL = 1e-12  # [m2/s2] added to the square of the slip, whose root has no derivative at 0
+
+Law = tuple[Callable[..., Any], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Gas, particles, flow and wall in SI; `laws` holds closure and own parameters by kind."""
+
+    rho_gas: float
+    mu_gas: float
+    rho_solid: float
+    d_p: float
+    restitution: float
+    eps_max: float
+    gravity: float
+    velocity: float  # U_g, superficial [m/s]
+    solid_flux: float  # G_s [kg/m2/s]
+    specularity: float
+    wall_restitution: float
+    laws: Mapping[str, Law]
+
+    def given(self, kind: str, **state: Any) -> dict[str, Any]:
+        """The arguments of a closure at a state."""
+        function, own = self.laws[kind]
+        known = {"e": self.restitution, "eps_max": self.eps_max, "d_p": self.d_p, "mu": self.mu_gas, **state}
+        names = function.sheet.arguments  # type: ignore[attr-defined]
+        return {name: known[name] for name in names if name not in own} | dict(own)
+
+    def call(self, kind: str, **state: Any) -> Any:
+        """A closure at a state."""
+        return self.laws[kind][0](**self.given(kind, **state))
+
+    def relative_pressure(self, eps_s: Any) -> Any:
+        """Pressure of the particles over rho_s theta."""
+        return self.call("granular_pressure", eps_s=eps_s, g0=self.call("radial_distribution", eps_s=eps_s))
+
+    def fraction(self, ratio: Any) -> Any:
+        """The eps_s whose pressure over rho_s theta is `ratio`; nan where no fraction below packing has it."""
+        if not hasattr(ratio, "apply"):
+            return self._fraction(ratio)[0]
+        eps_s, slope = self._fraction(ratio.value)
+        return ratio.apply(lambda _: eps_s, lambda _: 1.0 / slope)
+
+    def _fraction(self, ratio: Any) -> tuple[Any, Any]:
+        """The fraction and the slope of its pressure, by Newton's method for ln p over ln(eps_s/(eps_max - eps_s)),
+        which is nearly straight at both ends.
+        """
+        wanted = np.log(np.asarray(ratio, dtype=float))
+        x = wanted - np.log(self.eps_max)
+        for _ in range(ITERATIONS):
+            eps_s = self.eps_max / (1.0 + np.exp(-x))
+            known = self.relative_pressure(eps_s + 1j * IMAGINARY)
+            value, slope = known.real, known.imag / IMAGINARY
+            miss = np.log(value) - wanted
+            if np.all(np.abs(miss) <= ROUNDING * (1.0 + np.abs(wanted))):
+                break
+            x = x - miss * value / (slope * eps_s * (1.0 - eps_s / self.eps_max))
+        return np.where(np.abs(miss) < 1e3 * ROUNDING * (1.0 + np.abs(wanted)), eps_s, np.nan), slope
+
+
+@dataclass
+class Local:
+    """State and closures at the points of one domain."""
+
+    eps_s: Any
+    g0: Any
+    Re: Any
+    beta: Any
+    mu: Any
+    k: Any
+    gamma: Any
+
+
+def local(u: Any, c: Coefficients) -> Local:
+    """What the unknowns stand for."""
+    eps_s = c.fraction(u.pressure / (c.rho_solid * u.root**2))
+    g0 = c.call("radial_distribution", eps_s=eps_s)
+    eps, slip = 1.0 - eps_s, np.sqrt((u.u_gas - u.u_solid) ** 2 + STILL)
+    Re = eps * c.rho_gas * slip * c.d_p / c.mu_gas
+    state, scale = {"eps_s": eps_s, "g0": g0}, c.rho_solid * c.d_p * u.root
+    return Local(
+        eps_s, g0, Re, c.call("drag", Re=Re, eps=eps),
+        scale * c.call("granular_viscosity", **state),
+        scale * c.call("granular_conductivity", **state),
+        c.rho_solid / c.d_p * u.root**3 * c.call("granular_dissipation", **state),
+    )  # fmt: skip
+
+
+def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
+    """Both momenta, granular energy, and the two flows."""
+    at = local(u, c)
+    eps, drag, shear = 1.0 - at.eps_s, at.beta * (u.u_gas - u.u_solid), o.grad(u.u_solid)[0]
+    solid = at.mu * shear * o.grad(tests.u_solid)[0]
+    solid = solid + (at.eps_s * (c.rho_solid * c.gravity - u.gradient) - drag) * tests.u_solid
+    energy = 2.0 * at.k * u.root * o.grad(u.root)[0] * o.grad(tests.root)[0]
+    energy = energy + (at.gamma + 3.0 * at.beta * u.root**2 - at.mu * shear**2) * tests.root
+    flow = (c.rho_solid * at.eps_s * u.u_solid - c.solid_flux) * tests.pressure
+    return gas(u, tests, c, o, eps) + drag * tests.u_gas + solid + energy + flow
+
+
+def gas(u: Any, tests: Any, c: Coefficients, o: Any, eps: Any = 1.0) -> Any:
+    """Momentum of the gas without drag, and its flow."""
+    momentum = c.mu_gas * o.grad(u.u_gas)[0] * o.grad(tests.u_gas)[0]
+    momentum = momentum + eps * (c.rho_gas * c.gravity - u.gradient) * tests.u_gas
+    return momentum + (eps * u.u_gas - c.velocity) * tests.gradient
+
+
+def wall_stress(u: Any, at: Local, c: Coefficients) -> Any:
+    """Stress of the particles on the wall, upward [Pa]."""
+    return c.specularity * _wall_factor(u, at, c) * u.u_solid
+
+
+def wall(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
+    """Slip and granular energy at the wall; u_gas is given there."""
+    at = local(u, c)
+    stress = wall_stress(u, at, c)
+    lost = 1.5 * (1.0 - c.wall_restitution**2) * _wall_factor(u, at, c) * u.root**2
+    return stress * tests.u_solid + (lost - stress * u.u_solid) * tests.root
+
+
+def _wall_factor(u: Any, at: Local, c: Coefficients) -> Any:
+    """pi sqrt(3) rho_s eps_s g0 sqrt(theta)/(6 eps_max) [kg/m2/s]."""
+    return np.pi * 3.0**0.5 * c.rho_solid / (6.0 * c.eps_max) * at.eps_s * at.g0 * u.root
+
+
+def content(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
+    """Granular energy, whose relaxation in time leads to a solution; all else follows it at once."""
+    return 1.5 * c.rho_solid * c.fraction(u.pressure / (c.rho_solid * u.root**2)) * u.root**2 * tests.root
+
+
+def uniform_fraction(c: Coefficients) -> float:
+    """The eps_s at which drag on evenly spread particles comes nearest to their weight, as if there were no wall."""
+    eps_s = np.geomspace(1e-6, 0.9, 400) * c.eps_max
+    eps, rise = 1.0 - eps_s, c.velocity / (1.0 - eps_s) - c.solid_flux / (c.rho_solid * eps_s)
+    drag = c.call("drag", Re=eps * c.rho_gas * np.abs(rise) * c.d_p / c.mu_gas, eps=eps) * rise
+    weight = eps * eps_s * (c.rho_solid - c.rho_gas) * c.gravity
+    return float(eps_s[np.argmin(np.abs(drag - weight) / (np.abs(drag) + weight))])
