@@ -67,12 +67,16 @@ def follow(problem: BubblingProblem, state: Any, result: Result) -> None:
 
 
 def columns(problem: BubblingProblem, family: Family, branch: Branch) -> dict[str, Any]:
-    """Parameter, state of ignition, mean temperatures and heat duties along a branch."""
-    rows, turns = [], [index for index, _, _ in branch.folds]
-    for k, (p, x) in enumerate(zip(branch.parameter, branch.states, strict=True)):
+    """Parameter, folds passed, mean temperatures and heat duties along a branch, its folds among the points."""
+    points = list(zip(branch.parameter, branch.states, strict=True))
+    turns = [index + k for k, (index, _, _) in enumerate(branch.folds)]
+    for place, (_, p, x) in zip(turns, branch.folds, strict=True):
+        points.insert(place, (p, x))
+    rows = []
+    for k, (p, x) in enumerate(points):
         at = family.at(p)
         state = at._state(x)
-        row = {"point [1]": float(k), f"{family.key} [1]": p, "turns [1]": float(sum(turn <= k for turn in turns))}
+        row = {"point [1]": float(k), f"{family.key} [1]": p, "turns [1]": float(sum(turn < k for turn in turns))}
         row |= {f"T_{name} [K]": mean(at, state, f"T_{name}") for name in at.c.species}
         row |= {f"{name.removesuffix('_W')} [W]": value for name, value in at.duties(state).items()}
         rows.append(row)

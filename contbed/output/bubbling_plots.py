@@ -32,7 +32,7 @@ def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -
             T = np.asarray(columns[header])
             for turn in np.unique(turns):
                 part = np.flatnonzero(turns == turn)
-                part = np.append(part, min(part[-1] + 1, len(p) - 1))
+                part = np.append(max(part[0] - 1, 0), part)  # from the fold on
                 axes.plot(p[part], T[part], color=COLOURS[k % len(COLOURS)], linestyle="--" if turn % 2 else "-",
                           label=name_of(header).removeprefix("T_") if turn == 0 else None)  # fmt: skip
         axes.set(xlabel=name_of(headers[1]), ylabel="mean temperature [K]")
