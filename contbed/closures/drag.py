@@ -18,7 +18,7 @@ _WEN_YU = "Wen, Yu 1966, Chem. Eng. Prog. Symp. Ser. 62, 100-111"
 _SYAMLAL = "Syamlal, Rogers, O'Brien 1993, MFIX documentation: theory guide, doi:10.2172/10145548"
 _INF = float("inf")
 _STEP = 1000.0  # Re at which Schiller and Naumann's law meets the constant 0.44, but for 0.4 %
-_RISE = 5.0  # width of the change between them in Re; wider ones shift developed flows visibly
+_RISE = 10.0  # width of the change between them in Re; wider ones shift developed flows visibly
 _LOOSE = 0.8  # porosity at which Gidaspow changes from Ergun to Wen and Yu
 _BLEND = 0.01  # width of that change
 _DILUTE = 0.85  # porosity at which Syamlal and O'Brien's terminal velocity changes its power
@@ -200,7 +200,7 @@ def drag_wen_yu(Re, eps, d_p, mu):
     Limits
     ------
     Re -> 0: 18 (1 - eps) eps^-2.65 mu/d_p^2. At Re = 1000 the laws differ by 0.4 %
-    and are joined by a logistic step in Re of width 5.
+    and are joined by a logistic step in Re of width 10.
 
     Example
     -------

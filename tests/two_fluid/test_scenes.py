@@ -8,8 +8,6 @@ from scipy.optimize import brentq
 
 import contbed as cb
 from contbed import closures
-from contbed.errors import SceneError
-from contbed.scene.loading import loads
 
 STUDY = Path(__file__).parents[2] / "studies" / "two_fluid_checks"
 
@@ -115,29 +113,3 @@ def test_restart_is_bit_for_bit(tmp_path):
         assert np.array_equal(column, rest.profiles[name]), name
     for name, column in whole.tables["axial"].items():
         assert np.array_equal(column, rest.tables["axial"][name]), name
-
-
-BED = (STUDY / "closed_box_jj.toml").read_text()
-
-
-@pytest.mark.parametrize(("old", "new", "message"), [
-    ('drag = "drag_syamlal_obrien"', 'drag = "drag_wenyu"', "two_fluid.drag"),
-    ("restitution = 0.9\npacking", "restitution = 1.2\npacking", "solid.restitution"),
-    ("restitution = 0.9\npacking", "restitution = -0.1\npacking", "solid.restitution"),
-    ("eps_s = 0.6\n", "eps_s = 0.7\n", "denser than the densest packing"),
-    ("specularity = 0.01\n", "", "specularity"),
-    ('[boundary.top]\ntype = "outlet"', '[boundary.top]\ntype = "wall"', "nothing leaves"),
-    ("[boundary.left]", "[boundary.lefft]", "boundary.lefft"),
-    ("velocity = 0.46", "velocity = 0.46\neps_s = 0.2", "solid_flux or solid_velocity"),
-    ("velocity = 0.46", "velocity = 0.46\neps_s = 0.2\nsolid_flux = 1\nsolid_velocity = 1", "either solid_flux"),
-    ("cells = [28, 100]", "", "mesh.cells"),
-    ("[time]\n", '[time]\naverage_from = "2 s"\n', "is not before the end"),
-    ("end = 0.4\n", "start = 0.5\nend = 0.4\n", "is not above start"),
-    ("diameter = \"275 um\"", 'diameter = "275 Pa"', "solid.diameter"),
-    ("density = 2500.0", "density = nan", "solid.density"),
-])  # fmt: skip
-def test_mistakes_are_named_with_their_line(old, new, message):
-    assert old in BED
-    with pytest.raises(SceneError, match=message.replace(".", r"\.")) as caught:
-        cb.plan(loads(BED.replace(old, new, 1), "bed.toml"))
-    assert "bed.toml:" in str(caught.value)
