@@ -151,7 +151,8 @@ def correct(g, gas, solid, edge, p, faces, flux_solid, flux_total, outflow):
         if f >= ni:
             if gas.kind[f - ni] == OUTLET:
                 if u_s < 0.0:
-                    flux_solid[f] = u_s = 0.0
+                    # no particles come back: as at a wall
+                    flux_solid[f] = u_s = faces[f, 7] = 0.0
             else:
                 flux_total[f] = area * (gas.flux[f - ni] + solid.flux[f - ni])
         faces[f, 0], faces[f, 1] = u_g, u_s

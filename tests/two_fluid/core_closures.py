@@ -34,8 +34,11 @@ def closures(
     eps_friction=0.5,
     rubbing=0.0,
 ):
-    """K [kg/m3/s] a number or a function of eps_s and slip; p_s = rho_s eps_s theta where `pressure` is 1; viscosities,
-    conductivity [Pa s] times eps_s; gamma = dissipation eps_s^2 theta^1.5; p_friction = rho_s `friction` (eps_s - 0.5)^2 with the viscosity `rubbing` [Pa s] where there is any."""
+    """K [kg/m3/s] is a number or a function of eps_s and slip, p_s = rho_s eps_s theta where `pressure` is 1.
+
+    Viscosities and conductivity [Pa s] are times eps_s, gamma = dissipation eps_s^2 theta^1.5. Above eps_friction,
+    p_friction = rho_s `friction` (eps_s - eps_friction)^2, with the viscosity `rubbing` [Pa s].
+    """
 
     def exchange(eps_s, slip):
         return drag(eps_s, slip) if callable(drag) else np.full(len(eps_s), float(drag))
