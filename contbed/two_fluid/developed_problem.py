@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from copy import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from contbed.engine.skfem import System
+from contbed.errors import ConvergenceError
 from contbed.models import developed_flow as model
 from contbed.solve.continuation import relax
 from contbed.solve.newton import newton
@@ -16,6 +19,8 @@ Array = Any
 EXTRA = 4  # order of quadrature beyond the product of two basis functions
 BLUNT = 20  # power of the distance in the profile of the gas that the search starts from
 TYPICAL = 0.03  # granular temperature [m2/s2]
+SMOOTH = 0.05  # specularity that a level start suits
+ROUGHER, SLOWEST = 2.0, 1.01  # factors on it from one solution to the next
 FIRST, LAST = 1e-5, 1e3  # steps in pseudo-time [s]; granular energy settles within a second
 
 
@@ -71,11 +76,35 @@ class DevelopedProblem:
         return x
 
     def solve(self, theta: float) -> tuple[Array, list[float]]:
-        """The solution that granular energy settles to from a level `theta`, and the history of Newton's method."""
+        """The solution that granular energy settles to from a level `theta`, and the history of Newton's method.
+
+        A rough wall, near which nothing is like the start, comes after a smooth one.
+        """
         x = self.start(theta)
-        if self.particles:
-            x = relax(self, x, self.plan.policy, self.lower, first=FIRST, last=LAST, tolerance=1e-5)
-        return self.solve_from(x)
+        if not self.particles:
+            return self.solve_from(x)
+        rough = self.c.specularity
+        smooth = self._with_specularity(min(rough, SMOOTH))
+        x, history = smooth.solve_from(
+            relax(smooth, x, self.plan.policy, self.lower, first=FIRST, last=LAST, tolerance=1e-5)
+        )
+        done, step = smooth.c.specularity, ROUGHER
+        while done < rough:
+            ahead = min(rough, step * done)
+            try:
+                x, history = self._with_specularity(ahead).solve_from(x)
+            except ConvergenceError:
+                step **= 0.5
+                if step < SLOWEST:
+                    raise
+                continue
+            done = ahead
+        return x, history
+
+    def _with_specularity(self, specularity: float) -> DevelopedProblem:
+        other = copy(self)
+        other.c = replace(self.c, specularity=specularity)
+        return other
 
     def solve_from(self, x: Array) -> tuple[Array, list[float]]:
         """Newton from a state nearby."""
