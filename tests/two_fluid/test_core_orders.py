@@ -83,7 +83,7 @@ def sources(x):
 
 
 def errors(cells, shape, limited):
-    """L2 errors of all fields after 0.2 s from the exact fields, with dt proportional to the square of the cell size."""
+    """L2 errors of all fields after 0.2 s from the exact fields, with dt as the square of the cell size."""
     grid = rectangle(1.0, 1.0, (cells, cells), shape=shape)
     g, x, dt = grid.geometry, grid.centres, 0.2 / round(0.2 * cells**2)
     given = Given(u_gas, u_solid, eps_s, theta)
