@@ -26,7 +26,8 @@ def two_fluid_plot(
         panels = figure.subplots(1 + len(tables), 3, squeeze=False)
         for axes, name in zip(panels[0], ("pressure_drop [Pa]", "centre_of_solids [m]", "theta_mean [m2/s2]"),
                               strict=True):  # fmt: skip
-            axes.plot(rows["t [s]"], rows[name], color="#0072B2", linewidth=1)
+            # the first pressure is that of fields that have not met yet
+            axes.plot(rows["t [s]"][1:], rows[name][1:], color="#0072B2", linewidth=1)
             axes.set(xlabel="t [s]", ylabel=name.replace("_", " "))
             axes.margins(x=0)
         for line, table in zip(panels[1:], tables.values(), strict=True):
@@ -36,7 +37,7 @@ def two_fluid_plot(
                 if name.startswith("theta") and "theta_total [m2/s2]" in table:
                     axes.plot(table[coordinate], table["theta_total [m2/s2]"], color="#000000", linestyle="--",
                               linewidth=1, label="with resolved motion")  # fmt: skip
-                    axes.legend()
+                    axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.18), fontsize="x-small")
                 axes.set(xlabel=coordinate, ylabel=name.replace("_", " "))
                 axes.margins(x=0)
 

@@ -89,8 +89,8 @@ def test_drag_has_no_jump(name):
 def test_wen_yu_joins_its_two_laws_within_a_few_per_cent_of_the_reynolds_number():
     below, above = (closures.drag_wen_yu(Re, 0.9, d_p=1.0, mu=1.0) / (0.1 * 0.9**-2.65) for Re in (900.0, 1100.0))
     # a tail of exp(-10) of the 0.4 % by which they differ
-    assert below == pytest.approx(18 * (1 + 0.15 * 900.0**0.687), rel=1e-6)
-    assert above == pytest.approx(0.33 * 1100.0, rel=1e-6)
+    assert below == pytest.approx(18 * (1 + 0.15 * 900.0**0.687), rel=1e-5)
+    assert above == pytest.approx(0.33 * 1100.0, rel=1e-5)
 
 
 @pytest.mark.parametrize(
