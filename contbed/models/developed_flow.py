@@ -92,7 +92,8 @@ class Coefficients:
             miss = np.log(value) - wanted
             if np.all(np.abs(miss) <= ROUNDING * (1.0 + np.abs(wanted))):
                 break
-            x = x - miss * value / (slope * eps_s * (1.0 - eps_s / self.eps_max))
+            with np.errstate(all="ignore"):  # no fraction has the pressure: nan
+                x = x - miss * value / (slope * eps_s * (1.0 - eps_s / self.eps_max))
         return np.where(np.abs(miss) < 1e3 * ROUNDING * (1.0 + np.abs(wanted)), eps_s, np.nan), slope
 
 

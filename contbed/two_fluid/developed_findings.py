@@ -8,37 +8,37 @@ from typing import Any
 import numpy as np
 
 from contbed.closures import usage
-from contbed.errors import ConvergenceError
 from contbed.models import developed_flow as model
 from contbed.result import Result
-from contbed.two_fluid.developed_planning import DevelopedPlan
-from contbed.two_fluid.developed_problem import DevelopedProblem
+from contbed.solve.branch import trace
+from contbed.solve.linear import constrain
+from contbed.two_fluid.developed_problem import TYPICAL, DevelopedProblem
 
 Array = Any
 ALIGNED = 3  # rounds that move a node to where gas and particles are equally fast
 NEAR = 1e-3  # share of a cell within which it is there
 APART = 1e-4  # relative difference of granular temperatures at the centre of two solutions
 MEANT = 0.1  # within which a solution is the one that was asked for
-DECADES = (-3, -2, -1, 1, 2)  # powers of 10 times the given theta from which others are looked for
+SPAN, POINTS = 1.5, 60  # factor on the velocity both ways, and solutions on the way, where others are looked for
 
 
 def solve(plan: Any, result: Result) -> None:
     """Solve and fill the result."""
-    table = plan.scene.fully_developed
+    meant = plan.scene.fully_developed.theta_centre
     problem = DevelopedProblem(plan)
-    state, history = problem.solve(table.theta_centre)
+    state, history = problem.solve(meant or TYPICAL)
     result.history += history
     problem, state = aligned(problem, state)
+    if problem.particles and plan.scene.solver.branches:
+        state = _nearest(problem, state, meant, result)
+        problem, state = aligned(problem, state)
     result.plan = problem.plan  # type: ignore[assignment]
     findings(problem, state, result)
-    if problem.particles and plan.scene.solver.branches:
-        _others(problem, state, result)
-    if problem.particles and abs(result.qoi["theta_centre"] / table.theta_centre - 1.0) > MEANT:
+    if problem.particles and meant is not None and abs(result.qoi["theta_centre"] / meant - 1.0) > MEANT:
         where = plan.scene.origin.at(("fully_developed", "theta_centre"))
-        result.warnings.append(
-            f"the solution found has theta {result.qoi['theta_centre']:.4g} m2/s2 at the centre; from "
-            f"{table.theta_centre:g} ({where}) granular energy settles to it"
-        )
+        more = "" if plan.scene.solver.branches else "; solver.branches = true looks for others"
+        found = result.qoi["theta_centre"]
+        result.warnings.append(f"{where}: theta at the centre is {found:.4g} m2/s2, not near {meant:g}{more}")
 
 
 def aligned(problem: DevelopedProblem, state: Array) -> tuple[DevelopedProblem, Array]:
@@ -133,25 +133,46 @@ def _balance(given: float, found: float, unit: str) -> dict[str, Any]:
             "unit": unit}  # fmt: skip
 
 
-def _others(problem: DevelopedProblem, state: Array, result: Result) -> None:
-    """Solutions that granular energy settles to from other temperatures, in branches.csv."""
-    plan: DevelopedPlan = problem.plan
-    found = [state]
-    for power in DECADES:
-        theta = plan.scene.fully_developed.theta_centre * 10.0**power
-        try:
-            other, _ = problem.solve(theta)
-        except ConvergenceError:
-            result.warnings.append(f"granular energy from a level theta of {theta:g} m2/s2 settles to no solution")
-            continue
-        if all(abs(_centre(problem, other) / _centre(problem, known) - 1.0) > APART for known in found):
-            found.append(other)
+def _nearest(problem: DevelopedProblem, state: Array, meant: float | None, result: Result) -> Array:
+    """Of all solutions found, in branches.csv, the one that is meant; without a word on it the one at hand."""
+    found = [state, *others(problem, state, result)]
     found.sort(key=lambda each: _centre(problem, each))
     result.qoi["solutions_found"] = len(found)
-    result.tables["branches"] = {
-        "theta_centre [m2/s2]": np.array([_centre(problem, each) for each in found]),
-        "pressure_gradient [Pa/m]": np.array([problem.system.part(each, "gradient")[0] for each in found]),
-    }
+    columns = {"theta_centre [m2/s2]": [_centre(problem, each) for each in found],
+               "pressure_gradient [Pa/m]": [problem.system.part(each, "gradient")[0] for each in found]}  # fmt: skip
+    result.tables["branches"] = {header: np.array(column, dtype=float) for header, column in columns.items()}
+    if meant is None:
+        return state
+    return min(found, key=lambda each: abs(np.log(_centre(problem, each) / meant)))
+
+
+def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Array]:
+    """Other solutions for the same flows, where the branch over the velocity comes back to it after its folds."""
+    velocity, policy = problem.c.velocity, problem.plan.policy
+
+    def assemble(x: Array, value: float, jacobian: bool) -> tuple[Array, Any]:
+        residual, matrix = problem.having(velocity=float(value)).steady(x, jacobian)
+        residual[problem.fixed] = 0.0
+        return residual, constrain(matrix, problem.fixed) if jacobian else None
+
+    found = [state]
+    for stop, back in ((velocity / SPAN, velocity * SPAN), (velocity * SPAN, velocity / SPAN)):
+        branch = trace(assemble, state, velocity, stop, policy, weights=problem.weights, size=velocity, points=POINTS,
+                       back=back)  # fmt: skip
+        if not branch.complete:
+            end = branch.parameter[-1]
+            result.warnings.append(f"the branch over the velocity is followed to {end:.4g} m/s, not to {stop:.4g}")
+        values, states = list(branch.parameter), list(branch.states)
+        for place, value, turn in reversed(branch.folds):
+            values.insert(place, value)
+            states.insert(place, turn)
+        ahead = np.array(values) - velocity
+        for k in np.flatnonzero(ahead[:-1] * ahead[1:] < 0):
+            share = ahead[k] / (ahead[k] - ahead[k + 1])
+            other, _ = problem.solve_from((1.0 - share) * states[k] + share * states[k + 1])
+            if all(abs(_centre(problem, other) / _centre(problem, known) - 1.0) > APART for known in found):
+                found.append(other)
+    return found[1:]
 
 
 def _centre(problem: DevelopedProblem, state: Array) -> float:

@@ -84,7 +84,7 @@ class DevelopedProblem:
         if not self.particles:
             return self.solve_from(x)
         rough = self.c.specularity
-        smooth = self._with_specularity(min(rough, SMOOTH))
+        smooth = self.having(specularity=min(rough, SMOOTH))
         x, history = smooth.solve_from(
             relax(smooth, x, self.plan.policy, self.lower, first=FIRST, last=LAST, tolerance=1e-5)
         )
@@ -92,7 +92,7 @@ class DevelopedProblem:
         while done < rough:
             ahead = min(rough, step * done)
             try:
-                x, history = self._with_specularity(ahead).solve_from(x)
+                x, history = self.having(specularity=ahead).solve_from(x)
             except ConvergenceError:
                 step **= 0.5
                 if step < SLOWEST:
@@ -101,9 +101,10 @@ class DevelopedProblem:
             done = ahead
         return x, history
 
-    def _with_specularity(self, specularity: float) -> DevelopedProblem:
+    def having(self, **values: Any) -> DevelopedProblem:
+        """This problem with other coefficients, on the same mesh."""
         other = copy(self)
-        other.c = replace(self.c, specularity=specularity)
+        other.c = replace(self.c, **values)
         return other
 
     def solve_from(self, x: Array) -> tuple[Array, list[float]]:

@@ -23,8 +23,8 @@ class FullyDeveloped(Table):
     radius: s.Length = Field(description="of the pipe, or half the width of the channel")
     velocity: Annotated[float, *unit("m/s"), Field(gt=0)] = Field(description="superficial, of the gas, upward")
     solid_flux: Flux = Field(description="mass flux of the particles, upward; 0: gas alone")
-    theta_centre: Annotated[float, *unit("m**2/s**2"), Field(gt=0)] = Field(
-        0.03, description="granular temperature at the centre, near which a solution is looked for: names the branch"
+    theta_centre: Annotated[float, *unit("m**2/s**2"), Field(gt=0)] | None = Field(
+        None, description="granular temperature at the centre of the solution that is meant, where there are several"
     )
     gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = 9.81
     drag: Named = "drag_wen_yu"
@@ -63,7 +63,7 @@ class Solver(Table):
 
     cells: s.Whole = Field(60, ge=4, le=10000, description="between centre and wall, finer toward the wall")
     degree: s.Order = Field(3, description="polynomial degree of the fields")
-    branches: s.Switch = Field(False, description="look for other solutions of the same flows")
+    branches: s.Switch = Field(False, description="follow solutions over the velocity to find others of it")
     newton_tolerance: s.Fraction = 1e-10
     newton_iterations: s.Whole = Field(60, ge=1, le=1000)
     balance_tolerance: s.Positive = 1e-10

@@ -1,0 +1,79 @@
+"""Fully developed flow: several solutions of one pair of flows, rough walls, and scenes that cannot be run."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.errors import SceneError
+from contbed.models.developed_flow import Coefficients
+from contbed.two_fluid.developed_planning import coefficients
+
+SCENE = Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "developed.toml"
+THIN = {"fully_developed.velocity": 8.335, "fully_developed.solid_flux": 2.0, "solver.branches": True}
+
+
+def load(**overrides):
+    return cb.load(SCENE, overrides)
+
+
+def test_branch_with_folds_has_three_solutions_and_gives_the_one_that_is_meant():
+    """A dilute flow folds between 8.3271 and 8.3419 m/s. The middle one of its solutions is no end of a relaxation."""
+    result = cb.run(load(**THIN, **{"fully_developed.theta_centre": 0.0158}))
+    theta = result.tables["branches"]["theta_centre [m2/s2]"]
+    drop = result.tables["branches"]["pressure_gradient [Pa/m]"]
+    assert result.qoi["solutions_found"] == len(theta) == 3
+    # a node has moved to the kink of this solution since: 1e-5
+    assert result.qoi["theta_centre"] == pytest.approx(theta[1], rel=1e-5)
+    assert result.qoi["pressure_gradient_Pa_m"] == pytest.approx(drop[1], rel=1e-5)
+    assert np.all(np.diff(drop) < -1.0)  # the calmer, the more particles: by more than 1 of 34 Pa/m
+    assert abs(result.balances["momentum"]["relative_residual"]) < 1e-10
+    assert not result.warnings
+
+
+def test_one_solution_says_when_another_was_meant():
+    result = cb.run(load(**{"fully_developed.theta_centre": 0.3}))
+    assert result.qoi["theta_centre"] == pytest.approx(0.027872205, rel=1e-6)
+    assert any("not near 0.3; solver.branches = true" in text for text in result.warnings)
+
+
+def test_rough_wall_holds_particles_back():
+    """Specularity 1 is reached through smoother walls. Particles are slower at the wall and the drop is larger."""
+    smooth, rough = (cb.run(load(**{"wall.specularity": value})) for value in (0.05, 1.0))
+    assert rough.qoi["u_solid_wall"] < 0.2 * smooth.qoi["u_solid_wall"]
+    assert rough.qoi["pressure_gradient_Pa_m"] > 2 * smooth.qoi["pressure_gradient_Pa_m"]
+    assert abs(rough.balances["momentum"]["relative_residual"]) < 1e-10
+
+
+@pytest.mark.parametrize("name", ["sinclair_jackson", "lun_savage", "ma_ahmadi"])
+def test_fraction_inverts_the_pressure(name):
+    c: Coefficients = coefficients(load(**{"fully_developed.radial_distribution": f"g0_{name}"}))
+    eps_s = c.eps_max * np.array([1e-9, 1e-3, 0.1, 0.5, 0.9, 0.999])
+    np.testing.assert_allclose(c.fraction(c.relative_pressure(eps_s)), eps_s, rtol=1e-11)
+
+
+def test_no_fraction_below_packing_is_no_number():
+    c = coefficients(load(**{"fully_developed.radial_distribution": "g0_carnahan_starling"}))
+    assert np.isnan(c.fraction(2.0 * c.relative_pressure(c.eps_max)))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("fully_developed.radius", 0.002, "only 2 particles from centre to wall"),
+        ("fully_developed.section", "square", "channel, pipe"),
+        ("fully_developed.velocity", -1.0, "> 0"),
+        ("fully_developed.solid_flux", -1.0, ">= 0"),
+        ("fully_developed.drag", "drag_wen_you", "drag_wen_yu"),
+        ("fully_developed.theta_center", 0.1, "theta_centre"),
+        ("wall.specularity", 1.5, "<= 1"),
+        ("solid.packing", 0.9, "< 0.75"),
+        ("solver.cells", 2, ">= 4"),
+        ("mesh.type", "line", "unknown"),
+    ],
+)
+def test_bad_scenes_say_what_is_wrong(key, value, said):
+    with pytest.raises(SceneError) as error:
+        load(**{key: value})
+    assert said in str(error.value) and key.split(".")[0] in str(error.value)
