@@ -149,6 +149,7 @@ def g0_ma_ahmadi(eps_s, eps_max):
     Parameters
     ----------
     eps_s : [-] fraction of the particles
+    eps_max : [-] densest packing
 
     Returns
     -------
@@ -313,6 +314,7 @@ def friction_johnson_jackson(eps_s, eps_max, eps_min=0.5, strength=0.05, gap=0.0
     Parameters
     ----------
     eps_s : [-] fraction of the particles
+    eps_max : [-] densest packing
     eps_min : [-] fraction above which particles rub
     strength : [Pa] factor
     gap : [-] smallest eps_max - eps_s that counts

@@ -105,7 +105,7 @@ def _at_level(path: str | Path, scene: s.Scene, level: int, points: Sequence[flo
     if scene.kind in ("particles", "particles_gas"):
         raise SceneError(f"{path}: a scene of particles has no mesh to refine")
     if scene.kind == "fully_developed":
-        raise SceneError(f"{path}: a fully developed flow has no [mesh] to refine; compare runs with other solver.cells")
+        raise SceneError(f"{path}: a fully developed flow has no [mesh] to refine; vary solver.cells")
     mesh = scene.mesh
     changes: dict[str, Any] = {"solver.adapt": 0} if scene.kind == "packed_bed" else {}
     cells = getattr(mesh, "cells", None)

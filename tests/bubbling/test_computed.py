@@ -88,7 +88,7 @@ def test_gas_that_passes_into_the_bubbles_brings_its_heat():
     result = solved(hot(bubbles={"exchange": 0.0}, gas__mass_flow=0.5, solver={"guess": 900.0},
                         species__inert__conductivity=20.0))  # fmt: skip
     column = {header.split(" [")[0]: values for header, values in result.profiles.items()}
-    z, flow = column["z"], column["flow_bubble"]
+    flow = column["flow_bubble"]
     gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)
     h_emulsion, h_bubble = gas.enthalpy(column["T_emulsion"]), gas.enthalpy(column["T_bubble"])
     passed = np.diff(flow)

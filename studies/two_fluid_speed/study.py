@@ -1,0 +1,70 @@
+"""CPU of a simulated second of a riser and of a bubbling bed, contbed beside OpenFOAM's twoPhaseEulerFoam.
+
+    python study.py            both programs; the peer needs the Debian package `openfoam`
+
+Same mesh, closures, walls, initial state and largest Courant number; one process with one thread each. Compilation and
+the peer's meshing are left out. Writes results.csv.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import openfoam
+
+import contbed as cb
+
+HERE = Path(__file__).parent
+STUDIES = HERE.parent
+EMPTY = {"initial.eps_s": 0.0, "initial.u_gas": 0.0, "initial.u_solid": 0.0, "initial.noise": 0.0}
+COURANT = 0.5
+COLUMNS = ("case", "program", "courant", "simulated_s", "cpu_s", "steps", "ms_per_step", "cpu_per_s", "mass_drift")
+
+CASES = {
+    "riser 15x350": (
+        openfoam.Case("riser", 15, 350, 1.0, 3.2, solids=26.6, walls="jj"),
+        STUDIES / "vaishali_2007" / "ff_wenyu.toml",
+        EMPTY,
+    ),
+    "bed 56x200": (
+        openfoam.Case("bed", 56, 200, 0.5, 0.46, drag="SyamlalOBrien", walls="noslip"),
+        STUDIES / "taghipour_bed" / "bed_0.46_fine.toml",
+        {"initial.noise": 0.0, "initial.layer": [{"end": 0.4, "eps_s": 0.6, "u_gas": 1.15}]},
+    ),
+}
+
+
+def own(scene: Path, changes: dict, end: float) -> dict[str, float]:
+    """CPU of contbed; a few steps first, so that everything is compiled."""
+    common = {**changes, "time.courant": COURANT, "output.fields": False, "time.average_from": 0.0}
+    cb.run(cb.load(scene, {**common, "time.end": 1e-4}))
+    start = time.process_time()
+    result = cb.run(cb.load(scene, {**common, "time.end": end, "time.sample": end}))
+    cpu = time.process_time() - start
+    return {"cpu_s": cpu, "steps": result.qoi["steps"], "mass_drift": result.qoi["mass_drift_relative"]}
+
+
+def main() -> None:
+    rows = []
+    for name, (case, scene, changes) in CASES.items():
+        done = {"contbed": own(scene, changes, case.end)}
+        if openfoam.available():
+            with tempfile.TemporaryDirectory() as folder:
+                peer = openfoam.run(case, Path(folder))
+            done["twoPhaseEulerFoam"] = {**peer, "mass_drift": peer["mass_drift_relative"]}
+        for program, r in done.items():
+            rows.append([name, program, COURANT, case.end, r["cpu_s"], int(r["steps"]), 1e3 * r["cpu_s"] / r["steps"],
+                         r["cpu_s"] / case.end, r["mass_drift"]])  # fmt: skip
+            print(*(f"{value:.4g}" if isinstance(value, float) else value for value in rows[-1]), flush=True)
+    with open(HERE / "results.csv", "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows([f"{value:.5g}" if isinstance(value, float) else value for value in row] for row in rows)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
