@@ -92,6 +92,8 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
         (scene.time.average_from is not None, "averages", "in time", "no time.average_from"),
     ):
         (built if there else skipped).append((what, how if there else why))
+    if scene.output.window is not None and cells.dimension > 1:
+        skipped.append(("fully developed flow", "[fully_developed] gives profiles that vary no more in a second"))
     return TwoFluidPlan(scene, mesh, cells, conditions, tuple(built), tuple(skipped))
 
 

@@ -4,8 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 
 import contbed as cb
+from contbed.closures.granular import g0_sinclair_jackson
+from contbed.closures.granular_transport import granular_conductivity_syamlal, granular_dissipation_lun
 from contbed.errors import SceneError
 from contbed.models.developed_flow import Coefficients
 from contbed.two_fluid.developed_planning import coefficients
@@ -44,6 +47,27 @@ def test_rough_wall_holds_particles_back():
     assert rough.qoi["u_solid_wall"] < 0.2 * smooth.qoi["u_solid_wall"]
     assert rough.qoi["pressure_gradient_Pa_m"] > 2 * smooth.qoi["pressure_gradient_Pa_m"]
     assert abs(rough.balances["momentum"]["relative_residual"]) < 1e-10
+
+
+def test_pipe_holds_its_momentum_and_granular_energy_up_to_every_radius():
+    """Both stresses carry weight less push; what is sheared dissipates or is conducted to the wall: by trapezoids and
+    differences between nodes, 2e-3 and 1e-2 of the largest.
+    """
+    result = cb.run(load(**{"fully_developed.section": "pipe", "solver.cells": 120}))
+    c = result.profiles
+    r, eps_s, theta, mu, beta = (c[name] for name in ("r [m]", "eps_s [1]", "theta [m2/s2]", "mu_solid [Pa s]",
+                                                      "beta [kg/m3/s]"))  # fmt: skip
+    force = result.qoi["pressure_gradient_Pa_m"] - 9.81 * (2500.0 * eps_s + 1.2 * (1 - eps_s))
+    shear = np.gradient(c["u_solid [m/s]"], r)
+    stress = r * (mu * shear + 1.8e-5 * np.gradient(c["u_gas [m/s]"], r))
+    carried = -cumulative_trapezoid(force * r, r, initial=0.0)
+    inner = (r > 0) & (r < 0.99 * r[-1])
+    assert np.abs(stress - carried)[inner].max() < 2e-3 * np.abs(carried).max()
+    g0 = g0_sinclair_jackson(eps_s, 0.6)
+    k = 2500.0 * 1e-3 * theta**0.5 * granular_conductivity_syamlal(eps_s, g0, 0.95)
+    gamma = 2500.0 / 1e-3 * theta**1.5 * granular_dissipation_lun(eps_s, g0, 0.95)
+    left = cumulative_trapezoid((gamma + 3 * beta * theta - mu * shear**2) * r, r, initial=0.0)
+    assert np.abs(r * k * np.gradient(theta, r) - left)[inner].max() < 1e-2 * np.abs(left).max()
 
 
 @pytest.mark.parametrize("name", ["sinclair_jackson", "lun_savage", "ma_ahmadi"])
