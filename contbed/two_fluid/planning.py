@@ -93,7 +93,7 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
     ):
         (built if there else skipped).append((what, how if there else why))
     if scene.output.window is not None and cells.dimension > 1:
-        skipped.append(("fully developed flow", "[fully_developed] gives profiles that vary no more in a second"))
+        skipped.append(("fully developed flow", "[fully_developed] gives profiles far from the inlet in a second"))
     return TwoFluidPlan(scene, mesh, cells, conditions, tuple(built), tuple(skipped))
 
 
