@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import SceneError
+from contbed.kinds import KINDS, find
 from contbed.meshing.grading import nodes
 from contbed.meshing.mesh import Mesh, build
 from contbed.problem.adapt import refinable
@@ -127,26 +128,8 @@ def plan(scene: Any) -> Any:
 
     Returns a `Plan`, or that of the model that the scene is for.
     """
-    if scene.kind == "bubbling_bed":
-        from contbed.bubbling.planning import plan as plan_bubbling
-
-        return plan_bubbling(scene)
-    if scene.kind == "two_fluid":
-        from contbed.two_fluid.planning import plan as plan_two_fluid
-
-        return plan_two_fluid(scene)
-    if scene.kind == "fully_developed":
-        from contbed.two_fluid.developed_planning import plan as plan_developed
-
-        return plan_developed(scene)
-    if scene.kind == "particles_gas":
-        from contbed.dem.gas_study import plan as plan_gas
-
-        return plan_gas(scene)
-    if scene.kind == "particles":
-        from contbed.dem.study import plan as plan_particles
-
-        return plan_particles(scene)
+    if scene.kind in KINDS:
+        return find(KINDS[scene.kind].plan)(scene)
     written, scene, thick = scene, *_cheapest_radiation(scene)
     if scene.heat is None and scene.radiation is not None:
         return _plan_radiation(written, scene, thick)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import BalanceError, ClosureRangeError, ConvergenceError, SceneError
+from contbed.kinds import KINDS, find
 from contbed.planning import Plan
 from contbed.planning import plan as make_plan
 from contbed.result import Result
@@ -140,35 +141,10 @@ def _checkpoint(scene: s.Scene, plan: Plan, folder: Path) -> tuple[Any, Any]:
 def _solve(
     scene: s.Scene, plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None
 ) -> None:
-    if scene.kind == "bubbling_bed":
-        from contbed.bubbling.findings import solve
-
-        with _timed(result, "heat"):
-            solve(plan, result)
-        return
-    if scene.kind == "two_fluid":
-        from contbed.two_fluid.study import solve as solve_two_fluid
-
-        with _timed(result, "flow"):
-            solve_two_fluid(plan, result, folder, quiet, start)
-        return
-    if scene.kind == "fully_developed":
-        from contbed.two_fluid.developed_findings import solve as solve_developed
-
-        with _timed(result, "flow"):
-            solve_developed(plan, result)
-        return
-    if scene.kind == "particles_gas":
-        from contbed.dem.gas_study import solve as solve_gas
-
-        with _timed(result, "particles and gas"):
-            solve_gas(plan, result, folder, quiet, start)
-        return
-    if scene.kind == "particles":
-        from contbed.dem.study import solve as solve_particles
-
-        with _timed(result, "heat"):
-            solve_particles(plan, result, folder)
+    if scene.kind in KINDS:
+        kind = KINDS[scene.kind]
+        with _timed(result, kind.phase):
+            find(kind.solve)(plan, result, folder, quiet, start)
         return
     if plan.fronts:
         with _timed(result, "heat"):

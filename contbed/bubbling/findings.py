@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,8 +21,8 @@ EVEN = 201  # heights at which the use of closures is counted
 APART = 1.0  # difference of temperatures of two steady states [K]
 
 
-def solve(plan: Any, result: Result) -> None:
-    """Solve and fill the result."""
+def solve(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
+    """Solve and fill the result; steady and quick, so that `folder`, `quiet` and `start` have no use."""
     problem = BubblingProblem(plan)
     state, history = problem.solve()
     result.history += history

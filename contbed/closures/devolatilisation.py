@@ -25,12 +25,12 @@ FORMULAS: dict[str, dict[str, float]] = {
     "CH4": {"C": 1, "H": 4}, "C6H6": {"C": 6, "H": 6},
 }  # fmt: skip
 BALANCED = ("C", "H", "O")
+# Loison, Chauvin 1964, Chim. Ind. 91, 269-275, as quoted by Rajan and Wen 1980
 LOISON_CHAUVIN: dict[str, tuple[float, float, float]] = {
     "CH4": (0.201, -0.469, 0.241), "H2": (0.157, -0.868, 1.388), "CO2": (0.135, -0.900, 1.906),
     "CO": (0.428, -2.653, 4.845), "H2O": (0.409, -2.389, 4.554), "C6H6": (-0.325, 7.279, -12.880),
 }  # fmt: skip
 LOISON_CHAUVIN_RANGE = (0.10, 0.45)
-LOISON_CHAUVIN_SOURCE = "Loison, Chauvin 1964, Chim. Ind. 91, 269-275, as quoted by Rajan and Wen 1980"
 LEAST = 1e-3  # share of the volatiles' mass that the first guess of a product has at least
 
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MECHANISMS = ("convection", "contact", "impact", "fluid_touching", "fluid_apart", "radiation")
-
 
 @dataclass(frozen=True)
 class Solid:

@@ -77,8 +77,8 @@ def plan(scene: p.ParticleScene) -> ParticlePlan:
     return ParticlePlan(scene, x, radius, box, periodic, porosity, tuple(built), tuple(skipped))
 
 
-def solve(plan: Any, result: Result, folder: Path | None) -> None:
-    """Solve the network and fill the result; a closure file is written into `folder`."""
+def solve(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
+    """Solve the network and fill the result; a closure file goes into `folder`, `quiet` and `start` have no use."""
     scene = plan.scene
     pairs = _pairs(plan)
     parts = _parts(plan, pairs, scene.conduction.particles)

@@ -121,10 +121,6 @@ class Matrix:
     def __add__(self, other: Matrix) -> Matrix:
         return self._made(combine, other.key, 1.0)
 
-    def scaled_columns(self, factors: Any) -> Matrix:
-        """The matrix with each column times a factor."""
-        return self._made(scale_columns, root=(self.layout, factors))
-
     def constrained(self, fixed: Any) -> Matrix:
         """The matrix with the rows and columns of fixed unknowns replaced by the identity."""
         return self._made(constrain, root=self.layout.places()[fixed]) if len(fixed) else self
@@ -198,16 +194,6 @@ def combine(all_ranks: Crew, root: Any, key: int, first: int, second: int | None
         A.scale(factor)
     if second is not None:
         A.axpy(1.0, all_ranks.things[second].A, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-    all_ranks.things[key] = Piece(A, piece.unknowns)
-
-
-def scale_columns(all_ranks: Crew, root: Any, key: int, first: int) -> None:
-    """Thing `key` becomes first with scaled columns."""
-    piece = all_ranks.things[first]
-    A = piece.A.copy()
-    right = A.createVecRight()
-    right.array[:] = Layout.spread(all_ranks, *(root or (None, None)))
-    A.diagonalScale(R=right)
     all_ranks.things[key] = Piece(A, piece.unknowns)
 
 

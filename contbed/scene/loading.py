@@ -13,6 +13,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from contbed.errors import SceneError
+from contbed.kinds import KINDS, find
 from contbed.scene import reference
 from contbed.scene.checks import mistakes
 from contbed.scene.settings import Scene, SceneBase, Table
@@ -112,32 +113,24 @@ def _override(
 
 def _kind(values: Mapping[str, Any]) -> tuple[Any, Any]:
     """The model of this kind of scene and its checks, None for the usual ones."""
-    if "two_fluid" in values:
-        from contbed.two_fluid.checks import CHECKS as two_fluid_checks
-        from contbed.two_fluid.settings import TwoFluidScene
+    if (name := _kind_name(values)) is None:
+        return Scene, None
+    kind = KINDS[name]
+    return find(kind.settings), find(kind.checks)
 
-        return TwoFluidScene, two_fluid_checks
-    if "fully_developed" in values:
-        from contbed.two_fluid.developed_checks import CHECKS as developed_checks
-        from contbed.two_fluid.developed_settings import DevelopedScene
 
-        return DevelopedScene, developed_checks
+def _kind_name(values: Mapping[str, Any]) -> str | None:
+    """The kind that the tables of a scene show, None for a packed bed."""
+    for name in ("two_fluid", "fully_developed"):
+        if name in values:
+            return name
     if any(_near(name, ["bubbling_bed"]) for name in values):
-        from contbed.bubbling.checks import CHECKS
-        from contbed.bubbling.settings import BubblingScene
-
-        return BubblingScene, CHECKS
+        return "bubbling_bed"
     if "particles" in values and "gas" in values:
-        from contbed.dem.gas_checks import CHECKS as gas_checks
-        from contbed.dem.gas_settings import GasScene
-
-        return GasScene, gas_checks
+        return "particles_gas"
     if {"particles", "lattice"} & set(values) or ("mesh" not in values and "conduction" in values):
-        from contbed.dem.checks import CHECKS as particle_checks
-        from contbed.dem.settings import ParticleScene
-
-        return ParticleScene, particle_checks
-    return Scene, None
+        return "particles"
+    return None
 
 
 def _validate(

@@ -12,6 +12,7 @@ from functools import cache
 from typing import Any
 
 from contbed.errors import SceneError
+from contbed.kinds import KINDS, find
 from contbed.scene.toml_lines import KeyPath, dotted
 
 Node = dict[str, Any]
@@ -28,26 +29,16 @@ _BOUNDS = {
 _TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false"}
 
 
-KINDS = ("packed_bed", "bubbling_bed", "particles", "particles_gas", "two_fluid", "fully_developed")
+PACKED_BED = "packed_bed"
 _definitions: dict[str, Node] = {}  # of the schemas that have been asked for; one name means one table in all of them
 
 
 @cache
-def schema(kind: str = "packed_bed") -> Node:
+def schema(kind: str = PACKED_BED) -> Node:
     """The JSON schema of one kind of scene."""
-    from contbed.scene.settings import Scene, SceneBase
+    from contbed.scene.settings import Scene
 
-    model: type[SceneBase] = Scene
-    if kind == "bubbling_bed":
-        from contbed.bubbling.settings import BubblingScene as model
-    elif kind == "particles_gas":
-        from contbed.dem.gas_settings import GasScene as model
-    elif kind == "particles":
-        from contbed.dem.settings import ParticleScene as model
-    elif kind == "two_fluid":
-        from contbed.two_fluid.settings import TwoFluidScene as model
-    elif kind == "fully_developed":
-        from contbed.two_fluid.developed_settings import DevelopedScene as model
+    model = find(KINDS[kind].settings) if kind in KINDS else Scene
     found = model.model_json_schema(ref_template=f"{kind}/{{model}}")
     _definitions.update({f"{kind}/{name}": node for name, node in found["$defs"].items()})
     return found
@@ -97,7 +88,7 @@ def keys(node: Node) -> list[str]:
 
 def at(path: KeyPath) -> list[Node]:
     """The nodes of a key path in all kinds of scenes; several if the table has several types, none if it is unknown."""
-    nodes = [schema(kind) for kind in KINDS]
+    nodes = [schema(kind) for kind in (PACKED_BED, *KINDS)]
     for key in path:
         nodes = [child for node in nodes for child in children(node, key)]
     return nodes
@@ -210,7 +201,7 @@ def _sheet(name: str, node: Node) -> Iterator[str]:
 def tables() -> list[str]:
     """The tables of a scene, with their types: "mesh", "heat", "boundary.NAME"."""
     found: list[str] = []
-    for name, node in (item for kind in KINDS for item in schema(kind)["properties"].items()):
+    for name, node in (item for kind in (PACKED_BED, *KINDS) for item in schema(kind)["properties"].items()):
         if any(isinstance(option.get("additionalProperties"), dict) for option in options(node)):
             found.append(f"{name}.NAME")
         elif any("properties" in option for option in options(node)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,8 +23,8 @@ MEANT = 0.1  # within which a solution is the one that was asked for
 SPAN, POINTS = 1.5, 60  # factor on the velocity both ways, and solutions on the way, where others are looked for
 
 
-def solve(plan: Any, result: Result) -> None:
-    """Solve and fill the result."""
+def solve(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
+    """Solve and fill the result; steady and quick, so that `folder`, `quiet` and `start` have no use."""
     meant = plan.scene.fully_developed.theta_centre
     problem = DevelopedProblem(plan)
     state, history = problem.solve(meant or TYPICAL)
