@@ -18,10 +18,10 @@ import numpy as np
 
 from contbed.two_fluid.boundary import GIVEN, OUTLET
 from contbed.two_fluid.compiled import kernel
+from contbed.two_fluid.kernels_fields import FEW, NEVER, heard
 
 TINY = 1e-300
 UNDERFLOW = 1e-60  # [m/s]
-FEW, NEVER = 1e-2, 1e-30  # share of the particles of a cell that is few, as in kernels_fields.py
 
 
 @kernel
@@ -32,13 +32,14 @@ def two_phase(first, second, a_g, a_s):
 
 
 @kernel
-def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, corrections, faces):
+def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, corrections, own, faces):
     """Face velocities without the pressure; columns 4 and 5 get them with the last pressure.
 
     rho : densities of gas and solid
     cells : eps_s, K, P, h, p
     vectors : H_g, H_s and the velocities before
     gradients : of H_g, H_s, (p, P, h), used with `corrections` on skewed meshes
+    own (nf,) : part of u_g that the cells around did not see; a bed that holds the gas keeps it
     """
     s, drag, kinetic, friction, p = cells
     h_g, h_s, old_g, old_s = vectors
@@ -100,7 +101,10 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
                     faces[f, 7] += g.normal[f, k] * (h_s[left, k] - old_s[left, k])
             continue
         a_s = dt * k_face / rho_s
-        a_g = dt * k_face * mean / ((1.0 - mean) * rho_g)
+        # particles that stay, with none to come after them, do not hold the gas
+        crossing = heard(s[left] if hs + dt * push >= 0.0 or b >= 0 else s[g.right[f]], mean)
+        a_g = dt * k_face * mean * crossing / ((1.0 - mean) * rho_g)
+        hg += a_g / (1.0 + a_g) * own[f]
         scale = dt / (1.0 + a_g + a_s)
         move_g = scale * ((1.0 + a_s) / rho_g + a_g / rho_s)
         move_s = scale * (a_s / rho_g + (1.0 + a_g) / rho_s)
@@ -259,16 +263,38 @@ def expansion(g, faces, s, u, out):
 
 
 @kernel
+def remember(g, gas, faces, u, grad, corrections, own):
+    """own (nf,) = the part of u_g on interior faces and outlets that the gathered cell velocities do not give back."""
+    ni, dim = len(g.right), len(g.axes)
+    for f in range(len(g.left)):
+        own[f] = 0.0
+        left = g.left[f]
+        if f >= ni and gas.kind[f - ni] != OUTLET:
+            continue
+        right, w = (g.right[f], g.share[f]) if f < ni else (left, 1.0)
+        own[f] = faces[f, 0]
+        for k in range(dim):
+            own[f] -= g.normal[f, k] * (w * u[left, k] + (1.0 - w) * u[right, k])
+            if corrections and f < ni:
+                for d in range(dim):
+                    along = g.normal[f, k] * g.skew[f, d]
+                    own[f] -= along * (w * grad[left, k, d] + (1.0 - w) * grad[right, k, d])
+
+
+@kernel
 def cell_velocities(dt, rho, s, drag, h_g, h_s, mean_g, mean_s, new_g, new_s, force_g, force_s):
     """Cell velocities from the gathered ones: `new`, in place, plus what gathering the normal H leaves of H, which is
-    `h - mean`, after implicit drag. The forces [m/s2] are the changes from H over the step.
+    `h - mean`, after implicit drag. There the particles do not follow the gas: in a bed at rest, where it speeds up
+    towards the surface, that would move them. The forces [m/s2] are the changes from H over the step.
     """
     rho_g, rho_s = rho
     for c in range(len(s)):
         a_s = dt * drag[c] / rho_s
         a_g = dt * drag[c] * s[c] / ((1.0 - s[c]) * rho_g)
         for k in range(h_g.shape[1]):
-            rest_g, rest_s = two_phase(h_g[c, k] - mean_g[c, k], h_s[c, k] - mean_s[c, k], a_g, a_s)
+            first, second = h_g[c, k] - mean_g[c, k], h_s[c, k] - mean_s[c, k]
+            rest_g, _ = two_phase(first, second, a_g, a_s)
+            _, rest_s = two_phase(0.0, second, a_g, a_s)
             # numbers that fade away in a bed at rest would end as slow subnormal ones
             new_g[c, k] = new_g[c, k] + rest_g if abs(new_g[c, k] + rest_g) > UNDERFLOW else 0.0
             new_s[c, k] = new_s[c, k] + rest_s if abs(new_s[c, k] + rest_s) > UNDERFLOW else 0.0

@@ -21,7 +21,8 @@ from contbed.two_fluid.step import FIELDS, Materials, Options, Sources, Stepper
 
 __all__ = ["FIELDS", "Materials", "Options", "Sources", "TwoFluid"]
 
-_MEMORY = ("lag_g", "lag_s", "lag_eps", "lag_theta", "force_g", "force_s", "drag", "stiffness", "grad_p", "outflow")
+_MEMORY = ("lag_g", "lag_s", "lag_eps", "lag_theta", "force_g", "force_s", "drag", "stiffness", "grad_p", "own",
+           "outflow")  # fmt: skip
 _FLUXES = ("flux_solid", "flux_total")
 
 
@@ -75,9 +76,9 @@ class TwoFluid(Stepper):
         ConvergenceError : a field is not finite; says where
         """
         while self.time < end:
-            dt, left = self.next_step(), end - self.time
-            if left <= 2 * dt:
-                dt = left if left <= dt else 0.5 * left
+            left = end - self.time
+            # equal steps to the end: a bed at rest feels each change of the step
+            dt = left / np.ceil(left / self.next_step() * (1.0 - 1e-9))
             self.step(dt)
             if end - self.time < 1e-9 * dt:
                 self.time = end

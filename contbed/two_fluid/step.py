@@ -115,7 +115,7 @@ class Stepper:
         self.lag_eps, self.lag_theta = np.zeros((nc, 1)), np.zeros((nc, 1))
         self.force_g, self.force_s = np.zeros((nc, dim)), np.zeros((nc, dim))
         self.drag, self.stiffness = np.zeros(nc), np.zeros(nc)
-        self.grad_p = np.zeros((nc, 3, dim))
+        self.grad_p, self.own = np.zeros((nc, 3, dim)), np.zeros(nf)
         self.outflow = np.zeros((nc, 2))
         self.time, self.steps = 0.0, 0
         names = ("limited_faces", "limited_steps", "limiter_rounds", "theta_upwind_cells", "theta_clipped_cells")
@@ -138,6 +138,7 @@ class Stepper:
         self._forces(dt, *kept, *grad)
         self.u_gas, self.u_solid = kept
         self.force_g, self.force_s = np.zeros_like(kept[0]), np.zeros_like(kept[0])
+        self.own[:] = 0.0
 
     def substep(self, dt: float) -> None:
         """One step of first order in time, `dt` [s] long."""
@@ -184,9 +185,10 @@ class Stepper:
         self.drag = self.closures.drag(self.eps_s, speed)
         r = self.closures.granular(self.eps_s, self.theta, self.drag)
         self.stiffness = r.stiffness
-        # the few particles of a nearly empty cell do not shear or conduct
+        # the few particles of a nearly empty cell do not push, shear or conduct
         dense = self.eps_s / (self.eps_s + RARE)
-        self.rheology = r._replace(mu=r.mu * dense, bulk=r.bulk * dense, conductivity=r.conductivity * dense)
+        faded = {name: getattr(r, name) * dense for name in ("pressure", "mu", "bulk", "conductivity")}
+        self.rheology = r._replace(**faded)
 
     def _velocity(self, dt, phase, flux, eps, mu, bulk) -> tuple[np.ndarray, np.ndarray]:
         """Velocity of one phase after convection and stress, and its gradient before."""
@@ -231,7 +233,9 @@ class Stepper:
             grad_s = grad_s + self._slopes(h_s - self.u_solid)
         cells, vectors = (s, self.drag, kinetic, self.rheology.h, self.p), (h_g, h_s, self.u_gas, self.u_solid)
         gradients = (grad_g, grad_s, self.grad_p)
-        kf.predict(g, edge.gas, edge.solid, edge, dt, self.gravity, self.rho, cells, vectors, gradients, skewed, faces)
+        kf.predict(
+            g, edge.gas, edge.solid, edge, dt, self.gravity, self.rho, cells, vectors, gradients, skewed, self.own, faces
+        )
         column = s.reshape(-1, 1)
         grad_eps, ahead = np.empty((len(s), 1, self.grid.dimension)), np.empty((len(s), 1))
         given = np.where(edge.solid.kind == boundary.GIVEN, edge.eps_s, s[self._near])
@@ -251,6 +255,9 @@ class Stepper:
             change_g, change_s = self._slopes(new_g - old_g), self._slopes(new_s - old_s)
             kf.gather_gas(g, faces, grad_g + change_g, grad_g, True, new_g, old_g)
             kf.gather_solid(g, faces, s, grad_s + change_s, grad_s, True, self._moment, new_s, old_s)
+        if skewed:
+            grad_g = grad_g + self._slopes(new_g - h_g)
+        kf.remember(g, edge.gas, faces, new_g, grad_g, skewed, self.own)
         self.force_g, self.force_s = np.empty_like(h_g), np.empty_like(h_s)
         kf.cell_velocities(dt, self.rho, s, self.drag, h_g, h_s, old_g, old_s, new_g, new_s, self.force_g, self.force_s)
         self.u_gas, self.u_solid = new_g, new_s
