@@ -284,17 +284,16 @@ def remember(g, gas, faces, u, grad, corrections, own):
 @kernel
 def cell_velocities(dt, rho, s, drag, h_g, h_s, mean_g, mean_s, new_g, new_s, force_g, force_s):
     """Cell velocities from the gathered ones: `new`, in place, plus what gathering the normal H leaves of H, which is
-    `h - mean`, after implicit drag. There the particles do not follow the gas: in a bed at rest, where it speeds up
-    towards the surface, that would move them. The forces [m/s2] are the changes from H over the step.
+    `h - mean`, after drag. The rests of the phases damp without moving each other: in a bed at rest gas that speeds up
+    towards the surface would lift particles. The forces [m/s2] are the changes from H over the step.
     """
     rho_g, rho_s = rho
     for c in range(len(s)):
         a_s = dt * drag[c] / rho_s
         a_g = dt * drag[c] * s[c] / ((1.0 - s[c]) * rho_g)
+        damp_g, damp_s = 1.0 / (1.0 + a_g), (1.0 + a_g) / (1.0 + a_g + a_s)
         for k in range(h_g.shape[1]):
-            first, second = h_g[c, k] - mean_g[c, k], h_s[c, k] - mean_s[c, k]
-            rest_g, _ = two_phase(first, second, a_g, a_s)
-            _, rest_s = two_phase(0.0, second, a_g, a_s)
+            rest_g, rest_s = damp_g * (h_g[c, k] - mean_g[c, k]), damp_s * (h_s[c, k] - mean_s[c, k])
             # numbers that fade away in a bed at rest would end as slow subnormal ones
             new_g[c, k] = new_g[c, k] + rest_g if abs(new_g[c, k] + rest_g) > UNDERFLOW else 0.0
             new_s[c, k] = new_s[c, k] + rest_s if abs(new_s[c, k] + rest_s) > UNDERFLOW else 0.0
