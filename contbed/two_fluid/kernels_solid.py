@@ -23,13 +23,13 @@ def slip_speed(u_gas, u_solid, out):
 
 
 @kernel
-def compaction(g, dt, rho_s, stiffness, drag, flux, source, coef, diagonal, rhs):
+def compaction(g, dt, rho_s, stiffness, drag, flux, source, coef, content, rhs):
     """The implicit part of the solids pressure: V y/c - sum of coef (y_neighbour - y) = rhs for the change y of
     p_solid/rho_s, with the change y/c of eps_s where c is the `stiffness` (nc,) dp_solid/deps_s/rho_s [m2/s2].
     """
     ni = len(g.right)
     for c in range(len(drag)):
-        diagonal[c, 0] = g.volume[c] / (stiffness[c] + SOFT)
+        content[c, 0] = g.volume[c] / (stiffness[c] + SOFT)
         rhs[c, 0] = dt * g.volume[c] * source[c]
     for f in range(len(g.left)):
         rhs[g.left[f], 0] -= dt * flux[f]
@@ -41,8 +41,6 @@ def compaction(g, dt, rho_s, stiffness, drag, flux, source, coef, diagonal, rhs)
         w = g.share[f]
         hold = 1.0 + dt * (w * drag[left] + (1.0 - w) * drag[right]) / rho_s
         coef[f, 0] = dt * dt * g.area[f] / g.distance[f] / hold
-        diagonal[left, 0] += coef[f, 0]
-        diagonal[right, 0] += coef[f, 0]
 
 
 @kernel
@@ -95,7 +93,7 @@ def conduct(g, solid, edge, k, theta, grad, corrections, out, coef):
 
 @kernel
 def theta_system(
-    g, edge, solid, slip, dt, rho_s, eps_max, s, old, g0, sink, pressure, divergence, source, u, rhs, diagonal
+    g, edge, solid, slip, dt, rho_s, eps_max, s, old, g0, sink, pressure, divergence, source, u, rhs, content
 ):
     """Completes the system for the change of theta: `rhs` holds what is convected and conducted [W].
 
@@ -106,9 +104,9 @@ def theta_system(
         compress = pressure[c] * divergence[c]
         rhs[c, 0] += g.volume[c] * (source[c] - (sink[c] + compress) * old[c])
         mass = 1.5 * rho_s * (s[c] + EMPTY) / dt
-        diagonal[c, 0] = g.volume[c] * (mass + sink[c] + max(0.0, compress))
+        content[c, 0] = g.volume[c] * (mass + sink[c] + max(0.0, compress))
         if source[c] < 0.0:
-            diagonal[c, 0] -= g.volume[c] * source[c] / (old[c] + TINY)
+            content[c, 0] -= g.volume[c] * source[c] / (old[c] + TINY)
     for b in range(len(slip)):
         if solid.slip[b] >= 0.0 or solid.kind[b] != WALL:
             continue
@@ -122,7 +120,7 @@ def theta_system(
             slide += (slip[b] * (u[c, k] - solid.u[b, k] - away * g.normal[f, k])) ** 2
         loss = common * (1.0 - edge.restitution[b] ** 2) / 4.0
         rhs[c, 0] += common * edge.specularity[b] * slide / 6.0 - loss * old[c]
-        diagonal[c, 0] += loss
+        content[c, 0] += loss
 
 
 @kernel
