@@ -6,10 +6,11 @@ import numpy as np
 
 from contbed.two_fluid.boundary import OUTLET, WALL
 from contbed.two_fluid.compiled import kernel
+from contbed.two_fluid.kernels_fields import heard
 
 
 @kernel
-def stress(g, side, slip, mu, bulk, u, grad, edge, out, coef, work):
+def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
     """Adds the force of the full stress mu (grad u + grad u^T) + (bulk - 2/3 mu) div u I on each cell to `out` [N].
 
     `coef` (nf, m) gets the part of it that goes with the jump of each component across a face, for the implicit
@@ -23,9 +24,10 @@ def stress(g, side, slip, mu, bulk, u, grad, edge, out, coef, work):
         left = g.left[f]
         if f < ni:
             right = g.right[f]
-            m = 2.0 * mu[left] * mu[right] / (mu[left] + mu[right] + 1e-300)
-            lam = 2.0 * bulk[left] * bulk[right] / (bulk[left] + bulk[right] + 1e-300)
             w = g.share[f]
+            felt = min(heard(eps[left], eps[right]), heard(eps[right], eps[left]))
+            m = felt * (w * mu[left] + (1.0 - w) * mu[right])
+            lam = felt * (w * bulk[left] + (1.0 - w) * bulk[right])
             divergence = 0.0
             for k in range(dim):
                 missing = u[right, k] - u[left, k]

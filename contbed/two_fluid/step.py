@@ -213,7 +213,7 @@ class Stepper:
         content = np.repeat(rho / dt * (eps + ks.EMPTY) * g.volume, u.shape[1]).reshape(u.shape)
         rhs += dt * content * source
         self.work = np.zeros(len(eps))
-        kt.stress(g, side, slip, mu, bulk, u, grad, given, rhs, coef, self.work)
+        kt.stress(g, side, slip, eps, mu, bulk, u, grad, given, rhs, coef, self.work)
         if self.grid.axisymmetric:
             kt.hoop_stress(g, mu, bulk, u, grad, rhs, links, self.work)
         # with the last forces the change vanishes in a steady state, which the implicit part then leaves alone
