@@ -19,6 +19,9 @@ KINDS = {
     "dissipation": "granular_dissipation",
     "friction": "granular_friction",
 }
+HEAT_KINDS = {"nusselt": "nusselt", "conductivity_bed": "conductivity"}
+HEAT_ARGUMENTS = {"nusselt": {"Re", "Pr", "eps", "T", "d_p", "k_fluid"},
+                  "conductivity": {"k_fluid", "k_solid", "eps", "T", "d_p"}}  # fmt: skip
 ABSENT = "none"
 
 
@@ -91,6 +94,69 @@ def what_enters_can_leave(boundary: dict[str, t.Boundary]) -> Mistakes:
         yield ("boundary", inlets[0]), "enters but nothing leaves; one boundary has to be of type 'outlet'"
 
 
+def conducts(heat: t.Heat) -> bool:
+    """Whether any heat is conducted."""
+    return heat.conductivity_bed is not None or heat.effective_gas + heat.effective_solid > 0
+
+
+def pulses_end_in_an_inlet(boundary: dict[str, t.Boundary]) -> Mistakes:
+    for name, part in boundary.items():
+        if isinstance(part, t.Inlet) and part.until is not None:
+            whole = boundary.get(part.on or "")
+            if not isinstance(whole, t.Inlet) or whole.until is not None:
+                yield ("boundary", name, "until"), "belongs to a piece `on` an inlet that does not end itself"
+
+
+def heat_is_complete(
+    heat: t.Heat | None, initial: t.Initial, boundary: dict[str, t.Boundary], time: t.Time, see: See
+) -> Mistakes:
+    places: list[tuple[tuple, t.Table]] = [(("initial",), initial)]
+    places += [(("initial", "layer", k), layer) for k, layer in enumerate(initial.layer)]
+    places += [(("boundary", name), part) for name, part in boundary.items()]
+    if heat is None:
+        for where, part in places:
+            for key in ("T_gas", "T_solid", "T", "heat_flux"):
+                if getattr(part, key, None) is not None:
+                    yield (*where, key), "has no meaning without [heat]"
+        return
+    if initial.T_gas is None:
+        yield ("initial", "T_gas"), "missing; [heat] needs it"
+    for name, part in boundary.items():
+        if isinstance(part, t.Inlet) and part.T_gas is None and (part.velocity > 0 or part.T_solid is None):
+            yield ("boundary", name, "T_gas"), "missing; [heat] needs it"
+        if isinstance(part, t.Wall) and part.T is not None:
+            if part.heat_flux is not None:
+                yield ("boundary", name, "heat_flux"), "give either T or heat_flux"
+            if not conducts(heat):
+                yield ("boundary", name, "T"), "heats nothing without conductivity_bed or effective_... in [heat]"
+    if time.order == 2:
+        yield ("time", "order"), f"heat is of first order in time; see {see('heat')}"
+
+
+def closures_of_heat_exist(heat: t.Heat | None, origin: Origin) -> Mistakes:
+    for key, kind in HEAT_KINDS.items() if heat is not None else ():
+        chosen = getattr(heat, key)
+        if chosen is None or isinstance(chosen, float):
+            continue
+        try:
+            function, own = resolve_closure(chosen, kind, origin.base)
+        except SceneError as error:
+            yield ("heat", key), str(error)
+            continue
+        missing = set(function.sheet.arguments) - HEAT_ARGUMENTS[kind] - set(own)  # type: ignore[attr-defined]
+        if missing:
+            yield ("heat", key), f"needs {', '.join(sorted(missing))}, which a two-fluid model does not know"
+    if heat is None:
+        return
+    if heat.conductivity_bed is not None:
+        if heat.effective_gas + heat.effective_solid > 0:
+            yield ("heat", "conductivity_bed"), "give either conductivity_bed or effective_gas and effective_solid"
+        if heat.conductivity_solid is None:
+            yield ("heat", "conductivity_solid"), "missing; conductivity_bed needs it"
+    if heat.T_reference is not None and heat.density == "constant":
+        yield ("heat", "T_reference"), 'belongs to density = "ideal_gas"'
+
+
 def times_are_in_order(time: t.Time, see: See) -> Mistakes:
     if time.average_from is not None and time.average_from >= time.end:
         yield ("time", "average_from"), f"is not before the end; see {see('time.end')}"
@@ -99,4 +165,4 @@ def times_are_in_order(time: t.Time, see: See) -> Mistakes:
 
 
 CHECKS = (mesh_has_cells, closures_exist, fractions_fit, boundaries_are_complete, what_enters_can_leave,
-          times_are_in_order)  # fmt: skip
+          pulses_end_in_an_inlet, heat_is_complete, closures_of_heat_exist, times_are_in_order)  # fmt: skip

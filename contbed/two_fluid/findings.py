@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,8 +10,12 @@ from contbed.two_fluid import settings as t
 from contbed.two_fluid.simulation import TwoFluid
 from contbed.two_fluid.statistics import Averages, along, spectrum
 
+if TYPE_CHECKING:
+    from contbed.two_fluid.heat import Heat
+
 COLUMNS = ("t [s]", "pressure_drop [Pa]", "solids [kg]", "centre_of_solids [m]", "u_solid_max [m/s]",
            "theta_mean [m2/s2]", "eps_s_max [1]", "dt [s]")  # fmt: skip
+WITH_HEAT = ("T_gas_mean [K]", "T_solid_mean [K]", "T_gas_max [K]", "T_solid_max [K]", "p0 [Pa]")
 SCANT = 1e-6  # fraction of particles below which their speed says nothing
 BINS = 200  # along the bed at most
 WALL_BINS = 64  # across it
@@ -23,14 +27,37 @@ def held(bed: TwoFluid) -> float:
     return float(bed.materials.rho_solid * (bed.eps_s @ bed.grid.geometry.volume))
 
 
+def kept(bed: TwoFluid) -> dict[str, float]:
+    """What has a balance: mass of the particles; with heat also mass of the gas [kg] and heat [J]."""
+    solids = {"solids": held(bed)}
+    if bed.heat is None:
+        return solids
+    return solids | {"gas": float(bed.heat.mass @ bed.grid.geometry.volume), "heat": bed.heat.stored()}
+
+
+def columns(bed: TwoFluid) -> tuple[str, ...]:
+    """Headers of the rows over time."""
+    return COLUMNS if bed.heat is None else (*COLUMNS, *WITH_HEAT[: 4 + bed.heat.ideal])
+
+
 def row(bed: TwoFluid) -> list[float]:
-    """One row under COLUMNS."""
+    """One row under the `columns`."""
     s, volume, height = bed.eps_s, bed.grid.geometry.volume, bed.grid.centres[:, -1]
     mass = s * volume
     total = max(float(mass.sum()), 1e-300)
     low, high = height <= height.min() * (1 + 1e-9) + 1e-12, height >= height.max() * (1 - 1e-9) - 1e-12
+    warm = [] if bed.heat is None else _temperatures(bed, bed.heat)
     return [bed.time, float(bed.p[low].mean() - bed.p[high].mean()), held(bed), float(mass @ height) / total,
-            fastest(bed), float(mass @ bed.theta) / total, float(s.max()), bed.dt]  # fmt: skip
+            fastest(bed), float(mass @ bed.theta) / total, float(s.max()), bed.dt, *warm]  # fmt: skip
+
+
+def _temperatures(bed: TwoFluid, heat: Heat) -> list[float]:
+    """Means by mass, and the hottest gas and particles."""
+    volume = bed.grid.geometry.volume
+    gas, solid = heat.mass * volume, bed.eps_s * volume
+    hottest = float(np.max(heat.T_solid, where=bed.eps_s > SCANT, initial=0.0))
+    return [float(gas @ heat.T_gas / gas.sum()), float(solid @ heat.T_solid / max(solid.sum(), 1e-300)),
+            float(heat.T_gas.max()), hottest, *([heat.p0] if heat.ideal else [])]  # fmt: skip
 
 
 def fastest(bed: TwoFluid) -> float:
@@ -39,24 +66,36 @@ def fastest(bed: TwoFluid) -> float:
     return float(np.max(speed, where=bed.eps_s > SCANT, initial=0.0))
 
 
-def balance(bed: TwoFluid, start: float) -> dict[str, Any]:
-    """Solids: what came in, went out and stayed [kg]."""
-    rho, account = bed.materials.rho_solid, bed.account
-    came, went, now = rho * account["solid_in"], rho * account["solid_out"], held(bed)
-    scale = max(start, came, 1e-300)
-    return {"in": came, "out": went, "source": 0.0, "stored": now - start, "unit": "kg",
-            "relative_residual": (now - start - came + went) / scale}  # fmt: skip
+def balances(bed: TwoFluid, start: dict[str, float]) -> dict[str, dict[str, Any]]:
+    """What came in, went out and stayed of what is `kept`."""
+    rho, account, now = bed.materials.rho_solid, bed.account, kept(bed)
+    found = {"solids": _balance(rho * account["solid_in"], rho * account["solid_out"], 0.0, start, now, "solids")}
+    if bed.heat is not None:
+        a = bed.heat.account
+        found["gas"] = _balance(a["gas_in"], a["gas_out"], 0.0, start, now, "gas")
+        found["heat"] = _balance(a["heat_in"], a["heat_out"], a["walls"], start, now, "heat")
+    return found
+
+
+def _balance(came, went, walls, start, now, what) -> dict[str, Any]:
+    stored = now[what] - start[what]
+    scale = max(start[what], came, 1e-300)
+    return {"in": came, "out": went, "source": walls, "stored": stored, "unit": "J" if what == "heat" else "kg",
+            "relative_residual": (stored - came + went - walls) / scale}  # fmt: skip
 
 
 def tables(bed: TwoFluid, averages: Averages | None, scene: t.TwoFluidScene) -> dict[str, dict[str, Any]]:
     """axial.csv and, where there is a lateral direction, lateral.csv: averages, or the last state without them."""
     averaged = averages is not None and averages.weight.sum() > 0
-    fields = averages.means() if averaged else _now(bed)  # type: ignore[union-attr]
+    fields = averages.means() if averaged else bed.fields()  # type: ignore[union-attr]
     volume, centres = bed.grid.geometry.volume, bed.grid.centres
     s = fields["eps_s"]
     values = {"eps_s [1]": s, "u_solid [m/s]": fields["u_solid"][:, -1], "u_gas [m/s]": fields["u_gas"][:, -1],
               "theta [m2/s2]": fields["theta"], "p [Pa]": fields["p"]}  # fmt: skip
-    weights = {"u_solid [m/s]": s, "theta [m2/s2]": s, "u_gas [m/s]": 1.0 - s}
+    warm = {name: fields[name] for name in ("T_gas", "T_solid") if name in fields}
+    values |= {f"{name} [K]": value for name, value in warm.items()}
+    weights = {"T_gas [K]": 1.0 - s, "T_solid [K]": s} if warm else {}
+    weights |= {"u_solid [m/s]": s, "theta [m2/s2]": s, "u_gas [m/s]": 1.0 - s}
     if averaged:
         values["theta_total [m2/s2]"] = fields["theta_total"]
         weights["theta_total [m2/s2]"] = s
@@ -76,10 +115,6 @@ def tables(bed: TwoFluid, averages: Averages | None, scene: t.TwoFluidScene) -> 
     return found
 
 
-def _now(bed: TwoFluid) -> dict[str, np.ndarray]:
-    return {name: getattr(bed, name) for name in ("eps_s", "u_gas", "u_solid", "theta", "p")}
-
-
 def _layers(position: np.ndarray) -> int:
     """How many different positions cells have, to a thousandth of the extent."""
     span = max(float(np.ptp(position)), 1e-300)
@@ -95,12 +130,13 @@ def arguments(bed: TwoFluid, scene: t.TwoFluidScene) -> dict[str, np.ndarray | f
     m = bed.materials
     slip = np.linalg.norm(bed.u_gas - bed.u_solid, axis=1)[there]
     g0 = bed.rheology.g0[there]
+    slip *= np.broadcast_to(bed.dense, there.shape)[there]
     return {"eps_s": s, "eps": 1.0 - s, "Re": (1.0 - s) * m.rho_gas * slip * m.d_p / m.mu_gas, "d_p": m.d_p,
             "mu": m.mu_gas, "g0": g0, "e": scene.solid.restitution, "eps_max": m.eps_max}  # fmt: skip
 
 
 def results(
-    plan: Any, bed: TwoFluid, start: float, averages: Averages | None, rows: dict[str, np.ndarray]
+    plan: Any, bed: TwoFluid, start: dict[str, float], averages: Averages | None, rows: dict[str, np.ndarray]
 ) -> dict[str, Any]:
     """Named results; those of check cases only where the scene is such a case."""
     scene: t.TwoFluidScene = plan.scene
@@ -108,13 +144,14 @@ def results(
     found: dict[str, Any] = {
         "time [s]": bed.time,
         "steps": bed.steps,
-        "mass_drift_relative": balance(bed, start)["relative_residual"],
+        "mass_drift_relative": balances(bed, start)["solids"]["relative_residual"],
         "max_velocity": last[4],
         "theta_final": last[5],
         "eps_s_max": last[6],
         "pressure_drop [Pa]": last[1],
         "slip_velocity": _slip(bed),
     }
+    found |= dict(zip(WITH_HEAT, last[len(COLUMNS) :], strict=False))
     weight = scene.two_fluid.gravity * last[2]
     if bed.grid.dimension > 1 and not bed.grid.axisymmetric:
         weight /= float(np.ptp(plan.mesh.skfem.p[0]))

@@ -35,7 +35,7 @@ def two_phase(first, second, a_g, a_s):
 def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, corrections, own, faces):
     """Face velocities without the pressure; columns 4 and 5 get them with the last pressure.
 
-    rho : densities of gas and solid
+    rho : densities of the gas (nc,) and of the solids
     cells : eps_s, K, P, h, p
     vectors : H_g, H_s and the velocities before
     gradients : of H_g, H_s, (p, P, h), used with `corrections` on skewed meshes
@@ -44,10 +44,11 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
     s, drag, kinetic, friction, p = cells
     h_g, h_s, old_g, old_s = vectors
     grad_g, grad_s, grad_p = gradients
-    rho_g, rho_s = rho
+    rho_cell, rho_s = rho
     ni, dim = len(g.right), len(g.axes)
     for f in range(len(g.left)):
         left = g.left[f]
+        rho_g = rho_cell[left]
         b = f - ni
         hg = hs = pull = away_p = away_k = away_h = 0.0
         if b < 0:
@@ -72,6 +73,7 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
                 away_k = min(max(away_k, -most), most)
                 most = (friction[left] + friction[right]) / g.distance[f]
                 away_h = min(max(away_h, -most), most)
+            rho_g += (1.0 - w) * (rho_cell[right] - rho_g)
             mean = w * s[left] + (1.0 - w) * s[right]
             k_face = w * drag[left] + (1.0 - w) * drag[right]
             # with this mean the force of P on both cells together is its jump, as momentum needs
@@ -290,7 +292,7 @@ def cell_velocities(dt, rho, s, drag, h_g, h_s, mean_g, mean_s, new_g, new_s, fo
     rho_g, rho_s = rho
     for c in range(len(s)):
         a_s = dt * drag[c] / rho_s
-        a_g = dt * drag[c] * s[c] / ((1.0 - s[c]) * rho_g)
+        a_g = dt * drag[c] * s[c] / ((1.0 - s[c]) * rho_g[c])
         damp_g, damp_s = 1.0 / (1.0 + a_g), (1.0 + a_g) / (1.0 + a_g + a_s)
         for k in range(h_g.shape[1]):
             rest_g, rest_s = damp_g * (h_g[c, k] - mean_g[c, k]), damp_s * (h_s[c, k] - mean_s[c, k])

@@ -27,7 +27,6 @@ class TwoFluidPlan:
     scene: t.TwoFluidScene
     mesh: Mesh
     grid: grid.Grid
-    conditions: dict[str, boundary.Condition]
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     fronts: bool = False
@@ -42,7 +41,9 @@ class TwoFluidPlan:
     def unknowns(self) -> dict[str, int]:
         """Number of unknowns: fraction, pressure, granular temperature and two velocities in each cell."""
         theta = self.scene.two_fluid.granular_temperature != "frozen"
-        return {"flow": len(self.grid.cells) * (2 + theta + 2 * self.grid.dimension)}
+        cells = len(self.grid.cells)
+        flow = {"flow": cells * (2 + theta + 2 * self.grid.dimension)}
+        return flow if self.scene.heat is None else flow | {"heat": 2 * cells}
 
     def bed(self) -> tuple[TwoFluid, laws.Laws]:
         """The bed at its start, and its laws."""
@@ -53,7 +54,11 @@ class TwoFluidPlan:
         materials = Materials(scene.gas.density, scene.gas.viscosity, solid.density, solid.diameter, solid.packing,
                               tuple(gravity))  # fmt: skip
         made = laws.make(materials, _particles(scene), *_names(scene))
-        bed = TwoFluid(self.grid, materials, made.closures, self.conditions, _options(scene))
+        bed = TwoFluid(self.grid, materials, made.closures, conditions(scene, self.grid), _options(scene))
+        if scene.heat is not None:
+            from contbed.two_fluid import heat, heat_planning
+
+            bed.heat = heat.Heat(bed, heat_planning.physics(scene), heat_planning.thermal(parts(scene)))
         bed.start(**initial(scene, self.grid))
         return bed, made
 
@@ -73,11 +78,9 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
     mesh = _cut(build(scene.mesh, base=str(scene.origin.base)), scene)
     pairs = [(name, part.partner) for name, part in scene.boundary.items() if isinstance(part, t.Periodic)]
     cells = grid.build(mesh, pairs)
-    conditions = {name: _condition(part) for name, part in scene.boundary.items() if not isinstance(part, t.Periodic)}
+    known = conditions(scene, cells)
     for name in cells.boundaries:
-        if name == "axis":
-            conditions.setdefault(name, boundary.symmetry())
-        if name not in conditions:
+        if name not in known:
             where = scene.origin.at(("boundary",))
             raise SceneError(f"{where}: boundary.{name}: missing; every side needs a condition")
     table = scene.two_fluid
@@ -92,9 +95,27 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
         (scene.time.average_from is not None, "averages", "in time", "no time.average_from"),
     ):
         (built if there else skipped).append((what, how if there else why))
+    if scene.heat is None:
+        skipped.append(("heat", "no [heat]: isothermal"))
+    else:
+        from contbed.two_fluid import heat_planning
+
+        built.append(("heat", heat_planning.described(scene.heat)))
     if scene.output.window is not None and cells.dimension > 1:
         skipped.append(("fully developed flow", "[fully_developed] gives profiles far from the inlet in a second"))
-    return TwoFluidPlan(scene, mesh, cells, conditions, tuple(built), tuple(skipped))
+    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped))
+
+
+def parts(scene: t.TwoFluidScene, time: float = 0.0) -> dict[str, Any]:
+    """The boundaries that are in force from `time` [s] on."""
+    return {name: scene.boundary[part.on or name] if 0.0 < (getattr(part, "until", None) or 0.0) <= time else part
+            for name, part in scene.boundary.items() if not isinstance(part, t.Periodic)}  # fmt: skip
+
+
+def conditions(scene: t.TwoFluidScene, cells: grid.Grid, time: float = 0.0) -> dict[str, boundary.Condition]:
+    """Condition of each boundary from `time` [s] on."""
+    found = {name: _condition(part) for name, part in parts(scene, time).items()}
+    return found if "axis" not in cells.boundaries else {"axis": boundary.symmetry(), **found}
 
 
 def initial(scene: t.TwoFluidScene, cells: grid.Grid) -> dict[str, np.ndarray]:
@@ -115,6 +136,10 @@ def initial(scene: t.TwoFluidScene, cells: grid.Grid) -> dict[str, np.ndarray]:
         fields[name][:, -1] = scalars[name]
     if start.shear:
         fields["u_solid"][:, 0] += start.shear * (height - 0.5 * (height.min() + height.max()))
+    if scene.heat is not None:
+        from contbed.two_fluid import heat_planning
+
+        fields |= heat_planning.initial(scene, height)
     return fields
 
 
@@ -122,7 +147,7 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
     """The mesh with pieces of boundaries under names of their own."""
     plain = mesh.skfem
     named = dict(plain.boundaries or {})
-    middle = plain.p[-1, plain.facets].mean(axis=0)
+    middles = plain.p[:, plain.facets].mean(axis=1)
     for name, part in scene.boundary.items():
         whole = getattr(part, "on", None)
         if whole is None:
@@ -132,7 +157,9 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
             continue
         if whole not in named:
             raise SceneError(f"{scene.origin.at(('boundary', name, 'on'))}: boundary.{name}.on: no boundary {whole!r}")
-        inside = (middle[named[whole]] > part.start) & (middle[named[whole]] < part.end)  # type: ignore[union-attr]
+        middle = middles[:, named[whole]]
+        middle = middle[0 if np.ptp(middle[-1]) <= 1e-9 * np.ptp(plain.p[-1]) else -1]
+        inside = (middle > part.start) & (middle < part.end)  # type: ignore[union-attr]
         if not inside.any():
             raise SceneError(f"{scene.origin.at(('boundary', name))}: boundary.{name}: holds no face; refine the mesh")
         named[name], named[whole] = named[whole][inside], named[whole][~inside]

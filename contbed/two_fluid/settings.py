@@ -5,6 +5,7 @@
     [gas], [solid]            their properties
     [initial]                 fields at the start, with [[initial.layer]] along the last axis
     [boundary.NAME]           wall, symmetry, periodic, inlet, outlet
+    [heat]                    temperatures; absent: isothermal
     [time]                    how long, steps by the Courant number, averages
 
 A closure that is "none" is absent and costs nothing.
@@ -19,6 +20,7 @@ from pydantic import Discriminator, Field
 from contbed.scene import settings as s
 from contbed.scene.quantities import Table, unit
 from contbed.scene.settings_mesh import Mesh
+from contbed.two_fluid.settings_heat import Heat, HeatOfWall, Temperatures
 
 Speed = Annotated[float, *unit("m/s")]
 Share = Annotated[s.Number, Field(ge=0, lt=1)]
@@ -70,7 +72,7 @@ class Solid(Table):
     friction: Friction = Friction()
 
 
-class Layer(Table):
+class Layer(Temperatures):
     """Fields between two positions along the last axis; what is not given stays as it was."""
 
     start: s.Position = -1e30
@@ -81,7 +83,7 @@ class Layer(Table):
     u_solid: Speed | None = None
 
 
-class Initial(Table):
+class Initial(Temperatures):
     """Fields at the start."""
 
     eps_s: Share = 0.0
@@ -95,14 +97,14 @@ class Initial(Table):
 
 
 class Part(Table):
-    """A boundary, or a piece of one along the last axis."""
+    """A boundary, or a piece of one along the last axis; along the first, of one that is level."""
 
     on: str | None = Field(None, description="boundary of the mesh that this is a piece of, from start to end")
     start: s.Position | None = None
     end: s.Position | None = None
 
 
-class Wall(Part):
+class Wall(Part, HeatOfWall):
     """Nothing passes."""
 
     type: Literal["wall"]
@@ -126,10 +128,11 @@ class Periodic(Table):
     partner: str = Field(description="the boundary opposite, which is not named again")
 
 
-class Inlet(Part):
+class Inlet(Part, Temperatures):
     """Gas, with or without particles."""
 
     type: Literal["inlet"]
+    until: s.Seconds | None = Field(None, description="then it is as the inlet that it is a piece of")
     velocity: Annotated[Speed, Field(ge=0)] = Field(0.0, description="superficial, of the gas")
     eps_s: Share = 0.0
     solid_flux: Flux | None = Field(None, description="mass flux of the particles through this boundary")
@@ -194,6 +197,7 @@ class TwoFluidScene(s.SceneBase):
     solid: Solid
     initial: Initial = Initial()
     boundary: dict[str, Boundary] = Field(default_factory=dict)
+    heat: Heat | None = None
     time: Time
     output: Output = Output()
     solver: Solver = Solver()

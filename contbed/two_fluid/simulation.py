@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from contbed.two_fluid import limiter
+from contbed.two_fluid.boundary import Condition, assemble
 from contbed.two_fluid.step import FIELDS, Materials, Options, Sources, Stepper
 
 __all__ = ["FIELDS", "Materials", "Options", "Sources", "TwoFluid"]
@@ -51,14 +52,23 @@ class TwoFluid(Stepper):
 
     def start(self, **fields: Any) -> None:
         """Set fields (arrays or numbers) and find the fluxes that belong to them."""
+        known = self.fields()
         for name, value in fields.items():
-            getattr(self, name)[...] = value
+            known[name][...] = value
+        if self.heat is not None:
+            self.heat.start()
         self.settle_fluxes(self.options.dt or self.options.dt_first)
+
+    def impose(self, conditions: Mapping[str, Condition]) -> None:
+        """Other conditions from now on."""
+        self.edge = assemble(self.grid, conditions, self.materials.rho_solid)
 
     def state(self) -> dict[str, Any]:
         """Everything that the next step depends on."""
         kept: dict[str, Any] = {name: getattr(self, name).copy() for name in (*FIELDS, *_FLUXES, *_MEMORY)}
         scalars = {"time": self.time, "dt": self.dt, "steps": self.steps}
+        if self.heat is not None:
+            kept |= self.heat.state()
         return kept | scalars | {"counters": dict(self.counters), "account": dict(self.account)}
 
     def restore(self, state: Mapping[str, Any]) -> None:
@@ -67,6 +77,8 @@ class TwoFluid(Stepper):
             setattr(self, name, np.array(state[name]))
         self.time, self.dt, self.steps = float(state["time"]), float(state["dt"]), int(state["steps"])
         self.counters, self.account = dict(state["counters"]), dict(state["account"])
+        if self.heat is not None:
+            self.heat.restore(state)
 
     def advance(self, end: float, callback: Callable[[TwoFluid], None] | None = None) -> None:
         """Step until `end` [s]; `callback` sees the state after each step.

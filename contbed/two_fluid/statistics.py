@@ -35,6 +35,8 @@ class Averages:
         s = bed.eps_s[:, None]
         now = {"eps_s": bed.eps_s, "theta": bed.eps_s * bed.theta, "p": bed.p, "u_gas": (1.0 - s) * bed.u_gas,
                "u_solid": s * bed.u_solid, "square": s * bed.u_solid**2}  # fmt: skip
+        if bed.heat is not None:
+            now |= {"T_gas": (1.0 - bed.eps_s) * bed.heat.T_gas, "T_solid": bed.eps_s * bed.heat.T_solid}
         self.weight[half] += bed.dt
         for name, value in now.items():
             if name not in self.sums:
@@ -42,7 +44,9 @@ class Averages:
             self.sums[name][half] += bed.dt * value
 
     def means(self, half: int | None = None) -> dict[str, np.ndarray]:
-        """Fields of averages: eps_s, p, phase-weighted velocities, theta and theta_total; of all or of one half."""
+        """Fields of averages: eps_s, p, phase-weighted velocities, temperatures, theta and theta_total; of all or of
+        one half.
+        """
         weight = self.weight.sum() if half is None else self.weight[half]
         pick = slice(None) if half is None else slice(half, half + 1)
         mean = {name: value[pick].sum(axis=0) / weight for name, value in self.sums.items()}
@@ -51,7 +55,9 @@ class Averages:
         variance = np.maximum(mean["square"] / s[:, None] - u**2, 0.0)
         # the directions that are not there count as the first one
         total = variance.sum(axis=1) + (3 - u.shape[1]) * variance[:, 0] * (u.shape[1] > 1)
-        return {
+        share = {"T_gas": 1.0 - mean["eps_s"], "T_solid": s}
+        warm = {name: mean[name] / share[name] for name in share if name in mean}
+        return warm | {
             "eps_s": mean["eps_s"],
             "p": mean["p"],
             "u_gas": mean["u_gas"] / (1.0 - mean["eps_s"])[:, None],

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from contbed.two_fluid import kernels_stress as kt
 from contbed.two_fluid.grid import Grid
 from contbed.two_fluid.pressure import Pressure
 from contbed.two_fluid.rheology import Closures
+
+if TYPE_CHECKING:
+    from contbed.two_fluid.heat import Heat
 
 ITERATIONS = 500
 TOLERANCE = 1e-9
@@ -88,7 +91,7 @@ class Stepper:
     solids and of both phases that the next step starts with, `moved` the solids flux of the last step after limits.
     What else a step remembers of the last one: `lag_*`, rates of change less convection; `force_*`, accelerations;
     `drag` and `stiffness`; `grad_p`, gradients of p and solids pressure on skewed meshes; `outflow` for the Courant
-    number.
+    number. `heat` is None for an isothermal bed; `dense` is the density of the gas over that of `materials`.
     """
 
     def __init__(
@@ -117,6 +120,8 @@ class Stepper:
         self.drag, self.stiffness = np.zeros(nc), np.zeros(nc)
         self.grad_p, self.own = np.zeros((nc, 3, dim)), np.zeros(nf)
         self.outflow = np.zeros((nc, 2))
+        self.heat: Heat | None = None
+        self.dense: float | np.ndarray = 1.0
         self.time, self.steps = 0.0, 0
         names = ("limited_faces", "limited_steps", "limiter_rounds", "theta_upwind_cells", "theta_clipped_cells")
         self.counters = dict.fromkeys(names, 0)
@@ -145,6 +150,8 @@ class Stepper:
         g = self.grid.geometry
         u_gas, u_solid = self.u_gas, self.u_solid
         gas = self._move_solids(dt)
+        if self.heat is not None:
+            gas = self.heat.step(dt, gas)
         self._evaluate()
         r = self.rheology
         shear = r.mu + r.mu_friction
@@ -183,7 +190,8 @@ class Stepper:
         """Closures at the present state."""
         speed = np.empty_like(self.eps_s)
         ks.slip_speed(self.u_gas, self.u_solid, speed)
-        self.drag = self.closures.drag(self.eps_s, speed)
+        # the slip acts through a Reynolds number with the density of `materials`
+        self.drag = self.closures.drag(self.eps_s, speed * self.dense)
         r = self.closures.granular(self.eps_s, self.theta, self.drag)
         self.stiffness = r.stiffness
         # the few particles of a nearly empty cell do not push, shear or conduct
@@ -210,7 +218,8 @@ class Stepper:
         rhs, links, coef = np.zeros_like(u), np.zeros_like(u), np.empty((len(g.left), u.shape[1]))
         kc.convect(g, flux, u, grad, ahead, given, self.options.limited, low, rhs)
         rhs *= rho
-        content = np.repeat(rho / dt * (eps + ks.EMPTY) * g.volume, u.shape[1]).reshape(u.shape)
+        dense = self.dense if phase == 0 else 1.0
+        content = np.repeat(rho / dt * (eps * dense + ks.EMPTY) * g.volume, u.shape[1]).reshape(u.shape)
         rhs += dt * content * source
         self.work = np.zeros(len(eps))
         kt.stress(g, side, slip, eps, mu, bulk, u, grad, given, rhs, coef, self.work)
@@ -231,8 +240,9 @@ class Stepper:
             grad_s = grad_s + self._slopes(h_s - self.u_solid)
         cells, vectors = (s, self.drag, kinetic, self.rheology.h, self.p), (h_g, h_s, self.u_gas, self.u_solid)
         gradients = (grad_g, grad_s, self.grad_p)
+        rho = (np.broadcast_to(self.rho[0] * self.dense, s.shape), self.rho[1])
         kf.predict(
-            g, edge.gas, edge.solid, edge, dt, self.gravity, self.rho, cells, vectors, gradients, skewed, self.own, faces
+            g, edge.gas, edge.solid, edge, dt, self.gravity, rho, cells, vectors, gradients, skewed, self.own, faces
         )
         column = s.reshape(-1, 1)
         grad_eps, ahead = np.empty((len(s), 1, self.grid.dimension)), np.empty((len(s), 1))
@@ -257,7 +267,7 @@ class Stepper:
             grad_g = grad_g + self._slopes(new_g - h_g)
         kf.remember(g, edge.gas, faces, new_g, grad_g, skewed, self.own)
         self.force_g, self.force_s = np.empty_like(h_g), np.empty_like(h_s)
-        kf.cell_velocities(dt, self.rho, s, self.drag, h_g, h_s, old_g, old_s, new_g, new_s, self.force_g, self.force_s)
+        kf.cell_velocities(dt, rho, s, self.drag, h_g, h_s, old_g, old_s, new_g, new_s, self.force_g, self.force_s)
         self.u_gas, self.u_solid = new_g, new_s
 
     def _slopes(self, u: np.ndarray) -> np.ndarray:
@@ -331,10 +341,14 @@ class Stepper:
             )
         return x
 
+    def fields(self) -> dict[str, np.ndarray]:
+        """Fields by name, in the order of the grid."""
+        found = {name: getattr(self, name) for name in FIELDS}
+        return found if self.heat is None else found | self.heat.fields()
+
     def check_finite(self) -> None:
         """Raise ConvergenceError where a field is not finite, with its name, the cell and its place."""
-        for name in FIELDS:
-            values = getattr(self, name)
+        for name, values in self.fields().items():
             if not np.isfinite(values.sum()) and (wrong := ~np.isfinite(values)).any():
                 cell = int(np.flatnonzero(wrong.reshape(len(values), -1).any(axis=1))[0])
                 place = ", ".join(f"{v:.4g}" for v in self.grid.centres[cell])

@@ -26,7 +26,10 @@ class Run:
         self.plan, self.scene = plan, plan.scene
         self.bed, self.laws = plan.bed()
         time = self.scene.time
-        self.held = findings.held(self.bed)
+        self.kept = findings.kept(self.bed)
+        inlets = (getattr(part, "until", None) for part in self.scene.boundary.values())
+        self.ends = sorted({end for end in inlets if end is not None})
+        self.ended = 0
         self.averages = None if time.average_from is None else Averages(time.average_from, time.end)
         self.rows: list[list[float]] = []
         self.files: list[tuple[float, str]] = []
@@ -37,8 +40,23 @@ class Run:
         """One row of profiles.csv."""
         self.rows.append(findings.row(self.bed))
 
+    def end_pulses(self) -> bool:
+        """Impose what follows the inlets whose time is over; whether there were any."""
+        bed, ended = self.bed, sum(end <= self.bed.time for end in self.ends)
+        if ended == self.ended:
+            return False
+        self.ended = ended
+        bed.impose(planning.conditions(self.scene, bed.grid, bed.time))
+        if bed.heat is not None:
+            from contbed.two_fluid import heat_planning
+
+            bed.heat.impose(heat_planning.thermal(planning.parts(self.scene, bed.time)))
+        return True
+
     def after_step(self, bed: TwoFluid) -> None:
         """What every step adds to."""
+        if self.end_pulses():
+            bed.settle_fluxes(bed.dt)
         if self.averages is not None:
             self.averages.add(bed)
 
@@ -47,7 +65,7 @@ class Run:
         state = self.bed.state()
         plain = {name: value for name, value in state.items() if not isinstance(value, np.ndarray)}
         arrays = {name: value for name, value in state.items() if isinstance(value, np.ndarray)}
-        arrays |= {"rows": np.array(self.rows), "counts": self.laws.counts, "held": np.array(self.held)}
+        arrays |= {"rows": np.array(self.rows), "counts": self.laws.counts, "kept": np.array(list(self.kept.values()))}
         if self.averages is not None:
             arrays |= self.averages.arrays()
         return arrays, {"state": json.dumps(plain), "files": json.dumps(self.files)}
@@ -57,10 +75,11 @@ class Run:
         self.bed.restore({**arrays, **json.loads(meta["state"])})
         self.rows = np.asarray(arrays["rows"]).tolist()
         self.laws.counts[:] = arrays["counts"]
-        self.held = float(arrays["held"])
+        self.kept = dict(zip(self.kept, np.asarray(arrays["kept"]).tolist(), strict=True))
         self.files = [(float(time), str(name)) for time, name in json.loads(meta["files"])]
         if self.averages is not None:
             self.averages.resume(dict(arrays))
+        self.end_pulses()
 
 
 def solve(
@@ -85,7 +104,8 @@ def solve(
                 progress.advance_to(bed.time, f"step {bed.dt:.2g} s")
 
             for stop in stops[stops > run.bed.time * (1.0 + 1e-12)]:
-                run.bed.advance(stop, after)
+                for time in (*(end for end in run.ends if run.bed.time < end < stop), stop):
+                    run.bed.advance(time, after)
                 run.take_row()
                 if folder is not None:
                     _keep(run, folder, label)
@@ -114,7 +134,7 @@ def _fields(run: Run, folder: Path) -> None:
         return
     means = run.averages.means() if run.averages is not None and run.averages.weight.sum() > 0 else {}
     name = f"fields_{len(run.files):04d}.vtu"
-    fields = {key: getattr(run.bed, key) for key in ("eps_s", "u_gas", "u_solid", "theta", "p")}
+    fields = run.bed.fields()
     fields |= {f"{key}_mean": value for key, value in means.items()}
     write_cells(folder / name, run.plan.mesh.skfem, run.plan.grid.cells, fields)
     run.files.append((run.bed.time, name))
@@ -124,15 +144,21 @@ def _fields(run: Run, folder: Path) -> None:
 def _fill(run: Run, result: Result) -> None:
     """Profiles, tables, balances, closures and qoi."""
     scene, bed = run.scene, run.bed
-    result.profiles |= dict(zip(findings.COLUMNS, np.array(run.rows).T.copy(), strict=True))
-    result.balances["solids"] = findings.balance(bed, run.held)
+    result.profiles |= dict(zip(findings.columns(bed), np.array(run.rows).T.copy(), strict=True))
+    result.balances |= findings.balances(bed, run.kept)
     result.tables |= findings.tables(bed, run.averages, scene)
-    result.qoi |= findings.results(run.plan, bed, run.held, run.averages, result.profiles)
+    result.qoi |= findings.results(run.plan, bed, run.kept, run.averages, result.profiles)
     for name, number in [*bed.counters.items(), *zip(laws.COUNTED, run.laws.counts.tolist(), strict=True)]:
         if number:
             result.qoi[name] = int(number)
     known = findings.arguments(bed, scene)
-    for pair in planning.closure_functions(scene).values():
+    used = list(planning.closure_functions(scene).values())
+    if scene.heat is not None:
+        from contbed.two_fluid import heat_planning
+
+        known = heat_planning.arguments(bed, scene, known)
+        used += heat_planning.closure_functions(scene).values()
+    for pair in used:
         if pair is not None:
             function: Any = pair[0]
             facts = function.sheet

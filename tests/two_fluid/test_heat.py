@@ -1,0 +1,315 @@
+"""Heat of the two-fluid model against closed forms; heat and gas that are neither made nor lost."""
+
+from copy import deepcopy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from core_closures import bed, closures, line, rectangle
+from scipy.linalg import expm
+
+import contbed as cb
+from contbed.errors import SceneError
+from contbed.planning import plan
+from contbed.scene.loading import from_dict
+from contbed.two_fluid import study
+from contbed.two_fluid.boundary import Inlet, Outlet, symmetry
+from contbed.two_fluid.heat import Heat, Physics, Thermal
+from contbed.two_fluid.simulation import Options
+from contbed.verify.exact_packed_bed import schumann
+
+SLIP = symmetry()
+CP_GAS, CP_SOLID = 1000.0, 800.0
+
+
+def heated(on, sides, thermal=None, h=60.0, laws=None, conductivity=None, ideal=False, options=None, **materials):
+    """A bed with heat; h and the conductivities [W/m2/K, W/m/K] are numbers."""
+
+    def conduct(eps_s, *_):
+        return conductivity[0] * (1 - eps_s), conductivity[1] * eps_s
+
+    made = bed(on, laws or closures(), sides, options=options, **materials)
+    density = "ideal_gas" if ideal else "constant"
+    physics = Physics(CP_GAS, CP_SOLID, lambda s, *_: np.full_like(s, h), conductivity and conduct, density, 300.0)
+    made.heat = Heat(made, physics, thermal or {})
+    return made
+
+
+def open_heat(made, start):
+    """Heat that is not accounted for, over what the bed held at the start and took in."""
+    a = made.heat.account
+    return (made.heat.stored() - start - a["heat_in"] + a["heat_out"] - a["walls"]) / (start + a["heat_in"])
+
+
+@pytest.mark.parametrize("dt", [0.05, 1e-3])
+def test_closed_suspension_is_exact_at_any_step(dt):
+    """Two ordinary equations: rates of heat 1.7 and 9.6e2 1/s, so that the longer step is 48 times too long for an
+    explicit one.
+    """
+    s, h = 0.3, 60.0
+    b = heated(line(0.1, 4, True), {}, h=h, options=Options(dt=dt), gravity=(0.0,))
+    b.start(eps_s=s, T_gas=300.0, T_solid=500.0)
+    b.advance(0.1)
+    H = 6 * h * s / 275e-6
+    rate = np.array([[-1, 1], [1, -1]]) * H / np.array([[1.2 * (1 - s) * CP_GAS], [2500 * s * CP_SOLID]])
+    exact = expm(0.1 * rate) @ [300.0, 500.0]
+    np.testing.assert_allclose(b.heat.T_gas, exact[0], rtol=1e-12)
+    np.testing.assert_allclose(b.heat.T_solid, exact[1], rtol=1e-12)
+
+
+def test_gas_that_warms_in_a_closed_box():
+    """Hot particles and an ideal gas in a fixed volume: heat goes by c_p - R, the pressure follows the temperature."""
+    s, R = 0.1, 101325.0 / (1.2 * 300.0)
+    b = heated(line(0.1, 4, True), {}, h=500.0, ideal=True, options=Options(dt=0.01), gravity=(0.0,))
+    b.start(eps_s=s, T_gas=300.0, T_solid=500.0)
+    start = b.heat.stored()
+    b.advance(1.0)
+    gas, solid = 1.2 * (1 - s) * (CP_GAS - R), 2500 * s * CP_SOLID
+    T = (gas * 300.0 + solid * 500.0) / (gas + solid)
+    np.testing.assert_allclose(b.heat.T_gas, T, rtol=1e-12)
+    np.testing.assert_allclose(b.heat.T_solid, T, rtol=1e-12)
+    assert b.heat.p0 == pytest.approx(101325.0 * T / 300.0, rel=1e-12)
+    assert abs(open_heat(b, start)) < 1e-14
+    assert np.abs(b.u_gas).max() < 1e-10
+
+
+def drag(eps_s, slip):
+    return 150 * eps_s / (1 - eps_s) ** 2 * 1.8e-5 / 1e-3**2 + 1.75 * 1.2 * slip / (1 - eps_s) / 1e-3
+
+
+def bubbling(shape, ideal):
+    """A bed of 1 mm that hot gas blows up, with conduction in both phases and a warm wall."""
+    grid = rectangle(0.04, 0.08, (8, 16), shape=shape)
+    sides = {"left": SLIP, "right": SLIP, "bottom": Inlet(1.5), "top": Outlet()}
+    thermal = {"bottom": Thermal(T_gas=600.0), "left": Thermal(wall=400.0), "right": Thermal(flux=1e3)}
+    laws = closures(drag, pressure=1.0, friction=100.0)
+    b = heated(grid, sides, thermal, 200.0, laws, (0.05, 1.0), ideal, Options(courant=0.3), gravity=(0.0, -9.81),
+               d_p=1e-3)  # fmt: skip
+    x, z = grid.centres.T
+    bed = z < 0.04
+    b.start(eps_s=np.where(bed, 0.5 + 0.02 * np.sin(300 * x), 0.0), u_gas=np.stack((0 * z, np.where(bed, 3.0, 1.5)), 1),
+            theta=1e-3, T_gas=300.0, T_solid=300.0)  # fmt: skip
+    return b
+
+
+@pytest.mark.parametrize("ideal", [False, True])
+@pytest.mark.parametrize("shape", ["quadrilateral", "triangle"])
+def test_moving_bed_keeps_heat_and_gas(shape, ideal):
+    b = bubbling(shape, ideal)
+    volume = b.grid.geometry.volume
+    heat, gas = b.heat.stored(), b.heat.mass @ volume
+    for _ in range(300):
+        b.step(b.next_step())
+    assert abs(open_heat(b, heat)) < 1e-12
+    a = b.heat.account
+    assert abs(b.heat.mass @ volume - gas - a["gas_in"] + a["gas_out"]) < 1e-12 * (gas + a["gas_in"])
+    # mass, temperature and volume fit: what a step leaves open is second order in it
+    filled = b.heat.mass * b.heat.T_gas / b.heat.content if ideal else b.heat.mass / 1.2
+    np.testing.assert_allclose(filled, 1 - b.eps_s, atol=2e-3 if ideal else 1e-12)
+    beyond = 0.01 * 300.0 if shape == "triangle" else 1e-9  # the limiter knows no value upstream of a triangle
+    for T in (b.heat.T_gas, b.heat.T_solid):
+        assert 300.0 - beyond < T.min() < T.max() < 600.0 + beyond
+    assert np.abs(b.u_solid).max() > 0.05
+
+
+def test_constant_density_leaves_the_flow_alone():
+    with_heat, without = bubbling("quadrilateral", False), bubbling("quadrilateral", False)
+    without.heat = None
+    for b in (with_heat, without):
+        for _ in range(20):
+            b.step(b.next_step())
+    for name, field in without.fields().items():
+        assert np.array_equal(field, getattr(with_heat, name)), name
+
+
+def test_heat_is_symmetric():
+    b = bubbling("quadrilateral", True)
+    x, z = b.grid.centres.T
+    b.heat.impose({"bottom": Thermal(T_gas=600.0), "left": Thermal(wall=400.0), "right": Thermal(wall=400.0)})
+    b.start(eps_s=np.where(z < 0.04, 0.5 + 0.02 * np.cos(300 * (x - 0.02)), 0.0))
+    x, z = np.rint(1e4 * x), np.rint(1e4 * z)
+    order, mirror = np.lexsort((x, z)), np.lexsort((400 - x, z))
+    for _ in range(100):
+        b.step(b.next_step())
+    for T in (b.heat.T_gas, b.heat.T_solid):
+        # the iterations of the flow end at 1e-9
+        np.testing.assert_allclose(T[order], T[mirror], rtol=1e-6)
+
+
+@pytest.mark.parametrize(("shape", "phase"), [("quadrilateral", 0), ("triangle", 1)])
+def test_conduction_in_one_phase(shape, phase):
+    """A cosine between adiabatic walls fades; what remains of it is first order in the step, second in the cells."""
+    length, k, s = 0.1, 50.0, 0.4
+    content = (1.2 * CP_GAS, 2500.0 * CP_SOLID)[phase]
+    end = 0.5 * content / k * (length / np.pi) ** 2
+    grid = rectangle(length, length / 4, (24, 6), shape=shape)
+    pair = (k, 0.0) if phase == 0 else (0.0, k)
+    b = heated(grid, dict.fromkeys(grid.boundaries, SLIP), h=0.0, conductivity=pair, options=Options(dt=end / 400))
+    wave = np.cos(np.pi * grid.centres[:, 0] / length)
+    b.start(eps_s=s, T_gas=300.0 + 10 * wave, T_solid=300.0 + 10 * wave)
+    b.advance(end)
+    left = (b.heat.T_gas, b.heat.T_solid)[phase] - 300.0
+    np.testing.assert_allclose(left, 10 * wave * np.exp(-0.5), atol=0.02 if shape == "quadrilateral" else 0.05)
+    assert abs(b.heat.account["walls"]) < 1e-12 * b.heat.stored()
+
+
+def test_walls_at_two_temperatures():
+    """A linear temperature is exact; both walls are given what the phases conduct."""
+    grid = rectangle(0.1, 0.02, (10, 2))
+    b = heated(grid, dict.fromkeys(grid.boundaries, SLIP), {"left": Thermal(wall=300.0), "right": Thermal(wall=400.0)},
+               h=100.0, conductivity=(2.0, 10.0), options=Options(dt=1e4))  # fmt: skip
+    b.start(eps_s=0.4, T_gas=300.0, T_solid=350.0)
+    for _ in range(20):
+        b.step(1e4)
+    for T in (b.heat.T_gas, b.heat.T_solid):
+        np.testing.assert_allclose(T, 300.0 + 1e3 * grid.centres[:, 0], rtol=1e-9)
+
+
+def schumann_error(cells):
+    """Largest error of both temperatures, over the step at the inlet, behind a front in a bed that does not move."""
+    length, u, s, h = 0.1, 1.0, 0.5, 3.0
+    b = heated(line(length, cells), {"left": Inlet(u * (1 - s)), "right": Outlet()}, {"left": Thermal(T_gas=310.0)}, h,
+               options=Options(courant=0.4, dt_max=1.0), gravity=(0.0,))  # fmt: skip
+    b.start(eps_s=s, u_gas=u, T_gas=300.0, T_solid=300.0)
+    b.advance(4.0 * length / u)
+    H = 6 * h * s / 275e-6
+    gas, solid = schumann(b.grid.centres[:, 0], b.time, u, H / ((1 - s) * 1.2 * CP_GAS), H / (s * 2500 * CP_SOLID))
+    return max(np.abs(b.heat.T_gas - 300 - 10 * gas).max(), np.abs(b.heat.T_solid - 300 - 10 * solid).max()) / 10
+
+
+def test_hot_front_in_a_bed_at_rest():
+    coarse, fine = schumann_error(50), schumann_error(100)
+    assert fine < 2e-3
+    assert coarse / fine > 2**0.9
+
+
+def test_ideal_gas_that_warms_flows_faster():
+    """A steady stream keeps its mass flux; its velocity follows the temperature."""
+    b = heated(line(0.1, 20), {"left": Inlet(0.5), "right": Outlet()}, {"left": Thermal(T_gas=300.0)}, 50.0, ideal=True,
+               options=Options(courant=0.4), gravity=(0.0,), rho_solid=2.5e9)  # fmt: skip
+    b.start(eps_s=0.01, u_gas=0.5 / 0.99, T_gas=300.0, T_solid=600.0)
+    b.advance(1.0)
+    rise = 600.0 - b.heat.T_gas
+    assert b.heat.T_gas.max() > 450.0 and (np.diff(rise[np.argsort(b.grid.centres[:, 0])]) < 0).all()
+    flux = b.flux_total - b.moved
+    out = b.grid.boundaries["right"]
+    end = b.heat.T_gas[b.grid.geometry.left[out]]
+    np.testing.assert_allclose(flux[out], 0.5 * end / 300.0, rtol=1e-7)
+
+
+PULSE = {
+    "mesh": {"type": "rectangle", "length": 0.06, "height": 0.12, "cells": [10, 20]},
+    "two_fluid": {},
+    "gas": {"density": 1.18, "viscosity": 1.8e-5},
+    "solid": {"diameter": 3e-3, "density": 2526.0},
+    "initial": {"T_gas": 300.0, "u_gas": 1.5, "layer": [{"end": 0.06, "eps_s": 0.55, "u_gas": 3.0}]},
+    "boundary": {
+        "left": {"type": "wall", "solid": "slip", "T": 310.0},
+        "right": {"type": "wall", "solid": "slip", "heat_flux": 100.0},
+        "bottom": {"type": "inlet", "velocity": 1.5, "T_gas": 300.0},
+        "jet": {"type": "inlet", "on": "bottom", "start": 0.024, "end": 0.036, "velocity": 30.0, "T_gas": 700.0,
+                "until": 0.011},
+        "top": {"type": "outlet"},
+    },
+    "heat": {"heat_capacity_gas": 1010.0, "heat_capacity_solid": 840.0, "conductivity_gas": 0.026,
+             "conductivity_solid": 1.0, "conductivity_bed": "zehner_schluender", "density": "ideal_gas"},
+    "time": {"end": 0.03, "sample": 0.005, "average_from": 0.01},
+    "output": {"plots": False, "fields": False},
+}  # fmt: skip
+
+
+def scene(changes=None, without=()):
+    values = deepcopy(PULSE)
+    for path, value in (changes or {}).items():
+        *way, last = path.split(".")
+        table = values
+        for name in way:
+            table = table.setdefault(name, {})
+        table[last] = value
+    for path in without:
+        *way, last = path.split(".")
+        table = values
+        for name in way:
+            table = table[name]
+        del table[last]
+    return values
+
+
+def test_scene_of_a_closed_suspension():
+    found = cb.run(cb.load(Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "heating.toml")).qoi
+    H = 6 * 0.001 * 2 * 0.026 / 275e-6**2
+    rate = np.array([[-1, 1], [1, -1]]) * H / np.array([[1.2 * 0.999 * 1005], [2500 * 0.001 * 800]])
+    exact = expm(0.1 * rate) @ [300.0, 500.0]
+    assert [found["T_gas_mean [K]"], found["T_solid_mean [K]"]] == pytest.approx(exact, rel=1e-11)
+
+
+def test_a_pulse_restarts_bit_for_bit(tmp_path):
+    """Stopped right at the end of the pulse, and after it; with what the run writes about heat."""
+    loaded = from_dict(scene({"boundary.jet.until": 0.01}))
+    whole = cb.run(loaded, tmp_path / "whole")
+    assert {"gas", "heat", "solids"} <= set(whole.balances)
+    assert all(abs(balance["relative_residual"]) < 1e-12 for balance in whole.balances.values())
+    assert whole.profiles["T_gas_max [K]"].max() > 500.0
+    assert {"T_gas [K]", "T_solid [K]"} <= set(whole.tables["axial"])
+    assert {"nusselt_gunn", "conductivity_zehner_schluender"} <= {use["name"] for use in whole.closures}
+    keep = study._keep
+    for rows in (2, 4):
+        part, count = tmp_path / str(rows), []
+
+        def stop(*arguments, rows=rows, count=count):
+            keep(*arguments)
+            count.append(1)
+            if len(count) == rows:
+                raise KeyboardInterrupt
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(study, "_keep", stop)
+            with pytest.raises(KeyboardInterrupt):
+                cb.run(loaded, part)
+        rest = cb.run(loaded, part, restart=part)
+        for table in ("axial", "lateral"):
+            for name, column in whole.tables[table].items():
+                assert np.array_equal(column, rest.tables[table][name]), (rows, name)
+        assert rest.balances == whole.balances
+
+
+def test_a_pulse_brings_what_was_given_and_ends():
+    run = study.Run(plan(from_dict(scene())))
+    run.bed.advance(0.011, run.after_step)
+    given = 0.011 * (1.18 * 1.5 * 0.048 + 1.18 * 300.0 / 700.0 * 30.0 * 0.012)
+    assert run.bed.heat.account["gas_in"] == pytest.approx(given, rel=1e-12)
+    jet = run.bed.grid.boundaries["jet"]
+    np.testing.assert_allclose(run.bed.flux_total[jet], -1.5 * run.bed.grid.geometry.area[jet])
+    np.testing.assert_allclose(run.bed.heat.enters[0, jet - run.bed.grid.interior], 300.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "without", "told"),
+    [
+        ({}, ("initial.T_gas",), "initial.T_gas"),
+        ({}, ("boundary.jet.T_gas",), "boundary.jet.T_gas"),
+        ({}, ("heat",), "boundary.jet.T_gas = 700.0: has no meaning without [heat]"),
+        ({}, ("heat",), "initial.T_gas = 300.0: has no meaning without [heat]"),
+        ({}, ("heat",), "boundary.right.heat_flux = 100.0: has no meaning without [heat]"),
+        ({"heat.nusselt": "nusselt_gun"}, (), "nusselt_gunn"),
+        ({"heat.nusselt": -1.0}, (), "heat.nusselt"),
+        ({"heat.nusselt": {"file": "absent.toml"}}, (), "absent.toml"),
+        ({"heat.conductivity_bed": "nusselt_gunn"}, (), "conductivity"),
+        ({"heat.effective_gas": 0.1}, (), "give either conductivity_bed"),
+        ({}, ("heat.conductivity_solid",), "heat.conductivity_solid: missing"),
+        ({}, ("heat.conductivity_bed",), "boundary.left.T = 310.0: heats nothing"),
+        ({}, ("heat.heat_capacity_gas",), "heat.heat_capacity_gas"),
+        ({"heat.effective_solid": -1.0}, ("heat.conductivity_bed",), "heat.effective_solid"),
+        ({"heat.density": "constant", "heat.T_reference": 300.0}, (), "heat.T_reference"),
+        ({"heat.density": "ideal"}, (), "ideal_gas"),
+        ({"initial.T_gas": -3.0}, (), "initial.T_gas"),
+        ({"boundary.left.heat_flux": 1.0}, (), "either T or heat_flux"),
+        ({"time.order": 2}, (), "time.order"),
+        ({}, ("boundary.jet.on", "boundary.jet.start", "boundary.jet.end"), "boundary.jet.until"),
+        ({"boundary.jet.on": "top"}, (), "boundary.jet.until"),
+    ],
+)  # fmt: skip
+def test_a_mistake_about_heat_is_named(changes, without, told):
+    with pytest.raises(SceneError) as caught:
+        from_dict(scene(changes, without))
+    assert told in str(caught.value)
