@@ -14,9 +14,10 @@ def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
     """Adds the force of the full stress mu (grad u + grad u^T) + (bulk - 2/3 mu) div u I on each cell to `out` [N].
 
     `coef` (nf, m) gets the part of it that goes with the jump of each component across a face, for the implicit
-    solution. At the face mu and bulk are harmonic means: where there are no particles no stress passes. A wall takes
-    the shear that `slip` leaves and the normal stress; an outlet takes none. `work` (nc,) gets the work [W] of the
-    stress on the velocities in each cell: what the mean motion loses.
+    solution. At the face mu and bulk are harmonic means: where there are no particles no stress passes. By how much the
+    linear mean of mu is larger only rubs, with the jump of the velocity: so the loose top of a bed rests on the bed. A
+    wall takes the shear that `slip` leaves and the normal stress; an outlet takes none. `work` (nc,) gets the work [W]
+    of the stress on the velocities in each cell, which the mean motion loses, but for what rubs.
     """
     ni, dim = len(g.right), len(g.axes)
     local = np.empty((dim, dim))
@@ -24,10 +25,11 @@ def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
         left = g.left[f]
         if f < ni:
             right = g.right[f]
+            m = 2.0 * mu[left] * mu[right] / (mu[left] + mu[right] + 1e-300)
+            lam = 2.0 * bulk[left] * bulk[right] / (bulk[left] + bulk[right] + 1e-300)
             w = g.share[f]
-            felt = min(heard(eps[left], eps[right]), heard(eps[right], eps[left]))
-            m = felt * (w * mu[left] + (1.0 - w) * mu[right])
-            lam = felt * (w * bulk[left] + (1.0 - w) * bulk[right])
+            rub = w * mu[left] + (1.0 - w) * mu[right] - m
+            rub *= min(heard(eps[left], eps[right]), heard(eps[right], eps[left])) / g.distance[f]
             divergence = 0.0
             for k in range(dim):
                 missing = u[right, k] - u[left, k]
@@ -43,6 +45,9 @@ def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
                 traction = (lam - 2.0 / 3.0 * m) * divergence * g.normal[f, k]
                 for d in range(dim):
                     traction += m * (local[k, d] + local[d, k]) * g.normal[f, d]
+                pull = rub * g.area[f] * (u[right, k] - u[left, k])
+                out[left, k] += pull
+                out[right, k] -= pull
                 out[left, k] += g.area[f] * traction
                 out[right, k] -= g.area[f] * traction
                 middle = w * u[left, k] + (1.0 - w) * u[right, k]
@@ -50,7 +55,7 @@ def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
                     middle += local[k, d] * g.skew[f, d]
                 work[left] += g.area[f] * traction * (middle - u[left, k])
                 work[right] += g.area[f] * traction * (u[right, k] - middle)
-                coef[f, k] = g.area[f] / g.distance[f] * (m + (m / 3.0 + lam) * g.normal[f, k] ** 2)
+                coef[f, k] = g.area[f] / g.distance[f] * (m + (m / 3.0 + lam) * g.normal[f, k] ** 2) + g.area[f] * rub
             continue
         b = f - ni
         m, lam = mu[left], bulk[left]
