@@ -80,11 +80,9 @@ class Plan:
     @property
     def policy(self) -> Policy:
         """How linear systems are solved."""
-        if self.mesh.engine == "dolfinx":
-            from contbed.engine.petsc import PetscPolicy
+        from contbed.engine import policy
 
-            return PetscPolicy(self.mesh.skfem.dim(), self.scene.solver.memory_GB)
-        return Policy(self.mesh.skfem.dim(), self.scene.solver.memory_GB)
+        return policy(self.mesh, self.scene.solver.memory_GB)
 
     def unknowns(self) -> dict[str, int]:
         """Number of unknowns of each part that is solved."""

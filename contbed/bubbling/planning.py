@@ -37,7 +37,9 @@ class BubblingPlan:
     @property
     def policy(self) -> Policy:
         """How linear systems are solved."""
-        return Policy(1, self.scene.solver.memory_GB)
+        from contbed.engine import policy
+
+        return policy(self.mesh, self.scene.solver.memory_GB)
 
     @property
     def fields(self) -> dict[str, tuple[int, int]]:

@@ -9,12 +9,12 @@ import numpy as np
 
 from contbed.bubbling.planning import BubblingPlan
 from contbed.closures.optics import SIGMA
-from contbed.engine.skfem import System
+from contbed.engine import system as make_system
 from contbed.errors import ConvergenceError
 from contbed.models import bubbling_bed as model
 from contbed.models.radiation import emitted
 from contbed.solve.continuation import relax
-from contbed.solve.linear import Solver
+from contbed.solve.linear import Solver, scaled
 from contbed.solve.newton import newton
 
 Array = Any
@@ -32,7 +32,7 @@ class BubblingProblem:
 
     def __init__(self, plan: BubblingPlan):
         self.plan, self.c = plan, plan.coefficients
-        self.system = System(plan.mesh.skfem, plan.fields, 2 * plan.scene.solver.degree + EXTRA)
+        self.system = make_system(plan.mesh, plan.fields, 2 * plan.scene.solver.degree + EXTRA, pointwise=True)
         (self.bottom,), (self.top,) = self.system.boundary("bottom"), self.system.boundary("top")
         self.fixed = np.empty(0, dtype=np.int64)
         self.radiant = [name for name in ("G", "G_freeboard") if name in self.system.fields]
@@ -148,7 +148,7 @@ class BubblingProblem:
             slope = np.ones_like(x)
             for name in self.radiant:
                 self.system.part(slope, name)[:] = 16.0 * SIGMA * self.system.part(x, name) ** 3
-            matrix = matrix.multiply(slope).tocsc()
+            matrix = scaled(matrix, slope)
         return residual, matrix
 
     def content(self, x: Array, jacobian: bool) -> tuple[Array, Any]:

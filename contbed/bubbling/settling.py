@@ -51,7 +51,9 @@ def settle(problem: BubblingProblem, state: Any, result: Result) -> tuple[Bubbli
 def stretched(plan: BubblingPlan, scene: Any) -> BubblingProblem:
     """The problem of a scene on the mesh of a plan, stretched to its height."""
     ratio = scene.bubbling_bed.height / plan.scene.bubbling_bed.height
-    mesh = plan.mesh if ratio == 1.0 else line(ratio * np.sort(plan.mesh.skfem.p[0]))
+    mesh = plan.mesh
+    if ratio != 1.0:
+        mesh = replace(line(ratio * np.sort(mesh.skfem.p[0])), engine=mesh.engine)
     c, albedo = coefficients(scene)
     return BubblingProblem(replace(plan, scene=scene, coefficients=c, mesh=mesh, albedo=albedo))
 

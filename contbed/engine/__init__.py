@@ -1,4 +1,4 @@
-"""Evaluates weak forms: `dual` values with exact derivatives, `skfem` assembly, `dolfinx` for MPI by a `tape`."""
+"""Evaluates weak forms: `dual` values, `skfem` assembly, `dolfinx` for MPI by a `tape` or at points."""
 
 from __future__ import annotations
 
@@ -7,14 +7,41 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from contbed.meshing.mesh import Mesh
+    from contbed.solve.linear import Policy
 
 ENGINES = ("skfem", "dolfinx")
 
 
-def system(mesh: Mesh, fields: Mapping[str, tuple[int, int]], order: int, section: float = 1.0) -> Any:
-    """Named unknowns on a mesh, by the engine of the mesh; see `engine.skfem.System`."""
-    if mesh.engine == "dolfinx":
-        from contbed.engine.dolfinx import System
+def system(
+    mesh: Mesh, fields: Mapping[str, tuple[int, int]], order: int, section: float = 1.0, pointwise: bool = False
+) -> Any:
+    """Named unknowns on a mesh, by the engine of the mesh; see `engine.skfem.System`. Forms of many closures or with
+    unknowns without a place are `pointwise`: evaluated by dual numbers on each engine.
+    """
+    if mesh.engine == "dolfinx" and pointwise:
+        from contbed.engine.dolfinx_points import System
+    elif mesh.engine == "dolfinx":
+        from contbed.engine.dolfinx import System  # type: ignore[assignment]
     else:
         from contbed.engine.skfem import System  # type: ignore[assignment]
     return System(mesh.skfem, fields, order, axisymmetric=mesh.axisymmetric, section=section)
+
+
+def shared(mesh: Mesh, matrix: Any) -> Any:
+    """A matrix of SciPy for the solvers of a mesh's engine."""
+    if mesh.engine == "dolfinx":
+        from contbed.engine.petsc import given
+
+        return given(matrix)
+    return matrix
+
+
+def policy(mesh: Mesh, limit_GB: float | None) -> Policy:
+    """How linear systems on a mesh are solved, by its engine."""
+    if mesh.engine == "dolfinx":
+        from contbed.engine.petsc import PetscPolicy
+
+        return PetscPolicy(mesh.skfem.dim(), limit_GB)
+    from contbed.solve.linear import Policy
+
+    return Policy(mesh.skfem.dim(), limit_GB)

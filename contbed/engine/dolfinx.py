@@ -42,12 +42,10 @@ def adopted(plan: Any) -> Any:
     """
     scene = plan.scene
     lacking = ""
-    if scene.kind != "packed_bed":
+    if scene.kind not in ("packed_bed", "bubbling_bed"):
         lacking = f"scenes of kind {scene.kind}"
-    elif plan.fronts:
+    elif scene.kind == "packed_bed" and plan.fronts:
         lacking = "fronts tracked along characteristics (a bed at rest without conduction)"
-    elif scene.heat is None and plan.solved.radiation is not None and plan.solved.radiation.level == "ordinates":
-        lacking = "radiation by ordinates"
     if lacking:
         raise EngineError(f"{scene.origin.name}: the engine dolfinx has no {lacking}; run it with --engine skfem")
     dolfinx, _ = versions.modules()
@@ -106,18 +104,21 @@ class System(skfem.System):
 
     def __init__(self, mesh: Any, fields: Mapping[str, tuple[int, int]], order: int, **measure: Any):
         super().__init__(mesh, fields, order, **measure)
-        if single := [name for name, (space, _) in self.fields.items() if isinstance(space, Single)]:
-            raise EngineError(f"the engine dolfinx has no unknowns without a place: {', '.join(single)}")
         self.crew = crew()
         self.partition = Partition.of(self.crew, mesh)
         self.tape = Tape(self, self.cells)
         self.key = self.crew.new()
         self._compiled: dict[Any, _Compiled] = {}
+        self.along = {name: field for name, field in self.fields.items() if not isinstance(field[0], Single)}
+        self.layout = self._dealt()
+
+    def _dealt(self) -> Layout:
+        """The unknowns, each with the rank that has its place."""
         numbers = [self.partition.shares(_by_cell(self.fields[name][0]) + start)
-                   for (name, _), start in self.offset.items()]  # fmt: skip
-        degrees = [(self.fields[name][0].degree, count) for name, (_, count) in self.fields.items()]
+                   for (name, _), start in self.offset.items() if name in self.along]  # fmt: skip
+        degrees = [(space.degree, count) for space, count in self.along.values()]
         order, counts = self.crew.together(make_space, self.key, self.partition.key, degrees, root=numbers)
-        self.layout = Layout(order, counts, self.size)
+        return Layout(order, counts, self.size)
 
     def ordered(self, policy: Policy) -> Policy:
         """PETSc finds an order of elimination by itself."""
@@ -146,6 +147,8 @@ class System(skfem.System):
         """The recording of forms on all ranks; forms are told apart by identity, which keeping them protects."""
         signature = tuple((id(form), id(coeffs)) for form, _, coeffs in forms)
         if signature not in self._compiled:
+            if len(self.along) < len(self.fields):
+                raise EngineError("forms with unknowns without a place are not compiled, use engine.dolfinx_points")
             whole = integrand(self.tape, forms)
             if whole is None:
                 raise EngineError("the engine dolfinx needs at least one integral over cells")
@@ -164,13 +167,9 @@ class _Compiled:
         self.crew, self.recording, self.forms, self.key = system.crew, recording, forms, system.crew.new()
         partition = system.partition
         known = [(partition.shares(field.values[_by_cell(field.space)])) for field in recording.known]
-        measure = SimpleNamespace(
-            points=np.ascontiguousarray(system.cells.X.T), weights=_weights(system), order=system.order,
-            axisymmetric=system.cells.axisymmetric, section=float(system.measure.get("section", 1.0)),
-        )  # fmt: skip
         self.crew.together(
             make_form, self.key, system.key, recording.entries, [array.shape[1] for array in recording.arrays],
-            [field.space.degree for field in recording.known], measure,
+            [field.space.degree for field in recording.known], measure_of(system),
             root=([partition.shares(array) for array in recording.arrays], known),
         )  # fmt: skip
 
@@ -178,10 +177,15 @@ class _Compiled:
         self.crew.dropped.append(self.key)
 
 
-def _weights(system: System) -> Any:
+def measure_of(system: System) -> Any:
+    """The quadrature of a system and what lengths and areas stand for."""
     from skfem.quadrature import get_quadrature
 
-    return get_quadrature(system.cells.refdom, system.order)[1]
+    points, weights = get_quadrature(system.cells.refdom, system.order)
+    return SimpleNamespace(
+        points=np.ascontiguousarray(points.T), weights=weights, order=system.order,
+        axisymmetric=system.cells.axisymmetric, section=float(system.measure.get("section", 1.0)),
+    )  # fmt: skip
 
 
 def _order(refdom: Any, degree: int) -> Any:
@@ -228,7 +232,7 @@ def make_mesh(all_ranks: Crew, root: Any, key: int, cell: str, dim: int) -> Any:
     return order, counts
 
 
-def _space(part: Any, what: Any) -> Any:
+def space_on(part: Any, what: Any) -> Any:
     """A space on a mesh, made once: ("nodes", degree), ("cells",) or ("points", points, weights)."""
     kind, *data = what
     key = (kind, *(item if isinstance(item, int) else item.tobytes() for item in data))
@@ -253,18 +257,13 @@ def make_space(all_ranks: Crew, root: Any, key: int, mesh: int, layout: list[tup
     if len(degrees) == 1:
         (degree,) = degrees
         W = versions.function_space(part.mesh, versions.lagrange(part.cell, degree, size))
-        blocks = versions.dof_list(W)[: part.owned]
-        lists = [blocks * size + k for k in range(size)]
         if degree > 1:
             low = _vertices(part, W, size)
     else:
         W = versions.function_space(
             part.mesh, versions.mixed([versions.lagrange(part.cell, degree, count) for degree, count in layout])
         )
-        lists = []
-        for k, (_, count) in enumerate(layout):
-            parts = [W.sub(k).sub(c) for c in range(count)] if count else [W.sub(k)]
-            lists += [versions.dof_list(space)[: part.owned] for space in parts]
+    lists = unknowns_of_cells(part, W, layout)
     block = W.dofmap.index_map_bs
     owned, ghosts = (block * n for n in (W.dofmap.index_map.size_local, W.dofmap.index_map.num_ghosts))
     numbers = np.full(owned + ghosts, -1, dtype=np.int64)
@@ -277,10 +276,23 @@ def make_space(all_ranks: Crew, root: Any, key: int, mesh: int, layout: list[tup
         fields.append(mine[mine < owned].astype(np.int32))
         first += max(count, 1)
     all_ranks.things[key] = SimpleNamespace(
-        part=part, W=W, state=fem.Function(W), low=low, owned=owned, fields=fields, block=block
+        part=part, W=W, state=fem.Function(W), low=low, owned=owned, fields=fields, block=block, layout=layout
     )
     counts = all_ranks.comm.gather(owned)
     return all_ranks.gather(numbers[:owned], counts), counts
+
+
+def unknowns_of_cells(part: Any, W: Any, layout: list[tuple[int, int]]) -> list[Any]:
+    """This rank's numbers of each scalar unknown in its cells, arrays (ncells, nb)."""
+    size = sum(max(count, 1) for _, count in layout)
+    if W.dofmap.index_map_bs == size:
+        blocks = versions.dof_list(W)[: part.owned]
+        return [blocks * size + k for k in range(size)]
+    lists = []
+    for k, (_, count) in enumerate(layout):
+        parts = [W.sub(k).sub(c) for c in range(count)] if count else [W.sub(k)]
+        lists += [versions.dof_list(space)[: part.owned] for space in parts]
+    return lists
 
 
 def _vertices(part: Any, W: Any, size: int) -> Any:
@@ -304,23 +316,39 @@ def make_form(
     unknowns = all_ranks.things[space]
     part = unknowns.part
     kinds = [("cells",) if width == 1 else ("points", measure.points, measure.weights) for width in widths]
-    arrays = [fem.Function(_space(part, kind)) for kind in kinds]
-    known = [fem.Function(_space(part, ("nodes", degree))) for degree in degrees]
+    arrays = [fem.Function(space_on(part, kind)) for kind in kinds]
+    known = [fem.Function(space_on(part, ("nodes", degree))) for degree in degrees]
     all_ranks.things[key] = thing = SimpleNamespace(unknowns=unknowns, arrays=arrays, known=known, residual=None)
     for which in ("arrays", "known"):
         for k in range(len(getattr(thing, which))):
             set_array(all_ranks, root[which == "known"][k] if root else None, key, k, which)
-    total = replay(entries, thing)
-    if measure.axisymmetric:
-        total = 2.0 * np.pi * ufl.SpatialCoordinate(part.mesh)[0] * total
-    rule = {"quadrature_rule": "custom", "quadrature_points": measure.points, "quadrature_weights": measure.weights}
-    dx = ufl.Measure("dx", domain=part.mesh, metadata={"quadrature_degree": measure.order, **rule})
-    thing.form = fem.Constant(part.mesh, measure.section) * total * dx
+    thing.form = integral(replay(entries, thing), part, measure)
     thing.slopes = [ufl.derivative(thing.form, unknowns.state, ufl.TrialFunction(unknowns.W))]
     if any(entry[0] == "unknown" and entry[2] == "low" for entry in entries) and unknowns.low is not None:
         low = unknowns.low
         thing.slopes.append(ufl.derivative(thing.form, low.function, ufl.TrialFunction(low.space)))
     thing.jacobians = None
+
+
+def integral(integrand: Any, part: Any, measure: Any) -> Any:
+    """A form over all cells, see `measure_of`."""
+    import ufl
+    from dolfinx import fem
+
+    if measure.axisymmetric:
+        integrand = 2.0 * np.pi * ufl.SpatialCoordinate(part.mesh)[0] * integrand
+    rule = {"quadrature_rule": "custom", "quadrature_points": measure.points, "quadrature_weights": measure.weights}
+    dx = ufl.Measure("dx", domain=part.mesh, metadata={"quadrature_degree": measure.order, **rule})
+    return fem.Constant(part.mesh, measure.section) * integrand * dx
+
+
+def slot(field: Any, kind: Any) -> Any:
+    """Value, gradient or second derivative of a field in UFL."""
+    import ufl
+
+    if kind == "v":
+        return field
+    return ufl.grad(field)[kind[1]] if kind[0] == "g" else ufl.grad(ufl.grad(field))[kind[1], kind[2]]
 
 
 def replay(entries: Any, thing: Any) -> Any:
@@ -333,12 +361,6 @@ def replay(entries: Any, thing: Any) -> Any:
     unknowns, mesh = thing.unknowns, thing.unknowns.part.mesh
     leaves = {"unknown": unknowns.state, "test": ufl.TestFunction(unknowns.W)}
     done: list[Any] = []
-
-    def slot(field: Any, kind: Any) -> Any:
-        if kind == "v":
-            return field
-        return ufl.grad(field)[kind[1]] if kind[0] == "g" else ufl.grad(ufl.grad(field))[kind[1], kind[2]]
-
     literal = {entry[2] for entry in entries if entry[0] in ("power", "float_power")}
     for place, (operation, *operands) in enumerate(entries):
         if operation == "number":

@@ -14,6 +14,8 @@ tests/verification/test_ufl.py), DOLFINx itself was NOT run in any version above
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
 from inspect import signature
 from typing import Any
 
@@ -137,7 +139,8 @@ def function_space(mesh: Any, element: Any) -> Any:
     from dolfinx import fem
 
     make = fem.functionspace if hasattr(fem, "functionspace") else fem.FunctionSpace
-    return make(mesh, element)
+    with _quiet():
+        return make(mesh, element)
 
 
 def dof_list(space: Any) -> Any:
@@ -163,9 +166,16 @@ def compiled(form: Any) -> Any:
 
     options = {"timeout": 900}
     name = "jit_options" if "jit_options" in signature(fem.form).parameters else "jit_params"
-    before = logging.root.manager.disable
-    logging.disable(logging.WARNING)  # what compilers tell each other
-    try:
+    with _quiet():
         return fem.form(form, **{name: options})
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without what compilers tell each other."""
+    before = logging.root.manager.disable
+    logging.disable(logging.WARNING)
+    try:
+        yield
     finally:
         logging.disable(before)

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from contbed.engine.ranks import Crew
+from contbed.engine.ranks import Crew, crew
 from contbed.errors import ConvergenceError
 from contbed.solve.linear import Policy
 
@@ -125,6 +126,19 @@ class Matrix:
         """The matrix with the rows and columns of fixed unknowns replaced by the identity."""
         return self._made(constrain, root=self.layout.places()[fixed]) if len(fixed) else self
 
+    def scaled(self, factors: Any) -> Matrix:
+        """The matrix with each column times a factor."""
+        return self._made(scale, root=(self.layout, factors))
+
+    def bordered(self, column: Any, row: Any, corner: float) -> Matrix:
+        """The matrix with one more unknown and equation, behind those of the last rank."""
+        layout = self.layout
+        counts = [*layout.counts[:-1], layout.counts[-1] + 1]
+        wider = Layout(np.append(layout.order, layout.size), counts, layout.size + 1)
+        made = self._made(border, root=(layout, column, np.append(row, corner)[wider.order]))
+        made.layout, made.shape = wider, (wider.size, wider.size)
+        return made
+
     def inverse(self, policy: Policy) -> Callable[[Any], Any]:
         """Solutions for right-hand sides."""
         return _Inverse(self, policy)
@@ -164,7 +178,29 @@ class _Inverse:
         return layout.collected(parts)
 
 
+def given(matrix: Any) -> Matrix:
+    """A distributed copy of the leader's matrix of SciPy, its rows dealt out in turn."""
+    all_ranks, rows, size = crew(), matrix.tocsr(), matrix.shape[0]
+    ends = np.linspace(0, size, all_ranks.comm.size + 1).astype(int)
+    key, counts, entries = all_ranks.new(), np.diff(ends), np.diff(rows.indptr[ends])
+    lengths = np.diff(rows.indptr)
+    all_ranks.together(receive, key, root=((lengths, counts), (rows.indices, entries), (rows.data, entries)))
+    return Matrix(all_ranks, key, Layout(np.arange(size), counts, size))
+
+
 # What follows runs on all ranks.
+
+
+def receive(all_ranks: Crew, root: Any, key: int) -> None:
+    """Thing `key` becomes a matrix of the leader's entries."""
+    from petsc4py import PETSc
+
+    parts = zip(root or [(None, None)] * 3, (np.int32, np.int32, float), strict=True)
+    lengths, columns, values = (all_ranks.scatter(given, counts, 1, kind)[:, 0] for (given, counts), kind in parts)
+    starts = np.append(0, np.cumsum(lengths)).astype(np.int32)
+    local = (len(lengths), PETSc.DECIDE)
+    A = PETSc.Mat().createAIJ((local, local), csr=(starts, columns, values), comm=all_ranks.comm)
+    all_ranks.things[key] = Piece(A, SimpleNamespace(fields=[None], block=1))
 
 
 def multiply(all_ranks: Crew, root: Any, key: int, absolute: bool) -> Any:
@@ -202,6 +238,38 @@ def constrain(all_ranks: Crew, root: Any, key: int, first: int) -> None:
     piece = all_ranks.things[first]
     A = piece.A.copy()
     A.zeroRowsColumns(np.empty(0, np.int32) if root is None else root.astype(np.int32), 1.0)
+    all_ranks.things[key] = Piece(A, piece.unknowns)
+
+
+def scale(all_ranks: Crew, root: Any, key: int, first: int) -> None:
+    """Thing `key` becomes first with its columns times factors."""
+    piece = all_ranks.things[first]
+    A = piece.A.copy()
+    right = A.createVecRight()
+    layout, factors = root or (None, None)
+    right.array[:] = Layout.spread(all_ranks, layout, factors)
+    A.diagonalScale(None, right)
+    all_ranks.things[key] = Piece(A, piece.unknowns)
+
+
+def border(all_ranks: Crew, root: Any, key: int, first: int) -> None:
+    """Thing `key` becomes first with one more column and row."""
+    from petsc4py import PETSc
+
+    piece, comm = all_ranks.things[first], all_ranks.comm
+    layout, column, row = root or (None, None, None)
+    size = piece.A.getSize()[0]
+    starts, columns, values = piece.A.getValuesCSR()
+    mine = Layout.spread(all_ranks, layout, column)
+    last = all_ranks.scatter(row, None if row is None else [0] * (comm.size - 1) + [size + 1], 1, float)[:, 0]
+    columns = np.append(np.insert(columns, starts[1:], size), np.arange(len(last)))
+    values = np.append(np.insert(values, starts[1:], mine), last)
+    starts = starts + np.arange(len(starts))
+    if len(last):
+        starts = np.append(starts, len(columns))
+    local = len(starts) - 1
+    csr = (starts.astype(np.int32), columns.astype(np.int32), values)
+    A = PETSc.Mat().createAIJ(((local, PETSc.DECIDE), (local, PETSc.DECIDE)), csr=csr, comm=comm)
     all_ranks.things[key] = Piece(A, piece.unknowns)
 
 

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import coo_array, csc_matrix, csr_array, diags, tril
 
 from contbed.errors import ConvergenceError
 
@@ -83,6 +83,7 @@ class Ordinates:
     order : directions per half range, >= 1
     degree : of the elements; at the nodes u_j and q converge with twice this order
     equilibrium : if true, the medium emits what it absorbs, 4 e = Ka G, at every point, and `solve` takes no emission
+    inverse : solutions for right-hand sides (n,) or (n, k) from the matrix (n, n); absent, by Cholesky in bands
     """
 
     def __init__(
@@ -95,6 +96,7 @@ class Ordinates:
         order: int = 4,
         degree: int = 2,
         equilibrium: bool = False,
+        inverse: Callable[[csc_matrix], Callable[[Array], Array]] | None = None,
     ):
         self.z = np.asarray(z, dtype=float)
         self.width = np.diff(self.z)
@@ -117,7 +119,7 @@ class Ordinates:
         self.walls = {0: left, len(self.points) - 1: right}
         if not self.absorption.any() and not any(wall and wall.emissivity for wall in (left, right)):
             raise ValueError("ordinates: neither the medium nor a wall absorbs, so that G has no level")
-        self.factor = (self._factorise(), True)
+        self.inverse = self._factorised() if inverse is None else inverse(self._matrix())
 
     def solve(self, emission: Coefficient | None = None) -> OrdinatesSolution:
         """Field of an emission e = sum_m Ka,m sigma T_m^4 [W/m3], given in any of the ways of Ka."""
@@ -144,7 +146,7 @@ class Ordinates:
         size, order = len(self.points), len(self.mu)
         columns = 4.0 * self.mass_matrix().toarray()
         right = (columns[:, None, :] * self.weight[:, None]).reshape(size * order, size)
-        solved = cho_solve_banded(self.factor, right).reshape(size, order, size)
+        solved = self.inverse(right).reshape(size, order, size)
         dark = np.zeros((len(self.width), self.element.degree + 1))
         return np.einsum("j,ijk->ik", self.weight, solved), self._field(dark) @ self.weight
 
@@ -177,8 +179,22 @@ class Ordinates:
             raise ValueError(f"ordinates: {name} must be finite everywhere")
         return np.broadcast_to(values, at.shape)
 
-    def _factorise(self) -> Array:
-        """Cholesky factor of the system in LAPACK's lower band storage, unknowns ordered by point, then direction."""
+    def _factorised(self) -> Callable[[Array], Array]:
+        """Solutions by a Cholesky factor of the band."""
+        try:
+            factor = (cholesky_banded(self._band(), lower=True), True)
+        except np.linalg.LinAlgError as error:
+            raise self._failure("the matrix is singular in double precision") from error
+        return lambda rhs: np.asarray(cho_solve_banded(factor, rhs))
+
+    def _matrix(self) -> csc_matrix:
+        """The system as a sparse matrix."""
+        band = self._band()
+        lower = diags([row[: len(row) - k] for k, row in enumerate(band)], -np.arange(len(band)))
+        return csc_matrix(lower + tril(lower, -1).T)
+
+    def _band(self) -> Array:
+        """The system in LAPACK's lower band storage, unknowns ordered by point, then direction."""
         order, local = len(self.mu), self.element.degree + 1
         coupled = np.outer(self.weight, self.weight)
         blocks = (self.absorption - self.removal)[:, :, None, :, None] * coupled[:, None, :]
@@ -195,10 +211,7 @@ class Ordinates:
                 half = self.weight * self.mu
                 block = np.diag(half) - 4.0 * (1.0 - wall.emissivity) / (2.0 - wall.emissivity) * np.outer(half, half)
                 band[row - column, point * order + column] += block[row, column]
-        try:
-            return np.asarray(cholesky_banded(band, lower=True))
-        except np.linalg.LinAlgError as error:
-            raise self._failure("the matrix is singular in double precision") from error
+        return band
 
     def _field(self, load: Array) -> Array:
         """u at the points, shape (P, n), of the loads of the cells, by refinement.
@@ -214,7 +227,7 @@ class Ordinates:
             np.add.at(residual, self.index, self._gain(u, load) - self.mu**2 * stream)
             for point in self.walls:
                 residual[point] += self._entering(point, u[point])
-            step = cho_solve_banded(self.factor, (self.weight * residual).ravel()).reshape(u.shape)
+            step = self.inverse((self.weight * residual).ravel()).reshape(u.shape)
             u += step
             last, change = change, float(np.abs(step).max() / max(np.abs(u).max(), 1e-300))
             if change < 1e-13 or (change < _TOLERANCE and change > 0.5 * last):

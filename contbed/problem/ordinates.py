@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_matrix
 
+from contbed.engine import policy, shared
 from contbed.engine.elements import Space
 from contbed.meshing.mesh import Mesh
 from contbed.models import radiation
@@ -47,7 +48,8 @@ class OrdinatesProblem:
         self.ends = {name: self._end(name, z) for name in mesh.boundaries}
         walls = {self.ends[name]: Wall(surface.power, surface.emissivity) for name, _, surface in self.surfaces}
         degree = scene.solver.degree
-        self.bed = Ordinates(z, absorption, scattering, walls.get(0), walls.get(-1), table.ordinates, degree)
+        self.bed = Ordinates(z, absorption, scattering, walls.get(0), walls.get(-1), table.ordinates, degree,
+                             inverse=self._inverse if mesh.engine == "dolfinx" else None)  # fmt: skip
         self.space = Space(mesh.skfem, degree)
         self._fields: dict[bytes, OrdinatesSolution] = {}
         self._order = np.argsort(self.space.points[0])
@@ -58,6 +60,11 @@ class OrdinatesProblem:
         wanted = {end: scene.boundary[name].radiation for name, end in self.ends.items() if end in walls}
         given = {end: condition.temperature for end, condition in wanted.items() if condition and condition.temperature}
         self.fixed_values = given if self.conductivity else {}
+
+    def _inverse(self, matrix: Any) -> Any:
+        """Solutions by all ranks; what rounding leaves the ordinates refine by themselves."""
+        solver = Solver(shared(self.mesh, matrix), policy(self.mesh, self.scene.solver.memory_GB))
+        return lambda rhs: np.apply_along_axis(solver.approximate, 0, rhs)
 
     def _end(self, name: str, z: Any) -> int:
         """0 for the boundary at the first node, -1 for the last."""
@@ -95,7 +102,7 @@ class OrdinatesProblem:
             return residual, None
         slope = 16.0 * radiation.SIGMA * state**3
         exchange = self.mass @ (K * (np.eye(len(state)) - 0.25 * K * self.response) * slope)
-        return residual, csc_matrix(section * (self.stiffness + exchange))
+        return residual, shared(self.mesh, csc_matrix(section * (self.stiffness + exchange)))
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
         """Newton from the mean of the given temperatures; without conduction one solution of the ordinates."""

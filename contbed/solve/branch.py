@@ -16,10 +16,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from contbed.errors import ConvergenceError
-from contbed.solve.linear import Policy, Solver
+from contbed.solve.linear import Policy, Solver, bordered
 
 Array = Any
 Assemble = Callable[[Array, float, bool], tuple[Array, Any]]
@@ -65,11 +64,10 @@ class _Walk:
     def bordered(self, x: Array, p: float, row: tuple[Array, float]) -> tuple[Array, Callable[[Array, float], Any]]:
         """Residual, and a solver of the bordered system, scaled so that all of its rows and columns are alike."""
         residual, matrix = self.assemble(x, p, True)
-        column = sp.csc_matrix(self.span * self.slope(x, p, residual)[:, None])
-        weight = float(np.abs(matrix.data).max())
-        last = sp.csr_matrix(weight * self.metric * row[0])
-        whole = sp.bmat([[matrix, column], [last, [[weight * row[1] / self.span]]]]).tocsc()
-        solver = Solver(whole, self.policy)
+        column = self.span * self.slope(x, p, residual)
+        weight = float((abs(matrix) @ np.ones(len(x))).max())
+        last, corner = weight * self.metric * row[0], weight * row[1] / self.span
+        solver = Solver(bordered(matrix, column, last, corner), self.policy)
 
         def solve(rhs: Array, last: float) -> tuple[Array, float]:
             found = solver(np.append(rhs, weight * last))

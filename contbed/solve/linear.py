@@ -190,3 +190,15 @@ def constrain(matrix: sp.csc_matrix, fixed: Any) -> sp.csc_matrix:
     out = sp.csc_matrix((data, matrix.indices.copy(), matrix.indptr.copy()), shape=matrix.shape)
     out.eliminate_zeros()
     return out
+
+
+def scaled(matrix: sp.csc_matrix, factors: Any) -> sp.csc_matrix:
+    """The matrix with each column times a factor."""
+    return matrix.multiply(factors).tocsc() if sp.issparse(matrix) else matrix.scaled(factors)
+
+
+def bordered(matrix: sp.csc_matrix, column: Any, row: Any, corner: float) -> sp.csc_matrix:
+    """The matrix with one more unknown and equation, the last ones."""
+    if not sp.issparse(matrix):
+        return matrix.bordered(column, row, corner)
+    return sp.bmat([[matrix, sp.csc_matrix(column[:, None])], [sp.csr_matrix(row), [[corner]]]]).tocsc()

@@ -1,6 +1,8 @@
 """What the tests run under mpirun: `dolfinx_program.py COMMAND OUT ...`, see `COMMANDS`."""
 
+import json
 import sys
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +21,8 @@ def found(result: Any) -> dict[str, Any]:
     out |= {f"series.{k}.{name}": np.asarray(values) for k, (_, nodal) in enumerate(result.series)
             for name, (_, values) in nodal.items()}  # fmt: skip
     out |= {f"profile.{name}": np.asarray(column) for name, column in result.profiles.items()}
+    out |= {f"{name}.{header}": np.asarray(column) for name, table in result.tables.items()
+            for header, column in table.items()}  # fmt: skip
     out |= {f"balance.{name}": np.array(item["relative_residual"]) for name, item in result.balances.items()}
     out |= {f"qoi.{name}": np.array(value) for name, value in result.qoi.items() if isinstance(value, float)}
     for item in result.closures:
@@ -78,27 +82,33 @@ def resume(out: Path, folder: str) -> None:
         np.savez(out / "found.npz", **found(result))
 
 
-def lose(out: Path) -> None:
+def lose(out: Path, scene: str) -> None:
     """The last rank fails in the middle of an assembly."""
     from mpi4py import MPI
 
-    from contbed.engine import dolfinx
+    from contbed.engine import dolfinx, dolfinx_points
 
-    whole = dolfinx._jacobian
+    def broken(whole: Any) -> Any:
+        def fail(*arguments: Any) -> Any:
+            if MPI.COMM_WORLD.rank == MPI.COMM_WORLD.size - 1:
+                raise FloatingPointError("this rank has had enough")
+            return whole(*arguments)
 
-    def broken(*arguments: Any) -> Any:
-        if MPI.COMM_WORLD.rank == MPI.COMM_WORLD.size - 1:
-            raise FloatingPointError("this rank has had enough")
-        return whole(*arguments)
+        return fail
 
-    dolfinx._jacobian = broken
-    run(from_dict(SCENES["heat_constant"]), engine="dolfinx")
+    dolfinx._jacobian, dolfinx_points._kernel = broken(dolfinx._jacobian), broken(dolfinx_points._kernel)
+    run(from_dict(SCENES[scene]), engine="dolfinx")
 
 
-def complain(out: Path) -> None:
-    """All ranks meet the error that ended the leader."""
+def complain(out: Path, scene: str, key: str, value: str) -> None:
+    """All ranks meet the error that ended the leader, in a scene with one value changed."""
+    table = tables = deepcopy(SCENES[scene])
+    *path, last = key.split(".")
+    for step in path:
+        table = table.setdefault(step, {})
+    table[last] = json.loads(value)
     try:
-        run(from_dict(SCENES["heat_gas_walls"] | {"solver": {"newton_iterations": 1}}), engine="dolfinx")
+        run(from_dict(tables), out=out, engine="dolfinx")
     except Exception as error:
         from mpi4py import MPI
 

@@ -2,9 +2,12 @@
 
 They sum the same terms in another order and factor with other pivots, so states differ by rounding times the condition
 of the systems, which Newton's last steps reduce: 1e-10 of the largest value of a field is the tolerance, and 1e-12 is
-usual. Heats are differences of what streams carry, so they are compared with the largest of them.
+usual. Heats are differences of what streams carry, so they are compared with the largest of them. A branch of steady
+states is met at points that depend on the rounding of all points before: at a fold, found to 1e-9 of the parameter's
+span, the state is known to the square root of that, so its table is compared to 1e-4 and its folds as all results are.
 """
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +30,7 @@ def expected():
     """Results of the first engine, made when asked for."""
     from dolfinx_program import found
 
-    return lambda name: found(run(from_dict(SCENES[name])))
+    return cache(lambda name: found(run(from_dict(SCENES[name]))))
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
@@ -38,14 +41,16 @@ def test_scene(name: str, ranks: int, results, expected) -> None:
     assert any(np.ptp(values) > 0 for key, values in one.items() if key.startswith("nodal."))
     for key, values in one.items():
         assert values.shape == other[key].shape, key
-        scale = np.abs(values).max()
-        if key.startswith("qoi.heat_"):
+        scale, tolerance = np.nanmax(np.abs(values)), TOLERANCE
+        if key.startswith("continuation."):
+            tolerance = 1e-4
+        elif key.startswith("qoi.heat_"):
             scale = heats(one)
         elif key.startswith("balance.") or key in ("qoi.theta_overshoot", "qoi.estimated_error"):
             scale = 1.0
         elif key.startswith("profile.q_radiation"):  # slopes of G over cells
-            scale = scale + 1e-3 * np.abs(one["profile.G [W/m2]"]).max()
-        assert np.abs(values - other[key]).max() <= TOLERANCE * scale, key
+            scale = scale + 1e-3 * np.nanmax(np.abs(one["profile.G [W/m2]"]))
+        np.testing.assert_allclose(other[key], values, rtol=0.0, atol=tolerance * scale, err_msg=key)
 
 
 @pytest.mark.parametrize("ranks", [1, 2])

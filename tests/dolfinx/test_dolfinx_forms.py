@@ -2,7 +2,7 @@
 
 States are random, so no term is small by chance. Sums of some thousand terms in another order agree to 1e-12 of the
 largest entry. The Jacobian is compared in products with random vectors, with rows and columns of fixed unknowns and
-without, and so are the sums and multiples of matrices that time steps take.
+without, and so are the sums and multiples of matrices that time steps take, and the borders that branches take.
 """
 
 import numpy as np
@@ -12,22 +12,26 @@ pytest.importorskip("dolfinx.fem", reason="DOLFINx is not installed")
 
 from dolfinx_scenes import SCENES
 
+from contbed.bubbling.problem import BubblingProblem
 from contbed.engine.dolfinx import adopted
 from contbed.planning import plan as make_plan
 from contbed.result import Result
 from contbed.runner import _flow, _heat_problem, _radiation_problem
 from contbed.scene.loading import from_dict
-from contbed.solve.linear import constrain
+from contbed.solve.linear import bordered, constrain, scaled
 
 TOLERANCE = 1e-12
 NAMES = ["heat_gas_walls", "heat_tables", "heat_axisymmetric", "heat_degree_3", "radiation_in_bed", "heat_hexahedra",
-         "heat_sources_and_tubes", "medium_conducting", "line"]  # fmt: skip
+         "heat_sources_and_tubes", "medium_conducting", "line", "bubbling_frozen", "bubbling_settling",
+         "bubbling_reacting"]  # fmt: skip
 
 
 def problems(name: str):
     """The scene's problem on both engines, with the same velocities."""
     made = make_plan(from_dict(SCENES[name]))
     one, other = made, adopted(made)
+    if made.scene.kind == "bubbling_bed":
+        return BubblingProblem(one), BubblingProblem(other)
     if made.scene.heat is None:
         return _radiation_problem(one), _radiation_problem(other)
     flow = None if made.plug else _flow(one, Result(one))
@@ -39,7 +43,9 @@ def test_residual_and_jacobian(name: str) -> None:
     one, other = problems(name)
     random = np.random.default_rng(3)
     state = random.uniform(400.0, 800.0, one.system.size)
-    if "G" in one.system.fields:
+    if isinstance(one, BubblingProblem):
+        state = one._start(1100.0) * random.uniform(0.98, 1.02, one.system.size)
+    elif "G" in one.system.fields:
         one.system.part(state, "G")[:] *= 100.0
     heat = hasattr(one, "steady")
     for form in ("steady", "content") if heat else ("assemble",):
@@ -48,5 +54,8 @@ def test_residual_and_jacobian(name: str) -> None:
         x = random.uniform(-1.0, 1.0, one.system.size)
         terms = abs(A1) @ np.abs(x)
         assert np.abs(abs(A2) @ np.abs(x) - terms).max() <= TOLERANCE * terms.max()
-        for B1, B2 in ((A1, A2), (constrain(A1, one.fixed), constrain(A2, one.fixed)), (A1 / 3.0 + A1, A2 / 3.0 + A2)):
-            assert np.abs(B1 @ x - B2 @ x).max() <= TOLERANCE * terms.max()
+        border = (random.uniform(-1.0, 1.0, len(x)), random.uniform(-1.0, 1.0, len(x)), 0.7)
+        changed = ((A, constrain(A, one.fixed), A / 3.0 + A, scaled(A, x), bordered(A, *border)) for A in (A1, A2))
+        for B1, B2 in zip(*changed, strict=True):
+            y = np.resize(x, B1.shape[0])
+            assert np.abs(B1 @ y - B2 @ y).max() <= TOLERANCE * terms.max()

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from dolfinx_launch import started
 
+STUDIES = Path(__file__).parents[2] / "studies"
 SCENE = """\
 [mesh]
 type = "line"
@@ -38,9 +39,9 @@ def scene(tmp_path: Path):
     return write
 
 
-def run(ranks: int, scene: Path, *options: str):
-    out = scene.parent / "out"
-    return started(ranks, "run", scene, "--engine", "dolfinx", "--out", out, *options, program="contbed")
+def run(ranks: int, scene: Path, out: Path | None = None):
+    out = out or scene.parent / "out"
+    return started(ranks, "run", scene, "--engine", "dolfinx", "--out", out, program="contbed")
 
 
 @pytest.mark.without_dolfinx
@@ -81,15 +82,14 @@ def test_more_ranks_than_cells(scene) -> None:
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
-def test_what_the_engine_lacks_is_named(scene, ranks: int) -> None:
-    done = run(ranks, scene(level="ordinates"))
+def test_what_the_engine_lacks_is_named(tmp_path: Path, ranks: int) -> None:
+    done = run(ranks, STUDIES / "patil_packed_bed" / "schumann.toml", out=tmp_path)
     assert done.returncode == 2
-    assert done.stderr.count("has no radiation by ordinates") == 1
+    assert done.stderr.count("has no fronts tracked along characteristics") == 1
 
 
 @pytest.mark.parametrize(("study", "what"), [
     ("patil_packed_bed/schumann.toml", "no fronts tracked along characteristics"),
-    ("bubbling_bed_case1/p1.toml", "no scenes of kind bubbling_bed"),
     ("lattices/sc.toml", "no scenes of kind particles"),
 ])  # fmt: skip
 def test_other_models_are_refused_by_name(study: str, what: str) -> None:
@@ -98,7 +98,7 @@ def test_other_models_are_refused_by_name(study: str, what: str) -> None:
     from contbed.scene.loading import load
 
     with pytest.raises(EngineError, match=what):
-        solve(load(Path(__file__).parents[2] / "studies" / study), engine="dolfinx")
+        solve(load(STUDIES / study), engine="dolfinx")
 
 
 def test_a_bad_scene_is_told_once(scene) -> None:
@@ -107,14 +107,23 @@ def test_a_bad_scene_is_told_once(scene) -> None:
     assert done.stderr.count("lenght") == 1 and "length" in done.stderr
 
 
-def test_a_rank_that_fails_ends_all() -> None:
-    done = started(2, "lose", "unused")
+@pytest.mark.parametrize("scene", ["heat_constant", "bubbling_frozen"])
+def test_a_rank_that_fails_ends_all(scene: str) -> None:
+    done = started(2, "lose", "unused", scene)
     assert done.returncode != 0
     assert "rank 1 of 2 failed (FloatingPointError: this rank has had enough); all ranks end" in done.stderr
 
 
-def test_all_ranks_meet_the_error_of_the_leader(results) -> None:
-    folder = results("complain", 2)
+@pytest.mark.parametrize(("scene", "key", "value", "error", "code"), [
+    ("heat_gas_walls", "solver.newton_iterations", "1", "ConvergenceError", 3),
+    ("ordinates_conducting", "solver.newton_iterations", "1", "ConvergenceError", 3),
+    ("bubbling_settling", "freeboard.elutriation", "5.0", "ConvergenceError", 3),
+    ("bubbling_closures", "solver.strict", "true", "ClosureRangeError", 4),
+    ("bubbling_frozen", "solver.balance_tolerance", "1e-30", "BalanceError", 5),
+])  # fmt: skip
+def test_all_ranks_meet_the_error_of_the_leader(results, scene, key, value, error: str, code: int) -> None:
+    folder = results("complain", 2, scene, key, value)
     first, second = ((folder / f"rank{k}.txt").read_text() for k in range(2))
-    assert first.startswith("ConvergenceError 3 ") and second.startswith("FollowerError 3 ")
+    assert first.startswith(f"{error} {code} ") and second.startswith(f"FollowerError {code} ")
     assert first.split(" ", 2)[2] == second.split(" ", 2)[2]
+    assert (folder / "summary.json").is_file() and (folder / "checkpoint.npz").is_file() == (code == 3)
