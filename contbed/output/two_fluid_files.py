@@ -11,7 +11,7 @@ import skfem
 from contbed.output.files import atomic
 
 _NAMES = {"RefLine": "line", "RefTri": "triangle", "RefQuad": "quad", "RefTet": "tetra", "RefHex": "hexahedron"}
-_HEXAHEDRON = [0, 1, 4, 2, 3, 6, 7, 5]  # scikit-fem's corners in VTK's order
+_HEXAHEDRON = [0, 1, 4, 2, 3, 5, 7, 6]  # scikit-fem's corners in VTK's order
 
 
 def write_cells(path: Path, mesh: skfem.Mesh, cells: np.ndarray, fields: Mapping[str, np.ndarray]) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contbed.two_fluid import settings as t
+from contbed.two_fluid.grid import Grid
 from contbed.two_fluid.simulation import TwoFluid
 from contbed.two_fluid.statistics import Averages, along, spectrum
 
@@ -19,6 +21,7 @@ WITH_HEAT = ("T_gas_mean [K]", "T_solid_mean [K]", "T_gas_max [K]", "T_solid_max
 SCANT = 1e-6  # fraction of particles below which their speed says nothing
 BINS = 200  # along the bed at most
 WALL_BINS = 64  # across it
+ROUND = 0.95  # cosine between the wall's normal and the radius, all around, of a bed that counts as round
 SPECTRUM = 64  # samples from which a spectrum is taken
 
 
@@ -45,9 +48,8 @@ def row(bed: TwoFluid) -> list[float]:
     s, volume, height = bed.eps_s, bed.grid.geometry.volume, bed.grid.centres[:, -1]
     mass = s * volume
     total = max(float(mass.sum()), 1e-300)
-    low, high = height <= height.min() * (1 + 1e-9) + 1e-12, height >= height.max() * (1 - 1e-9) - 1e-12
     warm = [] if bed.heat is None else _temperatures(bed, bed.heat)
-    return [bed.time, float(bed.p[low].mean() - bed.p[high].mean()), held(bed), float(mass @ height) / total,
+    return [bed.time, pressure_at(bed, -1) - pressure_at(bed, 1), held(bed), float(mass @ height) / total,
             fastest(bed), float(mass @ bed.theta) / total, float(s.max()), bed.dt, *warm]  # fmt: skip
 
 
@@ -58,6 +60,15 @@ def _temperatures(bed: TwoFluid, heat: Heat) -> list[float]:
     hottest = float(np.max(heat.T_solid, where=bed.eps_s > SCANT, initial=0.0))
     return [float(gas @ heat.T_gas / gas.sum()), float(solid @ heat.T_solid / max(solid.sum(), 1e-300)),
             float(heat.T_gas.max()), hottest, *([heat.p0] if heat.ideal else [])]  # fmt: skip
+
+
+def pressure_at(bed: TwoFluid, side: int) -> float:
+    """Mean pressure [Pa] of the cells that touch the bottom (side -1) or the top (1); 0 where these are periodic."""
+    g, first = bed.grid.geometry, bed.grid.interior
+    height = side * bed.grid.middles[first:, -1]
+    near = height.max(initial=-np.inf) - 1e-6 * np.ptp(bed.grid.centres[:, -1])
+    end = first + np.flatnonzero((height >= near) & (side * g.normal[first:, -1] > 0.5))
+    return float(g.area[end] @ bed.p[g.left[end]] / g.area[end].sum()) if len(end) else 0.0
 
 
 def fastest(bed: TwoFluid) -> float:
@@ -84,7 +95,7 @@ def _balance(came, went, walls, start, now, what) -> dict[str, Any]:
             "relative_residual": (stored - came + went - walls) / scale}  # fmt: skip
 
 
-def tables(bed: TwoFluid, averages: Averages | None, scene: t.TwoFluidScene) -> dict[str, dict[str, Any]]:
+def tables(plan: Any, bed: TwoFluid, averages: Averages | None) -> dict[str, dict[str, Any]]:
     """axial.csv and, where there is a lateral direction, lateral.csv: averages, or the last state without them."""
     averaged = averages is not None and averages.weight.sum() > 0
     fields = averages.means() if averaged else bed.fields()  # type: ignore[union-attr]
@@ -99,26 +110,46 @@ def tables(bed: TwoFluid, averages: Averages | None, scene: t.TwoFluidScene) -> 
     if averaged:
         values["theta_total [m2/s2]"] = fields["theta_total"]
         weights["theta_total [m2/s2]"] = s
-    found = {}
-    place, columns = along(centres[:, -1], volume, values, weights, min(BINS, _layers(centres[:, -1])))
-    found["axial"] = {"height [m]": place, **columns}
+    corners = plan.mesh.skfem.p[:, plan.mesh.skfem.t].T
+    height = centres[:, -1]
+    place, columns = along(height, volume, values, weights, min(BINS, _layers(height, corners[..., -1])))
+    found = {"axial": {"height [m]": place, **columns}}
     if bed.grid.dimension > 1:
-        window = scene.output.window
+        window = plan.scene.output.window
         inside = np.full(len(volume), True)
         if window is not None:
-            inside = (centres[:, -1] >= window.start) & (centres[:, -1] <= window.end)
+            inside = (height >= window.start) & (height <= window.end)
         pick = {name: value[inside] for name, value in values.items()}
         lean = {name: value[inside] for name, value in weights.items()}
-        x = centres[inside, 0]
-        place, columns = along(x, volume[inside], pick, lean, min(WALL_BINS, _layers(x)))
-        found["lateral"] = {"r [m]" if bed.grid.axisymmetric else "x [m]": place, **columns}
+        name, lateral = across(bed.grid)
+        x = lateral(centres[inside])
+        bins = min(WALL_BINS, _layers(x, lateral(corners)))
+        place, columns = along(x, volume[inside], pick, lean, bins)
+        found["lateral"] = {name: place, **columns}
     return found
 
 
-def _layers(position: np.ndarray) -> int:
-    """How many different positions cells have, to a thousandth of the extent."""
+def across(grid: Grid) -> tuple[str, Callable[[np.ndarray], np.ndarray]]:
+    """Name of the lateral coordinate and its value at points (..., dim): the distance from the middle where a bed in
+    3-D is round, or else the first coordinate.
+    """
+    if grid.dimension == 3:
+        side = np.abs(grid.geometry.normal[:, 2]) < 0.5
+        side[: grid.interior] = False
+        normal, wall = grid.geometry.normal[side, :2], grid.middles[side, :2]
+        middle = 0.5 * (wall.min(axis=0, initial=np.inf) + wall.max(axis=0, initial=-np.inf))
+        outwards = (wall - middle) / np.linalg.norm(wall - middle, axis=1)[:, None]
+        oblique = np.abs(normal).max(axis=1, initial=0.0) < ROUND
+        if oblique.any() and ((normal * outwards).sum(axis=1) > ROUND).all():
+            return "r [m]", lambda points: np.linalg.norm(points[..., :2] - middle, axis=-1)
+    return "r [m]" if grid.axisymmetric else "x [m]", lambda points: points[..., 0]
+
+
+def _layers(position: np.ndarray, corners: np.ndarray) -> int:
+    """How many different positions cells have, to a thousandth of the extent, but not more than cells fit in a row."""
     span = max(float(np.ptp(position)), 1e-300)
-    return len(np.unique(np.round((position - position.min()) / span, 3)))
+    places = len(np.unique(np.round((position - position.min()) / span, 3)))
+    return min(places, 1 + round(span / float(np.median(np.ptp(corners, axis=-1)))))
 
 
 def arguments(bed: TwoFluid, scene: t.TwoFluidScene) -> dict[str, np.ndarray | float]:
@@ -152,10 +183,8 @@ def results(
         "slip_velocity": _slip(bed),
     }
     found |= dict(zip(WITH_HEAT, last[len(COLUMNS) :], strict=False))
-    weight = scene.two_fluid.gravity * last[2]
-    if bed.grid.dimension > 1 and not bed.grid.axisymmetric:
-        weight /= float(np.ptp(plan.mesh.skfem.p[0]))
-    found["weight_of_solids"] = weight
+    section = bed.grid.geometry.volume.sum() / np.ptp(plan.mesh.skfem.p[-1])
+    found["weight_of_solids"] = float(scene.two_fluid.gravity * last[2] / section)
     shear = _shear(scene, plan)
     if shear:
         found["theta_over_s2d2"] = last[5] / (shear * bed.materials.d_p) ** 2

@@ -31,8 +31,11 @@ class Geometry(NamedTuple):
     skew (ni, dim) : from the point that `share` interpolates to, to the middle of the face
     arm_left (nf, dim), arm_right (ni, dim) : from the centre to the middle of the face
     slope_left (nf, dim), slope_right (ni, dim) : weights of the jump right - left in the least-squares gradients
+    spread (nc, dim, dim) : makes gradients of the sums over a cell and its neighbours where the grid is `wide`
     volume (nc,) [m, m2, m3], inverse (nc, dim, dim) : of the sum of flat n n over the faces of a cell
     radius (nc,) : r of the centre, 0 where the grid is not axisymmetric
+    wide : whether gradients take the faces of neighbours, too, as on skewed grids: what the few of one flat
+        tetrahedron give is noise
     axes : dim zeros; a tuple, so that its length is known to the compiler
     """
 
@@ -49,9 +52,11 @@ class Geometry(NamedTuple):
     arm_right: np.ndarray
     slope_left: np.ndarray
     slope_right: np.ndarray
+    spread: np.ndarray
     volume: np.ndarray
     inverse: np.ndarray
     radius: np.ndarray
+    wide: bool
     axes: tuple[int, ...]
 
 
@@ -146,22 +151,22 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     share = -(arm_right * normal[:ni]).sum(axis=1) / distance[:ni]
     skew = arm_left[:ni] - (1 - share)[:, None] * d[:ni]
     cross = normal - d / distance[:, None]
-    slopes = _slopes(d, left, right, count)
+    size = np.sqrt((d * d).sum(axis=1))
+    skewed = max(np.abs(cross[:ni]).max(initial=0), (np.abs(skew) / size[:ni, None]).max(initial=0)) > 1e-8
     moment = np.zeros((count, dim, dim))
     outer = flat[face][:, None, None] * normal[:, :, None] * normal[:, None, :]
     np.add.at(moment, left, outer)
     np.add.at(moment, right, outer[:ni])
     arrays = (
         left, right, area[face], flat[face], normal, distance, cross, share, skew, arm_left, arm_right,
-        *slopes, volume, np.linalg.inv(moment), centres[:, 0] if mesh.axisymmetric else np.zeros(count),
+        *_slopes(d, left, right, count, bool(skewed)), volume, np.linalg.inv(moment),
+        centres[:, 0] if mesh.axisymmetric else np.zeros(count),
     )  # fmt: skip
-    size = np.sqrt((d * d).sum(axis=1))
-    skewed = max(np.abs(cross[:ni]).max(initial=0), (np.abs(skew) / size[:ni, None]).max(initial=0)) > 1e-8
     number = np.full(len(first), -1)
     number[edge] = ni + np.arange(len(edge))
     named = {name: number[facets] for name, facets in old.boundaries.items()}
     return Grid(
-        Geometry._make([*map(np.ascontiguousarray, arrays), (0,) * dim]),
+        Geometry._make([*map(np.ascontiguousarray, arrays), bool(skewed), (0,) * dim]),
         cells, centres, middles[face],
         {name: np.sort(f[f >= 0]) for name, f in named.items() if (f >= 0).any()},
         {name: np.sort(rank[c]) for name, c in old.subdomains.items()},
@@ -188,16 +193,19 @@ def _pairs(mesh: Mesh, periodic: Sequence[tuple[str, str]], middles: np.ndarray)
     return np.concatenate(one), np.concatenate(two)
 
 
-def _slopes(d: np.ndarray, left: np.ndarray, right: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Weights of least-squares gradients, exact for linear fields, with weights 1/d2."""
+def _slopes(d: np.ndarray, left: np.ndarray, right: np.ndarray, count: int, wide: bool) -> tuple[np.ndarray, ...]:
+    """`slope_left`, `slope_right`, `spread` of least-squares gradients with weights 1/d2, exact for linear fields."""
     ni = len(right)
     weighted = d / (d * d).sum(axis=1)[:, None]
-    moment = np.zeros((count, d.shape[1], d.shape[1]))
+    own = np.zeros((count, d.shape[1], d.shape[1]))
     outer = weighted[:, :, None] * d[:, None, :]
-    np.add.at(moment, left, outer)
-    np.add.at(moment, right, outer[:ni])
-    inverse = np.linalg.inv(moment)
-    return (
-        np.einsum("fij,fj->fi", inverse[left], weighted),
-        np.einsum("fij,fj->fi", inverse[right], weighted[:ni]),
-    )
+    np.add.at(own, left, outer)
+    np.add.at(own, right, outer[:ni])
+    if not wide:
+        inverse = np.linalg.inv(own)
+        there, here = (np.einsum("fij,fj->fi", inverse[side], weighted[: len(side)]) for side in (left, right))
+        return there, here, np.empty((0, *own.shape[1:]))
+    moment = own.copy()
+    np.add.at(moment, left[:ni], own[right])
+    np.add.at(moment, right, own[left[:ni]])
+    return weighted, weighted[:ni], np.linalg.inv(moment)

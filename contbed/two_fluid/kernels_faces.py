@@ -22,6 +22,7 @@ from contbed.two_fluid.kernels_fields import FEW, NEVER, heard
 
 TINY = 1e-300
 UNDERFLOW = 1e-60  # [m/s]
+LEAST = 1e-12  # say of a face that no particle reaches: it gives the direction that no other face does
 
 
 @kernel
@@ -217,7 +218,7 @@ def gather_solid(g, faces, s, grad_new, grad_old, corrections, moment, new, old)
     for f in range(len(g.left)):
         for side in range(2 if f < ni else 1):
             c = g.left[f] if side == 0 else g.right[f]
-            weight = min(1.0, (faces[f, 5] + NEVER) / (FEW * s[c] + NEVER)) * g.flat[f]
+            weight = min(1.0, (faces[f, 5] + NEVER) / (FEW * s[c] + NEVER) + LEAST) * g.flat[f]
             u, h = faces[f, 1], faces[f, 7]
             if corrections:
                 for k in range(dim):

@@ -6,10 +6,38 @@ right one.
 
 from __future__ import annotations
 
+import numpy as np
+
 from contbed.two_fluid.boundary import GIVEN, OUTLET, WALL
 from contbed.two_fluid.compiled import kernel
 
 FEW, NEVER = 1e-2, 1e-30  # share of the particles of a cell that is few
+
+
+@kernel
+def heard(there, here):
+    """How much particles of fraction `here` notice those of fraction `there`: fully, unless those are few."""
+    return min(1.0, (there + NEVER) / (FEW * here + NEVER))
+
+
+@kernel
+def widen(g, s, out):
+    """Turns the sums of slope times jump in `out` into gradients: each cell solves with its neighbours' jumps, too."""
+    own = out.copy()
+    for f in range(len(g.right)):
+        left, right = g.left[f], g.right[f]
+        to_left, to_right = heard(s[right], s[left]), heard(s[left], s[right])
+        for k in range(out.shape[1]):
+            for d in range(out.shape[2]):
+                out[left, k, d] += to_left * own[right, k, d]
+                out[right, k, d] += to_right * own[left, k, d]
+    for c in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            for d in range(out.shape[2]):
+                own[c, k, d] = 0.0
+                for e in range(out.shape[2]):
+                    own[c, k, d] += g.spread[c, d, e] * out[c, k, e]
+    out[:] = own
 
 
 @kernel
@@ -29,12 +57,8 @@ def gradient(g, values, edge, out):
                 jump = edge[f - ni, k] - values[left, k]
             for d in range(dim):
                 out[left, k, d] += g.slope_left[f, d] * jump
-
-
-@kernel
-def heard(there, here):
-    """How much particles of fraction `here` notice those of fraction `there`: fully, unless those are few."""
-    return min(1.0, (there + NEVER) / (FEW * here + NEVER))
+    if g.wide:
+        widen(g, np.ones(len(values)), out)
 
 
 @kernel
@@ -56,6 +80,8 @@ def gradient_solid(g, s, values, edge, out):
             for k in range(values.shape[1]):
                 for d in range(dim):
                     out[left, k, d] += (edge[f - ni, k] - values[left, k]) * g.slope_left[f, d]
+    if g.wide:
+        widen(g, s, out)
 
 
 @kernel

@@ -151,17 +151,21 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
     for name, part in scene.boundary.items():
         whole = getattr(part, "on", None)
         if whole is None:
-            if name not in named:
-                known = ", ".join(named)
-                raise SceneError(f"{scene.origin.at(('boundary', name))}: boundary.{name}: the mesh has only {known}")
+            for key, wanted in (("type", name), ("partner", getattr(part, "partner", name))):
+                if wanted not in named:
+                    where, known = scene.origin.at(("boundary", name, key)), ", ".join(named)
+                    raise SceneError(f"{where}: boundary.{name}: the mesh has no {wanted!r}, only {known}")
             continue
         if whole not in named:
             raise SceneError(f"{scene.origin.at(('boundary', name, 'on'))}: boundary.{name}.on: no boundary {whole!r}")
         middle = middles[:, named[whole]]
-        middle = middle[0 if np.ptp(middle[-1]) <= 1e-9 * np.ptp(plain.p[-1]) else -1]
-        inside = (middle > part.start) & (middle < part.end)  # type: ignore[union-attr]
-        if not inside.any():
-            raise SceneError(f"{scene.origin.at(('boundary', name))}: boundary.{name}: holds no face; refine the mesh")
+        axis = 0 if np.ptp(middle[-1]) <= 1e-9 * np.ptp(plain.p[-1]) else -1
+        inside = (middle[axis] > part.start) & (middle[axis] < part.end)  # type: ignore[union-attr]
+        if not inside.any() or inside.all():
+            low, high = (f(plain.p[axis, plain.facets[:, named[whole]]]) for f in (np.min, np.max))
+            found = f"holds {'all faces' if inside.any() else 'no face'} of {whole!r}, which reaches from {low:.6g} m"
+            found = f"boundary.{name}: {found} to {high:.6g} m with {len(inside)} faces"
+            raise SceneError(f"{scene.origin.at(('boundary', name))}: {found}; refine the mesh or change start and end")
         named[name], named[whole] = named[whole][inside], named[whole][~inside]
     if isinstance(scene.mesh, MeshFile) and not named:
         raise SceneError(f"{scene.origin.at(('mesh', 'file'))}: mesh.file: the mesh names no boundaries")

@@ -258,16 +258,17 @@ class Stepper:
         new_g, old_g, new_s, old_s = (np.empty_like(h_g) for _ in range(4))
         kf.gather_gas(g, faces, grad_g, grad_g, False, new_g, old_g)
         kf.gather_solid(g, faces, s, grad_s, grad_s, False, self._moment, new_s, old_s)
+        self.force_g, self.force_s = np.empty_like(h_g), np.empty_like(h_s)
+        velocities = h_g, h_s, old_g, old_s, new_g, new_s, self.force_g, self.force_s
         if skewed:
-            # once more, with the slopes of H and of the change by forces
-            change_g, change_s = self._slopes(new_g - old_g), self._slopes(new_s - old_s)
+            # once more, with the slopes of H and of what became of it
+            kf.cell_velocities(dt, rho, s, self.drag, *velocities)
+            change_g, change_s = self._slopes(new_g - h_g), self._slopes(new_s - h_s)
             kf.gather_gas(g, faces, grad_g + change_g, grad_g, True, new_g, old_g)
             kf.gather_solid(g, faces, s, grad_s + change_s, grad_s, True, self._moment, new_s, old_s)
-        if skewed:
             grad_g = grad_g + self._slopes(new_g - h_g)
         kf.remember(g, edge.gas, faces, new_g, grad_g, skewed, self.own)
-        self.force_g, self.force_s = np.empty_like(h_g), np.empty_like(h_s)
-        kf.cell_velocities(dt, rho, s, self.drag, h_g, h_s, old_g, old_s, new_g, new_s, self.force_g, self.force_s)
+        kf.cell_velocities(dt, rho, s, self.drag, *velocities)
         self.u_gas, self.u_solid = new_g, new_s
 
     def _slopes(self, u: np.ndarray) -> np.ndarray:

@@ -146,7 +146,7 @@ def _fill(run: Run, result: Result) -> None:
     scene, bed = run.scene, run.bed
     result.profiles |= dict(zip(findings.columns(bed), np.array(run.rows).T.copy(), strict=True))
     result.balances |= findings.balances(bed, run.kept)
-    result.tables |= findings.tables(bed, run.averages, scene)
+    result.tables |= findings.tables(run.plan, bed, run.averages)
     result.qoi |= findings.results(run.plan, bed, run.kept, run.averages, result.profiles)
     for name, number in [*bed.counters.items(), *zip(laws.COUNTED, run.laws.counts.tolist(), strict=True)]:
         if number:
