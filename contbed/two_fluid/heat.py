@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 FIELDS = ("T_gas", "T_solid")
 MEMORY = (*FIELDS, "mass", "lag_gas", "lag_solid")
 TOLERANCE, ITERATIONS = 1e-10, 500
+EXPLICIT = 0.1  # conduction of a cell in a step, as share of its content, below which it is not solved for
 SLOW = 1e-3  # dt times rate below which the weight of the new difference is its series
 
 
@@ -159,7 +160,7 @@ class Heat:
         content = np.stack((p.cp_gas * self.mass * volume, p.cp_solid * rho_s * s * volume), axis=1)
         rates = np.stack((p.cp_gas * moved_g, p.cp_solid * moved_s), axis=1)
         self._warm_walls(dt, rates)
-        coef = self._conduct(dt, rates)
+        coef = self._conduct(dt, content, rates)
         lift = _over(dt * rates, content)
         at_gas, at_solid = self._exchange(dt, content, lift)
         change, through = self._implicit(content, coef, lift, at_gas, at_solid)
@@ -210,8 +211,10 @@ class Heat:
         np.add.at(rates, near, (self.flux * area)[:, None] * np.stack((1.0 - s, s), axis=1))
         self.account["walls"] += dt * float(self.flux @ area)
 
-    def _conduct(self, dt: float, rates: np.ndarray) -> np.ndarray | None:
-        """Adds what is conducted now; returns what a kelvin more would conduct through each face in a step [J/K]."""
+    def _conduct(self, dt: float, content: np.ndarray, rates: np.ndarray) -> np.ndarray | None:
+        """Adds what is conducted now; returns what a kelvin more would conduct through each face in a step [J/K], None
+        if that is little beside the `content` of the cells and need not be solved for.
+        """
         if self.physics.conductivity is None:
             return None
         bed, g = self.bed, self.bed.grid.geometry
@@ -229,7 +232,14 @@ class Heat:
             coef[:, phase] = dt * one[:, 0]
             # what cells give each other cancels in the sum
             self.account["walls"] += dt * float(out.sum())
-        return coef
+        return coef if (self._links(coef) > EXPLICIT * content).any() else None
+
+    def _links(self, coef: np.ndarray) -> np.ndarray:
+        """Sums (nc, 2) of `coef` over the faces of each cell."""
+        g = self.bed.grid.geometry
+        count = len(g.volume)
+        both = [np.bincount(g.left, one, count) + np.bincount(g.right, one[: len(g.right)], count) for one in coef.T]
+        return np.stack(both, axis=1)
 
     def _exchange(self, dt: float, content: np.ndarray, lift: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Adds the exchange at the present temperatures to the `lift` [K] of a step; returns dt times the rates at
@@ -270,10 +280,7 @@ class Heat:
         """
         g, size = self.bed.grid.geometry, content.shape
         both, out = content[:, 0] * at_gas, np.empty(size)
-        diagonal = content + both[:, None]
-        for k in range(2):
-            diagonal[:, k] += np.bincount(g.left, coef[:, k], len(both))
-            diagonal[:, k] += np.bincount(g.right, coef[: len(g.right), k], len(both))
+        diagonal = content + both[:, None] + self._links(coef)
         diagonal[diagonal == 0.0] = 1.0  # no particles
         scale = 1.0 / (diagonal[:, 0] * diagonal[:, 1] - both**2)
 

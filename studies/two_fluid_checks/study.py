@@ -45,6 +45,16 @@ def slip(scene):
     return brentq(missing, 1e-6, 10.0, xtol=1e-14)
 
 
+def heated(scene):
+    """Temperature of the gas that hot particles have warmed in a closed suspension."""
+    gas, solid, start, heat = scene.gas, scene.solid, scene.initial, scene.heat
+    s = start.eps_s
+    exchange = 6 * s * heat.nusselt * heat.conductivity_gas / solid.diameter**2
+    warm, cool = (1 - s) * gas.density * heat.heat_capacity_gas, s * solid.density * heat.heat_capacity_solid
+    gap = math.exp(-exchange * (1 / warm + 1 / cool) * scene.time.end)
+    return start.T_gas + (start.T_solid - start.T_gas) * cool / (warm + cool) * (1 - gap)
+
+
 def upper(scene):
     """Clear water above the particles."""
     return scene.mesh.length - 4.60966e-3 * scene.time.end
@@ -64,6 +74,7 @@ CASES = {
     "uniform_syamlal": [("slip_velocity", slip, 1e-6), ("mass_drift_relative", 0.0, 1e-12)],
     "uniform_gidaspow": [("slip_velocity", slip, 1e-6), ("mass_drift_relative", 0.0, 1e-12)],
     "slip": [("slip_velocity", slip, 1e-6)],
+    "heating": [("T_gas_mean [K]", heated, 1e-11)],
     "fixed_bed": [("max_velocity", 0.0, 1e-10)],
     "settling": [("front_position_m", upper, 1e-2), ("lower_front_position_m", lower, 1e-2),
                  ("mass_drift_relative", 0.0, 1e-12)],

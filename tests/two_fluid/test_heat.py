@@ -1,5 +1,7 @@
 """Heat of the two-fluid model against closed forms; heat and gas that are neither made nor lost."""
 
+import subprocess
+import sys
 from copy import deepcopy
 from pathlib import Path
 
@@ -110,6 +112,15 @@ def test_moving_bed_keeps_heat_and_gas(shape, ideal):
     for T in (b.heat.T_gas, b.heat.T_solid):
         assert 300.0 - beyond < T.min() < T.max() < 600.0 + beyond
     assert np.abs(b.u_solid).max() > 0.05
+
+
+def test_isothermal_beds_know_nothing_of_heat():
+    done = subprocess.run([sys.executable, "-c", "import sys, contbed.two_fluid.study as s; "
+                           "print(*[name for name in sys.modules if 'two_fluid' in name])"],
+                          capture_output=True, text=True, check=True)  # fmt: skip
+    assert "contbed.two_fluid.step" in done.stdout
+    assert "contbed.two_fluid.settings_heat" in done.stdout
+    assert not {"contbed.two_fluid.heat", "contbed.two_fluid.heat_planning"} & set(done.stdout.split())
 
 
 def test_constant_density_leaves_the_flow_alone():

@@ -1,0 +1,44 @@
+"""What carries a bed at rest: pressure of the gas and friction of the particles on the floor, against its weight."""
+
+import numpy as np
+import pytest
+from core_closures import bed, closures, line
+
+from contbed.two_fluid.boundary import Inlet, Outlet, symmetry
+from contbed.two_fluid.simulation import Options
+
+LOOSE, STRENGTH = 0.5, 200.0  # fraction above which particles rub, p = rho_s STRENGTH (eps_s - LOOSE)^2
+
+
+def carried(cells, velocity):
+    """What carries the bed between its lowest and highest cell with friction, over its weight; with the friction of the
+    faces, and with that of the two cells.
+    """
+    sides = {"left": Inlet(velocity) if velocity else symmetry(), "right": Outlet()}
+    laws = closures(1e4, pressure=1.0, viscosity=1.0, dissipation=1e5, friction=STRENGTH, eps_friction=LOOSE)
+    b = bed(line(0.2, cells), laws, sides, (-9.81,), Options(dt_max=2e-3))
+    x = b.grid.centres[:, 0]
+    b.start(eps_s=np.where(x < 0.1, 0.52, 0.0), theta=1e-6)
+    b.advance(5.0)
+    order = np.argsort(x)
+    s = b.eps_s[order]
+    rubbing = int((s > LOOSE).sum())
+    s, p, h = s[:rubbing], b.p[order][:rubbing], b.rheology.h[order][:rubbing]
+    mean = 0.5 * (s[1:] + s[:-1])
+    weight = 9.81 * 0.2 / cells * (2500 * mean + 1.2 * (1 - mean)).sum()
+    drop = p[0] - p[-1]
+    friction = 2500 * STRENGTH * ((s[0] - LOOSE) ** 2 - (s[-1] - LOOSE) ** 2)
+    return (drop - 2500 * (mean * np.diff(h)).sum()) / weight, (drop + friction) / weight
+
+
+def test_floor_carries_the_weight_of_a_bed_at_rest():
+    # face by face to rounding; the friction of two cells is its integral between them to second order
+    (fine, fine_ends), (coarse, coarse_ends) = carried(40, 0.0), carried(20, 0.0)
+    assert [fine, coarse] == pytest.approx([1.0, 1.0], abs=1e-10)
+    assert abs(fine_ends - 1) < 5e-5
+    assert abs(coarse_ends - 1) > 2 * abs(fine_ends - 1)
+
+
+def test_gas_carries_its_part():
+    # gas that speeds up through denser particles takes rho u^2 of it, 1e-5 of the weight
+    assert carried(20, 0.3)[0] == pytest.approx(1.0, abs=2e-5)
