@@ -20,7 +20,8 @@ conductivity [W/m/K], tortuosity [-], dispersion [W/m/K], permeability [m2], for
 pressure_gradient [Pa/m], radiation [W/m/K or -], wall [W/m2/K]; of fluidized beds
 minimum_fluidization [-], drag [kg/m3/s], bubble_size [m], bubble_rise [m/s], gas_exchange [1/s],
 bubble_heat [W/m3/K]; of granular flow radial_distribution, granular_pressure, granular_viscosity,
-granular_bulk_viscosity, granular_conductivity, granular_dissipation, without units, and granular_friction [Pa].
+granular_bulk_viscosity, granular_conductivity, granular_dissipation, without units, granular_friction [Pa]
+and granular_friction_viscosity [Pa s].
 """
 
 from contbed.closures.bed_tube import (
@@ -90,7 +91,6 @@ from contbed.closures.freeboard import (
     terminal_velocity_haider_levenspiel,
 )
 from contbed.closures.granular import (
-    friction_johnson_jackson,
     g0_carnahan_starling,
     g0_lun_savage,
     g0_ma_ahmadi,
@@ -98,6 +98,11 @@ from contbed.closures.granular import (
     granular_pressure_dilute,
     granular_pressure_lun,
     granular_pressure_syamlal,
+)
+from contbed.closures.granular_friction import (
+    friction_johnson_jackson,
+    friction_viscosity_newtonian,
+    friction_viscosity_schaeffer,
 )
 from contbed.closures.granular_transport import (
     granular_bulk_lun,
@@ -181,6 +186,8 @@ __all__ = [
     "forchheimer_ergun",
     "forchheimer_ward",
     "friction_johnson_jackson",
+    "friction_viscosity_newtonian",
+    "friction_viscosity_schaeffer",
     "g0_carnahan_starling",
     "g0_lun_savage",
     "g0_ma_ahmadi",

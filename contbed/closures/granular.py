@@ -1,4 +1,4 @@
-"""Granular flow, where particles meet: radial distribution at contact, pressure of collisions and of friction.
+"""Granular flow, where particles meet: radial distribution at contact, pressure of collisions.
 
     theta [m2/s2] granular temperature, a third of the mean square of the fluctuating velocity
     eps_s, eps_max [-] fraction of the particles, at most
@@ -19,7 +19,6 @@ _CARNAHAN = "Carnahan, Starling 1969, J. Chem. Phys. 51, 635-636, doi:10.1063/1.
 _MA = "Ma, Ahmadi 1986, J. Chem. Phys. 84, 3449, doi:10.1063/1.450229"
 _LUN = "Lun, Savage, Jeffrey, Chepurniy 1984, J. Fluid Mech. 140, 223-256, doi:10.1017/S0022112084000586"
 _SYAMLAL = "Syamlal, Rogers, O'Brien 1993, MFIX documentation: theory guide, DOE/METC-94/1004, doi:10.2172/10145548"
-_JOHNSON = "Johnson, Jackson 1987, J. Fluid Mech. 176, 67-93, doi:10.1017/S0022112087000570"
 _DENSE = {"eps_s": (0.0, 0.63), "e": (0.0, 1.0)}
 
 
@@ -301,47 +300,3 @@ def granular_pressure_syamlal(eps_s, g0, e):
     Syamlal, Rogers, O'Brien 1993, MFIX documentation: theory guide, DOE/METC-94/1004, doi:10.2172/10145548.
     """
     return 2.0 * (1.0 + e) * eps_s**2 * g0
-
-
-@closure(kind="granular_friction", unit="Pa", ranges={"eps_s": (0, 0.65)}, source=_JOHNSON)
-def friction_johnson_jackson(eps_s, eps_max, eps_min=0.5, strength=0.05, gap=0.01):
-    """Johnson and Jackson (1987): pressure of particles that rub, none below eps_min.
-
-    p = strength (eps_s - eps_min)^2/(eps_max - eps_s)^5
-
-    with eps_max - eps_s no smaller than gap.
-
-    Parameters
-    ----------
-    eps_s : [-] fraction of the particles
-    eps_max : [-] densest packing
-    eps_min : [-] fraction above which particles rub
-    strength : [Pa] factor
-    gap : [-] smallest eps_max - eps_s that counts
-
-    Returns
-    -------
-    [Pa] frictional pressure
-
-    Range
-    -----
-    eps_s : 0 to 0.65
-
-    Fitted to
-    ---------
-    flow of glass beads down chutes
-
-    Limits
-    ------
-    eps_s <= eps_min: 0.
-
-    Example
-    -------
-    >>> round(float(friction_johnson_jackson(eps_s=0.6, eps_max=0.63)), 3)
-    20576.132
-
-    Source
-    ------
-    Johnson, Jackson 1987, J. Fluid Mech. 176, 67-93, doi:10.1017/S0022112087000570.
-    """
-    return strength * np.maximum(eps_s - eps_min, 0.0) ** 2 / np.maximum(eps_max - eps_s, gap) ** 5

@@ -41,6 +41,7 @@ SUPPLIED = {
          "granular_conductivity", "granular_dissipation", "granular_friction"),
         frozenset({"eps_s", "eps_max", "g0", "e"}),
     ),
+    "granular_friction_viscosity": frozenset({"p_friction", "angle", "shear_rate"}),
 }
 
 Function = Callable[..., Any]

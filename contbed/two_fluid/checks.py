@@ -18,6 +18,7 @@ KINDS = {
     "conductivity": "granular_conductivity",
     "dissipation": "granular_dissipation",
     "friction": "granular_friction",
+    "friction_viscosity": "granular_friction_viscosity",
 }
 HEAT_KINDS = {"nusselt": "nusselt", "conductivity_bed": "conductivity"}
 HEAT_ARGUMENTS = {"nusselt": {"Re", "Pr", "eps", "T", "d_p", "k_fluid"},

@@ -163,7 +163,9 @@ def arguments(bed: TwoFluid, scene: t.TwoFluidScene) -> dict[str, np.ndarray | f
     g0 = bed.rheology.g0[there]
     slip *= np.broadcast_to(bed.dense, there.shape)[there]
     return {"eps_s": s, "eps": 1.0 - s, "Re": (1.0 - s) * m.rho_gas * slip * m.d_p / m.mu_gas, "d_p": m.d_p,
-            "mu": m.mu_gas, "g0": g0, "e": scene.solid.restitution, "eps_max": m.eps_max}  # fmt: skip
+            "mu": m.mu_gas, "g0": g0, "e": scene.solid.restitution, "eps_max": m.eps_max,
+            "p_friction": bed.rheology.p_friction[there], "angle": scene.solid.friction.angle,
+            "shear_rate": bed.shear_rate()[there] if bed.closures.sheared else 0.0}  # fmt: skip
 
 
 def results(

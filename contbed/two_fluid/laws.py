@@ -24,7 +24,6 @@ DILUTEST = 1e-9  # fraction below which the drag on one particle no longer chang
 EMPTY = 1e-4  # fraction below which kinetic stress fades: it would heat particles that are not there
 GUARDED = 0.99  # a kinetic part counts as guarded where less than this is left
 STEP = 1e-7  # of eps_max, for the slope of the pressure
-FRICTION_TIME = 0.5  # frictional viscosity over frictional shear stress [s], as twoPhaseEulerFoam has it
 ENTRIES = 4001  # of the tables of friction
 
 USUAL = {
@@ -36,8 +35,9 @@ USUAL = {
     "granular_conductivity": "granular_conductivity_syamlal",
     "granular_dissipation": "granular_dissipation_lun",
     "granular_friction": "friction_johnson_jackson",
+    "granular_friction_viscosity": "friction_viscosity_newtonian",
 }
-THEORY = tuple(USUAL)[1:-1]  # what a kernel of the kinetic theory is made of
+THEORY = tuple(USUAL)[1:-2]  # what a kernel of the kinetic theory is made of
 COUNTED = ("drag_guard_cells", "free_path_guard_cells", "packed_cells")
 
 
@@ -99,7 +99,14 @@ def make(
         granular(eps_s, theta, K, constants, table, counts, out)
         return out
 
-    return Laws(Closures(exchange, rheology), chosen, counts)
+    viscosity = chosen.get("granular_friction_viscosity", _nothing)
+    sheared = hasattr(viscosity, "sheet") and "shear_rate" in viscosity.sheet.arguments
+    angle = particles.friction_angle
+
+    def friction(p: np.ndarray, shear_rate: np.ndarray) -> np.ndarray:
+        return viscosity(p, angle, shear_rate) if sheared else viscosity(p, angle) + 0.0 * p
+
+    return Laws(Closures(exchange, rheology, friction, sheared), chosen, counts)
 
 
 def compiled(function: Callable) -> Callable:
@@ -175,20 +182,20 @@ def _granular(*theory: Callable) -> Callable:
             out.conductivity[i] = scale * conductivity(s, g0, e, left_k)
             out.dissipation[i] = rho / d_p * dissipation(s, g0, e)
             out.h[i] = 0.0
-            out.mu_friction[i] = 0.0
+            out.p_friction[i] = 0.0
             if eps_s[i] > first:
                 j = min(int((eps_s[i] - first) / spacing), ENTRIES - 2)
                 w = (eps_s[i] - first) / spacing - j
                 out.h[i] = table[0, j] + w * (table[0, j + 1] - table[0, j])
                 out.stiffness[i] += eps_s[i] * (table[0, j + 1] - table[0, j]) / spacing
-                out.mu_friction[i] = table[1, j] + w * (table[1, j + 1] - table[1, j])
+                out.p_friction[i] = table[1, j] + w * (table[1, j + 1] - table[1, j])
 
     return kernel
 
 
 def _friction(materials: Materials, particles: Particles, closure: Callable) -> np.ndarray:
-    """Integral of d p_friction/(rho_s eps_s), and frictional viscosity, from first contact to densest packing."""
+    """Integral of d p_friction/(rho_s eps_s), and p_friction, from first contact to densest packing."""
     s = np.linspace(particles.friction_from, materials.eps_max, ENTRIES)
     p = closure(s, materials.eps_max, particles.friction_from, particles.friction_strength) * np.ones(ENTRIES)
     h = np.concatenate(([0.0], np.cumsum(2.0 * np.diff(p) / (s[1:] + s[:-1])))) / materials.rho_solid
-    return np.stack((h, FRICTION_TIME * np.sin(particles.friction_angle) * p))
+    return np.stack((h, p))

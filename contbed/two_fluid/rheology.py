@@ -16,7 +16,7 @@ class Rheology(NamedTuple):
     pressure : kinetic and collisional pressure over rho_s theta
     stiffness [m2/s2] : d p_solid/d eps_s/rho_s with friction
     mu, bulk [Pa s] : kinetic and collisional viscosities
-    mu_friction [Pa s] : frictional viscosity
+    p_friction [Pa] : frictional pressure
     h [m2/s2] : integral of d p_friction/(rho_s eps_s)
     conductivity [kg/m/s] : of granular energy
     dissipation [kg/m3] : gamma/theta^(3/2), so that gamma is in W/m3
@@ -27,7 +27,7 @@ class Rheology(NamedTuple):
     stiffness: np.ndarray
     mu: np.ndarray
     bulk: np.ndarray
-    mu_friction: np.ndarray
+    p_friction: np.ndarray
     h: np.ndarray
     conductivity: np.ndarray
     dissipation: np.ndarray
@@ -35,7 +35,11 @@ class Rheology(NamedTuple):
 
 @dataclass(frozen=True)
 class Closures:
-    """drag(eps_s, slip speed) gives K = beta/eps_s [kg/m3/s]; granular(eps_s, theta, K) the rest."""
+    """drag(eps_s, slip speed) gives K = beta/eps_s [kg/m3/s]; granular(eps_s, theta, K) the rest; friction(p_friction,
+    shear rate) the frictional viscosity [Pa s], for which shear rates are found only where it is `sheared`.
+    """
 
     drag: Callable[[np.ndarray, np.ndarray], np.ndarray]
     granular: Callable[[np.ndarray, np.ndarray, np.ndarray], Rheology]
+    friction: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    sheared: bool = False

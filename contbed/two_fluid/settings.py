@@ -43,6 +43,7 @@ class TwoFluid(Table):
     conductivity: str = "granular_conductivity_syamlal"
     dissipation: str = "granular_dissipation_lun"
     friction: str = Field("friction_johnson_jackson", description='"none": no friction near packing')
+    friction_viscosity: str = Field("friction_viscosity_newtonian", description='"none": friction pushes only')
     guards: s.Switch = Field(True, description="limit the kinetic stress of dilute flow by drag and free path")
     free_path: s.Length = Field(0.01, description="largest mean free path that the guards allow")
 

@@ -154,7 +154,9 @@ class Stepper:
             gas = self.heat.step(dt, gas)
         self._evaluate()
         r = self.rheology
-        shear = r.mu + r.mu_friction
+        rate = self.shear_rate() if self.closures.sheared else self.eps_s
+        self.mu_friction = self.closures.friction(r.p_friction, rate)
+        shear = r.mu + self.mu_friction
         ks.wall_slip(
             g, self.edge.solid, self.edge, self.materials.eps_max, self.rho[1],
             self.eps_s, self.theta, r.g0, shear, self._slip,
@@ -198,6 +200,17 @@ class Stepper:
         dense = self.eps_s / (self.eps_s + RARE)
         faded = {name: getattr(r, name) * dense for name in ("pressure", "mu", "bulk", "conductivity")}
         self.rheology = r._replace(**faded)
+
+    def shear_rate(self) -> np.ndarray:
+        """Square root of the second invariant of the particles' strain rate [1/s]; walls of Johnson and Jackson slip."""
+        g, u = self.grid.geometry, self.u_solid
+        given, grad = np.empty_like(self.edge.solid.u), np.empty((*u.shape, u.shape[1]))
+        kc.edge_velocity(g, self.edge.solid, np.abs(self.edge.solid.slip), u, self.eps_s, given)
+        kc.gradient_solid(g, self.eps_s, u, given, grad)
+        ring = u[:, 0] / g.radius if self.grid.axisymmetric else np.zeros(len(u))
+        strain = 0.5 * (grad + grad.transpose(0, 2, 1))
+        trace = np.einsum("cii->c", strain) + ring
+        return np.sqrt(0.5 * np.maximum(np.einsum("cij,cij->c", strain, strain) + ring**2 - trace**2 / 3.0, 0.0))
 
     def _velocity(self, dt, phase, flux, eps, mu, bulk) -> tuple[np.ndarray, np.ndarray]:
         """Velocity of one phase after convection and stress, and its gradient before."""
@@ -292,7 +305,7 @@ class Stepper:
         old, divergence = self.theta, np.empty_like(s)
         kf.expansion(g, self._faces, s, self.u_solid, divergence)
         # friction does not agitate the particles
-        made = self.work / g.volume * r.mu / (r.mu + r.mu_friction + 1e-300) + self.sources.theta
+        made = self.work / g.volume * r.mu / (r.mu + self.mu_friction + 1e-300) + self.sources.theta
         if self.options.theta == "algebraic":
             self.theta = self._balanced(made, divergence)
             return

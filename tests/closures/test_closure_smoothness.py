@@ -65,6 +65,9 @@ BOX = {
     "eps_max": (0.6, 0.64),
     "g0": (1.0, 50.0),
     "e": (0.7, 0.99),
+    "p_friction": (1.0, 1e4),
+    "angle": (0.2, 0.8),
+    "shear_rate": (0.1, 100.0),
 }
 # zero or almost on a part of the line: differences of terms, and an exponential of -5.4 u_t / u
 VANISHES = {
@@ -126,6 +129,8 @@ class Dual(np.lib.mixins.NDArrayOperatorsMixin):
                 return Dual(value, da / (2 * value))
             case np.log:
                 return Dual(value, da / a)
+            case np.sin:
+                return Dual(np.sin(a), np.cos(a) * da)
             case np.exp:
                 return Dual(value, value * da)
             case np.minimum:

@@ -52,13 +52,13 @@ def closures(
             stiffness=pressure * theta + 2 * friction * over,
             mu=viscosity * eps_s,
             bulk=bulk * eps_s,
-            mu_friction=np.where(over > 0, rubbing, 0.0),
+            p_friction=np.where(over > 0, 1.0, 0.0),
             h=h,
             conductivity=conductivity * eps_s,
             dissipation=dissipation * eps_s**2,
         )
 
-    return Closures(exchange, granular)
+    return Closures(exchange, granular, lambda p, _: rubbing * p)
 
 
 def bed(on, laws, boundaries, gravity=(0.0, 0.0), options=None, **materials):

@@ -153,6 +153,15 @@ def test_friction_begins_where_particles_touch_and_is_smooth():
     assert p[3] == pytest.approx(0.05 * 0.1**2 / 0.03**5, rel=1e-12)
 
 
+def test_yield_stress_of_schaeffer_does_not_depend_on_the_rate():
+    """2 mu shear_rate = p sin(angle) to (rate_min/shear_rate)^2/2; below rate_min the particles creep."""
+    rates = np.array([5.0, 50.0, 500.0])
+    stress = 2.0 * rates * closures.friction_viscosity_schaeffer(80.0, 0.5, rates)
+    np.testing.assert_allclose(stress, 80.0 * np.sin(0.5), rtol=1e-4)
+    assert closures.friction_viscosity_schaeffer(80.0, 0.5, 0.0) == pytest.approx(80.0 * np.sin(0.5) / 0.1)
+    assert closures.friction_viscosity_newtonian(80.0, 0.5) == pytest.approx(0.5 * 80.0 * np.sin(0.5))
+
+
 @pytest.mark.parametrize(
     "name", ["drag_gidaspow", "drag_syamlal_obrien", "g0_ma_ahmadi", "granular_viscosity_gidaspow"]
 )

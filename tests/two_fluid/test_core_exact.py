@@ -86,6 +86,17 @@ def test_shear_between_moving_walls(shape, cells):
 # ---------------------------------------------------------------------- drag and gravity
 
 
+@pytest.mark.parametrize("shape", SHAPES)
+def test_shear_rate_of_linear_motion(shape):
+    """S/2 in simple shear; for u = (a x, c z) the deviator has the invariant (a^2 + c^2 - (a + c)^2/3)/2; rounding."""
+    sides = dict.fromkeys(("left", "right", "top", "bottom"), SLIP)
+    b = bed(rectangle(1.0, 1.0, (6, 5), shape=shape), closures(), sides)
+    inner = (np.abs(b.grid.centres - 0.5) < 0.3).all(axis=1)
+    for strain, rate in (([[0.0, 4.0], [0.0, 0.0]], 2.0), ([[3.0, 0.0], [0.0, 1.0]], np.sqrt(7 / 3))):
+        b.start(eps_s=0.5, u_solid=b.grid.centres @ np.array(strain).T)
+        np.testing.assert_allclose(b.shear_rate()[inner], rate, rtol=1e-12)
+
+
 @pytest.mark.parametrize("order", [1, 2])
 def test_slip_relaxes_and_momentum_stays(order):
     K, s, end = 300.0, 0.2, 0.01
