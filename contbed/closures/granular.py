@@ -9,8 +9,6 @@ Pressure of collisions is given without rho_s theta.
 
 from __future__ import annotations
 
-import numpy as np
-
 from contbed.closures.registry import closure
 
 _SINCLAIR = "Sinclair, Jackson 1989, AIChE J. 35, 1473-1486, doi:10.1002/aic.690350908"

@@ -202,7 +202,7 @@ class Stepper:
         self.rheology = r._replace(**faded)
 
     def shear_rate(self) -> np.ndarray:
-        """Square root of the second invariant of the particles' strain rate [1/s]; walls of Johnson and Jackson slip."""
+        """Square root of the second invariant of the particles' strain rate [1/s]; Johnson and Jackson's walls slip."""
         g, u = self.grid.geometry, self.u_solid
         given, grad = np.empty_like(self.edge.solid.u), np.empty((*u.shape, u.shape[1]))
         kc.edge_velocity(g, self.edge.solid, np.abs(self.edge.solid.slip), u, self.eps_s, given)
