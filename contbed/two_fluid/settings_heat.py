@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from contbed.scene import settings as s
-from contbed.scene.quantities import Table
+from contbed.scene.quantities import Table, unit
 
 
 class Heat(Table):
@@ -15,7 +15,7 @@ class Heat(Table):
 
     heat_capacity_gas: s.HeatCapacity
     heat_capacity_solid: s.HeatCapacity
-    conductivity_gas: s.Conductivity = Field(gt=0, description="of the gas itself")
+    conductivity_gas: Annotated[float, *unit("W/m/K"), Field(gt=0)] = Field(description="of the gas itself")
     conductivity_solid: s.Conductivity | None = Field(None, description="of a particle; for conductivity_bed")
     nusselt: s.NonNegativeOrClosure = Field("nusselt_gunn", description="exchange, Nu = h diameter/conductivity_gas")
     conductivity_bed: s.Named | None = Field(
@@ -26,7 +26,7 @@ class Heat(Table):
     density: Literal["constant", "ideal_gas"] = Field(
         "constant", description='"ideal_gas": gas.density is that at T_reference and pressure'
     )
-    T_reference: s.Temperature | None = None
+    T_reference: s.Temperature | None = Field(None, description="absent: initial.T_gas")
     pressure: s.Pressure = Field(101325.0, description="outside of the outlet, or in a closed bed at the start")
 
 

@@ -23,7 +23,7 @@ BACKGROUND = {1: 0.65, 2: 1.1, 3: 1.45}  # m/s by diameter in mm
 FLUX, DENSITY, T_BED = 17.55, 1.177, 300.0  # kg/m2/s of the jet, kg/m3 at T_BED
 OPEN = 0.8  # porosity above which a cell belongs to a bubble
 STOP, LATE, END = 0.09, 0.15, 0.225  # s, of the half bed
-EMULSION, DEPTH = 0.41, 0.142  # porosity at the start; depth of the bed [m]
+EMULSION, DEPTH = 0.4, 0.14  # porosity at the start; depth of the bed [m]
 
 
 def scene(case):
