@@ -11,10 +11,12 @@ from core_closures import bed, closures, line, rectangle
 from scipy.linalg import expm
 
 import contbed as cb
+from contbed import closures as closure
 from contbed.errors import SceneError
 from contbed.planning import plan
+from contbed.scene.closure_file import closure_of
 from contbed.scene.loading import from_dict
-from contbed.two_fluid import study
+from contbed.two_fluid import heat_planning, study
 from contbed.two_fluid.boundary import Inlet, Outlet, symmetry
 from contbed.two_fluid.heat import Heat, Physics, Thermal
 from contbed.two_fluid.simulation import Options
@@ -282,6 +284,19 @@ def test_a_pulse_restarts_bit_for_bit(tmp_path):
             for name, column in whole.tables[table].items():
                 assert np.array_equal(column, rest.tables[table][name]), (rows, name)
         assert rest.balances == whole.balances
+
+
+def test_coefficient_of_a_closure_file_and_of_a_number():
+    folder = Path(__file__).parents[2] / "studies" / "closure_transfer" / "closures"
+    s, slip, T = np.array([0.5]), np.array([1.5]), np.array([300.0])
+    found = {}
+    for key, nusselt in (("file", {"file": "nusselt.toml"}), ("number", 7.0), ("name", "gunn")):
+        made = heat_planning.physics(from_dict(scene({"heat.nusselt": nusselt}), base=folder))
+        found[key] = made.coefficient(s, slip, 0.5, T)[0] * 3e-3 / 0.026
+    Re, Pr = 0.5 * 1.18 * 0.5 * 1.5 * 3e-3 / 1.8e-5, 1010.0 * 1.8e-5 / 0.026
+    assert found["number"] == pytest.approx(7.0)
+    assert found["name"] == pytest.approx(closure.nusselt_gunn(Re, Pr, 0.5))
+    assert found["file"] == pytest.approx(closure_of("nusselt.toml", folder, "nusselt")(Re=Re, Pr=Pr, eps=0.5))
 
 
 def test_a_pulse_brings_what_was_given_and_ends():
