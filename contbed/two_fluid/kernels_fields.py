@@ -148,6 +148,18 @@ def remember(dt, new, u, grad, carrier, lag):
 
 
 @kernel
+def momentum(dt, rho, mass, source, force, rhs, content):
+    """Turns what is convected, `rhs` (nc, m) [m3/s times u], into forces with the accelerations `source` and `force`.
+
+    mass (nc,) : of the phase over the step [kg/s], which each component gets as its `content`
+    """
+    for c in range(rhs.shape[0]):
+        for k in range(rhs.shape[1]):
+            content[c, k] = mass[c]
+            rhs[c, k] = rho * rhs[c, k] + dt * mass[c] * (source[c, k] + force[c, k])
+
+
+@kernel
 def convect(g, flux, u, grad, ahead, edge, limited, low, out):
     """Adds -sum over faces of flux (u_face - u_cell) [m3/s times u] to `out`; `flux` (nf,) is a volume flux. Cells
     marked in `low` give their own value to all their faces.

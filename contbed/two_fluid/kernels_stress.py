@@ -27,9 +27,9 @@ def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
             right = g.right[f]
             m = 2.0 * mu[left] * mu[right] / (mu[left] + mu[right] + 1e-300)
             lam = 2.0 * bulk[left] * bulk[right] / (bulk[left] + bulk[right] + 1e-300)
-            w = g.share[f]
+            w, area, near = g.share[f], g.area[f], 1.0 / g.distance[f]
             rub = w * mu[left] + (1.0 - w) * mu[right] - m
-            rub *= min(heard(eps[left], eps[right]), heard(eps[right], eps[left])) / g.distance[f]
+            rub *= min(heard(eps[left], eps[right]), heard(eps[right], eps[left])) * near
             divergence = 0.0
             for k in range(dim):
                 missing = u[right, k] - u[left, k]
@@ -37,25 +37,26 @@ def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
                     local[k, d] = w * grad[left, k, d] + (1.0 - w) * grad[right, k, d]
                     missing -= local[k, d] * (g.arm_left[f, d] - g.arm_right[f, d])
                 for d in range(dim):
-                    local[k, d] += missing * g.normal[f, d] / g.distance[f]
+                    local[k, d] += missing * near * g.normal[f, d]
                 divergence += local[k, k]
             if g.radius[left] > 0.0:
                 divergence += (w * u[left, 0] + (1.0 - w) * u[right, 0]) / (g.radius[left] + g.arm_left[f, 0])
+            lost_left = lost_right = 0.0
             for k in range(dim):
-                traction = (lam - 2.0 / 3.0 * m) * divergence * g.normal[f, k]
+                n, here, there = g.normal[f, k], u[left, k], u[right, k]
+                traction = (lam - 2.0 / 3.0 * m) * divergence * n
+                middle = w * here + (1.0 - w) * there
                 for d in range(dim):
                     traction += m * (local[k, d] + local[d, k]) * g.normal[f, d]
-                pull = rub * g.area[f] * (u[right, k] - u[left, k])
+                    middle += local[k, d] * g.skew[f, d]
+                lost_left += area * traction * (middle - here)
+                lost_right += area * traction * (there - middle)
+                pull = area * (traction + rub * (there - here))
                 out[left, k] += pull
                 out[right, k] -= pull
-                out[left, k] += g.area[f] * traction
-                out[right, k] -= g.area[f] * traction
-                middle = w * u[left, k] + (1.0 - w) * u[right, k]
-                for d in range(dim):
-                    middle += local[k, d] * g.skew[f, d]
-                work[left] += g.area[f] * traction * (middle - u[left, k])
-                work[right] += g.area[f] * traction * (u[right, k] - middle)
-                coef[f, k] = g.area[f] / g.distance[f] * (m + (m / 3.0 + lam) * g.normal[f, k] ** 2) + g.area[f] * rub
+                coef[f, k] = area * (near * (m + (m / 3.0 + lam) * n * n) + rub)
+            work[left] += lost_left
+            work[right] += lost_right
             continue
         b = f - ni
         m, lam = mu[left], bulk[left]
