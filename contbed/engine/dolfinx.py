@@ -34,7 +34,7 @@ CELLS = {RefLine: "interval", RefTri: "triangle", RefQuad: "quadrilateral", RefT
 
 
 def adopted(plan: Any) -> Any:
-    """The plan with its mesh on this engine.
+    """The plan with its mesh on this engine, for models in weak form.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def adopted(plan: Any) -> Any:
     """
     scene = plan.scene
     lacking = ""
-    if scene.kind not in ("packed_bed", "bubbling_bed"):
+    if scene.kind not in ("packed_bed", "bubbling_bed", "fully_developed"):
         lacking = f"scenes of kind {scene.kind}"
     elif scene.kind == "packed_bed" and plan.fronts:
         lacking = "fronts tracked along characteristics (a bed at rest without conduction)"

@@ -5,7 +5,7 @@ compiled as a whole such a form would take minutes. The leader evaluates it by d
 one array for each slot of a test function and one for each pair of slots of a test function and an unknown. With these
 as values at the points DOLFINx integrates forms such as c u v', which are compiled once for all scenes.
 
-Unknowns of one number stand behind those of the last rank; what depends on them fills a column.
+Unknowns of one number have no slot; they stand behind those of the last rank and fill a row and a column.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ import numpy as np
 from contbed.engine import dolfinx, skfem
 from contbed.engine import dolfinx_versions as versions
 from contbed.engine.dual import Linear
-from contbed.engine.elements import Single
 from contbed.engine.petsc import Layout, Matrix, Piece
 from contbed.engine.ranks import Crew
 
@@ -55,22 +54,20 @@ class System(dolfinx.System):
 
     def _terms(self, forms: Any, state: Any, jacobian: bool) -> list[tuple[int, int | None, dict[Any, Any]]]:
         """Coefficients as (test, unknown, {slots: array}); a residual has None for the unknown."""
-        rows: dict[Any, dict[Any, Any]] = {}
-        columns: dict[Any, dict[Any, Any]] = {}
+        found: dict[Any, dict[Any, Any]] = {}
+
+        def add(row: int, column: int | None, slots: Any, array: Any) -> None:
+            there = found.setdefault((row, column), {})
+            there[slots] = there[slots] + array if slots in there else array
+
         for form, where, coeffs in forms:
-            found = form(self._trial(where, state, jacobian), self._tests(where), coeffs, skfem.Ops(where))
-            for (name, component, kind), c in (found.slots if isinstance(found, Linear) else {}).items():
-                row = self.numbers[name, component]
-                _add(rows.setdefault(row, {}), (kind,), getattr(c, "value", c))
+            whole = form(self._trial(where, state, jacobian), self._tests(where), coeffs, skfem.Ops(where))
+            for (name, component, kind), c in (whole.slots if isinstance(whole, Linear) else {}).items():
+                row, slot = self.numbers[name, component], (kind,) if name in self.along else ()
+                add(row, None, slot, getattr(c, "value", c))
                 for (unknown, k, trial), tangent in getattr(c, "tangents", {}).items():
-                    column = self.numbers[unknown, k]
-                    slots = (kind,) if isinstance(self.fields[unknown][0], Single) else (kind, trial)
-                    _add(columns.setdefault((row, column), {}), slots, tangent)
-        return [(row, None, slots) for row, slots in rows.items()] + [(*pair, slots) for pair, slots in columns.items()]
-
-
-def _add(slots: dict[Any, Any], key: Any, array: Any) -> None:
-    slots[key] = slots[key] + array if key in slots else array
+                    add(row, self.numbers[unknown, k], slot + ((trial,) if unknown in self.along else ()), tangent)
+        return [(row, column, slots) for (row, column), slots in found.items()]
 
 
 # What follows runs on all ranks.
@@ -93,14 +90,15 @@ def make_pattern(all_ranks: Crew, root: Any, key: int, singles: int, measure: An
         places[versions.dof_list(V)[: part.owned]] = mine
         thing.places.append(places)
     size = W.dofmap.index_map.size_global * thing.block
-    thing.singles = np.arange(size, size + singles, dtype=np.int32)
+    behind = np.arange(size, size + singles, dtype=np.int32)
+    thing.places += [*behind[:, None]]
     local = thing.owned + (singles if all_ranks.comm.rank == all_ranks.comm.size - 1 else 0)
     A = PETSc.Mat().createAIJ(((local, PETSc.DECIDE), (local, PETSc.DECIDE)), comm=all_ranks.comm)
     width = singles + 2 * sum(mine.shape[1] for mine in unknowns)
     A.setPreallocationNNZ((min(width, local), width))
     A.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
     for mine in np.concatenate(unknowns, axis=1):
-        coupled = np.append(mine, thing.singles)
+        coupled = np.append(mine, behind)
         A.setValues(coupled, coupled, np.zeros((len(coupled), len(coupled))))
     A.assemble()
     thing.template = A
@@ -117,20 +115,20 @@ def _nodes(part: Any, degree: int) -> Any:
 
 
 def _kernel(thing: Any, row: int, column: int | None, slots: Any) -> Any:
-    """A compiled form in test (and trial) functions of single fields, and its coefficients by slots."""
+    """A compiled form in test (and trial) functions of fields that have a place, and its coefficients."""
     import ufl
     from dolfinx import fem
 
-    spaces = [thing.degrees[row]] + ([thing.degrees[column]] if len(slots[0]) == 2 and column is not None else [])
-    name = (*spaces, slots)
+    degrees = [thing.degrees[k] for k in (row, column) if k is not None and k < len(thing.degrees)]
+    name = (*degrees, slots)
     if name not in thing.kernels:
         part, measure = thing.part, thing.measure
         make = (ufl.TestFunction, ufl.TrialFunction)
-        arguments = [f(_nodes(part, degree)) for f, degree in zip(make, spaces, strict=False)]
+        arguments = [f(_nodes(part, degree)) for f, degree in zip(make, degrees, strict=False)]
         points = dolfinx.space_on(part, ("points", measure.points, measure.weights))
-        coefficients = {slot: fem.Function(points) for slot in slots}
+        coefficients = [fem.Function(points) for _ in slots]
         total: Any = 0
-        for kinds, c in coefficients.items():
+        for kinds, c in zip(slots, coefficients, strict=True):
             total = total + c * math.prod(dolfinx.slot(*pair) for pair in zip(arguments, kinds, strict=True))
         thing.kernels[name] = versions.compiled(dolfinx.integral(total, part, measure)), coefficients
     return thing.kernels[name]
@@ -150,25 +148,23 @@ def assemble(all_ranks: Crew, root: Any, key: int, matrix: int | None, todo: Any
     chunks = iter(np.split(values, values.shape[1] // count, axis=1))
     b = thing.template.createVecLeft()
     A: Any = None if matrix is None else thing.template.duplicate()
+    add = PETSc.InsertMode.ADD_VALUES
     for row, column, slots in todo:
         form, coefficients = _kernel(thing, row, column, slots)
-        for c in coefficients.values():
+        for c in coefficients:
             c.x.array[versions.dof_list(c.function_space)[: thing.part.owned]] = next(chunks)
-        rows = thing.places[row]
-        if column is None:
-            b.setValues(rows, fem.assemble_vector(form).array, addv=PETSc.InsertMode.ADD_VALUES)
-        elif len(slots[0]) == 1:
-            place = thing.singles[column - len(thing.places)]
-            A.setValues(rows, place, fem.assemble_vector(form).array, addv=PETSc.InsertMode.ADD_VALUES)
-        else:
-            maps = (PETSc.LGMap().create(places, comm=A.comm) for places in (rows, thing.places[column]))
-            A.setLGMap(*maps)
+        places = [thing.places[k] for k in (row, column) if k is not None]
+        if len(slots[0]) == 2:
+            A.setLGMap(*(PETSc.LGMap().create(numbers, comm=A.comm) for numbers in places))
             petsc.assemble_matrix(A, form)
+        else:
+            values = fem.assemble_vector(form).array if slots[0] else fem.assemble_scalar(form)
+            (b if column is None else A).setValues(*places, values, addv=add)
     b.assemble()
     if matrix is not None:
         if added is not None:
             starts, where, entries, named = added
-            A.setValuesIJV(starts, where, entries, addv=PETSc.InsertMode.ADD_VALUES, rowmap=named)
+            A.setValuesIJV(starts, where, entries, addv=add, rowmap=named)
         A.assemble()
         all_ranks.things[matrix] = Piece(A, thing)
     mine = b.array.copy()

@@ -40,8 +40,11 @@ def save(folder: Path | str, arrays: Mapping[str, NDArray], meta: Mapping[str, A
     entries = {_ARRAY + name: array for name, array in stored.items()}
     entries |= {"meta": np.array(text), "checksum": np.array(_checksum(stored, text))}
     try:
-        with atomic(path) as temporary, open(temporary, "wb") as file:
-            np.savez(file, **entries)  # type: ignore[arg-type]
+        # np.savez of NumPy 1.24 leaves its file half open where the disk is full
+        with atomic(path) as temporary, zipfile.ZipFile(temporary, "w") as file:
+            for name, array in entries.items():
+                with file.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                    np.lib.format.write_array(entry, array, allow_pickle=False)
     except ContbedError as error:
         before = "the previous checkpoint is intact" if path.is_file() else "there is no earlier checkpoint"
         raise ContbedError(f"{error}; {before}") from error

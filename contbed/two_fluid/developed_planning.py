@@ -31,9 +31,9 @@ class DevelopedPlan:
     @property
     def policy(self) -> Any:
         """How linear systems are solved."""
-        from contbed.solve.linear import Policy
+        from contbed.engine import policy
 
-        return Policy(1)
+        return policy(self.mesh, None)
 
     def unknowns(self) -> dict[str, int]:
         """Number of unknowns: two velocities, the root of the granular temperature, and numbers."""
@@ -42,7 +42,7 @@ class DevelopedPlan:
 
     def on(self, nodes: np.ndarray) -> DevelopedPlan:
         """The plan on other nodes."""
-        return replace(self, mesh=line(nodes, self.mesh.axisymmetric))
+        return replace(self, mesh=replace(line(nodes, self.mesh.axisymmetric), engine=self.mesh.engine))
 
     def __str__(self) -> str:
         from contbed.planning import described

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.engine.skfem import System
+from contbed.engine import system as make_system
 from contbed.errors import ConvergenceError
 from contbed.models import developed_flow as model
 from contbed.solve.continuation import relax
@@ -36,7 +36,7 @@ class DevelopedProblem:
         fields = {"u_gas": (degree, 0), "gradient": (0, 0)}
         if self.particles:
             fields |= {"u_solid": (degree, 0), "root": (degree, 0), "pressure": (0, 0)}
-        self.system = System(plan.mesh.skfem, fields, 2 * degree + EXTRA, axisymmetric=plan.mesh.axisymmetric)
+        self.system = make_system(plan.mesh, fields, 2 * degree + EXTRA, pointwise=True)
         (self.wall,) = self.system.boundary("wall")
         self.fixed = self.system.nodes("u_gas", plan.mesh.skfem.boundaries["wall"])
         self.weights = np.ones(self.system.size)  # what compares steps of pressures with those of velocities

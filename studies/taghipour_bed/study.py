@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 import contbed as cb
 
@@ -58,7 +59,7 @@ def peer(name: str, case: openfoam.Case) -> list:
         t, p = openfoam.series(Path(folder), "inlet", "surfaceFieldValue")[:, :2].T
     late = t > FROM
     weight = 2500.0 * 9.81 * openfoam.BED_FRACTION * openfoam.BED_HEIGHT
-    share = float(np.trapezoid(p[late] - 1e5, t[late]) / np.ptp(t[late])) / weight
+    share = float(trapezoid(p[late] - 1e5, t[late]) / np.ptp(t[late])) / weight
     z = (np.arange(case.ny) + 0.5) / case.ny
     return ["twoPhaseEulerFoam", name, f"{case.nx}x{case.ny}", case.walls, share, *heights(z, eps_s),
             found["mass_drift_relative"], found["cpu_s"]]  # fmt: skip

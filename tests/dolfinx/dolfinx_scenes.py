@@ -151,6 +151,13 @@ def settling() -> dict[str, Any]:
     return found
 
 
+def developed(flow: dict[str, Any]) -> dict[str, Any]:
+    """A riser of the study that has one solution for its flows."""
+    found = tomllib.loads((STUDIES / "two_fluid_checks" / "developed.toml").read_text(encoding="utf-8"))
+    found["fully_developed"] |= flow
+    return found | {"solver": {"cells": 12}}
+
+
 SCENES |= {
     "bubbling_frozen": study("bubbling_bed_case1/p1.toml", 16),
     "bubbling_pairs": study("bubbling_bed_case1/paper_closure.toml", 16, solver={"degree": 3}),
@@ -165,9 +172,12 @@ SCENES |= {
     },
     "bubbling_closures": study("rabi_two_flux_bed/two_flux.toml", 12),
     "bubbling_settling": settling(),
+    "developed_gas": developed({"section": "pipe", "solid_flux": 0.0}),
+    "developed_channel": developed({"section": "channel"}),
+    "developed_pipe": developed({"section": "pipe"}),
     "bubbling_reacting": study("coal_boiler_design/boiler.toml", 8, solver={"degree": 2, "guess": 1150.0}),
 }
 for _scene in SCENES.values():
     _scene["output"] = {"plots": False}
-    if _scene["mesh"].get("cells", 0) is None:
+    if "mesh" in _scene and _scene["mesh"].get("cells", 0) is None:
         _scene["mesh"] = {k: v for k, v in _scene["mesh"].items() if v is not None}

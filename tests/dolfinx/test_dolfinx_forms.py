@@ -19,19 +19,21 @@ from contbed.result import Result
 from contbed.runner import _flow, _heat_problem, _radiation_problem
 from contbed.scene.loading import from_dict
 from contbed.solve.linear import bordered, constrain, scaled
+from contbed.two_fluid.developed_problem import DevelopedProblem
 
 TOLERANCE = 1e-12
 NAMES = ["heat_gas_walls", "heat_tables", "heat_axisymmetric", "heat_degree_3", "radiation_in_bed", "heat_hexahedra",
          "heat_sources_and_tubes", "medium_conducting", "line", "bubbling_frozen", "bubbling_settling",
-         "bubbling_reacting"]  # fmt: skip
+         "bubbling_reacting", "developed_pipe"]  # fmt: skip
+POINTWISE = {"bubbling_bed": BubblingProblem, "fully_developed": DevelopedProblem}
 
 
 def problems(name: str):
     """The scene's problem on both engines, with the same velocities."""
     made = make_plan(from_dict(SCENES[name]))
     one, other = made, adopted(made)
-    if made.scene.kind == "bubbling_bed":
-        return BubblingProblem(one), BubblingProblem(other)
+    if made.scene.kind in POINTWISE:
+        return POINTWISE[made.scene.kind](one), POINTWISE[made.scene.kind](other)
     if made.scene.heat is None:
         return _radiation_problem(one), _radiation_problem(other)
     flow = None if made.plug else _flow(one, Result(one))
@@ -43,8 +45,9 @@ def test_residual_and_jacobian(name: str) -> None:
     one, other = problems(name)
     random = np.random.default_rng(3)
     state = random.uniform(400.0, 800.0, one.system.size)
-    if isinstance(one, BubblingProblem):
-        state = one._start(1100.0) * random.uniform(0.98, 1.02, one.system.size)
+    if type(one) in POINTWISE.values():
+        start = one._start(1100.0) if isinstance(one, BubblingProblem) else one.start(0.03)
+        state = start * random.uniform(0.98, 1.02, one.system.size)
     elif "G" in one.system.fields:
         one.system.part(state, "G")[:] *= 100.0
     heat = hasattr(one, "steady")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import cumulative_simpson
+from scipy.integrate import cumulative_trapezoid, trapezoid
 
 import contbed as cb
 
@@ -55,7 +55,7 @@ def test_shear_carries_the_weight_from_the_wall_inward(channel):
     c = channel.profiles
     r, s = c["r [m]"], c["eps_s [1]"]
     force = channel.qoi["pressure_gradient_Pa_m"] - 9.81 * (s * DENSITY + (1 - s) * 1.2)
-    carried = -cumulative_simpson(force, x=r, initial=0.0)
+    carried = -cumulative_trapezoid(force, r, initial=0.0)
     g0 = 1 / (1 - (s / PACKING) ** (1 / 3))
     e, contact = RESTITUTION, 0.8 * s * (1 + RESTITUTION) * g0
     mu = contact * s / np.pi**0.5 + 10 * np.pi**0.5 / (96 * (1 + e) * g0) * (1 + contact) ** 2
@@ -87,7 +87,7 @@ def test_pipe_holds_the_same_conditions():
     c = result.profiles
     r, s = c["r [m]"], c["eps_s [1]"]
     for carried, given in (((1 - s) * c["u_gas [m/s]"], 9.0), (DENSITY * s * c["u_solid [m/s]"], 100.0)):
-        mean = 2 * np.trapezoid(carried * r, r) / r[-1] ** 2
+        mean = 2 * trapezoid(carried * r, r) / r[-1] ** 2
         assert mean == pytest.approx(given, rel=1e-3)  # trapezoids between nodes
     assert abs(result.balances["momentum"]["relative_residual"]) < 1e-10
 

@@ -79,7 +79,7 @@ def bed(u_d, slip, diameter, porosity, reynolds, capacity, conductivity):
 
 def multiprecision(length, *coefficients, digits=50):
     """Temperatures at STATIONS * length by plain modes and one linear solve with mpmath."""
-    mp = pytest.importorskip("mpmath")
+    mp = pytest.importorskip("mpmath", minversion="1.4")
     with mp.workdps(digits):
         length, c_f, c_s, d_f, d_s, ha, d_x = (mp.mpf(v) for v in (length, *coefficients))
         cubic = [d_f * d_s - d_x**2, -(d_f * c_s + c_f * d_s), c_f * c_s - ha * (d_f + d_s + 2 * d_x), ha * (c_f + c_s)]
@@ -208,7 +208,7 @@ def test_semi_infinite_at_huge_distance_and_without_solid_inlet():
 @pytest.mark.parametrize("name", EXTREME)
 def test_rates_are_the_roots_of_the_cubic(name):
     """Correctly rounded: 2 ulp against 50-digit roots, in number and sign as well."""
-    mp = pytest.importorskip("mpmath")
+    mp = pytest.importorskip("mpmath", minversion="1.4")
     _, *coefficients = EXTREME[name]
     with mp.workdps(50):
         c_f, c_s, d_f, d_s, ha, d_x = (mp.mpf(v) for v in coefficients)
@@ -269,7 +269,7 @@ def test_schumann_published():
 
 def test_schumann_against_quadrature_of_many_digits():
     """1e-14 relative, ahead of the front, in it and behind it; xi = 1e-3 ... 1e3."""
-    mp = pytest.importorskip("mpmath")
+    mp = pytest.importorskip("mpmath", minversion="1.4")
 
     def bell(a):
         return lambda s: mp.exp(-s - a) * mp.besseli(0, 2 * mp.sqrt(s * a))
