@@ -57,8 +57,9 @@ def test_residual_and_jacobian(name: str) -> None:
         x = random.uniform(-1.0, 1.0, one.system.size)
         terms = abs(A1) @ np.abs(x)
         assert np.abs(abs(A2) @ np.abs(x) - terms).max() <= TOLERANCE * terms.max()
-        border = (random.uniform(-1.0, 1.0, len(x)), random.uniform(-1.0, 1.0, len(x)), 0.7)
-        changed = ((A, constrain(A, one.fixed), A / 3.0 + A, scaled(A, x), bordered(A, *border)) for A in (A1, A2))
+        border = (*(terms.max() * random.uniform(-1.0, 1.0, (2, len(x)))), 0.7 * terms.max())
+        fixed = one.fixed[: None if form != "content" else 0]  # contents are constrained together with balances only
+        changed = ((A, constrain(A, fixed), A / 3.0 + A, scaled(A, x), bordered(A, *border)) for A in (A1, A2))
         for B1, B2 in zip(*changed, strict=True):
             y = np.resize(x, B1.shape[0])
             assert np.abs(B1 @ y - B2 @ y).max() <= TOLERANCE * terms.max()
