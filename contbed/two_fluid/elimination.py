@@ -1,8 +1,7 @@
 """Direct solution of symmetric systems on the links of a grid, sum of coef (x - x_neighbour) = rhs.
 
 Cells that are no neighbours of each other are eliminated first, each in a few operations, by which their neighbours
-become linked. On quadrilaterals that is every other cell, and the rest is a band as wide as before, half as long, which
-LAPACK factors.
+become linked. On quadrilaterals that is every other cell, and the rest is a band as wide as before, half as long.
 """
 
 from __future__ import annotations
@@ -12,12 +11,14 @@ import scipy.sparse as sp
 from scipy.linalg import lapack
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from contbed.errors import SceneError
+from contbed.two_fluid import kernels_band as kb
 from contbed.two_fluid.compiled import kernel
 from contbed.two_fluid.grid import Geometry, Grid
 
 
 class Elimination:
-    """Elimination on one grid.
+    """Elimination on one grid; a SceneError where neighbours are too far from each other in any order.
 
     gone (ne,) : cells that go first; start (ne + 1,), beside, faces : their neighbours and the faces between them
     kept (nb,) : the other cells in the order of the band; place (nc,) : of a cell in the band; width : of the band
@@ -43,7 +44,11 @@ class Elimination:
         self.place[self.kept] = np.arange(len(self.kept))
         rows, columns = graph.nonzero()
         self.width = int(np.abs(self.place[rest[rows]] - self.place[rest[columns]]).max(initial=0))
-        self.band, self.diagonal = np.empty((len(self.kept), self.width + 1)), np.empty(count)
+        if self.width > kb.WIDEST:
+            raise SceneError(f"mesh: a band of {self.width} cells, too wide for direct elimination; use fewer cells")
+        rows = -(-len(self.kept) // kb.COLUMNS) * kb.COLUMNS
+        self.band, self.diagonal = np.empty((rows, self.width + 1 + kb.MARGIN)), np.empty(count)
+        self.panel = np.zeros(kb.COLUMNS * kb.STRIDE)
 
     def solve(self, g: Geometry, coef: np.ndarray, floating: bool, x: np.ndarray) -> bool:
         """Puts the solution in `x`, which holds the right-hand side; the diagonal of the first cell counts twice where
@@ -51,10 +56,9 @@ class Elimination:
         """
         _eliminate(g, coef, floating, self.gone, self.start, self.beside, self.faces, self.place, self.diagonal,
                    self.band, x)  # fmt: skip
-        factor, failed = lapack.dpbtrf(self.band.T, lower=1, overwrite_ab=1)
-        if failed:
+        if not kb.factor(self.band, self.width, self.panel):
             return False
-        x[self.kept] = lapack.dpbtrs(factor, x[self.kept], lower=1)[0]
+        x[self.kept] = lapack.dpbtrs(self.band[: len(self.kept)].T, x[self.kept], lower=1)[0]
         _substitute(coef, self.gone, self.start, self.beside, self.faces, self.diagonal, x)
         return True
 
@@ -74,10 +78,12 @@ def _independent(start, beside):
 
 @kernel
 def _eliminate(g, coef, floating, gone, start, beside, faces, place, diagonal, band, x):
-    """The band (nb, width + 1), column by column, that is left without the cells `gone`, and its right-hand side."""
+    """The band that is left without the cells `gone`, with ones to fill its last block, and its right-hand side."""
     ni = len(g.right)
     diagonal[:] = 0.0
     band[:] = 0.0
+    for row in range(len(diagonal) - len(gone), len(band)):
+        band[row, 0] = 1.0
     first = np.zeros(len(diagonal), dtype=np.bool_)
     for e in range(len(gone)):
         first[gone[e]] = True
