@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from contbed.errors import SceneError
 from contbed.two_fluid import kernels_band as kb
 from contbed.two_fluid.compiled import kernel
-from contbed.two_fluid.grid import Geometry, Grid
+from contbed.two_fluid.grid import Geometry, Grid, neighbours
 
 
 class Elimination:
@@ -25,15 +25,11 @@ class Elimination:
     """
 
     def __init__(self, grid: Grid):
-        g, count = grid.geometry, len(grid.cells)
-        other = np.flatnonzero(g.left[: grid.interior] != g.right)  # a periodic row of one cell links with itself
-        ends = np.concatenate((g.left[other], g.right[other])), np.concatenate((g.right[other], g.left[other]))
-        order = np.argsort(ends[0], kind="stable")
-        start = np.searchsorted(ends[0][order], np.arange(count + 1))
-        beside, faces = ends[1][order], np.concatenate((other, other))[order]
+        count = len(grid.cells)
+        start, beside, faces = neighbours(grid)
         first = _independent(start, beside)
         self.gone, rest = np.flatnonzero(first), np.flatnonzero(~first)
-        mine = first[ends[0][order]]
+        mine = np.repeat(first, np.diff(start))
         self.start = np.concatenate(([0], np.cumsum(np.diff(start)[first])))
         self.beside, self.faces = beside[mine], faces[mine]
 

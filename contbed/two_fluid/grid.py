@@ -174,6 +174,16 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     )  # fmt: skip
 
 
+def neighbours(grid: Grid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """start (nc + 1,), beside, faces : neighbours of each cell from start[c] to start[c + 1], and the faces between."""
+    g = grid.geometry
+    other = np.flatnonzero(g.left[: grid.interior] != g.right)  # a periodic row of one cell links with itself
+    ends = np.concatenate((g.left[other], g.right[other])), np.concatenate((g.right[other], g.left[other]))
+    order = np.argsort(ends[0], kind="stable")
+    start = np.searchsorted(ends[0][order], np.arange(len(grid.cells) + 1))
+    return start, ends[1][order], np.concatenate((other, other))[order]
+
+
 def _pairs(mesh: Mesh, periodic: Sequence[tuple[str, str]], middles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Facets on either side of the periodic boundaries, in the same order."""
     one: list[np.ndarray] = [np.empty(0, dtype=np.int64)]

@@ -12,7 +12,7 @@ from contbed.errors import SceneError
 from contbed.meshing.mesh import Mesh, build
 from contbed.scene.closure_choice import resolve_closure
 from contbed.scene.settings_mesh import MeshFile
-from contbed.two_fluid import boundary, grid, laws
+from contbed.two_fluid import boundary, grid, laws, pressure
 from contbed.two_fluid import settings as t
 from contbed.two_fluid.checks import ABSENT, KINDS
 from contbed.two_fluid.simulation import Materials, Options, TwoFluid
@@ -85,6 +85,8 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
             raise SceneError(f"{where}: boundary.{name}: missing; every side needs a condition")
     table = scene.two_fluid
     built = [("cells", f"{len(cells.cells)}, about {STEP_COST * len(cells.cells) * 1e3:.2g} ms a step")]
+    how = "elimination" if pressure.direct(cells) else "conjugate gradients with multigrid"
+    built.append(("pressure", f"{how}, band of {cells.bandwidth} cells"))
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
         (table.drag != ABSENT, "drag", str(table.drag), 'drag = "none"'),

@@ -1,7 +1,8 @@
 """The symmetric equation of pressure, sum of coef (p - p_neighbour) = rhs, solved by policy.
 
-In the order of the grid the matrix of a slender bed is a narrow band, which direct elimination solves faster than any
-iteration converges. Where no boundary fixes the pressure, it is 0 in the first cell.
+In the order of the grid the matrix of a slender bed is a band, which elimination solves faster than any iteration
+converges while it is narrow: its cost for each cell grows with the square of the band, that of multigrid does not grow.
+Where no boundary fixes the pressure, it is 0 in the first cell.
 """
 
 from __future__ import annotations
@@ -11,18 +12,32 @@ import numpy as np
 from contbed.errors import ConvergenceError
 from contbed.two_fluid.elimination import Elimination
 from contbed.two_fluid.grid import Grid
+from contbed.two_fluid.multigrid import Multigrid
+
+WIDEST = 250  # band up to which elimination is faster, measured in 2-D and 3-D: studies/two_fluid_scaling
+
+
+def direct(grid: Grid) -> bool:
+    """Whether the equation is solved by elimination."""
+    return grid.bandwidth <= WIDEST
 
 
 class Pressure:
-    """Solver for one grid; `floating` where no outlet fixes the pressure."""
+    """Solver for one grid; `floating` where no outlet fixes the pressure. `iterations` of the last solution."""
 
     def __init__(self, grid: Grid, floating: bool):
-        self.geometry, self.floating = grid.geometry, floating
-        self.direct = Elimination(grid)
+        self.geometry, self.floating, self.iterations = grid.geometry, floating, 0
+        self.by: Elimination | Multigrid = Elimination(grid) if direct(grid) else Multigrid(grid)
 
-    def solve(self, coef: np.ndarray, rhs: np.ndarray) -> np.ndarray:
-        """Pressure (nc,) [Pa]."""
-        p = rhs.copy()
-        if not self.direct.solve(self.geometry, coef, self.floating, p):
-            raise ConvergenceError("the equation of pressure is singular: a fluid region without inlet or outlet?")
+    def solve(self, coef: np.ndarray, rhs: np.ndarray, guess: np.ndarray) -> np.ndarray:
+        """Pressure (nc,) [Pa]; `guess` is where iterations start."""
+        if isinstance(self.by, Elimination):
+            p = rhs.copy()
+            if not self.by.solve(self.geometry, coef, self.floating, p):
+                raise ConvergenceError("the equation of pressure is singular: a fluid region without inlet or outlet?")
+            return p
+        p = guess.copy()
+        self.iterations = self.by.solve(coef, self.floating, rhs, p)
+        if self.iterations < 0:
+            raise ConvergenceError("the equation of pressure does not converge: a part without inlet or outlet?")
         return p

@@ -263,7 +263,7 @@ class Stepper:
         kc.fractions(g, edge.gas, edge.solid, edge, s, grad_eps, ahead, self.options.limited, faces)
         coef, rhs = np.empty(len(g.left)), g.volume * (self.sources.solid + self.sources.gas)
         kf.assemble(g, edge.gas, edge.solid, edge, faces, coef, rhs)
-        self.p = self.pressure.solve(coef, rhs)
+        self.p = self.pressure.solve(coef, rhs, self.p)
         kf.correct(g, edge.gas, edge.solid, edge, self.p, faces, self.flux_solid, self.flux_total, self.outflow)
         new_g, old_g, new_s, old_s = (np.empty_like(h_g) for _ in range(4))
         kf.gather_gas(g, faces, grad_g, grad_g, False, new_g, old_g)

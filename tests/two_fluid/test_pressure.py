@@ -1,0 +1,99 @@
+"""The equation of pressure: elimination and multigrid agree, iterations do not grow, the flux has no divergence."""
+
+import numpy as np
+import pytest
+from core_closures import rectangle
+from gmsh_meshes import unstructured
+from test_core_exact import WALLS, fluidized
+
+from contbed.errors import ConvergenceError
+from contbed.two_fluid import pressure
+from contbed.two_fluid.elimination import Elimination
+from contbed.two_fluid.multigrid import Multigrid
+
+
+def system(on, seed=1):
+    """Coefficients with a jump of 1000 between the halves, as at the surface of a bed, outlet at the top; fluxes in."""
+    g, random = on.geometry, np.random.default_rng(seed)
+    low = on.middles[:, -1] < 0.5 * on.middles[:, -1].max()
+    coef = g.area / g.distance * random.uniform(0.5, 2.0, len(g.left)) * np.where(low, 1e-3, 1.0)
+    top = on.boundaries.get("top", np.empty(0, dtype=int))
+    closed = np.setdiff1d(np.arange(on.interior, len(g.left)), top)
+    coef[closed] = 0.0
+    return coef, g.volume * random.standard_normal(len(g.volume))
+
+
+GRIDS = [
+    lambda: rectangle(0.28, 1.0, (14, 50)),
+    lambda: rectangle(0.28, 1.0, (14, 50), [("left", "right")]),
+    lambda: unstructured("triangles", 0.06, 0.12, 0.006),
+    lambda: unstructured("tetrahedra", 0.06, 0.12, 0.015),
+]
+
+
+@pytest.mark.parametrize("make", GRIDS)
+@pytest.mark.parametrize("floating", [False, True])
+def test_multigrid_agrees_with_elimination(make, floating):
+    on = make()
+    coef, rhs = system(on)
+    if floating:
+        coef[on.interior :] = 0.0
+        rhs -= rhs.mean()
+    exact = rhs.copy()
+    assert Elimination(on).solve(on.geometry, coef, floating, exact)
+    found = np.zeros_like(rhs)
+    assert 0 < Multigrid(on).solve(coef, floating, rhs, found) < 40
+    # residuals of 1e-11 times the condition of the system
+    np.testing.assert_allclose(found, exact, atol=1e-7 * np.ptp(exact))
+
+
+def test_iterations_hardly_grow():
+    counts = []
+    for cells in ((7, 25), (28, 100), (56, 200)):
+        on = rectangle(0.28, 1.0, cells)
+        coef, rhs = system(on)
+        counts.append(Multigrid(on).solve(coef, False, rhs, np.zeros_like(rhs)))
+    assert counts[2] < 40 and counts[2] < 1.5 * counts[0], counts
+
+
+def test_exact_guess_needs_no_iteration():
+    on = rectangle(0.28, 1.0, (14, 50))
+    coef, rhs = system(on)
+    p = np.zeros_like(rhs)
+    by = Multigrid(on)
+    assert by.solve(coef, False, rhs, p) > 5
+    assert by.solve(coef, False, rhs, p) == 0
+    assert by.solve(coef, False, 0 * rhs, np.zeros_like(rhs)) == 0
+
+
+def test_bed_by_multigrid(monkeypatch):
+    """The same bed with either solver; the flux of both phases has no divergence to 1e-10, a restart gives the same."""
+    one = fluidized(WALLS[2], noise=0.01)
+    monkeypatch.setattr(pressure, "WIDEST", 0)
+    two = fluidized(WALLS[2], noise=0.01)
+    for _ in range(30):
+        one.step(one.next_step())
+        two.step(two.next_step())
+    assert two.pressure.iterations > 0
+    np.testing.assert_allclose(two.eps_s, one.eps_s, atol=1e-8)
+    np.testing.assert_allclose(two.p, one.p, atol=1e-5)
+    g = two.grid.geometry
+    left = np.zeros(len(two.p))
+    np.add.at(left, g.left, two.flux_total)
+    np.subtract.at(left, g.right, two.flux_total[: two.grid.interior])
+    assert np.abs(left).max() < 1e-10 * np.abs(two.flux_total).max()
+    kept = two.state()
+    two.step(1e-4)
+    three = fluidized(WALLS[2])
+    three.restore(kept)
+    three.step(1e-4)
+    assert np.array_equal(two.p, three.p)
+
+
+def test_pressure_that_cannot_be_found(monkeypatch):
+    monkeypatch.setattr(pressure, "WIDEST", 0)
+    on = rectangle(0.28, 1.0, (14, 50))
+    coef, rhs = system(on)
+    coef[3] = np.nan
+    with pytest.raises(ConvergenceError, match="does not converge"):
+        pressure.Pressure(on, False).solve(coef, rhs, np.zeros_like(rhs))
