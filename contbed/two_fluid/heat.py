@@ -17,7 +17,7 @@ open between mass, temperature and volume joins the divergence, so that it does 
 Convection is explicit and limited to second order, conduction implicit, first order in time. Exchange weighs the new
 and the old difference of the temperatures by w = 1/(1 - exp(-z)) - 1/z, z = dt (sum of the rates of both phases): exact
 for constant h in a closed suspension at any dt, and with heat that moves or is given at a constant rate (exponential
-fitting, Liniger and Willoughby 1970, SIAM J. Numer. Anal. 7, 47-66, doi:10.1137/0707003). Mass and heat change by the
+fitting, Liniger and Willoughby 1970, SIAM J. Numer. Anal. 7, 47-66). Mass and heat change by the
 fluxes of faces alone, so both close to rounding.
 """
 
@@ -113,12 +113,12 @@ class Heat:
 
     def start(self) -> None:
         """Mass of the gas that belongs to the temperatures."""
-        self.mass = (1.0 - self.bed.eps_s) * (self.content / self.T_gas if self.ideal else self.bed.rho[0])
+        self.mass = (1.0 - self.bed.eps_s) * (self.rho_T / self.T_gas if self.ideal else self.bed.rho[0])
         self._thin()
 
     @property
-    def content(self) -> float:
-        """rho T [kg K/m3] of an ideal gas at p0."""
+    def rho_T(self) -> float:
+        """Density times temperature [kg K/m3] of an ideal gas at p0."""
         p = self.physics
         return self.bed.materials.rho_gas * p.T_reference * self.p0 / p.pressure
 
@@ -164,7 +164,7 @@ class Heat:
         lift = _over(dt * rates, content)
         at_gas, at_solid = self._exchange(dt, content, lift)
         change, through = self._implicit(content, coef, lift, at_gas, at_solid)
-        old = self.content
+        old = self.rho_T
         if self.closed:
             room = np.zeros_like(lift)
             room[:, 0] = (1.0 - s) * volume / content[:, 0]
@@ -172,11 +172,7 @@ class Heat:
             change, through = change + rise, through + further
         self.account["walls"] -= through
         if self.ideal:
-            heated = self.mass * change[:, 0] - dt * moved_g / volume
-            full = self.mass * (self.T_gas + change[:, 0]) / self.content - (1.0 - s)
-            bed.sources.gas = (full + heated / self.content - (1.0 - old / self.content) * (1.0 - s)) / dt
-            if self.closed:
-                bed.sources.gas -= bed.sources.gas @ volume / volume.sum()
+            self._expand(dt, self.mass * change[:, 0], dt * moved_g / volume, 1.0 - old / self.rho_T)
         self._remember(dt, change, grad_g, grad_s)
         self._thin()
         return gas / bed.rho[0] if self.ideal else volume_flux
@@ -191,7 +187,7 @@ class Heat:
         kh.carried(g, flux, T, grad, ahead, given, bed._drained if phase else bed._none, face)
         if phase == 1 or not self.ideal:
             return bed.rho[phase] * flux, face, grad
-        return self.content / face * flux, face, grad
+        return self.rho_T / face * flux, face, grad
 
     def _slope(self, phase: int, T: np.ndarray, outside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Temperature at boundaries, `outside` or level, and gradient (nc, 1, dim) of one phase."""
@@ -312,6 +308,18 @@ class Heat:
         rise = (gas @ (self.T_gas + change[:, 0]) - self.p0 * pores) / (pores - gas @ response[:, 0])
         self.p0 += float(rise)
         return rise * response, rise * through
+
+    def _expand(self, dt: float, gained: np.ndarray, carried: np.ndarray, compressed: float) -> None:
+        """Expansion of the gas that the equation of pressure keeps in this step: what the heat of the last one made of
+        it, and what was left open between mass, temperature and volume. `gained` is the change of mass times
+        temperature over the step, `carried` the part of it that came with the gas, `compressed` the share of p0 that
+        is new.
+        """
+        bed, pores, volume = self.bed, 1.0 - self.bed.eps_s, self.bed.grid.geometry.volume
+        still_open = (self.mass * self.T_gas + gained) / self.rho_T - pores
+        bed.sources.gas = (still_open + (gained - carried) / self.rho_T - compressed * pores) / dt
+        if self.closed:
+            bed.sources.gas -= bed.sources.gas @ volume / volume.sum()
 
     def _remember(self, dt: float, change: np.ndarray, *grads: np.ndarray) -> None:
         bed = self.bed

@@ -2,12 +2,14 @@
 
 python studies/patil_hot_bubble_two_fluid/study.py run FOLDER [CASE ...]   # half_3mm_900, ...; else all of CASES
 python studies/patil_hot_bubble_two_fluid/study.py plot FOLDER             # results.csv, bubble.png, snapshots.png
+python studies/patil_hot_bubble_two_fluid/study.py bubble RUN              # size and temperature over time of one run
 """
 
 import csv
 import sys
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
 import matplotlib.pyplot as plt
 import meshio
@@ -77,9 +79,10 @@ def series(folder):
         names = file.readline().strip().split(",")
     hottest = dict(zip(times[:, 0], times[:, names.index("T_solid_max [K]")], strict=True))
     rows = []
-    for k, path in enumerate(sorted(folder.glob("fields_*.vtu"))):
-        t = 0.005 * (k + 1)
-        rows.append((t, *bubble(meshio.read(path)), hottest[min(hottest, key=lambda at, t=t: abs(at - t))]))
+    for part in ElementTree.parse(folder / "fields.pvd").iter("DataSet"):
+        t = float(part.get("timestep"))
+        mesh = meshio.read(folder / part.get("file"))
+        rows.append((t, *bubble(mesh), hottest[min(hottest, key=lambda at, t=t: abs(at - t))]))
     return np.array(rows)
 
 
@@ -96,16 +99,16 @@ def particles():
 def curves(found, discrete):
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.3), layout="constrained")
     for name, rows in found.items():
-        color = plt.get_cmap("inferno")((float(name.split("_")[2]) - 250.0) / 800.0)
-        style = {"2mm": "--", "3mm": "-"}[name.split("_")[1]]
-        wide = 0.9 if name.endswith("_fine") else 1.8
+        size, T, *fine = name.split("_")[1:]
+        color = plt.get_cmap("inferno")((float(T) - 250.0) / 800.0)
+        style, wide = {"2mm": "--", "3mm": "-"}[size], 0.9 if fine else 1.8
         dots = {"ls": "", "marker": "o+"[style == "--"], "ms": 4}
         for data, mark, how in (
             (rows, "two fluids", {"ls": style, "lw": wide}), (discrete.get(name), "particles", dots)
         ):  # fmt: skip
             if data is None:
                 continue
-            shown, text = data[:, 1] > 0.0, " ".join(name.split("_")[1:]) + " K, " + mark
+            shown, text = data[:, 1] > 0.0, ", ".join((size, f"{T} K", mark, *fine))
             for panel, column, factor in ((axes[0], 1, 1e2), (axes[1], 2, 1.0)):
                 panel.plot(data[shown, 0], factor * data[shown, column], color=color, label=text, **how)
     axes[0].set(xlabel="time, s", ylabel="diameter of the bubble, cm")
@@ -147,5 +150,8 @@ def plot(folder):
 if __name__ == "__main__":
     if sys.argv[1] == "run":
         run(sys.argv[2], sys.argv[3:] or CASES)
+    elif sys.argv[1] == "bubble":
+        for row in series(Path(sys.argv[2])):
+            print("{:.3f} s  {:.4f} m  {:.1f} K  particles up to {:.1f} K".format(*row))
     else:
         plot(sys.argv[2])
