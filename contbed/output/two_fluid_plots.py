@@ -20,8 +20,9 @@ def two_fluid_plot(
     ----------
     path : PNG file
     rows : columns over time, with "t [s]"
-    tables : "axial" and, for more than a line, "lateral", as in the files of these names
+    tables : "axial" and, for more than a line, "lateral", as in the files of these names; "spectrum" is left out
     """
+    tables = {name: table for name, table in tables.items() if name != "spectrum"}
     with _figure(path, 2.4 + 2.3 * len(tables), title) as figure:
         panels = figure.subplots(1 + len(tables), 3, squeeze=False)
         for axes, name in zip(panels[0], ("pressure_drop [Pa]", "centre_of_solids [m]", "theta_mean [m2/s2]"),

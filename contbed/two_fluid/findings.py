@@ -95,8 +95,12 @@ def _balance(came, went, walls, start, now, what) -> dict[str, Any]:
             "relative_residual": (stored - came + went - walls) / scale}  # fmt: skip
 
 
-def tables(plan: Any, bed: TwoFluid, averages: Averages | None) -> dict[str, dict[str, Any]]:
-    """axial.csv and, where there is a lateral direction, lateral.csv: averages, or the last state without them."""
+def tables(
+    plan: Any, bed: TwoFluid, averages: Averages | None, rows: dict[str, np.ndarray]
+) -> dict[str, dict[str, Any]]:
+    """axial.csv and, where there is a lateral direction, lateral.csv: averages, or the last state without them; with
+    averages also spectrum.csv, the power of the pressure drop by frequency.
+    """
     averaged = averages is not None and averages.weight.sum() > 0
     fields = averages.means() if averaged else bed.fields()  # type: ignore[union-attr]
     volume, centres = bed.grid.geometry.volume, bed.grid.centres
@@ -126,6 +130,10 @@ def tables(plan: Any, bed: TwoFluid, averages: Averages | None) -> dict[str, dic
         bins = min(WALL_BINS, _layers(x, lateral(corners)))
         place, columns = along(x, volume[inside], pick, lean, bins)
         found["lateral"] = {name: place, **columns}
+    late = rows["t [s]"] >= averages.start if averaged else np.zeros(0)  # type: ignore[union-attr]
+    if late.sum() >= SPECTRUM:
+        frequency, power = spectrum(rows["t [s]"][late], rows["pressure_drop [Pa]"][late])
+        found["spectrum"] = {"frequency [Hz]": frequency, "pressure_drop [Pa2 s]": power}
     return found
 
 
@@ -169,7 +177,12 @@ def arguments(bed: TwoFluid, scene: t.TwoFluidScene) -> dict[str, np.ndarray | f
 
 
 def results(
-    plan: Any, bed: TwoFluid, start: dict[str, float], averages: Averages | None, rows: dict[str, np.ndarray]
+    plan: Any,
+    bed: TwoFluid,
+    start: dict[str, float],
+    averages: Averages | None,
+    rows: dict[str, np.ndarray],
+    tables: dict[str, dict[str, Any]],
 ) -> dict[str, Any]:
     """Named results; those of check cases only where the scene is such a case."""
     scene: t.TwoFluidScene = plan.scene
@@ -196,9 +209,9 @@ def results(
         found["pressure_drop_mean [Pa]"] = float(np.mean(rows["pressure_drop [Pa]"][late]))
         found["averaged [s]"] = float(averages.weight.sum())
         found["difference_of_halves"] = averages.drift()
-        if late.sum() >= SPECTRUM:
-            frequency, power = spectrum(rows["t [s]"][late], rows["pressure_drop [Pa]"][late])
-            found["dominant_frequency [Hz]"] = float(frequency[np.argmax(power)])
+    if "spectrum" in tables:
+        frequency, power = tables["spectrum"].values()
+        found["dominant_frequency [Hz]"] = float(frequency[np.argmax(power)])
     return found
 
 

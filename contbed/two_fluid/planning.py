@@ -12,7 +12,7 @@ from contbed.errors import SceneError
 from contbed.meshing.mesh import Mesh, build
 from contbed.scene.closure_choice import resolve_closure
 from contbed.scene.settings_mesh import MeshFile
-from contbed.two_fluid import boundary, grid, laws, pressure
+from contbed.two_fluid import boundary, grid, laws, pressure, probes
 from contbed.two_fluid import settings as t
 from contbed.two_fluid.checks import ABSENT, KINDS
 from contbed.two_fluid.simulation import Materials, Options, TwoFluid
@@ -29,6 +29,7 @@ class TwoFluidPlan:
     grid: grid.Grid
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
+    probes: dict[str, int]
     fronts: bool = False
 
     @property
@@ -105,7 +106,8 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
         built.append(("heat", heat_planning.described(scene.heat)))
     if scene.output.window is not None and cells.dimension > 1:
         skipped.append(("fully developed flow", "[fully_developed] gives profiles far from the inlet in a second"))
-    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped))
+    points = probes.cells(mesh, cells, scene.output.probes)
+    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points)
 
 
 def parts(scene: t.TwoFluidScene, time: float = 0.0) -> dict[str, Any]:

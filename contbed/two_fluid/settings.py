@@ -178,6 +178,7 @@ class Output(Table):
     plots: s.Switch = True
     fields: s.Switch = True
     window: Window | None = Field(None, description="for lateral.csv; absent: the whole height")
+    probes: dict[str, tuple[s.Position, ...]] = Field(default_factory=dict, description="points, for profiles.csv")
 
 
 class Solver(Table):

@@ -11,7 +11,7 @@ import numpy as np
 
 from contbed.closures import usage
 from contbed.result import Result
-from contbed.two_fluid import findings, laws, planning
+from contbed.two_fluid import findings, laws, planning, probes
 from contbed.two_fluid import settings as t
 from contbed.two_fluid.simulation import TwoFluid
 from contbed.two_fluid.statistics import Averages
@@ -38,7 +38,7 @@ class Run:
 
     def take_row(self) -> None:
         """One row of profiles.csv."""
-        self.rows.append(findings.row(self.bed))
+        self.rows.append(findings.row(self.bed) + probes.row(self.bed, self.plan.probes))
 
     def end_pulses(self) -> bool:
         """Impose what follows the inlets whose time is over; whether there were any."""
@@ -144,10 +144,11 @@ def _fields(run: Run, folder: Path) -> None:
 def _fill(run: Run, result: Result) -> None:
     """Profiles, tables, balances, closures and qoi."""
     scene, bed = run.scene, run.bed
-    result.profiles |= dict(zip(findings.columns(bed), np.array(run.rows).T.copy(), strict=True))
+    headers = [*findings.columns(bed), *probes.columns(bed, run.plan.probes)]
+    result.profiles |= dict(zip(headers, np.array(run.rows).T.copy(), strict=True))
     result.balances |= findings.balances(bed, run.kept)
-    result.tables |= findings.tables(run.plan, bed, run.averages)
-    result.qoi |= findings.results(run.plan, bed, run.kept, run.averages, result.profiles)
+    result.tables |= findings.tables(run.plan, bed, run.averages, result.profiles)
+    result.qoi |= findings.results(run.plan, bed, run.kept, run.averages, result.profiles, result.tables)
     for name, number in [*bed.counters.items(), *zip(laws.COUNTED, run.laws.counts.tolist(), strict=True)]:
         if number:
             result.qoi[name] = int(number)

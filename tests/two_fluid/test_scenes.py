@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 import contbed as cb
 from contbed import closures
+from contbed.two_fluid.statistics import spectrum
 
 STUDY = Path(__file__).parents[2] / "studies" / "two_fluid_checks"
 
@@ -90,8 +91,29 @@ def test_walls_of_johnson_and_jackson_lose_nothing():
     assert result.qoi["max_velocity"] > 0.05
 
 
+def test_probes_show_the_cell_around_them():
+    """From s0 to 0 when the front, at 4.60966e-3 m/s, passes, to four cells; points outside are told."""
+    scene = cb.load(STUDY / "settling.toml", {"output.probes": {"front": [0.0801]}, "time.sample": 0.1})
+    result = cb.run(scene)
+    t, eps_s = result.profiles["t [s]"], result.profiles["front eps_s [1]"]
+    assert t[np.flatnonzero(eps_s < 0.05)[0]] == pytest.approx(0.0199 / 4.60966e-3, abs=0.2)
+    place = np.flatnonzero(result.tables["axial"]["height [m]"] > 0.0801)[0]
+    assert result.profiles["front p [Pa]"][-1] == result.tables["axial"]["p [Pa]"][place]
+    with pytest.raises(cb.SceneError, match=r"output\.probes\.front.*outside of the mesh(.|\n)*mesh has 1 coord"):
+        cb.plan(cb.load(STUDY / "settling.toml", {"output.probes": {"front": [0.2], "two": [0.1, 0.1]}}))
+
+
+def test_spectrum_finds_a_wave_and_its_power():
+    """A sine of amplitude a has the power a^2/2, whole periods to the leakage of the window."""
+    t = np.arange(1000) * 0.01
+    frequency, power = spectrum(t, 5.0 + 3.0 * np.sin(2 * np.pi * 4.0 * t))
+    assert frequency[np.argmax(power)] == pytest.approx(4.0, abs=1e-9)
+    assert np.sum(power) * (frequency[1] - frequency[0]) == pytest.approx(4.5, rel=1e-3)
+
+
 def test_restart_is_bit_for_bit(tmp_path):
-    change = {"mesh.cells": [4, 20], "time.end": 0.05, "time.sample": 0.01, "time.average_from": 0.02}
+    change = {"mesh.cells": [4, 20], "time.end": 0.05, "time.sample": 0.01, "time.average_from": 0.02,
+              "output.probes": {"low": [0.1, 0.1]}}  # fmt: skip
     scene = cb.load(STUDY / "closed_box_jj.toml", change)
     whole = cb.run(scene, tmp_path / "whole")
     from contbed.two_fluid import study

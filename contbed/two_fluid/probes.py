@@ -1,0 +1,53 @@
+"""Probes: what happens at points of the bed, row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from contbed.errors import SceneError
+from contbed.meshing.mesh import Mesh
+from contbed.two_fluid.grid import Grid
+from contbed.two_fluid.simulation import TwoFluid
+
+FIELDS = ("eps_s [1]", "u_gas [m/s]", "u_solid [m/s]", "theta [m2/s2]", "p [Pa]")
+WITH_HEAT = ("T_gas [K]", "T_solid [K]")
+
+
+def cells(mesh: Mesh, grid: Grid, points: Mapping[str, Sequence[float]]) -> dict[str, int]:
+    """The cell of the grid around each named point.
+
+    Raises
+    ------
+    SceneError : a point that no cell holds, or of another dimension
+    """
+    place = np.argsort(grid.cells)
+    found, problems = {}, []
+    for name, point in points.items():
+        key = f"output.probes.{name} = {[float(x) for x in point]}"
+        if len(point) != grid.dimension:
+            problems.append(f"{key}: the mesh has {grid.dimension} coordinates")
+            continue
+        try:
+            found[name] = int(place[mesh.skfem.element_finder()(*np.array([point], dtype=float).T)[0]])
+        except ValueError:
+            low, high = mesh.skfem.p.min(axis=1), mesh.skfem.p.max(axis=1)
+            problems.append(f"{key}: outside of the mesh, which reaches from {low} to {high} m")
+    if problems:
+        raise SceneError(problems)
+    return found
+
+
+def columns(bed: TwoFluid, probes: Mapping[str, int]) -> list[str]:
+    """Headers: the name of the probe before that of the field; velocities along the last axis."""
+    names = FIELDS if bed.heat is None else (*FIELDS, *WITH_HEAT)
+    return [f"{probe} {name}" for probe in probes for name in names]
+
+
+def row(bed: TwoFluid, probes: Mapping[str, int]) -> list[float]:
+    """Values under the `columns`."""
+    fields = [bed.eps_s, bed.u_gas[:, -1], bed.u_solid[:, -1], bed.theta, bed.p]
+    if bed.heat is not None:
+        fields += [bed.heat.T_gas, bed.heat.T_solid]
+    return [float(field[cell]) for cell in probes.values() for field in fields]
