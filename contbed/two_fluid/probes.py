@@ -31,7 +31,7 @@ def cells(mesh: Mesh, grid: Grid, points: Mapping[str, Sequence[float]]) -> dict
             continue
         try:
             found[name] = int(place[mesh.skfem.element_finder()(*np.array([point], dtype=float).T)[0]])
-        except ValueError:
+        except (ValueError, IndexError):  # IndexError on lines
             low, high = mesh.skfem.p.min(axis=1), mesh.skfem.p.max(axis=1)
             problems.append(f"{key}: outside of the mesh, which reaches from {low} to {high} m")
     if problems:

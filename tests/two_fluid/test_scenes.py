@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 import contbed as cb
 from contbed import closures
+from contbed.errors import SceneError
 from contbed.two_fluid.statistics import spectrum
 
 STUDY = Path(__file__).parents[2] / "studies" / "two_fluid_checks"
@@ -99,7 +100,7 @@ def test_probes_show_the_cell_around_them():
     assert t[np.flatnonzero(eps_s < 0.05)[0]] == pytest.approx(0.0199 / 4.60966e-3, abs=0.2)
     place = np.flatnonzero(result.tables["axial"]["height [m]"] > 0.0801)[0]
     assert result.profiles["front p [Pa]"][-1] == result.tables["axial"]["p [Pa]"][place]
-    with pytest.raises(cb.SceneError, match=r"output\.probes\.front.*outside of the mesh(.|\n)*mesh has 1 coord"):
+    with pytest.raises(SceneError, match=r"output\.probes\.front.*outside of the mesh(.|\n)*mesh has 1 coord"):
         cb.plan(cb.load(STUDY / "settling.toml", {"output.probes": {"front": [0.2], "two": [0.1, 0.1]}}))
 
 
