@@ -157,7 +157,7 @@ def test_conduction_in_one_phase(shape, phase):
     end = 0.5 * content / k * (length / np.pi) ** 2
     grid = rectangle(length, length / 4, (24, 6), shape=shape)
     pair = (k, 0.0) if phase == 0 else (0.0, k)
-    b = heated(grid, dict.fromkeys(grid.boundaries, SLIP), h=0.0, conductivity=pair, options=Options(dt=end / 400))
+    b = heated(grid, dict.fromkeys(grid.boundaries, SLIP), h=0.0, conductivity=pair, options=Options(dt=end / 200))
     wave = np.cos(np.pi * grid.centres[:, 0] / length)
     b.start(eps_s=s, T_gas=300.0 + 10 * wave, T_solid=300.0 + 10 * wave)
     b.advance(end)

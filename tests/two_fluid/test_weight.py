@@ -16,7 +16,7 @@ def carried(cells, velocity):
     """
     sides = {"left": Inlet(velocity) if velocity else symmetry(), "right": Outlet()}
     laws = closures(1e4, pressure=1.0, viscosity=1.0, dissipation=1e5, friction=STRENGTH, eps_friction=LOOSE)
-    b = bed(line(0.2, cells), laws, sides, (-9.81,), Options(dt_max=2e-3))
+    b = bed(line(0.2, cells), laws, sides, (-9.81,), Options(dt_max=4e-3))
     x = b.grid.centres[:, 0]
     b.start(eps_s=np.where(x < 0.1, 0.52, 0.0), theta=1e-6)
     b.advance(5.0)
