@@ -22,11 +22,13 @@ KRYLOV = {"ksp_type": "fgmres", "ksp_rtol": 1e-11, "ksp_atol": 0.0, "ksp_max_it"
 SMOOTHER = {"mg_levels_ksp_type": "richardson", "mg_levels_ksp_max_it": 1, "mg_levels_pc_type": "bjacobi"}
 # all temperatures of a node are one block, because exchange binds them; ILU(0) of these blocks smooths
 MULTIGRID = KRYLOV | {"pc_type": "gamg"} | SMOOTHER
-# drag makes the velocity block nearly diagonal, so its diagonal gives a good Schur complement for the pressure
+# drag makes the velocity block nearly diagonal, so its diagonal gives a good Schur complement for the pressure, a
+# Laplacian scaled by the permeability: one cycle of multigrid would solve it ever worse as cells get smaller
 SPLIT = KRYLOV | {
     "pc_type": "fieldsplit", "pc_fieldsplit_type": "schur", "pc_fieldsplit_schur_fact_type": "full",
     "pc_fieldsplit_schur_precondition": "selfp", "fieldsplit_0_ksp_type": "preonly",
-    "fieldsplit_0_pc_type": "bjacobi", "fieldsplit_1_ksp_type": "preonly", "fieldsplit_1_pc_type": "gamg",
+    "fieldsplit_0_pc_type": "bjacobi", "fieldsplit_1_ksp_type": "preonly", "fieldsplit_1_pc_type": "ksp",
+    "fieldsplit_1_ksp_ksp_type": "gmres", "fieldsplit_1_ksp_ksp_rtol": 1e-2, "fieldsplit_1_ksp_pc_type": "gamg",
 }  # fmt: skip
 FACTORS = {
     "ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps", "mat_mumps_icntl_14": 60,
@@ -292,6 +294,9 @@ def prepare(all_ranks: Crew, root: Any, key: int, matrix: int, direct: bool) -> 
         parts = (PETSc.IS().createGeneral(part + start, comm=piece.A.comm) for part in piece.unknowns.fields)
         ksp.getPC().setFieldSplitIS(*((str(k), part) for k, part in enumerate(parts)))
     ksp.setUp()
+    if mixed and not direct:  # the parts read their options now
+        for part in ksp.getPC().getFieldSplitSchurGetSubKSP():
+            part.setUp()
     for name in chosen:
         options.delValue(name)
     all_ranks.things[key] = ksp

@@ -23,7 +23,8 @@ RUNS = (
     [("plane", n, engine, ranks) for n in PLANE for engine, ranks in (("skfem", 1), ("dolfinx", 1), ("dolfinx", 2))]
     + [("space", n, "dolfinx", ranks) for n in SPACE for ranks in (1, 2)]
     + [("space", n, "skfem", 1) for n in SPACE[:3]]
-    + [("flow_space", n, "dolfinx", ranks) for n in ((8,) * 3, (12,) * 3, (16,) * 3) for ranks in (1, 2)]
+    + [("flow_space", (n,) * 3, "dolfinx", ranks) for n in (8, 12, 16) for ranks in (1, 2)]
+    + [("flow_space", (20,) * 3, "dolfinx", 1)]
 )
 COLUMNS = ("scene", "cells", "engine", "ranks", "unknowns", "cpu_s", "cpu_largest_s", "wall_s", "setup_s", "solve_s",
            "memory_GB", "memory_leader_GB", "iterations")  # fmt: skip
