@@ -40,7 +40,8 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
     cells : eps_s, K, P, h, p
     vectors : H_g, H_s and the velocities before
     gradients : of H_g, H_s, (p, P, h), used with `corrections` on skewed meshes
-    own (nf,) : part of u_g that the cells around did not see; a bed that holds the gas keeps it
+    own (nf,) : part of u_g that the cells around did not see; kept while the gas crosses a cell, longer where drag holds
+        it, or p would be noise that grows as the steps become small
     """
     s, drag, kinetic, friction, p = cells
     h_g, h_s, old_g, old_s = vectors
@@ -107,7 +108,7 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
         # particles that stay, with none to come after them, do not hold the gas
         crossing = heard(s[left] if hs + dt * push >= 0.0 or b >= 0 else s[g.right[f]], mean)
         a_g = dt * k_face * mean * crossing / ((1.0 - mean) * rho_g)
-        hg += a_g / (1.0 + a_g) * own[f]
+        hg += (1.0 + a_g) / (1.0 + a_g + dt * abs(hg) / g.distance[f]) * own[f]
         scale = dt / (1.0 + a_g + a_s)
         move_g = scale * ((1.0 + a_s) / rho_g + a_g / rho_s)
         move_s = scale * (a_s / rho_g + (1.0 + a_g) / rho_s)
