@@ -40,8 +40,8 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
     cells : eps_s, K, P, h, p
     vectors : H_g, H_s and the velocities before
     gradients : of H_g, H_s, (p, P, h), used with `corrections` on skewed meshes
-    own (nf,) : part of u_g that the cells around did not see; kept while the gas crosses a cell, longer where drag holds
-        it, or p would be noise that grows as the steps become small
+    own (nf,) : part of u_g that the cells around did not see; kept while the gas crosses a cell, longer where drag
+        holds it, or p would be noise that grows as the steps become small
     """
     s, drag, kinetic, friction, p = cells
     h_g, h_s, old_g, old_s = vectors

@@ -1,0 +1,145 @@
+"""CPU of a step of the two-fluid model over the number of cells, and of three solvers of its pressure.
+
+    python study.py            all sizes, writes results.csv and scaling.png
+
+Each size takes a few steps from the start of a bed in 2-D or 3-D and then solves the last equation of pressure by
+elimination, by the project's sparse factors in nested dissection and by multigrid. CPU of one process with one thread,
+medians; compilation is left out. Elimination and sparse factors are
+left out where a solution would take more than some seconds, boxes beyond 118 000 cells for the memory of their mesh.
+"""
+
+from __future__ import annotations
+
+import csv
+import time
+from pathlib import Path
+from statistics import median
+
+import matplotlib.pyplot as plt
+import numpy as np
+import scipy.sparse as sp
+
+import contbed as cb
+from contbed.planning import plan
+from contbed.solve.linear import Policy, Solver
+from contbed.solve.ordering import nested_dissection
+from contbed.two_fluid.elimination import Elimination
+from contbed.two_fluid.grid import Grid
+from contbed.two_fluid.multigrid import Multigrid
+from contbed.two_fluid.pressure import Pressure
+
+HERE = Path(__file__).parent
+SIZES = {
+    "bed": [(37, 133), (56, 200), (84, 300), (118, 423), (187, 667), (374, 1336)],
+    "box": [(12, 12, 36), (16, 16, 48), (20, 20, 60), (34, 34, 102)],
+}
+STEPS, FIRST = 9, 4  # taken, and those of them that are left out
+DENSEST = 5e10  # cells times band^2 up to which elimination is tried
+FACTORED = {"bed": 600_000, "box": 40_000}  # cells up to which sparse factors are tried
+COLUMNS = ("case", "cells", "band", "us_per_cell_step", "pressure_share", "policy", "iterations", "elimination_ms",
+           "sparse_direct_ms", "multigrid_ms")  # fmt: skip
+
+
+class Watched(Pressure):
+    """The solver of the model, with the time that it takes and its last equation."""
+
+    def solve(self, coef, rhs, guess):
+        begin = time.process_time()
+        p = super().solve(coef, rhs, guess)
+        self.seconds, self.last = time.process_time() - begin, (coef, rhs.copy(), guess)
+        return p
+
+
+def matrix(grid: Grid, coef: np.ndarray) -> sp.csc_matrix:
+    """The equation as a sparse matrix."""
+    g, count = grid.geometry, len(grid.cells)
+    left, right, inner = g.left[: grid.interior], g.right, coef[: grid.interior]
+    diagonal = np.bincount(g.left, coef, count) + np.bincount(right, inner, count)
+    links = sp.coo_matrix((-inner, (left, right)), (count, count))
+    return sp.csc_matrix(sp.diags(diagonal) + links + links.T)
+
+
+def timed(work, times=3) -> float:
+    """Median CPU [ms] of some work that takes milliseconds, or of one call where it takes seconds."""
+    spent: list[float] = []
+    while len(spent) < times and sum(spent) < 5.0:
+        begin = time.process_time()
+        work()
+        spent.append(time.process_time() - begin)
+    return 1e3 * median(spent)
+
+
+def measure(case: str, cells: tuple[int, ...]) -> dict[str, object]:
+    """One row."""
+    bed, _ = plan(cb.load(HERE / f"{case}.toml", {"mesh.cells": list(cells)})).bed()
+    grid, watched = bed.grid, Watched(bed.grid, bed.pressure.floating)
+    bed.pressure = watched
+    steps, solutions = [], []
+    for _ in range(STEPS):
+        begin = time.process_time()
+        bed.step(bed.next_step())
+        steps.append(time.process_time() - begin)
+        solutions.append(watched.seconds)
+    coef, rhs, guess = watched.last
+    count, width = len(grid.cells), grid.bandwidth
+    iterative = Multigrid(grid)
+    row = {
+        "case": case, "cells": count, "band": width,
+        "us_per_cell_step": 1e6 * median(steps[FIRST:]) / count,
+        "pressure_share": median(solutions[FIRST:]) / median(steps[FIRST:]),
+        "policy": "elimination" if isinstance(watched.by, Elimination) else "multigrid",
+        "iterations": iterative.solve(coef, watched.floating, rhs, guess.copy()),
+        "multigrid_ms": timed(lambda: iterative.solve(coef, watched.floating, rhs, guess.copy())),
+    }  # fmt: skip
+    if count * width**2 < DENSEST:
+        direct = Elimination(grid)
+        row["elimination_ms"] = timed(lambda: direct.solve(grid.geometry, coef, watched.floating, rhs.copy()))
+    if count <= FACTORED[case]:
+        pairs = np.stack((grid.geometry.left[: grid.interior], grid.geometry.right))
+        order = nested_dissection(grid.middles[: grid.interior].T, [pairs], count)
+        whole = matrix(grid, coef)
+        row["sparse_direct_ms"] = timed(lambda: Solver(whole, Policy(grid.dimension, None, order))(rhs))
+    return row
+
+
+def picture(rows: list[dict[str, object]]) -> None:
+    """Cost of a step and of the solvers."""
+    figure, panels = plt.subplots(1, 3, figsize=(10, 3.4), layout="constrained")
+    for case, colour in (("bed", "#0072B2"), ("box", "#D55E00")):
+        mine = [row for row in rows if row["case"] == case]
+        cells = [row["cells"] for row in mine]
+        label = "2-D" if case == "bed" else "3-D"
+        panels[0].semilogx(cells, [row["us_per_cell_step"] for row in mine], "o-", color=colour, label=label)
+        panels[1].semilogx(cells, [100 * row["pressure_share"] for row in mine], "o-", color=colour, label=label)
+        for solver, style in (("elimination", "s-"), ("sparse_direct", "^:"), ("multigrid", "o--")):
+            known = [row for row in mine if f"{solver}_ms" in row]
+            name = f"{solver.replace('_', ' ')}, {label}"
+            each = [1e3 * row[f"{solver}_ms"] / row["cells"] for row in known]
+            panels[2].loglog([row["cells"] for row in known], each, style, color=colour, label=name, markersize=4)
+    panels[0].set(ylabel="CPU of a step for each cell [us]", ylim=(0, None))
+    panels[1].set(ylabel="share of the pressure [%]", ylim=(0, 100))
+    panels[2].set_ylabel("CPU of a solution for each cell [us]")
+    panels[2].legend(fontsize="xx-small")
+    panels[0].legend()
+    for axes in panels:
+        axes.set(xlabel="cells")
+        axes.grid(alpha=0.3)
+    figure.savefig(HERE / "scaling.png", dpi=150)
+
+
+def main() -> None:
+    rows = []
+    for case, sizes in SIZES.items():
+        measure(case, tuple(6 for _ in sizes[0]))  # compiles
+        for cells in sizes:
+            rows.append(measure(case, cells))
+            print({name: f"{v:.3g}" if isinstance(v, float) else v for name, v in rows[-1].items()}, flush=True)
+    with (HERE / "results.csv").open("w", newline="") as file:
+        table = csv.DictWriter(file, COLUMNS)
+        table.writeheader()
+        table.writerows({name: f"{v:.3g}" if isinstance(v, float) else v for name, v in row.items()} for row in rows)
+    picture(rows)
+
+
+if __name__ == "__main__":
+    main()
