@@ -1,0 +1,252 @@
+"""How hard the two-fluid model can be pushed: small beds in every corner, watched after each step.
+
+python studies/two_fluid_stress/study.py [GROUP ...]
+"""
+
+import csv
+import sys
+import time
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from contbed.errors import ContbedError
+from contbed.scene.loading import from_dict
+from contbed.two_fluid import planning
+
+HERE = Path(__file__).parent
+STEPS = 20000  # in which a case must be done
+DENSE = 1e-6  # fraction of particles below which their speed says nothing
+COLUMNS = ("group", "case", "passed", "end s", "steps", "eps_s min", "eps_s max", "room", "theta min", "theta max",
+           "speed max m/s", "speed end m/s", "mass error", "CPU s", "remark")  # fmt: skip
+BASE = {
+    "mesh": {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": [12, 36]},
+    "two_fluid": {},
+    "gas": {"density": 1.2, "viscosity": 1.8e-5},
+    "solid": {"diameter": 275e-6, "density": 2500.0},
+    "initial": {"theta": 1e-4},
+    "boundary": {
+        "bottom": {"type": "inlet", "velocity": 0.4},
+        "top": {"type": "outlet"},
+        "left": {"type": "wall"},
+        "right": {"type": "wall"},
+    },
+    "time": {},
+}
+WALL = {"type": "wall"}
+ROUGH = WALL | {"solid": "johnson_jackson", "specularity": 0.05, "restitution": 0.9}
+WALLS = {
+    "no-slip": WALL,
+    "slip": WALL | {"gas": "slip", "solid": "slip"},
+    "Johnson-Jackson": ROUGH,
+    "mirror-smooth": ROUGH | {"specularity": 1e-4, "restitution": 1.0},
+    "rough": ROUGH | {"specularity": 1.0, "restitution": 0.1},
+}
+SIZES = {"50 um": 0.03, "150 um": 0.15, "500 um": 0.6, "3 mm": 2.0}  # velocity of the gas [m/s]
+PAIRS = {  # density of particles and fluid, viscosity, velocity
+    1.1: (1100.0, 1000.0, 1e-3, 0.005),
+    2.5: (2500.0, 1000.0, 1e-3, 0.02),
+    100: (2500.0, 25.0, 1.8e-5, 0.3),
+    2000: (2500.0, 1.25, 1.8e-5, 0.4),
+    10000: (2500.0, 0.25, 1.8e-5, 0.4),
+}
+COURANT = (0.1, 0.5, 0.9, 1.0)
+
+
+def merged(one, other):
+    """`one` with what `other` has, table by table; a table of another type replaces the whole."""
+    if "type" in other:
+        return other
+    both = {key: merged(one[key], other[key]) for key in one.keys() & other.keys() if isinstance(other[key], dict)}
+    return {**one, **other, **both}
+
+
+@dataclass(frozen=True)
+class Case:
+    """One bed: what its scene has besides BASE, how long, and what happens to it.
+
+    random : start from random fields; then : changes of the scene after half the time
+    """
+
+    group: str
+    name: str
+    end: float
+    changes: dict
+    random: bool = False
+    then: dict | None = None
+
+
+def layer(start, end, eps_s, **more):
+    """Particles between two heights."""
+    return {"initial": {"layer": [{"start": start, "end": end, "eps_s": eps_s, **more}]}}
+
+
+def sides(wall):
+    """Both sides alike."""
+    return {"boundary": {"left": wall, "right": wall}}
+
+
+BED = layer(-1.0, 0.12, 0.58)
+CLOSED = {"boundary": {"bottom": WALL}}
+BOX = {"boundary": {"bottom": WALL, "top": WALL}}
+RANDOM = {"boundary": {"bottom": {"type": "inlet", "velocity": 0.3}}}
+SCHAEFFER = {"two_fluid": {"friction_viscosity": "friction_viscosity_schaeffer"}}
+TRIANGLES = {"mesh": {"shape": "triangle", "cells": [9, 27]}}
+ALGEBRAIC = {"two_fluid": {"granular_temperature": "algebraic"}}
+UNGUARDED = {"two_fluid": {"guards": False}}
+FROZEN = {"two_fluid": {"granular_temperature": "frozen"}}
+SECOND = {"time": {"order": 2}}
+VARIANTS = {
+    "quadrilaterals": {},
+    "triangles": TRIANGLES,
+    "Schaeffer": SCHAEFFER,
+    "Schaeffer, triangles": merged(SCHAEFFER, TRIANGLES),
+    "second order in time": SECOND,
+    "second order, triangles": merged(SECOND, TRIANGLES),
+    "algebraic theta": ALGEBRAIC,
+    "theta = 0": {"initial": {"theta": 0.0}},
+    "theta frozen": FROZEN,
+    "no guards": UNGUARDED,
+    "no friction": {"two_fluid": {"friction": "none", "friction_viscosity": "none"}},
+    "Syamlal": {"two_fluid": {"drag": "drag_syamlal_obrien", "viscosity": "granular_viscosity_syamlal"}},
+    "Carnahan-Starling": {"two_fluid": {"radial_distribution": "g0_carnahan_starling"}},
+}
+
+
+def cases():
+    """The whole table."""
+    for speed in (1.0, 2.0, 5.0):
+        thrown = layer(0.1, 0.2, 0.55, u_solid=-speed, u_gas=-speed)
+        for courant in COURANT:
+            step = {"time": {"courant": courant}}
+            yield Case("shock", f"slug at {speed:g} m/s, Courant {courant}", 0.3, merged(merged(thrown, CLOSED), step))
+        for name in ("triangles", "Schaeffer", "second order in time", "algebraic theta", "no guards"):
+            yield Case("shock", f"slug at {speed:g} m/s, {name}", 0.3,
+                       merged(merged(thrown, CLOSED), VARIANTS[name]))  # fmt: skip
+    fall = merged(layer(0.15, 0.3, 0.55), BOX)
+    for courant in COURANT:
+        yield Case("fall", f"column in a box, Courant {courant}", 0.6, merged(fall, {"time": {"courant": courant}}))
+    for name in ("triangles", "Schaeffer", "second order in time"):
+        yield Case("fall", f"column in a box, {name}", 0.6, merged(fall, VARIANTS[name]))
+    yield Case("fall", "3 mm, restitution 1", 0.6, merged(fall, {"solid": {"diameter": 3e-3, "restitution": 1.0}}))
+
+    for name in ("quadrilaterals", "triangles", "no guards", "second order in time"):
+        yield Case("inlet", f"gas into an empty box, {name}", 0.5, merged(VARIANTS[name], {}))
+        for eps_s in (1e-9, 1e-4, 0.3, 0.6):
+            inlet = {"bottom": {"type": "inlet", "velocity": 5.0, "eps_s": eps_s, "solid_velocity": 2.0, "theta": 0.1}}
+            yield Case("inlet", f"particles into nothing, eps_s {eps_s:g}, {name}", 0.4,
+                       merged(VARIANTS[name], {"boundary": inlet}))  # fmt: skip
+    inlet = {"boundary": {"bottom": {"type": "inlet", "eps_s": 0.3, "solid_velocity": 1.0}, "top": WALL,
+                          "right": {"type": "outlet"}}}  # fmt: skip
+    yield Case("inlet", "particles thrown up to a wall", 0.5, inlet)
+
+    for e in (0.5, 0.8, 0.9, 0.99, 1.0):
+        yield Case("restitution", f"bed, e {e}", 1.0, merged(BED, {"solid": {"restitution": e}}))
+        yield Case("restitution", f"random, e {e}", 0.3, merged(RANDOM, {"solid": {"restitution": e}}), random=True)
+    for name, speed in SIZES.items():
+        changes = {"solid": {"diameter": name}, "boundary": {"bottom": {"velocity": speed}}}
+        yield Case("size", f"bed of {name}", 1.0, merged(BED, changes))
+        yield Case("size", f"random, {name}", 0.3, changes, random=True)
+    for ratio, (rho_s, rho, mu, speed) in PAIRS.items():
+        changes = {"solid": {"density": rho_s, "diameter": 500e-6}, "gas": {"density": rho, "viscosity": mu},
+                   "boundary": {"bottom": {"velocity": speed}}}  # fmt: skip
+        yield Case("density", f"bed, {ratio:g}", 1.0, merged(BED, changes))
+        yield Case("density", f"random, {ratio:g}", 0.3, changes, random=True)
+    for courant in COURANT:
+        step = {"time": {"courant": courant}}
+        yield Case("Courant", f"bed, {courant}", 1.0, merged(BED, step))
+        yield Case("Courant", f"random, {courant}", 0.3, merged(RANDOM, step), random=True)
+    for name, wall in WALLS.items():
+        yield Case("walls", f"bed, {name}", 1.0, merged(BED, sides(wall)))
+        yield Case("walls", f"random in a box, {name}", 0.3, merged(BOX, sides(wall)), random=True)
+    for name, changes in VARIANTS.items():
+        yield Case("model", f"bed, {name}", 1.0, merged(BED, changes))
+        yield Case("model", f"random, {name}", 0.3, merged(RANDOM, changes), random=True)
+
+    for name in ("quadrilaterals", "triangles", "Schaeffer"):
+        changes = merged(merged(BED, VARIANTS[name]), sides(ROUGH))
+        off = merged(changes, {"boundary": {"bottom": {"velocity": 0.0}}})
+        yield Case("shut-off", f"bubbling bed, {name}", 2.0, changes, then=off)
+        level = merged(off, {"two_fluid": {"drag": "drag_gidaspow"}})
+        yield Case("rest", f"level bed, {name}", 10.0, level)
+
+
+def start(case, bed):
+    """Random fields."""
+    random, cells = np.random.default_rng(1), bed.eps_s.shape
+    velocity = (*cells, bed.grid.dimension)
+    bed.start(eps_s=random.uniform(0.0, 0.6, cells), theta=random.uniform(0.0, 1.0, cells),
+              u_gas=random.uniform(-1.0, 1.0, velocity), u_solid=random.uniform(-1.0, 1.0, velocity))  # fmt: skip
+
+
+def solids(bed):
+    """Volume of particles that are here or went out, less what came in [m3], and the volume that it is a part of."""
+    here, account = float(bed.eps_s @ bed.grid.geometry.volume), bed.account
+    return here + account["solid_out"] - account["solid_in"], here + account["solid_out"]
+
+
+class Watch:
+    """What the fields reach in the course of a run."""
+
+    def __init__(self):
+        self.low, self.high, self.cold, self.hot, self.fast, self.steps = np.inf, -np.inf, np.inf, 0.0, 0.0, 0
+
+    def __call__(self, bed):
+        dense = bed.eps_s > DENSE
+        self.low, self.high = min(self.low, bed.eps_s.min()), max(self.high, bed.eps_s.max())
+        self.cold = min(self.cold, bed.theta.min())
+        self.hot = max(self.hot, bed.theta.max(where=dense, initial=0.0))
+        self.fast = max(self.fast, speed(bed))
+        if bed.steps > STEPS:
+            raise TimeoutError(f"{STEPS} steps until t = {bed.time:.3g} s")
+
+
+def speed(bed):
+    """Largest speed of particles, where there are some."""
+    return float(np.sqrt((bed.u_solid**2).sum(axis=1)).max(where=bed.eps_s > DENSE, initial=0.0))
+
+
+def run(case):
+    """One row of the table."""
+    begin, watch, remark = time.process_time(), Watch(), ""
+    scene = from_dict(merged(merged(BASE, case.changes), {"time": {"end": case.end}}))
+    bed, _ = planning.plan(scene).bed()
+    if case.random:
+        start(case, bed)
+    before, _ = solids(bed)
+    try:
+        if case.then is not None:
+            bed.advance(0.5 * case.end, watch)
+            after = from_dict(merged(merged(BASE, case.then), {"time": {"end": case.end}}))
+            bed.impose(planning.conditions(after, bed.grid))
+            bed.settle_fluxes(bed.dt)
+        bed.advance(case.end, watch)
+    except (ContbedError, TimeoutError, RuntimeWarning, FloatingPointError, ZeroDivisionError) as error:
+        remark = f"{type(error).__name__}: {error}"
+    now, scale = solids(bed)
+    mass, packing = abs(now - before) / max(scale, 1e-300), bed.materials.eps_max
+    passed = not remark and watch.low >= 0.0 and watch.high <= packing and watch.cold >= 0.0 and mass <= 1e-12
+    return [case.group, case.name, passed, f"{bed.time:.3g}", bed.steps, f"{watch.low:.3g}", f"{watch.high:.6f}",
+            f"{packing - watch.high:.2g}", f"{watch.cold:.3g}", f"{watch.hot:.3g}", f"{watch.fast:.3g}",
+            f"{speed(bed):.3g}", f"{mass:.1e}", f"{time.process_time() - begin:.1f}", bed.counters, remark]  # fmt: skip
+
+
+def main():
+    """Run the groups that are named, or all."""
+    warnings.simplefilter("error")
+    wanted, rows = sys.argv[1:], []
+    for case in cases():
+        if wanted and case.group not in wanted:
+            continue
+        rows.append(run(case))
+        print(*rows[-1], sep="  ", flush=True)
+    if not wanted:
+        with (HERE / "results.csv").open("w", newline="") as file:
+            csv.writer(file).writerows([COLUMNS, *rows])
+    print(f"{sum(row[2] for row in rows)} of {len(rows)} passed")
+
+
+if __name__ == "__main__":
+    main()
