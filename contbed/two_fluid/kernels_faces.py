@@ -22,6 +22,7 @@ from contbed.two_fluid.kernels_fields import FEW, NEVER, heard
 
 TINY = 1e-300
 UNDERFLOW = 1e-60  # [m/s]
+RESOLVED = 0.25  # (N dt)^2 of a buoyancy wave up to which the step follows it
 LEAST = 1e-12  # say of a face that no particle reaches: it gives the direction that no other face does
 
 
@@ -117,6 +118,30 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
         u_s -= move_s * away_p
         faces[f, 0], faces[f, 1], faces[f, 2], faces[f, 3] = u_g, u_s, move_g, move_s
         faces[f, 4], faces[f, 5], faces[f, 6], faces[f, 7] = u_g - move_g * drop, u_s - move_s * drop, hg, hs
+
+
+@kernel
+def stratify(g, dt, gravity, rho, s, faces):
+    """Where lighter lies on denser, gravity acts on the fraction that the solids leave behind as they move on, as far
+    as a step does not resolve the buoyancy wave of frequency N: explicit, waves with N dt > 1 would grow.
+    """
+    rho_g, rho_s = rho
+    for f in range(len(g.right)):
+        left, right, w = g.left[f], g.right[f], g.share[f]
+        pull = 0.0
+        for k in range(len(g.axes)):
+            pull += g.normal[f, k] * gravity[k]
+        gas = w * rho_g[left] + (1.0 - w) * rho_g[right]
+        mean = w * s[left] + (1.0 - w) * s[right]
+        steep = dt * dt * pull * (rho_s - gas) * (s[right] - s[left]) / g.distance[f]
+        least = RESOLVED * (gas + mean * (rho_s - gas))
+        if steep > least:
+            # both phases are slowed alike
+            slower = 1.0 - least / steep
+            faces[f, 0] -= slower * faces[f, 1]
+            faces[f, 1] -= slower * faces[f, 1]
+            faces[f, 2] -= slower * faces[f, 3]
+            faces[f, 3] -= slower * faces[f, 3]
 
 
 @kernel

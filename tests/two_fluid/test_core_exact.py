@@ -189,6 +189,21 @@ def test_settling_fronts():
     assert b.eps_s.max() <= 0.6
 
 
+def test_fronts_stay_level():
+    """Steps far longer than the buoyancy waves of both fronts (N dt = 4 and 7): no sideways motion grows from rounding.
+
+    Explicit gravity multiplies it by about N^2 dt^2 in each of the 20 steps; 1e-3 is a fifth of the settling velocity.
+    """
+    grid = rectangle(0.01, 0.1, (10, 100))
+    sides = dict.fromkeys(("left", "right", "bottom", "top"), SLIP)
+    values = {"rho_gas": 998.0, "mu_gas": 1e-3, "d_p": 100e-6, "eps_max": 0.6}
+    laws = closures(wen_yu(998.0, 1e-3, 100e-6))
+    b = bed(grid, laws, sides, (0.0, -9.81), Options(dt=0.1), **values)
+    b.start(eps_s=0.1)
+    b.advance(2.0)
+    assert np.abs(b.u_solid[:, 0]).max() < 1e-3
+
+
 # ---------------------------------------------------------------------- transport
 
 
