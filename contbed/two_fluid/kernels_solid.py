@@ -9,6 +9,8 @@ from contbed.two_fluid.compiled import kernel
 
 TINY = 1e-300
 SOFT = 1e-12  # [m2/s2] stiffness of particles that do not touch, so that its inverse exists
+MISSED = 1e-2  # change of eps_s by the pressure that a tangent misses, above which the tangent moves
+HALVINGS = 40
 EMPTY = 1e-30  # a cell with a smaller fraction keeps its velocity and granular temperature
 
 
@@ -48,6 +50,55 @@ def compact(g, dt, coef, y, flux):
     """Adds the flux that the change y of p_solid/rho_s drives."""
     for f in range(len(g.right)):
         flux[f] -= coef[f, 0] * (y[g.right[f], 0] - y[g.left[f], 0]) / dt
+
+
+@kernel
+def friction(packing, s):
+    """p_friction/rho_s [m2/s2] at the fraction s, and its slope, from the table `packing`."""
+    first, spacing, table = packing
+    if s <= first:
+        return 0.0, 0.0
+    j = min(int((s - first) / spacing), len(table) - 2)
+    slope = (table[j + 1] - table[j]) / spacing
+    return table[j] + slope * (min(s, first + spacing * (len(table) - 1)) - first - spacing * j), slope
+
+
+@kernel
+def repack(g, packing, s, stiffness, near, y, content, rhs, shift):
+    """Puts the tangent of friction where it is needed: cells that a step packs, or sets free, feel far more than the
+    tangent at their old fraction says, and would be thrown apart. In such cells the tangent is taken at the fraction
+    that the cell would have if its neighbours kept their y. Returns whether there was any.
+
+    near (nc, 1) : sum of the links of a cell; shift (nc,) : what the tangents so far have added to `rhs`
+    """
+    found = False
+    for c in range(len(s)):
+        volume, old = g.volume[c], s[c]
+        predicted = old + (content[c, 0] * y[c, 0] - shift[c]) / volume
+        if max(old, predicted) <= packing[0]:
+            continue
+        before, slope = friction(packing, old)
+        kinetic = max(0.0, stiffness[c] - slope) + SOFT
+        missed = kinetic * (predicted - old) + friction(packing, predicted)[0] - before - y[c, 0]
+        if missed * near[c, 0] <= MISSED * volume:
+            continue
+        found = True
+        most = volume * (predicted - old) + near[c, 0] * y[c, 0]
+        low, high = predicted - near[c, 0] * missed / volume, predicted
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            pushed = kinetic * (middle - old) + friction(packing, middle)[0] - before
+            if volume * (middle - old) + near[c, 0] * pushed < most:
+                low = middle
+            else:
+                high = middle
+        pushed, steep = friction(packing, low)
+        pushed += kinetic * (low - old) - before
+        content[c, 0] = volume / (kinetic + steep)
+        rhs[c, 0] -= shift[c]
+        shift[c] = content[c, 0] * pushed - volume * (low - old)
+        rhs[c, 0] += shift[c]
+    return found
 
 
 @kernel

@@ -106,7 +106,9 @@ def make(
     def friction(p: np.ndarray, shear_rate: np.ndarray) -> np.ndarray:
         return viscosity(p, angle, shear_rate) if sheared else viscosity(p, angle) + 0.0 * p
 
-    return Laws(Closures(exchange, rheology, friction, sheared), chosen, counts)
+    first = particles.friction_from
+    packing = (first, (m.eps_max - first) / (ENTRIES - 1), table[1] / m.rho_solid)
+    return Laws(Closures(exchange, rheology, friction, sheared, packing), chosen, counts)
 
 
 def compiled(function: Callable) -> Callable:

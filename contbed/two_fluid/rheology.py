@@ -36,10 +36,12 @@ class Rheology(NamedTuple):
 @dataclass(frozen=True)
 class Closures:
     """drag(eps_s, slip speed) gives K = beta/eps_s [kg/m3/s]; granular(eps_s, theta, K) the rest; friction(p_friction,
-    shear rate) the frictional viscosity [Pa s], for which shear rates are found only where it is `sheared`.
+    shear rate) the frictional viscosity [Pa s], for which shear rates are found only where it is `sheared`. `packing`
+    is a table of p_friction/rho_s [m2/s2]: eps_s of its start, spacing, values.
     """
 
     drag: Callable[[np.ndarray, np.ndarray], np.ndarray]
     granular: Callable[[np.ndarray, np.ndarray, np.ndarray], Rheology]
     friction: Callable[[np.ndarray, np.ndarray], np.ndarray]
     sheared: bool = False
+    packing: tuple[float, float, np.ndarray] = (1.0, 1.0, np.zeros(2))

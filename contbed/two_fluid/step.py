@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 ITERATIONS = 500
 TOLERANCE = 1e-7  # of the systems of one field; fluxes are made from what was found, and keep what they carry
+TANGENTS = 8  # of friction that a step tries at most
 EXTENSIONS = 60  # rounds in which gradients extend initial fields to the walls
 EXPLICIT = 0.1  # exchange of a cell in a step, as share of its content, below which it is not solved for
 RARE = 1e-8  # fraction below which particles exchange nothing with other cells but by moving
@@ -123,7 +124,8 @@ class Stepper:
         self.heat: Heat | None = None
         self.dense: float | np.ndarray = 1.0
         self.time, self.steps = 0.0, 0
-        names = ("limited_faces", "limited_steps", "limiter_rounds", "theta_upwind_cells", "theta_clipped_cells")
+        names = ("limited_faces", "limited_steps", "limiter_rounds", "packing_rounds",
+                 "theta_upwind_cells", "theta_clipped_cells")  # fmt: skip
         self.counters = dict.fromkeys(names, 0)
 
         self._faces, self._moment = np.zeros((nf, 8)), np.zeros((nc, dim, dim))
@@ -177,7 +179,13 @@ class Stepper:
         flux = self.flux_solid.copy()
         ks.compaction(g, dt, self.rho[1], self.stiffness, self.drag, flux, source, coef, content, rhs)
         # everywhere: beside a front, the faint trace that it sends ahead keeps nearly empty cells smooth
-        y = self._solve(coef, np.zeros(size), content, rhs, "eps_s", 0.0)
+        near, shift = np.zeros(size), np.zeros(len(old))
+        y = self._solve(coef, near, content, rhs, "eps_s", 0.0)
+        for _ in range(TANGENTS):
+            if not ks.repack(g, self.closures.packing, old, self.stiffness, near, y, content, rhs, shift):
+                break
+            self.counters["packing_rounds"] += 1
+            y = self._solve(coef, np.zeros(size), content, rhs, "eps_s", 0.0)
         ks.compact(g, dt, coef, y, flux)
         touched, rounds = limiter.limit(g, dt, old, source, self.materials.eps_max, flux, new, self._drained)
         if touched:
@@ -334,13 +342,15 @@ class Stepper:
         kc.remember(dt, self.theta.reshape(-1, 1), column, grad, self.u_solid, self.lag_theta)
 
     def _balanced(self, made: np.ndarray, divergence: np.ndarray) -> np.ndarray:
-        """Granular temperature at which production balances dissipation, a quadratic for its square root."""
+        """Granular temperature at which production balances dissipation, a quadratic for its square root. Compression
+        is left aside: few particles would need theta as 1/eps_s^2 to lose what it gives.
+        """
         r, s, rho_s = self.rheology, self.eps_s, self.rho[1]
         root = np.sqrt(self.theta)
-        factor = np.where(root > 0, made / np.maximum(root, 1e-150), 0.0)
-        linear = rho_s * r.pressure * divergence + 3.0 * self.drag * s
+        factor = np.where(root > 0, np.maximum(made, 0.0) / np.maximum(root, 1e-150), 0.0)
+        linear = rho_s * r.pressure * np.maximum(divergence, 0.0) + 3.0 * self.drag * s
         y = 2.0 * factor / (linear + np.sqrt(linear**2 + 4.0 * r.dissipation * factor) + 1e-300)
-        return np.maximum(y, 0.0) ** 2
+        return y**2
 
     def _solve(self, coef, links, content, rhs, name: str, explicit: float = EXPLICIT) -> np.ndarray:
         """A symmetric system, see kernels_linear.py."""
