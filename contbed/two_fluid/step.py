@@ -57,7 +57,8 @@ class Options:
     courant : largest share of a cell that a phase crosses in a step
     dt_max, dt_first [s] : largest and first step; growth : of the step at most
     dt [s] : fixed step, instead of the Courant number
-    order : in time, 1 or 2; a step of order 2 extrapolates from one step and two halves, and costs three
+    order : in time, 1 or 2; a step of order 2 extrapolates from one step and two halves, and costs three; where a limit
+        acts it does not, and is counted
     limited : limit reconstructions; off keeps full order for smooth fields
     theta : "pde", "algebraic" (production balances dissipation) or "frozen"
     """
@@ -124,7 +125,7 @@ class Stepper:
         self.heat: Heat | None = None
         self.dense: float | np.ndarray = 1.0
         self.time, self.steps = 0.0, 0
-        names = ("limited_faces", "limited_steps", "limiter_rounds", "packing_rounds",
+        names = ("limited_faces", "limited_steps", "limiter_rounds", "packing_rounds", "first_order_steps",
                  "theta_upwind_cells", "theta_clipped_cells")  # fmt: skip
         self.counters = dict.fromkeys(names, 0)
 
