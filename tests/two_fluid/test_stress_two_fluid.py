@@ -7,13 +7,15 @@ from contbed.scene.loading import from_dict
 from contbed.two_fluid import kernels_solid, planning
 
 WALL = {"type": "wall"}
-THROWN = {"layer": [{"start": 0.1, "end": 0.2, "eps_s": 0.55, "u_solid": -2.0, "u_gas": -2.0}]}
+THROWN = {"layer": [{"start": 0.1, "end": 0.2, "eps_s": 0.55, "u_solid": -1.0, "u_gas": -1.0}]}
 
 
-def build(two_fluid=None, solid=None, gas=None, initial=None, bottom=None, shape="quadrilateral", **time):
-    """A bed of 8 x 24 cells."""
+def build(
+    two_fluid=None, solid=None, gas=None, initial=None, bottom=None, cells=(8, 24), shape="quadrilateral", **time
+):
+    """A small bed."""
     scene = {
-        "mesh": {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": [8, 24], "shape": shape},
+        "mesh": {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": cells, "shape": shape},
         "two_fluid": two_fluid or {},
         "gas": gas or {"density": 1.2, "viscosity": 1.8e-5},
         "solid": {"diameter": 275e-6, "density": 2500.0} | (solid or {}),
@@ -45,14 +47,13 @@ def watched(bed, end):
     return max(dense), max(fast)
 
 
-@pytest.mark.parametrize("courant", [0.5, 1.0])
-@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize(("courant", "order"), [(0.5, 1), (0.9, 1), (1.0, 1), (0.5, 2)])
 def test_slug_thrown_on_a_wall_packs_and_stays(courant, order):
-    # at eps_s = 0.605 the friction over rho_s is 28 m2/s2, seven times what stops 2 m/s: nothing packs further or flies
-    # apart. With one tangent of friction a step, or extrapolated through the shock, particles reach tens of m/s and more
-    dense, fast = watched(build(initial=THROWN, courant=courant, order=order), 0.15)
+    # at eps_s = 0.605 friction over rho_s is 23 m2/s2, far more than stops 1 m/s and the fall: nothing packs further or
+    # flies apart. With one tangent a step, or extrapolated through the shock, particles reach hundreds of m/s
+    dense, fast = watched(build(initial=THROWN, courant=courant, order=order, cells=(12, 36)), 0.25)
     assert 0.55 < dense < 0.605
-    assert fast < 1.25 * 2.0
+    assert fast < 2.0
 
 
 @pytest.mark.parametrize(
