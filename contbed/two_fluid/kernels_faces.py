@@ -22,7 +22,7 @@ from contbed.two_fluid.kernels_fields import FEW, NEVER, heard
 
 TINY = 1e-300
 UNDERFLOW = 1e-60  # [m/s]
-RESOLVED = 0.25  # (N dt)^2 of a buoyancy wave up to which the step follows it
+RESOLVED = 0.05  # (N dt)^2 of a buoyancy wave up to which the step follows it
 LEAST = 1e-12  # say of a face that no particle reaches: it gives the direction that no other face does
 
 
@@ -122,8 +122,8 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
 
 @kernel
 def stratify(g, dt, gravity, rho, s, faces):
-    """Where lighter lies on denser, gravity acts on the fraction that the solids leave behind as they move on, as far
-    as a step does not resolve the buoyancy wave of frequency N: explicit, waves with N dt > 1 would grow.
+    """In a closed vessel, where lighter lies on denser: gravity acts on the layers as the volume flux will have moved
+    them, as far as a step does not resolve their buoyancy wave. Explicit, a wave of frequency N grows where N dt > 1.
     """
     rho_g, rho_s = rho
     for f in range(len(g.right)):
@@ -138,10 +138,11 @@ def stratify(g, dt, gravity, rho, s, faces):
         if steep > least:
             # both phases are slowed alike
             slower = 1.0 - least / steep
-            faces[f, 0] -= slower * faces[f, 1]
-            faces[f, 1] -= slower * faces[f, 1]
-            faces[f, 2] -= slower * faces[f, 3]
-            faces[f, 3] -= slower * faces[f, 3]
+            flux = slower * (faces[f, 4] * faces[f, 0] + faces[f, 5] * faces[f, 1])
+            mobility = slower * (faces[f, 4] * faces[f, 2] + faces[f, 5] * faces[f, 3])
+            for phase in range(2):
+                faces[f, phase] -= flux
+                faces[f, 2 + phase] -= mobility
 
 
 @kernel

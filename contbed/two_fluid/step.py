@@ -111,6 +111,9 @@ class Stepper:
         nc, nf, dim = len(g.volume), len(g.left), grid.dimension
         self.pressure = Pressure(grid, not (self.edge.gas.kind == boundary.OUTLET).any())
         self.gravity = np.array(materials.gravity, dtype=float)
+        # nothing flows through, so that at rest the volume flux is zero
+        across = g.normal[grid.interior :] @ self.gravity
+        self.closed = bool(across.any() and (self.edge.gas.kind == boundary.WALL).all())
         self.rho = (materials.rho_gas, materials.rho_solid)
         self.sources = Sources(np.zeros(nc), np.zeros(nc), np.zeros((nc, dim)), np.zeros((nc, dim)), np.zeros(nc))
         self.eps_s, self.theta, self.p = np.zeros(nc), np.zeros(nc), np.zeros(nc)
@@ -270,7 +273,8 @@ class Stepper:
         kc.half_ahead(dt, column, grad_eps, self.u_solid, self.lag_eps, ahead)
         self.lag_eps = self.lag_eps - 2.0 / dt * ahead
         kc.fractions(g, edge.gas, edge.solid, edge, s, grad_eps, ahead, self.options.limited, faces)
-        kf.stratify(g, dt, self.gravity, rho, s, faces)
+        if self.closed:
+            kf.stratify(g, dt, self.gravity, rho, s, faces)
         coef, rhs = np.empty(len(g.left)), g.volume * (self.sources.solid + self.sources.gas)
         kf.assemble(g, edge.gas, edge.solid, edge, faces, coef, rhs)
         self.p = self.pressure.solve(coef, rhs, self.p)
