@@ -1,8 +1,9 @@
 """The peer: cases for OpenFOAM's twoPhaseEulerFoam (v1912, Debian package `openfoam`), written, run and read.
 
-Two cases, the riser of Vaishali et al. and the bed of Taghipour et al., with the closures that contbed uses in the
-scenes beside them: Gidaspow viscosity, Syamlal conductivity, Lun pressure, Sinclair-Jackson radial distribution,
-Johnson-Jackson friction, no virtual mass, laminar gas, one outer and two pressure correctors.
+The riser of Vaishali et al. and the bed of Taghipour et al. have the closures that contbed uses in the scenes beside
+them: Gidaspow viscosity, Syamlal conductivity, Lun pressure, Sinclair-Jackson radial distribution, Johnson-Jackson
+friction, no virtual mass, laminar gas, one outer and two pressure correctors. Two columns between slip walls have a
+pressure of the particles that depends on their fraction alone: glass that settles in water, and a Riemann problem.
 """
 
 from __future__ import annotations
@@ -21,7 +22,14 @@ import numpy as np
 SOLVER = "twoPhaseEulerFoam"
 HOME = "/usr/share/openfoam"  # where Debian keeps the dictionaries that every tool asks for
 THICKNESS = 0.01  # of the one cell across the plane [m]
-GAS = {"rho": 1.2, "mu": 1.8e-5}
+GASES = {"settling": {"rho": 998.0, "mu": 1e-3}, "riemann": {"rho": 1.0, "mu": 1e-6}}
+AIR = {"rho": 1.2, "mu": 1.8e-5}
+SIZES = {"riser": (0.152, 7.9), "bed": (0.28, 1.0)}  # width and height [m]
+COLUMNS = {"settling": 0.1, "riemann": 1.0}  # height [m]; cells are square
+# height of the lower part [m], fractions of solids below and above
+STARTS = {"bed": (0.40, 0.60, 0.0), "settling": (1.0, 0.1, 0.0), "riemann": (0.5, 0.02, 0.01)}
+# d p_solid/d eps_s = g0 min(exp(preAlphaExp (eps_s - alphaMax)), expMax) [Pa]
+STIFFNESS = {"settling": (10.0, 500, 1000), "riemann": (2500.0, 0, 1)}
 ZERO = "uniform (0 0 0)"
 
 
@@ -48,18 +56,25 @@ class Case:
         return self.kind == "riser"
 
     @property
+    def column(self) -> bool:
+        return self.kind in COLUMNS
+
+    @property
     def size(self) -> tuple[float, float]:
         """Width and height [m]."""
-        return (0.152, 7.9) if self.riser else (0.28, 1.0)
+        if self.column:
+            return COLUMNS[self.kind] * self.nx / self.ny, COLUMNS[self.kind]
+        return SIZES[self.kind]
 
     @property
     def particles(self) -> dict[str, float]:
         if self.riser:
             return {"d": 150e-6, "rho": 2550.0, "max": 0.60, "e": 0.95, "e_w": 0.90, "specularity": 0.01}
-        return {"d": 275e-6, "rho": 2500.0, "max": 0.63, "e": 0.90, "e_w": 0.90, "specularity": 0.01}
+        d, packed = (100e-6, 0.60) if self.column else (275e-6, 0.63)
+        return {"d": d, "rho": 2500.0, "max": packed, "e": 0.90, "e_w": 0.90, "specularity": 0.01}
 
 
-BED_HEIGHT, BED_FRACTION = 0.40, 0.60
+BED_HEIGHT, BED_FRACTION = STARTS["bed"][:2]
 SIDE = (4 * 7.9 / 350, 11 * 7.9 / 350)  # the two inlets of solids in the sides of the riser [m]
 SIDE_FRACTION = 0.20
 
@@ -170,6 +185,8 @@ def fields(case: Case) -> dict[str, tuple[str, str, Any, dict[str, Any]]]:
         gas = {"inlet": {**superficial, "value": f"uniform {up}"}}
         particles = {"inlet": still, "outlet": still}
         start = up
+    if case.column:
+        gas["walls"] = wall
     scalar, vector = "volScalarField", "volVectorField"
     none = "[0 0 0 0 0 0 0]"
     temperature = {"*": FREE, "inlet": fixed(300), "outlet": outflow(300)}
@@ -215,22 +232,24 @@ def constants(case: Case) -> dict[str, dict[str, Any]]:
     kinetic = {"equilibrium": "off", "e": p["e"], "alphaMax": p["max"], "alphaMinFriction": 0.5, "residualAlpha": 1e-4}
     kinetic |= {"viscosityModel": "Gidaspow", "conductivityModel": "Syamlal", "granularPressureModel": "Lun"}
     kinetic |= {"frictionalStressModel": "JohnsonJackson", "radialModel": "SinclairJackson"}
+    stiffness = dict(zip(("g0", "preAlphaExp", "expMax"), STIFFNESS.get(case.kind, (1000, 500, 1000)), strict=True))
+    fluid, gravity = GASES.get(case.kind, AIR), 0.0 if case.kind == "riemann" else -9.81
     friction = {"Fr": 0.05, "eta": 2, "p": 5, "phi": 28.5, "alphaDeltaMin": 0.05}
     drag = f"{{ type {case.drag}; residualRe 1e-3; residualAlpha 1e-6; swarmCorrection {{ type none; }} }}"
     heat = "{ type RanzMarshall; residualAlpha 1e-3; }"
     return {
-        "constant/g": {"dimensions": "[0 1 -2 0 0 0 0]", "value": "(0 -9.81 0)"},
-        "constant/thermophysicalProperties.air": thermo(GAS["rho"], GAS["mu"]),
+        "constant/g": {"dimensions": "[0 1 -2 0 0 0 0]", "value": f"(0 {gravity} 0)"},
+        "constant/thermophysicalProperties.air": thermo(fluid["rho"], fluid["mu"]),
         "constant/thermophysicalProperties.particles": thermo(p["rho"], 0.0),
         "constant/turbulenceProperties.air": {"simulationType": "laminar"},
         "constant/turbulenceProperties.particles": {
             "simulationType": "RAS",
             "RAS": {
-                "RASModel": "kineticTheory",
+                "RASModel": "phasePressure" if case.column else "kineticTheory",
                 "turbulence": "on",
                 "printCoeffs": "on",
                 "kineticTheoryCoeffs": {**kinetic, "JohnsonJacksonCoeffs": friction},
-                "phasePressureCoeffs": {"preAlphaExp": 500, "expMax": 1000, "alphaMax": p["max"], "g0": 1000},
+                "phasePressureCoeffs": {**stiffness, "alphaMax": p["max"]},
             },
         },
         "constant/phaseProperties": {
@@ -245,7 +264,7 @@ def constants(case: Case) -> dict[str, dict[str, Any]]:
             "blending": {"default": {"type": "none", "continuousPhase": "air"}},
             "sigma": "((particles and air) 0)",
             "aspectRatio": "()",
-            "drag": f"((particles in air) {drag})",
+            "drag": "()" if case.kind == "riemann" else f"((particles in air) {drag})",
             "heatTransfer": f"((particles in air) {heat})",
             **dict.fromkeys(("virtualMass", "phaseTransfer", "lift", "wallLubrication"), "()"),
             "turbulentDispersion": "()",
@@ -263,12 +282,16 @@ def numerics(case: Case) -> dict[str, dict[str, Any]]:
         "div((((thermo:rho.particles*nut.particles)*dev2(T(grad(U.particles))))"
         "+(((thermo:rho.particles*lambda.particles)*div(phi.particles))*I)))"
     )
+    solver = {"solver": "GAMG", "smoother": "DIC"}
+    if case.kind == "riemann":  # without drag GAMG stops at 1000 iterations, short of its tolerance
+        solver = {"solver": "PCG", "preconditioner": "DIC"}
     smooth = {"solver": "smoothSolver", "smoother": "symGaussSeidel", "relTol": 0, "minIter": 1}
     means = {
         name: {"mean": "on", "prime2Mean": "on" if name == "U.particles" else "off", "base": "time"}
         for name in ("U.particles", "alpha.particles", "Theta.particles", "alphaUs", "p")
     }
-    every = {"executeControl": "timeStep", "writeControl": "timeStep", "writeInterval": 50, "writeFields": "no"}
+    every = {"executeControl": "timeStep", "writeControl": "timeStep", "writeFields": "no"}
+    every["writeInterval"] = 5 if case.column else 50
     whole = {"type": "volFieldValue", "libs": "(fieldFunctionObjects)", "regionType": "all", **every}
     return {
         "system/fvSchemes": {
@@ -299,7 +322,7 @@ def numerics(case: Case) -> dict[str, dict[str, Any]]:
                     **smooth,
                     "tolerance": 1e-9,
                 },
-                '"p_rgh.*"': {"solver": "GAMG", "smoother": "DIC", "tolerance": 1e-8, "relTol": 0},
+                '"p_rgh.*"': {**solver, "tolerance": 1e-8, "relTol": 0},
                 '"U.*"': {**smooth, "tolerance": 1e-5},
                 '"(h|e|Theta).*"': {**smooth, "tolerance": 1e-6},
             },
@@ -365,15 +388,10 @@ def write(case: Case, folder: Path) -> None:
         values = {"dimensions": dimensions, "internalField": f"uniform {initial}", "boundaryField": places}
         put(folder, f"0/{name}", values, kind)
     if not case.riser:
-        bed = f"volScalarFieldValue alpha.particles {BED_FRACTION}"
-        put(
-            folder,
-            "system/setFieldsDict",
-            {
-                "defaultFieldValues": "(volScalarFieldValue alpha.particles 0)",
-                "regions": f"(boxToCell {{ box (-1 -1 -1) (1 {BED_HEIGHT} 1); fieldValues ({bed}); }})",
-            },
-        )
+        height, below, above = STARTS[case.kind]
+        values = [f"volScalarFieldValue alpha.particles {eps_s}" for eps_s in (below, above)]
+        regions = f"(boxToCell {{ box (-1 -1 -1) (1 {height} 1); fieldValues ({values[0]}); }})"
+        put(folder, "system/setFieldsDict", {"defaultFieldValues": f"({values[1]})", "regions": regions})
 
 
 def available() -> bool:
@@ -381,7 +399,9 @@ def available() -> bool:
 
 
 def run(case: Case, folder: Path) -> dict[str, float]:
-    """Write, mesh and run a case: CPU of the solver [s], its steps, and the drift of the solids inventory."""
+    """Write, mesh and run a case: CPU of the solver and of its steps after the first [s], the number of steps, and the
+    drift of the solids inventory.
+    """
     write(case, folder)
     environment = {**os.environ, "WM_PROJECT_DIR": HOME, "FOAM_ETC": f"{HOME}/etc", "WM_PROJECT_VERSION": "v1912"}
 
@@ -399,8 +419,10 @@ def run(case: Case, folder: Path) -> dict[str, float]:
     log = tool(SOLVER)
     cpu = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     inventory = series(folder, "inventory", "volFieldValue")
+    clock = [float(value) for value in re.findall(r"^ExecutionTime = ([0-9.]+)", log, re.M)]
     return {
         "cpu_s": cpu,
+        "loop_cpu_s": clock[-1] - clock[0],
         "steps": float(len(re.findall(r"^Time = ", log, re.M))),
         "mass_drift_relative": inventory[-1, 1] / inventory[0, 1] - 1.0 if inventory[0, 1] else float("nan"),
     }
