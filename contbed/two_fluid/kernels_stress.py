@@ -54,7 +54,8 @@ def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
                 pull = area * (traction + rub * (there - here))
                 out[left, k] += pull
                 out[right, k] -= pull
-                coef[f, k] = area * (near * (m + (m / 3.0 + lam) * n * n) + rub)
+                # twice what rubs: a loose cell that follows a stiff one feeds back through its explicit shear
+                coef[f, k] = area * (near * (m + (m / 3.0 + lam) * n * n) + 2.0 * rub)
             work[left] += lost_left
             work[right] += lost_right
             continue
