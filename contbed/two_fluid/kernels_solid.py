@@ -9,7 +9,7 @@ from contbed.two_fluid.compiled import kernel
 
 TINY = 1e-300
 SOFT = 1e-12  # [m2/s2] stiffness of particles that do not touch, so that its inverse exists
-MISSED = 1e-3
+MISSED = 1e-3  # change of eps_s by the pressure that a tangent misses, above which the tangent moves
 HALVINGS = 40
 EMPTY = 1e-30  # a cell with a smaller fraction keeps its velocity and granular temperature
 
