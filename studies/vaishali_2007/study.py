@@ -1,0 +1,69 @@
+"""Profiles of the riser in the window of the measurements, contbed beside twoPhaseEulerFoam, in profiles.png.
+
+    python study.py [SCENE ...]     runs these scenes (8 to 11 minutes of CPU each), keeps their lateral.csv, and draws
+"""
+
+from __future__ import annotations
+
+import csv
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+import contbed as cb
+
+HERE = Path(__file__).parent
+WIDTH = 0.152  # of the riser [m]
+PANELS = ("eps_s [1]", "u_solid [m/s]", "theta_total [m2/s2]")
+COLOURS = {"wenyu": "#0072B2", "syamlal": "#D55E00"}
+
+
+def run(name: str) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        cb.run(cb.load(HERE / f"{name}.toml"), Path(folder))
+        shutil.copy(Path(folder) / "lateral.csv", HERE / f"{name}_lateral.csv")
+
+
+def columns(path: Path) -> dict[str, np.ndarray]:
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+
+
+def peer(path: Path) -> dict[str, np.ndarray]:
+    """The peer's profile under our names; what its averages lack in the third direction counts as the lateral one."""
+    found = columns(path)
+    moved = (found["var_us_axial"] + 2.0 * found["var_us_lateral"]) / 3.0
+    return {"x [m]": WIDTH * found["x_over_W"], "eps_s [1]": found["es_mean"], "u_solid [m/s]": found["us_mean"],
+            "theta_total [m2/s2]": found["theta_mean"] + moved}  # fmt: skip
+
+
+def draw() -> None:
+    figure, axes = plt.subplots(2, 3, figsize=(9, 5.2), layout="constrained", sharex=True)
+    for line, flow, name in zip(axes, ("ff", "dpt"), ("fast fluidization", "dilute transport"), strict=True):
+        for drag, colour in COLOURS.items():
+            for data, style, program in (
+                (columns(HERE / f"{flow}_{drag}_lateral.csv"), "-", "contbed"),
+                (peer(HERE / f"twoPhaseEulerFoam_{flow}_{drag}.csv"), "--", "twoPhaseEulerFoam"),
+            ):
+                for panel, key in zip(line, PANELS, strict=True):
+                    panel.plot(data["x [m]"], data[key], style, color=colour, label=f"{program}, {drag}")
+        for panel, key in zip(line, PANELS, strict=True):
+            panel.set(ylabel=key.replace("_", " "), title=name)
+    for panel in axes[1]:
+        panel.set_xlabel("x [m]")
+    axes[0, 1].legend(fontsize="x-small")
+    figure.savefig(HERE / "profiles.png", dpi=130)
+
+
+if __name__ == "__main__":
+    for scene in sys.argv[1:]:
+        run(scene)
+    draw()
