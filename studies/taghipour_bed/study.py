@@ -1,6 +1,7 @@
 """Expansion and pressure drop of Taghipour's bed, contbed beside OpenFOAM's twoPhaseEulerFoam.
 
     python study.py [peer]     all scenes of this folder; "peer" runs OpenFOAM too (25 minutes)
+    python study.py frames     only the frames of bed_0.46.toml
 
 Writes results.csv: pressure drop over the weight of the particles, heights over that at rest by the lateral mean of
 eps_s and by the centre of the particles, drift of the inventory.
@@ -65,6 +66,29 @@ def peer(name: str, case: openfoam.Case) -> list:
             found["mass_drift_relative"], found["cpu_s"]]  # fmt: skip
 
 
+def frames() -> None:
+    """Solid fraction of one run, second by second, in bed_0.46_frames.png."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    plan = cb.plan(cb.load(HERE / "bed_0.46.toml"))
+    bed, _ = plan.bed()
+    figure, axes = plt.subplots(1, 6, figsize=(9, 4.6), layout="constrained", sharey=True)
+    nx, nz = plan.scene.mesh.cells
+    x, z = (np.unique(values.round(9)) for values in bed.grid.centres.T)
+    for second, panel in enumerate(axes, start=1):
+        bed.advance(float(second))
+        place = np.lexsort(bed.grid.centres.T.round(9))
+        eps_s = bed.eps_s[place].reshape(nz, nx)
+        shades = panel.pcolormesh(100 * x, 100 * z, eps_s, vmin=0.0, vmax=0.63, cmap="cividis")
+        panel.set(aspect="equal", title=f"{second} s", xlabel="x [cm]", ylim=(0, 85))
+    axes[0].set_ylabel("height [cm]")
+    figure.colorbar(shades, ax=axes, label="eps_s [1]", shrink=0.7)
+    figure.savefig(HERE / "bed_0.46_frames.png", dpi=110)
+
+
 def main(with_peer: bool) -> None:
     rows = [own(path) for path in sorted(HERE.glob("*.toml"))]
     if with_peer:
@@ -76,4 +100,7 @@ def main(with_peer: bool) -> None:
 
 
 if __name__ == "__main__":
-    main("peer" in sys.argv[1:])
+    if "frames" in sys.argv[1:]:
+        frames()
+    else:
+        main("peer" in sys.argv[1:])
