@@ -1,6 +1,6 @@
 """Profiles of the riser in the window of the measurements, contbed beside twoPhaseEulerFoam, in profiles.png.
 
-    python study.py [SCENE ...]     runs these scenes (8 to 11 minutes of CPU each), keeps their lateral.csv, and draws
+    python study.py [SCENE ...]     runs these scenes (some 11 minutes of CPU each), keeps their lateral.csv, and draws
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def draw() -> None:
             panel.set(ylabel=key.replace("_", " "), title=name)
     for panel in axes[1]:
         panel.set_xlabel("x [m]")
-    axes[0, 1].legend(fontsize="x-small")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize="small")
     figure.savefig(HERE / "profiles.png", dpi=130)
 
 
