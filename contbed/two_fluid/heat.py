@@ -184,7 +184,7 @@ class Heat:
         column, ahead, face = T[:, None], np.empty((len(T), 1)), np.empty_like(flux)
         given, grad = self._slope(phase, T, self.enters[phase])
         kc.half_ahead(dt, column, grad, u, lag, ahead)
-        kh.carried(g, flux, T, grad, ahead, given, bed._drained if phase else bed._none, face)
+        kh.carried(g, flux, T, grad, ahead, given, bed.drained if phase else bed.undrained, face)
         if phase == 1 or not self.ideal:
             return bed.rho[phase] * flux, face, grad
         return self.rho_T / face * flux, face, grad
@@ -192,7 +192,7 @@ class Heat:
     def _slope(self, phase: int, T: np.ndarray, outside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Temperature at boundaries, `outside` or level, and gradient (nc, 1, dim) of one phase."""
         bed = self.bed
-        given = np.where(np.isnan(outside), T[bed._near], outside)
+        given = np.where(np.isnan(outside), T[bed.near], outside)
         grad = np.empty((len(T), 1, bed.grid.dimension))
         if phase == 0:
             kc.gradient(bed.grid.geometry, T[:, None], given[:, None], grad)
@@ -202,7 +202,7 @@ class Heat:
 
     def _warm_walls(self, dt: float, rates: np.ndarray) -> None:
         """Adds the flux that is given at walls; the phases share it by their fractions."""
-        near, area = self.bed._near, self.bed.grid.geometry.area[self.bed.grid.interior :]
+        near, area = self.bed.near, self.bed.grid.geometry.area[self.bed.grid.interior :]
         s = self.bed.eps_s[near]
         np.add.at(rates, near, (self.flux * area)[:, None] * np.stack((1.0 - s, s), axis=1))
         self.account["walls"] += dt * float(self.flux @ area)

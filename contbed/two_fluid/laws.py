@@ -7,7 +7,7 @@ taken at most at DENSEST of eps_max; friction keeps its own distance. What guard
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from types import FunctionType
 
@@ -59,11 +59,10 @@ class Particles:
 
 @dataclass(frozen=True)
 class Laws:
-    """`closures` for the step; `chosen` functions by kind; `counts` of cells in steps, in the order of COUNTED."""
+    """`closures` for the step; `counts` of cells in steps, in the order of COUNTED."""
 
     closures: Closures
-    chosen: Mapping[str, Callable]
-    counts: np.ndarray = field(default_factory=lambda: np.zeros(3, dtype=np.int64))
+    counts: np.ndarray
 
 
 def make(
@@ -108,7 +107,7 @@ def make(
 
     first = particles.friction_from
     packing = (first, (m.eps_max - first) / (ENTRIES - 1), table[1] / m.rho_solid)
-    return Laws(Closures(exchange, rheology, friction, sheared, packing), chosen, counts)
+    return Laws(Closures(exchange, rheology, friction, sheared, packing), counts)
 
 
 def compiled(function: Callable) -> Callable:

@@ -145,7 +145,7 @@ class TwoFluid(Stepper):
         total = 2.0 * total - before["flux_total"]
         new = np.empty_like(old)
         g, highest = self.grid.geometry, self.materials.eps_max
-        touched, rounds = limiter.limit(g, dt, old, self.sources.solid, highest, self.moved, new, self._drained)
+        touched, rounds = limiter.limit(g, dt, old, self.sources.solid, highest, self.moved, new, self.drained)
         self.counters["limited_faces"] += int(touched)
         self.counters["limiter_rounds"] += int(rounds)
         self._book(dt, self.moved, total)

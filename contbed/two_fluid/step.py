@@ -94,6 +94,7 @@ class Stepper:
     What else a step remembers of the last one: `lag_*`, rates of change less convection; `force_*`, accelerations;
     `drag` and `stiffness`; `grad_p`, gradients of p and solids pressure on skewed meshes; `outflow` for the Courant
     number. `heat` is None for an isothermal bed; `dense` is the density of the gas over that of `materials`.
+    `near` are the cells at boundary faces, `drained` those that the limiter marked, `undrained` marks none.
     """
 
     def __init__(
@@ -134,9 +135,9 @@ class Stepper:
 
         self._faces, self._moment = np.zeros((nf, 8)), np.zeros((nc, dim, dim))
         self._slip = np.zeros(nf - grid.interior)
-        self._drained, self._none = np.zeros(nc, dtype=np.bool_), np.zeros(nc, dtype=np.bool_)
+        self.drained, self.undrained = np.zeros(nc, dtype=np.bool_), np.zeros(nc, dtype=np.bool_)
         self._mu_gas, self._bulk_gas = np.full(nc, materials.mu_gas), np.zeros(nc)
-        self._near = g.left[grid.interior :]
+        self.near = g.left[grid.interior :]
 
     def settle_fluxes(self, dt: float) -> None:
         """Fluxes and pressure that belong to the fields, as after a step of `dt` [s] without convection."""
@@ -191,7 +192,7 @@ class Stepper:
             self.counters["packing_rounds"] += 1
             y = self._solve(coef, np.zeros(size), content, rhs, "eps_s", 0.0)
         ks.compact(g, dt, coef, y, flux)
-        touched, rounds = limiter.limit(g, dt, old, source, self.materials.eps_max, flux, new, self._drained)
+        touched, rounds = limiter.limit(g, dt, old, source, self.materials.eps_max, flux, new, self.drained)
         if touched:
             self.counters["limited_faces"] += int(touched)
             self.counters["limited_steps"] += 1
@@ -229,10 +230,10 @@ class Stepper:
         g, rho = self.grid.geometry, self.rho[phase]
         if phase == 0:
             side, slip, u, lag, force = self.edge.gas, self.edge.gas.slip, self.u_gas, self.lag_g, self.force_g
-            source, low = self.sources.force_gas, self._none
+            source, low = self.sources.force_gas, self.undrained
         else:
             side, slip, u, lag, force = self.edge.solid, self._slip, self.u_solid, self.lag_s, self.force_s
-            source, low = self.sources.force_solid, self._drained
+            source, low = self.sources.force_solid, self.drained
         given, grad, ahead = np.empty_like(side.u), np.empty((*u.shape, u.shape[1])), np.empty_like(u)
         kc.edge_velocity(g, side, slip, u, eps, given)
         if phase == 0:
@@ -268,7 +269,7 @@ class Stepper:
         )
         column = s.reshape(-1, 1)
         grad_eps, ahead = np.empty((len(s), 1, self.grid.dimension)), np.empty((len(s), 1))
-        given = np.where(edge.solid.kind == boundary.GIVEN, edge.eps_s, s[self._near])
+        given = np.where(edge.solid.kind == boundary.GIVEN, edge.eps_s, s[self.near])
         kc.gradient(g, column, given.reshape(-1, 1), grad_eps)
         kc.half_ahead(dt, column, grad_eps, self.u_solid, self.lag_eps, ahead)
         self.lag_eps = self.lag_eps - 2.0 / dt * ahead
@@ -298,7 +299,7 @@ class Stepper:
     def _slopes(self, u: np.ndarray) -> np.ndarray:
         """Gradient of a cell vector (nc, dim) that is level at the boundaries."""
         out = np.empty((*u.shape, u.shape[1]))
-        kc.gradient(self.grid.geometry, u, u[self._near], out)
+        kc.gradient(self.grid.geometry, u, u[self.near], out)
         return out
 
     def _slopes_of_forces(self, kinetic: np.ndarray) -> None:
@@ -306,7 +307,7 @@ class Stepper:
         g, outlet = self.grid.geometry, self.edge.gas.kind == boundary.OUTLET
         values = np.stack((self.p, kinetic, self.rheology.h), axis=1)
         arm = g.arm_left[self.grid.interior :]
-        given = values[self._near] + np.einsum("bkd,bd->bk", self.grad_p[self._near], arm)
+        given = values[self.near] + np.einsum("bkd,bd->bk", self.grad_p[self.near], arm)
         given[outlet, 0] = self.edge.p[outlet]
         kc.gradient(g, values, given, self.grad_p)
 
@@ -322,17 +323,17 @@ class Stepper:
             return
         sink = r.dissipation * np.sqrt(old) + 3.0 * self.drag * s
         column = old.reshape(-1, 1)
-        given = np.where(edge.solid.kind == boundary.GIVEN, edge.theta, old[self._near]).reshape(-1, 1)
+        given = np.where(edge.solid.kind == boundary.GIVEN, edge.theta, old[self.near]).reshape(-1, 1)
         grad, ahead = np.empty((len(s), 1, self.grid.dimension)), np.empty_like(column)
         kc.gradient(g, column, given, grad)
         kc.half_ahead(dt, column, grad, self.u_solid, self.lag_theta, ahead)
-        low = self._drained.copy()
+        low = self.drained.copy()
         while True:
             rhs = np.zeros_like(column)
             kc.convect(g, self.moved, column, grad, ahead, given, self.options.limited, low, rhs)
             if not ks.starved(g, dt, s, old, rhs, low):
                 break
-        self.counters["theta_upwind_cells"] += int(low.sum()) - int(self._drained.sum())
+        self.counters["theta_upwind_cells"] += int(low.sum()) - int(self.drained.sum())
         rhs *= 1.5 * rho_s
         coef, content = np.empty((len(g.left), 1)), np.empty_like(column)
         ks.conduct(g, edge.solid, edge, r.conductivity, old, grad, self.grid.skewed, rhs, coef)

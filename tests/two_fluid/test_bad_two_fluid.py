@@ -1,10 +1,9 @@
 """Two-fluid scenes with mistakes: each is named with its key before anything is built."""
 
-from copy import deepcopy
-
 import meshio
 import numpy as np
 import pytest
+from changed_scenes import changed
 
 from contbed.errors import SceneError
 from contbed.planning import plan
@@ -27,20 +26,7 @@ GOOD = {
 
 
 def scene(changes, without=()):
-    values = deepcopy(GOOD)
-    for path, value in changes.items():
-        *way, last = path.split(".")
-        table = values
-        for name in way:
-            table = table.setdefault(name, {})
-        table[last] = value
-    for path in without:
-        *way, last = path.split(".")
-        table = values
-        for name in way:
-            table = table[name]
-        del table[last]
-    return values
+    return changed(GOOD, changes, without)
 
 
 def test_the_good_scene_is_good():

@@ -2,11 +2,11 @@
 
 import subprocess
 import sys
-from copy import deepcopy
 from pathlib import Path
 
 import numpy as np
 import pytest
+from changed_scenes import changed
 from core_closures import bed, closures, line, rectangle
 from scipy.linalg import expm
 
@@ -232,20 +232,7 @@ PULSE = {
 
 
 def scene(changes=None, without=()):
-    values = deepcopy(PULSE)
-    for path, value in (changes or {}).items():
-        *way, last = path.split(".")
-        table = values
-        for name in way:
-            table = table.setdefault(name, {})
-        table[last] = value
-    for path in without:
-        *way, last = path.split(".")
-        table = values
-        for name in way:
-            table = table[name]
-        del table[last]
-    return values
+    return changed(PULSE, changes, without)
 
 
 def test_scene_of_a_closed_suspension():
