@@ -50,6 +50,8 @@ class Case:
     average_from: float = 1e9
     walls: str = "noslip"
     upwind: bool = False
+    start: tuple[float, float, float] | None = None  # of a riser: eps_s, velocities of gas and solids [m/s]
+    write_every: float | None = None  # [s]; without it the last state alone is written
 
     @property
     def riser(self) -> bool:
@@ -178,22 +180,23 @@ def fields(case: Case) -> dict[str, tuple[str, str, Any, dict[str, Any]]]:
         share = {"inlet": fixed(0), "outlet": outflow(0), "left": fixed(SIDE_FRACTION), "right": fixed(SIDE_FRACTION)}
         gas = {"inlet": fixed(up), **feeds}
         particles = {"inlet": still, "outlet": outflow("(0 0 0)"), **feeds}
-        start = "(0 0 0)"
+        fraction, *speeds = case.start or (0.0, 0.0, 0.0)
+        start, start_solids = (f"(0 {speed:g} 0)" for speed in speeds)
     else:
         share = {}
         superficial = {"type": "interstitialInletVelocity", "inletVelocity": f"uniform {up}", "alpha": "alpha.air"}
         gas = {"inlet": {**superficial, "value": f"uniform {up}"}}
         particles = {"inlet": still, "outlet": still}
-        start = up
+        fraction, start, start_solids = 0.0, up, "(0 0 0)"
     if case.column:
         gas["walls"] = wall
     scalar, vector = "volScalarField", "volVectorField"
     none = "[0 0 0 0 0 0 0]"
     temperature = {"*": FREE, "inlet": fixed(300), "outlet": outflow(300)}
     return {
-        "alpha.particles": (scalar, none, 0, {"*": FREE, **share}),
+        "alpha.particles": (scalar, none, fraction, {"*": FREE, **share}),
         "U.air": (vector, "[0 1 -1 0 0 0 0]", start, {"*": still, "outlet": open_top, **gas}),
-        "U.particles": (vector, "[0 1 -1 0 0 0 0]", "(0 0 0)", {"*": wall, **particles}),
+        "U.particles": (vector, "[0 1 -1 0 0 0 0]", start_solids, {"*": wall, **particles}),
         "Theta.particles": (
             scalar,
             "[0 2 -2 0 0 0 0]",
@@ -288,7 +291,7 @@ def numerics(case: Case) -> dict[str, dict[str, Any]]:
     smooth = {"solver": "smoothSolver", "smoother": "symGaussSeidel", "relTol": 0, "minIter": 1}
     means = {
         name: {"mean": "on", "prime2Mean": "on" if name == "U.particles" else "off", "base": "time"}
-        for name in ("U.particles", "alpha.particles", "Theta.particles", "alphaUs", "p")
+        for name in ("U.particles", "alpha.particles", "Theta.particles", "p")
     }
     every = {"executeControl": "timeStep", "writeControl": "timeStep", "writeFields": "no"}
     every["writeInterval"] = 5 if case.column else 50
@@ -337,7 +340,7 @@ def numerics(case: Case) -> dict[str, dict[str, Any]]:
             "endTime": case.end,
             "deltaT": case.dt,
             "writeControl": "adjustableRunTime",
-            "writeInterval": case.end,
+            "writeInterval": case.write_every or case.end,
             "writeFormat": "ascii",
             "writePrecision": 9,
             "timePrecision": 8,
@@ -346,14 +349,6 @@ def numerics(case: Case) -> dict[str, dict[str, Any]]:
             "maxCo": case.courant or 1,
             "maxDeltaT": case.largest_dt,
             "functions": {
-                "product": {
-                    "type": "multiply",
-                    "libs": "(fieldFunctionObjects)",
-                    "fields": "(alpha.particles U.particles)",
-                    "result": "alphaUs",
-                    "executeControl": "timeStep",
-                    "writeControl": "none",
-                },
                 "inventory": {**whole, "fields": "(alpha.particles)", "operation": "volIntegrate"},
                 "extremes": {**whole, "fields": "(alpha.particles Theta.particles)", "operation": "max"},
                 "inlet": {
@@ -433,10 +428,14 @@ def series(folder: Path, name: str, kind: str) -> np.ndarray:
     return np.atleast_2d(np.loadtxt(folder / "postProcessing" / name / "0" / f"{kind}.dat"))
 
 
-def field(case: Case, folder: Path, name: str) -> np.ndarray:
-    """A field of the last time on the grid, shape (ny, nx) or (ny, nx, components)."""
-    last = max((p for p in folder.iterdir() if re.fullmatch(r"[0-9.]+", p.name)), key=lambda p: float(p.name))
-    body = (last / name).read_text().split("internalField", 1)[1].split("boundaryField", 1)[0]
+def times(folder: Path) -> list[Path]:
+    """What was written, in the order of time; the start is the first."""
+    return sorted((p for p in folder.iterdir() if re.fullmatch(r"[0-9.]+", p.name)), key=lambda p: float(p.name))
+
+
+def field(case: Case, folder: Path, name: str, at: int = -1) -> np.ndarray:
+    """A field of one of the `times` on the grid, shape (ny, nx) or (ny, nx, components)."""
+    body = (times(folder)[at] / name).read_text().split("internalField", 1)[1].split("boundaryField", 1)[0]
     if body.strip().startswith("uniform"):
         numbers = np.array(re.findall(r"[-+0-9.eE]+", body.split("uniform", 1)[1]), float)
         return np.broadcast_to(numbers, (case.ny, case.nx, numbers.size)).squeeze()
