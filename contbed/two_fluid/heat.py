@@ -149,11 +149,11 @@ class Heat:
         """
         bed, p, g = self.bed, self.physics, self.bed.grid.geometry
         rho_s, s, volume = bed.rho[1], bed.eps_s, g.volume
-        gas, face_g, grad_g = self._carried(dt, 0, volume_flux)
-        solid, face_s, grad_s = self._carried(dt, 1, bed.moved)
+        gas, face_g = self._carried(dt, 0, volume_flux)
+        solid, face_s = self._carried(dt, 1, bed.moved)
         net, moved_g, moved_s = (np.empty_like(s) for _ in range(3))
-        kh.spread(g, solid, face_s, self.T_solid, net, moved_s)
-        kh.spread(g, gas, face_g, self.T_gas, net, moved_g)
+        kc.spread(g, solid, face_s, self.T_solid, net, moved_s)
+        kc.spread(g, gas, face_g, self.T_gas, net, moved_g)
         self.mass = self.mass - dt * net / volume
         self._book(dt, gas, p.cp_gas * gas * face_g + p.cp_solid * solid * face_s)
 
@@ -173,12 +173,12 @@ class Heat:
         self.account["walls"] -= through
         if self.ideal:
             self._expand(dt, self.mass * change[:, 0], dt * moved_g / volume, 1.0 - old / self.rho_T)
-        self._remember(dt, change, grad_g, grad_s)
+        self._remember(dt, change, moved_g / (self.mass * volume), moved_s / (rho_s * (s + ks.EMPTY) * volume))
         self._thin()
         return gas / bed.rho[0] if self.ideal else volume_flux
 
-    def _carried(self, dt: float, phase: int, flux: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Mass flux [kg/s] and temperature on faces, and the gradient of the temperature."""
+    def _carried(self, dt: float, phase: int, flux: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Mass flux [kg/s] and temperature on faces."""
         bed, g = self.bed, self.bed.grid.geometry
         T, lag, u = ((self.T_gas, self.lag_gas, bed.u_gas), (self.T_solid, self.lag_solid, bed.u_solid))[phase]
         column, ahead, face = T[:, None], np.empty((len(T), 1)), np.empty_like(flux)
@@ -186,8 +186,8 @@ class Heat:
         kc.half_ahead(dt, column, grad, u, lag, ahead)
         kh.carried(g, flux, T, grad, ahead, given, bed.drained if phase else bed.undrained, face)
         if phase == 1 or not self.ideal:
-            return bed.rho[phase] * flux, face, grad
-        return self.rho_T / face * flux, face, grad
+            return bed.rho[phase] * flux, face
+        return self.rho_T / face * flux, face
 
     def _slope(self, phase: int, T: np.ndarray, outside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Temperature at boundaries, `outside` or level, and gradient (nc, 1, dim) of one phase."""
@@ -321,13 +321,11 @@ class Heat:
         if self.closed:
             bed.sources.gas -= bed.sources.gas @ volume / volume.sum()
 
-    def _remember(self, dt: float, change: np.ndarray, *grads: np.ndarray) -> None:
+    def _remember(self, dt: float, change: np.ndarray, *carried: np.ndarray) -> None:
         bed = self.bed
-        phases = ((self.T_gas, bed.u_gas, self.lag_gas), (self.T_solid, bed.u_solid, self.lag_solid))
-        for k, (T, u, lag) in enumerate(phases):
-            new = T + change[:, k]
-            kc.remember(dt, new[:, None], T[:, None], grads[k], u, lag)
-            T[:] = new
+        for k, (T, lag) in enumerate(((self.T_gas, self.lag_gas), (self.T_solid, self.lag_solid))):
+            lag[:, 0] = change[:, k] / dt - carried[k]
+            T += change[:, k]
         if not (self.T_gas.min() > 0.0 and self.T_solid.min() > 0.0):
             bed.check_finite()
             raise ConvergenceError(f"t = {bed.time:.6g} s, step {bed.steps}: a temperature is not above 0 K")

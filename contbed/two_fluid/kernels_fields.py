@@ -137,17 +137,6 @@ def half_ahead(dt, u, grad, carrier, lag, out):
 
 
 @kernel
-def remember(dt, new, u, grad, carrier, lag):
-    """lag = rate of change less what was carried."""
-    for c in range(u.shape[0]):
-        for k in range(u.shape[1]):
-            rate = (new[c, k] - u[c, k]) / dt
-            for d in range(carrier.shape[1]):
-                rate += carrier[c, d] * grad[c, k, d]
-            lag[c, k] = rate
-
-
-@kernel
 def momentum(dt, rho, mass, source, force, rhs, content):
     """Turns what is convected, `rhs` (nc, m) [m3/s times u], into forces with the accelerations `source` and `force`.
 
@@ -197,6 +186,22 @@ def convect(g, flux, u, grad, ahead, edge, limited, low, out):
             else:
                 value = edge[f - ni, k]
             out[left, k] -= rate * (value - u[left, k])
+
+
+@kernel
+def spread(g, flux, face, values, net, out):
+    """net (nc,) = what leaves by `flux`, and out (nc,) = -sum over faces of flux (face - value)."""
+    ni = len(g.right)
+    net[:] = 0.0
+    out[:] = 0.0
+    for f in range(len(flux)):
+        left = g.left[f]
+        net[left] += flux[f]
+        out[left] -= flux[f] * (face[f] - values[left])
+        if f < ni:
+            right = g.right[f]
+            net[right] -= flux[f]
+            out[right] += flux[f] * (face[f] - values[right])
 
 
 @kernel

@@ -22,22 +22,6 @@ def carried(g, flux, values, grad, ahead, given, low, out):
 
 
 @kernel
-def spread(g, flux, face, values, net, out):
-    """net (nc,) = what leaves by `flux`, and out (nc,) = -sum over faces of flux (face - value)."""
-    ni = len(g.right)
-    net[:] = 0.0
-    out[:] = 0.0
-    for f in range(len(flux)):
-        left = g.left[f]
-        net[left] += flux[f]
-        out[left] -= flux[f] * (face[f] - values[left])
-        if f < ni:
-            right = g.right[f]
-            net[right] -= flux[f]
-            out[right] += flux[f] * (face[f] - values[right])
-
-
-@kernel
 def conducted(g, coef, x, out):
     """out (nc, m) = sum over faces of coef (nf, m) times x less x of the neighbour, or less 0 at boundaries."""
     ni = len(g.right)

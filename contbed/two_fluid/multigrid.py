@@ -33,7 +33,8 @@ class Multigrid:
         """Puts the solution in `x`, which holds a guess; the diagonal of the first cell counts twice where the system
         is `floating`. Returns the number of iterations, -1 where they do not converge.
         """
-        value, rest = coef[self.faces], np.bincount(self.near, coef[len(coef) - len(self.near) :], len(x))
+        value, rest = coef[self.faces], np.zeros(len(x))
+        np.add.at(rest, self.near, coef[len(coef) - len(self.near) :])
         if floating:
             rest[0] += rest[0] + value[self.start[0] : self.start[1]].sum()
         return _solve(self.start, self.beside, value, rest, rhs, x) if np.isfinite(coef.sum() + rhs.sum()) else -1

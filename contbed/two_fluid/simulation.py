@@ -18,7 +18,7 @@ import numpy as np
 
 from contbed.two_fluid import limiter
 from contbed.two_fluid.boundary import Condition, assemble
-from contbed.two_fluid.step import FIELDS, Materials, Options, Sources, Stepper
+from contbed.two_fluid.step import CROSSED, FIELDS, PASSES, Materials, Options, Sources, Stepper
 
 __all__ = ["FIELDS", "Materials", "Options", "Sources", "TwoFluid"]
 
@@ -40,14 +40,14 @@ class TwoFluid(Stepper):
     Attributes
     ----------
     eps_s, theta, p (nc,), u_gas, u_solid (nc, dim) : fields in the order of the grid, set by `start`
-    time, dt, steps : now, the last step, and their number
+    time, dt, steps : now, the last step, and their number; wanted : the step that the last one was cut from
     account : volumes [m3] of solids and gas that came in and went out
     counters : how often a limiter or guard acted
     """
 
     def __init__(self, *arguments: Any, **named: Any):
         super().__init__(*arguments, **named)
-        self.dt = 0.0
+        self.dt = self.wanted = 0.0
         self.account = {"solid_in": 0.0, "solid_out": 0.0, "gas_in": 0.0, "gas_out": 0.0}
 
     def start(self, **fields: Any) -> None:
@@ -66,7 +66,7 @@ class TwoFluid(Stepper):
     def state(self) -> dict[str, Any]:
         """Everything that the next step depends on."""
         kept: dict[str, Any] = {name: getattr(self, name).copy() for name in (*FIELDS, *_FLUXES, *_MEMORY)}
-        scalars = {"time": self.time, "dt": self.dt, "steps": self.steps}
+        scalars = {"time": self.time, "dt": self.dt, "wanted": self.wanted, "steps": self.steps}
         if self.heat is not None:
             kept |= self.heat.state()
         return kept | scalars | {"counters": dict(self.counters), "account": dict(self.account)}
@@ -75,7 +75,8 @@ class TwoFluid(Stepper):
         """Go back to a `state`, bit for bit."""
         for name in (*FIELDS, *_FLUXES, *_MEMORY):
             setattr(self, name, np.array(state[name]))
-        self.time, self.dt, self.steps = float(state["time"]), float(state["dt"]), int(state["steps"])
+        self.time, self.dt, self.wanted = (float(state[name]) for name in ("time", "dt", "wanted"))
+        self.steps = int(state["steps"])
         self.counters, self.account = dict(state["counters"]), dict(state["account"])
         if self.heat is not None:
             self.heat.restore(state)
@@ -90,22 +91,27 @@ class TwoFluid(Stepper):
         while self.time < end:
             left = end - self.time
             # equal steps to the end: a bed at rest feels each change of the step
-            dt = left / np.ceil(left / self.next_step() * (1.0 - 1e-9))
+            wanted = self.next_step()
+            dt = left / np.ceil(left / wanted * (1.0 - 1e-9))
             self.step(dt)
+            self.wanted = wanted
             if end - self.time < 1e-9 * dt:
                 self.time = end
             if callback is not None:
                 callback(self)
 
     def next_step(self) -> float:
-        """Length of the next step [s] by the Courant number of both phases, cells with few particles left aside."""
+        """Length of the next step [s] by the Courant number of the particles, cells with few of them left aside, and
+        by the passes of the gas, which carries its temperature in one.
+        """
         o = self.options
         if o.dt is not None:
             return o.dt
-        fastest = float(np.max(self.outflow[:, 0], initial=0.0))
-        fastest = max(fastest, float(np.max(self.outflow[:, 1], where=self.eps_s > 1e-6, initial=0.0)))
-        longest = min(o.dt_max, o.courant / fastest if fastest > 0 else np.inf)
-        return min(longest, self.dt * o.growth if self.dt > 0 else o.dt_first)
+        gas = float(np.max(self.outflow[:, 0], initial=0.0))
+        solid = float(np.max(self.outflow[:, 1], where=self.eps_s > 1e-6, initial=0.0))
+        rate = max(solid / o.courant, gas / (PASSES * CROSSED if self.heat is None else o.courant))
+        longest = min(o.dt_max, 1.0 / rate if rate > 0 else np.inf)
+        return min(longest, self.wanted * o.growth if self.wanted > 0 else o.dt_first)
 
     def step(self, dt: float) -> None:
         """One step of `dt` [s]."""
@@ -116,7 +122,7 @@ class TwoFluid(Stepper):
         else:
             self._extrapolated(dt)
         self.time += dt
-        self.dt = dt
+        self.dt = self.wanted = dt
         self.steps += 1
         self.check_finite()
 

@@ -3,7 +3,7 @@
 The solids move with one limited volume flux F that everything after uses; velocities are convected and sheared; forces
 and drag act on faces, and one equation gives the pressure; cell velocities follow from the faces; granular temperature
 moves with F. Drag, solids pressure, stress and granular temperature are implicit; the step is bound by the Courant
-number alone.
+number of the particles alone, as gas that is faster carries its velocity in several passes.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ TOLERANCE = 1e-7  # of the systems of one field; fluxes are made from what was f
 TANGENTS = 8  # of friction that a step tries at most
 EXTENSIONS = 60  # rounds in which gradients extend initial fields to the walls
 EXPLICIT = 0.1  # exchange of a cell in a step, as share of its content, below which it is not solved for
+PASSES, CROSSED = 4, 0.9  # in which the velocity of the gas is carried at most; share of a cell that it crosses in each
 RARE = 1e-8  # fraction below which particles exchange nothing with other cells but by moving
 UNDERFLOW = 1e-60  # [m2/s2] granular temperature that counts as none
 FIELDS = ("eps_s", "u_gas", "u_solid", "theta", "p")
@@ -54,7 +55,7 @@ class Materials:
 class Options:
     """How to step.
 
-    courant : largest share of a cell that a phase crosses in a step
+    courant : largest share of a cell that particles cross in a step; with heat, either phase
     dt_max, dt_first [s] : largest and first step; growth : of the step at most
     dt [s] : fixed step, instead of the Courant number
     order : in time, 1 or 2; a step of order 2 extrapolates from one step and two halves, and costs three; where a limit
@@ -168,11 +169,12 @@ class Stepper:
             g, self.edge.solid, self.edge, self.materials.eps_max, self.rho[1],
             self.eps_s, self.theta, r.g0, shear, self._slip,
         )  # fmt: skip
-        h_g, grad_g = self._velocity(dt, 0, gas, 1.0 - self.eps_s, self._mu_gas, self._bulk_gas)
-        h_s, grad_s = self._velocity(dt, 1, self.moved, self.eps_s, shear, r.bulk)
+        passes = max(1, int(np.ceil(dt * self.outflow[:, 0].max() / CROSSED * (1.0 - 1e-9))))
+        h_g, grad_g, carried_g = self._velocity(dt, 0, gas, 1.0 - self.eps_s, self._mu_gas, self._bulk_gas, passes)
+        h_s, grad_s, carried_s = self._velocity(dt, 1, self.moved, self.eps_s, shear, r.bulk, 1)
         self._forces(dt, h_g, h_s, grad_g, grad_s)
-        kc.remember(dt, self.u_gas, u_gas, grad_g, u_gas, self.lag_g)
-        kc.remember(dt, self.u_solid, u_solid, grad_s, u_solid, self.lag_s)
+        self.lag_g = (self.u_gas - u_gas) / dt - carried_g
+        self.lag_s = (self.u_solid - u_solid) / dt - carried_s
         if self.options.theta != "frozen":
             self._granular(dt)
 
@@ -225,8 +227,10 @@ class Stepper:
         trace = np.einsum("cii->c", strain) + ring
         return np.sqrt(0.5 * np.maximum(np.einsum("cij,cij->c", strain, strain) + ring**2 - trace**2 / 3.0, 0.0))
 
-    def _velocity(self, dt, phase, flux, eps, mu, bulk) -> tuple[np.ndarray, np.ndarray]:
-        """Velocity of one phase after convection and stress, and its gradient before."""
+    def _velocity(self, dt, phase, flux, eps, mu, bulk, passes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Velocity of one phase after convection, in so many passes, and stress; its gradient before; and the rate at
+        which it was carried.
+        """
         g, rho = self.grid.geometry, self.rho[phase]
         if phase == 0:
             side, slip, u, lag, force = self.edge.gas, self.edge.gas.slip, self.u_gas, self.lag_g, self.force_g
@@ -240,18 +244,28 @@ class Stepper:
             kc.gradient(g, u, given, grad)
         else:
             kc.gradient_solid(g, eps, u, given, grad)
-        kc.half_ahead(dt, u, grad, u, lag, ahead)
         rhs, links, coef = np.zeros_like(u), np.zeros_like(u), np.empty((len(g.left), u.shape[1]))
-        kc.convect(g, flux, u, grad, ahead, given, self.options.limited, low, rhs)
         dense, content = self.dense if phase == 0 else 1.0, np.empty_like(u)
+        volume = ((eps * dense + ks.EMPTY) * g.volume)[:, None]
+        v, slopes, part = u, grad, dt / passes
+        for k in range(passes):
+            if k > 0:
+                # the last forces go along, so that a steady flow stays as it is
+                v = u + part * (rhs / volume + k * (source + force))
+                slopes = np.empty_like(grad)
+                kc.gradient(g, v, given, slopes)
+            kc.half_ahead(part, v, slopes, v, lag, ahead)
+            kc.convect(g, flux, v, slopes, ahead, given, self.options.limited, low, rhs)
+        rhs /= passes
+        carried = rhs / volume
         # with the last forces the change vanishes in a steady state, which the implicit part then leaves alone
-        kc.momentum(dt, rho, rho / dt * (eps * dense + ks.EMPTY) * g.volume, source, force, rhs, content)
+        kc.momentum(dt, rho, rho / dt * volume[:, 0], source, force, rhs, content)
         self.work = np.zeros(len(eps))
         kt.stress(g, side, slip, eps, mu, bulk, u, grad, given, rhs, coef, self.work)
         if self.grid.axisymmetric:
             kt.hoop_stress(g, mu, bulk, u, grad, rhs, links, self.work)
         change = self._solve(coef, links, content, rhs, ("u_gas", "u_solid")[phase])
-        return u + change - dt * force, grad
+        return u + change - dt * force, grad, carried
 
     def _forces(self, dt, h_g, h_s, grad_g, grad_s) -> None:
         """Forces, drag and pressure on faces; sets velocities, pressure and fluxes."""
@@ -272,7 +286,6 @@ class Stepper:
         given = np.where(edge.solid.kind == boundary.GIVEN, edge.eps_s, s[self.near])
         kc.gradient(g, column, given.reshape(-1, 1), grad_eps)
         kc.half_ahead(dt, column, grad_eps, self.u_solid, self.lag_eps, ahead)
-        self.lag_eps = self.lag_eps - 2.0 / dt * ahead
         kc.fractions(g, edge.gas, edge.solid, edge, s, grad_eps, ahead, self.options.limited, faces)
         if self.closed:
             kf.stratify(g, dt, self.gravity, rho, s, faces)
@@ -280,6 +293,9 @@ class Stepper:
         kf.assemble(g, edge.gas, edge.solid, edge, faces, coef, rhs)
         self.p = self.pressure.solve(coef, rhs, self.p)
         kf.correct(g, edge.gas, edge.solid, edge, self.p, faces, self.flux_solid, self.flux_total, self.outflow)
+        net, carried = np.empty_like(s), np.empty_like(s)
+        kc.spread(g, faces[:, 1] * g.area, faces[:, 5], s, net, carried)
+        self.lag_eps = -(carried / g.volume)[:, None]
         new_g, old_g, new_s, old_s = (np.empty_like(h_g) for _ in range(4))
         kf.gather_gas(g, faces, grad_g, grad_g, False, new_g, old_g)
         kf.gather_solid(g, faces, s, grad_s, grad_s, False, self._moment, new_s, old_s)
@@ -334,6 +350,7 @@ class Stepper:
             if not ks.starved(g, dt, s, old, rhs, low):
                 break
         self.counters["theta_upwind_cells"] += int(low.sum()) - int(self.drained.sum())
+        carried = rhs / ((s + ks.EMPTY) * g.volume)[:, None]
         rhs *= 1.5 * rho_s
         coef, content = np.empty((len(g.left), 1)), np.empty_like(column)
         ks.conduct(g, edge.solid, edge, r.conductivity, old, grad, self.grid.skewed, rhs, coef)
@@ -345,7 +362,7 @@ class Stepper:
         if (low := self.theta < UNDERFLOW).any():
             self.counters["theta_clipped_cells"] += int((self.theta < 0.0).sum())
             self.theta[low] = 0.0
-        kc.remember(dt, self.theta.reshape(-1, 1), column, grad, self.u_solid, self.lag_theta)
+        self.lag_theta = (self.theta.reshape(-1, 1) - column) / dt - carried
 
     def _balanced(self, made: np.ndarray, divergence: np.ndarray) -> np.ndarray:
         """Granular temperature at which production balances dissipation, a quadratic for its square root. Compression

@@ -144,9 +144,10 @@ def test_heat_is_symmetric():
     order, mirror = np.lexsort((x, z)), np.lexsort((400 - x, z))
     for _ in range(100):
         b.step(b.next_step())
-    for T in (b.heat.T_gas, b.heat.T_solid):
-        # the iterations of the flow end at 1e-9
-        np.testing.assert_allclose(T[order], T[mirror], rtol=1e-6)
+    # the iterations of the flow end at 1e-9; what has no particles has no temperature of theirs
+    there = b.eps_s[order] > 1e-20
+    np.testing.assert_allclose(b.heat.T_gas[order], b.heat.T_gas[mirror], rtol=1e-6)
+    np.testing.assert_allclose(b.heat.T_solid[order][there], b.heat.T_solid[mirror][there], rtol=1e-6)
 
 
 @pytest.mark.parametrize(("shape", "phase"), [("quadrilateral", 0), ("triangle", 1)])
