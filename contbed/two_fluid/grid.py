@@ -7,17 +7,19 @@ A periodic pair is one interior face. In axisymmetric grids, coordinates (r, z),
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
-import skfem
 from scipy.sparse.csgraph import reverse_cuthill_mckee
+from skfem.quadrature import get_quadrature
 
 from contbed.errors import SceneError
 from contbed.meshing.mesh import Mesh
+
+AT_ONCE = 20_000  # cells whose maps are in memory
 
 
 class Geometry(NamedTuple):
@@ -102,20 +104,18 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     """
     old = mesh.skfem
     dim, count = old.dim(), old.nelements
-    # order 4 is exact: a trilinear map has a determinant of degree 2 in each direction, and r adds one in 2-D
-    inside = skfem.CellBasis(old, old.elem(), intorder=4)
-    weight = inside.dx * (2 * np.pi * np.asarray(inside.global_coordinates())[0] if mesh.axisymmetric else 1.0)
-    plain, volume = inside.dx.sum(axis=1), weight.sum(axis=1)
-    if not (volume > 0).all():
-        raise SceneError(f"mesh: {np.sum(~(volume > 0))} cells have no volume; repair the mesh")
-    centres = (np.asarray(inside.global_coordinates()) * inside.dx).sum(axis=2).T / plain[:, None]
-    faces = skfem.FacetBasis(old, old.elem(), facets=np.arange(old.facets.shape[1]), intorder=4)
-    position = np.asarray(faces.global_coordinates())
-    vector = (np.asarray(faces.normals) * faces.dx).sum(axis=2).T
-    flat = np.linalg.norm(vector, axis=1)
-    middles = (position * faces.dx).sum(axis=2).T / faces.dx.sum(axis=1)[:, None]
-    area = 2 * np.pi * middles[:, 0] * flat if mesh.axisymmetric else flat
     first, second = old.f2t
+    plain, centres = _middles(count, old.refdom, old.mapping().F, old.mapping().detDF)
+    weight = plain
+    if mesh.axisymmetric:
+        weight = 2 * np.pi * centres[:, 0] * plain
+    if not (weight > 0).all():
+        raise SceneError(f"mesh: {np.sum(~(weight > 0))} cells have no volume; repair the mesh")
+    _, middles = _middles(old.facets.shape[1], old.brefdom, old.mapping().G, old.mapping().detDG)
+    vector = _vectors(old.p[:, old.facets])
+    vector *= np.sign(((middles - centres[first]) * vector).sum(axis=1))[:, None]
+    flat = np.linalg.norm(vector, axis=1)
+    area = 2 * np.pi * middles[:, 0] * flat if mesh.axisymmetric else flat
     joined = _pairs(mesh, periodic, middles)
 
     interior = np.flatnonzero(second >= 0)
@@ -137,7 +137,7 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
         np.concatenate((np.minimum(left, right)[order], rank[first[edge]])),
         np.maximum(left, right)[order],
     )
-    centres, volume = centres[cells], volume[cells]
+    centres, volume = centres[cells], weight[cells]
     normal = sign[:, None] * vector[face] / flat[face][:, None]
     ni = len(right)
     arm_left = middles[np.concatenate((seen[0], edge))] - centres[left]
@@ -172,6 +172,31 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
         {name: np.sort(rank[c]) for name, c in old.subdomains.items()},
         mesh.axisymmetric, bool(skewed), int((right - left[:ni]).max(initial=0)),
     )  # fmt: skip
+
+
+def _middles(count: int, reference: type, place: Callable, determinant: Callable) -> tuple[np.ndarray, np.ndarray]:
+    """Sizes (count,) and middles (count, dim) of cells or faces, by quadrature in the `reference` one; in parts, as the
+    maps of hexahedra are large.
+    """
+    # order 4 is exact: a trilinear map has a determinant of degree 2 in each direction, and the place adds one
+    points, weights = get_quadrature(reference, 4)
+    sizes, middles = [], []
+    for part in np.array_split(np.arange(count), count // AT_ONCE + 1):
+        dx = np.abs(determinant(points, part)) * weights
+        sizes.append(dx.sum(axis=1))
+        middles.append((place(points, part) * dx).sum(axis=2).T / sizes[-1][:, None])
+    return np.concatenate(sizes), np.concatenate(middles)
+
+
+def _vectors(p: np.ndarray) -> np.ndarray:
+    """Area vectors (nf, dim) of faces with the corners p (dim, corners, nf), of either sign."""
+    if len(p) == 1:
+        return np.ones((p.shape[2], 1))
+    along = p[:, 1] - p[:, 0]
+    if len(p) == 2:
+        return np.stack((along[1], -along[0]), axis=1)
+    # of a warped face the integral of the normal, too
+    return 0.5 * np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1] if p.shape[1] == 4 else along, axis=0).T
 
 
 def neighbours(grid: Grid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
