@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed.two_fluid import settings as t
+from contbed.two_fluid import weight
 from contbed.two_fluid.grid import Grid
 from contbed.two_fluid.simulation import TwoFluid
 from contbed.two_fluid.statistics import Averages, along, spectrum
@@ -209,6 +210,8 @@ def results(
         found["pressure_drop_mean [Pa]"] = float(np.mean(rows["pressure_drop [Pa]"][late]))
         found["averaged [s]"] = float(averages.weight.sum())
         found["difference_of_halves"] = averages.drift()
+        if found["weight_of_solids"] > 0.0:
+            found |= weight.shares(averages.forces())
     if "spectrum" in tables:
         frequency, power = tables["spectrum"].values()
         found["dominant_frequency [Hz]"] = float(frequency[np.argmax(power)])

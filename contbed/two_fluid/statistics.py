@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from contbed.two_fluid import weight
 from contbed.two_fluid.simulation import TwoFluid
 
 HALVES = 2
@@ -20,21 +21,24 @@ HALVES = 2
 
 @dataclass
 class Averages:
-    """Sums over time of each half of the window, weighted by the steps."""
+    """Sums over time of each half of the window, weighted by the steps; `momentum` after the last step."""
 
     start: float
     end: float
     weight: np.ndarray = field(default_factory=lambda: np.zeros(HALVES))
     sums: dict[str, np.ndarray] = field(default_factory=dict)
+    momentum: float = 0.0
 
     def add(self, bed: TwoFluid) -> None:
         """Take the last step of the bed into account."""
+        before, self.momentum = self.momentum, weight.momentum(bed)
         if bed.time <= self.start:
             return
         half = min(int(HALVES * (bed.time - self.start) / (self.end - self.start)), HALVES - 1)
         s = bed.eps_s[:, None]
         now = {"eps_s": bed.eps_s, "theta": bed.eps_s * bed.theta, "p": bed.p, "u_gas": (1.0 - s) * bed.u_gas,
-               "u_solid": s * bed.u_solid, "square": s * bed.u_solid**2}  # fmt: skip
+               "u_solid": s * bed.u_solid, "square": s * bed.u_solid**2,
+               "forces": weight.forces(bed, before)}  # fmt: skip
         if bed.heat is not None:
             now |= {"T_gas": (1.0 - bed.eps_s) * bed.heat.T_gas, "T_solid": bed.eps_s * bed.heat.T_solid}
         self.weight[half] += bed.dt
@@ -66,6 +70,10 @@ class Averages:
             "theta_total": mean["theta"] / s + total / 3.0,
         }
 
+    def forces(self) -> np.ndarray:
+        """Means of `weight.forces` [N]."""
+        return self.sums["forces"].sum(axis=0) / self.weight.sum()
+
     def drift(self) -> float:
         """Largest difference of the two halves in eps_s, over its mean: 0 for converged averages."""
         if not (self.weight > 0).all():
@@ -75,11 +83,12 @@ class Averages:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """For a checkpoint."""
-        return {"weight": self.weight, **{f"sum_{name}": value for name, value in self.sums.items()}}
+        sums = {f"sum_{name}": value for name, value in self.sums.items()}
+        return {"weight": self.weight, "momentum": np.array(self.momentum), **sums}
 
     def resume(self, arrays: dict[str, np.ndarray]) -> None:
         """Back to what `arrays` gave."""
-        self.weight = np.array(arrays["weight"])
+        self.weight, self.momentum = np.array(arrays["weight"]), float(arrays["momentum"])
         self.sums = {name[4:]: np.array(value) for name, value in arrays.items() if name.startswith("sum_")}
 
 

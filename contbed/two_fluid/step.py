@@ -95,7 +95,8 @@ class Stepper:
     What else a step remembers of the last one: `lag_*`, rates of change less convection; `force_*`, accelerations;
     `drag` and `stiffness`; `grad_p`, gradients of p and solids pressure on skewed meshes; `outflow` for the Courant
     number. `heat` is None for an isothermal bed; `dense` is the density of the gas over that of `materials`.
-    `near` are the cells at boundary faces, `drained` those that the limiter marked, `undrained` marks none.
+    `near` are the cells at boundary faces, `drained` those that the limiter marked, `undrained` marks none; `pull` [N]
+    is the force of the walls on gas and solids along the last axis.
     """
 
     def __init__(
@@ -136,6 +137,7 @@ class Stepper:
 
         self._faces, self._moment = np.zeros((nf, 8)), np.zeros((nc, dim, dim))
         self._slip = np.zeros(nf - grid.interior)
+        self.pull = np.zeros(2)
         self.drained, self.undrained = np.zeros(nc, dtype=np.bool_), np.zeros(nc, dtype=np.bool_)
         self._mu_gas, self._bulk_gas = np.full(nc, materials.mu_gas), np.zeros(nc)
         self.near = g.left[grid.interior :]
@@ -265,6 +267,9 @@ class Stepper:
         if self.grid.axisymmetric:
             kt.hoop_stress(g, mu, bulk, u, grad, rhs, links, self.work)
         change = self._solve(coef, links, content, rhs, ("u_gas", "u_solid")[phase])
+        walls = side.kind == boundary.WALL
+        gone = side.u - (u + change)[self.near]
+        self.pull[phase] = np.sum(coef[self.grid.interior :, -1] * gone[:, -1], where=walls)
         return u + change - dt * force, grad, carried
 
     def _forces(self, dt, h_g, h_s, grad_g, grad_s) -> None:

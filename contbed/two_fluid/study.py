@@ -11,7 +11,7 @@ import numpy as np
 
 from contbed.closures import usage
 from contbed.result import Result
-from contbed.two_fluid import findings, laws, planning, probes
+from contbed.two_fluid import findings, laws, planning, probes, weight
 from contbed.two_fluid import settings as t
 from contbed.two_fluid.simulation import TwoFluid
 from contbed.two_fluid.statistics import Averages
@@ -30,7 +30,9 @@ class Run:
         inlets = (getattr(part, "until", None) for part in self.scene.boundary.values())
         self.ends = sorted({end for end in inlets if end is not None})
         self.ended = 0
-        self.averages = None if time.average_from is None else Averages(time.average_from, time.end)
+        self.averages = None
+        if time.average_from is not None:
+            self.averages = Averages(time.average_from, time.end, momentum=weight.momentum(self.bed))
         self.rows: list[list[float]] = []
         self.files: list[tuple[float, str]] = []
         self.interval = time.sample or time.end / ROWS

@@ -1,12 +1,14 @@
-"""What carries a bed at rest: pressure of the gas and friction of the particles on the floor, against its weight."""
+"""What carries a bed, at rest and moving: pressure, friction of the particles on the floor and walls, against weight."""
 
 import numpy as np
 import pytest
-from core_closures import bed, closures, line
+from core_closures import bed, closures, line, rectangle
 
-from contbed.two_fluid.boundary import Inlet, Outlet, symmetry
+from contbed.two_fluid import weight
+from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
 from contbed.two_fluid.simulation import Options
 
+SLIP = symmetry()
 LOOSE, STRENGTH = 0.5, 200.0  # fraction above which particles rub, p = rho_s STRENGTH (eps_s - LOOSE)^2
 
 
@@ -42,3 +44,36 @@ def test_floor_carries_the_weight_of_a_bed_at_rest():
 def test_gas_carries_its_part():
     # gas that speeds up through denser particles takes rho u^2 of it, 1e-5 of the weight
     assert carried(20, 0.3)[0] == pytest.approx(1.0, abs=2e-5)
+
+
+def measured(b):
+    """Shares of the weight in one more step."""
+    before = weight.momentum(b)
+    b.step(b.next_step())
+    return weight.shares(weight.forces(b, before))
+
+
+def test_pressure_carries_a_uniform_suspension():
+    s, u = 0.4, 0.5
+    drag = (s * 2500 + (1 - s) * 1.2 - 1.2) * 9.81 * (1 - s) / s / u  # K u = (1 - s) (rho_s - rho_g) g
+    sides = {"left": SLIP, "right": SLIP, "bottom": Inlet((1 - s) * u), "top": Outlet()}
+    b = bed(rectangle(0.1, 0.2, (5, 10)), closures(drag), sides, (0.0, -9.81), rho_gas=1.2)
+    z, density = b.grid.centres[:, 1], s * 2500 + (1 - s) * 1.2
+    b.start(eps_s=s, u_gas=np.stack((0 * z, 0 * z + u), axis=1), p=(0.2 - z) * density * 9.81)
+    found = measured(b)
+    assert found["weight_pressure"] == pytest.approx(1.0, abs=1e-9)
+    assert abs(found["weight_missing"]) < 1e-9
+
+
+def test_walls_carry_what_falls_steadily():
+    # nothing below or above: the shear of both phases on the walls is the weight, whatever the momentum was before
+    wall = Wall(gas="no_slip", solid="no_slip")
+    grid = rectangle(0.1, 0.05, (8, 4), [("bottom", "top")])
+    b = bed(grid, closures(50.0, viscosity=100.0), {"left": wall, "right": wall}, (0.0, -9.81), mu_gas=1.0)
+    b.start(eps_s=0.3)
+    b.step(1e-3)
+    assert abs(measured(b)["weight_missing"]) < 1e-6  # of the solution of the system
+    b.advance(2.0)
+    found = measured(b)
+    assert found["weight_walls"] == pytest.approx(1.0, abs=1e-6)
+    assert abs(found["weight_missing"]) < 1e-6
