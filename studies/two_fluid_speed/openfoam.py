@@ -50,6 +50,7 @@ class Case:
     average_from: float = 1e9
     walls: str = "noslip"
     upwind: bool = False
+    on_faces: bool = False  # momentum solved for on faces instead of in cells
     start: tuple[float, float, float] | None = None  # of a riser: eps_s, velocities of gas and solids [m/s]
     write_every: float | None = None  # [s]; without it the last state alone is written
 
@@ -329,7 +330,12 @@ def numerics(case: Case) -> dict[str, dict[str, Any]]:
                 '"U.*"': {**smooth, "tolerance": 1e-5},
                 '"(h|e|Theta).*"': {**smooth, "tolerance": 1e-6},
             },
-            "PIMPLE": {"nOuterCorrectors": 1, "nCorrectors": 2, "nNonOrthogonalCorrectors": 0},
+            "PIMPLE": {
+                "nOuterCorrectors": 1,
+                "nCorrectors": 2,
+                "nNonOrthogonalCorrectors": 0,
+                "faceMomentum": "yes" if case.on_faces else "no",
+            },
             "relaxationFactors": {"equations": {'".*"': 1}},
         },
         "system/controlDict": {

@@ -1,4 +1,4 @@
-"""What carries a bed, at rest and moving: pressure, friction of the particles on the floor and walls, against weight."""
+"""What carries a bed, at rest and moving: pressures on the floor and walls, against its weight."""
 
 import numpy as np
 import pytest
