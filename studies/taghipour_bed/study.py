@@ -3,8 +3,9 @@
     python study.py [peer]     all scenes of this folder; "peer" runs OpenFOAM too (25 minutes)
     python study.py frames     only the frames of bed_0.46.toml
 
-Writes results.csv: pressure drop over the weight of the particles, heights over that at rest by the lateral mean of
-eps_s and by the centre of the particles, drift of the inventory.
+Writes results.csv: what gas and walls carry of the weight and what is missing (of the peer the pressure at its inlet,
+see budget.py), heights over that at rest by the lateral mean of eps_s and by the centre of the particles, drift of the
+inventory.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ sys.path.insert(0, str(HERE.parent / "two_fluid_speed"))
 import openfoam  # noqa: E402
 
 REST, FROM = 0.4, 2.0  # height at rest [m], start of the averages [s]
-COLUMNS = ("program", "case", "cells", "walls", "pressure_over_weight", "H_0.3", "H_0.2", "H_centre",
-           "mass_drift", "cpu_s")  # fmt: skip
+COLUMNS = ("program", "case", "cells", "walls", "pressure_over_weight", "walls_over_weight", "missing",
+           "H_0.3", "H_0.2", "H_centre", "mass_drift", "cpu_s")  # fmt: skip
 PEERS = {
     "noslip 0.46": openfoam.Case("bed", 56, 200, 6.0, 0.46, "SyamlalOBrien", average_from=FROM),
     "slip 0.46": openfoam.Case("bed", 56, 200, 6.0, 0.46, "SyamlalOBrien", average_from=FROM, walls="slip"),
@@ -47,9 +48,9 @@ def own(path: Path) -> list:
     result = cb.run(scene)
     cpu = time.process_time() - start
     axial = result.tables["axial"]
-    share = result.qoi["pressure_drop_mean [Pa]"] / result.qoi["weight_of_solids"]
+    shares = [result.qoi[f"weight_{name}"] for name in ("pressure", "walls", "missing")]
     cells = "x".join(str(n) for n in scene.mesh.cells)
-    return ["contbed", path.stem, cells, scene.boundary["left"].solid, share,
+    return ["contbed", path.stem, cells, scene.boundary["left"].solid, *shares,
             *heights(axial["height [m]"], axial["eps_s [1]"]), result.qoi["mass_drift_relative"], cpu]  # fmt: skip
 
 
@@ -62,7 +63,7 @@ def peer(name: str, case: openfoam.Case) -> list:
     weight = 2500.0 * 9.81 * openfoam.BED_FRACTION * openfoam.BED_HEIGHT
     share = float(trapezoid(p[late] - 1e5, t[late]) / np.ptp(t[late])) / weight
     z = (np.arange(case.ny) + 0.5) / case.ny
-    return ["twoPhaseEulerFoam", name, f"{case.nx}x{case.ny}", case.walls, share, *heights(z, eps_s),
+    return ["twoPhaseEulerFoam", name, f"{case.nx}x{case.ny}", case.walls, share, "", "", *heights(z, eps_s),
             found["mass_drift_relative"], found["cpu_s"]]  # fmt: skip
 
 
