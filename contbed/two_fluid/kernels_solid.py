@@ -11,6 +11,7 @@ TINY = 1e-300
 SOFT = 1e-12  # [m2/s2] stiffness of particles that do not touch, so that its inverse exists
 MISSED = 1e-3  # change of eps_s by the pressure that a tangent misses, above which the tangent moves
 HALVINGS = 40
+FAINT, LOOSE = 1e-4, 0.6  # fraction below which a cloud is not pushed within a step; share of packing, above which
 EMPTY = 1e-30  # a cell with a smaller fraction keeps its velocity and granular temperature
 
 
@@ -46,10 +47,42 @@ def compaction(g, dt, rho_s, stiffness, drag, flux, source, coef, content, rhs):
 
 
 @kernel
-def compact(g, dt, coef, y, flux):
-    """Adds the flux that the change y of p_solid/rho_s drives."""
+def compact(g, dt, coef, content, y, flux, push):
+    """Adds the flux that the change y of p_solid/rho_s drives; push (nf,) [m/s] is the part of it, per area, that the
+    particles keep as velocity. Without, the next step has the new pressure push them, and a wave passes without loss;
+    where sound crosses cells within a step, it would ring.
+    """
+    push[:] = 0.0
     for f in range(len(g.right)):
-        flux[f] -= coef[f, 0] * (y[g.right[f], 0] - y[g.left[f], 0]) / dt
+        left, right = g.left[f], g.right[f]
+        change = -coef[f, 0] * (y[right, 0] - y[left, 0]) / dt
+        flux[f] += change
+        crossed = coef[f, 0] / min(content[left, 0], content[right, 0])  # squared, in cells
+        push[f] = change / g.area[f] * crossed / (1.0 + crossed)
+
+
+@kernel
+def recoil(g, push, eps_max, s, u):
+    """Adds to the velocity u (nc, dim) of the particles what `push` gives them; the cells of a face share it by mass.
+    Not to a faint cloud, and less and less towards packing, where a limit or friction may stop what was pushed.
+    """
+    ni, dim = len(g.right), len(g.axes)
+    change, out = np.zeros(u.shape), np.empty(dim)
+    for f in range(ni):
+        left, right, w = g.left[f], g.right[f], g.share[f]
+        carried = (1.0 - w) * s[left] + w * s[right]
+        loose = 1.0 - (max(s[left], s[right]) / (LOOSE * eps_max)) ** 4
+        speed = g.flat[f] * push[f] / max(carried, FAINT) * min(1.0, carried / FAINT) * max(0.0, loose)
+        for k in range(dim):
+            change[left, k] += speed * g.normal[f, k]
+            change[right, k] += speed * g.normal[f, k]
+    for c in range(len(s)):
+        for k in range(dim):
+            out[k] = 0.0
+            for d in range(dim):
+                out[k] += g.inverse[c, k, d] * change[c, d]
+        for k in range(dim):
+            u[c, k] += out[k]
 
 
 @kernel

@@ -136,7 +136,7 @@ class Stepper:
         self.counters = dict.fromkeys(names, 0)
 
         self._faces, self._moment = np.zeros((nf, 8)), np.zeros((nc, dim, dim))
-        self._slip = np.zeros(nf - grid.interior)
+        self._slip, self._push = np.zeros(nf - grid.interior), np.zeros(nf)
         self.pull = np.zeros(2)
         self.drained, self.undrained = np.zeros(nc, dtype=np.bool_), np.zeros(nc, dtype=np.bool_)
         self._mu_gas, self._bulk_gas = np.full(nc, materials.mu_gas), np.zeros(nc)
@@ -174,6 +174,7 @@ class Stepper:
         passes = max(1, int(np.ceil(dt * self.outflow[:, 0].max() / CROSSED * (1.0 - 1e-9))))
         h_g, grad_g, carried_g = self._velocity(dt, 0, gas, 1.0 - self.eps_s, self._mu_gas, self._bulk_gas, passes)
         h_s, grad_s, carried_s = self._velocity(dt, 1, self.moved, self.eps_s, shear, r.bulk, 1)
+        ks.recoil(g, self._push, self.materials.eps_max, self.eps_s, h_s)
         self._forces(dt, h_g, h_s, grad_g, grad_s)
         self.lag_g = (self.u_gas - u_gas) / dt - carried_g
         self.lag_s = (self.u_solid - u_solid) / dt - carried_s
@@ -195,7 +196,7 @@ class Stepper:
                 break
             self.counters["packing_rounds"] += 1
             y = self._solve(coef, np.zeros(size), content, rhs, "eps_s", 0.0)
-        ks.compact(g, dt, coef, y, flux)
+        ks.compact(g, dt, coef, content, y, flux, self._push)
         touched, rounds = limiter.limit(g, dt, old, source, self.materials.eps_max, flux, new, self.drained)
         if touched:
             self.counters["limited_faces"] += int(touched)
