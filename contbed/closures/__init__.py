@@ -30,17 +30,19 @@ from contbed.closures.bed_tube import (
     bed_tube_molerus_wirth,
     bed_tube_zabrodsky,
 )
-from contbed.closures.bubbles import (
+from contbed.closures.bubble_size import (
     bubble_growth_darton,
     bubble_growth_horio_nonaka,
     bubble_growth_mori_wen,
-    bubble_heat_kunii_levenspiel,
-    bubble_heat_sit_grace,
-    bubble_rise_davidson_harrison,
     bubble_size_mori_wen,
     bubble_start_darton,
     bubble_start_orifices,
     bubble_start_porous_plate,
+)
+from contbed.closures.bubbles import (
+    bubble_heat_kunii_levenspiel,
+    bubble_heat_sit_grace,
+    bubble_rise_davidson_harrison,
     gas_exchange_kunii_levenspiel,
     gas_exchange_sit_grace,
 )
@@ -72,13 +74,6 @@ from contbed.closures.fluidization import (
     emulsion_gas_kunii_levenspiel,
     emulsion_gas_two_phase,
     expansion_souza_santos,
-    minimum_fluidization_babu,
-    minimum_fluidization_chitester,
-    minimum_fluidization_ergun,
-    minimum_fluidization_grace,
-    minimum_fluidization_richardson,
-    minimum_fluidization_saxena_vogel,
-    minimum_fluidization_wen_yu,
     nusselt_kunii_levenspiel,
     solids_mixing_kunii_levenspiel,
 )
@@ -111,6 +106,15 @@ from contbed.closures.granular_transport import (
     granular_dissipation_lun,
     granular_viscosity_gidaspow,
     granular_viscosity_syamlal,
+)
+from contbed.closures.minimum_fluidization import (
+    minimum_fluidization_babu,
+    minimum_fluidization_chitester,
+    minimum_fluidization_ergun,
+    minimum_fluidization_grace,
+    minimum_fluidization_richardson,
+    minimum_fluidization_saxena_vogel,
+    minimum_fluidization_wen_yu,
 )
 from contbed.closures.nusselt import (
     nusselt_gunn,
