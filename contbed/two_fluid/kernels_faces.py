@@ -23,7 +23,8 @@ from contbed.two_fluid.kernels_fields import FEW, NEVER, heard
 TINY = 1e-300
 UNDERFLOW = 1e-60  # [m/s]
 RESOLVED = 0.05  # (N dt)^2 of a buoyancy wave up to which the step follows it
-LEAST = 1e-12  # say of a face that no particle reaches: it gives the direction that no other face does
+SILENT = 1e-4  # say of a face that hardly a particle reaches
+LEAST = 1e-12  # of all faces in the moment: along directions that no face gives, particles keep H
 
 
 @kernel
@@ -38,13 +39,13 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
     """Face velocities without the pressure; columns 4 and 5 get them with the last pressure.
 
     rho : densities of the gas (nc,) and of the solids
-    cells : eps_s, K, P, h, p
+    cells : eps_s, K, P, h, p, and whether particles rest in or beside a cell
     vectors : H_g, H_s and the velocities before
-    gradients : of H_g, H_s, (p, P, h), used with `corrections` on skewed meshes
+    gradients : of H_g, H_s, (p, P, h + p/rho_s - g . x), used with `corrections` on skewed meshes
     own (nf,) : part of u_g that the cells around did not see; kept while the gas crosses a cell, longer where drag
         holds it, or p would be noise that grows as the steps become small
     """
-    s, drag, kinetic, friction, p = cells
+    s, drag, kinetic, friction, p, resting = cells
     h_g, h_s, old_g, old_s = vectors
     grad_g, grad_s, grad_p = gradients
     rho_cell, rho_s = rho
@@ -53,7 +54,7 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
         left = g.left[f]
         rho_g = rho_cell[left]
         b = f - ni
-        hg = hs = pull = away_p = away_k = away_h = 0.0
+        hg = hs = pull = away_p = away_k = away_h = away_s = 0.0
         if b < 0:
             right = g.right[f]
             w = g.share[f]
@@ -74,15 +75,20 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
                 # the slopes of cells around must not push where there are no particles
                 most = (kinetic[left] + kinetic[right]) / g.distance[f]
                 away_k = min(max(away_k, -most), most)
-                most = (friction[left] + friction[right]) / g.distance[f]
-                away_h = min(max(away_h, -most), most)
+                away_s = away_p / rho_s
+                if resting[left] or resting[right]:
+                    # between two centres the forces have a potential, and particles come to rest where it is level
+                    most = 2.0 * min(friction[left], friction[right]) / g.distance[f]
+                    away_s = min(max(away_h, -most), most)
+                    for k in range(dim):
+                        away_s += g.cross[f, k] * gravity[k]
             rho_g += (1.0 - w) * (rho_cell[right] - rho_g)
             mean = w * s[left] + (1.0 - w) * s[right]
             k_face = w * drag[left] + (1.0 - w) * drag[right]
             # with this mean the force of P on both cells together is its jump, as momentum needs
             carried = (1.0 - w) * s[left] + w * s[right] + TINY
             steep = (kinetic[right] - kinetic[left]) / g.distance[f] + away_k
-            push = pull - steep / carried - (friction[right] - friction[left]) / g.distance[f] - away_h
+            push = pull - steep / carried - (friction[right] - friction[left]) / g.distance[f]
             drop = (p[right] - p[left]) / g.distance[f]
         elif gas.kind[b] == OUTLET:
             for k in range(dim):
@@ -91,6 +97,7 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
                 pull += g.normal[f, k] * gravity[k]
                 if corrections:
                     away_p += g.cross[f, k] * grad_p[left, 0, k]
+            away_s = away_p / rho_s
             mean, k_face, push = s[left], drag[left], pull
             drop = (edge.p[b] - p[left]) / g.distance[f]
         else:
@@ -113,9 +120,7 @@ def predict(g, gas, solid, edge, dt, gravity, rho, cells, vectors, gradients, co
         scale = dt / (1.0 + a_g + a_s)
         move_g = scale * ((1.0 + a_s) / rho_g + a_g / rho_s)
         move_s = scale * (a_s / rho_g + (1.0 + a_g) / rho_s)
-        u_g, u_s = two_phase(hg + dt * pull, hs + dt * push, a_g, a_s)
-        u_g -= move_g * away_p
-        u_s -= move_s * away_p
+        u_g, u_s = two_phase(hg + dt * (pull - away_p / rho_g), hs + dt * (push - away_s), a_g, a_s)
         faces[f, 0], faces[f, 1], faces[f, 2], faces[f, 3] = u_g, u_s, move_g, move_s
         faces[f, 4], faces[f, 5], faces[f, 6], faces[f, 7] = u_g - move_g * drop, u_s - move_s * drop, hg, hs
 
@@ -245,7 +250,8 @@ def gather_solid(g, faces, s, grad_new, grad_old, corrections, moment, new, old)
     for f in range(len(g.left)):
         for side in range(2 if f < ni else 1):
             c = g.left[f] if side == 0 else g.right[f]
-            weight = min(1.0, (faces[f, 5] + NEVER) / (FEW * s[c] + NEVER) + LEAST) * g.flat[f]
+            say = min(1.0, (faces[f, 5] + NEVER) / (FEW * s[c] + NEVER))
+            weight = g.flat[f] * say if say > SILENT else 0.0
             u, h = faces[f, 1], faces[f, 7]
             if corrections:
                 for k in range(dim):
@@ -258,7 +264,7 @@ def gather_solid(g, faces, s, grad_new, grad_old, corrections, moment, new, old)
                 new[c, k] += n * u
                 old[c, k] += n * h
                 for d in range(k, dim):
-                    moment[c, k, d] += n * g.normal[f, d]
+                    moment[c, k, d] += (weight + LEAST * g.flat[f]) * g.normal[f, k] * g.normal[f, d]
     for c in range(len(g.volume)):
         # Cholesky without roots: the moment is small, symmetric and positive
         for i in range(dim):

@@ -85,6 +85,30 @@ def gradient_solid(g, s, values, edge, out):
 
 
 @kernel
+def gradient_drive(g, h, q, gravity, out, resting):
+    """Gradient (nc, 1, dim) of h + q - gravity . x with q = p/rho_s, which is level where particles rest on each other;
+    a neighbour without friction, h = 0, counts as level. `resting` (nc,) marks cells that rub, or lie beside one.
+    """
+    dim = len(g.axes)
+    out[:] = 0.0
+    for c in range(len(h)):
+        resting[c] = h[c] > 0.0
+    for f in range(len(g.right)):
+        left, right = g.left[f], g.right[f]
+        resting[left] |= h[right] > 0.0
+        resting[right] |= h[left] > 0.0
+        if h[left] > 0.0 and h[right] > 0.0:
+            jump = h[right] + q[right] - h[left] - q[left]
+            for d in range(dim):
+                jump -= gravity[d] * (g.arm_left[f, d] - g.arm_right[f, d])
+            for d in range(dim):
+                out[left, 0, d] += jump * g.slope_left[f, d]
+                out[right, 0, d] += jump * g.slope_right[f, d]
+    if g.wide:
+        widen(g, np.ones(len(h)), out)
+
+
+@kernel
 def edge_velocity(g, side, slip, u, eps, out):
     """Velocity of a phase at the boundary (nb, dim): what walls leave of the cell's, what inlets give."""
     ni, dim = len(g.right), len(g.axes)
@@ -230,7 +254,11 @@ def fractions(g, gas, solid, edge, s, grad, ahead, limited, faces):
         left = g.left[f]
         if f < ni:
             faces[f, 4] = 1.0 - on_face(g, f, faces[f, 4] >= 0.0, s, grad, ahead, limited)
-            faces[f, 5] = max(0.0, on_face(g, f, faces[f, 5] >= 0.0, s, grad, ahead, limited))
+            forward = faces[f, 5] >= 0.0
+            faces[f, 5] = max(0.0, on_face(g, f, forward, s, grad, ahead, limited))
+            if limited:
+                # an empty cell gives nothing, whatever its slope is on a skewed mesh
+                faces[f, 5] = min(faces[f, 5], 2.0 * (s[left] if forward else s[g.right[f]]))
             continue
         b = f - ni
         if gas.kind[b] == OUTLET:

@@ -6,6 +6,7 @@ import numpy as np
 
 from contbed.two_fluid.boundary import GIVEN, WALL
 from contbed.two_fluid.compiled import kernel
+from contbed.two_fluid.kernels_fields import heard
 
 TINY = 1e-300
 SOFT = 1e-12  # [m2/s2] stiffness of particles that do not touch, so that its inverse exists
@@ -26,7 +27,7 @@ def slip_speed(u_gas, u_solid, out):
 
 
 @kernel
-def compaction(g, dt, rho_s, stiffness, drag, flux, source, coef, content, rhs):
+def compaction(g, dt, rho_s, stiffness, drag, s, flux, source, coef, content, rhs):
     """The implicit part of the solids pressure: V y/c - sum of coef (y_neighbour - y) = rhs for the change y of
     p_solid/rho_s, with the change y/c of eps_s where c is the `stiffness` (nc,) dp_solid/deps_s/rho_s [m2/s2].
     """
@@ -44,6 +45,9 @@ def compaction(g, dt, rho_s, stiffness, drag, flux, source, coef, content, rhs):
         w = g.share[f]
         hold = 1.0 + dt * (w * drag[left] + (1.0 - w) * drag[right]) / rho_s
         coef[f, 0] = dt * dt * g.area[f] / g.distance[f] / hold
+        if g.wide and flux[f] != 0.0:
+            # few particles that sink into many, from a cell that the surface hardly cuts, are not thrown back
+            coef[f, 0] *= heard(s[left], s[right]) if flux[f] > 0.0 else heard(s[right], s[left])
 
 
 @kernel

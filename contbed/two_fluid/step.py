@@ -93,10 +93,10 @@ class Stepper:
     The fields are in the order of the grid. `flux_solid` and `flux_total` (nf,) [m3/s] are the volume fluxes of the
     solids and of both phases that the next step starts with, `moved` the solids flux of the last step after limits.
     What else a step remembers of the last one: `lag_*`, rates of change less convection; `force_*`, accelerations;
-    `drag` and `stiffness`; `grad_p`, gradients of p and solids pressure on skewed meshes; `outflow` for the Courant
-    number. `heat` is None for an isothermal bed; `dense` is the density of the gas over that of `materials`.
-    `near` are the cells at boundary faces, `drained` those that the limiter marked, `undrained` marks none; `pull` [N]
-    is the force of the walls on gas and solids along the last axis.
+    `drag` and `stiffness`; `grad_p`, gradients of p, solids pressure and what drives resting particles, on skewed
+    meshes; `outflow` for the Courant number. `heat` is None for an isothermal bed; `dense` is the density of the gas
+    over that of `materials`. `near` are the cells at boundary faces, `drained` those that the limiter marked,
+    `undrained` marks none; `pull` [N] is the force of the walls on gas and solids along the last axis.
     """
 
     def __init__(
@@ -139,6 +139,7 @@ class Stepper:
         self._slip, self._push = np.zeros(nf - grid.interior), np.zeros(nf)
         self.pull = np.zeros(2)
         self.drained, self.undrained = np.zeros(nc, dtype=np.bool_), np.zeros(nc, dtype=np.bool_)
+        self._resting = np.zeros(nc, dtype=np.bool_)
         self._mu_gas, self._bulk_gas = np.full(nc, materials.mu_gas), np.zeros(nc)
         self.near = g.left[grid.interior :]
 
@@ -187,7 +188,7 @@ class Stepper:
         size = (len(old), 1)
         coef, content, rhs = np.empty((len(g.left), 1)), np.empty(size), np.empty(size)
         flux = self.flux_solid.copy()
-        ks.compaction(g, dt, self.rho[1], self.stiffness, self.drag, flux, source, coef, content, rhs)
+        ks.compaction(g, dt, self.rho[1], self.stiffness, self.drag, old, flux, source, coef, content, rhs)
         # everywhere: beside a front, the faint trace that it sends ahead keeps nearly empty cells smooth
         near, shift = np.zeros(size), np.zeros(len(old))
         y = self._solve(coef, near, content, rhs, "eps_s", 0.0)
@@ -279,9 +280,10 @@ class Stepper:
         kinetic = self.rheology.pressure * self.theta
         if skewed:
             self._slopes_of_forces(kinetic)
-            grad_g = grad_g + self._slopes(h_g - self.u_gas)
-            grad_s = grad_s + self._slopes(h_s - self.u_solid)
-        cells, vectors = (s, self.drag, kinetic, self.rheology.h, self.p), (h_g, h_s, self.u_gas, self.u_solid)
+            grad_g = grad_g + self._slopes(h_g - self.u_gas, 0)
+            grad_s = grad_s + self._slopes(h_s - self.u_solid, 1)
+        cells = s, self.drag, kinetic, self.rheology.h, self.p, self._resting
+        vectors = h_g, h_s, self.u_gas, self.u_solid
         gradients = (grad_g, grad_s, self.grad_p)
         rho = (np.broadcast_to(self.rho[0] * self.dense, s.shape), self.rho[1])
         kf.predict(
@@ -310,28 +312,36 @@ class Stepper:
         if skewed:
             # once more, with the slopes of H and of what became of it
             kf.cell_velocities(dt, rho, s, self.drag, *velocities)
-            change_g, change_s = self._slopes(new_g - h_g), self._slopes(new_s - h_s)
+            change_g, change_s = self._slopes(new_g - h_g, 0), self._slopes(new_s - h_s, 1)
             kf.gather_gas(g, faces, grad_g + change_g, grad_g, True, new_g, old_g)
             kf.gather_solid(g, faces, s, grad_s + change_s, grad_s, True, self._moment, new_s, old_s)
-            grad_g = grad_g + self._slopes(new_g - h_g)
+            grad_g = grad_g + self._slopes(new_g - h_g, 0)
         kf.remember(g, edge.gas, faces, new_g, grad_g, skewed, self.own)
         kf.cell_velocities(dt, rho, s, self.drag, *velocities)
         self.u_gas, self.u_solid = new_g, new_s
 
-    def _slopes(self, u: np.ndarray) -> np.ndarray:
-        """Gradient of a cell vector (nc, dim) that is level at the boundaries."""
-        out = np.empty((*u.shape, u.shape[1]))
-        kc.gradient(self.grid.geometry, u, u[self.near], out)
+    def _slopes(self, u: np.ndarray, phase: int) -> np.ndarray:
+        """Gradient of a cell vector (nc, dim) of a phase that is level at the boundaries."""
+        out, g = np.empty((*u.shape, u.shape[1])), self.grid.geometry
+        if phase == 0:
+            kc.gradient(g, u, u[self.near], out)
+        else:
+            kc.gradient_solid(g, self.eps_s, u, u[self.near], out)
         return out
 
     def _slopes_of_forces(self, kinetic: np.ndarray) -> None:
-        """Gradients of p, kinetic pressure and h for skewed meshes; the last ones extend the fields to the walls."""
+        """Gradients of p, kinetic pressure and what drives resting particles, for skewed meshes; the last ones extend
+        the first two to the walls.
+        """
         g, outlet = self.grid.geometry, self.edge.gas.kind == boundary.OUTLET
-        values = np.stack((self.p, kinetic, self.rheology.h), axis=1)
+        values = np.stack((self.p, kinetic), axis=1)
         arm = g.arm_left[self.grid.interior :]
-        given = values[self.near] + np.einsum("bkd,bd->bk", self.grad_p[self.near], arm)
+        given = values[self.near] + np.einsum("bkd,bd->bk", self.grad_p[self.near, :2], arm)
         given[outlet, 0] = self.edge.p[outlet]
-        kc.gradient(g, values, given, self.grad_p)
+        grad, drive = np.empty((*values.shape, arm.shape[1])), np.empty((len(values), 1, arm.shape[1]))
+        kc.gradient(g, values, given, grad)
+        kc.gradient_drive(g, self.rheology.h, self.p / self.rho[1], self.gravity, drive, self._resting)
+        self.grad_p = np.concatenate((grad, drive), axis=1)
 
     def _granular(self, dt: float) -> None:
         """Granular temperature: convected with the solids flux, conducted, produced, dissipated."""
