@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from gmsh_meshes import geometry
+from gmsh_meshes import IN_3D, geometry
 
 from contbed.scene.loading import from_dict
 from contbed.two_fluid import kernels_solid, planning
@@ -96,6 +96,28 @@ def test_level_bed_on_triangles_calms_down(size, most, tmp_path):
     bed.advance(4.0)
     speed = np.linalg.norm(bed.u_solid, axis=1)
     assert speed.max(where=bed.eps_s > 1e-2, initial=0.0) < most
+
+
+@pytest.mark.parametrize(("kind", "size"), [("triangles", 0.004), ("tetrahedra", 0.008)])
+def test_glass_settles_in_water(kind, size, tmp_path):
+    # clear water above, whose depth is what the upper half has lost: within 1 % of the height of the suspension while
+    # cells of 4 and 8 mm keep the sediment out of the upper half
+    (tmp_path / "bed.geo").write_text(geometry(kind, 0.02, 0.1, size))
+    scene = {
+        "mesh": {"type": "file", "file": str(tmp_path / "bed.geo"), "dimension": 3 if kind in IN_3D else 2},
+        "two_fluid": {"drag": "drag_wen_yu", "guards": False},
+        "gas": {"density": 998.0, "viscosity": 1e-3},
+        "solid": {"diameter": 1e-4, "density": 2500.0, "packing": 0.6},
+        "initial": {"eps_s": 0.1},
+        "time": {"end": 6.0},
+    }
+    names = ("bottom", "top", "left", "right") + (("front", "back") if kind in IN_3D else ())
+    scene["boundary"] = dict.fromkeys(names, WALL | {"gas": "slip", "solid": "slip"})
+    bed = planning.plan(from_dict(scene)).bed()[0]
+    watched(bed, 6.0)
+    volume, upper = bed.grid.geometry.volume, bed.grid.centres[:, -1] > 0.05
+    front = 0.1 - 0.1 * (volume * (0.1 - bed.eps_s))[upper].sum() / (0.1 * volume.sum())
+    assert front == pytest.approx(0.1 - 4.60966e-3 * 6.0, rel=0.01)
 
 
 def test_table_of_friction_is_pressure_and_slope():
