@@ -130,7 +130,7 @@ def test_uniform_suspension_hangs_in_the_gas(shape):
     np.testing.assert_allclose(b.p, (0.2 - z) * weight, rtol=1e-9)
 
 
-@pytest.mark.parametrize("dt", [1e-2, 1.0])
+@pytest.mark.parametrize("dt", [1e-2, 1.0, 100.0])
 def test_terminal_slip_for_any_step(dt):
     """Steady slip of a dilute suspension between gas walls does not depend on the step."""
     s, rho, mu, d_p = 1e-3, 1.2, 1.8e-5, 150e-6
