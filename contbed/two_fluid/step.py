@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from contbed.errors import ConvergenceError
-from contbed.two_fluid import boundary, limiter
+from contbed.two_fluid import boundary, granular_temperature, limiter
 from contbed.two_fluid import kernels_faces as kf
 from contbed.two_fluid import kernels_fields as kc
 from contbed.two_fluid import kernels_linear as kl
@@ -35,7 +35,6 @@ EXTENSIONS = 60  # rounds in which gradients extend initial fields to the walls
 EXPLICIT = 0.1  # exchange of a cell in a step, as share of its content, below which it is not solved for
 PASSES, CROSSED = 4, 0.9  # in which the velocity of the gas is carried at most; share of a cell that it crosses in each
 RARE = 1e-8  # fraction below which particles exchange nothing with other cells but by moving
-UNDERFLOW = 1e-60  # [m2/s2] granular temperature that counts as none
 FIELDS = ("eps_s", "u_gas", "u_solid", "theta", "p")
 
 
@@ -96,7 +95,8 @@ class Stepper:
     `drag` and `stiffness`; `grad_p`, gradients of p, solids pressure and what drives resting particles, on skewed
     meshes; `outflow` for the Courant number. `heat` is None for an isothermal bed; `dense` is the density of the gas
     over that of `materials`. `near` are the cells at boundary faces, `drained` those that the limiter marked,
-    `undrained` marks none; `pull` [N] is the force of the walls on gas and solids along the last axis.
+    `undrained` marks none; `pull` [N] is the force of the walls on gas and solids along the last axis; `faces` (nf, 8)
+    what kernels_faces.py knows of each face, `slip` that of the particles at walls, `work` [W] of the last stress.
     """
 
     def __init__(
@@ -135,8 +135,8 @@ class Stepper:
                  "theta_upwind_cells", "theta_clipped_cells")  # fmt: skip
         self.counters = dict.fromkeys(names, 0)
 
-        self._faces, self._moment = np.zeros((nf, 8)), np.zeros((nc, dim, dim))
-        self._slip, self._push = np.zeros(nf - grid.interior), np.zeros(nf)
+        self.faces, self._moment = np.zeros((nf, 8)), np.zeros((nc, dim, dim))
+        self.slip, self._push = np.zeros(nf - grid.interior), np.zeros(nf)
         self.pull = np.zeros(2)
         self.drained, self.undrained = np.zeros(nc, dtype=np.bool_), np.zeros(nc, dtype=np.bool_)
         self._resting = np.zeros(nc, dtype=np.bool_)
@@ -170,7 +170,7 @@ class Stepper:
         shear = r.mu + self.mu_friction
         ks.wall_slip(
             g, self.edge.solid, self.edge, self.materials.eps_max, self.rho[1],
-            self.eps_s, self.theta, r.g0, shear, self._slip,
+            self.eps_s, self.theta, r.g0, shear, self.slip,
         )  # fmt: skip
         passes = max(1, int(np.ceil(dt * self.outflow[:, 0].max() / CROSSED * (1.0 - 1e-9))))
         h_g, grad_g, carried_g = self._velocity(dt, 0, gas, 1.0 - self.eps_s, self._mu_gas, self._bulk_gas, passes)
@@ -180,7 +180,7 @@ class Stepper:
         self.lag_g = (self.u_gas - u_gas) / dt - carried_g
         self.lag_s = (self.u_solid - u_solid) / dt - carried_s
         if self.options.theta != "frozen":
-            self._granular(dt)
+            granular_temperature.step(self, dt)
 
     def _move_solids(self, dt: float) -> np.ndarray:
         """eps_s after the step and the flux `moved` that leads there; returns the volume flux of the gas."""
@@ -191,12 +191,12 @@ class Stepper:
         ks.compaction(g, dt, self.rho[1], self.stiffness, self.drag, old, flux, source, coef, content, rhs)
         # everywhere: beside a front, the faint trace that it sends ahead keeps nearly empty cells smooth
         near, shift = np.zeros(size), np.zeros(len(old))
-        y = self._solve(coef, near, content, rhs, "eps_s", 0.0)
+        y = self.solve(coef, near, content, rhs, "eps_s", 0.0)
         for _ in range(TANGENTS):
             if not ks.repack(g, self.closures.packing, old, self.stiffness, near, y, content, rhs, shift):
                 break
             self.counters["packing_rounds"] += 1
-            y = self._solve(coef, np.zeros(size), content, rhs, "eps_s", 0.0)
+            y = self.solve(coef, np.zeros(size), content, rhs, "eps_s", 0.0)
         ks.compact(g, dt, coef, content, y, flux, self._push)
         touched, rounds = limiter.limit(g, dt, old, source, self.materials.eps_max, flux, new, self.drained)
         if touched:
@@ -240,7 +240,7 @@ class Stepper:
             side, slip, u, lag, force = self.edge.gas, self.edge.gas.slip, self.u_gas, self.lag_g, self.force_g
             source, low = self.sources.force_gas, self.undrained
         else:
-            side, slip, u, lag, force = self.edge.solid, self._slip, self.u_solid, self.lag_s, self.force_s
+            side, slip, u, lag, force = self.edge.solid, self.slip, self.u_solid, self.lag_s, self.force_s
             source, low = self.sources.force_solid, self.drained
         given, grad, ahead = np.empty_like(side.u), np.empty((*u.shape, u.shape[1])), np.empty_like(u)
         kc.edge_velocity(g, side, slip, u, eps, given)
@@ -268,7 +268,7 @@ class Stepper:
         kt.stress(g, side, slip, eps, mu, bulk, u, grad, given, rhs, coef, self.work)
         if self.grid.axisymmetric:
             kt.hoop_stress(g, mu, bulk, u, grad, rhs, links, self.work)
-        change = self._solve(coef, links, content, rhs, ("u_gas", "u_solid")[phase])
+        change = self.solve(coef, links, content, rhs, ("u_gas", "u_solid")[phase])
         walls = side.kind == boundary.WALL
         gone = side.u - (u + change)[self.near]
         self.pull[phase] = np.sum(coef[self.grid.interior :, -1] * gone[:, -1], where=walls)
@@ -276,7 +276,7 @@ class Stepper:
 
     def _forces(self, dt, h_g, h_s, grad_g, grad_s) -> None:
         """Forces, drag and pressure on faces; sets velocities, pressure and fluxes."""
-        g, edge, s, faces, skewed = self.grid.geometry, self.edge, self.eps_s, self._faces, self.grid.skewed
+        g, edge, s, faces, skewed = self.grid.geometry, self.edge, self.eps_s, self.faces, self.grid.skewed
         kinetic = self.rheology.pressure * self.theta
         if skewed:
             self._slopes_of_forces(kinetic)
@@ -343,55 +343,7 @@ class Stepper:
         kc.gradient_drive(g, self.rheology.h, self.p / self.rho[1], self.gravity, drive, self._resting)
         self.grad_p = np.concatenate((grad, drive), axis=1)
 
-    def _granular(self, dt: float) -> None:
-        """Granular temperature: convected with the solids flux, conducted, produced, dissipated."""
-        g, edge, r, s, rho_s = self.grid.geometry, self.edge, self.rheology, self.eps_s, self.rho[1]
-        old, divergence = self.theta, np.empty_like(s)
-        kf.expansion(g, self._faces, s, self.u_solid, divergence)
-        # friction does not agitate the particles
-        made = self.work / g.volume * r.mu / (r.mu + self.mu_friction + 1e-300) + self.sources.theta
-        if self.options.theta == "algebraic":
-            self.theta = self._balanced(made, divergence)
-            return
-        sink = r.dissipation * np.sqrt(old) + 3.0 * self.drag * s
-        column = old.reshape(-1, 1)
-        given = np.where(edge.solid.kind == boundary.GIVEN, edge.theta, old[self.near]).reshape(-1, 1)
-        grad, ahead = np.empty((len(s), 1, self.grid.dimension)), np.empty_like(column)
-        kc.gradient(g, column, given, grad)
-        kc.half_ahead(dt, column, grad, self.u_solid, self.lag_theta, ahead)
-        low = self.drained.copy()
-        while True:
-            rhs = np.zeros_like(column)
-            kc.convect(g, self.moved, column, grad, ahead, given, self.options.limited, low, rhs)
-            if not ks.starved(g, dt, s, old, rhs, low):
-                break
-        self.counters["theta_upwind_cells"] += int(low.sum()) - int(self.drained.sum())
-        carried = rhs / ((s + ks.EMPTY) * g.volume)[:, None]
-        rhs *= 1.5 * rho_s
-        coef, content = np.empty((len(g.left), 1)), np.empty_like(column)
-        ks.conduct(g, edge.solid, edge, r.conductivity, old, grad, self.grid.skewed, rhs, coef)
-        ks.theta_system(
-            g, edge, edge.solid, self._slip, dt, rho_s, self.materials.eps_max, s, old, r.g0, sink,
-            rho_s * r.pressure, divergence, made, self.u_solid, rhs, content,
-        )  # fmt: skip
-        self.theta = old + self._solve(coef, np.zeros_like(column), content, rhs, "theta")[:, 0]
-        if (low := self.theta < UNDERFLOW).any():
-            self.counters["theta_clipped_cells"] += int((self.theta < 0.0).sum())
-            self.theta[low] = 0.0
-        self.lag_theta = (self.theta.reshape(-1, 1) - column) / dt - carried
-
-    def _balanced(self, made: np.ndarray, divergence: np.ndarray) -> np.ndarray:
-        """Granular temperature at which production balances dissipation, a quadratic for its square root. Compression
-        is left aside: few particles would need theta as 1/eps_s^2 to lose what it gives.
-        """
-        r, s, rho_s = self.rheology, self.eps_s, self.rho[1]
-        root = np.sqrt(self.theta)
-        factor = np.where(root > 0, np.maximum(made, 0.0) / np.maximum(root, 1e-150), 0.0)
-        linear = rho_s * r.pressure * np.maximum(divergence, 0.0) + 3.0 * self.drag * s
-        y = 2.0 * factor / (linear + np.sqrt(linear**2 + 4.0 * r.dissipation * factor) + 1e-300)
-        return y**2
-
-    def _solve(self, coef, links, content, rhs, name: str, explicit: float = EXPLICIT) -> np.ndarray:
+    def solve(self, coef, links, content, rhs, name: str, explicit: float = EXPLICIT) -> np.ndarray:
         """A symmetric system, see kernels_linear.py."""
         x, g = np.empty_like(rhs), self.grid.geometry
         if kl.solve(g, coef, links, content, rhs, explicit, TOLERANCE, ITERATIONS, x) < 0:
