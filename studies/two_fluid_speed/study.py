@@ -27,12 +27,12 @@ COLUMNS = ("case", "program", "courant", "simulated_s", "cpu_s", "steps", "ms_pe
 
 CASES = {
     "riser 15x350": (
-        openfoam.Case("riser", 15, 350, 1.0, 3.2, solids=26.6, walls="jj"),
+        openfoam.Case("riser", 15, 350, 3.0, 3.2, solids=26.6, walls="jj"),
         STUDIES / "vaishali_2007" / "ff_wenyu.toml",
         EMPTY,
     ),
     "bed 56x200": (
-        openfoam.Case("bed", 56, 200, 0.5, 0.46, drag="SyamlalOBrien", walls="noslip"),
+        openfoam.Case("bed", 56, 200, 3.0, 0.46, drag="SyamlalOBrien", walls="noslip"),
         STUDIES / "taghipour_bed" / "bed_0.46_fine.toml",
         {"initial.noise": 0.0, "initial.layer": [{"end": 0.4, "eps_s": 0.6, "u_gas": 1.15}]},
     ),
