@@ -212,6 +212,25 @@ def theta_system(
 
 
 @kernel
+def adiabatic(g, rho_s, s, theta, pressure, sink, drag):
+    """Largest 1/dt [1/s] at which the part of sound that warmer particles make grows: the step follows a compression
+    by its heat, and that by the velocity that it drives, so that K dt^2 < (2 + d dt)(2 + b dt) with the rates K of
+    both, d of dissipation and b of drag. pressure (nc,) : p_solid/(rho_s theta); sink as in `theta_system`
+    """
+    links, fastest = np.zeros(len(s)), 0.0
+    for f in range(len(g.right)):
+        link = g.area[f] / g.distance[f]
+        links[g.left[f]] += link
+        links[g.right[f]] += link
+    for c in range(len(s)):
+        if s[c] > FAINT:
+            both = 4.0 / 3.0 * theta[c] * (pressure[c] / s[c]) ** 2 * links[c] / g.volume[c]
+            d, b = sink[c] / (1.5 * rho_s * s[c]), drag[c] / rho_s
+            fastest = max(fastest, 0.25 * (np.sqrt((d - b) ** 2 + 4.0 * both) - d - b))
+    return fastest
+
+
+@kernel
 def starved(g, dt, s, old, rhs, low):
     """Marks in `low` the cells where convection alone would make theta negative, and their neighbours; returns whether
     any was not marked before.

@@ -25,6 +25,8 @@ __all__ = ["FIELDS", "Materials", "Options", "Sources", "TwoFluid"]
 _MEMORY = ("lag_g", "lag_s", "lag_eps", "lag_theta", "force_g", "force_s", "drag", "stiffness", "grad_p", "own",
            "outflow")  # fmt: skip
 _FLUXES = ("flux_solid", "flux_total")
+_SCALARS = ("time", "dt", "wanted", "adiabatic")
+HEATED = 0.9  # of the step beyond which compression and its heat build up
 
 
 class TwoFluid(Stepper):
@@ -66,7 +68,7 @@ class TwoFluid(Stepper):
     def state(self) -> dict[str, Any]:
         """Everything that the next step depends on."""
         kept: dict[str, Any] = {name: getattr(self, name).copy() for name in (*FIELDS, *_FLUXES, *_MEMORY)}
-        scalars = {"time": self.time, "dt": self.dt, "wanted": self.wanted, "steps": self.steps}
+        scalars = {name: getattr(self, name) for name in (*_SCALARS, "steps")}
         if self.heat is not None:
             kept |= self.heat.state()
         return kept | scalars | {"counters": dict(self.counters), "account": dict(self.account)}
@@ -75,7 +77,8 @@ class TwoFluid(Stepper):
         """Go back to a `state`, bit for bit."""
         for name in (*FIELDS, *_FLUXES, *_MEMORY):
             setattr(self, name, np.array(state[name]))
-        self.time, self.dt, self.wanted = (float(state[name]) for name in ("time", "dt", "wanted"))
+        for name in _SCALARS:
+            setattr(self, name, float(state[name]))
         self.steps = int(state["steps"])
         self.counters, self.account = dict(state["counters"]), dict(state["account"])
         if self.heat is not None:
@@ -102,14 +105,15 @@ class TwoFluid(Stepper):
 
     def next_step(self) -> float:
         """Length of the next step [s] by the Courant number of the particles, cells with few of them left aside, and
-        by the passes of the gas, which carries its temperature in one.
+        by the passes of the gas, which carries its temperature in one; and by the heat of compression.
         """
         o = self.options
         if o.dt is not None:
             return o.dt
         gas = float(np.max(self.outflow[:, 0], initial=0.0))
         solid = float(np.max(self.outflow[:, 1], where=self.eps_s > 1e-6, initial=0.0))
-        rate = max(solid / o.courant, gas / (PASSES * CROSSED if self.heat is None else o.courant))
+        rate = max(solid / o.courant, gas / (PASSES * CROSSED if self.heat is None else o.courant),
+                   self.adiabatic / HEATED)  # fmt: skip
         longest = min(o.dt_max, 1.0 / rate if rate > 0 else np.inf)
         return min(longest, self.wanted * o.growth if self.wanted > 0 else o.dt_first)
 

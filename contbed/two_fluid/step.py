@@ -93,7 +93,7 @@ class Stepper:
     solids and of both phases that the next step starts with, `moved` the solids flux of the last step after limits.
     What else a step remembers of the last one: `lag_*`, rates of change less convection; `force_*`, accelerations;
     `drag` and `stiffness`; `grad_p`, gradients of p, solids pressure and what drives resting particles, on skewed
-    meshes; `outflow` for the Courant number. `heat` is None for an isothermal bed; `dense` is the density of the gas
+    meshes; `outflow` for the Courant number and `adiabatic` [1/s] for what compression heats. `heat` is None for an isothermal bed; `dense` is the density of the gas
     over that of `materials`. `near` are the cells at boundary faces, `drained` those that the limiter marked,
     `undrained` marks none; `pull` [N] is the force of the walls on gas and solids along the last axis; `faces` (nf, 8)
     what kernels_faces.py knows of each face, `slip` that of the particles at walls, `work` [W] of the last stress.
@@ -127,7 +127,7 @@ class Stepper:
         self.force_g, self.force_s = np.zeros((nc, dim)), np.zeros((nc, dim))
         self.drag, self.stiffness = np.zeros(nc), np.zeros(nc)
         self.grad_p, self.own = np.zeros((nc, 3, dim)), np.zeros(nf)
-        self.outflow = np.zeros((nc, 2))
+        self.outflow, self.adiabatic = np.zeros((nc, 2)), 0.0
         self.heat: Heat | None = None
         self.dense: float | np.ndarray = 1.0
         self.time, self.steps = 0.0, 0
