@@ -5,8 +5,8 @@
 F [m/s] is the volume flux of the solids that the step moves, P [W/m3] the work of shear without that of friction, which
 does not agitate particles. Convection is explicit and limited, the rest implicit but for the heat of compression: near
 packing it makes sound up to six times as stiff as at constant theta, and binds the step there. "algebraic" balances
-production and dissipation, and neither moves nor conducts (Syamlal, Rogers and O'Brien 1993, MFIX Documentation: Theory Guide,
-DOE/METC-94/1004).
+production and dissipation, and neither moves nor conducts (Syamlal, Rogers and O'Brien 1993, MFIX Documentation:
+Theory Guide, DOE/METC-94/1004).
 """
 
 from __future__ import annotations

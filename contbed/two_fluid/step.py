@@ -3,7 +3,7 @@
 The solids move with one limited volume flux F that everything after uses; velocities are convected and sheared; forces
 and drag act on faces, and one equation gives the pressure; cell velocities follow from the faces; granular temperature
 moves with F. Drag, solids pressure, stress and granular temperature are implicit; the step is bound by the Courant
-number of the particles alone, as gas that is faster carries its velocity in several passes.
+number of the particles, as gas that is faster carries its velocity in several passes, and by the heat of compression.
 """
 
 from __future__ import annotations
@@ -93,10 +93,11 @@ class Stepper:
     solids and of both phases that the next step starts with, `moved` the solids flux of the last step after limits.
     What else a step remembers of the last one: `lag_*`, rates of change less convection; `force_*`, accelerations;
     `drag` and `stiffness`; `grad_p`, gradients of p, solids pressure and what drives resting particles, on skewed
-    meshes; `outflow` for the Courant number and `adiabatic` [1/s] for what compression heats. `heat` is None for an isothermal bed; `dense` is the density of the gas
-    over that of `materials`. `near` are the cells at boundary faces, `drained` those that the limiter marked,
-    `undrained` marks none; `pull` [N] is the force of the walls on gas and solids along the last axis; `faces` (nf, 8)
-    what kernels_faces.py knows of each face, `slip` that of the particles at walls, `work` [W] of the last stress.
+    meshes; `outflow` for the Courant number and `adiabatic` [1/s] for what compression heats. `heat` is None for an
+    isothermal bed; `dense` is the density of the gas over that of `materials`. `near` are the cells at boundary faces,
+    `drained` those that the limiter marked, `undrained` marks none; `pull` [N] is the force of the walls on gas and
+    solids along the last axis; `faces` (nf, 8) what kernels_faces.py knows of each face, `slip` that of the particles
+    at walls, `work` [W] of the last stress.
     """
 
     def __init__(
