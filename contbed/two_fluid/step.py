@@ -302,9 +302,13 @@ class Stepper:
         kf.assemble(g, edge.gas, edge.solid, edge, faces, coef, rhs)
         self.p = self.pressure.solve(coef, rhs, self.p)
         kf.correct(g, edge.gas, edge.solid, edge, self.p, faces, self.flux_solid, self.flux_total, self.outflow)
-        net, carried = np.empty_like(s), np.empty_like(s)
-        kc.spread(g, faces[:, 1] * g.area, faces[:, 5], s, net, carried)
-        self.lag_eps = -(carried / g.volume)[:, None]
+        if self.closed:
+            # layers follow buoyancy within a step: on what faces carried its waves would grow, for N dt of about 1
+            self.lag_eps = self.lag_eps - 2.0 / dt * ahead
+        else:
+            net, carried = np.empty_like(s), np.empty_like(s)
+            kc.spread(g, faces[:, 1] * g.area, faces[:, 5], s, net, carried)
+            self.lag_eps = -(carried / g.volume)[:, None]
         new_g, old_g, new_s, old_s = (np.empty_like(h_g) for _ in range(4))
         kf.gather_gas(g, faces, grad_g, grad_g, False, new_g, old_g)
         kf.gather_solid(g, faces, s, grad_s, grad_s, False, self._moment, new_s, old_s)
