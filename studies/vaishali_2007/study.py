@@ -23,6 +23,8 @@ HERE = Path(__file__).parent
 WIDTH = 0.152  # of the riser [m]
 PANELS = ("eps_s [1]", "u_solid [m/s]", "theta_total [m2/s2]")
 COLOURS = {"wenyu": "#0072B2", "syamlal": "#D55E00"}
+# in each flow one more profile of ours: on the fine grid of accuracy.py, and with the highest flux
+MORE = {"ff": ("ff_wenyu_fine", "contbed, wenyu, 30x700"), "dpt": ("dpt_wenyu_36.8", "contbed, wenyu, 36.8 kg/m2/s")}
 
 
 def run(name: str) -> None:
@@ -48,18 +50,22 @@ def peer(path: Path) -> dict[str, np.ndarray]:
 def draw() -> None:
     figure, axes = plt.subplots(2, 3, figsize=(9, 5.2), layout="constrained", sharex=True)
     for line, flow, name in zip(axes, ("ff", "dpt"), ("fast fluidization", "dilute transport"), strict=True):
+        curves = []
         for drag, colour in COLOURS.items():
-            for data, style, program in (
-                (columns(HERE / f"{flow}_{drag}_lateral.csv"), "-", "contbed"),
-                (peer(HERE / f"twoPhaseEulerFoam_{flow}_{drag}.csv"), "--", "twoPhaseEulerFoam"),
-            ):
-                for panel, key in zip(line, PANELS, strict=True):
-                    panel.plot(data["x [m]"], data[key], style, color=colour, label=f"{program}, {drag}")
+            curves.append((columns(HERE / f"{flow}_{drag}_lateral.csv"), "-", colour, f"contbed, {drag}"))
+            data = peer(HERE / f"twoPhaseEulerFoam_{flow}_{drag}.csv")
+            curves.append((data, "--", colour, f"twoPhaseEulerFoam, {drag}"))
+        scene, label = MORE[flow]
+        curves.append((columns(HERE / f"{scene}_lateral.csv"), "-", "#009E73" if flow == "ff" else "#CC79A7", label))
+        for data, style, colour, label in curves:
+            for panel, key in zip(line, PANELS, strict=True):
+                panel.plot(data["x [m]"], data[key], style, color=colour, label=label)
         for panel, key in zip(line, PANELS, strict=True):
             panel.set(ylabel=key.replace("_", " "), title=name)
     for panel in axes[1]:
         panel.set_xlabel("x [m]")
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize="small")
+    known = {curve.get_label(): curve for panel in axes[:, 0] for curve in panel.lines}
+    figure.legend(known.values(), known.keys(), loc="outside lower center", ncols=3, fontsize="small")
     figure.savefig(HERE / "profiles.png", dpi=130)
 
 
