@@ -3,8 +3,8 @@
     python accuracy.py PROGRAM CELLS COURANT    one run, its blocks added to accuracy_blocks.csv
     python accuracy.py                          accuracy.csv and accuracy.png from all runs there
 
-Both programs run `ff_wenyu.toml`, warm, on 15x350 cells over Courant numbers, and on 30x700 at 0.5 for a reference of
-their own (minutes to an hour of CPU each). Profiles are means over time and over the height of the measurements, in
+Both programs run `ff_wenyu.toml`, warm, on 15x350 cells over Courant numbers, and on 30x700 for a reference of their
+own (minutes to half an hour of CPU each). Profiles are means over time and over the height of the measurements, in
 blocks of time, whose scatter says what a difference means. CPU is that of the time that is averaged, one thread. The
 run of contbed on 30x700 also writes ff_wenyu_fine_lateral.csv.
 """
@@ -39,6 +39,7 @@ SCENE = HERE / "ff_wenyu.toml"
 BLOCK = 2.5  # [s]
 # each code starts near the holdup that it will have: fraction, end of the start and of the averages [s]
 STARTS = {OWN: (0.0165, 10.0, 25.0), PEER: (0.00521569, 5.0, 20.0)}
+REFERENCE = {OWN: 0.5, PEER: 1.0}  # Courant numbers on the fine grid
 LONGER = 30.0  # end of contbed's reference [s]
 COLUMNS = ("program", "cells", "courant", "block", "steps", "cpu_s", "x", "eps_s", "u_solid")
 QUANTITIES = {"eps_s": "eps_s [1]", "u_solid": "u_solid [m/s]"}
@@ -171,11 +172,12 @@ def draw() -> None:
     x = (np.arange(COARSE) + 0.5) / COARSE
     rows: list[tuple] = []
     for program, colour in ((OWN, "#0072B2"), (PEER, "#D55E00")):
-        reference = runs[program, FINE, 0.5][2]
+        finest = runs[program, FINE, REFERENCE[program]]
+        reference = finest[2]
         mine = {key[2]: runs[key] for key in runs if key[:2] == (program, COARSE)}
         found = {courant: (cpu, *compare(profile, reference)) for courant, (_, cpu, profile) in mine.items()}
         rows += [(program, f"{COARSE}x350", c, mine[c][0], *found[c]) for c in found]
-        rows.append((program, f"{FINE}x700", 0.5, *runs[program, FINE, 0.5][:2], *[float("nan")] * 4))
+        rows.append((program, f"{FINE}x700", REFERENCE[program], *finest[:2], *[float("nan")] * 4))
         for k, label in enumerate(QUANTITIES.values()):
             top, bottom = axes[:, k]
             cpu, error, scatter = np.array([(f[0], *f[1 + 2 * k : 3 + 2 * k]) for f in found.values()]).T
@@ -183,7 +185,7 @@ def draw() -> None:
             top.loglog(cpu, scatter, ":", color=colour, label="scatter of the blocks alone")
             for courant, *point in zip(found, cpu, error, strict=True):
                 top.annotate(f"{courant:g}", point, (4, 4), textcoords="offset points", fontsize=8)
-            bottom.plot(x, reference.mean(axis=0)[k], color=colour, label=f"{program}, 30x700, 0.5")
+            bottom.plot(x, reference.mean(axis=0)[k], color=colour, label=f"{program}, 30x700")
             for courant, style in ((0.5, "--"), (max(mine), ":")):
                 label_of_run = f"{program}, 15x350, {courant:g}"
                 bottom.plot(x, mine[courant][2].mean(axis=0)[k], style, color=colour, label=label_of_run)
