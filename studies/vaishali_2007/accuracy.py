@@ -39,30 +39,35 @@ SCENE = HERE / "ff_wenyu.toml"
 BLOCK = 2.5  # [s]
 # each code starts near the holdup that it will have: fraction, end of the start and of the averages [s]
 STARTS = {OWN: (0.0165, 10.0, 25.0), PEER: (0.00521569, 5.0, 20.0)}
-REFERENCE = {OWN: 0.5, PEER: 1.0}  # Courant numbers on the fine grid
-LONGER = 30.0  # end of contbed's reference [s]
+REFERENCE = {OWN: (0.5, 30.0), PEER: (1.0, 15.0)}  # on the fine grid: Courant number, end of the averages [s]
 COLUMNS = ("program", "cells", "courant", "block", "steps", "cpu_s", "x", "eps_s", "u_solid")
 QUANTITIES = {"eps_s": "eps_s [1]", "u_solid": "u_solid [m/s]"}
 Block = tuple[int, float, np.ndarray]  # steps, CPU [s], eps_s and u_solid over the width
 
 
-def scene(cells: int, courant: float, end: float) -> cb.Scene:
-    fraction, begin, _ = STARTS[OWN]
+def limits(program: str, cells: int) -> tuple[float, float, float]:
+    """Fraction at the start, begin and end of the averages [s]."""
+    fraction, begin, end = STARTS[program]
+    return fraction, begin, REFERENCE[program][1] if cells == FINE else end
+
+
+def scene(cells: int, courant: float) -> cb.Scene:
+    fraction, begin, end = limits(OWN, cells)
     chosen = {"mesh.cells": [cells, cells * 350 // COARSE], "initial.eps_s": fraction}
     return cb.load(SCENE, {**chosen, "time.courant": courant, "time.end": end, "time.average_from": begin})
 
 
 def own(cells: int, courant: float) -> Iterator[Block]:
-    _, begin, end = STARTS[OWN]
-    plan = cb.plan(scene(cells, courant, LONGER if cells == FINE else end))
+    _, begin, end = limits(OWN, cells)
+    plan = cb.plan(scene(cells, courant))
     chosen = plan.scene
     bed = plan.bed()[0]
     column = (bed.grid.centres[:, 0] / chosen.mesh.length * cells).astype(int)
     inside = np.abs(bed.grid.centres[:, 1] - sum(window(chosen)) / 2) < np.ptp(window(chosen)) / 2
     rows = np.bincount(column[inside])
-    averages = Averages(begin, chosen.time.end)
+    averages = Averages(begin, end)
     bed.advance(begin)
-    for stop in np.arange(begin + BLOCK, chosen.time.end + BLOCK / 2, BLOCK):
+    for stop in np.arange(begin + BLOCK, end + BLOCK / 2, BLOCK):
         total = np.zeros((2, len(column)))
 
         def after(bed, total=total):
@@ -79,8 +84,8 @@ def own(cells: int, courant: float) -> Iterator[Block]:
 
 
 def peer(cells: int, courant: float) -> Iterator[Block]:
-    fraction, begin, end = STARTS[PEER]
-    chosen = scene(cells, courant, end)
+    fraction, begin, end = limits(PEER, cells)
+    chosen = cb.load(SCENE)
     case = openfoam.Case(
         "riser", cells, cells * 350 // COARSE, end, 3.2, solids=26.6, courant=courant, walls="jj", largest_dt=0.05,
         average_from=begin, start=(fraction, chosen.initial.u_gas, chosen.initial.u_solid), write_every=BLOCK,
@@ -172,12 +177,12 @@ def draw() -> None:
     x = (np.arange(COARSE) + 0.5) / COARSE
     rows: list[tuple] = []
     for program, colour in ((OWN, "#0072B2"), (PEER, "#D55E00")):
-        finest = runs[program, FINE, REFERENCE[program]]
+        finest = runs[program, FINE, REFERENCE[program][0]]
         reference = finest[2]
         mine = {key[2]: runs[key] for key in runs if key[:2] == (program, COARSE)}
         found = {courant: (cpu, *compare(profile, reference)) for courant, (_, cpu, profile) in mine.items()}
         rows += [(program, f"{COARSE}x350", c, mine[c][0], *found[c]) for c in found]
-        rows.append((program, f"{FINE}x700", REFERENCE[program], *finest[:2], *[float("nan")] * 4))
+        rows.append((program, f"{FINE}x700", REFERENCE[program][0], *finest[:2], *[float("nan")] * 4))
         for k, label in enumerate(QUANTITIES.values()):
             top, bottom = axes[:, k]
             cpu, error, scatter = np.array([(f[0], *f[1 + 2 * k : 3 + 2 * k]) for f in found.values()]).T

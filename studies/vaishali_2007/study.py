@@ -9,6 +9,7 @@ import csv
 import shutil
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import matplotlib
@@ -22,6 +23,7 @@ import contbed as cb
 HERE = Path(__file__).parent
 WIDTH = 0.152  # of the riser [m]
 PANELS = ("eps_s [1]", "u_solid [m/s]", "theta_total [m2/s2]")
+PRINTED = ("steps", "mass_drift_relative", "eps_s_max", "difference_of_halves")
 COLOURS = {"wenyu": "#0072B2", "syamlal": "#D55E00"}
 # in each flow one more profile of ours: on the fine grid of accuracy.py, and with the highest flux
 MORE = {"ff": ("ff_wenyu_fine", "contbed, wenyu, 30x700"), "dpt": ("dpt_wenyu_36.8", "contbed, wenyu, 36.8 kg/m2/s")}
@@ -29,7 +31,9 @@ MORE = {"ff": ("ff_wenyu_fine", "contbed, wenyu, 30x700"), "dpt": ("dpt_wenyu_36
 
 def run(name: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        cb.run(cb.load(HERE / f"{name}.toml"), Path(folder))
+        began = time.process_time()
+        found = cb.run(cb.load(HERE / f"{name}.toml"), Path(folder)).qoi
+        print(f"{name}: {time.process_time() - began:.0f} s of CPU", *(f"{key} {found[key]:.2g}" for key in PRINTED))
         shutil.copy(Path(folder) / "lateral.csv", HERE / f"{name}_lateral.csv")
 
 
