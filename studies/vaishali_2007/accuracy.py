@@ -1,6 +1,6 @@
 """Error of the mean profiles of the riser against CPU, contbed beside OpenFOAM's twoPhaseEulerFoam.
 
-    python accuracy.py PROGRAM CELLS COURANT    one run, its blocks added to accuracy_blocks.csv
+    python accuracy.py PROGRAM CELLS COURANT    one run on such as 15x350 cells, its blocks added to accuracy_blocks.csv
     python accuracy.py                          accuracy.csv and accuracy.png from all runs there
 
 Both programs run `ff_wenyu.toml`, warm, on 15x350 cells over Courant numbers, and on 30x700 for a reference of their
@@ -34,35 +34,42 @@ sys.path.insert(0, str(HERE.parent / "two_fluid_speed"))
 import openfoam  # noqa: E402
 
 OWN, PEER = "contbed", openfoam.SOLVER
-COARSE, FINE = 15, 30  # cells across
+COARSE, FINE, WIDER = "15x350", "30x700", "30x350"
+ACROSS = 15  # cells on which profiles are compared
 SCENE = HERE / "ff_wenyu.toml"
 BLOCK = 2.5  # [s]
 # each code starts near the holdup that it will have: fraction, end of the start and of the averages [s]
 STARTS = {OWN: (0.0165, 10.0, 25.0), PEER: (0.00521569, 5.0, 20.0)}
 REFERENCE = {OWN: (0.5, 30.0), PEER: (1.0, 15.0)}  # on the fine grid: Courant number, end of the averages [s]
 COLUMNS = ("program", "cells", "courant", "block", "steps", "cpu_s", "x", "eps_s", "u_solid")
+TICKS, ERRORS = (2, 3, 5, 10, 20), (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)  # of the axes: CPU a simulated second [s], error
 QUANTITIES = {"eps_s": "eps_s [1]", "u_solid": "u_solid [m/s]"}
 Block = tuple[int, float, np.ndarray]  # steps, CPU [s], eps_s and u_solid over the width
 
 
-def limits(program: str, cells: int) -> tuple[float, float, float]:
+def numbers(cells: str) -> list[int]:
+    """Cells across and along the riser."""
+    return [int(number) for number in cells.split("x")]
+
+
+def limits(program: str, cells: str) -> tuple[float, float, float]:
     """Fraction at the start, begin and end of the averages [s]."""
     fraction, begin, end = STARTS[program]
     return fraction, begin, REFERENCE[program][1] if cells == FINE else end
 
 
-def scene(cells: int, courant: float) -> cb.Scene:
+def scene(cells: str, courant: float) -> cb.Scene:
     fraction, begin, end = limits(OWN, cells)
-    chosen = {"mesh.cells": [cells, cells * 350 // COARSE], "initial.eps_s": fraction}
+    chosen = {"mesh.cells": numbers(cells), "initial.eps_s": fraction}
     return cb.load(SCENE, {**chosen, "time.courant": courant, "time.end": end, "time.average_from": begin})
 
 
-def own(cells: int, courant: float) -> Iterator[Block]:
+def own(cells: str, courant: float) -> Iterator[Block]:
     _, begin, end = limits(OWN, cells)
     plan = cb.plan(scene(cells, courant))
     chosen = plan.scene
     bed = plan.bed()[0]
-    column = (bed.grid.centres[:, 0] / chosen.mesh.length * cells).astype(int)
+    column = (bed.grid.centres[:, 0] / chosen.mesh.length * numbers(cells)[0]).astype(int)
     inside = np.abs(bed.grid.centres[:, 1] - sum(window(chosen)) / 2) < np.ptp(window(chosen)) / 2
     rows = np.bincount(column[inside])
     averages = Averages(begin, end)
@@ -83,11 +90,11 @@ def own(cells: int, courant: float) -> Iterator[Block]:
         write(HERE / "ff_wenyu_fine_lateral.csv", list(lateral), zip(*lateral.values(), strict=True))
 
 
-def peer(cells: int, courant: float) -> Iterator[Block]:
+def peer(cells: str, courant: float) -> Iterator[Block]:
     fraction, begin, end = limits(PEER, cells)
     chosen = cb.load(SCENE)
     case = openfoam.Case(
-        "riser", cells, cells * 350 // COARSE, end, 3.2, solids=26.6, courant=courant, walls="jj", largest_dt=0.05,
+        "riser", *numbers(cells), end, 3.2, solids=26.6, courant=courant, walls="jj", largest_dt=0.05,
         average_from=begin, start=(fraction, chosen.initial.u_gas, chosen.initial.u_solid), write_every=BLOCK,
     )  # fmt: skip
     with tempfile.TemporaryDirectory() as name:
@@ -129,7 +136,7 @@ def write(path: Path, head: list[str], rows) -> None:
         writer.writerows([f"{v:.5g}" if isinstance(v, float) else v for v in row] for row in rows)
 
 
-def run(program: str, cells: int, courant: float) -> None:
+def run(program: str, cells: str, courant: float) -> None:
     """One run; each block is kept as it comes."""
     path = HERE / "accuracy_blocks.csv"
     if not path.exists():
@@ -137,24 +144,24 @@ def run(program: str, cells: int, courant: float) -> None:
     for number, (steps, cpu, profile) in enumerate({OWN: own, PEER: peer}[program](cells, courant)):
         with open(path, "a", encoding="utf-8") as file:
             for i, (eps_s, u_solid) in enumerate(profile.T):
-                label = f"{program},{cells},{courant:g},{number},{steps},{cpu:.4g},{(i + 0.5) / cells:.4g}"
+                label = f"{program},{cells},{courant:g},{number},{steps},{cpu:.4g},{(i + 0.5) / numbers(cells)[0]:.4g}"
                 print(f"{label},{eps_s:.4g},{u_solid:.4g}", file=file)
         print(program, cells, courant, number, steps, f"{cpu:.4g}", flush=True)
 
 
-def read() -> dict[tuple[str, int, float], tuple[int, float, np.ndarray]]:
+def read() -> dict[tuple[str, str, float], tuple[int, float, np.ndarray]]:
     """Steps, CPU a simulated second and profiles (blocks, eps_s and u_solid, width) of each run, the width halved, as
     the riser is symmetric: a mean that is lopsided has not been taken for long enough.
     """
     with open(HERE / "accuracy_blocks.csv", newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     found = {}
-    for key in sorted({(row["program"], int(row["cells"]), float(row["courant"])) for row in rows}):
-        mine = [row for row in rows if (row["program"], int(row["cells"]), float(row["courant"])) == key]
-        cells = key[1]
-        values = np.array([[float(row[name]) for name in QUANTITIES] for row in mine]).reshape(-1, cells, 2)
-        values = values.reshape(len(values), COARSE, cells // COARSE, 2).mean(axis=2).swapaxes(1, 2)
-        first = mine[::cells]
+    for key in sorted({(row["program"], row["cells"], float(row["courant"])) for row in rows}):
+        mine = [row for row in rows if (row["program"], row["cells"], float(row["courant"])) == key]
+        across = numbers(key[1])[0]
+        values = np.array([[float(row[name]) for name in QUANTITIES] for row in mine])
+        values = values.reshape(-1, ACROSS, across // ACROSS, 2).mean(axis=2).swapaxes(1, 2)
+        first = mine[::across]
         cpu = sum(float(row["cpu_s"]) for row in first) / (BLOCK * len(first))
         found[key] = sum(int(row["steps"]) for row in first), cpu, (values + values[..., ::-1]) / 2
     return found
@@ -174,28 +181,40 @@ def compare(profile: np.ndarray, reference: np.ndarray) -> list[float]:
 def draw() -> None:
     runs = read()
     figure, axes = plt.subplots(2, 2, figsize=(9, 7), layout="constrained")
-    x = (np.arange(COARSE) + 0.5) / COARSE
+    x = (np.arange(ACROSS) + 0.5) / ACROSS
     rows: list[tuple] = []
     for program, colour in ((OWN, "#0072B2"), (PEER, "#D55E00")):
         finest = runs[program, FINE, REFERENCE[program][0]]
         reference = finest[2]
         mine = {key[2]: runs[key] for key in runs if key[:2] == (program, COARSE)}
-        found = {courant: (cpu, *compare(profile, reference)) for courant, (_, cpu, profile) in mine.items()}
-        rows += [(program, f"{COARSE}x350", c, mine[c][0], *found[c]) for c in found]
-        rows.append((program, f"{FINE}x700", REFERENCE[program][0], *finest[:2], *[float("nan")] * 4))
-        for k, label in enumerate(QUANTITIES.values()):
-            top, bottom = axes[:, k]
-            cpu, error, scatter = np.array([(f[0], *f[1 + 2 * k : 3 + 2 * k]) for f in found.values()]).T
-            top.loglog(cpu, error, "o-", color=colour, label=program)
-            top.loglog(cpu, scatter, ":", color=colour, label="scatter of the blocks alone")
-            for courant, *point in zip(found, cpu, error, strict=True):
-                top.annotate(f"{courant:g}", point, (4, 4), textcoords="offset points", fontsize=8)
-            bottom.plot(x, reference.mean(axis=0)[k], color=colour, label=f"{program}, 30x700")
+        for cells, mark in ((COARSE, "o-"), (WIDER, "s-")):
+            found = {}
+            for key in runs:
+                if key[:2] == (program, cells):
+                    steps, cpu, profile = runs[key]
+                    found[key[2]] = (cpu, *compare(profile, reference))
+                    rows.append((*key, steps, *found[key[2]]))
+            if not found:
+                continue
+            for k, panel in enumerate(axes[0]):
+                cpu, error, scatter = np.array([(f[0], *f[1 + 2 * k : 3 + 2 * k]) for f in found.values()]).T
+                panel.loglog(cpu, error, mark, color=colour, label=f"{program}, {cells}")
+                panel.loglog(cpu, scatter, mark[0] + ":", color=colour, mfc="none", alpha=0.6)
+                for courant, *point in zip(found, cpu, error, strict=True):
+                    panel.annotate(f"{courant:g}", point, (4, 4), textcoords="offset points", fontsize=8)
+        rows.append((program, FINE, REFERENCE[program][0], *finest[:2], *[float("nan")] * 4))
+        for k, panel in enumerate(axes[1]):
+            panel.plot(x, reference.mean(axis=0)[k], color=colour, label=f"{program}, {FINE}")
             for courant, style in ((0.5, "--"), (max(mine), ":")):
-                label_of_run = f"{program}, 15x350, {courant:g}"
-                bottom.plot(x, mine[courant][2].mean(axis=0)[k], style, color=colour, label=label_of_run)
-            top.set(xlabel="CPU a simulated second [s]; numbers: Courant", ylabel=f"L1 error of {label.split()[0]} [1]")
-            bottom.set(xlabel="x / width [1]", ylabel=label)
+                label = f"{program}, {COARSE}, Courant {courant:g}"
+                panel.plot(x, mine[courant][2].mean(axis=0)[k], style, color=colour, label=label)
+    for (top, bottom), name, label in zip(axes.T, *zip(*QUANTITIES.items(), strict=True), strict=True):
+        top.set(xlabel="CPU a simulated second [s]; numbers: Courant", ylabel=f"L1 error of {name}, relative [1]")
+        top.set(xlim=(TICKS[0], TICKS[-1]), ylim=(ERRORS[0], ERRORS[-1]))
+        top.set_xticks(TICKS, labels=[f"{tick:g}" for tick in TICKS])
+        top.set_yticks(ERRORS, labels=[f"{tick:g}" for tick in ERRORS])
+        top.minorticks_off()
+        bottom.set(xlabel="x / width [1]", ylabel=label)
     for panel in axes[:, 0]:
         panel.legend(fontsize=8)
     figure.savefig(HERE / "accuracy.png", dpi=120)
@@ -206,6 +225,6 @@ def draw() -> None:
 
 if __name__ == "__main__":
     if sys.argv[1:]:
-        run(sys.argv[1], int(sys.argv[2]), float(sys.argv[3]))
+        run(sys.argv[1], sys.argv[2], float(sys.argv[3]))
     else:
         draw()
