@@ -39,8 +39,8 @@ ACROSS = 15  # cells on which profiles are compared
 SCENE = HERE / "ff_wenyu.toml"
 BLOCK = 2.5  # [s]
 # each code starts near the holdup that it will have: fraction, end of the start and of the averages [s]
-STARTS = {OWN: (0.0165, 10.0, 25.0), PEER: (0.00521569, 5.0, 20.0)}
-REFERENCE = {OWN: (0.5, 30.0), PEER: (1.0, 15.0)}  # on the fine grid: Courant number, end of the averages [s]
+STARTS = {OWN: (0.0165, 10.0, 30.0), PEER: (0.00521569, 5.0, 15.0)}
+REFERENCE = {OWN: 0.5, PEER: 1.0}  # Courant number on the fine grid
 COLUMNS = ("program", "cells", "courant", "block", "steps", "cpu_s", "x", "eps_s", "u_solid")
 TICKS, ERRORS = (2, 3, 5, 10, 20), (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)  # of the axes: CPU a simulated second [s], error
 QUANTITIES = {"eps_s": "eps_s [1]", "u_solid": "u_solid [m/s]"}
@@ -52,20 +52,14 @@ def numbers(cells: str) -> list[int]:
     return [int(number) for number in cells.split("x")]
 
 
-def limits(program: str, cells: str) -> tuple[float, float, float]:
-    """Fraction at the start, begin and end of the averages [s]."""
-    fraction, begin, end = STARTS[program]
-    return fraction, begin, REFERENCE[program][1] if cells == FINE else end
-
-
 def scene(cells: str, courant: float) -> cb.Scene:
-    fraction, begin, end = limits(OWN, cells)
+    fraction, begin, end = STARTS[OWN]
     chosen = {"mesh.cells": numbers(cells), "initial.eps_s": fraction}
     return cb.load(SCENE, {**chosen, "time.courant": courant, "time.end": end, "time.average_from": begin})
 
 
 def own(cells: str, courant: float) -> Iterator[Block]:
-    _, begin, end = limits(OWN, cells)
+    _, begin, end = STARTS[OWN]
     plan = cb.plan(scene(cells, courant))
     chosen = plan.scene
     bed = plan.bed()[0]
@@ -91,7 +85,7 @@ def own(cells: str, courant: float) -> Iterator[Block]:
 
 
 def peer(cells: str, courant: float) -> Iterator[Block]:
-    fraction, begin, end = limits(PEER, cells)
+    fraction, begin, end = STARTS[PEER]
     chosen = cb.load(SCENE)
     case = openfoam.Case(
         "riser", *numbers(cells), end, 3.2, solids=26.6, courant=courant, walls="jj", largest_dt=0.05,
@@ -184,7 +178,7 @@ def draw() -> None:
     x = (np.arange(ACROSS) + 0.5) / ACROSS
     rows: list[tuple] = []
     for program, colour in ((OWN, "#0072B2"), (PEER, "#D55E00")):
-        finest = runs[program, FINE, REFERENCE[program][0]]
+        finest = runs[program, FINE, REFERENCE[program]]
         reference = finest[2]
         mine = {key[2]: runs[key] for key in runs if key[:2] == (program, COARSE)}
         for cells, mark in ((COARSE, "o-"), (WIDER, "s-")):
@@ -202,7 +196,7 @@ def draw() -> None:
                 panel.loglog(cpu, scatter, mark[0] + ":", color=colour, mfc="none", alpha=0.6)
                 for courant, *point in zip(found, cpu, error, strict=True):
                     panel.annotate(f"{courant:g}", point, (4, 4), textcoords="offset points", fontsize=8)
-        rows.append((program, FINE, REFERENCE[program][0], *finest[:2], *[float("nan")] * 4))
+        rows.append((program, FINE, REFERENCE[program], *finest[:2], *[float("nan")] * 4))
         for k, panel in enumerate(axes[1]):
             panel.plot(x, reference.mean(axis=0)[k], color=colour, label=f"{program}, {FINE}")
             for courant, style in ((0.5, "--"), (max(mine), ":")):
@@ -215,8 +209,8 @@ def draw() -> None:
         top.set_yticks(ERRORS, labels=[f"{tick:g}" for tick in ERRORS])
         top.minorticks_off()
         bottom.set(xlabel="x / width [1]", ylabel=label)
-    for panel in axes[:, 0]:
-        panel.legend(fontsize=8)
+    axes[0, 0].legend(fontsize=8, loc="lower right")
+    axes[1, 0].legend(fontsize=8)
     figure.savefig(HERE / "accuracy.png", dpi=120)
     head = ["program", "cells", "courant", "steps", "cpu_per_s", *(f"{a}_{b}" for b in QUANTITIES for a in
             ("error", "scatter"))]  # fmt: skip
