@@ -125,7 +125,7 @@ def repeated(run: Callable, *arguments: float) -> tuple[float, float, np.ndarray
 
 
 def plot(problem: Problem, rows: list[list]) -> None:
-    figure, axes = plt.subplots(figsize=(7.5, 5.0))
+    figure, axes = plt.subplots(figsize=(9.0, 5.0), layout="constrained")
     shades = plt.get_cmap("Blues")([0.5, 0.7, 0.95]), plt.get_cmap("Oranges")([0.5, 0.7, 0.9])
     for program, colours, mark in zip(("contbed", openfoam.SOLVER), shades, "os", strict=True):
         for cells, colour in zip(problem.grids, colours, strict=True):
@@ -140,8 +140,7 @@ def plot(problem: Problem, rows: list[list]) -> None:
     axes.set_ylabel("L1 error of eps_s, relative [1]")
     axes.set_title(problem.title)
     axes.grid(True, which="both", alpha=0.3)
-    axes.legend(fontsize=8)
-    figure.tight_layout()
+    figure.legend(loc="outside right upper", fontsize=8)
     figure.savefig(HERE / f"{problem.name}.png", dpi=120)
 
 
