@@ -27,7 +27,7 @@ import numpy as np
 
 import contbed as cb
 from contbed.two_fluid.findings import tables
-from contbed.two_fluid.statistics import Averages
+from contbed.two_fluid.statistics import Averages, along
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "two_fluid_speed"))
@@ -63,23 +63,25 @@ def own(cells: str, courant: float) -> Iterator[Block]:
     plan = cb.plan(scene(cells, courant))
     chosen = plan.scene
     bed = plan.bed()[0]
-    column = (bed.grid.centres[:, 0] / chosen.mesh.length * numbers(cells)[0]).astype(int)
-    inside = np.abs(bed.grid.centres[:, 1] - sum(window(chosen)) / 2) < np.ptp(window(chosen)) / 2
-    rows = np.bincount(column[inside])
-    averages = Averages(begin, end)
+    (x, height), volume = bed.grid.centres.T, bed.grid.geometry.volume
+    low, high = window(chosen)
+    inside = (height > low) & (height < high)
+    averages = Averages(begin, end) if cells == FINE else None
     bed.advance(begin)
     for stop in np.arange(begin + BLOCK, end + BLOCK / 2, BLOCK):
-        total = np.zeros((2, len(column)))
+        total = np.zeros((2, len(x)))
 
         def after(bed, total=total):
-            averages.add(bed)
+            if averages is not None:
+                averages.add(bed)
             total += bed.dt * np.array([bed.eps_s, bed.u_solid[:, 1]])
 
         steps, clock = bed.steps, time.process_time()
         bed.advance(stop, after)
-        mean = [np.bincount(column[inside], values[inside]) / rows / BLOCK for values in total]
-        yield bed.steps - steps, time.process_time() - clock, np.array(mean)
-    if cells == FINE:
+        cpu, sums = time.process_time() - clock, dict(zip(QUANTITIES, total[:, inside], strict=True))
+        means = along(x[inside], volume[inside], sums, {}, numbers(cells)[0])[1]
+        yield bed.steps - steps, cpu, np.array([means[name] for name in QUANTITIES]) / BLOCK
+    if averages is not None:
         lateral = tables(plan, bed, averages, {"t [s]": np.zeros(0)})["lateral"]
         write(HERE / "ff_wenyu_fine_lateral.csv", list(lateral), zip(*lateral.values(), strict=True))
 
@@ -161,6 +163,11 @@ def read() -> dict[tuple[str, str, float], tuple[int, float, np.ndarray]]:
     return found
 
 
+def of(runs: dict, program: str, cells: str) -> dict[float, tuple[int, float, np.ndarray]]:
+    """The runs of a program on a grid, by Courant number."""
+    return {courant: run for (*which, courant), run in runs.items() if which == [program, cells]}
+
+
 def compare(profile: np.ndarray, reference: np.ndarray) -> list[float]:
     """Relative L1 distance of the means, and the one that the scatter of the blocks alone leads to, of eps_s and of
     u_solid.
@@ -178,25 +185,21 @@ def draw() -> None:
     x = (np.arange(ACROSS) + 0.5) / ACROSS
     rows: list[tuple] = []
     for program, colour in ((OWN, "#0072B2"), (PEER, "#D55E00")):
-        finest = runs[program, FINE, REFERENCE[program]]
-        reference = finest[2]
-        mine = {key[2]: runs[key] for key in runs if key[:2] == (program, COARSE)}
+        *finest, reference = runs[program, FINE, REFERENCE[program]]
+        mine = of(runs, program, COARSE)
         for cells, mark in ((COARSE, "o-"), (WIDER, "s-")):
-            found = {}
-            for key in runs:
-                if key[:2] == (program, cells):
-                    steps, cpu, profile = runs[key]
-                    found[key[2]] = (cpu, *compare(profile, reference))
-                    rows.append((*key, steps, *found[key[2]]))
+            measured = of(runs, program, cells).items()
+            found = {courant: (cpu, *compare(profile, reference)) for courant, (_, cpu, profile) in measured}
             if not found:
                 continue
+            rows += [(program, cells, courant, steps, *found[courant]) for courant, (steps, *_) in measured]
             for k, panel in enumerate(axes[0]):
                 cpu, error, scatter = np.array([(f[0], *f[1 + 2 * k : 3 + 2 * k]) for f in found.values()]).T
                 panel.loglog(cpu, error, mark, color=colour, label=f"{program}, {cells}")
                 panel.loglog(cpu, scatter, mark[0] + ":", color=colour, mfc="none", alpha=0.6)
                 for courant, *point in zip(found, cpu, error, strict=True):
                     panel.annotate(f"{courant:g}", point, (4, 4), textcoords="offset points", fontsize=8)
-        rows.append((program, FINE, REFERENCE[program], *finest[:2], *[float("nan")] * 4))
+        rows.append((program, FINE, REFERENCE[program], *finest, *[float("nan")] * 4))
         for k, panel in enumerate(axes[1]):
             panel.plot(x, reference.mean(axis=0)[k], color=colour, label=f"{program}, {FINE}")
             for courant, style in ((0.5, "--"), (max(mine), ":")):

@@ -26,7 +26,10 @@ PANELS = ("eps_s [1]", "u_solid [m/s]", "theta_total [m2/s2]")
 PRINTED = ("steps", "mass_drift_relative", "eps_s_max", "difference_of_halves")
 COLOURS = {"wenyu": "#0072B2", "syamlal": "#D55E00"}
 # in each flow one more profile of ours: on the fine grid of accuracy.py, and with the highest flux
-MORE = {"ff": ("ff_wenyu_fine", "contbed, wenyu, 30x700"), "dpt": ("dpt_wenyu_36.8", "contbed, wenyu, 36.8 kg/m2/s")}
+MORE = {
+    "ff": ("ff_wenyu_fine", "#009E73", "contbed, wenyu, 30x700"),
+    "dpt": ("dpt_wenyu_36.8", "#CC79A7", "contbed, wenyu, 36.8 kg/m2/s"),
+}
 
 
 def run(name: str) -> None:
@@ -59,8 +62,8 @@ def draw() -> None:
             curves.append((columns(HERE / f"{flow}_{drag}_lateral.csv"), "-", colour, f"contbed, {drag}"))
             data = peer(HERE / f"twoPhaseEulerFoam_{flow}_{drag}.csv")
             curves.append((data, "--", colour, f"twoPhaseEulerFoam, {drag}"))
-        scene, label = MORE[flow]
-        curves.append((columns(HERE / f"{scene}_lateral.csv"), "-", "#009E73" if flow == "ff" else "#CC79A7", label))
+        scene, colour, label = MORE[flow]
+        curves.append((columns(HERE / f"{scene}_lateral.csv"), "-", colour, label))
         for data, style, colour, label in curves:
             for panel, key in zip(line, PANELS, strict=True):
                 panel.plot(data["x [m]"], data[key], style, color=colour, label=label)

@@ -189,18 +189,23 @@ def test_settling_fronts():
     assert b.eps_s.max() <= 0.6
 
 
+def settled(cells, end, options):
+    """Glass in water from eps_s = 0.1 in a closed column of square cells, 0.1 m high, at the time `end` [s]."""
+    grid = rectangle(0.1 * cells[0] / cells[1], 0.1, cells)
+    sides = dict.fromkeys(("left", "right", "bottom", "top"), SLIP)
+    values = {"rho_gas": 998.0, "mu_gas": 1e-3, "d_p": 100e-6, "eps_max": 0.6}
+    b = bed(grid, closures(wen_yu(998.0, 1e-3, 100e-6)), sides, (0.0, -9.81), options, **values)
+    b.start(eps_s=0.1)
+    b.advance(end)
+    return b
+
+
 def test_fronts_stay_level():
     """Steps far longer than the buoyancy waves of both fronts (N dt = 4 and 7): no sideways motion grows from rounding.
 
     Explicit gravity multiplies it by about N^2 dt^2 in each of the 20 steps; 1e-3 is a fifth of the settling velocity.
     """
-    grid = rectangle(0.01, 0.1, (10, 100))
-    sides = dict.fromkeys(("left", "right", "bottom", "top"), SLIP)
-    values = {"rho_gas": 998.0, "mu_gas": 1e-3, "d_p": 100e-6, "eps_max": 0.6}
-    laws = closures(wen_yu(998.0, 1e-3, 100e-6))
-    b = bed(grid, laws, sides, (0.0, -9.81), Options(dt=0.1), **values)
-    b.start(eps_s=0.1)
-    b.advance(2.0)
+    b = settled((10, 100), 2.0, Options(dt=0.1))
     assert np.abs(b.u_solid[:, 0]).max() < 1e-3
 
 
@@ -209,13 +214,7 @@ def test_fronts_stay_level_at_half_a_cell_a_step():
 
     With fractions taken half a step ahead by what their faces carried it comes to 4e-2 m/s.
     """
-    grid = rectangle(0.005, 0.1, (20, 400))
-    sides = dict.fromkeys(("left", "right", "bottom", "top"), SLIP)
-    values = {"rho_gas": 998.0, "mu_gas": 1e-3, "d_p": 100e-6, "eps_max": 0.6}
-    laws = closures(wen_yu(998.0, 1e-3, 100e-6))
-    b = bed(grid, laws, sides, (0.0, -9.81), Options(dt_max=10.0, dt_first=1e-2), **values)
-    b.start(eps_s=0.1)
-    b.advance(8.0)
+    b = settled((20, 400), 8.0, Options(dt_max=10.0, dt_first=1e-2))
     assert np.abs(b.u_solid[:, 0]).max() < 7e-3
 
 
