@@ -16,20 +16,20 @@ __version__ = "0.1.0"
 __all__ = ["Plan", "Result", "Scene", "load", "plan", "run"]
 
 _HOMES = {
-    "Scene": "scene.settings",
+    "Scene": "packed_bed.scene",
     "load": "scene.loading",
-    "Plan": "planning",
-    "plan": "planning",
+    "Plan": "packed_bed.plan",
+    "plan": "packed_bed.plan",
     "Result": "result",
     "run": "runner",
 }
 
 if TYPE_CHECKING:
-    from contbed.planning import Plan, plan
+    from contbed.packed_bed.plan import Plan, plan
+    from contbed.packed_bed.scene import Scene
     from contbed.result import Result
     from contbed.runner import run
     from contbed.scene.loading import load
-    from contbed.scene.settings import Scene
 
 
 def __getattr__(name: str) -> Any:

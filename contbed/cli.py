@@ -118,7 +118,7 @@ def check(
 def plan(scene: SceneFile, settings: Settings = None) -> None:
     """Show what a scene builds and what it leaves out, with unknowns and memory."""
     loaded = _load(scene, settings)
-    from contbed.planning import plan as make
+    from contbed.packed_bed.plan import plan as make
 
     print(make(loaded))
 
@@ -126,7 +126,7 @@ def plan(scene: SceneFile, settings: Settings = None) -> None:
 @app.command()
 def explain(name: Annotated[str, Argument(metavar="NAME", help="nusselt_gunn, two_energy, heat.nusselt")]) -> None:
     """Show the data sheet of a closure, of a model, or of a table or key of a scene."""
-    from contbed.catalogue import explain as sheet
+    from contbed.explain import explain as sheet
 
     print(sheet(name))
 
@@ -134,7 +134,7 @@ def explain(name: Annotated[str, Argument(metavar="NAME", help="nusselt_gunn, tw
 @app.command("list")
 def list_() -> None:
     """List models, closures by kind, tables of a scene, and the studies in this folder."""
-    from contbed.catalogue import listing
+    from contbed.explain import listing
 
     print(listing(Path("studies")))
 

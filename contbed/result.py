@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from contbed.planning import Plan
+from contbed.packed_bed.plan import Plan
 
 
 @dataclass
@@ -91,26 +91,26 @@ class Result:
 
         scene, mesh = self.plan.scene, self.plan.mesh
         if scene.kind == "bubbling_bed":
-            from contbed.output.bubbling_plots import bubbling_plot
+            from contbed.bubbling_bed.plots import bubbling_plot
 
             bubbling_plot(out / "profiles.png", self.profiles, scene.title, self.qoi)
             if "continuation" in self.tables:
-                from contbed.output.bubbling_plots import branch_plot
+                from contbed.bubbling_bed.plots import branch_plot
 
                 branch_plot(out / "continuation.png", self.tables["continuation"], scene.title)
             return
         if scene.kind == "two_fluid":
-            from contbed.output.two_fluid_plots import two_fluid_plot
+            from contbed.two_fluid.plots import two_fluid_plot
 
             two_fluid_plot(out / "profiles.png", self.profiles, self.tables, scene.title)
             return
         if scene.kind == "fully_developed":
-            from contbed.output.two_fluid_plots import developed_plot
+            from contbed.two_fluid.plots import developed_plot
 
             developed_plot(out / "profiles.png", self.profiles, scene.title)
             return
         if scene.kind == "particles_gas":
-            from contbed.output.particles import history_plot
+            from contbed.dem.plots import history_plot
 
             history_plot(out / "profiles.png", self.profiles, scene.title)
             return

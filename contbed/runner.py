@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import BalanceError, ClosureRangeError, ConvergenceError, SceneError
-from contbed.kinds import KINDS, find
-from contbed.planning import Plan
-from contbed.planning import plan as make_plan
+from contbed.models import KINDS, find
+from contbed.packed_bed import scene as s
+from contbed.packed_bed.plan import Plan
+from contbed.packed_bed.plan import plan as make_plan
 from contbed.result import Result
-from contbed.scene import settings as s
 
 NOTICED = 1e-2  # share of the heat above 0 K in streams and bed below which rounding of temperatures blurs a balance
 STATUS = {
@@ -49,7 +49,7 @@ def run(
     SceneError, ConvergenceError, ClosureRangeError, BalanceError : after what was found has been written to `out`
     """
     if engine != "skfem":
-        from contbed.engine.ranks import lead
+        from contbed.fem.ranks import lead
 
         return lead(lambda: _run(scene, out, quiet, restart, engine))
     return _run(scene, out, quiet, restart, engine)
@@ -62,7 +62,7 @@ def _run(
     folder = Path(out) if out is not None else Path(restart) if restart is not None else None
     plan: Any = make_plan(scene)
     if engine != "skfem":
-        from contbed.engine.dolfinx import adopted
+        from contbed.fem.dolfinx import adopted
 
         plan = adopted(plan)
     result = Result(plan)
@@ -84,7 +84,7 @@ def _run(
             _keep_last(scene, error, folder)
     result.timings["total"] = clock.perf_counter() - start
     if engine != "skfem":
-        from contbed.engine.dolfinx import account
+        from contbed.fem.dolfinx import account
 
         result.engine = account()
     if folder is not None:
@@ -173,8 +173,8 @@ def _solve(
 
 def _radiation(plan: Plan, result: Result) -> None:
     """A medium that radiates by itself."""
-    from contbed.problem.findings_radiation import radiation_findings
-    from contbed.problem.radiation import emission
+    from contbed.radiation.problem import emission
+    from contbed.radiation.results import radiation_findings
 
     with _timed(result, "radiation"):
         problem = _radiation_problem(plan)
@@ -188,20 +188,20 @@ def _radiation(plan: Plan, result: Result) -> None:
 
 
 def _radiation_problem(plan: Plan) -> Any:
-    from contbed.problem.radiation import RadiationProblem
+    from contbed.radiation.problem import RadiationProblem
 
     problem: Any = RadiationProblem
     level = plan.solved.radiation.level if plan.solved.radiation else ""
     if level == "ordinates":
-        from contbed.problem.ordinates import OrdinatesProblem as problem
+        from contbed.radiation.ordinates import OrdinatesProblem as problem
     elif level == "rosseland":
-        from contbed.problem.rosseland import RosselandProblem as problem
+        from contbed.radiation.rosseland import RosselandProblem as problem
     return problem(plan.solved, plan.mesh, plan.section)
 
 
 def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:
-    from contbed.problem.heat import HeatProblem
-    from contbed.problem.heat_coefficients import Motion
+    from contbed.packed_bed.heat import HeatProblem
+    from contbed.packed_bed.heat_coefficients import Motion
 
     with _timed(result, "heat setup"):
         motion = Motion(plan.velocity, plan.velocity_solid, flow)
@@ -211,7 +211,7 @@ def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:
 
 
 def _flow(plan: Plan, result: Result) -> Any:
-    from contbed.problem.flow import coefficients, solve_flow
+    from contbed.packed_bed.flow import coefficients, solve_flow
 
     scene, options = plan.scene, plan.scene.solver
     c = coefficients(scene, plan.medium, plan.velocity, plan.velocity_solid)
@@ -225,7 +225,7 @@ def _flow(plan: Plan, result: Result) -> Any:
     leaving = sum(v for v in outflow.values() if v > 0)
     result.balances["fluid volume"] = _balance(entering, leaving, 0.0, 0.0, "m3/s")
     result.nodal |= {"u": (flow.system.fields["u"][0], flow.velocity), "p": (flow.system.fields["p"][0], flow.pressure)}
-    from contbed.problem.findings import flow_findings
+    from contbed.packed_bed.results import flow_findings
 
     flow_findings(plan, flow, result)
     return flow
@@ -259,7 +259,7 @@ def _steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, 
 
 def _steady(plan: Plan, problem: Any, result: Result, last: bool) -> Any | None:
     """Solve and report; or, on a mesh that may still be refined and should be, return the error of each cell."""
-    from contbed.problem.findings import steady_findings
+    from contbed.packed_bed.results import steady_findings
 
     with _timed(result, "heat"):
         state, history = problem.solve(plan.policy)
@@ -287,8 +287,8 @@ def _transient(
 ) -> None:  # fmt: skip
     from contbed.output import checkpoint
     from contbed.output.progress import Progress
-    from contbed.problem.findings import transient_findings
-    from contbed.problem.transient import History, integrated_fluxes, run_transient
+    from contbed.packed_bed.results import transient_findings
+    from contbed.packed_bed.transient import History, integrated_fluxes, run_transient
     from contbed.scene.loading import scene_hash
 
     assert scene.time is not None
@@ -320,8 +320,8 @@ def _transient(
 
 
 def _track_fronts(plan: Plan, result: Result) -> None:
-    from contbed.models.fronts import track
-    from contbed.problem.findings import front_findings
+    from contbed.packed_bed.equations.fronts import track
+    from contbed.packed_bed.results import front_findings
 
     scene, medium = plan.scene, plan.medium
     time, bed = scene.time, scene.bed

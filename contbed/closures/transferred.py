@@ -1,6 +1,6 @@
 """Closures fitted from particle models: what stands in a closure file, as a function like the published ones.
 
-A closure file is TOML that `contbed.dem.extract` writes and `contbed.scene.closure_file` reads:
+A closure file is TOML that `contbed.dem.extract` writes and `contbed.closures.file` reads:
 
     format = 1
     kind = "conductivity"                # or "nusselt"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from contbed.dem import settings as p
-from contbed.scene.checks import Mistakes, See
+from contbed.dem import scene as p
+from contbed.packed_bed.checks import Mistakes, See
 from contbed.scene.toml_lines import Origin
 
 

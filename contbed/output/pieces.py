@@ -9,9 +9,9 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from contbed.engine.dolfinx import Partition
-from contbed.engine.elements import Space
-from contbed.engine.ranks import Crew, crew
+from contbed.fem.dolfinx import Partition
+from contbed.fem.elements import Space
+from contbed.fem.ranks import Crew, crew
 from contbed.output.files import atomic
 from contbed.output.vtu import write_fields
 

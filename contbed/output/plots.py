@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.engine.elements import Space
+from contbed.fem.elements import Space
 from contbed.fields import FIELDS, name_of
 from contbed.output.files import atomic
 from contbed.output.vtu import at_nodes

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem.refdom import RefHex, RefLine, RefQuad, RefTet, RefTri
 
-from contbed.engine.elements import Space, lagrange
+from contbed.fem.elements import Space, lagrange
 from contbed.output.files import atomic
 
 if TYPE_CHECKING:

@@ -13,10 +13,10 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from contbed.errors import SceneError
-from contbed.kinds import KINDS, find
-from contbed.scene import reference
-from contbed.scene.checks import mistakes
-from contbed.scene.settings import Scene, SceneBase, Table
+from contbed.models import KINDS, find
+from contbed.packed_bed.checks import mistakes
+from contbed.packed_bed.scene import Scene, SceneBase, Table
+from contbed.scene import schema as reference
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse, parse_key, read
 
 _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}

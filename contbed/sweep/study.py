@@ -33,9 +33,9 @@ from pathlib import Path
 from typing import Any
 
 from contbed.errors import SceneError
-from contbed.scene import reference
+from contbed.packed_bed.scene import SceneBase
+from contbed.scene import schema as reference
 from contbed.scene.loading import load, nearest, resolved, scene_hash
-from contbed.scene.settings import SceneBase
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse_key, read
 from contbed.sweep import design
 

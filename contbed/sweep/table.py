@@ -13,7 +13,7 @@ from typing import Any
 from contbed.fields import FIELDS, name_of, unit_of
 from contbed.output.files import atomic
 from contbed.output.summary import write_json
-from contbed.scene import reference
+from contbed.scene import schema as reference
 from contbed.scene.toml_lines import parse_key
 from contbed.sweep.study import Study
 

@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.two_fluid.grid import Grid
+from contbed.two_fluid.fv.grid import Grid
 
 WALL, GIVEN, OUTLET = 0, 1, 2
 

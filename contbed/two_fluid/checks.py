@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from contbed.closures.binding import resolve_closure
 from contbed.errors import SceneError
-from contbed.scene import settings_mesh as meshes
-from contbed.scene.checks import Mistakes, See
-from contbed.scene.closure_choice import resolve_closure
+from contbed.packed_bed.checks import Mistakes, See
+from contbed.scene import mesh as meshes
 from contbed.scene.toml_lines import Origin
-from contbed.two_fluid import settings as t
+from contbed.two_fluid import scene as t
 
 KINDS = {
     "drag": "drag",

@@ -17,8 +17,8 @@ import numpy as np
 
 from contbed.two_fluid import boundary
 from contbed.two_fluid import kernels_faces as kf
-from contbed.two_fluid import kernels_fields as kc
 from contbed.two_fluid import kernels_solid as ks
+from contbed.two_fluid.fv import gradient as kc
 
 if TYPE_CHECKING:
     from contbed.two_fluid.step import Stepper

@@ -18,7 +18,7 @@ import numpy as np
 
 from contbed.two_fluid.boundary import GIVEN, OUTLET
 from contbed.two_fluid.compiled import kernel
-from contbed.two_fluid.kernels_fields import FEW, NEVER, heard
+from contbed.two_fluid.fv.gradient import FEW, NEVER, heard
 
 TINY = 1e-300
 UNDERFLOW = 1e-60  # [m/s]

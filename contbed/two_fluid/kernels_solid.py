@@ -6,7 +6,7 @@ import numpy as np
 
 from contbed.two_fluid.boundary import GIVEN, WALL
 from contbed.two_fluid.compiled import kernel
-from contbed.two_fluid.kernels_fields import heard
+from contbed.two_fluid.fv.gradient import heard
 
 TINY = 1e-300
 SOFT = 1e-12  # [m2/s2] stiffness of particles that do not touch, so that its inverse exists

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from contbed.errors import ConvergenceError
-from contbed.two_fluid.elimination import Elimination
-from contbed.two_fluid.grid import Grid
-from contbed.two_fluid.multigrid import Multigrid
+from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.linear.elimination import Elimination
+from contbed.two_fluid.linear.multigrid import Multigrid
 
 WIDEST = 250  # band up to which elimination is faster, measured in 2-D and 3-D: studies/two_fluid_scaling
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.meshing.mesh import Mesh
-from contbed.two_fluid.grid import Grid
+from contbed.mesh.mesh import Mesh
+from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.simulation import TwoFluid
 
 FIELDS = ("eps_s [1]", "u_gas [m/s]", "u_solid [m/s]", "theta [m2/s2]", "p [Pa]")

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from contbed.two_fluid import limiter
 from contbed.two_fluid.boundary import Condition, assemble
+from contbed.two_fluid.fv import limiter
 from contbed.two_fluid.step import CROSSED, FIELDS, PASSES, Materials, Options, Sources, Stepper
 
 __all__ = ["FIELDS", "Materials", "Options", "Sources", "TwoFluid"]

@@ -15,18 +15,19 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from contbed.errors import ConvergenceError
-from contbed.two_fluid import boundary, granular_temperature, limiter
+from contbed.two_fluid import boundary, granular_temperature
 from contbed.two_fluid import kernels_faces as kf
-from contbed.two_fluid import kernels_fields as kc
-from contbed.two_fluid import kernels_linear as kl
 from contbed.two_fluid import kernels_solid as ks
-from contbed.two_fluid import kernels_stress as kt
-from contbed.two_fluid.grid import Grid
+from contbed.two_fluid import stress as kt
+from contbed.two_fluid.fv import gradient as kc
+from contbed.two_fluid.fv import limiter
+from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.linear import cg as kl
 from contbed.two_fluid.pressure import Pressure
 from contbed.two_fluid.rheology import Closures
 
 if TYPE_CHECKING:
-    from contbed.two_fluid.heat import Heat
+    from contbed.two_fluid.heat.equations import Heat
 
 ITERATIONS = 500
 TOLERANCE = 1e-7  # of the systems of one field; fluxes are made from what was found, and keep what they carry

@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.meshing.grading import GRADING_ERROR
-from contbed.planning import Plan
-from contbed.planning import plan as make_plan
+from contbed.packed_bed import scene as s
+from contbed.packed_bed.grading import GRADING_ERROR
+from contbed.packed_bed.plan import Plan
+from contbed.packed_bed.plan import plan as make_plan
 from contbed.runner import run
-from contbed.scene import settings as s
 from contbed.scene.loading import load
 
 Profile = Callable[[Any], dict[str, Any]]

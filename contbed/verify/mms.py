@@ -21,11 +21,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contbed.engine.dual import Components, Dual
-from contbed.engine.elements import lagrange
-from contbed.engine.skfem import Domain, System
-from contbed.solve.linear import Policy
-from contbed.solve.newton import newton
+from contbed.fem.dual import Components, Dual
+from contbed.fem.elements import lagrange
+from contbed.fem.skfem import Domain, System
+from contbed.solvers.linear import Policy
+from contbed.solvers.newton import newton
 
 Array = NDArray[np.float64]
 Function = Callable[..., Any]

@@ -12,11 +12,11 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
+from contbed.cfd_dem.coupling import Bed
+from contbed.cfd_dem.gas import Gas
+from contbed.cfd_dem.grid import Grid
 from contbed.closures import drag_gidaspow
 from contbed.dem import heat_pair
-from contbed.dem.coupling import Bed
-from contbed.dem.gas import Gas
-from contbed.dem.gas_grid import Grid
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation

@@ -28,11 +28,11 @@ from scipy.special import ndtr
 
 from contbed.closures import optics as closures
 from contbed.closures.optics import SIGMA
-from contbed.engine.skfem import System
-from contbed.meshing.mesh import build, graded
-from contbed.scene import settings
-from contbed.solve.linear import Policy, Solver
-from contbed.solve.newton import newton
+from contbed.fem.skfem import System
+from contbed.mesh.mesh import build, graded
+from contbed.packed_bed import scene as settings
+from contbed.solvers.linear import Policy, Solver
+from contbed.solvers.newton import newton
 
 HERE = Path(__file__).parent
 NAMES = ("char", "limestone", "inert")

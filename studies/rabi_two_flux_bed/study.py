@@ -15,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import contbed as cb
-from contbed.bubbling.problem import BubblingProblem
+from contbed.bubbling_bed.problem import BubblingProblem
 
 HERE = Path(__file__).parent
 LEVELS = {

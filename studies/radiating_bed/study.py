@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import contbed as cb
-from contbed.problem.rosseland import estimate
+from contbed.radiation.rosseland import estimate
 
 HERE = Path(__file__).parent
 LENGTHS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)

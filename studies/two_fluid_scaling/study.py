@@ -20,12 +20,12 @@ import numpy as np
 import scipy.sparse as sp
 
 import contbed as cb
-from contbed.planning import plan
-from contbed.solve.linear import Policy, Solver
-from contbed.solve.ordering import nested_dissection
-from contbed.two_fluid.elimination import Elimination
-from contbed.two_fluid.grid import Grid
-from contbed.two_fluid.multigrid import Multigrid
+from contbed.packed_bed.plan import plan
+from contbed.solvers.linear import Policy, Solver
+from contbed.solvers.ordering import nested_dissection
+from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.linear.elimination import Elimination
+from contbed.two_fluid.linear.multigrid import Multigrid
 from contbed.two_fluid.pressure import Pressure
 
 HERE = Path(__file__).parent

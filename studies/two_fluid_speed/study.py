@@ -17,7 +17,7 @@ from pathlib import Path
 import openfoam
 
 import contbed as cb
-from contbed.two_fluid import findings
+from contbed.two_fluid import results as findings
 
 HERE = Path(__file__).parent
 STUDIES = HERE.parent

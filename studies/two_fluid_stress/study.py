@@ -14,7 +14,7 @@ import numpy as np
 
 from contbed.errors import ContbedError
 from contbed.scene.loading import from_dict
-from contbed.two_fluid import planning
+from contbed.two_fluid import plan as planning
 
 HERE = Path(__file__).parent
 STEPS = 20000  # in which a case must be done

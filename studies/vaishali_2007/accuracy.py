@@ -26,8 +26,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import contbed as cb
-from contbed.two_fluid.findings import tables
-from contbed.two_fluid.statistics import Averages, along
+from contbed.two_fluid.averages import Averages, along
+from contbed.two_fluid.results import tables
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "two_fluid_speed"))

@@ -4,15 +4,15 @@ import cantera
 import numpy as np
 import pytest
 
-from contbed.bubbling import chemistry_reactions as cr
-from contbed.bubbling import chemistry_settings as t
-from contbed.bubbling import chemistry_thermo as thermo
-from contbed.bubbling.chemistry import fuel_data
+from contbed.bubbling_bed.chemistry import reactions as cr
+from contbed.bubbling_bed.chemistry import scene as t
+from contbed.bubbling_bed.chemistry import thermo
+from contbed.bubbling_bed.chemistry.problem import fuel_data
 from contbed.closures import devolatilisation as dv
 from contbed.closures import reactions as r
 from contbed.closures import reactions_solid as rs
-from contbed.engine.dual import Dual
 from contbed.errors import SceneError
+from contbed.fem.dual import Dual
 
 ALL = [law for laws in (r.LAWS | rs.CHAR_LAWS).values() for law in laws.values()] + [rs.CALCINATION, rs.SULPHATION]
 T = np.array([600.0, 900.0, 1123.0, 1500.0])

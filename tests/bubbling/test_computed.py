@@ -6,8 +6,8 @@ from computed_scenes import hot
 
 import contbed as cb
 from contbed import closures
-from contbed.bubbling.planning import plan
-from contbed.bubbling.problem import BubblingProblem
+from contbed.bubbling_bed.plan import plan
+from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.materials import gas_mixture
 
 

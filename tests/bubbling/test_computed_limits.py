@@ -6,13 +6,13 @@ from computed_scenes import hot, tables
 
 import contbed as cb
 from contbed import closures
-from contbed.bubbling.planning import plan
-from contbed.bubbling.problem import BubblingProblem
+from contbed.bubbling_bed.plan import plan
+from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.errors import SceneError
 from contbed.materials import gas_mixture
 from contbed.scene.loading import from_dict
-from contbed.solve.linear import Policy
-from contbed.solve.newton import newton
+from contbed.solvers.linear import Policy
+from contbed.solvers.newton import newton
 from contbed.verify.mms import Manufactured, observed_order
 
 ALONE = {"volume_fraction": 1.0, "exchange": {}}

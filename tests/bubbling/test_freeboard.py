@@ -6,8 +6,8 @@ from computed_scenes import hot
 from scipy.integrate import solve_ivp
 
 import contbed as cb
-from contbed.bubbling.planning import plan
-from contbed.bubbling.problem import BubblingProblem
+from contbed.bubbling_bed.plan import plan
+from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.materials import gas_mixture
 
 WALLS = {"perimeter": 3.5, "coefficient": 20.0, "temperature": 600.0, "emissivity": 0.8}

@@ -10,14 +10,14 @@ import skfem
 from bubbling_scenes import STUDY, case1, one
 
 import contbed as cb
-from contbed.bubbling.planning import plan
-from contbed.bubbling.problem import BubblingProblem
+from contbed.bubbling_bed.equations import bed as model
+from contbed.bubbling_bed.plan import plan
+from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.cli import main
-from contbed.engine.skfem import System
-from contbed.models import bubbling_bed as model
+from contbed.fem.skfem import System
 from contbed.output.tables import read_table
-from contbed.solve.linear import Policy
-from contbed.solve.newton import newton
+from contbed.solvers.linear import Policy
+from contbed.solvers.newton import newton
 from contbed.verify.mms import Manufactured, observed_order
 
 HEIGHT = 0.8

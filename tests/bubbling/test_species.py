@@ -7,8 +7,8 @@ from reacting_scenes import BURNING, COAL, combustor, tables, tube
 from scipy.integrate import solve_ivp
 
 import contbed as cb
-from contbed.bubbling import chemistry_reactions as cr
-from contbed.bubbling import chemistry_thermo as thermo
+from contbed.bubbling_bed.chemistry import reactions as cr
+from contbed.bubbling_bed.chemistry import thermo
 from contbed.closures import reactions as r
 from contbed.errors import SceneError
 from contbed.scene.loading import from_dict

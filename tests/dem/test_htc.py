@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 import contbed as cb
+from contbed.cfd_dem import run as gas_study
+from contbed.cfd_dem.coupling import Bed
+from contbed.cfd_dem.gas import Gas
+from contbed.cfd_dem.grid import Grid
+from contbed.cfd_dem.heat_transfer import Average, Solid, coefficients
 from contbed.closures import drag_di_felice, nusselt_power
-from contbed.dem import gas_study, heat_impact
-from contbed.dem.coupling import Bed
-from contbed.dem.gas import Gas
-from contbed.dem.gas_grid import Grid
+from contbed.dem import heat_impact
 from contbed.dem.heat_pair import correction
-from contbed.dem.htc import Average, Solid, coefficients
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import contbed as cb
+from contbed.closures.file import closure_of
 from contbed.errors import SceneError
-from contbed.scene.closure_file import closure_of
 from contbed.scene.loading import loads, scene_hash
 from contbed.verify.converge import converge
 

@@ -10,10 +10,10 @@ import pytest
 
 import contbed as cb
 from contbed.closures import registry
+from contbed.closures.file import closure_of
 from contbed.dem import extract
-from contbed.engine.dual import Dual
 from contbed.errors import ClosureRangeError, SceneError
-from contbed.scene.closure_file import closure_of
+from contbed.fem.dual import Dual
 from contbed.scene.loading import from_dict, loads, resolved, scene_hash
 
 STUDY = Path(__file__).parents[2] / "studies/closure_transfer"

@@ -40,7 +40,7 @@ def agree(out: Path, engine: str = "dolfinx") -> None:
 
 def iterate(out: Path) -> None:
     """Scenes in space without factorisations."""
-    from contbed.engine import petsc
+    from contbed.fem import petsc
 
     petsc.DIRECT_3D = 0
     for name in ("heat_tetrahedra", "heat_hexahedra"):
@@ -86,7 +86,7 @@ def lose(out: Path, scene: str) -> None:
     """The last rank fails in the middle of an assembly."""
     from mpi4py import MPI
 
-    from contbed.engine import dolfinx, dolfinx_points
+    from contbed.fem import dolfinx, dolfinx_points
 
     def broken(whole: Any) -> Any:
         def fail(*arguments: Any) -> Any:

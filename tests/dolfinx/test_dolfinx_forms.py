@@ -12,14 +12,14 @@ pytest.importorskip("dolfinx.fem", reason="DOLFINx is not installed")
 
 from dolfinx_scenes import SCENES
 
-from contbed.bubbling.problem import BubblingProblem
-from contbed.engine.dolfinx import adopted
-from contbed.planning import plan as make_plan
+from contbed.bubbling_bed.problem import BubblingProblem
+from contbed.developed_flow.problem import DevelopedProblem
+from contbed.fem.dolfinx import adopted
+from contbed.packed_bed.plan import plan as make_plan
 from contbed.result import Result
 from contbed.runner import _flow, _heat_problem, _radiation_problem
 from contbed.scene.loading import from_dict
-from contbed.solve.linear import bordered, constrain, scaled
-from contbed.two_fluid.developed_problem import DevelopedProblem
+from contbed.solvers.linear import bordered, constrain, scaled
 
 TOLERANCE = 1e-12
 NAMES = ["heat_gas_walls", "heat_tables", "heat_axisymmetric", "heat_degree_3", "radiation_in_bed", "heat_hexahedra",

@@ -59,8 +59,8 @@ def test_missing_dolfinx_is_named(scene) -> None:
 def test_complex_petsc_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     from petsc4py import PETSc
 
-    from contbed.engine import dolfinx_versions
     from contbed.errors import EngineError
+    from contbed.fem import dolfinx_versions
 
     monkeypatch.setattr(PETSc, "ScalarType", np.complex128)
     with pytest.raises(EngineError, match="real numbers, found a complex build"):

@@ -13,7 +13,7 @@ import pytest
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
-from contbed.engine import dolfinx_versions as versions
+from contbed.fem import dolfinx_versions as versions
 
 pytestmark = pytest.mark.without_dolfinx
 ufl = pytest.importorskip("ufl", reason="fenics-ufl is not installed")

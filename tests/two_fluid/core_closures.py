@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from contbed.meshing import mesh as meshing
-from contbed.scene import settings
-from contbed.two_fluid import grid
+from contbed.mesh import mesh as meshing
+from contbed.packed_bed import scene as settings
+from contbed.two_fluid.fv import grid
 from contbed.two_fluid.rheology import Closures, Rheology
 from contbed.two_fluid.simulation import Materials, Options, TwoFluid
 

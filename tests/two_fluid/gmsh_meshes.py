@@ -4,10 +4,10 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-from contbed.meshing import mesh as meshing
-from contbed.scene import settings
-from contbed.two_fluid import grid
+from contbed.mesh import mesh as meshing
+from contbed.packed_bed import scene as settings
 from contbed.two_fluid.boundary import symmetry
+from contbed.two_fluid.fv import grid
 
 IN_3D = ("hexahedra", "tetrahedra")
 KINDS = ("quadrilaterals", "triangles", "axisymmetric_quadrilaterals", "axisymmetric_triangles", *IN_3D)

@@ -6,7 +6,7 @@ import pytest
 from changed_scenes import changed
 
 from contbed.errors import SceneError
-from contbed.planning import plan
+from contbed.packed_bed.plan import plan
 from contbed.scene.loading import from_dict
 
 GOOD = {

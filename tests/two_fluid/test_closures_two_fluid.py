@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from contbed import closures
 from contbed.closures.granular_transport import share_drag, share_free_path
-from contbed.two_fluid import laws
+from contbed.two_fluid import closures as laws
 
 SEED = {"rho_s": 2550.0, "d_p": 150e-6, "rho": 1.2, "mu": 1.8e-5}
 TAGHIPOUR = {"rho_s": 2500.0, "d_p": 275e-6, "rho": 1.225, "mu": 1.7894e-5}

@@ -6,8 +6,8 @@ from core_closures import bed, closures, line, rectangle, solids
 from scipy.optimize import brentq
 
 from contbed.errors import ConvergenceError, SceneError
-from contbed.two_fluid import limiter
 from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
+from contbed.two_fluid.fv import limiter
 from contbed.two_fluid.simulation import Options
 
 SHAPES = ["quadrilateral", "triangle"]

@@ -9,9 +9,9 @@ from scipy.integrate import cumulative_trapezoid
 import contbed as cb
 from contbed.closures.granular import g0_sinclair_jackson
 from contbed.closures.granular_transport import granular_conductivity_syamlal, granular_dissipation_lun
+from contbed.developed_flow.equations import Coefficients
+from contbed.developed_flow.plan import coefficients
 from contbed.errors import SceneError
-from contbed.models.developed_flow import Coefficients
-from contbed.two_fluid.developed_planning import coefficients
 
 SCENE = Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "developed.toml"
 THIN = {"fully_developed.velocity": 8.335, "fully_developed.solid_flux": 2.0, "solver.branches": True}

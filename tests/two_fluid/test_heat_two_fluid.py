@@ -12,13 +12,14 @@ from scipy.linalg import expm
 
 import contbed as cb
 from contbed import closures as closure
+from contbed.closures.file import closure_of
 from contbed.errors import SceneError
-from contbed.planning import plan
-from contbed.scene.closure_file import closure_of
+from contbed.packed_bed.plan import plan
 from contbed.scene.loading import from_dict
-from contbed.two_fluid import heat_planning, study
+from contbed.two_fluid import run as study
 from contbed.two_fluid.boundary import Inlet, Outlet, symmetry
-from contbed.two_fluid.heat import Heat, Physics, Thermal
+from contbed.two_fluid.heat import plan as heat_planning
+from contbed.two_fluid.heat.equations import Heat, Physics, Thermal
 from contbed.two_fluid.simulation import Options
 from contbed.verify.exact_packed_bed import schumann
 
@@ -117,12 +118,12 @@ def test_moving_bed_keeps_heat_and_gas(shape, ideal):
 
 
 def test_isothermal_beds_know_nothing_of_heat():
-    done = subprocess.run([sys.executable, "-c", "import sys, contbed.two_fluid.study as s; "
+    done = subprocess.run([sys.executable, "-c", "import sys, contbed.two_fluid.run as s; "
                            "print(*[name for name in sys.modules if 'two_fluid' in name])"],
                           capture_output=True, text=True, check=True)  # fmt: skip
     assert "contbed.two_fluid.step" in done.stdout
-    assert "contbed.two_fluid.settings_heat" in done.stdout
-    assert not {"contbed.two_fluid.heat", "contbed.two_fluid.heat_planning"} & set(done.stdout.split())
+    assert "contbed.two_fluid.heat.scene" in done.stdout
+    assert not {"contbed.two_fluid.heat.equations", "contbed.two_fluid.heat.plan"} & set(done.stdout.split())
 
 
 def test_constant_density_leaves_the_flow_alone():

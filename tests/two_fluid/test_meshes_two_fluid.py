@@ -10,10 +10,10 @@ from test_core_exact import wen_yu
 
 import contbed as cb
 from contbed.errors import SceneError
-from contbed.meshing import mesh as meshing
-from contbed.scene.settings_mesh import MeshAxisymmetric
-from contbed.two_fluid import grid
+from contbed.mesh import mesh as meshing
+from contbed.scene.mesh import MeshAxisymmetric
 from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
+from contbed.two_fluid.fv import grid
 from contbed.two_fluid.simulation import Options
 
 LENGTH, HEIGHT = 0.06, 0.12

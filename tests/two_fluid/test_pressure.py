@@ -8,8 +8,8 @@ from test_core_exact import WALLS, fluidized
 
 from contbed.errors import ConvergenceError
 from contbed.two_fluid import pressure
-from contbed.two_fluid.elimination import Elimination
-from contbed.two_fluid.multigrid import Multigrid
+from contbed.two_fluid.linear.elimination import Elimination
+from contbed.two_fluid.linear.multigrid import Multigrid
 
 
 def system(on, seed=1):

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 import contbed as cb
 from contbed import closures
 from contbed.errors import SceneError
-from contbed.two_fluid.statistics import spectrum
+from contbed.two_fluid.averages import spectrum
 
 STUDY = Path(__file__).parents[2] / "studies" / "two_fluid_checks"
 
@@ -117,7 +117,7 @@ def test_restart_is_bit_for_bit(tmp_path):
               "output.probes": {"low": [0.1, 0.1]}}  # fmt: skip
     scene = cb.load(STUDY / "closed_box_jj.toml", change)
     whole = cb.run(scene, tmp_path / "whole")
-    from contbed.two_fluid import study
+    from contbed.two_fluid import run as study
 
     keep, count = study._keep, []
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from core_closures import line, rectangle
 
-from contbed.two_fluid import kernels_linear as kl
-from contbed.two_fluid.elimination import Elimination
+from contbed.two_fluid.linear import cg as kl
+from contbed.two_fluid.linear.elimination import Elimination
 
 GRIDS = {
     "quadrilaterals": lambda: rectangle(0.1, 0.2, (7, 12)),

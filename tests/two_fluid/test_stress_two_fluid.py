@@ -5,7 +5,8 @@ import pytest
 from gmsh_meshes import IN_3D, geometry
 
 from contbed.scene.loading import from_dict
-from contbed.two_fluid import kernels_solid, planning
+from contbed.two_fluid import kernels_solid
+from contbed.two_fluid import plan as planning
 
 WALL = {"type": "wall"}
 THROWN = {"layer": [{"start": 0.1, "end": 0.2, "eps_s": 0.55, "u_solid": -1.0, "u_gas": -1.0}]}

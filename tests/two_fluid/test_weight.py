@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from core_closures import bed, closures, line, rectangle
 
-from contbed.two_fluid import weight
+from contbed.two_fluid import momentum_budget as weight
 from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
 from contbed.two_fluid.simulation import Options
 

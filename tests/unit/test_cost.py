@@ -4,10 +4,10 @@ from typing import Any
 
 import pytest
 
-from contbed.planning import plan
+from contbed.packed_bed.plan import plan
 from contbed.scene.loading import from_dict
-from contbed.solve.cost import LONG, RATES, advice
-from contbed.solve.linear import Policy
+from contbed.solvers.cost import LONG, RATES, advice
+from contbed.solvers.linear import Policy
 
 BOX: dict[str, Any] = {
     "mesh": {"type": "box", "length": 1.0, "width": 1.0, "height": 1.0, "cells": [4, 4, 4]},

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from contbed.engine import dual
-from contbed.engine.dual import Dual
+from contbed.fem import dual
+from contbed.fem.dual import Dual
 
 STEP = 1e-30
 # smooth on all reals and bounded, so that any composition stays finite

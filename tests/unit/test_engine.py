@@ -7,9 +7,9 @@ import pytest
 import skfem
 from skfem.helpers import dot, grad
 
-from contbed.engine.dual import Components, Dual
-from contbed.engine.skfem import Domain, Ops, System
 from contbed.errors import SceneError
+from contbed.fem.dual import Components, Dual
+from contbed.fem.skfem import Domain, Ops, System
 from contbed.verify.mms import Manufactured, exact
 
 KINDS = {

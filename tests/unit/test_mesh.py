@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from contbed.errors import SceneError
-from contbed.meshing.mesh import build, equidistributed, graded, refine
-from contbed.scene import settings as s
+from contbed.mesh.mesh import build, equidistributed, graded, refine
+from contbed.packed_bed import scene as s
 
 LENGTH, RADIUS, WIDTH, HEIGHT = 0.37, 0.11, 0.13, 0.29
 LINE = s.MeshLine(type="line", length=LENGTH, cells=7)
@@ -148,7 +148,7 @@ def test_refine_of_the_table_is_applied():
 
 
 def test_import_needs_neither_gmsh_nor_meshio():
-    code = "import sys, contbed.meshing.mesh; print([name for name in ('gmsh', 'meshio') if name in sys.modules])"
+    code = "import sys, contbed.mesh.mesh; print([name for name in ('gmsh', 'meshio') if name in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 

@@ -18,8 +18,8 @@ import pytest
 import skfem
 
 from contbed import fields
-from contbed.engine.elements import Space
 from contbed.errors import ContbedError, SceneError
+from contbed.fem.elements import Space
 from contbed.output import checkpoint, plots, summary
 from contbed.output.files import atomic
 from contbed.output.progress import Progress

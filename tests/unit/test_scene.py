@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from contbed.closures.binding import is_phase, own_parameters, resolve_closure, resolve_dispersion
 from contbed.errors import SceneError
-from contbed.scene import reference
-from contbed.scene.closure_choice import is_phase, own_parameters, resolve_closure, resolve_dispersion
+from contbed.packed_bed.scene import Closure, Dispersion
+from contbed.scene import schema as reference
 from contbed.scene.loading import from_dict, load, loads, resolved, scene_hash
-from contbed.scene.settings import Closure, Dispersion
 from contbed.scene.toml_lines import dotted, key_lines, parse_key
 
 FLOW = """\

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.problem.heat import HeatProblem
-from contbed.problem.heat_coefficients import Motion
+from contbed.packed_bed.heat import HeatProblem
+from contbed.packed_bed.heat_coefficients import Motion
 from contbed.scene.loading import from_dict
 
 PACKAGE = Path(cb.__file__).parent
@@ -83,10 +83,10 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
     [
         ({"mesh": {**BED["mesh"], "length": "1 m"}}, "pint"),
         ({"fluid": {"model": "cantera", "composition": "N2:1"}}, "cantera"),
-        ({"radiation": {"emissivity": 0.8}}, "contbed.problem.radiation"),
-        ({"time": {"end": 1.0, "step": 1.0, "initial_fluid": 300.0, "initial_solid": 300.0}}, "contbed.solve.timestep"),
+        ({"radiation": {"emissivity": 0.8}}, "contbed.radiation.problem"),
+        ({"time": {"end": 1.0, "step": 1.0, "initial_fluid": 300.0, "initial_solid": 300.0}}, "contbed.solvers.timestep"),
         ({"boundary": {**BED["boundary"], "top": {"flow": "no_slip"}},
-          "mesh": {**BED["mesh"], "cells": [4, 4]}}, "contbed.problem.flow"),
+          "mesh": {**BED["mesh"], "cells": [4, 4]}}, "contbed.packed_bed.flow"),
     ],
     ids=["units", "cantera", "radiation", "time", "flow"],
 )  # fmt: skip

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import skfem
 
-from contbed.engine.dual import Components
-from contbed.engine.skfem import Ops, System
-from contbed.models import porous_flow, radiation, two_energy
+from contbed.fem.dual import Components
+from contbed.fem.skfem import Ops, System
+from contbed.packed_bed.equations import porous_flow, two_energy
+from contbed.radiation.equations import p1 as radiation
 from contbed.verify.mms import Manufactured, exact
 
 POROSITY = 0.4

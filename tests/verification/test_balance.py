@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.problem.probe import Probe
+from contbed.packed_bed.probe import Probe
 from contbed.scene.loading import from_dict
 from contbed.verify.exact import finite_length
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from contbed.output.tables import read_table
-from contbed.planning import plan
+from contbed.packed_bed.plan import plan
 from contbed.scene.loading import loads
 from contbed.verify.converge import converge, exact_profile
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from manufactured_cases import Flow, Heat, Radiating
 
-from contbed.solve.linear import Policy
+from contbed.solvers.linear import Policy
 from contbed.verify.mms import jet, observed_order
 
 TOLERANCE = 0.1

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from contbed.errors import ConvergenceError
-from contbed.models.ordinates import Ordinates, Wall, solve_ordinates
+from contbed.radiation.equations.ordinates import Ordinates, Wall, solve_ordinates
 from contbed.verify.exact_conduction_radiation import conduction_radiation
 from contbed.verify.exact_radiation import P1, TWO_FLUX, equilibrium_flux, gray_plates, isothermal_body, linear_slab
 from contbed.verify.exact_transport import Equilibrium, half_space_emittance, slab_emittance

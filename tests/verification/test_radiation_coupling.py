@@ -14,13 +14,13 @@ import contbed as cb
 from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
 from contbed.output.progress import Progress
-from contbed.planning import plan
-from contbed.problem.heat import HeatProblem
-from contbed.problem.heat_coefficients import Motion
-from contbed.problem.probe import Probe
+from contbed.packed_bed.heat import HeatProblem
+from contbed.packed_bed.heat_coefficients import Motion
+from contbed.packed_bed.plan import plan
+from contbed.packed_bed.probe import Probe
 from contbed.scene.loading import from_dict
-from contbed.solve.linear import Policy
-from contbed.solve.timestep import march
+from contbed.solvers.linear import Policy
+from contbed.solvers.timestep import march
 from contbed.verify.exact_conduction_radiation import conduction_diffusion
 from contbed.verify.mms import observed_order
 
@@ -308,7 +308,7 @@ def at_once(values: dict[str, Any], monkeypatch: pytest.MonkeyPatch, overshoot: 
     def refuse(*arguments: Any, **options: Any) -> None:
         raise ConvergenceError("continuation was needed")
 
-    monkeypatch.setattr("contbed.solve.continuation.relax", refuse)
+    monkeypatch.setattr("contbed.solvers.continuation.relax", refuse)
     result = closed(run(values))
     assert result.qoi["theta_overshoot"] <= overshoot
     assert len(result.history) <= (STEPS + 1) * (result.adaptations + 1)

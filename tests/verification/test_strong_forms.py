@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 from manufactured_cases import OPTICS, Flow, Heat, Radiating, mesh
 
-from contbed.engine.skfem import Ops
-from contbed.models import porous_flow, radiation, two_energy
+from contbed.fem.skfem import Ops
+from contbed.packed_bed.equations import porous_flow, two_energy
+from contbed.radiation.equations import p1 as radiation
 from contbed.verify.mms import Manufactured, exact, jet
 
 TOLERANCE = {"line": 1e-8, "triangle": 1e-8, "quadrilateral": 1e-8, "tetrahedron": 1e-5}

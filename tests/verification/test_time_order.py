@@ -8,10 +8,10 @@ import pytest
 from manufactured_cases import Heat
 from scipy.linalg import expm
 
-from contbed.engine.skfem import System
-from contbed.models import two_energy
-from contbed.solve.linear import Policy
-from contbed.solve.timestep import march
+from contbed.fem.skfem import System
+from contbed.packed_bed.equations import two_energy
+from contbed.solvers.linear import Policy
+from contbed.solvers.timestep import march
 from contbed.verify.exact import two_temperature_relaxation
 from contbed.verify.mms import observed_order
 

@@ -20,18 +20,19 @@ import skfem
 from skfem.quadrature import get_quadrature
 
 from contbed.closures import dispersion_wakao_kaguei_axial, nusselt_gunn, wall_li_finlayson
-from contbed.engine import dual
-from contbed.engine.dual import Components
-from contbed.engine.elements import lagrange
-from contbed.engine.skfem import Ops, System
+from contbed.fem import dual
+from contbed.fem.dual import Components
+from contbed.fem.elements import lagrange
+from contbed.fem.skfem import Ops, System
 from contbed.materials import ConstantFluid, Solid, gas_mixture
-from contbed.models import porous_flow, radiation, two_energy
+from contbed.packed_bed.equations import porous_flow, two_energy
+from contbed.radiation.equations import p1 as radiation
 
 basix = pytest.importorskip("basix", reason="fenics-basix is not installed")
 pytest.importorskip("basix.ufl", reason="fenics-basix is older than these tests")
 ufl = pytest.importorskip("ufl", reason="fenics-ufl is not installed")
 jit = pytest.importorskip("ffcx.codegeneration.jit", reason="fenics-ffcx is not installed")
-ufl_forms = pytest.importorskip("contbed.engine.ufl_forms", reason="fenics-basix is not installed")
+ufl_forms = pytest.importorskip("contbed.fem.ufl_forms", reason="fenics-basix is not installed")
 pytestmark = [
     pytest.mark.skipif(not (shutil.which("cc") or shutil.which("gcc")), reason="FFCx needs a C compiler: no cc, gcc"),
     pytest.mark.skipif(

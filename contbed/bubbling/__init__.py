@@ -1,1 +1,0 @@
-"""The steady bubbling bed: its scene, plan, problem and findings."""

@@ -1,0 +1,1 @@
+"""The steady bubbling bed along its height: scene, plan, problem, results."""

@@ -1,0 +1,88 @@
+"""Branch of the steady states of a bubbling bed over one value of its scene."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contbed.bubbling_bed import scene as b
+from contbed.bubbling_bed.plan import coefficients
+from contbed.bubbling_bed.problem import TYPICAL, BubblingProblem
+from contbed.result import Result
+from contbed.scene.toml_lines import parse_key
+from contbed.solvers.branch import Branch, trace
+
+
+def value_at(scene: Any, key: str) -> Any:
+    """The value of a dotted key; None where there is none."""
+    for step in parse_key(key):
+        scene = scene.get(step) if isinstance(scene, dict) else getattr(scene, str(step), None)
+    return scene
+
+
+def with_value(part: Any, path: tuple[Any, ...], value: float) -> Any:
+    """The scene or table with one value replaced."""
+    if not path:
+        return value
+    if isinstance(part, dict):
+        return part | {path[0]: with_value(part[path[0]], path[1:], value)}
+    changed = with_value(getattr(part, path[0]), path[1:], value)
+    return part.model_copy(update={path[0]: changed})
+
+
+class Family:
+    """The equations of a bed as functions of a value of its scene, on one mesh."""
+
+    def __init__(self, problem: BubblingProblem, key: str):
+        self.problem, self.key = problem, key
+
+    def at(self, value: float) -> BubblingProblem:
+        """The problem with that value."""
+        scene: b.BubblingScene = with_value(self.problem.plan.scene, parse_key(self.key), value)
+        c, _ = coefficients(scene)
+        return self.problem.with_coefficients(replace(self.problem.plan, scene=scene, coefficients=c))
+
+    def assemble(self, x: Any, value: float, jacobian: bool) -> tuple[Any, Any]:
+        """Residual and Jacobian."""
+        return self.at(value).steady(x, jacobian)
+
+
+def follow(problem: BubblingProblem, state: Any, result: Result) -> None:
+    """Trace the branch that a state lies on, and report it."""
+    table = problem.plan.scene.continuation
+    assert table is not None
+    family = Family(problem, table.parameter)
+    start = float(value_at(problem.plan.scene, table.parameter))
+    branch = trace(
+        family.assemble, problem.unknowns(state), start, table.to, problem.plan.policy,
+        weights=problem.weights, size=TYPICAL, points=table.points, back=table.back_to,
+    )  # fmt: skip
+    if not branch.complete:
+        result.warnings.append(f"the branch ends at {table.parameter} = {branch.parameter[-1]:.6g} after "
+                               f"{len(branch.parameter)} points; raise continuation.points")  # fmt: skip
+    result.qoi |= {f"fold_{k}": p for k, (_, p, _) in enumerate(branch.folds, 1)}
+    result.tables["continuation"] = columns(problem, family, branch)
+
+
+def columns(problem: BubblingProblem, family: Family, branch: Branch) -> dict[str, Any]:
+    """Parameter, folds passed, mean temperatures and heat duties along a branch, its folds among the points."""
+    points = list(zip(branch.parameter, branch.states, strict=True))
+    turns = [index + k for k, (index, _, _) in enumerate(branch.folds)]
+    for place, (_, p, x) in zip(turns, branch.folds, strict=True):
+        points.insert(place, (p, x))
+    rows = []
+    for k, (p, x) in enumerate(points):
+        at = family.at(p)
+        state = at._state(x)
+        row = {"point [1]": float(k), f"{family.key} [1]": p, "turns [1]": float(sum(turn < k for turn in turns))}
+        row |= {f"T_{name} [K]": mean(at, state, f"T_{name}") for name in at.c.species}
+        row |= {f"{name.removesuffix('_W')} [W]": value for name, value in at.duties(state).items()}
+        rows.append(row)
+    return {header: np.array([row[header] for row in rows]) for header in rows[0]}
+
+
+def mean(problem: BubblingProblem, state: Any, name: str) -> float:
+    """Mean of a field over the height."""
+    return problem.total(lambda u, o: getattr(u, name), state) / problem.plan.scene.bubbling_bed.height

@@ -1,0 +1,296 @@
+"""The reacting part of a bubbling bed from its scene: which gases and solids are unknown, feeds, enthalpies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contbed.bubbling_bed.chemistry import reactions as cr
+from contbed.bubbling_bed.chemistry import scene as t
+from contbed.bubbling_bed.chemistry import thermo
+from contbed.bubbling_bed.equations import species as model
+from contbed.closures import devolatilisation as dv
+from contbed.closures.reactions import R_GAS
+from contbed.materials.composition import mole_fractions
+
+CP_VOLATILES, CP_ASH = 1500.0, 1000.0  # [J/kg/K]
+LEAST = 1e-6  # surface that a fuel has even when there is none of it [m2/m]
+
+
+@dataclass(frozen=True)
+class FuelData:
+    """A fuel by amounts."""
+
+    rate: float  # dry, ash-free [kg/s]
+    carbon: float  # fixed [mol/s]
+    volatile: float  # [kg/s]
+    moisture: float  # [mol/s]
+    ash: float  # [kg/s]
+    volatiles: dv.Volatiles | None
+    heating_value: float  # higher, dry [J/kg]
+    lower: float  # lower, of what is fed per kg of dry, ash-free fuel, moisture not counted [J/kg]
+    enthalpy: float  # of formation of the volatile matter [J/kg]
+    elements: dict[str, float]  # dry, ash-free [mol/s]
+
+
+def fuel_data(fuel: t.Fuel) -> FuelData:
+    """Amounts fed, products of the volatile matter and its heat of formation from the heating value."""
+    dry = fuel.ultimate.model_dump()
+    received = fuel.feed.mass_flow
+    rate = received * (1.0 - fuel.moisture) * (1.0 - fuel.ash)
+    daf = {name: share / (1.0 - fuel.ash) for name, share in dry.items()}
+    total = sum(daf.values())
+    daf = {name: share / total for name, share in daf.items()}
+    higher = fuel.heating_value or dv.heating_value_channiwala(dry, fuel.ash)
+    amounts = {name: share / dv.ATOMIC[name] for name, share in daf.items()}
+    species, T0 = thermo.table(), thermo.T_STANDARD
+    burnt = {"CO2": amounts["C"], "H2O(l)": 0.5 * amounts["H"], "SO2": amounts["S"]}
+    formation = sum(n * float(species[name].enthalpy(T0)) for name, n in burnt.items()) + higher / (1.0 - fuel.ash)
+    vapour = float(species["H2O"].enthalpy(T0) - species["H2O(l)"].enthalpy(T0))
+    V = fuel.volatile_matter
+    return FuelData(
+        rate, rate * (1.0 - V) / dv.ATOMIC["C"], rate * V, received * fuel.moisture / species["H2O"].molar_mass,
+        received * (1.0 - fuel.moisture) * fuel.ash, dv.volatiles(daf, V) if V else None, higher,
+        higher / (1.0 - fuel.ash) - 0.5 * amounts["H"] * vapour, formation / V if V else 0.0,
+        {name: rate * n for name, n in amounts.items()},
+    )  # fmt: skip
+
+
+def gaussian(feed: t.SolidsFeed, height: float) -> Callable[[Any], Any]:
+    """Share of a feed per height [1/m] that sums to one over the bed."""
+    from scipy.special import ndtr
+
+    inside = float(ndtr((height - feed.height) / feed.width) - ndtr(-feed.height / feed.width))
+    scale = 1.0 / (inside * feed.width * np.sqrt(2.0 * np.pi))
+    return lambda z: scale * np.exp(-0.5 * ((z - feed.height) / feed.width) ** 2)
+
+
+def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
+    """All that the scene lets run."""
+    table = scene.reactions
+    out: list[Any] = [cr.Homogeneous(name, cr.law_of(name, item), item.factor, table.mixing_time)
+                      for name, item in table.homogeneous.items()]  # fmt: skip
+    if (fuel := scene.fuel) is not None and data is not None:
+        if table.drying is not None and data.moisture:
+            out.append(cr.Drying(fuel.species, table.drying.time))
+        if table.devolatilisation is not None and data.volatiles is not None:
+            out.append(cr.Devolatilisation(fuel.species, table.devolatilisation.time, data.volatiles.yields))
+        if table.of_char:
+            diameter = fuel.char_diameter or scene.species[fuel.species].diameter
+            laws = {name: (cr.law_of(name, item), item) for name, item in table.of_char.items()}
+            out.append(cr.Char(fuel.species, diameter, fuel.char_density, fuel.char_model, fuel.sherwood, laws))
+    if (stone := scene.limestone) is not None:
+        item = scene.species[stone.species]
+        taking = table.sulphation
+        out.append(cr.Lime(
+            stone.species, item.diameter, item.density, table.calcination and table.calcination.factor,
+            taking and taking.factor, taking.maximum_conversion if taking else 1.0,
+        ))  # fmt: skip
+    return tuple(out)
+
+
+def gases_of(reactions: tuple[Any, ...], inlet: dict[str, float]) -> tuple[tuple[str, ...], tuple[Any, ...]]:
+    """Gases that enter or are made, and the reactions for which all reactants are there."""
+    there, running = set(inlet), []
+    while True:
+        found = [item for item in reactions if item not in running and _needs(item) <= there]
+        if not found:
+            break
+        running += found
+        for item in found:
+            there |= _makes(item)
+    return tuple(name for name in thermo.GASES if name in there), tuple(item for item in reactions if item in running)
+
+
+def _needs(item: Any) -> set[str]:
+    if isinstance(item, cr.Homogeneous):
+        made = {name for name, count in item.law.stoichiometry.items() if count < 0}
+        return made | set(item.law.orders)
+    return set()
+
+
+def _makes(item: Any) -> set[str]:
+    if isinstance(item, cr.Homogeneous):
+        return set(item.law.stoichiometry)
+    if isinstance(item, cr.Drying):
+        return {"H2O"}
+    if isinstance(item, cr.Devolatilisation):
+        return set(item.yields)
+    if isinstance(item, cr.Char):
+        out = {name for law, _ in item.reactions.values() for name in law.stoichiometry if name != "C"}
+        return out | ({"CO"} if "char_combustion" in item.reactions else set())
+    calcines, takes = item.calcination is not None, item.sulphation is not None
+    return ({"CO2"} if calcines else set()) | ({"SO2", "O2"} if takes else set())
+
+
+@dataclass(eq=False)
+class Mixture:
+    """Gas of the local composition as `Computed` asks for it; viscosity and conductivity are those of what enters."""
+
+    entering: Any
+    pressure: float
+    molar_mass: Any
+    mole: dict[str, Any]  # moles per kg of mixture
+
+    def density(self, T: Any) -> Any:
+        """[kg/m3]"""
+        return self.pressure * self.molar_mass / (R_GAS * T)
+
+    def viscosity(self, T: Any) -> Any:
+        """[Pa s]"""
+        return self.entering.viscosity(T)
+
+    def conductivity(self, T: Any) -> Any:
+        """[W/m/K]"""
+        return self.entering.conductivity(T)
+
+    def heat_capacity(self, T: Any) -> Any:
+        """[J/kg/K]"""
+        species = thermo.table()
+        return sum(n * species[name].heat_capacity(T) for name, n in self.mole.items())
+
+    def enthalpy(self, T: Any) -> Any:
+        """[J/kg], of formation included."""
+        species = thermo.table()
+        return sum(n * species[name].enthalpy(T) for name, n in self.mole.items())
+
+
+@dataclass(frozen=True)
+class Chemistry:
+    """The `Part` of a scene with what else is known of it."""
+
+    part: model.Species
+    data: FuelData | None
+    reactions: tuple[Any, ...]
+    idle: tuple[str, ...]  # reactions of the scene that lack a reactant
+    height: float
+    inlet_flow: float  # of all gas [mol/s]
+
+    def start(self, T: float, z: Any, flows: dict[str, float]) -> dict[str, Any]:
+        """First guess of all fields in a bed of one temperature, mass flows of the phases [kg/s] given."""
+        part, out = self.part, {}
+        mean = sum(part.gases[name].molar_mass * x for name, x in part.inlet.items())
+        for phase in part.phases:
+            for name in part.gases:
+                out[f"N_{name}_{phase}"] = flows[phase] / mean * part.inlet.get(name, 0.0)
+        for name, solid in part.solids.items():
+            out[f"n_{name}"] = solid.typical + 0.0 * z
+        return out
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the reactions that run."""
+        return tuple(name for item in self.reactions for name in item.names)
+
+    @property
+    def sizes(self) -> dict[str, float]:
+        """Typical values of the unknown fields."""
+        flows = {f"N_{name}_{phase}": self.inlet_flow for phase in self.part.phases for name in self.part.gases}
+        return flows | {f"n_{name}": solid.typical for name, solid in self.part.solids.items()}
+
+    def surfaces(self, u: Any) -> dict[str, Any]:
+        """Surface of the fuel per height [m2/m]: char in all stages of burning, and what is not yet char."""
+        out: dict[str, Any] = {}
+        for item in self.reactions:
+            if isinstance(item, cr.Char):
+                out[item.species] = LEAST + item.surface * u.n_char
+                if "volatiles" in self.part.solids:
+                    out[item.species] = out[item.species] + 6.0 / (item.diameter * item.density) * u.n_volatiles
+        return out
+
+    def mixtures(self, u: Any, entering: Any) -> dict[str, Mixture]:
+        """Gas of each phase; what enters where flows are not known."""
+        if not self.part.known(u):
+            mean = sum(self.part.gases[name].molar_mass * x for name, x in self.part.inlet.items())
+            mole = {name: x / mean for name, x in self.part.inlet.items()}
+            return {phase: Mixture(entering, self.part.pressure, mean, mole) for phase in self.part.phases}
+        state = self.part.state(u, None)
+        gases = {
+            phase: Mixture(entering, self.part.pressure, state.molar_mass[phase],
+                           {name: w / self.part.gases[name].molar_mass for name, w in state.w[phase].items()})
+            for phase in self.part.phases
+        }  # fmt: skip
+        return gases
+
+
+def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
+    """Build the reacting part of a scene; `mixing` and `exchange` are functions of the bed's local coefficients."""
+    inlet = mole_fractions(scene.gas.composition)
+    data = fuel_data(scene.fuel) if scene.fuel is not None else None
+    wanted = reactions_of(scene, data)
+    names, running = gases_of(wanted, inlet)
+    idle = tuple(item.name for item in wanted if isinstance(item, cr.Homogeneous) and item not in running)
+    species = thermo.table()
+    gases = {name: model.Gas(species[name].molar_mass, species[name].enthalpy, species[name].heat_capacity)
+             for name in names}  # fmt: skip
+    bed = scene.bubbling_bed
+    drain = scene.drain
+    velocity = 0.0 if drain is None else bed.height / drain.time * (1.0 if drain.end == "top" else -1.0)
+    mean = sum(species[name].molar_mass * x for name, x in inlet.items())
+    moles = scene.gas.mass_flow / mean
+    solids, ash = _solids(scene, data, running, inlet, moles)
+    part = model.Species(
+        gases, ("emulsion", "bubble") if scene.bubbles is not None and scene.bubbles.fraction != 0 else ("emulsion",),
+        inlet, scene.gas.pressure, bed.section, 1.0 - bed.solids_fraction, solids, ash, velocity, mixing, running,
+        exchange, scene.solver.degree,
+    )  # fmt: skip
+    return Chemistry(part, data, running, idle, bed.height, moles)
+
+
+def _solids(
+    scene: Any, data: FuelData | None, running: tuple[Any, ...], inlet: dict[str, float], moles: float
+) -> tuple[dict[str, model.Solid], tuple[model.Ash, ...]]:
+    species, height = thermo.table(), scene.bubbling_bed.height
+    kept = np.inf if scene.drain is None else scene.drain.time
+    solids: dict[str, model.Solid] = {}
+    ash = []
+    if (fuel := scene.fuel) is not None and data is not None:
+        share = gaussian(fuel.feed, height)
+
+        def add(name: str, enthalpy: Any, rate: float, stays: float, scale: float = 1.0) -> None:
+            if rate:
+                solids[name] = model.Solid(fuel.species, enthalpy, lambda z: rate * share(z), fuel.feed.temperature,
+                                           scale, rate * stays / height)  # fmt: skip
+
+        times = {item.__class__: item.time for item in running if isinstance(item, cr.Drying | cr.Devolatilisation)}
+        add("moisture", species["H2O(l)"].enthalpy, data.moisture, times.get(cr.Drying, kept))
+        matter = _linear(data.enthalpy, CP_VOLATILES)
+        add("volatiles", matter, data.volatile, times.get(cr.Devolatilisation, kept), 40.0)
+        add("char", species["C"].enthalpy, data.carbon, min(_burnout(scene, running, inlet), kept))
+        if data.ash:
+            ash.append(model.Ash(fuel.species, lambda z: data.ash * share(z), fuel.feed.temperature,
+                                 _linear(0.0, CP_ASH)))  # fmt: skip
+    if (stone := scene.limestone) is not None:
+        place = gaussian(stone.feed, height)
+        rate = stone.feed.mass_flow * stone.purity / species["CaCO3"].molar_mass
+        rest = stone.feed.mass_flow * (1.0 - stone.purity)
+        for name, part in (("CaCO3", 0.1), ("CaO", 0.7), ("CaSO4", 0.2)):
+            fed = (lambda z: rate * place(z)) if name == "CaCO3" else None
+            solids[name] = model.Solid(stone.species, species[name].enthalpy, fed, stone.feed.temperature, 1.0,
+                                       part * rate * kept / height)  # fmt: skip
+        if rest:
+            ash.append(model.Ash(stone.species, lambda z: rest * place(z), stone.feed.temperature,
+                                 _linear(0.0, CP_ASH)))  # fmt: skip
+    return solids, tuple(ash)
+
+
+def _linear(formation: float, heat_capacity: float) -> Callable[[Any], Any]:
+    return lambda T: formation + heat_capacity * (T - thermo.T_STANDARD)
+
+
+def _burnout(scene: Any, running: tuple[Any, ...], inlet: dict[str, float]) -> float:
+    """Life of char in a half exhausted gas at the temperature of the guess [s]; only where the inventory starts."""
+    T, p = scene.solver.guess, scene.gas.pressure
+    for item in running:
+        if isinstance(item, cr.Char):
+            rate = 0.0
+            if "char_combustion" in item.reactions and "O2" in inlet:
+                rate += float(item.burning(T, T, 0.5 * inlet["O2"] * p / (R_GAS * T), p))
+            x = dict.fromkeys(thermo.GASES, 0.0) | {"H2O": 0.1, "CO2": 0.1}
+            rate += sum(max(float(item.gasifying(name, T, T, x, p)), 0.0)
+                        for name in item.reactions if name != "char_combustion")  # fmt: skip
+            return 1.0 / max(rate, 1e-5)
+    return 1e3

@@ -1,0 +1,232 @@
+"""The reactions of a bed as functions of its local state; see `models.bubbling_species` for what they are given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contbed.bubbling_bed.chemistry import scene as t
+from contbed.bubbling_bed.chemistry import thermo
+from contbed.bubbling_bed.equations.species import Book, State
+from contbed.closures import devolatilisation as dv
+from contbed.closures import reactions as r
+from contbed.closures import reactions_solid as rs
+from contbed.closures.reactions import R_GAS
+
+CARBON = dv.ATOMIC["C"]
+
+
+def law_of(name: str, table: Any) -> r.Law:
+    """The rate law of a reaction."""
+    laws = (r.LAWS | rs.CHAR_LAWS)[name]
+    return laws[table.law] if table.law is not None else next(iter(laws.values()))
+
+
+def equilibrium_quotient(law: r.Law, T: Any, p: dict[str, Any]) -> Any:
+    """Product of the pressures of what is made over K [atm to the order of what is consumed]: K's own reactants."""
+    made = [p[name] for name, count in law.stoichiometry.items() if name in p for _ in range(round(max(count, 0.0)))]
+    return np.exp(-thermo.ln_equilibrium(law.stoichiometry, T)) * r.product(made)
+
+
+@dataclass(frozen=True)
+class Homogeneous:
+    """A reaction within the gas of each phase. `factor` multiplies the rate; `strength` too, for continuation."""
+
+    name: str
+    law: r.Law
+    factor: float
+    mixing: float = 0.0  # time [s]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Keys of the scene."""
+        return (self.name,)
+
+    def __call__(self, state: State, book: Book) -> None:
+        for phase, x in state.x.items():
+            T = state.T[phase]
+            molar = state.pressure / (R_GAS * T)
+            concentration = {name: x[name] * molar for name in {**self.law.stoichiometry, **self.law.orders}}
+            rate = self.rate(T, concentration, state.pressure)
+            book.homogeneous(phase, self.law.stoichiometry, state.volume[phase] * rate)
+
+    def rate(self, T: Any, concentration: dict[str, Any], pressure: float) -> Any:
+        """Net rate [mol/m3/s]."""
+        small = r.SMALL * pressure / (R_GAS * T)
+        frequency = self.factor * self.law.frequency(T, concentration, small)
+        slowed = self.factor / (1.0 + self.mixing * frequency)
+        if not self.law.reversible:
+            return slowed * self.law.rate(T, concentration, small)
+        # both of first order: k (prod of reactants - prod of products/K), in concentrations
+        unit = R_GAS * T / thermo.P_STANDARD
+        forward = r.product([concentration[name] for name in self.law.orders])
+        p = {name: c * unit for name, c in concentration.items()}
+        backward = equilibrium_quotient(self.law, T, p) * unit ** -sum(self.law.orders.values())
+        return slowed * self.law.constant(T) * (forward - backward)
+
+
+@dataclass(frozen=True)
+class Drying:
+    """Moisture to steam."""
+
+    species: str
+    time: float
+    names: ClassVar[tuple[str, ...]] = ("drying",)
+
+    def __call__(self, state: State, book: Book) -> None:
+        rate = state.solid["moisture"] / self.time
+        book.particle(self.species, {"H2O": rate}, {"moisture": -rate}, state)
+
+
+@dataclass(frozen=True)
+class Devolatilisation:
+    """Volatile matter to gas; `yields` [mol/kg]."""
+
+    species: str
+    time: float
+    yields: dict[str, float]
+    names: ClassVar[tuple[str, ...]] = ("devolatilisation",)
+
+    def __call__(self, state: State, book: Book) -> None:
+        rate = state.solid["volatiles"] / self.time
+        book.particle(self.species, {name: amount * rate for name, amount in self.yields.items()},
+                      {"volatiles": -rate}, state)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Char:
+    """Char in mixed flow: film diffusion and kinetics of each reaction in series."""
+
+    species: str
+    diameter: float
+    density: float
+    model: str
+    sherwood: float
+    reactions: dict[str, tuple[r.Law, t.Reaction]]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Keys of the scene."""
+        return tuple(self.reactions)
+
+    @property
+    def surface(self) -> float:
+        """[m2] per mole of carbon."""
+        return rs.POPULATIONS[self.model].surface / self.diameter * CARBON / self.density
+
+    def film(self, gas: str, T: Any, p: float) -> Any:
+        """Mass transfer coefficient [m/s]."""
+        M = thermo.table()[gas].molar_mass
+        diameter = rs.POPULATIONS[self.model].film * self.diameter
+        return self.sherwood * rs.diffusion_in_nitrogen(gas, M, T, p) / diameter
+
+    def carbon_per_oxygen(self, T: Any) -> Any:
+        """Moles of carbon that a mole of O2 burns."""
+        products = self.reactions["char_combustion"][1].products  # type: ignore[attr-defined]
+        if products == "arthur":
+            return rs.carbon_per_oxygen(T)
+        return 1.0 if products == "CO2" else 2.0
+
+    def burning(self, T: Any, T_gas: Any, concentration: Any, p: float) -> Any:
+        """Carbon burnt per carbon [1/s] at a concentration of O2 [mol/m3]."""
+        law, table = self.reactions["char_combustion"]
+        k = table.factor * law.constant(T)
+        mean = 0.5 * (T + T_gas)
+        speed = rs.char_combustion(k, self.film("O2", mean, p), self.carbon_per_oxygen(T))
+        return self.surface * speed * concentration
+
+    def gasifying(self, name: str, T: Any, T_gas: Any, x: dict[str, Any], p: float) -> Any:
+        """Carbon gasified per carbon [1/s], net of the backward reaction."""
+        law, table = self.reactions[name]
+        (agent, order), = law.orders.items()
+        count = -law.stoichiometry[agent]
+        pressure = x[agent] * (p / rs.BAR)
+        small = r.SMALL * p / rs.BAR
+        slope = table.factor * law.constant(T) * (pressure * pressure + small * small) ** (0.5 * (order - 1.0))
+        mean = 0.5 * (T + T_gas)
+        film = self.surface * self.film(agent, mean, p) * (rs.BAR / R_GAS) / mean / count
+        atm = {key: value * (p / thermo.P_STANDARD) for key, value in x.items()}
+        back = equilibrium_quotient(law, T, atm)
+        # K = prod p_made / p_agent^count, so the agent's pressure in equilibrium is back^(1/count)
+        if count != 1.0:
+            back = r.power(back, 1.0 / count, 1e-12)
+        return rs.in_series(slope, film) * (pressure - back * (thermo.P_STANDARD / rs.BAR))
+
+    def __call__(self, state: State, book: Book) -> None:
+        T, T_gas, p, x = state.T[self.species], state.T["emulsion"], state.pressure, state.x["emulsion"]
+        carbon = state.solid["char"]
+        for name, (law, _) in self.reactions.items():
+            if name == "char_combustion":
+                rate = carbon * self.burning(T, T_gas, x["O2"] * p / (R_GAS * T_gas), p)
+                oxygen = 1.0 / self.carbon_per_oxygen(T)
+                gases = {"O2": -oxygen * rate, "CO2": (2.0 * oxygen - 1.0) * rate, "CO": (2.0 - 2.0 * oxygen) * rate}
+                gases = {key: value for key, value in gases.items() if key in x}
+            else:
+                rate = carbon * self.gasifying(name, T, T_gas, x, p)
+                gases = {key: count * rate for key, count in law.stoichiometry.items() if key != "C"}
+            book.particle(self.species, gases, {"char": -rate}, state)
+
+
+@dataclass(frozen=True)
+class Lime:
+    """Calcination towards equilibrium, and uptake of SO2."""
+
+    species: str
+    diameter: float
+    density: float  # of limestone
+    calcination: float | None  # factors
+    sulphation: float | None
+    maximum: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Keys of the scene."""
+        wanted = (("calcination", self.calcination), ("sulphation", self.sulphation))
+        return tuple(name for name, factor in wanted if factor is not None)
+
+    @property
+    def volume(self) -> float:
+        """[m3/mol]"""
+        return thermo.table()["CaCO3"].molar_mass / self.density
+
+    def __call__(self, state: State, book: Book) -> None:
+        T, T_gas, p, x = state.T[self.species], state.T["emulsion"], state.pressure, state.x["emulsion"]
+        if self.calcination is not None:
+            rate = self.calcining(T, x["CO2"] * p, state.solid["CaCO3"], state.solid["CaO"])
+            book.particle(self.species, {"CO2": rate}, {"CaCO3": -rate, "CaO": rate}, state)
+        if self.sulphation is not None:
+            small = r.SMALL * p / (R_GAS * T_gas)
+            SO2, O2 = (x[name] * p / (R_GAS * T_gas) for name in ("SO2", "O2"))
+            rate = self.taking(T, SO2, state.solid["CaO"], state.solid["CaSO4"])
+            rate = rate * O2 / (O2 * O2 + (10.0 * small) ** 2) ** 0.5
+            book.particle(self.species, {"SO2": -rate, "O2": -0.5 * rate}, {"CaO": -rate, "CaSO4": rate}, state)
+
+    def calcining(self, T: Any, p_CO2: Any, CaCO3: Any, CaO: Any) -> Any:
+        """Net CaO made from amounts of solids, amount/s."""
+        law = rs.CALCINATION
+        equal = np.exp(thermo.ln_equilibrium(law.stoichiometry, T)) * thermo.P_STANDARD
+        over = rs.positive(equal - p_CO2, 1.0)
+        k = (self.calcination or 0.0) * law.constant(T) * 6.0 / self.diameter * self.volume
+        return k * (over * CaCO3 - (over - (equal - p_CO2)) * CaO)
+
+    def taking(self, T: Any, SO2: Any, CaO: Any, CaSO4: Any) -> Any:
+        """SO2 taken up by amounts of solids, amount/s; linear in what is left up to the greatest conversion."""
+        k = (self.sulphation or 0.0) * rs.SULPHATION.constant(T) * rs.lime_surface(T)
+        left = CaO + CaSO4 - CaSO4 / self.maximum
+        return k * SO2 * self.volume * rs.positive(left, 1e-9)
+
+
+def used_laws(reactions: tuple[Any, ...]) -> Iterator[tuple[str, str, r.Law]]:
+    """(reaction, whose temperature counts, law) of all that run."""
+    for item in reactions:
+        if isinstance(item, Homogeneous):
+            yield item.name, "gas", item.law
+        elif isinstance(item, Char):
+            for name, (law, _) in item.reactions.items():
+                yield name, item.species, law
+        elif isinstance(item, Lime):
+            for name in item.names:
+                yield name, item.species, rs.CALCINATION if name == "calcination" else rs.SULPHATION

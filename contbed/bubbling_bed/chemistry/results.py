@@ -1,0 +1,192 @@
+"""What a reacting bed did: balances of elements, conversion, composition of the gas, efficiencies, ranges of laws."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contbed.bubbling_bed.chemistry import reactions as cr
+from contbed.bubbling_bed.chemistry import thermo
+from contbed.bubbling_bed.chemistry.problem import Chemistry
+from contbed.closures import devolatilisation as dv
+from contbed.closures.reactions import LAWS
+from contbed.materials.common import share_outside
+from contbed.result import Result
+
+ELEMENTS = ("C", "H", "O", "N", "S", "Ca")
+SOLIDS = {"moisture": "H2O(l)", "char": "C", "CaCO3": "CaCO3", "CaO": "CaO", "CaSO4": "CaSO4"}
+UNDERSHOT = 1e-4  # mole fraction below zero that is worth a warning
+
+
+def carried(problem: Any, chemistry: Chemistry, state: Any) -> dict[str, tuple[float, float]]:
+    """Enthalpy, of formation included, that each stream brings and takes away [W]."""
+    part, c = chemistry.part, problem.c
+    out: dict[str, tuple[float, float]] = {}
+    for phase in part.phases:
+        brought = problem.at(
+            lambda u, o, p=phase: sum(n * part.gases[name].enthalpy(c.inlet)
+                                      for name, n in part.entering(c.at(u, o), p).items()),
+            problem.bottom, state,
+        )  # fmt: skip
+        taken = problem.at(
+            lambda u, o, p=phase: sum(n * part.gases[name].enthalpy(getattr(u, f"T_{p}"))
+                                      for name, n in part.flow(u, p).items()),
+            problem.top, state,
+        )  # fmt: skip
+        out[f"T_{phase}"] = (brought, taken if problem.above is None else 0.0)  # the freeboard takes it further
+    for name, solid in part.solids.items():
+        brought = 0.0
+        if solid.fed is not None:
+            brought = problem.total(lambda u, o, s=solid: s.fed(o.x[0]) * s.enthalpy(s.feed_temperature), state)
+        end = problem.top if part.velocity > 0 else problem.bottom
+        taken = problem.at(
+            lambda u, o, n=name, s=solid: abs(part.velocity) * getattr(u, f"n_{n}")
+            * s.enthalpy(getattr(u, f"T_{s.species}")), end, state,
+        )  # fmt: skip
+        out[name] = (brought, taken)
+    for k, ash in enumerate(part.ash):
+        out[f"ash {k}"] = (
+            problem.total(lambda u, o, a=ash: a.fed(o.x[0]) * a.enthalpy(a.feed_temperature), state),
+            problem.total(lambda u, o, a=ash: a.fed(o.x[0]) * a.enthalpy(getattr(u, f"T_{a.species}")), state),
+        )
+    return out
+
+
+def profiles(chemistry: Chemistry, values: dict[str, Any]) -> dict[str, Any]:
+    """Mole fractions of both phases and what the bed holds of each solid."""
+    part, out = chemistry.part, dict[str, Any]()
+    for phase in part.phases:
+        total = sum(values[f"N_{name}_{phase}"] for name in part.gases)
+        out |= {f"x_{name}_{phase} [1]": values[f"N_{name}_{phase}"] / total for name in part.gases}
+    for name in part.solids:
+        out[f"{name} [{'kg' if name == 'volatiles' else 'mol'}/m]"] = values[f"n_{name}"]
+    return out
+
+
+def findings(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None:
+    """Balances, named results and warnings."""
+    part, data, scene = chemistry.part, chemistry.data, problem.plan.scene
+    entering, leaving, drained, fed = _streams(problem, chemistry, state)
+    _elements(chemistry, entering, leaving, drained, fed, result)
+
+    total = sum(leaving.values())
+    dry = total - leaving.get("H2O", 0.0)
+    qoi = result.qoi
+    qoi["gas_out_mol_s"] = total
+    qoi |= {f"x_{name}_wet": n / total for name, n in leaving.items()}
+    qoi |= {f"x_{name}_dry": n / dry for name, n in leaving.items() if name != "H2O"}
+    if data is not None:
+        _fuel(chemistry, entering, leaving, drained, qoi)
+    held = {name: problem.total(lambda u, o, n=name: getattr(u, f"n_{n}"), state) for name in part.solids}
+    qoi |= {f"held_{name}_{'kg' if name == 'volatiles' else 'mol'}": amount for name, amount in held.items()}
+    if scene.limestone is not None:
+        calcium = sum(drained.get(name, 0.0) for name in ("CaCO3", "CaO", "CaSO4"))
+        if calcium > 0:
+            qoi["calcined"] = 1.0 - drained["CaCO3"] / calcium
+            qoi["lime_sulphated"] = drained["CaSO4"] / calcium
+        if data is not None and data.elements["S"] > 0:
+            qoi["Ca_S"] = calcium / data.elements["S"]
+    _warnings(problem, chemistry, state, held, result)
+
+
+def _streams(problem: Any, chemistry: Chemistry, state: Any) -> tuple[dict[str, float], ...]:
+    part, c = chemistry.part, problem.c
+
+    def bottom(u: Any, o: Any, name: str) -> Any:
+        return sum(part.entering(c.at(u, o), phase)[name] for phase in part.phases)
+
+    entering = {name: problem.at(lambda u, o, n=name: bottom(u, o, n), problem.bottom, state) for name in part.gases}
+    leaving = {name: problem.at(lambda u, o, n=name: sum(part.flow(u, phase)[n] for phase in part.phases),
+                                problem.top, state) for name in part.gases}  # fmt: skip
+    end = problem.top if part.velocity > 0 else problem.bottom
+    drained = {name: problem.at(lambda u, o, n=name: abs(part.velocity) * getattr(u, f"n_{n}"), end, state)
+               for name in part.solids}  # fmt: skip
+    fed = {name: problem.total(lambda u, o, s=solid: s.fed(o.x[0]), state)
+           for name, solid in part.solids.items() if solid.fed is not None}  # fmt: skip
+    return entering, leaving, drained, fed
+
+
+def contents(chemistry: Chemistry) -> dict[str, dict[str, float]]:
+    """Elements of a mole of each gas and solid, of a kg of volatiles."""
+    species = thermo.table()
+    out: dict[str, dict[str, float]] = {name: dict(species[name].composition) for name in chemistry.part.gases}
+    out |= {name: dict(species[SOLIDS[name]].composition) for name in chemistry.part.solids if name in SOLIDS}
+    if chemistry.data is not None and chemistry.data.volatiles is not None:
+        out["volatiles"] = dict(chemistry.data.volatiles.elements)
+    return out
+
+
+def _elements(chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, fed: Any, result: Result) -> None:
+    inside = contents(chemistry)
+    for element in ELEMENTS:
+        brought, taken = (
+            sum(amount * inside[name].get(element, 0.0) for stream in streams for name, amount in stream.items())
+            for streams in ((entering, fed), (leaving, drained))
+        )
+        if brought > 0:
+            result.balances[element] = {
+                "in": brought, "out": taken, "source": 0.0, "stored": 0.0,
+                "relative_residual": (brought - taken) / brought, "unit": "mol/s",
+            }  # fmt: skip
+
+
+def heating_value(name: str) -> float:
+    """Lower heating value at 298.15 K [J/mol]."""
+    species, T0 = thermo.table(), thermo.T_STANDARD
+    atoms = species[name].composition
+    burnt = {"CO2": atoms.get("C", 0.0), "H2O": 0.5 * atoms.get("H", 0.0), "SO2": atoms.get("S", 0.0)}
+    return float(species[name].enthalpy(T0) - sum(n * species[key].enthalpy(T0) for key, n in burnt.items()))
+
+
+FUELS = ("CO", "H2", "CH4", "C6H6", "H2S")
+
+
+def _fuel(chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, qoi: dict[str, Any]) -> None:
+    data, inside = chemistry.data, contents(chemistry)
+    assert data is not None
+    power = data.rate * data.lower
+    carbon = sum(drained[name] * inside[name].get("C", 0.0) for name in ("char", "volatiles") if name in drained)
+    qoi["carbon_conversion"] = 1.0 - carbon / data.elements["C"]
+    in_gas = sum(leaving.get(name, 0.0) * heating_value(name) for name in FUELS)
+    unburnt = drained.get("char", 0.0) * heating_value("C")
+    per_kg = 0.0
+    if data.volatiles is not None:
+        per_kg = data.lower - (1.0 - data.volatile / data.rate) / dv.ATOMIC["C"] * heating_value("C")
+        per_kg *= data.rate / data.volatile
+    unburnt += drained.get("volatiles", 0.0) * per_kg
+    qoi["fuel_power_W"] = power
+    qoi["cold_gas_efficiency"] = in_gas / power
+    qoi["combustion_efficiency"] = 1.0 - (in_gas + unburnt) / power
+    e = data.elements
+    needed = e["C"] + 0.25 * e["H"] + e["S"] - 0.5 * e["O"]
+    qoi["oxygen_ratio"] = entering.get("O2", 0.0) / needed
+    if e["S"] > 0 and "CaSO4" in drained:
+        qoi["sulphur_capture"] = drained["CaSO4"] / e["S"]
+    qoi["ignited"] = float(qoi["combustion_efficiency"] > 0.5 * min(1.0, qoi["oxygen_ratio"]))
+
+
+def _warnings(problem: Any, chemistry: Chemistry, state: Any, held: dict[str, float], result: Result) -> None:
+    part, scene = chemistry.part, problem.plan.scene
+    for name in chemistry.idle:
+        result.warnings.append(f"reactions.{name} does not run: a gas that it needs neither enters nor is made")
+    for phase in part.phases:
+        N = np.array([problem.system.part(state, f"N_{name}_{phase}") for name in part.gases])
+        lowest = float((N / N.sum(axis=0)).min())
+        if lowest < -UNDERSHOT:
+            result.warnings.append(f"a mole fraction in the {phase} falls to {lowest:.2g}: refine the mesh")
+    if data_fuel := scene.fuel:
+        volume = held.get("char", 0.0) * dv.ATOMIC["C"] / data_fuel.char_density
+        delta = problem.total(lambda u, o: problem.c.at(u, o).delta, state) / chemistry.height
+        solids = part.section * chemistry.height * (1.0 - delta) * (1.0 - part.voidage)
+        result.qoi["char_volume_fraction"] = volume / solids
+    for name, where, law in cr.used_laws(chemistry.reactions):
+        fields = [f"T_{phase}" for phase in part.phases] if where == "gas" else [f"T_{where}"]
+        T = np.concatenate([problem.system.part(state, field) for field in fields])
+        outside = share_outside(T, law.T_range)
+        kind = "gas reaction" if name in LAWS else "reaction of particles"
+        result.closures.append({
+            "name": f"{name}: {law.name}", "kind": kind, "source": law.source, "share_outside": outside,
+            "ranges": {"T": {"declared": list(law.T_range), "used": [float(T.min()), float(T.max())],
+                             "share_outside": outside}},
+        })  # fmt: skip

@@ -1,0 +1,395 @@
+"""Coefficients of a bubbling bed as functions of its state: properties of gas and particles, and closures by name.
+
+Everything in the emulsion is taken at the mean temperature of the particles, weighted with their volumes: gas meets it
+within millimetres of the distributor. Only the volume of the bubbles' gas follows its own temperature. Properties of
+the mixture of particles: density by volume, heat capacity by mass, diameter and conductivity as the surface sees them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cache, partial
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from contbed.bubbling_bed import scene as b
+from contbed.bubbling_bed.equations import bed as model
+from contbed.bubbling_bed.equations import flow as bubbling_flow
+from contbed.closures import registry
+from contbed.closures.binding import resolve_closure
+from contbed.closures.bubbles import GRAVITY
+from contbed.closures.reactions_solid import diffusion_in_nitrogen
+from contbed.materials.common import integrated, polynomial
+from contbed.packed_bed.scene import Closure, ClosureFile
+from contbed.scene.toml_lines import KeyPath, dotted
+
+SMOOTHED = 1e-3  # share of u_mf over which the excess of gas bends to zero where there is none
+STEPS = 200  # of the march that gives a first guess of the bubbles
+
+Use = tuple[KeyPath, Any, str]
+
+
+@cache
+def mixture(composition: str, pressure: float, mechanism: str) -> Any:
+    """Properties of a gas, which take long to read."""
+    from contbed.materials import gas_mixture
+
+    return gas_mixture(composition, pressure, mechanism)
+
+
+def named(spec: Any) -> bool:
+    """Whether a coefficient is a closure instead of a number."""
+    return isinstance(spec, (str, Closure, ClosureFile))
+
+
+def uses(scene: Any) -> Iterator[Use]:
+    """Where the scene may name a closure, what stands there, and of which kind it is; `scene` has the tables."""
+    bed, bubbles = scene.bubbling_bed, scene.bubbles
+    yield ("bubbling_bed", "minimum_fluidization"), bed.minimum_fluidization, "minimum_fluidization"
+    if bed.expansion is not None:
+        yield ("bubbling_bed", "expansion"), bed.expansion, "expansion"
+    if bed.conductivity is not None:
+        yield ("bubbling_bed", "conductivity"), bed.conductivity, "conductivity"
+    if bubbles is not None:
+        for key, kind in (("fraction", "bubble_fraction"), ("exchange", "bubble_heat"),
+                          ("gas_exchange", "gas_exchange"), ("size", "bubble_growth"), ("start", "bubble_start"),
+                          ("rise", "bubble_rise"), ("emulsion_gas", "emulsion_gas")):
+            yield ("bubbles", key), getattr(bubbles, key), kind
+    for name, item in scene.species.items():
+        yield ("species", name, "gas_coefficient"), item.gas_coefficient, "nusselt"
+        yield ("species", name, "conductivity"), item.conductivity, "solids_mixing"
+        for other, value in item.exchange.items():
+            yield ("species", name, "exchange", other), value, "solid_exchange"
+    for key, table in (("tubes", scene.tubes), ("walls", scene.walls)):
+        if table is not None:
+            yield (key, "coefficient"), table.coefficient, "bed_tube"
+    if scene.freeboard is not None and scene.freeboard.height is not None:
+        for key, kind in (("ejection", "ejection"), ("decay", "decay"), ("terminal_velocity", "terminal_velocity"),
+                          ("elutriation", "elutriation"), ("gas_coefficient", "nusselt")):
+            yield ("freeboard", key), getattr(scene.freeboard, key), kind
+
+
+class Wired:
+    """One coefficient: a number, or a closure that takes from a state what it asks for."""
+
+    def __init__(self, path: KeyPath, spec: Any, kind: str, base: Any):
+        self.path = dotted(path)
+        self.value = None if named(spec) else spec
+        if self.value is None:
+            self.function, self.parameters = resolve_closure(spec, kind, base)
+            sheet = self.function.sheet  # type: ignore[attr-defined]
+            self.wanted = [name for name in (*sheet.arguments, *sheet.options) if name not in self.parameters]
+
+    def __call__(self, state: dict[str, Any], ranges: list[Any] | None) -> Any:
+        if self.value is not None:
+            return self.value
+        arguments = {name: state[name] for name in self.wanted if name in state} | self.parameters
+        if ranges is not None:
+            plain = {name: getattr(value, "value", value) for name, value in arguments.items()}
+            ranges.append({**registry.usage(self.function, **plain).to_dict(), "used_by": self.path})
+        return self.function(**arguments)
+
+
+class Computed:
+    """`Local` of models.bubbling_bed from a scene; a list in `ranges` collects how closures were used."""
+
+    def __init__(self, scene: b.BubblingScene, gas: Any):
+        self.scene, self.gas = scene, gas
+        self.ranges: list[Any] | None = None
+        self.mixtures: Callable[[Any], dict[str, Any]] = lambda u: {"emulsion": gas, "bubble": gas}
+        self.flow = float(scene.gas.mass_flow or 0.0)
+        bed, present = scene.bubbling_bed, scene.present
+        base = scene.origin.base
+        self.wired = {path: Wired(path, spec, kind, base) for path, spec, kind in uses(scene)}
+        self.section, self.solids = bed.section, bed.solids_fraction
+        self.eps = 1.0 - bed.solids_fraction
+        self.D_bed = float(np.sqrt(4.0 * bed.section / np.pi))
+        self.names = list(present)
+        self.share = {name: item.volume_fraction for name, item in present.items()}
+        self.density = {name: float(item.density or 0.0) for name, item in present.items()}
+        self.capacity = {name: _coefficients(item.heat_capacity) for name, item in present.items()}
+        self.surface = {name: 6.0 * self.solids * item.volume_fraction / (item.sphericity * item.diameter)
+                        for name, item in present.items()}  # fmt: skip
+        total = sum(item.volume_fraction / item.diameter for item in present.values())
+        self.d_p = 1.0 / total
+        self.sphericity = total / sum(item.volume_fraction / (item.sphericity * item.diameter)
+                                      for item in present.values())  # fmt: skip
+        self.rho_solid = sum(self.share[name] * self.density[name] for name in self.names)
+        self.k_solid = self._by_surface({name: item.thermal_conductivity for name, item in present.items()})
+        self.bubbling = scene.bubbles is not None and scene.bubbles.fraction != 0
+        self.grows = self.bubbling and self.wired["bubbles", "size"].value is None
+        self.chemistry = self._chemistry() if scene.reactions is not None else None
+        self.above = None
+        if scene.freeboard is not None and scene.freeboard.height is not None:
+            from contbed.bubbling_bed.freeboard import Above
+
+            self.above = Above(scene, self)
+
+    def _chemistry(self) -> Any:
+        """The reacting part, whose gas makes the mixtures and the flows."""
+        from contbed.bubbling_bed.chemistry.problem import chemistry
+
+        mixing = {name: partial(self._dispersion, name) for name in self.names}
+        found = chemistry(self.scene, mixing, self._gas_exchange)
+        self.mixtures = lambda u: found.mixtures(u, self.gas)
+        return found
+
+    def _dispersion(self, name: str, local: model.Local) -> Any:
+        """Axial mixing of a species [m2/s]: its conductivity over its heat capacity per height."""
+        emulsion = self.section * (1.0 - local.delta) * self.solids * self.share[name]
+        content = emulsion * self.density[name] * self.heat_capacity(name, local.state["T"])
+        return local.state["conduction"][name] / content
+
+    def _gas_exchange(self, local: model.Local, state: Any) -> Any:
+        """Gas between bubbles and emulsion per volume of bubbles [1/s]."""
+        D = diffusion_in_nitrogen("O2", 0.031998, local.state["T"], self.gas.pressure)
+        return self._call(("bubbles", "gas_exchange"), local.state | {"D_gas": D})
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """The unknowns of models.bubbling_flow."""
+        there = (("flow_bubble", self.bubbling), ("d_bubble", self.grows))
+        return tuple(name for name, wanted in there if wanted)
+
+    def _by_surface(self, values: dict[str, float]) -> float:
+        return sum(self.surface[name] * value for name, value in values.items()) / sum(self.surface.values())
+
+    def heat_capacity(self, name: str, T: Any) -> Any:
+        """[J/kg/K] of a species."""
+        return polynomial(self.capacity[name], T)
+
+    def enthalpy(self, name: str, T: Any) -> Any:
+        """[J/kg] of a species, 0 at 0 K."""
+        return polynomial(integrated(self.capacity[name]), T)
+
+    def temperature(self, u: Any) -> Any:
+        """Mean temperature of the particles [K]."""
+        return sum(self.share[name] * getattr(u, f"T_{name}") for name in self.names)
+
+    def state(self, u: Any, flow: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        """What closures may ask for, and the gases, where all gas flows at `flow` [kg/s]."""
+        T, gases = self.temperature(u), self.mixtures(u)
+        gas = gases["emulsion"]
+        rho, mu, cp, k = gas.density(T), gas.viscosity(T), gas.heat_capacity(T), gas.conductivity(T)
+        cp_solid = sum(self.share[n] * self.density[n] * self.heat_capacity(n, T) for n in self.names) / self.rho_solid
+        state = {
+            "T": T, "p": gas.pressure, "molar_mass": gas.molar_mass, "rho_gas": rho, "mu": mu, "cp_gas": cp,
+            "k_gas": k, "k_fluid": k, "Pr": mu * cp / k, "eps": self.eps, "eps_mf": self.eps, "d_p": self.d_p,
+            "sphericity": self.sphericity, "D_bed": self.D_bed, "rho_solid": self.rho_solid, "cp_solid": cp_solid,
+            "k_solid": self.k_solid, "Ar": self.d_p**3 * rho * (self.rho_solid - rho) * GRAVITY / mu**2,
+        }  # fmt: skip
+        found = self._call(("bubbling_bed", "minimum_fluidization"), state)
+        given = self.wired["bubbling_bed", "minimum_fluidization"].value is not None
+        state["u_mf"] = found if given else found * mu / (rho * self.d_p)
+        if not self.bubbling:
+            state["u"] = state["u_e"] = flow / (rho * self.section)
+            state["u_excess"] = _positive(state["u"] - state["u_mf"], state["u_mf"])
+        state["slip"] = state.get("u_excess")
+        return state, gases
+
+    def bubbles(self, state: dict[str, Any], rho_bubble: Any, flow: Any, flow_bubble: Any, d_b: Any) -> Any:
+        """Put velocities and volume of bubbles into the state; the flow of bubbles that the closures give [kg/s]."""
+        rho, A = state["rho_gas"], self.section
+        state["u"] = (flow - flow_bubble) / (rho * A) + flow_bubble / (rho_bubble * A)
+        state["u_excess"] = state["slip"] = _positive(state["u"] - state["u_mf"], state["u_mf"])
+        state["u"] = state["u_mf"] + state["u_excess"]
+        state["d_b"] = d_b
+        state["u_b"] = self._call(("bubbles", "rise"), state)
+        state["delta"] = self._call(("bubbles", "fraction"), state)
+        state["u_e"] = self._call(("bubbles", "emulsion_gas"), state)
+        return flow - rho * A * (1.0 - state["delta"]) * state["u_e"]
+
+    def _call(self, path: KeyPath, state: dict[str, Any]) -> Any:
+        return self.wired[path](state, self.ranges)
+
+    def __call__(self, u: Any, o: Any) -> model.Local:
+        """The coefficients at the points of a domain."""
+        scene = self.scene
+        flow = self.flow
+        part = self.chemistry.part if self.chemistry is not None else None
+        if part is not None and part.known(u):
+            flow = sum(part.mass(u, phase) for phase in part.phases)
+        state, gases = self.state(u, flow)
+        flows, slopes, crossing, unknown = {"T_emulsion": flow}, {"T_emulsion": 0.0}, None, None
+        heat = 1e3 * gases["emulsion"].heat_capacity(scene.solver.guess)  # a kg of gas heated by 1000 K
+        if self.bubbling:
+            d_b = u.d_bubble if self.grows else self.wired["bubbles", "size"].value
+            target = self.bubbles(state, gases["bubble"].density(u.T_bubble), flow, u.flow_bubble, d_b)
+            growth = self._call(("bubbles", "size"), state) if self.grows else None
+            start = self._call(("bubbles", "start"), state) if self.grows else None
+            flows = {"T_emulsion": flow - u.flow_bubble, "T_bubble": u.flow_bubble}
+            crossing = o.grad(u.flow_bubble)[0]
+            slopes = {"T_emulsion": -crossing, "T_bubble": crossing}
+            unknown = bubbling_flow.Local(target, growth, start, heat,
+                                          heat * self.flow / self.D_bed)  # fmt: skip
+        delta = state.get("delta", 0.0)
+        state["eps_bed"] = 1.0 - (1.0 - delta) * self.solids
+        changes = {}
+        if part is not None and part.known(u):
+            state["entering"] = {"T_emulsion": self.flow} if not self.bubbling else {
+                "T_emulsion": self.flow - u.flow_bubble, "T_bubble": u.flow_bubble}  # fmt: skip
+            flows = {f"T_{phase}": part.mass(u, phase) for phase in part.phases}
+            changes = {f"T_{phase}": partial(part.changed, u, phase, o) for phase in part.phases}
+        local = model.Local(
+            delta, {name: self._to_gas(name, state) for name in self.names},
+            {name: self._mixing(name, state) for name in self.names}, self._pairs(state),
+            self._call(("bubbles", "exchange"), state) if self.bubbling else 0.0,
+            {key: self._contact(key, state) for key in ("tubes", "walls") if getattr(scene, key) is not None},
+            flows, slopes, crossing,
+            {f"T_{phase}": gas.enthalpy for phase, gas in gases.items()},
+            {f"T_{phase}": gas.heat_capacity for phase, gas in gases.items()}, unknown, state, changes,
+        )  # fmt: skip
+        if changes:
+            self._inventory(u, local)
+        return local
+
+    def _inventory(self, u: Any, local: model.Local) -> None:
+        """Scale what goes by the surface of the fuel from its volume_fraction to what the bed holds."""
+        state = local.state
+        assert self.chemistry is not None
+        state["conduction"] = dict(local.conduction)
+        for name, surface in self.chemistry.surfaces(u).items():
+            share = surface / (self.section * (1.0 - local.delta) * self.surface[name])
+            local.gas[name] = share * local.gas[name]
+            local.conduction[name] = share * local.conduction[name]
+            local.pairs = {pair: share * value if name in pair else value for pair, value in local.pairs.items()}
+            local.shares[name] = share
+
+    def recorded(self, values: dict[str, Any], z: Any) -> tuple[model.Local, list[Any]]:
+        """The coefficients at heights where the unknowns have `values`, and how they used their closures."""
+        self.ranges = []
+        local = self(SimpleNamespace(**values), SimpleNamespace(grad=lambda field: (np.zeros_like(z),), x=(z,)))
+        found, self.ranges = self.ranges, None
+        return local, found
+
+    def expansion(self, u: Any, o: Any) -> Any:
+        """Height of the bed over that at minimum fluidization."""
+        return self._call(("bubbling_bed", "expansion"), self(u, o).state)
+
+    def _to_gas(self, name: str, state: dict[str, Any]) -> Any:
+        d_p = self.scene.species[name].diameter
+        Re = state["rho_gas"] * state["u_e"] * d_p / state["mu"]
+        wired = self.wired["species", name, "gas_coefficient"]
+        found = wired(state | {"Re": Re, "d_p": d_p}, self.ranges)
+        return self.surface[name] * (found if wired.value is not None else found * state["k_gas"] / d_p)
+
+    def _mixing(self, name: str, state: dict[str, Any]) -> Any:
+        """Section times conductivity of a species [W m/K]."""
+        wired = self.wired["species", name, "conductivity"]
+        found = wired(state, self.ranges)
+        emulsion = self.section * (1.0 - state.get("delta", 0.0)) * self.share[name]
+        if wired.value is None:
+            content = self.density[name] * self.heat_capacity(name, state["T"])
+            mixing = emulsion * self.solids * content * found
+        else:
+            mixing = self.section * found
+        if self.scene.bubbling_bed.conductivity is None:
+            return mixing
+        return mixing + emulsion * self._call(("bubbling_bed", "conductivity"), state)
+
+    def _pairs(self, state: dict[str, Any]) -> dict[tuple[str, str], Any]:
+        out = {}
+        for name in self.names:
+            for other in self.scene.species[name].exchange:
+                if other not in self.names:
+                    continue
+                pair = state | self._of_pair(name, 1, state) | self._of_pair(other, 2, state)
+                out[name, other] = self.wired["species", name, "exchange", other](pair, self.ranges)
+        return out
+
+    def _of_pair(self, name: str, k: int, state: dict[str, Any]) -> dict[str, Any]:
+        item = self.scene.species[name]
+        return {
+            f"f_{k}": self.solids * self.share[name], f"d_{k}": item.diameter, f"rho_{k}": self.density[name],
+            f"cp_{k}": self.heat_capacity(name, state["T"]), f"k_{k}": item.thermal_conductivity,
+        }  # fmt: skip
+
+    def _contact(self, key: str, state: dict[str, Any]) -> Any:
+        return self.wired[key, "coefficient"](state | {"eps": state["eps_bed"]}, self.ranges)
+
+    def surface_state(self, T: float) -> dict[str, Any]:
+        """What closures see at the surface of a bed of one temperature."""
+        u = SimpleNamespace(**{f"T_{name}": np.full(1, T) for name in self.names}, T_emulsion=T, T_bubble=T)
+        state, gases = self.state(u, self.flow)
+        if self.bubbling:
+            flows, sizes = self.march(T, np.array([self.scene.bubbling_bed.height]))
+            self.bubbles(state, gases["bubble"].density(T), self.flow, flows, sizes)
+        return state
+
+    def march(self, T: float, z: Any) -> tuple[Any, Any]:
+        """Flow and size of bubbles over the height in a bed of one temperature: where Newton's method starts."""
+        u = SimpleNamespace(**{f"T_{name}": np.full(1, T) for name in self.names}, T_emulsion=T, T_bubble=T)
+        flow = self.flow
+        heights = np.linspace(0.0, float(np.max(z)), STEPS + 1)
+        steps, sizes, bubbles = np.diff(heights), [], []
+        d_b: Any = 0.01 * self.D_bed if self.grows else self.wired["bubbles", "size"].value
+        flow_bubble: Any = 0.5 * flow
+        for k in range(STEPS + 1):
+            state, gases = self.state(u, flow)
+            for _ in range(40 if k == 0 else 2):
+                wanted = self.bubbles(state, gases["bubble"].density(T), flow, flow_bubble, d_b)
+                flow_bubble = 0.5 * flow_bubble + 0.5 * np.clip(wanted, 0.02 * flow, 0.98 * flow)
+                if k == 0 and self.grows:
+                    d_b = self._call(("bubbles", "start"), state)
+            sizes.append(float(np.squeeze(d_b)))
+            bubbles.append(float(np.squeeze(flow_bubble)))
+            if self.grows and k < STEPS:
+                d_b = np.maximum(d_b + steps[k] * self._call(("bubbles", "size"), state), 1e-3 * self.D_bed)
+        return np.interp(z, heights, bubbles), np.interp(z, heights, sizes)
+
+    @property
+    def sizes(self) -> dict[str, float]:
+        """Typical values of the unknown fields."""
+        typical = {"flow_bubble": self.flow, "d_bubble": self.D_bed}
+        out = {name: typical[name] for name in self.fields}
+        for item in (self.chemistry, self.above):
+            out |= item.sizes if item is not None else {}
+        return out
+
+    def start(self, T: float, z: Any) -> dict[str, Any]:
+        """The unknown fields in a bed of one temperature."""
+        out: dict[str, Any] = {}
+        if self.bubbling:
+            out["flow_bubble"], out["d_bubble"] = self.march(T, z)
+        out = {name: out[name] for name in self.fields}
+        if self.chemistry is not None:
+            bubbles = {"bubble": out["flow_bubble"]} if self.bubbling else {}
+            flows = {"emulsion": self.flow - bubbles.get("bubble", 0.0)} | bubbles
+            out |= self.chemistry.start(T, z, flows)
+        return out | (self.above.start(T, z) if self.above is not None else {})
+
+    @property
+    def parts(self) -> tuple[Any, ...]:
+        """Physics joined to the bed."""
+        return tuple(item.part for item in (self.chemistry, self.above) if item is not None)
+
+    def frozen(self, T: float, height: float) -> dict[str, Any]:
+        """Numbers at one temperature half way up, from which layers are predicted."""
+        at: dict[str, Any] = {f"T_{name}": np.full(1, T) for name in (*self.names, "emulsion", "bubble")}
+        if self.bubbling:
+            flows, sizes = self.march(T, np.array([0.0, 0.5 * height]))
+            at |= {"flow_bubble": flows[1:], "d_bubble": sizes[1:]}
+        local = self(SimpleNamespace(**at), SimpleNamespace(grad=lambda field: (0.0,), x=(np.full(1, 0.5 * height),)))
+        cp = {name: local.heat_capacity[name](T) for name in local.flows}
+
+        def number(value: Any) -> float:
+            return float(np.squeeze(value))
+
+        return {
+            "delta": number(local.delta), "gas": {n: number(v) for n, v in local.gas.items()},
+            "conduction": {n: number(v) for n, v in local.conduction.items()},
+            "pairs": {n: number(v) for n, v in local.pairs.items()}, "exchange": number(local.exchange),
+            "contact": {n: number(v) for n, v in local.contact.items()},
+            "flows": {n: number(v * cp[n]) for n, v in local.flows.items()},
+        }  # fmt: skip
+
+
+def _positive(x: Any, unit: Any) -> Any:
+    """x where it is above zero, bent to zero below over a thousandth of `unit`."""
+    return 0.5 * (x + (x**2 + (SMOOTHED * unit) ** 2) ** 0.5)
+
+
+def _coefficients(given: Any) -> tuple[float, ...]:
+    return (given,) if isinstance(given, float) else tuple(given)

@@ -1,0 +1,1 @@
+"""Balances of a bubbling bed: heat of species and gases, composition, freeboard, steam in tubes."""

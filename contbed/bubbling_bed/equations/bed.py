@@ -1,0 +1,438 @@
+"""Heat of a steady bubbling bed along its height: solid species, emulsion gas, bubble gas, distributor, radiation.
+
+    (W_m h_m)' - (A k_m T_m')' = W_m' h_m(T_f,m) + Q_m + A (1 - delta) [a_m h_gm (T_e - T_m) + sum_n H_mn (T_n - T_m)
+                                 + K_a,m (G - 4 E_m)] + sum_x p_x h_x f_m (T_x - T_m)            species m
+    (W_e h_e)'                 = Q_e + A (1 - delta) sum_m a_m h_gm (T_m - T_e) + A delta H_be (T_b - T_e) - X h_X
+    (W_b h_b)'                 = A delta H_be (T_e - T_b) + X h_X
+    -(A D G')'                 = A (1 - delta) sum_m K_a,m (4 E_m - G) + sum_x p_x (eps_x/4) (4 E_x - G)
+
+    z = 0:  -A k_m T_m' = A h_d f_m (T_d - T_m),   T_e = T_b = T_in + (1 - exp(-NTU)) (T_d - T_in)
+            -A D G' = A eps_d/(2 (2 - eps_d)) (4 E_d - G)
+            A h_d sum_m f_m (T_m - T_d) + A eps_d/(2 (2 - eps_d)) (G - 4 E_d) = (W_e + W_b) (h_e - h(T_in))
+    z = H:  T_m' = 0,   A D G' = A (4 J - G)/2
+
+z        height above the distributor [m]       '        d/dz
+T_m      temperature of species m [K]           T_e, T_b of emulsion gas and bubble gas      T_d of the distributor
+W        mass flow upward [kg/s]; W_m grows by what is fed at T_f,m           h        enthalpy [J/kg]
+X        gas that passes from the emulsion to the bubbles [kg/s/m], W_b' less what reactions make in the bubbles
+h_X      h_e(T_e) where X > 0, else h_b(T_b)
+A        section [m2]                           delta    share of bubbles in the volume [1]
+k_m      conductivity of axial mixing [W/m/K]   Q        heat release per height [W/m]
+a_m h_gm surface per emulsion volume times particle-gas coefficient [W/m3/K]
+H_mn     exchange between species [W/m3/K]      H_be     exchange of bubble and emulsion gas [W/m3/K]
+f_m      share of m in the surface of all particles [1]
+G        incident radiation [W/m2]              E        sigma T^4 [W/m2]
+K_a,m    absorption coefficient [1/m]           D        see models.radiation; that of the emulsion: bubbles are windows
+x        tubes, walls: perimeter p [m], coefficient h [W/m2/K], effective emissivity eps in the bulk field [1]
+J        radiosity of the freeboard [W/m2]      NTU      transfer units of the gas in the distributor [1]
+
+With frozen coefficients W is a capacity flow [W/K], h = T, and X = 0. Computed coefficients are functions of the
+unknowns at the same place, see `Local`; bubbles then bring the fields of models.bubbling_flow.
+
+Without transport of radiation ("paper", "pairwise") G is the algebraic 4 sum K_a,m E_m / sum K_a,m, surfaces cool the
+species by their shares, p_x (eps_x/4) (K_a,m/K_a) 4 (E_m - E_x), and neither distributor nor freeboard take part.
+"pairwise" exchanges between species by the network of pairs that the paper replaces, see closures.enclosure.
+
+Source: Rabi & de Souza-Santos, Incorporation of a two-flux model for radiative heat transfer in a comprehensive
+fluidized bed simulator, part I. Their balances march solids upward from unknown T_m(0); with mixing along the height
+and conditions at both ends they are a well-posed boundary-value problem for all unknowns at once.
+
+Discretisation: continuous elements of degree 1 to 3, convection in conservative form with weak inflow, residual-based
+SUPG. The sum of all heat residuals is the energy balance of the bed, so it closes with the nonlinear solver.
+
+Good values: particles of 0.3-5 mm, beds of 0.3-3 m, mixing 1e2-1e5 W/m/K, entry layers of gas and radiation of 1 mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from contbed.bubbling_bed.equations import flow as bubbling_flow
+from contbed.closures.enclosure import exchange_equilibrium, exchange_pairwise, irradiation_equilibrium
+from contbed.closures.optics import marshak
+from contbed.packed_bed.equations.two_energy import tau
+from contbed.radiation.equations import p1 as radiation
+
+
+def same(T: Any) -> Any:
+    """Enthalpy of a stream whose flow is a capacity flow."""
+    return T
+
+
+def one(T: Any) -> Any:
+    """Heat capacity of a stream whose flow is a capacity flow."""
+    return 1.0
+
+
+@dataclass(frozen=True)
+class Stream:
+    """One phase that a field of temperature belongs to. Functions work on pointwise values."""
+
+    flow: Any = None  # W, function of z [kg/s, or W/K where the enthalpy is T]; None for a gas of computed flow
+    fed: Any = None  # W', function of z; None without feed
+    feed_temperature: float = 0.0  # [K]
+    conduction: float = 0.0  # A k [W m/K]
+    release: Any = None  # Q, function of (z, T) [W/m]; None without
+    enthalpy: Any = same  # of particles, function of T [J/kg]
+    heat_capacity: Any = one  # [J/kg/K]
+
+
+@dataclass(frozen=True)
+class Species:
+    """One kind of particle."""
+
+    stream: Stream
+    gas: float  # a_m h_gm [W/m3/K]
+    share: float  # f_m [1]
+    absorption: float = 0.0  # K_a,m [1/m]
+    emissivity: float = 1.0
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Tubes or walls."""
+
+    perimeter: float  # [m]
+    coefficient: float  # [W/m2/K]
+    temperature: float  # [K]
+    emissivity: float  # effective [1]; 0 for a mirror
+    field: str | None = None  # unknown temperature, in place of the given one
+
+    def cold(self, u: Any) -> Any:
+        """Temperature of the surface [K]."""
+        return self.temperature if self.field is None else getattr(u, self.field)
+
+
+@dataclass(frozen=True)
+class Plate:
+    """The distributor."""
+
+    coefficient: float  # h_d [W/m2/K]
+    effectiveness: float  # 1 - exp(-NTU) [1]
+    emissivity: float  # [1]; 0 for a mirror
+
+
+@dataclass
+class Local:
+    """Coefficients at the points of one domain: numbers, arrays, or functions of the unknowns as dual numbers."""
+
+    delta: Any
+    gas: dict[str, Any]  # a_m h_gm [W/m3/K]
+    conduction: dict[str, Any]  # A k_m [W m/K]
+    pairs: dict[tuple[str, str], Any]  # H_mn [W/m3/K]
+    exchange: Any  # H_be [W/m3/K]
+    contact: dict[str, Any]  # h_x [W/m2/K]
+    flows: dict[str, Any]  # W of the gases
+    slopes: dict[str, Any]  # W' of the gases
+    crossing: Any = None  # X; None where gas cannot pass
+    enthalpy: dict[str, Any] = field(default_factory=dict)  # of the gases, functions of T [J/kg]; absent: T
+    heat_capacity: dict[str, Any] = field(default_factory=dict)  # [J/kg/K]
+    gas_flow: Any = None  # bubbling_flow.Local; None where no flow is an unknown
+    state: dict[str, Any] = field(default_factory=dict)  # velocities, properties: what parts may build upon
+    changes: dict[str, Any] = field(default_factory=dict)  # (W h)' at constant T of gases whose composition changes
+    shares: dict[str, Any] = field(default_factory=dict)  # surface of species over that which absorption is for
+
+    def h(self, name: str, T: Any) -> Any:
+        """Enthalpy of a gas."""
+        return self.enthalpy.get(name, same)(T)
+
+    def changed(self, name: str, T: Any) -> Any:
+        """W' h of a gas, or what stands for it where its composition changes."""
+        return self.changes[name](T) if name in self.changes else self.slopes[name] * self.h(name, T)
+
+
+class Part(Protocol):
+    """Physics joined to the bed: unknown fields of its own, and what it gives to the phases.
+
+    `gains` is heat per height [W/m] by the field of the phase; gas that is made brings its enthalpy in there. `made` is
+    gas per height [kg/s/m] by the field of the gas, None where the part makes none. `content` is what the part holds,
+    by which a steady state is approached in time. `scalars`, if there are any, are unknowns of one number each.
+    """
+
+    fields: tuple[str, ...]
+
+    def gains(self, u: Any, c: Any, local: Local, o: Any) -> dict[str, Any]: ...
+    def made(self, u: Any, c: Any, local: Local, o: Any) -> dict[str, Any] | None: ...
+    def residual(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any: ...
+    def bottom(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any: ...
+    def top(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any: ...
+    def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any: ...
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """The whole bed. `bubbles` and `plate` are None where absent, `level` is "none", "paper", "pairwise", or "field"
+    where G is an unknown with diffusion coefficient `diffusion` [m]. With `computed`, a function of (unknowns, ops)
+    that returns `Local`, the numbers of the same name count for the grading of the mesh only.
+    """
+
+    section: float  # A [m2]
+    delta: float
+    inlet: float  # T_in [K]
+    species: dict[str, Species]
+    pairs: dict[tuple[str, str], float]  # H_mn [W/m3/K]
+    emulsion: Stream
+    bubbles: Stream | None
+    exchange: float  # H_be [W/m3/K]
+    surfaces: dict[str, Surface]
+    plate: Plate | None
+    level: str
+    diffusion: float = 0.0
+    radiosity: float | None = None  # J; None for a mirror
+    degree: int = 2
+    computed: Any = None
+    extra: tuple[str, ...] = ()  # fields of bubbling_flow
+    parts: tuple[Part, ...] = ()
+
+    @property
+    def scalars(self) -> tuple[str, ...]:
+        """Unknowns that are one number each."""
+        plate = ("T_distributor",) if self.plate is not None else ()
+        return (*plate, *(name for part in self.parts for name in getattr(part, "scalars", ())))
+
+    def at(self, u: Any, o: Any) -> Local:
+        """The coefficients at the points of a domain."""
+        if self.computed is not None:
+            return self.computed(u, o)
+        gases = {name: self.streams[name].flow(o.x[0]) for name in self.gases}
+        return Local(
+            self.delta,
+            {name: item.gas for name, item in self.species.items()},
+            {name: item.stream.conduction for name, item in self.species.items()},
+            self.pairs, self.exchange, {name: x.coefficient for name, x in self.surfaces.items()}, gases,
+            dict.fromkeys(gases, 0.0),
+        )  # fmt: skip
+
+    def volume(self, local: Local) -> Any:
+        """Emulsion per height, A (1 - delta) [m2]."""
+        return self.section * (1.0 - local.delta)
+
+    @property
+    def streams(self) -> dict[str, Stream]:
+        """All phases by the name of their field."""
+        out = {f"T_{name}": item.stream for name, item in self.species.items()} | {"T_emulsion": self.emulsion}
+        return out if self.bubbles is None else out | {"T_bubble": self.bubbles}
+
+    @property
+    def gases(self) -> tuple[str, ...]:
+        """Fields of the streams that enter through the distributor."""
+        return ("T_emulsion",) if self.bubbles is None else ("T_emulsion", "T_bubble")
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """All fields along the height."""
+        radiation = ("G",) if self.level == "field" else ()
+        return (*self.streams, *radiation, *self.extra, *(name for part in self.parts for name in part.fields))
+
+
+def temperatures(u: Any, c: Coefficients) -> list[Any]:
+    """Temperatures of the species."""
+    return [getattr(u, f"T_{name}") for name in c.species]
+
+
+def incident(u: Any, c: Coefficients) -> Any:
+    """Incident radiation [W/m2]: the field, or what the species have in common at one height."""
+    if c.level == "field":
+        return u.G
+    return irradiation_equilibrium([item.absorption for item in c.species.values()], temperatures(u, c))
+
+
+def convected(u: Any, c: Coefficients, name: str, local: Local) -> Any:
+    """Heat that particles give to a surface by contact [W/m]."""
+    x, each = c.surfaces[name], zip(c.species.values(), temperatures(u, c), strict=True)
+    return sum(x.perimeter * local.contact[name] * item.share * (T - x.cold(u)) for item, T in each)
+
+
+def radiated(u: Any, c: Coefficients, x: Surface) -> Any:
+    """Radiation into a surface [W/m]."""
+    if c.level == "none" or not x.emissivity:
+        return 0.0
+    return 0.25 * x.perimeter * x.emissivity * (incident(u, c) - radiation.emitted(x.cold(u)))
+
+
+def released(u: Any, stream: Stream, name: str, o: Any) -> Any:
+    """Heat release of a phase [W/m]."""
+    return 0.0 if stream.release is None else stream.release(o.x[0], getattr(u, name))
+
+
+def crossed(u: Any, c: Coefficients, local: Local) -> Any:
+    """Heat that gas carries from the emulsion into the bubbles [W/m]."""
+    up, down = np.maximum(local.crossing, 0.0), np.minimum(local.crossing, 0.0)
+    return up * local.h("T_emulsion", u.T_emulsion) + down * local.h("T_bubble", u.T_bubble)
+
+
+def gains(u: Any, c: Coefficients, local: Local, o: Any) -> dict[str, Any]:
+    """Heat that each phase gains per height, without transport along it [W/m]."""
+    T = {name: getattr(u, name) for name in c.streams}
+    gain = {name: released(u, stream, name, o) for name, stream in c.streams.items()}
+    volume = c.volume(local)
+
+    def pass_on(one: str, other: str, coefficient: Any) -> None:
+        passed = coefficient * (T[one] - T[other])
+        gain[one], gain[other] = gain[one] - passed, gain[other] + passed
+
+    for name, item in c.species.items():
+        pass_on(f"T_{name}", "T_emulsion", volume * local.gas[name])
+        for surface, x in c.surfaces.items():
+            contact = x.perimeter * local.contact[surface] * item.share
+            gain[f"T_{name}"] = gain[f"T_{name}"] - contact * (T[f"T_{name}"] - x.cold(u))
+    for (one, other), coefficient in local.pairs.items():
+        pass_on(f"T_{one}", f"T_{other}", volume * coefficient)
+    if c.bubbles is not None:
+        pass_on("T_bubble", "T_emulsion", c.section * local.delta * local.exchange)
+    if local.crossing is not None:
+        passed = crossed(u, c, local)
+        gain["T_emulsion"], gain["T_bubble"] = gain["T_emulsion"] - passed, gain["T_bubble"] + passed
+    if c.level != "none":
+        for name, taken in zip(c.species, taken_up(u, c, local), strict=True):
+            gain[f"T_{name}"] = gain[f"T_{name}"] + taken
+    for part in c.parts:
+        for name, heat in part.gains(u, c, local, o).items():
+            gain[name] = gain[name] + heat
+    return gain
+
+
+def taken_up(u: Any, c: Coefficients, local: Local) -> list[Any]:
+    """Radiation that each species absorbs less what it emits [W/m]."""
+    T, volume = temperatures(u, c), c.volume(local)
+    absorption = [item.absorption for item in c.species.values()]
+    if c.level == "field":
+        absorption = [local.shares.get(name, 1.0) * item.absorption for name, item in c.species.items()]
+        return [volume * radiation.absorbed(t, u.G, K) for K, t in zip(absorption, T, strict=True)]
+    if c.level == "pairwise":
+        emissivity = [item.emissivity for item in c.species.values()]
+        extinction = [K / eps for K, eps in zip(absorption, emissivity, strict=True)]
+        taken = [-volume * lost for lost in exchange_pairwise(extinction, emissivity, T)]
+    else:
+        taken = [-volume * lost for lost in exchange_equilibrium(absorption, T)]
+    for x in c.surfaces.values():
+        factor = 0.25 * x.perimeter * x.emissivity / sum(absorption)
+        cold = radiation.emitted(x.cold(u))
+        taken = [old - factor * K * (radiation.emitted(t) - cold)
+                 for old, K, t in zip(taken, absorption, T, strict=True)]  # fmt: skip
+    return taken
+
+
+def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
+    """All balances between the ends."""
+    local = c.at(u, o)
+    total: Any = 0.0
+    for name, gain in gains(u, c, local, o).items():
+        if name in c.gases:
+            balance = _gas(u, name, getattr(tests, name), gain, c, local, o)
+        else:
+            balance = _solid(u, name, getattr(tests, name), gain, c, local, o)
+        total = total + balance
+    if local.gas_flow is not None:
+        total = total + bubbling_flow.residual(u, tests, local.gas_flow, o)
+    for part in c.parts:
+        total = total + part.residual(u, tests, c, local, o)
+    if c.level != "field":
+        return total
+    sinks = [(0.25 * x.perimeter * x.emissivity, x.cold(u)) for x in c.surfaces.values()]
+    volume = c.volume(local)
+    optics = radiation.Coefficients(
+        {f"T_{name}": volume * local.shares.get(name, 1.0) * item.absorption for name, item in c.species.items()},
+        c.section * c.diffusion,
+        emission=sum(factor * radiation.emitted(T) for factor, T in sinks),
+        passive=sum(factor for factor, _ in sinks),
+    )
+    return total + radiation.residual(u, tests, optics, o)
+
+
+def _coupling(c: Coefficients, name: str, local: Local) -> Any:
+    """Linear exchange coefficient of a phase with all others [W/m/K]."""
+    gases, volume = c.section * local.delta * local.exchange, c.volume(local)
+    if name == "T_bubble":
+        return gases
+    if name == "T_emulsion":
+        return gases + volume * sum(local.gas.values())
+    species = name.removeprefix("T_")
+    others = sum(value for pair, value in local.pairs.items() if species in pair)
+    contact = sum(x.perimeter * local.contact[key] for key, x in c.surfaces.items()) * c.species[species].share
+    return volume * (local.gas[species] + others) + contact
+
+
+def _gas(u: Any, name: str, v: Any, gain: Any, c: Coefficients, local: Local, o: Any) -> Any:
+    """Balance of a gas, which does not conduct."""
+    T, slope, flow = getattr(u, name), o.grad(v)[0], local.flows[name]
+    capacity = flow * local.heat_capacity.get(name, one)(T)
+    strong = capacity * o.grad(T)[0] + local.changed(name, T) - gain
+    stable = tau(capacity, 0.0, _coupling(c, name, local), 1.0, o.h, c.degree)
+    return -flow * local.h(name, T) * slope - gain * v + stable * strong * capacity * slope
+
+
+def _solid(u: Any, name: str, v: Any, gain: Any, c: Coefficients, local: Local, o: Any) -> Any:
+    """Balance of a species."""
+    T, slope, s = getattr(u, name), o.grad(v)[0], c.streams[name]
+    flow, gradient = s.flow(o.x[0]), o.grad(T)[0]
+    fed = 0.0 if s.fed is None else s.fed(o.x[0])
+    brought = s.enthalpy(s.feed_temperature)
+    conduction, capacity = local.conduction[name.removeprefix("T_")], flow * s.heat_capacity(T)
+    total = conduction * gradient * slope - flow * s.enthalpy(T) * slope - (gain + fed * brought) * v
+    strong = capacity * gradient + fed * (s.enthalpy(T) - brought) - conduction * o.laplacian(T) - gain
+    stable = tau(capacity, conduction, _coupling(c, name, local), 1.0, o.h, c.degree)
+    return total + stable * strong * capacity * slope
+
+
+def gas_entry(u: Any, c: Coefficients) -> Any:
+    """Temperature of the gas above the distributor [K]."""
+    return c.inlet if c.plate is None else c.inlet + c.plate.effectiveness * (u.T_distributor - c.inlet)
+
+
+def to_plate(u: Any, c: Coefficients) -> tuple[Any, Any]:
+    """Heat into the distributor from the particles by contact, and by radiation [W]."""
+    if c.plate is None:
+        return 0.0, 0.0
+    each = zip(c.species.values(), temperatures(u, c), strict=True)
+    contact = sum(c.section * c.plate.coefficient * item.share * (T - u.T_distributor) for item, T in each)
+    if c.level != "field":
+        return contact, 0.0
+    return contact, c.section * marshak(c.plate.emissivity) * (u.G - radiation.emitted(u.T_distributor))
+
+
+def bottom(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
+    """Conditions at the distributor, and its own balance."""
+    local, total = c.at(u, o), 0.0
+    entry = gas_entry(u, c)
+    for name, item in c.species.items():
+        T, v = getattr(u, f"T_{name}"), getattr(tests, f"T_{name}")
+        total = total - item.stream.flow(o.x[0]) * item.stream.enthalpy(T) * v
+        if c.plate is not None:
+            total = total + c.section * c.plate.coefficient * item.share * (T - u.T_distributor) * v
+    carried: Any = 0.0
+    for name in c.gases:
+        flow, brought = local.flows[name], local.h(name, entry)
+        total = total - flow * brought * getattr(tests, name)
+        carried = carried + flow * (brought - local.h(name, c.inlet))
+    if local.gas_flow is not None:
+        total = total + bubbling_flow.bottom(u, tests, local.gas_flow, o)
+    for part in c.parts:
+        total = total + part.bottom(u, tests, c, local, o)
+    if c.plate is None:
+        return total
+    contact, radiative = to_plate(u, c)
+    total = total + (carried - contact - radiative) * tests.T_distributor
+    return total + radiative * tests.G if c.level == "field" else total
+
+
+def to_freeboard(u: Any, c: Coefficients) -> Any:
+    """Radiation that leaves through the top [W]."""
+    if c.level != "field" or c.radiosity is None:
+        return 0.0
+    return c.section * -radiation.supplied(u, radiation.Surface(1.0, c.radiosity), None)
+
+
+def top(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
+    """Streams that leave, and radiation from and to the freeboard."""
+    local, total = c.at(u, o), 0.0
+    for name, stream in c.streams.items():
+        T = getattr(u, name)
+        carried = local.flows[name] * local.h(name, T) if name in c.gases else stream.flow(o.x[0]) * stream.enthalpy(T)
+        total = total + carried * getattr(tests, name)
+    for part in c.parts:
+        total = total + part.top(u, tests, c, local, o)
+    return total + to_freeboard(u, c) * tests.G if c.level == "field" else total

@@ -1,0 +1,228 @@
+"""Freeboard of a bubbling bed: gas, particles thrown up and falling back, radiation, walls; a `Part` of the bed.
+
+    (m h)_y                = A sum_d a_d h_gp (T_d - T_f) + sum_x p_x h_x (T_x - T_f)               gas
+    F_y                    = -a (F - F_inf),  F(0) = F_0                                            particles upward
+    A F c T_u,y            = A [a_u h_gp (T_f - T_u) + K_u (G - 4 E_u)]
+    -A (F - F_out) c T_d,y = A F_y (h_d - h_u) + A [a_d h_gp (T_f - T_d) + K_d (G - 4 E_d)]         and downward
+    -(A D G_y)_y           = A sum_d K_d (4 E_d - G) + sum_x p_x (eps_x/4) (4 E_x - G)
+
+    y = 0:  m h = W_e h_e + W_b h_b,  h_u = mean of the bed's particles,  G and A D G_y those of the bed
+    y = L:  h_d = h_u,  F_out = F,  A D G_y = A (4 E_top - G)/2
+
+y        height above the surface of the bed [m]      L        height of the freeboard [m]
+m        mass flow of the gas [kg/s]                  h        enthalpy [J/kg], h_u at T_u, h_d at T_d
+F, F_inf flow of particles upward, and far up [kg/m2/s]; F - F_out fall back into the bed      a    decay [1/m]
+a_d      surface of particles per volume [1/m], that of f = F/(rho u_gas) of the volume;  K_d = eps a_d / 4
+h_gp     particle-gas coefficient [W/m2/K]            x        walls, tubes
+
+The bed gives A F h_u(0) to the freeboard and gets A (F - F_out) h_d(0) back, by mass from all species. Particles rise
+and fall as fast as the gas rises; F_y is that of the solution, so that the sum over all streams closes. The gas is
+transparent. Radiation is one diffusion equation in a thin medium: P1 is off by 5 to 20 % of the flux where optical
+depths are of order one.
+
+The freeboard is solved on the mesh of the bed, upside down: y = (H - z) L/H, so that both meet at one node and all
+unknowns belong to one Newton's method. Below, r = L/H, d/dy = -(1/r) d/dz and dy = r dz.
+
+Source: Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, chapter 7, for the flows; heat by balances.
+
+Good values: L 1-10 m, F_0 1-100 kg/m2/s, a 1-10 1/m.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from contbed.closures.optics import SIGMA, marshak
+from contbed.packed_bed.equations.two_energy import tau
+from contbed.radiation.equations import p1 as radiation
+
+CLEAR = 1e-3  # optical depth of a freeboard without particles
+MOLES = 4e5  # what makes a flow of gas compare with heat [J/mol]
+JOINED = 1e8  # radiation through the surface of the bed over the jump of (G / 4 sigma)^(1/4) there [W/m2/K]
+TEMPERATURES = ("T_freeboard", "T_up", "T_down")
+
+
+@dataclass
+class Here:
+    """Coefficients at the points of a domain: numbers, arrays or functions of the unknowns."""
+
+    flow: Any  # m [kg/s]
+    enthalpy: Any  # of the gas, function of T [J/kg]
+    heat_capacity: Any
+    decay: Any  # a [1/m]
+    carried: Any  # F_inf [kg/m2/s]
+    density_flow: Any  # rho u_gas: flow of particles over their share of the volume [kg/m2/s]
+    exchange: Any  # h_gp [W/m2/K]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Walls or tubes."""
+
+    perimeter: float  # [m]
+    coefficient: float  # to the gas [W/m2/K]
+    temperature: float  # [K]
+    emissivity: float  # [1]; 0 for a mirror
+
+
+@dataclass(frozen=True)
+class Freeboard:
+    """Coefficients and equations. Functions of the unknowns: `here` (u, o) gives `Here`, `ejected` (local) F_0."""
+
+    section: float  # A [m2]
+    height: float  # L [m]
+    bed: float  # H [m]
+    here: Callable[[Any, Any], Here]
+    ejected: Callable[[Any], Any]
+    shares: dict[str, float]  # of the species in the mass of the particles
+    enthalpy: Callable[[str, Any], Any]  # of a species, (name, T) [J/kg]
+    heat_capacity: Callable[[str, Any], Any]
+    surface: float  # of particles over their volume [1/m]
+    emissivity: float  # of particles
+    surfaces: dict[str, Surface]
+    radiates: bool
+    diffusion: float  # D times the extinction: 1/3 or 1/4
+    above: float | None  # sigma T^4 of what closes the freeboard [W/m2]; None for a mirror
+    heat: float  # what makes a flow of particles compare with heat [J m2/kg]
+    degree: int
+    scalars: tuple[str, ...] = ("carryover",)
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Unknowns along the height."""
+        return (*TEMPERATURES, "flow_up", *(("G_freeboard",) if self.radiates else ()))
+
+    @property
+    def stretch(self) -> float:
+        """r."""
+        return self.height / self.bed
+
+    def solids(self, T: Any) -> Any:
+        """Enthalpy of the mixture of particles [J/kg]."""
+        return sum(share * self.enthalpy(name, T) for name, share in self.shares.items())
+
+    def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any:
+        """A content that lets the freeboard approach its steady state."""
+        heat = sum((getattr(u, name) * getattr(tests, name) for name in TEMPERATURES), start=0.0)
+        return 1e3 * heat + self.heat * u.flow_up * tests.flow_up
+
+    def made(self, u: Any, c: Any, local: Any, o: Any) -> None:
+        """The freeboard makes no gas in the bed."""
+
+    def gains(self, u: Any, c: Any, local: Any, o: Any) -> dict[str, Any]:
+        """Nothing inside of the bed; its surface is a boundary."""
+        return {}
+
+    def capacity(self, T: Any) -> Any:
+        """Heat capacity of the mixture of particles [J/kg/K]."""
+        return sum(share * self.heat_capacity(name, T) for name, share in self.shares.items())
+
+    def exchanged(self, u: Any, here: Here) -> dict[str, Any]:
+        """Heat that phases gain per height y, radiation and surfaces included [W/m]."""
+        gain: dict[str, Any] = {"T_freeboard": 0.0}
+        for name, flow in (("T_up", u.flow_up), ("T_down", u.flow_up - u.carryover)):
+            surface = self.section * self.surface * flow / here.density_flow
+            passed = surface * here.exchange * (u.T_freeboard - getattr(u, name))
+            gain["T_freeboard"] = gain["T_freeboard"] - passed
+            gain[name] = passed
+            if self.radiates:
+                black = radiation.emitted(getattr(u, name))
+                gain[name] = gain[name] + 0.25 * self.emissivity * surface * (u.G_freeboard - black)
+        for name in self.surfaces:
+            gain["T_freeboard"] = gain["T_freeboard"] - self.convected(u, name)
+        return gain
+
+    def convected(self, u: Any, name: str) -> Any:
+        """Heat that the gas gives to a surface [W/m]."""
+        x = self.surfaces[name]
+        return x.perimeter * x.coefficient * (u.T_freeboard - x.temperature)
+
+    def radiated(self, u: Any, name: str) -> Any:
+        """Radiation into a surface [W/m]."""
+        x = self.surfaces[name]
+        if not self.radiates or not x.emissivity:
+            return 0.0
+        return 0.25 * x.perimeter * x.emissivity * (u.G_freeboard - radiation.emitted(x.temperature))
+
+    def residual(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
+        """All balances over the height."""
+        r, A, here = self.stretch, self.section, self.here(u, o)
+        gain = self.exchanged(u, here)
+        up, down, slope = u.flow_up, u.flow_up - u.carryover, o.grad(u.flow_up)[0]
+        rate = A * self.surface * here.exchange / here.density_flow  # over the flow of particles
+        v, T = tests.T_freeboard, u.T_freeboard
+        total = here.flow * here.enthalpy(T) * o.grad(v)[0] - r * gain["T_freeboard"] * v
+        capacity = here.flow * here.heat_capacity(T)
+        strong = capacity * o.grad(T)[0] + r * gain["T_freeboard"]
+        total = total + self._upwind(strong, capacity, rate * (up + down), v, o)
+        for name, flow, sense in (("T_up", up, 1.0), ("T_down", down, -1.0)):
+            T, v, gained = getattr(u, name), getattr(tests, name), r * gain[name]
+            if name == "T_down":  # what turns round comes with the enthalpy of those that rise
+                gained = gained + A * slope * (self.solids(u.T_up) - self.solids(T))
+            capacity = sense * A * flow * self.capacity(T)
+            strong = capacity * o.grad(T)[0] + gained
+            coupling = rate * flow + (0.0 if name == "T_up" else A * here.decay * up * self.capacity(T))
+            total = total - strong * v + self._upwind(strong, capacity, coupling, v, o)
+        turned = -here.decay * (up - here.carried)
+        v = tests.flow_up
+        total = total - self.heat * (o.grad(up)[0] + r * turned) * (v - 0.5 * o.h * o.grad(v)[0])
+        if not self.radiates:
+            return total
+        G, w = u.G_freeboard, tests.G_freeboard
+        each = [(self.surface * flow / here.density_flow, T) for flow, T in ((up, u.T_up), (down, u.T_down))]
+        taken = sum(0.25 * self.emissivity * a * A * (G - radiation.emitted(T)) for a, T in each)
+        taken = taken + sum(self.radiated(u, name) for name in self.surfaces)
+        extinction = 0.25 * sum(a for a, _ in each) + CLEAR / self.height
+        return total + A * self.diffusion / (r * extinction) * o.grad(G)[0] * o.grad(w)[0] + r * taken * w
+
+    def _upwind(self, strong: Any, capacity: Any, coupling: Any, v: Any, o: Any) -> Any:
+        """Stabilisation by the residual r (gain - (carried)_y), which is `strong`."""
+        stable = tau(capacity, 0.0, coupling, 1.0, self.stretch * o.h, self.degree)
+        return stable / self.stretch * strong * capacity * o.grad(v)[0]
+
+    def brought(self, u: Any) -> Any:
+        """Enthalpy of the particles at the surface of the bed [J/kg]."""
+        return sum(share * self.enthalpy(name, getattr(u, f"T_{name}")) for name, share in self.shares.items())
+
+    def joined(self, u: Any) -> Any:
+        """Radiation through the surface of the bed [W]; both sides have one G."""
+        if not self.radiates:
+            return 0.0
+        below, above = ((G / (4.0 * SIGMA)) ** 0.25 for G in (u.G, u.G_freeboard))
+        return self.section * JOINED * (below - above)
+
+    def top_of_bed(self, u: Any, c: Any, local: Any) -> Any:
+        """Heat that gas brings to the surface of the bed [W]."""
+        return sum(local.flows[name] * local.h(name, getattr(u, name)) for name in c.gases)
+
+    def top(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
+        """Surface of the bed, z = H and y = 0."""
+        A, turned = self.section, u.flow_up - u.carryover
+        total = -self.top_of_bed(u, c, local) * tests.T_freeboard
+        total = total + A * u.flow_up * (self.solids(u.T_up) - self.brought(u)) * tests.T_up
+        total = total + self.heat * (u.flow_up - self.ejected(local)) * tests.flow_up
+        for name in self.scalars:
+            if name.startswith("out_"):
+                leaving = sum(getattr(u, f"N_{name.removeprefix('out_')}_{gas.removeprefix('T_')}") for gas in c.gases)
+                total = total + MOLES * (getattr(u, name) - leaving) * getattr(tests, name)
+        for name, share in self.shares.items():
+            lost = self.enthalpy(name, getattr(u, f"T_{name}")) - self.enthalpy(name, u.T_down)
+            total = total + A * turned * share * lost * getattr(tests, f"T_{name}")
+        if not self.radiates:
+            return total
+        return total + self.joined(u) * tests.G - self.joined(u) * tests.G_freeboard
+
+    def bottom(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
+        """End of the freeboard, z = 0 and y = L."""
+        here = self.here(u, o)
+        total = here.flow * here.enthalpy(u.T_freeboard) * tests.T_freeboard
+        total = total + self.heat * (u.carryover - u.flow_up) * tests.carryover
+        return total + self.out(u) * tests.G_freeboard if self.radiates else total
+
+    def out(self, u: Any) -> Any:
+        """Radiation out of the end of the freeboard [W]."""
+        if not self.radiates or self.above is None:
+            return 0.0
+        return self.section * marshak(1.0) * (u.G_freeboard - 4.0 * self.above)

@@ -1,0 +1,164 @@
+"""The freeboard of a bubbling bed from its scene: coefficients, a first guess, heat duties."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from contbed.bubbling_bed.equations import freeboard as model
+from contbed.bubbling_bed.equations.bed import Local
+from contbed.closures.bubbles import GRAVITY
+from contbed.closures.optics import SIGMA
+
+
+class Above:
+    """What stands above the bed: the `part` of the model, sizes of its unknowns and where they start."""
+
+    def __init__(self, scene: Any, computed: Any):
+        self.scene, self.computed, self.table = scene, computed, scene.freeboard
+        self.called = computed.wired
+        names = computed.names
+        total = sum(computed.share[name] * computed.density[name] for name in names)
+        self.shares = {name: computed.share[name] * computed.density[name] / total for name in names}
+        surface = sum(computed.surface.values()) / computed.solids
+        radiates = scene.radiation.level in ("p1", "two_flux")
+        emissivity = sum(computed.surface[name] * (scene.species[name].emissivity or 0.0) for name in names)
+        surfaces = {
+            name: model.Surface(item.perimeter, item.coefficient, item.temperature, item.emissivity or 0.0)
+            for name, item in (("freeboard_tubes", self.table.tubes), ("freeboard_walls", self.table.walls))
+            if item is not None
+        }  # fmt: skip
+        above = self.table.temperature_above
+        self.part = model.Freeboard(
+            computed.section, self.table.height, scene.bubbling_bed.height, self.here, self.ejected, self.shares,
+            computed.enthalpy, computed.heat_capacity, surface, emissivity / sum(computed.surface.values()), surfaces,
+            radiates, 1.0 / 3.0 if scene.radiation.level == "p1" else 0.25,
+            SIGMA * above**4 if above is not None else None, 1e6 * computed.flow / (0.02 * computed.rho_solid),
+            scene.solver.degree, ("carryover", *(self._out if self._reacts else ())),
+        )  # fmt: skip
+
+    @property
+    def _reacts(self) -> bool:
+        return getattr(self.computed, "chemistry", None) is not None
+
+    @property
+    def _out(self) -> dict[str, str]:
+        """Unknown mole flow above the bed by gas."""
+        return {f"out_{name}": name for name in self.computed.chemistry.part.gases}
+
+    def gas(self, u: Any) -> tuple[Any, Any]:
+        """Mass flow [kg/s] and properties of the gas."""
+        if not self._reacts:
+            return self.computed.flow, self.computed.gas
+        from contbed.bubbling_bed.chemistry.problem import Mixture
+
+        gases = self.computed.chemistry.part.gases
+        moles = {name: getattr(u, out) for out, name in self._out.items()}
+        mass = sum(gases[name].molar_mass * amount for name, amount in moles.items())
+        per_kg = {name: amount / mass for name, amount in moles.items()}
+        return mass, Mixture(self.computed.gas, self.computed.gas.pressure, mass / sum(moles.values()), per_kg)
+
+    def state(self, u: Any) -> tuple[dict[str, Any], Any, Any]:
+        """What closures may ask for at the temperature of the gas, its mass flow and its properties."""
+        flow, gas = self.gas(u)
+        computed, T = self.computed, u.T_freeboard
+        rho, mu, cp, k = gas.density(T), gas.viscosity(T), gas.heat_capacity(T), gas.conductivity(T)
+        u_gas = flow / (rho * computed.section)
+        state = {
+            "T": T, "rho_gas": rho, "mu": mu, "cp_gas": cp, "k_gas": k, "k_fluid": k, "Pr": mu * cp / k, "u_gas": u_gas,
+            "eps": 1.0, "D_bed": computed.D_bed,
+        }  # fmt: skip
+        return state, flow, gas
+
+    def _of(self, state: dict[str, Any], name: str, diameter: float) -> dict[str, Any]:
+        """The state with particles of one species and size."""
+        item, rho = self.scene.species[name], self.computed.density[name]
+        Ar = diameter**3 * state["rho_gas"] * (rho - state["rho_gas"]) * GRAVITY / state["mu"] ** 2
+        return state | {"d_p": diameter, "sphericity": item.sphericity, "rho_solid": rho, "Ar": Ar}
+
+    def rates(self, u: Any, name: str) -> list[Any]:
+        """Elutriation rate constants of the sizes of a species [kg/m2/s]."""
+        return self._rates(self.state(u)[0], name)
+
+    def _rates(self, state: dict[str, Any], name: str) -> list[Any]:
+        item, out = self.scene.species[name], []
+        for diameter in (item.diameter,) if item.sizes is None else item.sizes.diameters:
+            own = self._of(state, name, diameter)
+            own["u_t"] = self._call("terminal_velocity", own)
+            out.append(self._call("elutriation", own))
+        return out
+
+    def _call(self, key: str, state: dict[str, Any]) -> Any:
+        return self.called["freeboard", key](state, self.computed.ranges)
+
+    def here(self, u: Any, o: Any) -> model.Here:
+        """Coefficients at the points of a domain."""
+        state, flow, gas = self.state(u)
+        computed, carried = self.computed, 0.0
+        for name, share in self.shares.items():
+            item = self.scene.species[name]
+            shares = (1.0,) if item.sizes is None else item.sizes.bed or item.sizes.feed
+            for part, rate in zip(shares, self._rates(state, name), strict=True):
+                carried = carried + share * part * rate
+        mixed = state | {"d_p": computed.d_p, "Re": state["rho_gas"] * state["u_gas"] * computed.d_p / state["mu"]}
+        nusselt = self.called["freeboard", "gas_coefficient"]
+        exchange = nusselt(mixed, computed.ranges)
+        if nusselt.value is None:
+            exchange = exchange * state["k_gas"] / computed.d_p
+        return model.Here(
+            flow, gas.enthalpy, gas.heat_capacity, self._call("decay", mixed), carried,
+            computed.rho_solid * state["u_gas"], exchange,
+        )  # fmt: skip
+
+    def ejected(self, local: Local) -> Any:
+        """Flow of particles from the surface of the bed [kg/m2/s]."""
+        return self._call("ejection", local.state)
+
+    @property
+    def sizes(self) -> dict[str, float]:
+        """Typical values of unknowns that are no temperatures."""
+        flow = self.computed.rho_solid * 0.1
+        out = {"flow_up": flow, "carryover": flow}
+        if self._reacts:
+            out |= dict.fromkeys(self._out, self.computed.flow / 0.03)
+        return out
+
+    def start(self, T: float, z: Any) -> dict[str, Any]:
+        """Particles that fall off at the rate of the guess, gas as it enters."""
+        flow = self.computed.flow
+        out: dict[str, Any] = {}
+        if self._reacts:
+            part = self.computed.chemistry.part
+            mean = sum(part.gases[name].molar_mass * x for name, x in part.inlet.items())
+            out |= {key: np.array([flow * part.inlet.get(name, 0.0) / mean]) for key, name in self._out.items()}
+        here = self.here(SimpleNamespace(T_freeboard=np.full(1, T), **out), None)
+        ejected = self._call("ejection", self.computed.surface_state(T))
+        y = (self.scene.bubbling_bed.height - z) * self.part.stretch
+        out["flow_up"] = here.carried + (ejected - here.carried) * np.exp(-here.decay * y)
+        return out | {"carryover": out["flow_up"][np.argmax(y)]}
+
+    def duties(self, problem: Any, state: Any) -> dict[str, float]:
+        """Heat that leaves the freeboard by mechanism [W]; positive outward."""
+        part, out = self.part, {}
+        for name in part.surfaces:
+            out[f"{name}_convection_W"] = part.stretch * problem.total(lambda u, o, n=name: part.convected(u, n), state)
+            out[f"{name}_radiation_W"] = part.stretch * problem.total(lambda u, o, n=name: part.radiated(u, n), state)
+        out["freeboard_top_radiation_W"] = problem.at(lambda u, o: part.out(u), problem.bottom, state)
+        return out
+
+    def carried(self, problem: Any, state: Any) -> dict[str, tuple[float, float]]:
+        """Heat that gas takes away, and what particles bring from the bed, as part of its drain, and take away [W]."""
+        part = self.part
+
+        def gas(u: Any, o: Any) -> Any:
+            here = part.here(u, o)
+            return here.flow * here.enthalpy(u.T_freeboard)
+
+        def brought(u: Any, o: Any) -> Any:
+            return part.section * u.carryover * part.brought(u)
+
+        taken = problem.at(lambda u, o: part.section * u.flow_up * part.solids(u.T_up), problem.bottom, state)
+        return {"freeboard": (0.0, problem.at(gas, problem.bottom, state)),
+                "carryover": (problem.at(brought, problem.top, state), taken)}  # fmt: skip

@@ -1,0 +1,330 @@
+"""The plan of a bubbling bed: coefficients from the scene, a graded line, what is built and what is skipped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import skfem
+
+from contbed.bubbling_bed import scene as b
+from contbed.bubbling_bed.equations import bed as model
+from contbed.closures import optics
+from contbed.errors import SceneError
+from contbed.mesh.mesh import REGION, Mesh, equidistributed, graded, refine
+from contbed.solvers.linear import Policy
+
+COARSE = 16  # cells of an automatic mesh away from layers
+ERROR = {1: 3e-3, 2: 1e-4, 3: 1e-5}  # relative error of temperatures on a mesh of grading scale 1, by degree
+HOT = 1000.0  # temperature at which layers are predicted where the scene gives lower ones [K]
+THIN = 1e-9  # share of the height below which a layer is not resolved
+
+
+@dataclass(frozen=True)
+class BubblingPlan:
+    """What a run builds."""
+
+    scene: b.BubblingScene
+    coefficients: model.Coefficients
+    mesh: Mesh
+    built: tuple[tuple[str, str], ...]
+    skipped: tuple[tuple[str, str], ...]
+    albedo: float | None = None  # of the emulsion
+
+    @property
+    def policy(self) -> Policy:
+        """How linear systems are solved."""
+        from contbed.fem import policy
+
+        return policy(self.mesh, self.scene.solver.memory_GB)
+
+    @property
+    def fields(self) -> dict[str, tuple[int, int]]:
+        """Degree and components of each unknown field; the distributor is one number."""
+        along: dict[str, tuple[int, int]] = dict.fromkeys(self.coefficients.fields, (self.scene.solver.degree, 0))
+        return along | dict.fromkeys(self.coefficients.scalars, (0, 0))
+
+    def unknowns(self) -> dict[str, int]:
+        """Number of unknowns of each part that is solved."""
+        size = self.scene.solver.degree * self.mesh.skfem.nelements + 1
+        out = {"heat": len(self.coefficients.streams) * size + (self.coefficients.plate is not None)}
+        out |= {"radiation": size} if self.coefficients.level == "field" else {}
+        others = len(self.coefficients.fields) - len(self.coefficients.streams) - (self.coefficients.level == "field")
+        return out | ({"gas flow": others * size} if others else {})
+
+    def __str__(self) -> str:
+        from contbed.packed_bed.plan import described
+
+        return described(self)
+
+
+def plan(scene: b.BubblingScene) -> BubblingPlan:
+    """Decide what a scene needs and build its mesh."""
+    c, albedo = coefficients(scene)
+    layers = predicted_layers(c, scene.bubbling_bed.height, _hot(scene))
+    mesh = _mesh(scene, layers)
+    built = [("mesh, 1-D", f"{mesh.skfem.nelements} cells, graded to {len(layers)} layers")]
+    built += [(f"species {name}", f"degree {scene.solver.degree}") for name in c.species]
+    skipped = [(f"species {name}", "volume_fraction is 0") for name in scene.species if name not in c.species]
+    levels = {
+        "paper": "among the species at one height, algebraic",
+        "pairwise": "between pairs of species at one height",
+        "field": f"{'two-flux' if scene.radiation.level == 'two_flux' else 'P1'}, one field",
+    }
+    for there, what, how, why in (
+        (c.computed is not None, "closures", "coefficients by the local state", "coefficients are numbers"),
+        (c.bubbles is not None, "bubble gas", "exchange with the emulsion gas", "no bubbles"),
+        (c.plate is not None, "distributor", "one temperature", "no [distributor] table"),
+        (bool(c.surfaces), "immersed surfaces", ", ".join(c.surfaces), "no [tubes], no [walls]"),
+        (c.computed is not None and c.computed.above is not None, "freeboard", "gas, particles, radiation",
+         "no [freeboard] with a height"),
+        (c.level != "none", "radiation", levels.get(c.level, ""), "level none"),
+    ):
+        (built if there else skipped).append((what, how if there else why))
+    if c.computed is not None and (chemistry := c.computed.chemistry) is not None:
+        built.append(("gases", ", ".join(chemistry.part.gases)))
+        built += [("reactions", ", ".join(chemistry.names))] if chemistry.names else []
+    else:
+        skipped.append(("reactions", "no [reactions] table"))
+    return BubblingPlan(scene, c, mesh, tuple(built), tuple(skipped), albedo)
+
+
+def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | None]:
+    """Coefficients of the model, and the albedo of the emulsion where it radiates."""
+    bed, present, level = scene.bubbling_bed, scene.present, scene.radiation.level
+    names = list(present)
+    fractions = np.array([bed.solids_fraction * item.volume_fraction for item in present.values()])
+    surface = 6.0 * fractions / np.array([item.sphericity * item.diameter for item in present.values()])  # a_m
+    absorption, diffusion, albedo, eps_bed = np.zeros(len(names)), 0.0, None, 0.0
+    if level != "none":
+        found = _optics(scene, fractions)
+        absorption, albedo = found.absorption, float(found.albedo)
+        eps_bed = float(optics.radiation_emissivity_half_space(albedo))
+        if level in ("p1", "two_flux"):
+            diffusion = float(found.diffusion(level))
+    section = bed.section
+    computed = _computed(scene)
+    if computed is not None:
+        _fluidized(scene, computed)
+    number = _frozen(scene, surface) if computed is None else computed.frozen(_hot(scene), bed.height)
+    species = {
+        name: model.Species(
+            _solids(name, item, bed.height, section, number["conduction"][name], computed), number["gas"][name],
+            float(surface[k] / surface.sum()), float(absorption[k]), item.emissivity or 1.0,
+        )
+        for k, (name, item) in enumerate(present.items())
+    }  # fmt: skip
+    surfaces = {
+        name: model.Surface(
+            item.perimeter, number["contact"][name], item.temperature or HOT,
+            float(optics.emissivity_immersed(eps_bed, item.emissivity)) if eps_bed and item.emissivity else 0.0,
+            None if item.steam is None else f"T_{name}",
+        )
+        for name, item in _surfaces(scene).items()
+    }  # fmt: skip
+    plate = None
+    if (table := scene.distributor) is not None:
+        plate = model.Plate(table.coefficient, float(-np.expm1(-table.preheat_NTU)), table.emissivity or 0.0)
+    gases = {name: model.Stream(constant(flow)) for name, flow in number["flows"].items()}
+    emulsion = replace(gases["T_emulsion"], release=_release(scene.gas.release, section))
+    return model.Coefficients(
+        section, number["delta"], scene.gas.temperature, species, number["pairs"], emulsion, gases.get("T_bubble"),
+        number["exchange"], surfaces, plate, level if level not in ("p1", "two_flux") else "field", diffusion,
+        _radiosity(scene.freeboard), scene.solver.degree, computed, computed.fields if computed is not None else (),
+        (computed.parts if computed is not None else ()) + _water(scene),
+    ), albedo  # fmt: skip
+
+
+def _water(scene: b.BubblingScene) -> tuple[Any, ...]:
+    """What flows inside of surfaces."""
+    wanted = {name: item.steam for name, item in _surfaces(scene).items() if item.steam is not None}
+    if not wanted:
+        return ()
+    from contbed.bubbling_bed.equations.steam import Steam
+    from contbed.materials.steam import steam
+
+    out = []
+    for name, table in wanted.items():
+        water = steam(table.pressure)
+        conductance = _surfaces(scene)[name].perimeter * table.coefficient
+        out.append(Steam(name, table.mass_flow, water.enthalpy(table.temperature), conductance, water.temperature,
+                         table.direction == "up"))  # fmt: skip
+    return tuple(out)
+
+
+def _surfaces(scene: b.BubblingScene) -> dict[str, b.Surface]:
+    return {name: item for name, item in (("tubes", scene.tubes), ("walls", scene.walls)) if item is not None}
+
+
+def _computed(scene: b.BubblingScene) -> Any:
+    """Coefficients as functions of the state; None where the scene gives frozen ones."""
+    if not scene.computed:
+        return None
+    from contbed.bubbling_bed.coefficients import Computed, mixture
+
+    assert scene.gas.composition is not None
+    return Computed(scene, mixture(scene.gas.composition, scene.gas.pressure, scene.gas.mechanism))
+
+
+def _fluidized(scene: b.BubblingScene, computed: Any) -> None:
+    """Refuse a flow of gas that does not even fluidize the bed where Newton's method starts."""
+    T, flow = scene.solver.guess, computed.flow
+    state, _ = computed.state(SimpleNamespace(**{f"T_{name}": T for name in scene.present}), flow)
+    needed = float(state["rho_gas"] * state["u_mf"]) * scene.bubbling_bed.section
+    if scene.bubbles is not None and flow <= needed:
+        raise SceneError(
+            f"{scene.origin.at(('gas', 'mass_flow'))}: gas.mass_flow = {flow:g}: below minimum fluidization, "
+            f"{needed:.4g} kg/s at {T:g} K (solver.guess); allowed: more, or no [bubbles]"
+        )
+
+
+def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
+    """Coefficients of a scene that gives them all as numbers."""
+    present: dict[str, Any] = scene.present
+    bubbles: Any = scene.bubbles
+    if bubbles is not None and bubbles.fraction == 0:
+        bubbles = None
+    return {
+        "delta": bubbles.fraction if bubbles else 0.0,
+        "gas": {name: float(a * item.gas_coefficient)
+                for a, (name, item) in zip(surface, present.items(), strict=True)},
+        "conduction": {name: scene.bubbling_bed.section * item.conductivity for name, item in present.items()},
+        "pairs": {(name, other): value for name, item in present.items() for other, value in item.exchange.items()
+                  if other in present},
+        "exchange": bubbles.exchange if bubbles else 0.0,
+        "contact": {name: item.coefficient for name, item in _surfaces(scene).items()},
+        "flows": {"T_emulsion": scene.gas.capacity_flow} | ({"T_bubble": bubbles.capacity_flow} if bubbles else {}),
+    }  # fmt: skip
+
+
+def _optics(scene: b.BubblingScene, fractions: Any) -> optics.Optics:
+    particles = [
+        optics.Species(name, float(fraction), item.diameter, float(item.emissivity or 0.0))
+        for (name, item), fraction in zip(scene.present.items(), fractions, strict=True)
+    ]
+    default = "independent" if scene.radiation.level in ("paper", "pairwise") else "close_packed"
+    return optics.optics(particles, scene.radiation.correction or default, scene.radiation.anisotropy)
+
+
+def constant(value: float) -> Any:
+    """The function of height that is constant."""
+    return lambda z: value + 0.0 * z
+
+
+def _solids(
+    name: str, item: b.Species, height: float, section: float, conduction: float, computed: Any
+) -> model.Stream:
+    heat: dict[str, Any] = {"conduction": conduction, "release": _release(item.release, section)}
+    if computed is not None:
+        heat |= {"enthalpy": partial(computed.enthalpy, name), "heat_capacity": partial(computed.heat_capacity, name)}
+    feed = item.feed
+    flow = 0.0 if feed is None else feed.capacity_flow or feed.mass_flow
+    if feed is None or not flow:
+        return model.Stream(constant(0.0), **heat)
+    from scipy.special import ndtr
+
+    below = float(ndtr(-feed.height / feed.width))
+    rate = flow / (float(ndtr((height - feed.height) / feed.width)) - below)
+    drained = flow if feed.drain == "bottom" else 0.0
+    return model.Stream(
+        lambda z: rate * (ndtr((z - feed.height) / feed.width) - below) - drained,
+        lambda z: rate / (feed.width * np.sqrt(2.0 * np.pi)) * np.exp(-0.5 * ((z - feed.height) / feed.width) ** 2),
+        feed.temperature, **heat,
+    )  # fmt: skip
+
+
+def _release(table: b.Release | None, section: float) -> Any:
+    if table is None or not table.rate:
+        return None
+
+    def release(z: Any, T: Any) -> Any:
+        rate = section * table.rate * (1.0 if table.length is None else np.exp(-z / table.length)) + 0.0 * z
+        if table.activation is None or table.reference is None:
+            return rate
+        return rate * np.exp(-table.activation * (1.0 / T - 1.0 / table.reference))
+
+    return release
+
+
+def _radiosity(table: b.Freeboard | None) -> float | None:
+    if table is None or table.height is not None:
+        return None
+    return table.radiosity if table.temperature is None else optics.SIGMA * table.temperature**4
+
+
+def _hot(scene: b.BubblingScene) -> float:
+    """The highest temperature that the scene gives [K]."""
+    given = [item.temperature or 0.0 for item in (scene.gas, scene.tubes, scene.walls) if item is not None]
+    given += [item.feed.temperature for item in scene.present.values() if item.feed is not None]
+    return max(*given, HOT)
+
+
+def predicted_layers(c: model.Coefficients, height: float, hot: float) -> list[tuple[float, float]]:
+    """Position and width [m] of the modes exp(rate z) of the equations linearised at a temperature.
+
+    (-K rate^2 + W rate + S) x = 0 for temperatures scaled with 16 sigma T^3 where G takes part; modes that decay
+    upward start at the distributor, the others at the top.
+    """
+    from scipy.linalg import eig
+
+    names = [*c.streams, *(["G"] if c.level == "field" else [])]
+    place = {name: k for k, name in enumerate(names)}
+    K, W, S = (np.zeros((len(names), len(names))) for _ in range(3))
+
+    def couple(one: str, other: str | None, value: float) -> None:
+        i = place[one]
+        S[i, i] += value
+        if other is not None:
+            j = place[other]
+            S[j, j] += value
+            S[i, j] -= value
+            S[j, i] -= value
+
+    power = 16.0 * optics.SIGMA * hot**3
+    for name, stream in c.streams.items():
+        K[place[name], place[name]] = stream.conduction
+        fastest = float(np.max(np.abs(stream.flow(np.linspace(0.0, height, 65)))))
+        W[place[name], place[name]] = fastest * float(stream.heat_capacity(hot))
+    volume = c.section * (1.0 - c.delta)
+    for name, item in c.species.items():
+        couple(f"T_{name}", "T_emulsion", volume * item.gas)
+        for x in c.surfaces.values():
+            couple(f"T_{name}", None, x.perimeter * x.coefficient * item.share)
+        if c.level == "field":
+            couple(f"T_{name}", "G", volume * item.absorption * power)
+    for (one, other), value in c.pairs.items():
+        couple(f"T_{one}", f"T_{other}", volume * value)
+    if c.bubbles is not None:
+        couple("T_bubble", "T_emulsion", c.section * c.delta * c.exchange)
+    if c.level == "field":
+        K[place["G"], place["G"]] = c.section * c.diffusion * power
+    unit, zero = np.eye(len(names)), np.zeros_like(S)
+    alpha, beta = eig(np.block([[zero, unit], [S, W]]), np.block([[unit, zero], [zero, K]]),
+                      right=False, homogeneous_eigvals=True)  # fmt: skip
+    finite = np.abs(beta) > 1e-14 * np.abs(alpha)
+    rates = np.real(alpha[finite] / beta[finite])
+    return [
+        (0.0 if rate < 0 else height, 1.0 / abs(rate)) for rate in rates if 1.0 < abs(rate) * height < 1.0 / THIN
+    ]
+
+
+def _mesh(scene: b.BubblingScene, layers: list[tuple[float, float]]) -> Mesh:
+    height, options = scene.bubbling_bed.height, scene.solver
+    if scene.mesh.cells is not None:
+        nodes = equidistributed(height, layers, scene.mesh.cells, options.degree)
+    else:
+        scale = min(1.0, (options.tolerance / ERROR[options.degree]) ** (1.0 / (options.degree + 1)))
+        nodes = graded(height, layers, coarse=height / COARSE, scale=scale)
+    if not np.all(np.diff(nodes) > 0):
+        raise SceneError(f"{scene.origin.name}: mesh: a layer is too thin to resolve; check the coefficients")
+    return refine(line(nodes), scene.mesh.refine)
+
+
+def line(nodes: Any) -> Mesh:
+    """A mesh between the distributor and the surface of the bed."""
+    ends = {"bottom": lambda x: x[0] == nodes[0], "top": lambda x: x[0] == nodes[-1]}
+    named = skfem.MeshLine.init_tensor(nodes).with_boundaries(ends)
+    return Mesh(named.with_subdomains({REGION: lambda x: np.full(x.shape[-1], True)}))

@@ -1,0 +1,215 @@
+"""A bubbling bed on a mesh: assembly, solution, energy balance and heat duties. See `models.bubbling_bed`."""
+
+from __future__ import annotations
+
+from copy import copy
+from typing import Any
+
+import numpy as np
+
+from contbed.bubbling_bed.equations import bed as model
+from contbed.bubbling_bed.plan import BubblingPlan
+from contbed.closures.optics import SIGMA
+from contbed.errors import ConvergenceError
+from contbed.fem import system as make_system
+from contbed.radiation.equations.p1 import emitted
+from contbed.solvers.continuation import relax
+from contbed.solvers.linear import Solver, scaled
+from contbed.solvers.newton import newton
+
+Array = Any
+EXTRA = 4  # order of quadrature beyond the product of two basis functions, for powers of T and Arrhenius factors
+CAPACITY = 5e5  # heat capacity of a phase, only to approach a steady state in time [J/m3/K]
+TYPICAL = 1e3  # temperature [K]
+MISSED = 0.01  # share of a typical flow or inventory by which Newton's method may undershoot zero
+SHARPENED = 2  # Newton steps at the end: rounding in thin cells hides what is left of a smooth error
+
+
+class BubblingProblem:
+    """The unknowns of a plan and their equations; a `solve.timestep.Problem` in temperatures at all nodes."""
+
+    linear = False
+
+    def __init__(self, plan: BubblingPlan):
+        self.plan, self.c = plan, plan.coefficients
+        self.system = make_system(plan.mesh, plan.fields, 2 * plan.scene.solver.degree + EXTRA, pointwise=True)
+        (self.bottom,), (self.top,) = self.system.boundary("bottom"), self.system.boundary("top")
+        self.fixed = np.empty(0, dtype=np.int64)
+        self.radiant = [name for name in ("G", "G_freeboard") if name in self.system.fields]
+        self.weights = np.ones(self.system.size)  # what compares steps of flows and sizes with those of temperatures
+        for name, size in (self.c.computed.sizes if self.c.computed is not None else {}).items():
+            self.system.part(self.weights, name)[:] = TYPICAL / size
+        self.lower = np.zeros(self.system.size)
+        chemistry = self.c.computed.chemistry if self.c.computed is not None else None
+        for name, size in (chemistry.sizes if chemistry is not None else {}).items():
+            self.system.part(self.lower, name)[:] = -MISSED * size  # what is exhausted may be missed by little
+
+    @property
+    def forms(self) -> list[Any]:
+        """The weak forms with their domains."""
+        ends = ((model.residual, self.system.cells), (model.bottom, self.bottom), (model.top, self.top))
+        return [(form, where, self.c) for form, where in ends]
+
+    def with_coefficients(self, plan: BubblingPlan) -> BubblingProblem:
+        """This problem with the coefficients of another plan, on the same mesh."""
+        other = copy(self)
+        other.plan, other.c = plan, plan.coefficients
+        return other
+
+    def unknowns(self, state: Array) -> Array:
+        """Temperatures at all nodes for a state, the inverse of `_state`."""
+        x = state.copy()
+        for name in self.radiant:
+            G = self.system.part(x, name)
+            G[:] = (G / (4.0 * SIGMA)) ** 0.25
+        return x
+
+    @property
+    def above(self) -> Any:
+        """The freeboard, None where none is solved for."""
+        return self.c.computed.above if self.c.computed is not None else None
+
+    @property
+    def chemistry(self) -> Any:
+        """What reacts, None where nothing does."""
+        return self.c.computed.chemistry if self.c.computed is not None else None
+
+    @property
+    def space(self) -> Any:
+        """The space of all fields along the height."""
+        return self.system.fields["T_emulsion"][0]
+
+    def assemble(self, state: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Residual and exact Jacobian."""
+        return self.system.assemble(self.forms, state, jacobian)
+
+    def solve(self, guess: float | None = None) -> tuple[Array, list[float]]:
+        """Newton from a uniform temperature, that of the scene if absent.
+
+        Instead of G at a node the unknown is the temperature of its equilibrium, (G/(4 sigma))^(1/4): what species emit
+        and absorb is then curved alike, and far from the solution a step leaves their difference small.
+        """
+        x = self._start(self.plan.scene.solver.guess if guess is None else guess)
+        if self.chemistry is not None:  # heat and char take hours to settle, gas a second: no guess serves both
+            x = relax(self, x, self.plan.policy, self.lower, first=1e-3, last=1e7, growth=8.0, tolerance=1e-3)
+        try:
+            x, history = self._newton(x)
+        except ConvergenceError as error:
+            x, history = self._newton(relax(self, x, self.plan.policy, self.lower))
+            history = error.history + history
+        return self._sharpened(x), history
+
+    def solve_from(self, x: Array) -> tuple[Array, list[float]]:
+        """Newton from given temperatures and other unknowns."""
+        x, history = self._newton(x)
+        return self._sharpened(x), history
+
+    def _sharpened(self, x: Array) -> Array:
+        for _ in range(SHARPENED):
+            residual, matrix = self.steady(x, True)
+            x = x - Solver(matrix, self.plan.policy)(residual)
+        return self._state(x)
+
+    def _start(self, T: float) -> Array:
+        """One temperature everywhere, with the bubbles of a bed that has it."""
+        x = np.full(self.system.size, T)
+        if self.c.computed is not None:
+            places = self.space.points[0]
+            for name, values in self.c.computed.start(T, places).items():
+                self.system.part(x, name)[:] = values
+        for part in self.c.parts:
+            for name, value in getattr(part, "initial", {}).items():
+                self.system.part(x, name)[:] = value
+        return x
+
+    def _newton(self, x: Array) -> tuple[Array, list[float]]:
+        options = self.plan.scene.solver
+        _, matrix = self.steady(x, True)
+        # rounding of each temperature times what it multiplies
+        rounding = np.finfo(float).eps * float((abs(matrix) @ np.abs(x)).max()) * len(x) ** 0.5
+        return newton(
+            self.steady, x, self.fixed, self.plan.policy, tolerance=options.newton_tolerance,
+            iterations=options.newton_iterations, lower=self.lower, floor=rounding, weights=self.weights,
+            what="bubbling bed",
+        )  # fmt: skip
+
+    def _state(self, x: Array) -> Array:
+        """The fields for temperatures at all nodes."""
+        state = x.copy()
+        for name in self.radiant:
+            G = self.system.part(state, name)
+            G[:] = emitted(G)
+        return state
+
+    def steady(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Residual and Jacobian by temperatures at all nodes."""
+        residual, matrix = self.assemble(self._state(x), jacobian)
+        if jacobian and self.radiant:
+            slope = np.ones_like(x)
+            for name in self.radiant:
+                self.system.part(slope, name)[:] = 16.0 * SIGMA * self.system.part(x, name) ** 3
+            matrix = scaled(matrix, slope)
+        return residual, matrix
+
+    def content(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
+        """A heat content of all phases that lets the bed approach its steady state from where Newton's method fails."""
+
+        capacity = CAPACITY * self.c.section
+
+        def form(unknowns: Any, tests: Any, names: tuple[str, ...], o: Any) -> Any:
+            return capacity * sum((getattr(unknowns, name) * getattr(tests, name) for name in names), start=0.0)
+
+        parts = [(part.content, self.system.cells, None) for part in self.c.parts]
+        plate = [(form, self.bottom, ("T_distributor",))] if self.c.plate is not None else []
+        return self.system.assemble([(form, self.system.cells, tuple(self.c.streams)), *plate, *parts], x, jacobian)
+
+    def total(self, expression: Any, state: Array) -> float:
+        """Integral over the height of `expression(unknowns, ops)` [W/m] in W."""
+        return self.system.integrate(expression, [self.system.cells], state)
+
+    def at(self, expression: Any, end: Any, state: Array) -> float:
+        """Value at one end of the bed."""
+        return self.system.integrate(expression, [end], state)
+
+    def duties(self, state: Array) -> dict[str, float]:
+        """Heat that leaves the particles by mechanism [W]; positive out of the bed."""
+        c, out = self.c, {}
+        for name, x in c.surfaces.items():
+            out[f"{name}_convection_W"] = self.total(lambda u, o, n=name: model.convected(u, c, n, c.at(u, o)), state)
+            out[f"{name}_radiation_W"] = self.total(lambda u, o, x=x: model.radiated(u, c, x), state)
+        if c.plate is not None:
+            out["distributor_convection_W"] = self.at(lambda u, o: model.to_plate(u, c)[0], self.bottom, state)
+            out["distributor_radiation_W"] = self.at(lambda u, o: model.to_plate(u, c)[1], self.bottom, state)
+        if self.above is None:
+            out["top_radiation_W"] = self.at(lambda u, o: model.to_freeboard(u, c), self.top, state)
+            return out
+        out["top_radiation_W"] = self.at(lambda u, o: self.above.part.joined(u), self.top, state)
+        return out | self.above.duties(self, state)
+
+    def releases(self, state: Array) -> dict[str, float]:
+        """Heat release of each phase [W]."""
+        return {
+            name.removeprefix("T_"): self.total(lambda u, o, n=name, s=stream: model.released(u, s, n, o), state)
+            for name, stream in self.c.streams.items()
+            if stream.release is not None
+        }
+
+    def carried(self, state: Array) -> dict[str, tuple[float, float]]:
+        """Heat above 0 K that each stream brings and takes away [W]."""
+        c, out = self.c, {}
+        for name in c.gases:
+            brought = self.at(lambda u, o, n=name: c.at(u, o).flows[n] * c.at(u, o).h(n, c.inlet), self.bottom, state)
+            taken = self.at(lambda u, o, n=name: c.at(u, o).flows[n] * c.at(u, o).h(n, getattr(u, n)), self.top, state)
+            out[name] = (brought, taken if self.above is None else 0.0)
+        for name, stream in c.streams.items():
+            if stream.fed is None:
+                continue
+            ends = [self.at(lambda u, o, n=name, s=stream: s.flow(o.x[0]) * s.enthalpy(getattr(u, n)), end, state)
+                    for end in (self.bottom, self.top)]  # fmt: skip
+            brought = self.total(lambda u, o, s=stream: s.fed(o.x[0]) * s.enthalpy(s.feed_temperature), state)
+            out[name] = (brought, ends[1] - ends[0])
+        if self.chemistry is not None:
+            from contbed.bubbling_bed.chemistry import results as chemistry_findings
+
+            out |= chemistry_findings.carried(self, self.chemistry, state)
+        return out if self.above is None else out | self.above.carried(self, state)

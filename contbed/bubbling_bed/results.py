@@ -1,0 +1,230 @@
+"""Solution of a bubbling bed and what a user reads of it: profiles, temperatures, heat duties, energy balance."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from scipy.integrate import trapezoid
+
+from contbed.bubbling_bed.plan import BubblingPlan
+from contbed.bubbling_bed.problem import BubblingProblem
+from contbed.closures import optics, registry
+from contbed.errors import ConvergenceError
+from contbed.packed_bed.probe import Probe, axis_points
+from contbed.result import Result
+
+COLD, HOT = 400.0, 2000.0  # temperatures from which other steady states are looked for [K]
+EVEN = 201  # heights at which the use of closures is counted
+APART = 1.0  # difference of temperatures of two steady states [K]
+
+
+def solve(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
+    """Solve and fill the result; steady and quick, so that `folder`, `quiet` and `start` have no use."""
+    problem = BubblingProblem(plan)
+    state, history = problem.solve()
+    result.history += history
+    if plan.scene.computed:
+        from contbed.bubbling_bed.settling import settle, unsettled
+
+        if unsettled(plan.scene):
+            problem, state = settle(problem, state, result)
+            plan = result.plan = problem.plan  # type: ignore[assignment]
+    findings(plan, problem, state, result)
+    scene = plan.scene
+    if scene.continuation is not None:
+        from contbed.bubbling_bed.branch import follow
+
+        follow(problem, state, result)
+    if any(item.release is not None and item.release.activation for item in (scene.gas, *scene.present.values())):
+        result.qoi["steady_states_found"] = _steady_states(problem, state, result)
+
+
+def _steady_states(problem: BubblingProblem, state: Any, result: Result) -> int:
+    """Number of states, with those that a cold and a hot guess lead to: release that grows with T allows several."""
+    found = [state]
+    for guess in (COLD, HOT):
+        try:
+            other, _ = problem.solve(guess)
+        except ConvergenceError:
+            result.warnings.append(f"no steady state was found from a uniform {guess:g} K")
+            continue
+        if all(_distance(problem, other, known) > APART for known in found):
+            here, there = (
+                np.mean([problem.system.part(each, f"T_{name}") for name in problem.c.species])
+                for each in (state, other)
+            )
+            result.warnings.append(
+                f"this is the {'ignited' if here > there else 'extinguished'} one of several steady states: its "
+                f"particles are at {here:.6g} K on average, those of another at {there:.6g} K; solver.guess = {guess:g}"
+                " leads there"
+            )
+            found.append(other)
+    return len(found)
+
+
+def _distance(problem: BubblingProblem, a: Any, b: Any) -> float:
+    """Largest difference of a temperature [K]."""
+    names = problem.c.streams
+    return max(float(np.abs(problem.system.part(a, name) - problem.system.part(b, name)).max()) for name in names)
+
+
+def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Result) -> None:
+    """Profiles, named results and the energy balance of a state."""
+    scene, c, space = plan.scene, plan.coefficients, problem.space
+    nodal = {name: problem.system.part(state, name) for name in c.fields}
+    wanted = np.unique(scene.output.positions) if scene.output.positions else None
+    positions, points = axis_points(plan.mesh, wanted)
+    probe = Probe(plan.mesh, points)
+    result.profiles = {"z [m]": positions} | {f"{name} [K]": probe(space, nodal[name]) for name in c.streams}
+    if "G" in nodal:
+        result.profiles["G [W/m2]"] = probe(space, nodal["G"])
+        result.profiles["q_radiation [W/m2]"] = -c.diffusion * probe.slope(space, nodal["G"], 0)
+    chemistry = c.computed.chemistry if c.computed is not None else None
+    if chemistry is not None:
+        from contbed.bubbling_bed.chemistry import results as chemistry_findings
+
+        along = {name: probe(space, nodal[name]) for name in chemistry.part.fields}
+        result.profiles |= chemistry_findings.profiles(chemistry, along)
+    if c.computed is not None:
+        values = {name: probe(space, nodal[name]) for name in c.fields}
+        values |= {name: float(problem.system.part(state, name)[0]) for name in c.scalars}
+        even = np.linspace(0.0, scene.bubbling_bed.height, EVEN)
+        evenly = Probe(plan.mesh, even[None, :])
+        at = {name: evenly(space, nodal[name]) if name in nodal else value for name, value in values.items()}
+        used = c.computed.recorded(at, even)[1]
+        _computed(plan, values, positions, used, result)
+    above = problem.above.part.fields if problem.above is not None else ()
+    result.nodal |= {name: (space, values) for name, values in nodal.items() if name not in above}
+
+    height = scene.bubbling_bed.height
+    middle, top = Probe(plan.mesh, np.array([[0.5 * height]])), Probe(plan.mesh, np.array([[height]]))
+    if c.plate is not None:
+        result.qoi["T_distributor_K"] = float(problem.system.part(state, "T_distributor")[0])
+    result.qoi |= {f"T_{name}_mid_K": float(middle(space, nodal[f"T_{name}"])[0]) for name in c.species}
+    result.qoi |= {f"{name}_top_K": float(top(space, nodal[name])[0]) for name in c.gases}
+    for name, item in (("tubes", scene.tubes), ("walls", scene.walls)):
+        if item is not None and item.steam is not None:
+            _water(problem, name, state, result, {key: probe(space, nodal[f"{key}_{name}"]) for key in ("h", "T")})
+    duties, releases = problem.duties(state), problem.releases(state)
+    result.qoi |= duties | {f"release_{name}_W": value for name, value in releases.items()}
+    result.balances["energy"] = _balance(problem, state, duties, releases)
+    if chemistry is not None:
+        chemistry_findings.findings(problem, chemistry, state, result)
+    if plan.albedo is not None:
+        use = registry.usage(optics.radiation_emissivity_half_space, albedo=plan.albedo)
+        result.closures.append(use.to_dict())
+
+
+FREEBOARD = {"T_freeboard": "K", "T_up": "K", "T_down": "K", "flow_up": "kg/m2/s", "G_freeboard": "W/m2"}
+def _water(problem: BubblingProblem, name: str, state: Any, result: Result, values: dict[str, Any]) -> None:
+    """What water does inside of a surface: profiles, what leaves, and its own balance."""
+    from contbed.materials.steam import steam
+
+    table = getattr(problem.plan.scene, name).steam
+    water = steam(table.pressure)
+    padded = np.full(len(result.profiles["z [m]"]), np.nan)
+    for header, column in ((f"T_{name}_surface [K]", values["T"]), (f"T_{name}_water [K]",
+                           water.temperature(values["h"])), (f"h_{name}_water [kJ/kg]", values["h"])):
+        padded[: len(column)] = column
+        result.profiles[header] = padded.copy()
+    h_in = water.enthalpy(table.temperature)
+    end = problem.top if table.direction == "up" else problem.bottom
+    h_out = problem.at(lambda u, o: getattr(u, f"h_{name}"), end, state)
+    gained = sum(value for key, value in problem.duties(state).items()
+                 if key in (f"{name}_convection_W", f"{name}_radiation_W"))  # fmt: skip
+    flow = 1e3 * table.mass_flow
+    result.qoi |= {f"{name}_water_W": flow * (h_out - h_in), f"{name}_water_out_K": float(water.temperature(h_out)),
+                   f"{name}_water_out_kJ_kg": h_out}  # fmt: skip
+    if (quality := water.quality(h_out)) is not None:
+        result.qoi[f"{name}_water_out_quality"] = quality
+    if not water.h_range[0] <= h_out <= water.h_range[1]:
+        result.warnings.append(f"{name}: water leaves at {h_out:g} kJ/kg, outside of its table")
+    result.balances[f"water in {name}"] = {
+        "in": flow * h_in, "out": flow * h_out, "source": gained, "stored": 0.0, "unit": "W",
+        "relative_residual": (flow * (h_in - h_out) + gained) / max(abs(flow * h_in), abs(flow * h_out), abs(gained)),
+    }  # fmt: skip
+
+
+HYDRODYNAMICS = {
+    "u": "m/s", "u_mf": "m/s", "u_e": "m/s", "u_b": "m/s", "delta": "1", "flow_bubble": "kg/s", "d_b": "m",
+}  # fmt: skip
+
+
+def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any], result: Result) -> None:
+    """What closures gave over the height, and whether they, as used at even heights, and the gas hold there."""
+    computed = plan.coefficients.computed
+    local, _ = computed.recorded(values, z)
+    found = local.state | {"flow_bubble": values.get("flow_bubble")}
+    for name, unit in HYDRODYNAMICS.items():
+        if found.get(name) is not None:
+            result.profiles[f"{name} [{unit}]"] = np.broadcast_to(found[name], z.shape).copy()
+    if computed.above is not None:
+        used += _freeboard(computed.above, values, local, z, result)
+    result.closures += used
+    for use in used:
+        if use["share_outside"] > 0:
+            result.warnings.append(f"{use['used_by']}: {use['name']} is used out of its range on "
+                                   f"{100 * use['share_outside']:.3g} % of the height")  # fmt: skip
+    for name, value in local.contact.items():
+        result.qoi[f"{name}_coefficient_W_m2K"] = float(trapezoid(np.broadcast_to(value, z.shape), z) / np.ptp(z))
+    if computed.bubbling:
+        emulsion = 1.0 - np.broadcast_to(local.delta, z.shape)
+        result.qoi["height_at_minimum_fluidization_m"] = float(trapezoid(emulsion, z))
+        if (share := float(np.mean(local.flows["T_emulsion"] <= 0))) > 0:
+            message = f"gas flows down through the emulsion on {100 * share:.3g} % of the height: bubbles.emulsion_gas"
+            raise ConvergenceError(message, result.history)
+    bare = found["u"] - found["u_mf"] <= 2e-3 * found["u_mf"]
+    if computed.bubbling and np.any(bare):
+        result.warnings.append(f"{100 * float(np.mean(bare)):.3g} % of the height is not fluidized: u is that of u_mf")
+    for gas in {phase for phase in ("T_emulsion", "T_bubble") if phase in values}:
+        if (share := computed.gas.share_outside(values[gas])) > 0:
+            low, high = computed.gas.T_range
+            result.warnings.append(f"{gas}: {100 * share:.3g} % of the height is outside of the properties of the gas, "
+                                   f"{low:g} to {high:g} K")  # fmt: skip
+
+
+def _freeboard(above: Any, values: dict[str, Any], local: Any, z: Any, result: Result) -> list[Any]:
+    """Profiles above the bed, which is upside down on the mesh of the bed; how the freeboard used its closures."""
+    part, computed = above.part, above.computed
+    computed.ranges = []
+    above.here(SimpleNamespace(**values), None)
+    ejected = float(np.broadcast_to(above.ejected(local), z.shape)[-1])
+    used, computed.ranges = computed.ranges, None
+    result.qoi |= {"ejected_kg_m2s": ejected, "carryover_kg_s": part.section * values["carryover"]}
+    fed = sum(item.feed.mass_flow or 0.0 for item in computed.scene.present.values() if item.feed is not None)
+    sized = any(item.sizes is not None for item in computed.scene.present.values())
+    if not sized and computed.chemistry is None and part.section * values["carryover"] > fed:
+        result.warnings.append(f"gas carries away {part.section * values['carryover']:.3g} kg/s of particles, "
+                               f"{fed:.3g} kg/s are fed: give species.NAME.sizes")  # fmt: skip
+    if values["carryover"] > ejected:
+        result.warnings.append("gas carries away more particles than bubbles throw up: freeboard.elutriation")
+    above_bed = part.bed + (part.bed - z[::-1]) * part.stretch
+    nothing = np.full(len(z) - 1, np.nan)
+    for header, column in result.profiles.items():
+        result.profiles[header] = np.append(column, above_bed[1:] if header == "z [m]" else nothing)
+    for name, unit in FREEBOARD.items():
+        if name in values:
+            rising = values[name][::-1]
+            result.profiles[f"{name} [{unit}]"] = np.concatenate([nothing, rising])
+    return used
+
+
+def _balance(
+    problem: BubblingProblem, state: Any, duties: dict[str, float], releases: dict[str, float]
+) -> dict[str, Any]:
+    """Heat above 0 K that streams carry, surfaces and freeboard take, and phases release [W]. The gas carries away
+    what the distributor takes.
+    """
+    parts = [value for brought, taken in problem.carried(state).values() for value in (brought, -taken)]
+    inside = ("distributor",) if problem.above is None else ("distributor", "top_radiation")
+    parts += [-value for name, value in duties.items() if not name.startswith(inside)]
+    entering, leaving = sum(part for part in parts if part > 0), -sum(part for part in parts if part < 0)
+    source = sum(releases.values())
+    scale = max(entering, leaving, abs(source), 1e-300)
+    return {
+        "in": entering, "out": leaving, "source": source, "stored": 0.0,
+        "relative_residual": (entering + source - leaving) / scale, "unit": "W",
+    }  # fmt: skip

@@ -1,0 +1,117 @@
+"""What a bed settles to besides temperatures: sizes of its particles by feed, drain and carry-over, and its height.
+
+    F x_f,i = F_d x_i + A w K_i x_i,   sum_i x_i = 1          mass of size i of one species
+    int (1 - delta) dz = H_mf,  or  H = H_mf R                height by its bubbles, or by a closure's mean ratio R
+
+F, F_d   feed and drain [kg/s]            x_f,i, x_i   share of size i in the feed and in the bed
+A        section [m2]                     w            share of the species in the mass of the bed
+K_i      elutriation rate constant at the end of the freeboard [kg/m2/s]
+
+The drain is what keeps the inventory, whose share `volume_fraction` the scene gives; particles neither shrink nor
+break. Both follow from the state and change its coefficients: bed and settling are solved in turn on one stretched
+mesh until neither changes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from contbed.bubbling_bed.plan import BubblingPlan, coefficients, line
+from contbed.bubbling_bed.problem import BubblingProblem
+from contbed.errors import ConvergenceError
+from contbed.result import Result
+
+CHANGE = 1e-9  # relative, of sizes and height, below which the bed has settled
+ROUNDS = 60
+
+
+def unsettled(scene: Any) -> bool:
+    """Whether sizes or the height of the bed follow from its state."""
+    sized = any(item.sizes is not None and item.sizes.bed is None for item in scene.present.values())
+    return sized or scene.bubbling_bed.settled_height is not None
+
+
+def settle(problem: BubblingProblem, state: Any, result: Result) -> tuple[BubblingProblem, Any]:
+    """The problem and its state with the sizes and the height that belong to it."""
+    for _ in range(ROUNDS):
+        scene, change = settled(problem, state, result)
+        problem = stretched(problem.plan, scene)
+        state, history = problem.solve_from(problem.unknowns(state))
+        result.history += history[1:]
+        if change < CHANGE:
+            return problem, state
+    raise ConvergenceError(f"sizes and height of the bed still change by {change:.2g}", result.history, state)
+
+
+def stretched(plan: BubblingPlan, scene: Any) -> BubblingProblem:
+    """The problem of a scene on the mesh of a plan, stretched to its height."""
+    ratio = scene.bubbling_bed.height / plan.scene.bubbling_bed.height
+    mesh = plan.mesh
+    if ratio != 1.0:
+        mesh = replace(line(ratio * np.sort(mesh.skfem.p[0])), engine=mesh.engine)
+    c, albedo = coefficients(scene)
+    return BubblingProblem(replace(plan, scene=scene, coefficients=c, mesh=mesh, albedo=albedo))
+
+
+def settled(problem: BubblingProblem, state: Any, result: Result) -> tuple[Any, float]:
+    """The scene with sizes and height by a state, and the largest relative change."""
+    scene: Any = problem.plan.scene
+    changes, species = [0.0], dict(scene.species)
+    for name, item in scene.present.items():
+        if item.sizes is None or item.sizes.feed is None:
+            continue
+        shares, drain = sizes_in_bed(problem, state, name)
+        diameter = 1.0 / float(np.sum(shares / np.array(item.sizes.diameters)))
+        changes.append(abs(diameter / item.diameter - 1.0))
+        sizes = item.sizes.model_copy(update={"bed": tuple(shares)})
+        species[name] = item.model_copy(update={"diameter": diameter, "sizes": sizes})
+        result.qoi |= {f"{name}_diameter_m": diameter, f"{name}_drain_kg_s": drain,
+                       f"{name}_carryover_kg_s": item.feed.mass_flow - drain}  # fmt: skip
+    bed = scene.bubbling_bed
+    if bed.settled_height is not None:
+        height = height_of(problem, state)
+        changes.append(abs(height / bed.height - 1.0))
+        bed = bed.model_copy(update={"height": height})
+        result.qoi["bed_height_m"] = height
+    changed = scene.model_copy(update={"species": species, "bubbling_bed": bed})
+    changed._origin = scene.origin
+    return changed, max(changes)
+
+
+def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, float]:
+    """Mass shares of the sizes in the bed, and the drain [kg/s]."""
+    item: Any = problem.plan.scene.species[name]
+    above = problem.above
+    # the first node is the end of the freeboard
+    end = {key: problem.system.part(state, key)[:1] for key in ("T_freeboard", *problem.c.scalars)}
+    rates = np.array([float(np.squeeze(rate)) for rate in above.rates(SimpleNamespace(**end), name)])
+    carried = above.computed.section * above.shares[name] * rates
+    feed, given = item.feed.mass_flow, np.array(item.sizes.feed)
+
+    def excess(drain: float) -> float:
+        return float(np.sum(feed * given / (drain + carried))) - 1.0
+
+    least = 1e-12 * feed
+    if excess(least) < 0:
+        raise ConvergenceError(
+            f"species {name}: gas carries away {feed:.3g} kg/s and more at the given inventory; feed more or coarser "
+            "particles", [], state,
+        )  # fmt: skip
+    drain = feed if excess(feed) >= 0 else brentq(excess, least, feed, xtol=1e-15 * feed, rtol=1e-14)
+    return feed * given / (drain + carried), float(drain)
+
+
+def height_of(problem: BubblingProblem, state: Any) -> float:
+    """Height of the bed that holds the particles of `settled_height` [m]."""
+    bed: Any = problem.plan.scene.bubbling_bed
+    c = problem.c
+    if bed.expansion is not None:
+        ratio = problem.total(lambda u, o: c.computed.expansion(u, o), state) / bed.height
+        return bed.settled_height * ratio
+    filled = problem.total(lambda u, o: 1.0 - c.at(u, o).delta, state)
+    return bed.height * bed.settled_height / filled

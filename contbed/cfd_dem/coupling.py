@@ -1,0 +1,212 @@
+"""Particles, gas and temperatures together: one clock, forces and heat exchanged in both directions.
+
+A step of the gas spans several of the particles: as many as `gas_step` holds, fewer where the gas would cross more
+than COURANT of a cell. First the particles move, under the force that the gas gave last, then the gas follows through
+the room that they leave, and gives the next force; the gas feels exactly its opposite. Temperatures follow
+
+    m_i c dT_i/dt = h_i A_i (T - T_i) + sum over j of G_ij (T_j - T_i) + Q_i
+
+with the conductances G_ij of `htc.Solid`, found anew every `heat_interval`, and radiation Q_i to the surroundings
+(`heat.radiation`), which does not keep the energy of the assembly: what it adds is counted in `balance`.
+
+    gas = Gas(grid, air, drag_di_felice, nusselt_gunn)
+    gas.inlet(1.45, 300.0, slot=(0.098, 0.112), slot_velocity=17.55 / air.density(700.0), slot_T=700.0)
+    bed = Bed(simulation, gas, T=300.0, heat_capacity=840.0)
+    bed.run(0.18)                 # with the jet
+    gas.inlet(1.45, 300.0)
+    bed.run(0.42)                 # without
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.cfd_dem.gas import Gas, Motion
+from contbed.cfd_dem.heat_transfer import Solid
+from contbed.dem import heat
+from contbed.dem.simulation import Simulation
+from contbed.errors import SceneError
+from contbed.output.progress import Progress
+
+Array = NDArray[np.float64]
+
+COURANT = 0.5
+
+
+class Bed:
+    """A simulation of particles in a gas.
+
+    Parameters
+    ----------
+    simulation : the particles
+    gas : on a grid that covers them
+    gas_step [s] : longest step of the gas
+    T [K] : of the particles, one or each; None without an energy equation of the gas
+    heat_capacity [J/kg/K] : of the particles
+    solid : conduction between particles, or None
+    emissivity : of the particles, 0 without radiation
+    heat_interval [s] : after which conductances are found anew
+    moving : False keeps the particles where they are
+
+    Attributes: `T` (n,) [K]; `force` [N] and `received` [W] of the last step; `above` number of particles that were
+    above the grid, counted at every step of the gas; `radiated` heat [J] that radiation did not balance.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        gas: Gas,
+        gas_step: float = 1e-4,
+        T: Any = None,
+        heat_capacity: float = 840.0,
+        solid: Solid | None = None,
+        emissivity: float = 0.0,
+        heat_interval: float = 5e-3,
+        moving: bool = True,
+    ):
+        n = len(simulation.position)
+        if (T is None) == gas.energy:
+            raise SceneError("gas: temperatures of the particles and an energy equation of the gas go together")
+        self.simulation, self.gas, self.solid, self.moving = simulation, gas, solid, moving
+        self.gas_step, self.heat_interval, self.emissivity = float(gas_step), float(heat_interval), float(emissivity)
+        self.T = None if T is None else np.array(np.broadcast_to(np.asarray(T, dtype=float), (n,)))
+        self.capacity = simulation.mass * heat_capacity
+        self.time, self.above, self.radiated, self._next = 0.0, 0, 0.0, 0.0
+        self.force, self.received = np.zeros((n, 3)), np.zeros(n)
+        self._top = float(gas.grid.lower[2] + gas.grid.count[2] * gas.grid.size[2])
+        self._network: tuple[heat.Pairs, Array] | None = None
+        self._start: tuple[float, float, float] | None = None
+
+    @property
+    def motion(self) -> Motion:
+        """The particles as the gas sees them."""
+        simulation = self.simulation
+        v = simulation.velocity if self.moving else np.zeros_like(simulation.velocity)
+        return Motion(simulation.position, v, simulation.radius, self.T)
+
+    def run(
+        self,
+        duration: float,
+        interval: float | None = None,
+        on_interval: Callable[[Bed], Any] | None = None,
+        quiet: bool = True,
+    ) -> None:
+        """Advance by `duration` [s]; `on_interval` is called each time that `interval` [s] has passed.
+
+        Raises
+        ------
+        ConvergenceError : as those of the particles and of the gas
+        """
+        end, start = self.time + duration, self.time
+        next_call = start + (interval or duration)
+        with Progress(duration, "s", quiet=quiet) as progress:
+            while self.time < end * (1.0 - 1e-12):
+                self._advance(min(end, next_call) - self.time)
+                progress.advance_to(self.time - start)
+                if self.time >= next_call * (1.0 - 1e-12):
+                    next_call += interval or duration
+                    if on_interval is not None:
+                        on_interval(self)
+
+    def mass_balance(self) -> dict[str, float]:
+        """Gas [kg] since the first step: stored, in and out."""
+        sums, held = self.gas.sums, float(self.gas.mass.sum())
+        start = held if self._start is None else self._start[2]
+        return {"in": sums["mass_in"], "out": sums["mass_out"], "source": 0.0, "stored": held - start}
+
+    def balance(self) -> dict[str, float]:
+        """Heat [J] since the first step: stored in particles and gas, in and out with the gas, by radiation."""
+        if self.T is None or self._start is None:
+            return {}
+        sums = self.gas.sums
+        stored = float(self.capacity @ self.T) - self._start[0] + float(self.gas.heat.sum()) - self._start[1]
+        return {"stored": stored, "in": sums["heat_in"], "out": sums["heat_out"], "source": self.radiated}
+
+    def state(self) -> dict[str, Array]:
+        """All that moves, as arrays for a checkpoint."""
+        arrays = {f"particles_{name}": value for name, value in self.simulation.state().items()}
+        arrays |= {f"gas_{name}": value for name, value in self.gas.state().items()}
+        arrays |= {"force": self.force.copy(), "received": self.received.copy()}
+        if self.T is not None:
+            arrays["T"] = self.T.copy()
+        if self._network is not None:
+            pairs, G = self._network
+            arrays |= {"pair_i": pairs.i, "pair_j": pairs.j, "pair_vector": pairs.vector, "pair_G": G}
+        start = self._start or (np.nan, np.nan, np.nan)
+        return arrays | {"bed": np.array([self.time, self.above, self.radiated, self._next, *start])}
+
+    def restore(self, state: Mapping[str, Array]) -> None:
+        """Continue from the arrays of `state`, bit for bit."""
+        for prefix, part in (("particles_", self.simulation), ("gas_", self.gas)):
+            found = {name.removeprefix(prefix): value for name, value in state.items() if name.startswith(prefix)}
+            part.restore(found)  # type: ignore[attr-defined]
+        self.force, self.received = np.array(state["force"]), np.array(state["received"])
+        self.time, above, self.radiated, self._next, *start = state["bed"].tolist()
+        self.above, self._start = int(above), None if np.isnan(start[0]) else (start[0], start[1], start[2])
+        if self.T is not None:
+            self.T = np.array(state["T"])
+        if "pair_i" in state:
+            pairs = heat.Pairs(*(np.array(state[f"pair_{name}"]) for name in ("i", "j", "vector")))  # type: ignore[arg-type]
+            self._network = pairs, np.array(state["pair_G"])
+
+    def _advance(self, longest: float) -> None:
+        """One step of the gas and the steps of the particles in it."""
+        gas, simulation = self.gas, self.simulation
+        if self._start is None:
+            gas.start(self.motion)
+            held = 0.0 if self.T is None else float(self.capacity @ self.T)
+            self._start = held, float(gas.heat.sum()), float(gas.mass.sum())
+        allowed = min(self.gas_step, longest, COURANT / max(gas.courant, 1e-300))
+        # equal parts of what is left: a last step far shorter than the others would shake the pressure
+        allowed = longest / int(np.ceil(longest / allowed * (1.0 - 1e-9)))
+        steps = max(1, round(allowed / simulation.time_step))
+        dt = steps * simulation.time_step if self.moving else allowed
+        if self.moving:
+            simulation.force[:] = self.force
+            simulation.run(steps, steps)
+        self.time += dt
+        self.above += int((simulation.position[:, 2] > self._top).sum())
+        self.force, self.received = gas.step(dt, self.motion)
+        if self.T is not None:
+            self._warm(dt)
+
+    def _warm(self, dt: float) -> None:
+        """Temperatures of the particles after dt [s]."""
+        T, heat_rate = self.T, self.received
+        assert T is not None
+        if self.solid is not None or self.emissivity > 0.0:
+            if self._network is None or self.time >= self._next * (1.0 - 1e-12):
+                self._connect()
+            assert self._network is not None
+            pairs, G = self._network
+            flow = G * (T[pairs.j] - T[pairs.i])
+            heat_rate = heat_rate + np.bincount(pairs.i, flow, len(T)) - np.bincount(pairs.j, flow, len(T))
+            if self.emissivity > 0.0:
+                Q = self._radiation(pairs)
+                heat_rate = heat_rate + Q
+                self.radiated += dt * float(Q.sum())
+        self.T = T + dt * heat_rate / self.capacity
+
+    def _connect(self) -> None:
+        self._next = self.time + self.heat_interval
+        solid = self.solid or Solid(0.0)
+        pairs, parts = solid.exchange(self.simulation, self.gas.around(self.motion))
+        self._network = pairs, heat.total(parts)
+
+    def _radiation(self, pairs: heat.Pairs) -> Array:
+        """Heat that particles receive by radiation [W]."""
+        assert self.T is not None
+        d_p = 2.0 * self.simulation.radius
+        n = len(self.T)
+        near = pairs.distance <= heat.VIEW * float(d_p.mean())
+        i, j = pairs.i[near], pairs.j[near]
+        count = np.bincount(i, minlength=n) + np.bincount(j, minlength=n)
+        total = np.bincount(i, self.T[j], n) + np.bincount(j, self.T[i], n)
+        around = self.gas.around(self.motion)
+        seen = np.where(count > 0, total / np.maximum(count, 1), around.T)
+        local = around.eps * around.T + (1.0 - around.eps) * seen
+        return heat.radiation(self.T, local, d_p, self.emissivity)[0]

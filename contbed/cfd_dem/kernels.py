@@ -1,0 +1,224 @@
+"""Compiled parts of the gas: sums over the particles' shares, momentum on faces, pressure by conjugate gradients.
+
+Every kernel runs over the tables of `gas_grid.Grid`; arrays are of cells (c,), faces (f,) or particles (n,).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from contbed.cfd_dem.grid import OUTLET
+
+
+@njit(cache=True)
+def gather(where, weight, values):
+    """Value at each particle, shape (n,)."""
+    out = np.zeros(len(where))
+    for i in range(len(where)):
+        for k in range(where.shape[1]):
+            out[i] += weight[i, k] * values[where[i, k]]
+    return out
+
+
+@njit(cache=True)
+def scatter(where, weight, values, size):
+    """Sums over the particles, shape (size,)."""
+    out = np.zeros(size)
+    for i in range(len(where)):
+        for k in range(where.shape[1]):
+            out[where[i, k]] += weight[i, k] * values[i]
+    return out
+
+
+@njit(cache=True)
+def gather_faces(faces, weight, values):
+    """Vector at each particle from values normal to the faces, shape (n, 3)."""
+    out = np.zeros((len(faces), 3))
+    for i in range(len(faces)):
+        for a in range(3):
+            for k in range(8):
+                out[i, a] += weight[i, a, k] * values[faces[i, a, k]]
+    return out
+
+
+@njit(cache=True)
+def scatter_faces(faces, weight, values, size):
+    """Sums of `values` (n, 3), by direction, over the particles, shape (size,)."""
+    out = np.zeros(size)
+    for i in range(len(faces)):
+        for a in range(3):
+            for k in range(8):
+                out[faces[i, a, k]] += weight[i, a, k] * values[i, a]
+    return out
+
+
+@njit(cache=True)
+def face_means(cell, face_cell):
+    """Cell values on faces: the mean of both sides, at the rim that of the only cell."""
+    out = np.empty(len(face_cell))
+    for f in range(len(face_cell)):
+        low, high = face_cell[f]
+        if low < 0:
+            out[f] = cell[high]
+        elif high < 0:
+            out[f] = cell[low]
+        else:
+            out[f] = 0.5 * (cell[low] + cell[high])
+    return out
+
+
+@njit(cache=True)
+def limited(T, T_inlet, flux, cell_face, face_cell, face_axis):
+    """Upwind temperatures on faces, of second order by van Leer's limiter; `T_inlet` (f,) beyond the inlet."""
+    out = T_inlet.copy()
+    for f in range(len(face_cell)):
+        up, down = (face_cell[f, 0], face_cell[f, 1]) if flux[f] >= 0.0 else (face_cell[f, 1], face_cell[f, 0])
+        if up < 0:
+            if down >= 0 and T_inlet[f] != T_inlet[f]:
+                out[f] = T[down]
+            continue
+        out[f] = T[up]
+        if down < 0:
+            continue
+        behind = cell_face[up, 2 * face_axis[f] + (0 if flux[f] >= 0.0 else 1)]
+        far = face_cell[behind, 0 if flux[f] >= 0.0 else 1]
+        if far >= 0:
+            beyond = T[far]
+        elif T_inlet[behind] == T_inlet[behind]:
+            beyond = 2.0 * T_inlet[behind] - T[up]
+        else:
+            continue
+        ahead, back = T[down] - T[up], T[up] - beyond
+        if ahead * back > 0.0:
+            out[f] += ahead * back / (ahead + back)
+    return out
+
+
+@njit(cache=True)
+def divergence(flux, cell_face):
+    """What leaves each cell, of fluxes [./s] through faces."""
+    out = np.empty(len(cell_face))
+    for c in range(len(cell_face)):
+        g = cell_face[c]
+        out[c] = flux[g[1]] - flux[g[0]] + flux[g[3]] - flux[g[2]] + flux[g[5]] - flux[g[4]]
+    return out
+
+
+@njit(cache=True)
+def momentum(u, mass, eps, rho, mu, weight, size, cell_face, face_cell, face_next, face_axis, active, no_slip):
+    """Convection (upwind), viscous stress and weight on faces [N/m3 of gas].
+
+    `u` intrinsic velocity, `mass` flux eps rho u [kg/m2/s], `weight` (3,) gravity [m/s2].
+    """
+    out = np.zeros(len(u))
+    for f in range(len(u)):
+        if not active[f]:
+            continue
+        a = face_axis[f]
+        low, high = face_cell[f]
+        convected, stress = 0.0, 0.0
+        for side in range(6):
+            b = side // 2
+            near = face_next[f, side]
+            if b == a:
+                through = mass[f] if near < 0 else 0.5 * (mass[f] + mass[near])
+            elif high < 0:
+                through = mass[cell_face[low, side]]
+            else:
+                through = 0.5 * (mass[cell_face[low, side]] + mass[cell_face[high, side]])
+            inward = through if side % 2 == 0 else -through
+            if near >= 0:
+                other, distance = u[near], size[b]
+            elif side == 4:  # below the inlet nothing moves sideways
+                other, distance = 0.0, size[b]
+            elif b != a and side != 5 and no_slip:
+                other, distance = 0.0, 0.5 * size[b]
+            else:
+                continue
+            if inward > 0.0:
+                convected += inward * (other - u[f]) / size[b]
+            stress += mu[f] * (other - u[f]) / (size[b] * distance)
+        out[f] = convected / eps[f] + stress + rho[f] * weight[a]
+    return out
+
+
+@njit(cache=True)
+def pressure(p, conductance, source, cell_face, face_cell, opened, height, tolerance, most):
+    """Solve sum over faces of conductance (p - p_beyond) = source, with p = 0 beyond outlets, from the guess `p`.
+
+    Conjugate gradients; the columns of `height` cells, solved exactly, are the preconditioner. Returns p, iterations,
+    residual relative to the source.
+    """
+    n = len(cell_face)
+    pivot, link = np.empty(n), np.zeros(n)
+    for c in range(n):
+        diagonal = 0.0
+        for side in range(6):
+            diagonal += conductance[cell_face[c, side]]
+        if not opened[c] or diagonal == 0.0:
+            diagonal = 1.0
+        if c % height > 0:
+            link[c] = conductance[cell_face[c, 4]] / pivot[c - 1]
+            diagonal -= link[c] * conductance[cell_face[c, 4]]
+        pivot[c] = diagonal
+    norm = np.sqrt((source * source).sum())
+    r = source - _apply(p, conductance, cell_face, face_cell)
+    z = _columns(r, pivot, link, height)
+    d = z.copy()
+    rho = (r * z).sum()
+    steps = 0
+    error = np.sqrt((r * r).sum())
+    while error > tolerance * norm and steps < most:
+        q = _apply(d, conductance, cell_face, face_cell)
+        alpha = rho / (d * q).sum()
+        p = p + alpha * d
+        r = r - alpha * q
+        z = _columns(r, pivot, link, height)
+        new = (r * z).sum()
+        d = z + (new / rho) * d
+        rho = new
+        error = np.sqrt((r * r).sum())
+        steps += 1
+    return p, steps, error / norm if norm > 0.0 else 0.0
+
+
+@njit(cache=True)
+def _columns(r, pivot, link, height):
+    z = r.copy()
+    for c in range(len(r)):
+        if c % height > 0:
+            z[c] += link[c] * z[c - 1]
+    for c in range(len(r) - 1, -1, -1):
+        z[c] /= pivot[c]
+        if c % height < height - 1:
+            z[c] += link[c + 1] * z[c + 1]
+    return z
+
+
+@njit(cache=True)
+def _apply(p, conductance, cell_face, face_cell):
+    out = np.empty(len(p))
+    for c in range(len(p)):
+        total = 0.0
+        for side in range(6):
+            f = cell_face[c, side]
+            if conductance[f] > 0.0:
+                beyond = face_cell[f, side % 2]
+                total += conductance[f] * (p[c] - (p[beyond] if beyond >= 0 else 0.0))
+        out[c] = total
+    return out
+
+
+@njit(cache=True)
+def slopes(p, size, face_cell, face_axis, face_kind, active):
+    """Pressure gradient on the faces on which velocities are solved for [Pa/m]; p = 0 at the outlet face."""
+    out = np.zeros(len(face_cell))
+    for f in range(len(face_cell)):
+        if not active[f]:
+            continue
+        if face_kind[f] == OUTLET:
+            out[f] = -2.0 * p[face_cell[f, 0]] / size[face_axis[f]]
+        else:
+            out[f] = (p[face_cell[f, 1]] - p[face_cell[f, 0]]) / size[face_axis[f]]
+    return out

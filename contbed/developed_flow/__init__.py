@@ -1,0 +1,1 @@
+"""Fully developed flow of gas and particles across a riser or pipe."""

@@ -1,0 +1,37 @@
+"""What is wrong with a scene of fully developed flow although every single value is right."""
+
+from __future__ import annotations
+
+from contbed.closures.binding import resolve_closure
+from contbed.developed_flow import scene as d
+from contbed.errors import SceneError
+from contbed.packed_bed.checks import Mistakes, See
+from contbed.scene.toml_lines import Origin
+
+KINDS = {
+    "drag": "drag",
+    "radial_distribution": "radial_distribution",
+    "pressure": "granular_pressure",
+    "viscosity": "granular_viscosity",
+    "conductivity": "granular_conductivity",
+    "dissipation": "granular_dissipation",
+}
+ROOM = 5.0  # least number of particles between centre and wall
+
+
+def closures_exist(fully_developed: d.FullyDeveloped, origin: Origin) -> Mistakes:
+    for key, kind in KINDS.items():
+        try:
+            resolve_closure(getattr(fully_developed, key), kind, origin.base)
+        except SceneError as error:
+            yield ("fully_developed", key), str(error)
+
+
+def particles_fit(fully_developed: d.FullyDeveloped, solid: d.Solid, see: See) -> Mistakes:
+    if fully_developed.radius < ROOM * solid.diameter:
+        known = see("solid.diameter")
+        room = f"only {fully_developed.radius / solid.diameter:.3g} particles from centre to wall"
+        yield ("fully_developed", "radius"), f"{room}, at least {ROOM:g} make a continuum; see {known}"
+
+
+CHECKS = (closures_exist, particles_fit)

@@ -1,0 +1,89 @@
+"""Plan of a fully developed flow: coefficients, a line from centre to wall that is finer toward the wall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import skfem
+
+from contbed.closures.binding import resolve_closure
+from contbed.developed_flow import scene as d
+from contbed.developed_flow.checks import KINDS
+from contbed.developed_flow.equations import Coefficients
+from contbed.mesh.mesh import REGION, Mesh
+
+GRADED = 3.5  # of tanh: the last cell is thinner than the first by a factor of cosh^2
+
+
+@dataclass(frozen=True)
+class DevelopedPlan:
+    """What a run builds."""
+
+    scene: d.DevelopedScene
+    coefficients: Coefficients
+    mesh: Mesh
+    built: tuple[tuple[str, str], ...]
+    skipped: tuple[tuple[str, str], ...]
+    fronts: bool = False
+
+    @property
+    def policy(self) -> Any:
+        """How linear systems are solved."""
+        from contbed.fem import policy
+
+        return policy(self.mesh, None)
+
+    def unknowns(self) -> dict[str, int]:
+        """Number of unknowns: two velocities, the root of the granular temperature, and numbers."""
+        nodes = self.scene.solver.degree * self.mesh.skfem.nelements + 1
+        return {"flow": 3 * nodes + 2 if self.scene.fully_developed.solid_flux else nodes + 1}
+
+    def on(self, nodes: np.ndarray) -> DevelopedPlan:
+        """The plan on other nodes."""
+        return replace(self, mesh=replace(line(nodes, self.mesh.axisymmetric), engine=self.mesh.engine))
+
+    def __str__(self) -> str:
+        from contbed.packed_bed.plan import described
+
+        return described(self)
+
+
+def plan(scene: d.DevelopedScene) -> DevelopedPlan:
+    """Build the mesh and resolve closures."""
+    table = scene.fully_developed
+    even = np.linspace(0.0, 1.0, scene.solver.cells + 1)
+    mesh = line(table.radius * np.tanh(GRADED * even) / np.tanh(GRADED), table.section == "pipe")
+    built = [("section", f"{table.section}, {scene.solver.cells} cells of degree {scene.solver.degree}")]
+    skipped = []
+    particles = ("particles", "two velocities and granular temperature, Newton with continuation")
+    if table.solid_flux:
+        built.append(particles)
+    else:
+        skipped.append((particles[0], "solid_flux = 0"))
+    (built if scene.solver.branches and table.solid_flux else skipped).append(
+        ("other branches", "looked for" if scene.solver.branches else "solver.branches = false")
+    )
+    return DevelopedPlan(scene, coefficients(scene), mesh, tuple(built), tuple(skipped))
+
+
+def coefficients(scene: d.DevelopedScene) -> Coefficients:
+    """What the equations need."""
+    table, gas, solid, wall = scene.fully_developed, scene.gas, scene.solid, scene.wall
+    laws = {kind: resolve_closure(getattr(table, key), kind, scene.origin.base) for key, kind in KINDS.items()}
+    return Coefficients(
+        rho_gas=gas.density, mu_gas=gas.viscosity, rho_solid=solid.density, d_p=solid.diameter,
+        restitution=solid.restitution, eps_max=solid.packing, gravity=table.gravity, velocity=table.velocity,
+        solid_flux=table.solid_flux, specularity=wall.specularity, wall_restitution=wall.restitution, laws=laws,
+    )  # fmt: skip
+
+
+def line(nodes: np.ndarray, axisymmetric: bool) -> Mesh:
+    """From centre to wall."""
+    mesh = skfem.MeshLine(nodes[None, :], np.array([np.arange(len(nodes) - 1), np.arange(1, len(nodes))]))
+    exterior = mesh.boundary_facets()
+    place = mesh.p[0, mesh.facets[0, exterior]]
+    named = {"centre": exterior[place == nodes[0]], "wall": exterior[place == nodes[-1]]}
+    whole = {REGION: np.arange(mesh.nelements)}
+    return Mesh(replace(mesh, _boundaries=named, _subdomains=whole), axisymmetric)

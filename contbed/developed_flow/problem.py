@@ -1,0 +1,117 @@
+"""A fully developed flow on a mesh: assembly and solution. See `models.developed_flow`."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contbed.developed_flow import equations as model
+from contbed.developed_flow.plan import DevelopedPlan
+from contbed.errors import ConvergenceError
+from contbed.fem import system as make_system
+from contbed.solvers.continuation import relax
+from contbed.solvers.newton import newton
+
+Array = Any
+EXTRA = 4  # order of quadrature beyond the product of two basis functions
+BLUNT = 20  # power of the distance in the profile of the gas that the search starts from
+TYPICAL = 0.03  # granular temperature [m2/s2]
+SMOOTH = 0.05  # specularity that a level start suits
+ROUGHER, SLOWEST = 2.0, 1.01  # factors on it from one solution to the next
+FIRST, LAST = 1e-5, 1e3  # steps in pseudo-time [s]; granular energy settles within a second
+
+
+class DevelopedProblem:
+    """The unknowns of a plan and their equations; a `solve.timestep.Problem` in granular energy."""
+
+    linear = False
+
+    def __init__(self, plan: DevelopedPlan, coefficients: model.Coefficients | None = None):
+        self.plan, self.c = plan, coefficients or plan.coefficients
+        degree = plan.scene.solver.degree
+        self.particles = self.c.solid_flux > 0
+        fields = {"u_gas": (degree, 0), "gradient": (0, 0)}
+        if self.particles:
+            fields |= {"u_solid": (degree, 0), "root": (degree, 0), "pressure": (0, 0)}
+        self.system = make_system(plan.mesh, fields, 2 * degree + EXTRA, pointwise=True)
+        (self.wall,) = self.system.boundary("wall")
+        self.fixed = self.system.nodes("u_gas", plan.mesh.skfem.boundaries["wall"])
+        self.weights = np.ones(self.system.size)  # what compares steps of pressures with those of velocities
+        for name in ("gradient", "pressure") if self.particles else ("gradient",):
+            self.system.part(self.weights, name)[:] = self.c.velocity / self.system.part(self.start(TYPICAL), name)
+        self.lower = np.full(self.system.size, -np.inf)
+        for name in ("root", "pressure") if self.particles else ():
+            self.system.part(self.lower, name)[:] = 0.0
+
+    @property
+    def r(self) -> Array:
+        """Distance of the nodes from the centre [m]."""
+        return self.system.fields["u_gas"][0].points[0]
+
+    def steady(self, state: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Residual and exact Jacobian."""
+        if not self.particles:
+            return self.system.assemble([(model.gas, self.system.cells, self.c)], state, jacobian)
+        forms = [(model.residual, self.system.cells, self.c), (model.wall, self.wall, self.c)]
+        return self.system.assemble(forms, state, jacobian)
+
+    def content(self, state: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Granular energy and its Jacobian."""
+        return self.system.assemble([(model.content, self.system.cells, self.c)], state, jacobian)
+
+    def start(self, theta: float) -> Array:
+        """Particles evenly spread with one granular temperature, gas blunt."""
+        c, x = self.c, np.zeros(self.system.size)
+        eps_s = model.uniform_fraction(c) if self.particles else 0.0
+        place = self.r / self.r.max()
+        self.system.part(x, "u_gas")[:] = c.velocity / (1.0 - eps_s) * (1.0 - place**BLUNT)
+        self.system.part(x, "gradient")[:] = ((1.0 - eps_s) * c.rho_gas + eps_s * c.rho_solid) * c.gravity
+        if self.particles:
+            self.system.part(x, "u_solid")[:] = c.solid_flux / (c.rho_solid * eps_s)
+            self.system.part(x, "root")[:] = theta**0.5
+            self.system.part(x, "pressure")[:] = c.rho_solid * theta * c.relative_pressure(eps_s)
+        return x
+
+    def solve(self, theta: float) -> tuple[Array, list[float]]:
+        """The solution that granular energy settles to from a level `theta`, and the history of Newton's method.
+
+        A rough wall, near which nothing is like the start, comes after a smooth one.
+        """
+        x = self.start(theta)
+        if not self.particles:
+            return self.solve_from(x)
+        rough = self.c.specularity
+        smooth = self.having(specularity=min(rough, SMOOTH))
+        x, history = smooth.solve_from(
+            relax(smooth, x, self.plan.policy, self.lower, first=FIRST, last=LAST, tolerance=1e-5)
+        )
+        done, step = smooth.c.specularity, ROUGHER
+        while done < rough:
+            ahead = min(rough, step * done)
+            try:
+                x, history = self.having(specularity=ahead).solve_from(x)
+            except ConvergenceError:
+                step **= 0.5
+                if step < SLOWEST:
+                    raise
+                continue
+            done = ahead
+        return x, history
+
+    def having(self, **values: Any) -> DevelopedProblem:
+        """This problem with other coefficients, on the same mesh."""
+        other = copy(self)
+        other.c = replace(self.c, **values)
+        return other
+
+    def solve_from(self, x: Array) -> tuple[Array, list[float]]:
+        """Newton from a state nearby."""
+        options = self.plan.scene.solver
+        return newton(
+            self.steady, x, self.fixed, self.plan.policy, tolerance=options.newton_tolerance,
+            iterations=options.newton_iterations, linear=not self.particles, lower=self.lower, weights=self.weights,
+            what="developed flow",
+        )  # fmt: skip

@@ -1,0 +1,84 @@
+"""The vocabulary of a scene with a [fully_developed] table: gas and particles that rise or fall where nothing varies
+along the way, in SI. See `models.developed_flow`.
+
+    [fully_developed]         section, the two flows, branch, closures by name
+    [gas], [solid], [wall]    their properties
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from contbed.packed_bed import scene as s
+from contbed.scene.quantities import Table, unit
+from contbed.two_fluid.scene import Flux, Gas, Named
+
+
+class FullyDeveloped(Table):
+    """The section, what flows through it, and closures."""
+
+    section: Literal["channel", "pipe"]
+    radius: s.Length = Field(description="of the pipe, or half the width of the channel")
+    velocity: Annotated[float, *unit("m/s"), Field(gt=0)] = Field(description="superficial, of the gas, upward")
+    solid_flux: Flux = Field(description="mass flux of the particles, upward; 0: gas alone")
+    theta_centre: Annotated[float, *unit("m**2/s**2"), Field(gt=0)] | None = Field(
+        None, description="granular temperature at the centre of the solution that is meant, where there are several"
+    )
+    gravity: Annotated[float, *unit("m/s**2"), Field(ge=0)] = 9.81
+    drag: Named = "drag_wen_yu"
+    radial_distribution: str = "g0_sinclair_jackson"
+    pressure: str = "granular_pressure_lun"
+    viscosity: str = "granular_viscosity_gidaspow"
+    conductivity: str = "granular_conductivity_syamlal"
+    dissipation: str = "granular_dissipation_lun"
+
+
+class Solid(Table):
+    """Equal spheres."""
+
+    diameter: s.Length
+    density: s.Density
+    restitution: Annotated[s.Number, Field(gt=0, le=1)] = 0.9
+    packing: Annotated[s.Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
+
+
+class Wall(Table):
+    """Where the gas stands still and particles slip, after Johnson and Jackson."""
+
+    specularity: Annotated[s.Number, Field(gt=0, le=1)]
+    restitution: Annotated[s.Number, Field(gt=0, le=1)] = 0.9
+
+
+class Output(Table):
+    """What a run writes besides summary.json and profiles.csv."""
+
+    plots: s.Switch = True
+    fields: s.Switch = True
+
+
+class Solver(Table):
+    """Numerics."""
+
+    cells: s.Whole = Field(60, ge=4, le=10000, description="between centre and wall, finer toward the wall")
+    degree: s.Order = Field(3, description="polynomial degree of the fields")
+    branches: s.Switch = Field(False, description="follow solutions over the velocity to find others of it")
+    newton_tolerance: s.Fraction = 1e-10
+    newton_iterations: s.Whole = Field(60, ge=1, le=1000)
+    balance_tolerance: s.Positive = 1e-10
+    strict: s.Switch = Field(False, description="a closure out of its range is an error")
+
+
+class DevelopedScene(s.SceneBase):
+    """Fully developed flow of gas and particles."""
+
+    kind: ClassVar[str] = "fully_developed"
+    time: ClassVar[None] = None
+
+    fully_developed: FullyDeveloped
+    gas: Gas
+    solid: Solid
+    wall: Wall
+    output: Output = Output()
+    solver: Solver = Solver()

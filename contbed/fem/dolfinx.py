@@ -1,0 +1,446 @@
+"""The engine for more than one processor: forms compiled by FFCx, assembled by DOLFINx, solved by PETSc under MPI.
+
+`System` has the interface of `engine.skfem.System`, so problems do not know which engine they have. It records each
+form once (`engine.tape`); every rank turns the recording into UFL on its part of the mesh and compiles it. The leader
+keeps vectors and known values in the numbering of its mesh; ranks get their share of a state and return that of a
+residual. Jacobians stay distributed (`engine.petsc`).
+
+Integrals over boundaries are assembled by the leader with `engine.skfem` and added: their share of the work vanishes as
+meshes grow, and tables need quadrature points on facets, for which DOLFINx has no elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from skfem.refdom import RefHex, RefLine, RefQuad, RefTet, RefTri
+
+from contbed.errors import EngineError
+from contbed.fem import dolfinx_versions as versions
+from contbed.fem import skfem
+from contbed.fem.elements import Single, Space, lagrange
+from contbed.fem.petsc import Layout, Matrix, Piece
+from contbed.fem.ranks import Crew, crew
+from contbed.fem.tape import Recording, Tape, integrand
+from contbed.solvers.linear import Policy
+
+CUBES = ("quadrilateral", "hexahedron")
+CELLS = {RefLine: "interval", RefTri: "triangle", RefQuad: "quadrilateral", RefTet: "tetrahedron", RefHex: "hexahedron"}
+
+
+def adopted(plan: Any) -> Any:
+    """The plan with its mesh on this engine, for models in weak form.
+
+    Raises
+    ------
+    EngineError : names what the engine does not have
+    """
+    scene = plan.scene
+    lacking = ""
+    if scene.kind not in ("packed_bed", "bubbling_bed", "fully_developed"):
+        lacking = f"scenes of kind {scene.kind}"
+    elif scene.kind == "packed_bed" and plan.fronts:
+        lacking = "fronts tracked along characteristics (a bed at rest without conduction)"
+    if lacking:
+        raise EngineError(f"{scene.origin.name}: the engine dolfinx has no {lacking}; run it with --engine skfem")
+    dolfinx, _ = versions.modules()
+    size = crew().comm.size
+    how = f"DOLFINx {dolfinx.__version__} and PETSc on {size} rank{'s' if size > 1 else ''}"
+    return replace(plan, mesh=replace(plan.mesh, engine="dolfinx"), built=(("engine", how), *plan.built))
+
+
+def account() -> dict[str, Any]:
+    """Ranks, iterations of each linear solution so far, and what each rank took: processor time [s], memory [GB]."""
+    all_ranks = crew()
+    taken = np.asarray(all_ranks.together(usage)).reshape(-1, 2)
+    return {
+        "name": "dolfinx", "ranks": all_ranks.comm.size, "iterations": all_ranks.iterations,
+        "cpu_s": taken[:, 0].tolist(), "memory_GB": taken[:, 1].tolist(),
+    }  # fmt: skip
+
+
+@dataclass(eq=False)
+class Partition:
+    """How the cells of a mesh are dealt out: `order` names them rank after rank, `counts` of them to each."""
+
+    mesh: Any
+    key: int
+    order: Any
+    counts: Any
+
+    @classmethod
+    def of(cls, all_ranks: Crew, mesh: Any) -> Partition:
+        """That of a mesh, made when it is first seen; the last one is kept."""
+        kept = all_ranks.partition
+        if kept is None or kept.mesh is not mesh:
+            if kept is not None:
+                all_ranks.dropped.append(kept.key)
+            refdom = mesh.elem.refdom
+            if mesh.nelements < all_ranks.comm.size:
+                raise EngineError(
+                    f"{all_ranks.comm.size} ranks for a mesh of {mesh.nelements} cells: each rank needs one; "
+                    "start fewer ranks or refine the mesh"
+                )
+            key = all_ranks.new()
+            cells = mesh.t[_order(refdom, 1)].T.astype(np.int64)
+            order, counts = all_ranks.together(
+                make_mesh, key, CELLS[refdom], mesh.dim(), root=(cells, mesh.p.T.astype(float))
+            )
+            all_ranks.partition = cls(mesh, key, order, counts)
+        return all_ranks.partition
+
+    def shares(self, values: Any) -> tuple[Any, Any]:
+        """Values (ncells, n) in the order of the ranks, and the number of cells of each."""
+        return np.ascontiguousarray(values[self.order]), self.counts
+
+
+class System(skfem.System):
+    """Named unknowns on a mesh that all ranks share; see `engine.skfem.System`."""
+
+    def __init__(self, mesh: Any, fields: Mapping[str, tuple[int, int]], order: int, **measure: Any):
+        super().__init__(mesh, fields, order, **measure)
+        self.crew = crew()
+        self.partition = Partition.of(self.crew, mesh)
+        self.tape = Tape(self, self.cells)
+        self.key = self.crew.new()
+        self._compiled: dict[Any, _Compiled] = {}
+        self.along = {name: field for name, field in self.fields.items() if not isinstance(field[0], Single)}
+        self.layout = self._dealt()
+
+    def _dealt(self) -> Layout:
+        """The unknowns, each with the rank that has its place."""
+        numbers = [self.partition.shares(_by_cell(self.fields[name][0]) + start)
+                   for (name, _), start in self.offset.items() if name in self.along]  # fmt: skip
+        degrees = [(space.degree, count) for space, count in self.along.values()]
+        order, counts = self.crew.together(make_space, self.key, self.partition.key, degrees, root=numbers)
+        return Layout(order, counts, self.size)
+
+    def ordered(self, policy: Policy) -> Policy:
+        """PETSc finds an order of elimination by itself."""
+        return policy
+
+    def known(self, where: Any, space: Any, values: Any) -> Any:
+        """A known finite-element field as coefficient on `where`."""
+        return self.tape.known(space, values) if where is self.cells else super().known(where, space, values)
+
+    def assemble(self, forms: Sequence[tuple[Any, Any, Any]], state: Any, jacobian: bool = True) -> tuple[Any, Any]:
+        """Residual and, if wanted, the distributed Jacobian of the sum of `(form, domain, coeffs)`."""
+        inside = [form for form in forms if form[1] is self.cells]
+        edge = [form for form in forms if form[1] is not self.cells]
+        self.tape.state = state
+        compiled = self._compiled_of(inside)
+        residual, outer = super().assemble(edge, state, jacobian and bool(edge)) if edge else (0.0, None)
+        for indices in self.tape.renew(compiled.recording):
+            shares = self.partition.shares(compiled.recording.arrays[indices])
+            self.crew.together(set_array, compiled.key, indices, root=shares)
+        key = self.crew.new() if jacobian else None
+        added = None if outer is None else self.layout.entries(outer)
+        parts = self.crew.together(assemble, compiled.key, key, root=(self.layout, state, added))
+        return self.layout.collected(parts) + residual, None if key is None else Matrix(self.crew, key, self.layout)
+
+    def _compiled_of(self, forms: Any) -> _Compiled:
+        """The recording of forms on all ranks; forms are told apart by identity, which keeping them protects."""
+        signature = tuple((id(form), id(coeffs)) for form, _, coeffs in forms)
+        if signature not in self._compiled:
+            if len(self.along) < len(self.fields):
+                raise EngineError("forms with unknowns without a place are not compiled, use engine.dolfinx_points")
+            whole = integrand(self.tape, forms)
+            if whole is None:
+                raise EngineError("the engine dolfinx needs at least one integral over cells")
+            self._compiled[signature] = _Compiled(self, self.tape.record(whole), forms)
+        return self._compiled[signature]
+
+    def __del__(self) -> None:
+        if hasattr(self, "key"):
+            self.crew.dropped.append(self.key)
+
+
+class _Compiled:
+    """A recording that all ranks hold as `key`."""
+
+    def __init__(self, system: System, recording: Recording, forms: Any):
+        self.crew, self.recording, self.forms, self.key = system.crew, recording, forms, system.crew.new()
+        partition = system.partition
+        known = [(partition.shares(field.values[_by_cell(field.space)])) for field in recording.known]
+        self.crew.together(
+            make_form, self.key, system.key, recording.entries, [array.shape[1] for array in recording.arrays],
+            [field.space.degree for field in recording.known], measure_of(system),
+            root=([partition.shares(array) for array in recording.arrays], known),
+        )  # fmt: skip
+
+    def __del__(self) -> None:
+        self.crew.dropped.append(self.key)
+
+
+def measure_of(system: System) -> Any:
+    """The quadrature of a system and what lengths and areas stand for."""
+    from skfem.quadrature import get_quadrature
+
+    points, weights = get_quadrature(system.cells.refdom, system.order)
+    return SimpleNamespace(
+        points=np.ascontiguousarray(points.T), weights=weights, order=system.order,
+        axisymmetric=system.cells.axisymmetric, section=float(system.measure.get("section", 1.0)),
+    )  # fmt: skip
+
+
+def _order(refdom: Any, degree: int) -> Any:
+    """Our local node at each node of Basix's element; both share the reference cell."""
+    import basix
+
+    cell = getattr(basix.CellType, CELLS[refdom])
+    element = basix.create_element(basix.ElementFamily.P, cell, degree, basix.LagrangeVariant.equispaced)
+    theirs = np.asarray(element.points)
+    distance = np.abs(theirs[:, None, :] - lagrange(refdom, degree).nodes[None, :, :]).sum(axis=2)
+    return distance.argmin(axis=1)
+
+
+def _by_cell(space: Space) -> Any:
+    """Nodes of each cell (ncells, nb) in the order of Basix."""
+    return space.dofs[_order(space.element.refdom, space.degree)].T
+
+
+# What follows runs on all ranks.
+
+
+def usage(all_ranks: Crew, root: Any) -> Any:
+    """Processor time [s] and largest memory [GB] of each rank."""
+    import resource
+
+    own = resource.getrusage(resource.RUSAGE_SELF)
+    mine = np.array([own.ru_utime + own.ru_stime, 1.024e-6 * own.ru_maxrss])
+    return all_ranks.gather(mine, [2] * all_ranks.comm.size)
+
+
+def make_mesh(all_ranks: Crew, root: Any, key: int, cell: str, dim: int) -> Any:
+    """Deal a mesh out; returns the cells of each rank in turn and their number."""
+    cells, points = root or (np.empty((0, 2 ** dim if cell in CUBES else dim + 1), np.int64), np.empty((0, dim)))
+    mesh = versions.create_mesh(all_ranks.comm, cell, cells, points)
+    owned = mesh.topology.index_map(dim).size_local
+    original = np.asarray(mesh.topology.original_cell_index[:owned], dtype=np.int64)
+    counts = all_ranks.comm.gather(owned)
+    order = all_ranks.gather(original, counts)
+    given = all_ranks.scatter(None if order is None else cells[order], counts, cells.shape[1], np.int64)
+    found = np.asarray(mesh.geometry.input_global_indices)[versions.geometry_list(mesh)[:owned]]
+    if not np.array_equal(given, found):
+        raise EngineError("this version of DOLFINx renumbers the vertices of cells")
+    all_ranks.things[key] = SimpleNamespace(mesh=mesh, cell=cell, owned=owned, spaces={})
+    return order, counts
+
+
+def space_on(part: Any, what: Any) -> Any:
+    """A space on a mesh, made once: ("nodes", degree), ("cells",) or ("points", points, weights)."""
+    kind, *data = what
+    key = (kind, *(item if isinstance(item, int) else item.tobytes() for item in data))
+    if key not in part.spaces:
+        make: dict[str, Any] = {
+            "nodes": partial(versions.lagrange, ncomponents=0), "cells": versions.constants,
+            "points": versions.quadrature,
+        }  # fmt: skip
+        element = make[kind](part.cell, *data)
+        part.spaces[key] = versions.function_space(part.mesh, element)
+    return part.spaces[key]
+
+
+def make_space(all_ranks: Crew, root: Any, key: int, mesh: int, layout: list[tuple[int, int]]) -> Any:
+    """The unknowns of a system; returns their numbers rank after rank and how many each rank owns."""
+    from dolfinx import fem
+
+    part = all_ranks.things[mesh]
+    size = sum(max(count, 1) for _, count in layout)
+    degrees = {degree for degree, _ in layout}
+    low = None
+    if len(degrees) == 1:
+        (degree,) = degrees
+        W = versions.function_space(part.mesh, versions.lagrange(part.cell, degree, size))
+        if degree > 1:
+            low = _vertices(part, W, size)
+    else:
+        W = versions.function_space(
+            part.mesh, versions.mixed([versions.lagrange(part.cell, degree, count) for degree, count in layout])
+        )
+    lists = unknowns_of_cells(part, W, layout)
+    block = W.dofmap.index_map_bs
+    owned, ghosts = (block * n for n in (W.dofmap.index_map.size_local, W.dofmap.index_map.num_ghosts))
+    numbers = np.full(owned + ghosts, -1, dtype=np.int64)
+    for k, unknowns in enumerate(lists):
+        values, counts = root[k] if root else (None, None)
+        numbers[unknowns] = all_ranks.scatter(values, counts, unknowns.shape[1], np.int64)
+    fields, first = [], 0
+    for _, count in layout:
+        mine = np.unique(np.concatenate([unknowns.ravel() for unknowns in lists[first : first + max(count, 1)]]))
+        fields.append(mine[mine < owned].astype(np.int32))
+        first += max(count, 1)
+    all_ranks.things[key] = SimpleNamespace(
+        part=part, W=W, state=fem.Function(W), low=low, owned=owned, fields=fields, block=block, layout=layout
+    )
+    counts = all_ranks.comm.gather(owned)
+    return all_ranks.gather(numbers[:owned], counts), counts
+
+
+def unknowns_of_cells(part: Any, W: Any, layout: list[tuple[int, int]]) -> list[Any]:
+    """This rank's numbers of each scalar unknown in its cells, arrays (ncells, nb)."""
+    size = sum(max(count, 1) for _, count in layout)
+    if W.dofmap.index_map_bs == size:
+        blocks = versions.dof_list(W)[: part.owned]
+        return [blocks * size + k for k in range(size)]
+    lists = []
+    for k, (_, count) in enumerate(layout):
+        parts = [W.sub(k).sub(c) for c in range(count)] if count else [W.sub(k)]
+        lists += [versions.dof_list(space)[: part.owned] for space in parts]
+    return lists
+
+
+def _vertices(part: Any, W: Any, size: int) -> Any:
+    """Linear interpolants of all unknowns: their function, and the block of `W` at each of its blocks."""
+    from dolfinx import fem
+
+    space = versions.function_space(part.mesh, versions.lagrange(part.cell, 1, size))
+    here, there = versions.dof_list(space), versions.dof_list(W)
+    blocks = np.empty(space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts, dtype=np.int32)
+    blocks[here] = there[:, : here.shape[1]]
+    return SimpleNamespace(function=fem.Function(space), space=space, blocks=blocks, size=size)
+
+
+def make_form(
+    all_ranks: Crew, root: Any, key: int, space: int, entries: Any, widths: list[int], degrees: list[int], measure: Any
+) -> None:
+    """A recording as UFL forms of residual and Jacobian, compiled when they are first assembled."""
+    import ufl
+    from dolfinx import fem
+
+    unknowns = all_ranks.things[space]
+    part = unknowns.part
+    kinds = [("cells",) if width == 1 else ("points", measure.points, measure.weights) for width in widths]
+    arrays = [fem.Function(space_on(part, kind)) for kind in kinds]
+    known = [fem.Function(space_on(part, ("nodes", degree))) for degree in degrees]
+    all_ranks.things[key] = thing = SimpleNamespace(unknowns=unknowns, arrays=arrays, known=known, residual=None)
+    for which in ("arrays", "known"):
+        for k in range(len(getattr(thing, which))):
+            set_array(all_ranks, root[which == "known"][k] if root else None, key, k, which)
+    thing.form = integral(replay(entries, thing), part, measure)
+    thing.slopes = [ufl.derivative(thing.form, unknowns.state, ufl.TrialFunction(unknowns.W))]
+    if any(entry[0] == "unknown" and entry[2] == "low" for entry in entries) and unknowns.low is not None:
+        low = unknowns.low
+        thing.slopes.append(ufl.derivative(thing.form, low.function, ufl.TrialFunction(low.space)))
+    thing.jacobians = None
+
+
+def integral(integrand: Any, part: Any, measure: Any) -> Any:
+    """A form over all cells, see `measure_of`."""
+    import ufl
+    from dolfinx import fem
+
+    if measure.axisymmetric:
+        integrand = 2.0 * np.pi * ufl.SpatialCoordinate(part.mesh)[0] * integrand
+    rule = {"quadrature_rule": "custom", "quadrature_points": measure.points, "quadrature_weights": measure.weights}
+    dx = ufl.Measure("dx", domain=part.mesh, metadata={"quadrature_degree": measure.order, **rule})
+    return fem.Constant(part.mesh, measure.section) * integrand * dx
+
+
+def slot(field: Any, kind: Any) -> Any:
+    """Value, gradient or second derivative of a field in UFL."""
+    import ufl
+
+    if kind == "v":
+        return field
+    return ufl.grad(field)[kind[1]] if kind[0] == "g" else ufl.grad(ufl.grad(field))[kind[1], kind[2]]
+
+
+def replay(entries: Any, thing: Any) -> Any:
+    """The integrand of a recording in UFL."""
+    import ufl
+    from dolfinx import fem
+
+    from contbed.fem.ufl_forms import UFUNCS
+
+    unknowns, mesh = thing.unknowns, thing.unknowns.part.mesh
+    leaves = {"unknown": unknowns.state, "test": ufl.TestFunction(unknowns.W)}
+    done: list[Any] = []
+    literal = {entry[2] for entry in entries if entry[0] in ("power", "float_power")}
+    for place, (operation, *operands) in enumerate(entries):
+        if operation == "number":
+            # a number that only scales may change without compiling the form again
+            plain = place in literal or operands[0] in (0.0, 1.0, -1.0)
+            value = ufl.as_ufl(operands[0]) if plain else fem.Constant(mesh, operands[0])
+        elif operation == "array":
+            value = thing.arrays[operands[0]]
+        elif operation in leaves:
+            component, kind = operands
+            if kind == "low":
+                value = (unknowns.state if unknowns.low is None else unknowns.low.function)[component]
+            else:
+                value = slot(leaves[operation][component], kind)
+        elif operation == "known":
+            value = slot(thing.known[operands[0]], operands[1])
+        elif operation == "x":
+            value = ufl.SpatialCoordinate(mesh)[operands[0]]
+        elif operation == "h":
+            value = ufl.MaxCellEdgeLength(mesh)
+        elif operation == "where":
+            value = ufl.conditional(*(done[k] for k in operands))
+        else:
+            value = UFUNCS[getattr(np, operation)](*(done[k] for k in operands))
+        done.append(value)
+    return done[-1]
+
+
+def set_array(all_ranks: Crew, root: Any, key: int, index: int, which: str = "arrays") -> None:
+    """New values of an array or a known field."""
+    thing = all_ranks.things[key]
+    function = getattr(thing, which)[index]
+    places = versions.dof_list(function.function_space)[: thing.unknowns.part.owned]
+    values, counts = root or (None, None)
+    function.x.array[places] = all_ranks.scatter(values, counts, places.shape[1], float)
+
+
+def assemble(all_ranks: Crew, root: Any, form: int, matrix: int | None) -> Any:
+    """Residual, gathered, and the Jacobian as thing number `matrix`."""
+    from dolfinx.fem import petsc
+    from petsc4py import PETSc
+
+    thing = all_ranks.things[form]
+    unknowns = thing.unknowns
+    layout, state, added = root or (None, None, None)
+    x = unknowns.state.x
+    x.array[: unknowns.owned] = Layout.spread(all_ranks, layout, state)
+    x.scatter_forward()
+    if (low := unknowns.low) is not None:
+        low.function.x.array[:] = x.array.reshape(-1, low.size)[low.blocks].ravel()
+    if thing.residual is None:
+        thing.residual = versions.compiled(thing.form)
+    b = petsc.assemble_vector(thing.residual)
+    b.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+    mine = b.array.copy()
+    b.destroy()
+    if matrix is not None:
+        all_ranks.things[matrix] = Piece(_jacobian(thing, added), unknowns)
+    return all_ranks.gather(mine, layout and layout.counts)
+
+
+def _jacobian(thing: Any, added: Any) -> Any:
+    """The assembled derivative; that by linear interpolants goes to the columns of their vertices."""
+    from dolfinx.fem import petsc
+    from petsc4py import PETSc
+
+    if thing.jacobians is None:
+        thing.jacobians = [versions.compiled(slope) for slope in thing.slopes]
+    first, *others = thing.jacobians
+    A = petsc.create_matrix(first)
+    petsc.assemble_matrix(A, first)
+    rows, columns = A.getLGMap()
+    for jacobian in others:
+        low = thing.unknowns.low
+        places = columns.getBlockIndices()[low.blocks]
+        A.setLGMap(rows, PETSc.LGMap().create(places, bsize=low.size, comm=A.comm))
+        petsc.assemble_matrix(A, jacobian)
+        A.setLGMap(rows, columns)
+    if added is not None:
+        starts, where, values, named = added
+        A.setValuesIJV(starts, where, values, addv=PETSc.InsertMode.ADD_VALUES, rowmap=named)
+    A.assemble()
+    return A

@@ -1,0 +1,172 @@
+"""Forms that are evaluated at quadrature points and then assembled by DOLFINx: those of closures of the local state.
+
+A bubbling bed takes its coefficients from dozens of closures, anew for each state, size and height that it settles to;
+compiled as a whole such a form would take minutes. The leader evaluates it by dual numbers, as `engine.skfem` does, to
+one array for each slot of a test function and one for each pair of slots of a test function and an unknown. With these
+as values at the points DOLFINx integrates forms such as c u v', which are compiled once for all scenes.
+
+Unknowns of one number have no slot; they stand behind those of the last rank and fill a row and a column.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from contbed.fem import dolfinx, skfem
+from contbed.fem import dolfinx_versions as versions
+from contbed.fem.dual import Linear
+from contbed.fem.petsc import Layout, Matrix, Piece
+from contbed.fem.ranks import Crew
+
+
+class System(dolfinx.System):
+    """Named unknowns on a mesh that all ranks share, numbers without a place among them; see `engine.skfem.System`."""
+
+    known = skfem.System.known
+
+    def _dealt(self) -> Layout:
+        layout = super()._dealt()
+        single = [key for key in self.offset if key[0] not in self.along]
+        along = [key for key in self.offset if key[0] in self.along]
+        self.numbers = {key: k for k, key in enumerate([*along, *single])}
+        self.crew.together(make_pattern, self.key, len(single), dolfinx.measure_of(self))
+        order = np.append(layout.order, np.array([self.offset[key] for key in single], dtype=np.int64))
+        return Layout(order, [*layout.counts[:-1], layout.counts[-1] + len(single)], self.size)
+
+    def assemble(self, forms: Sequence[tuple[Any, Any, Any]], state: Any, jacobian: bool = True) -> tuple[Any, Any]:
+        """Residual and, if wanted, the distributed Jacobian of the sum of `(form, domain, coeffs)`."""
+        inside = [form for form in forms if form[1] is self.cells]
+        edge = [form for form in forms if form[1] is not self.cells]
+        residual, outer = skfem.System.assemble(self, edge, state, jacobian and bool(edge)) if edge else (0.0, None)
+        terms = self._terms(inside, state, jacobian)
+        shape = self.cells.weight.shape
+        values = [np.broadcast_to(array, shape) for *_, slots in terms for array in slots.values()]
+        todo = [(row, column, tuple(slots)) for row, column, slots in terms]
+        key = self.crew.new() if jacobian else None
+        added = None if outer is None else self.layout.entries(outer)
+        root = (self.layout, self.partition.shares(np.concatenate(values, axis=1)), added)
+        parts = self.crew.together(assemble, self.key, key, todo, root=root)
+        return self.layout.collected(parts) + residual, None if key is None else Matrix(self.crew, key, self.layout)
+
+    def _terms(self, forms: Any, state: Any, jacobian: bool) -> list[tuple[int, int | None, dict[Any, Any]]]:
+        """Coefficients as (test, unknown, {slots: array}); a residual has None for the unknown."""
+        found: dict[Any, dict[Any, Any]] = {}
+
+        def add(row: int, column: int | None, slots: Any, array: Any) -> None:
+            there = found.setdefault((row, column), {})
+            there[slots] = there[slots] + array if slots in there else array
+
+        for form, where, coeffs in forms:
+            whole = form(self._trial(where, state, jacobian), self._tests(where), coeffs, skfem.Ops(where))
+            for (name, component, kind), c in (whole.slots if isinstance(whole, Linear) else {}).items():
+                row, slot = self.numbers[name, component], (kind,) if name in self.along else ()
+                add(row, None, slot, getattr(c, "value", c))
+                for (unknown, k, trial), tangent in getattr(c, "tangents", {}).items():
+                    add(row, self.numbers[unknown, k], slot + ((trial,) if unknown in self.along else ()), tangent)
+        return [(row, column, slots) for (row, column), slots in found.items()]
+
+
+# What follows runs on all ranks.
+
+
+def make_pattern(all_ranks: Crew, root: Any, key: int, singles: int, measure: Any) -> None:
+    """An empty matrix with places for all unknowns of each cell, and for `singles` numbers without a place."""
+    from petsc4py import PETSc
+
+    thing = all_ranks.things[key]
+    part, W = thing.part, thing.W
+    thing.kernels, thing.measure = {}, measure
+    numbers = _global(W.dofmap.index_map, thing.block)
+    unknowns = [numbers[local] for local in dolfinx.unknowns_of_cells(part, W, thing.layout)]
+    thing.degrees = [degree for degree, count in thing.layout for _ in range(max(count, 1))]
+    thing.places = []
+    for degree, mine in zip(thing.degrees, unknowns, strict=True):
+        V = _nodes(part, degree)
+        places = np.full(len(_global(V.dofmap.index_map, 1)), -1, dtype=np.int32)
+        places[versions.dof_list(V)[: part.owned]] = mine
+        thing.places.append(places)
+    size = W.dofmap.index_map.size_global * thing.block
+    behind = np.arange(size, size + singles, dtype=np.int32)
+    thing.places += [*behind[:, None]]
+    local = thing.owned + (singles if all_ranks.comm.rank == all_ranks.comm.size - 1 else 0)
+    A = PETSc.Mat().createAIJ(((local, PETSc.DECIDE), (local, PETSc.DECIDE)), comm=all_ranks.comm)
+    width = singles + 2 * sum(mine.shape[1] for mine in unknowns)
+    A.setPreallocationNNZ((min(width, local), width))
+    A.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
+    for mine in np.concatenate(unknowns, axis=1):
+        coupled = np.append(mine, behind)
+        A.setValues(coupled, coupled, np.zeros((len(coupled), len(coupled))))
+    A.assemble()
+    thing.template = A
+
+
+def _global(index_map: Any, block: int) -> Any:
+    """PETSc's numbers of all unknowns that a rank knows."""
+    here = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
+    return (block * index_map.local_to_global(here)[:, None] + np.arange(block)).ravel().astype(np.int32)
+
+
+def _nodes(part: Any, degree: int) -> Any:
+    return dolfinx.space_on(part, ("nodes", degree))
+
+
+def _kernel(thing: Any, row: int, column: int | None, slots: Any) -> Any:
+    """A compiled form in test (and trial) functions of fields that have a place, and its coefficients."""
+    import ufl
+    from dolfinx import fem
+
+    degrees = [thing.degrees[k] for k in (row, column) if k is not None and k < len(thing.degrees)]
+    name = (*degrees, slots)
+    if name not in thing.kernels:
+        part, measure = thing.part, thing.measure
+        make = (ufl.TestFunction, ufl.TrialFunction)
+        arguments = [f(_nodes(part, degree)) for f, degree in zip(make, degrees, strict=False)]
+        points = dolfinx.space_on(part, ("points", measure.points, measure.weights))
+        coefficients = [fem.Function(points) for _ in slots]
+        total: Any = 0
+        for kinds, c in zip(slots, coefficients, strict=True):
+            total = total + c * math.prod(dolfinx.slot(*pair) for pair in zip(arguments, kinds, strict=True))
+        thing.kernels[name] = versions.compiled(dolfinx.integral(total, part, measure)), coefficients
+    return thing.kernels[name]
+
+
+def assemble(all_ranks: Crew, root: Any, key: int, matrix: int | None, todo: Any) -> Any:
+    """Residual, gathered, and the Jacobian as thing number `matrix`, from coefficients at the points."""
+    from dolfinx import fem
+    from dolfinx.fem import petsc
+    from petsc4py import PETSc
+
+    thing = all_ranks.things[key]
+    layout, shares, added = root or (None, None, None)
+    count = len(thing.measure.weights)
+    given, counts = shares or (None, None)
+    values = all_ranks.scatter(given, counts, count * sum(len(slots) for *_, slots in todo), float)
+    chunks = iter(np.split(values, values.shape[1] // count, axis=1))
+    b = thing.template.createVecLeft()
+    A: Any = None if matrix is None else thing.template.duplicate()
+    add = PETSc.InsertMode.ADD_VALUES
+    for row, column, slots in todo:
+        form, coefficients = _kernel(thing, row, column, slots)
+        for c in coefficients:
+            c.x.array[versions.dof_list(c.function_space)[: thing.part.owned]] = next(chunks)
+        places = [thing.places[k] for k in (row, column) if k is not None]
+        if len(slots[0]) == 2:
+            A.setLGMap(*(PETSc.LGMap().create(numbers, comm=A.comm) for numbers in places))
+            petsc.assemble_matrix(A, form)
+        else:
+            values = fem.assemble_vector(form).array if slots[0] else fem.assemble_scalar(form)
+            (b if column is None else A).setValues(*places, values, addv=add)
+    b.assemble()
+    if matrix is not None:
+        if added is not None:
+            starts, where, entries, named = added
+            A.setValuesIJV(starts, where, entries, addv=add, rowmap=named)
+        A.assemble()
+        all_ranks.things[matrix] = Piece(A, thing)
+    mine = b.array.copy()
+    b.destroy()
+    return all_ranks.gather(mine, layout and layout.counts)

@@ -1,0 +1,155 @@
+"""Quadrature on cells and facets of scikit-fem meshes, with all geometry kept apart from the reference tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem.quadrature import get_quadrature
+
+from contbed.fem.dual import Components
+from contbed.fem.elements import Space, lagrange
+
+Array = NDArray[np.float64]
+
+
+class Domain:
+    """Quadrature points of one integral: all cells, or the cells behind facets that share a local number.
+
+    `x` (dim entries of (ncells, nq)), `weight` (ncells, nq) with the measure (times 2 pi r when axisymmetric),
+    `inverse[a][k]` = dX_a/dx_k, `h` the longest edge (ncells, 1), `n` the outward normal on facets.
+    """
+
+    def __init__(
+        self,
+        mesh,
+        order: int,
+        *,
+        axisymmetric: bool = False,
+        section: float = 1.0,
+        cells: NDArray | None = None,
+        facet: int | None = None,
+    ):
+        refdom = mesh.elem.refdom
+        self.refdom, self.dim, self.axisymmetric = refdom, mesh.dim(), axisymmetric
+        self.cells = slice(None) if cells is None else cells
+        if facet is None:
+            self.X, W = get_quadrature(refdom, order)
+        else:
+            self.X, W = _facet_quadrature(refdom, facet, order)
+        corners = mesh.p[:, mesh.t[:, self.cells]]
+        geometry = lagrange(refdom, 1)
+        affine = refdom.nnodes == self.dim + 1
+        X = self.X[:, :1] if affine else self.X
+        slopes = np.array([geometry.table(X, a) for a in range(self.dim)])
+        jacobian = np.einsum("ikc,akq->iacq", corners, slopes)
+        inverse, determinant = _invert(jacobian)
+        self.inverse = [[inverse[a, k] for k in range(self.dim)] for a in range(self.dim)]
+        self.x = Components(np.einsum("kc,kq->cq", corners[i], geometry.table(self.X)) for i in range(self.dim))
+        weight = np.abs(determinant) * W
+        self.n: Any = None
+        if facet is not None:
+            outward = np.asarray(refdom.normals[facet], dtype=float)
+            outward = outward / np.linalg.norm(outward)
+            normal = np.einsum("akcq,a->kcq", inverse, outward)
+            length = np.sqrt((normal**2).sum(axis=0))
+            weight = weight * length
+            self.n = Components(normal / length)
+        if axisymmetric:
+            weight = weight * 2.0 * np.pi * self.x[0]
+        self.weight = np.broadcast_to(section * weight, self.x[0].shape)
+        edges = [(a, b) for a in range(refdom.nnodes) for b in range(a)] if affine else _edges(refdom)
+        lengths = [np.linalg.norm(corners[:, a] - corners[:, b], axis=0) for a, b in edges]
+        self.h = np.max(lengths, axis=0)[:, None]
+        self._curvature = None if affine else [
+            [np.einsum("ikc,kq->icq", corners, geometry.table(self.X, a, b)) for b in range(self.dim)]
+            for a in range(self.dim)
+        ]
+        self._tables: dict[Any, Array] = {}
+
+    def along(self, direction: Components) -> Array:
+        """Length of each cell along a unit vector (ncells, nq): 2 over the summed slopes of its vertex functions."""
+        geometry = lagrange(self.refdom, 1)
+        slopes = [geometry.table(self.X, a) for a in range(self.dim)]
+        rate = [sum(direction[k] * self.inverse[a][k] for k in range(self.dim)) for a in range(self.dim)]
+        total = sum(
+            np.abs(sum(_plain(rate[a]) * slopes[a][n] for a in range(self.dim))) for n in range(geometry.nvertices)
+        )
+        return 2.0 / np.maximum(total, 1e-150)  # where nothing moves a direction may vanish
+
+    def table(self, space: Space, kind: Any) -> Array:
+        """Reference table of a slot: "v", ("g", a), ("h", a, b) or "low" (vertex interpolant): (nb, nq)."""
+        key = (space.degree, kind)
+        if key not in self._tables:
+            if kind == "low":
+                table = np.zeros((len(space.element.nodes), self.X.shape[1]))
+                table[: space.element.nvertices] = lagrange(self.refdom, 1).table(self.X)
+            else:
+                table = space.element.table(self.X, *(() if kind == "v" else kind[1:]))
+            self._tables[key] = table
+        return self._tables[key]
+
+    def pair_table(self, test: Space, test_kind: Any, trial: Space, trial_kind: Any) -> Array:
+        """Products of two reference tables: (nq, nb_test * nb_trial)."""
+        key = (test.degree, test_kind, trial.degree, trial_kind)
+        if key not in self._tables:
+            a, b = self.table(test, test_kind), self.table(trial, trial_kind)
+            self._tables[key] = (a[:, None, :] * b[None, :, :]).reshape(-1, a.shape[1]).T.copy()
+        return self._tables[key]
+
+    def to_reference(self, slots: Mapping[Any, Any]) -> dict[Any, Any]:
+        """Coefficients of physical slots expressed on reference slots."""
+        out: dict[Any, Any] = {}
+
+        def add(kind: Any, term: Any) -> None:
+            out[kind] = out[kind] + term if kind in out else term
+
+        for kind, c in slots.items():
+            if kind in ("v", "low"):
+                add(kind, c)
+            elif kind[0] == "g":
+                for a in range(self.dim):
+                    add(("g", a), c * self.inverse[a][kind[1]])
+            else:
+                for a in range(self.dim):
+                    for b in range(self.dim):
+                        term = c * self.inverse[a][kind[1]] * self.inverse[b][kind[2]]
+                        add(("h", a, b), term)
+                        if self._curvature is not None:
+                            for k in range(self.dim):
+                                for m in range(self.dim):
+                                    add(("g", m), -term * self._curvature[a][b][k] * self.inverse[m][k])
+        return out
+
+
+def _plain(value: Any) -> Any:
+    return getattr(value, "value", value)
+
+
+def _facet_quadrature(refdom: Any, facet: int, order: int) -> tuple[Array, Array]:
+    vertices = refdom.p[:, refdom.facets[facet]]
+    if refdom.dim() == 1:
+        return vertices, np.ones(1)
+    Y, W = get_quadrature(refdom.brefdom, order)
+    spans = [vertices[:, [1]] - vertices[:, [0]], vertices[:, [-1]] - vertices[:, [0]]][: refdom.dim() - 1]
+    X = vertices[:, [0]] + sum(span * Y[k] for k, span in enumerate(spans))
+    area = np.linalg.norm(spans[0]) if len(spans) == 1 else np.linalg.norm(np.cross(spans[0].ravel(), spans[1].ravel()))
+    return X, W * area
+
+
+def _edges(refdom: Any) -> list[list[int]]:
+    return refdom.facets if refdom.dim() == 2 else refdom.edges
+
+
+def _invert(J: Any) -> tuple[Array, Array]:
+    """Inverse and determinant of J[i, a] (first two axes), dimension 1 to 3."""
+    dim = len(J)
+    if dim == 1:
+        return 1.0 / J, J[0, 0]
+    if dim == 2:
+        det = J[0, 0] * J[1, 1] - J[0, 1] * J[1, 0]
+        return np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]]) / det, det
+    moved = np.moveaxis(J, (0, 1), (-2, -1))
+    return np.moveaxis(np.linalg.inv(moved), (-2, -1), (0, 1)), np.linalg.det(moved)

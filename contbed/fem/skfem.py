@@ -1,0 +1,305 @@
+"""Assembly on scikit-fem meshes: a form is evaluated pointwise once, then contracted with reference basis tables.
+
+`System` holds named unknowns (scalar or vector fields on Lagrange spaces), assembles the residual and exact Jacobian of
+forms over cells or boundaries, and evaluates integrals. A form is `form(unknowns, tests, coeffs, ops)` and returns an
+integrand linear in the tests. All geometry is folded into the pointwise coefficients, so that an element matrix is a
+product with one small table that is the same for all cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from contbed.fem.domain import Domain
+from contbed.fem.dual import Components, Dual, Linear
+from contbed.fem.elements import Single, Space
+from contbed.solvers.linear import Policy
+from contbed.solvers.ordering import nested_dissection
+
+Array = NDArray[np.float64]
+Form = Callable[[Any, Any, Any, Any], Any]
+
+
+class _Unknown(Dual):
+    """A scalar unknown or known field at the quadrature points of one domain."""
+
+    __slots__ = ("key", "local", "space", "where")
+
+    def __init__(self, where: Domain, space: Space, local: Array, key: Any):
+        self.where, self.space, self.local, self.key = where, space, local, key
+        super().__init__(self.at("v"), {} if key is None else {(*key, "v"): 1.0})
+
+    def at(self, kind: Any) -> Array:
+        """Value of one reference slot at all points; derivatives from differences, which loses no digits to offsets."""
+        local = self.local if kind in ("v", "low") else self.local - self.local[:, :1]
+        return local @ self.where.table(self.space, kind)
+
+    def slot(self, kind: Any) -> Dual:
+        """The value of a physical slot with its derivative to itself."""
+        value: Any = 0.0
+        for reference, factor in self.where.to_reference({kind: 1.0}).items():
+            value = value + factor * self.at(reference)
+        return Dual(value, {} if self.key is None else {(*self.key, kind): 1.0})
+
+
+class _Test(Linear):
+    __slots__ = ("key", "where")
+
+    def __init__(self, where: Domain, key: Any):
+        self.where, self.key = where, key
+        super().__init__({(*key, "v"): 1.0})
+
+
+class Ops:
+    """The vocabulary of forms on one domain; pointwise maths is numpy's."""
+
+    def __init__(self, where: Domain):
+        self._where = where
+        self.x, self.h, self.n, self.dim = where.x, where.h, where.n, where.dim
+        self.axisymmetric = where.axisymmetric
+
+    def grad(self, field: Any) -> Components:
+        """Gradient: a vector of a scalar field; rows are the gradients of the components of a vector field."""
+        if isinstance(field, Components):
+            return Components(self.grad(item) for item in field.items)
+        if isinstance(field, _Test):
+            return Components(Linear({(*field.key, ("g", k)): 1.0}) for k in range(self.dim))
+        return Components(field.slot(("g", k)) for k in range(self.dim))
+
+    def div(self, field: Components) -> Any:
+        """Divergence of a vector field, hoop term included when axisymmetric."""
+        gradient = self.grad(field)
+        total = gradient[0][0]
+        for k in range(1, self.dim):
+            total = total + gradient[k][k]
+        return total + self.hoop(field) if self.axisymmetric else total
+
+    def hoop(self, field: Components) -> Any:
+        """u_r / r when axisymmetric (the azimuthal entry of the gradient), else 0."""
+        return field[0] / self.x[0] if self.axisymmetric else 0.0
+
+    def hess(self, field: Any) -> Components:
+        """Second derivatives of a scalar field in the plane of the mesh."""
+        return Components(
+            Components(field.slot(("h", *sorted((k, m)))) for m in range(self.dim)) for k in range(self.dim)
+        )
+
+    def laplacian(self, field: Any) -> Any:
+        """Laplacian of a scalar field, with its first-derivative term when axisymmetric."""
+        total = _sum(field.slot(("h", k, k)) for k in range(self.dim))
+        return total + field.slot(("g", 0)) / self.x[0] if self.axisymmetric else total
+
+    def low(self, field: Any) -> Any:
+        """The piecewise linear interpolant of a scalar field at the vertices."""
+        return field.slot("low")
+
+    @staticmethod
+    def dot(a: Components, b: Components) -> Any:
+        """Scalar product of two vectors."""
+        return _sum(p * q for p, q in zip(a.items, b.items, strict=True))
+
+    @classmethod
+    def inner(cls, a: Any, b: Any) -> Any:
+        """Full contraction of two vectors or two matrices."""
+        if isinstance(a[0], Components):
+            return _sum(cls.dot(p, q) for p, q in zip(a.items, b.items, strict=True))
+        return cls.dot(a, b)
+
+    @classmethod
+    def mul(cls, a: Components, b: Components) -> Components:
+        """Matrix times vector."""
+        return Components(cls.dot(row, b) for row in a.items)
+
+    @staticmethod
+    def transpose(a: Components) -> Components:
+        """Transposed matrix."""
+        return Components(Components(row[k] for row in a.items) for k in range(len(a[0])))
+
+
+def _sum(terms: Any) -> Any:
+    terms = list(terms)
+    total = terms[0]
+    for term in terms[1:]:
+        total = total + term
+    return total
+
+
+class System:
+    """Unknown fields on a mesh, the numbering of all their nodes, and assembly over domains.
+
+    `fields` maps a name to (degree, ncomponents), 0 components for a scalar; vectors store component after component.
+    A field of degree 0 is one number for the whole mesh.
+    `measure` may hold `axisymmetric` and `section`, the cross-section [m2] that a line stands for.
+    """
+
+    def __init__(self, mesh, fields: Mapping[str, tuple[int, int]], order: int, **measure: Any):
+        self.mesh, self.order, self.measure = mesh, order, measure
+        spaces: dict[int, Any] = {}
+        self.fields: dict[str, tuple[Any, int]] = {}
+        self.offset: dict[tuple[str, int], int] = {}
+        size = 0
+        for name, (degree, ncomponents) in fields.items():
+            space = spaces.setdefault(degree, Space(mesh, degree) if degree else Single(mesh))
+            self.fields[name] = (space, ncomponents)
+            for component in range(max(ncomponents, 1)):
+                self.offset[name, component] = size
+                size += space.size
+        self.size = size
+        self.cells = Domain(mesh, order, **measure)
+        self._order: Any = None
+        self._facets: dict[str, list[Domain]] = {}
+        self._patterns: dict[Any, tuple[Array, Array, Array, int]] = {}
+
+    def boundary(self, name: str) -> list[Domain]:
+        """Domains that together integrate over a named boundary."""
+        if name not in self._facets:
+            mesh, facets = self.mesh, self.mesh.boundaries[name]
+            cells = mesh.f2t[0, facets]
+            local = np.argmax(mesh.t2f[:, cells] == facets, axis=0)
+            self._facets[name] = [
+                Domain(mesh, self.order, cells=cells[local == k], facet=int(k), **self.measure)
+                for k in np.unique(local)
+            ]
+        return self._facets[name]
+
+    def nodes(self, name: str, facets: NDArray, component: int = 0) -> NDArray[np.int64]:
+        """Global numbers of the nodes of a field on facets."""
+        return self.fields[name][0].on_facets(facets) + self.offset[name, component]
+
+    def ordered(self, policy: Policy) -> Policy:
+        """The policy with an order of elimination for this system; a line needs none."""
+        if self.mesh.dim() == 1:
+            return policy
+        if self._order is None:
+            corners = self.mesh.p[:, self.mesh.t]
+            # extents count in cells: a plane then meets the fewest, however long they are
+            centres = corners.mean(axis=1) / np.ptp(corners, axis=1).mean(axis=1, keepdims=True)
+            numbering = [self.fields[name][0].dofs + start for (name, _), start in self.offset.items()]
+            self._order = nested_dissection(centres, numbering, self.size)
+        return replace(policy, order=self._order)
+
+    def part(self, state: Array, name: str) -> Array:
+        """View of one field in a state: (size,) or (ncomponents, size)."""
+        space, ncomponents = self.fields[name]
+        start = self.offset[name, 0]
+        view = state[start : start + max(ncomponents, 1) * space.size]
+        return view.reshape(ncomponents, -1) if ncomponents else view
+
+    def _trial(self, where: Domain, state: Array, differentiate: bool) -> SimpleNamespace:
+        out = {}
+        for name, (space, ncomponents) in self.fields.items():
+            dofs = space.dofs[:, where.cells].T
+            parts = [
+                _Unknown(where, space, state[self.offset[name, c] + dofs], (name, c) if differentiate else None)
+                for c in range(max(ncomponents, 1))
+            ]
+            out[name] = Components(parts) if ncomponents else parts[0]
+        return SimpleNamespace(**out)
+
+    def _tests(self, where: Domain) -> SimpleNamespace:
+        out = {}
+        for name, (_, ncomponents) in self.fields.items():
+            parts = [_Test(where, (name, c)) for c in range(max(ncomponents, 1))]
+            out[name] = Components(parts) if ncomponents else parts[0]
+        return SimpleNamespace(**out)
+
+    def known(self, where: Domain, space: Space, values: Array) -> Any:
+        """A known finite-element field (values (size,) or (ncomponents, size)) as coefficient on `where`."""
+        dofs = space.dofs[:, where.cells].T
+        if values.ndim == 1:
+            return _Unknown(where, space, values[dofs], None)
+        return Components(_Unknown(where, space, row[dofs], None) for row in values)
+
+    def integrate(self, expression: Callable[[Any, Any], Any], where: list[Domain], state: Array) -> float:
+        """Integral of `expression(unknowns, ops)` over domains."""
+        total = 0.0
+        for domain in where:
+            value = expression(self._trial(domain, state, False), Ops(domain))
+            total += float(np.sum(domain.weight * getattr(value, "value", value)))
+        return total
+
+    def assemble(
+        self, forms: Sequence[tuple[Form, Domain, Any]], state: Array, jacobian: bool = True
+    ) -> tuple[Array, sp.csc_matrix | None]:
+        """Residual and, if wanted, Jacobian of the sum of `(form, domain, coeffs)`."""
+        residual = np.zeros(self.size)
+        blocks: list[tuple[Any, Array]] = []
+        for form, where, coeffs in forms:
+            integrand = form(self._trial(where, state, jacobian), self._tests(where), coeffs, Ops(where))
+            if isinstance(integrand, Linear):
+                self._contract(integrand, where, residual, blocks if jacobian else None)
+        if not jacobian:
+            return residual, None
+        return residual, self._matrix(blocks)
+
+    def _contract(self, integrand: Linear, where: Domain, residual: Array, blocks: list[Any] | None) -> None:
+        rows: dict[Any, dict[Any, Any]] = {}
+        for (name, component, kind), c in integrand.slots.items():
+            rows.setdefault((name, component), {})[kind] = c
+        for key, slots in rows.items():
+            space = self.fields[key[0]][0]
+            values = {kind: getattr(c, "value", c) * where.weight for kind, c in slots.items()}
+            local: Any = 0.0
+            for kind, r in where.to_reference(values).items():
+                local = local + r @ where.table(space, kind).T
+            dofs = space.dofs[:, where.cells].T + self.offset[key]
+            residual += np.bincount(dofs.ravel(), weights=local.ravel(), minlength=self.size)
+            if blocks is not None:
+                self._jacobian_rows(key, slots, where, blocks)
+
+    def _jacobian_rows(self, key: Any, slots: Mapping[Any, Any], where: Domain, blocks: list[Any]) -> None:
+        columns: dict[Any, dict[Any, dict[Any, Any]]] = {}
+        for kind, c in slots.items():
+            for (name, component, trial_kind), tangent in getattr(c, "tangents", {}).items():
+                columns.setdefault((name, component), {}).setdefault(trial_kind, {})[kind] = tangent * where.weight
+        space = self.fields[key[0]][0]
+        for column, trial_slots in columns.items():
+            trial = self.fields[column[0]][0]
+            by_test: dict[Any, dict[Any, Any]] = {}
+            for trial_kind, test_slots in trial_slots.items():
+                for test_kind, d in where.to_reference(test_slots).items():
+                    by_test.setdefault(test_kind, {})[trial_kind] = d
+            local: Any = 0.0
+            for test_kind, d_slots in by_test.items():
+                for trial_kind, d in where.to_reference(d_slots).items():
+                    local = local + d @ where.pair_table(space, test_kind, trial, trial_kind)
+            blocks.append(((key, column, where), local))
+
+    def _matrix(self, blocks: list[tuple[Any, Array]]) -> sp.csc_matrix:
+        """Sum element matrices; the pattern of one list of blocks is found once and kept."""
+        signature = tuple((key, column, id(where)) for (key, column, where), _ in blocks)
+        if signature not in self._patterns:
+            rows, columns = [], []
+            for (key, column, where), _ in blocks:
+                i = self.fields[key[0]][0].dofs[:, where.cells].T + self.offset[key]
+                j = self.fields[column[0]][0].dofs[:, where.cells].T + self.offset[column]
+                shape = (len(i), i.shape[1], j.shape[1])
+                rows.append(np.broadcast_to(i[:, :, None], shape).ravel())
+                columns.append(np.broadcast_to(j[:, None, :], shape).ravel())
+            self._patterns[signature] = _pattern(np.concatenate(rows), np.concatenate(columns), self.size)
+        position, indices, indptr, nnz = self._patterns[signature]
+        data = np.bincount(position, weights=np.concatenate([local.ravel() for _, local in blocks]), minlength=nnz)
+        return sp.csc_matrix((data, indices, indptr), shape=(self.size, self.size))
+
+
+def _pattern(rows: NDArray, columns: NDArray, size: int) -> tuple[Any, Any, Any, int]:
+    """Compressed-column structure of entries and the place of each entry in it."""
+    keys = columns.astype(np.int64) * size + rows
+    order = np.argsort(keys, kind="stable")
+    new = np.empty(len(keys), dtype=bool)
+    new[0] = True
+    ordered = keys[order]
+    np.not_equal(ordered[1:], ordered[:-1], out=new[1:])
+    group = np.cumsum(new) - 1
+    position = np.empty(len(keys), dtype=np.int32)
+    position[order] = group
+    unique = ordered[new]
+    indptr = np.searchsorted(unique, np.arange(size + 1, dtype=np.int64) * size).astype(np.int32)
+    return position, (unique % size).astype(np.int32), indptr, len(unique)

@@ -1,1 +1,0 @@
-"""One file, one physics: equations, fields, residual, boundary terms, balances."""

@@ -1,0 +1,79 @@
+"""Refinement by an error estimator, after the mesh was graded to the layers that are known in closed form.
+
+The gradient of a temperature jumps between cells by as much as it is wrong. Averaged at the nodes it is better by an
+order, and the cell size times the difference estimates the error of the temperature in a cell (Zienkiewicz & Zhu 1987,
+doi:10.1002/nme.1620240206). Cells with most of the error are halved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import skfem
+
+from contbed.fem.elements import Space
+from contbed.mesh.mesh import Mesh
+
+SHARE = 0.3  # cells with more than this share of the largest estimate are refined
+SMALLEST = 1e-9  # cells below this share of the bed are left alone
+
+
+def refinable(mesh: Mesh) -> bool:
+    """Lines and triangles can be refined locally."""
+    return isinstance(mesh.skfem, skfem.MeshLine1 | skfem.MeshTri1)
+
+
+def estimate(space: Space, values: Any) -> Any:
+    """Estimated error of a nodal field in each cell (ncells,), in its own unit."""
+    grid, element = space.mesh, space.element
+    corners = grid.p[:, grid.t]
+    slopes = np.array([_linear(element.refdom, a) for a in range(element.dim)])
+    inverse = np.linalg.inv(np.einsum("ikc,ak->cia", corners, slopes))
+    local = values[space.dofs] - values[space.dofs[0]]
+    tables = np.array([element.table(element.nodes.T, a) for a in range(element.dim)])
+    gradient = np.einsum("cak,ajn,jc->knc", inverse, tables, local)
+    count = np.bincount(space.dofs.ravel(), minlength=space.size)
+    size = np.sqrt(((corners - corners.mean(axis=1, keepdims=True)) ** 2).sum(axis=0).max(axis=0))
+    error = np.zeros(grid.nelements)
+    for component in gradient:
+        smooth = np.bincount(space.dofs.ravel(), weights=component.ravel(), minlength=space.size) / count
+        error = np.maximum(error, np.abs(component - smooth[space.dofs]).max(axis=0))
+    return error * size / space.degree
+
+
+def _linear(refdom: type, axis: int) -> Any:
+    from contbed.fem.elements import lagrange
+
+    vertices = np.zeros((refdom.dim(), 1))  # type: ignore[attr-defined]
+    return lagrange(refdom, 1).table(vertices, axis)[:, 0]
+
+
+def refined(mesh: Mesh, error: Any) -> Mesh:
+    """The mesh with its worst cells halved; names stay."""
+    grid = mesh.skfem
+    extent = np.ptp(grid.p, axis=1).max()
+    corners = grid.p[:, grid.t]
+    size = np.ptp(corners, axis=1).max(axis=0)
+    marked = np.flatnonzero((error > SHARE * error.max()) & (size > SMALLEST * extent))
+    new = replace(grid, _boundaries=None, _subdomains=None).refined(marked)
+    new = new.with_boundaries({name: _inherit(grid, new, grid.boundaries[name]) for name in mesh.boundaries})
+    centres = new.p[:, new.t].mean(axis=1)
+    parent = grid.element_finder()(*centres)
+    new = new.with_subdomains({name: np.flatnonzero(np.isin(parent, grid.subdomains[name])) for name in mesh.regions})
+    return replace(mesh, skfem=new)
+
+
+def _inherit(old: Any, new: Any, facets: Any) -> Any:
+    """Exterior facets of the refined mesh whose centres lie on the given facets of the old one."""
+    exterior = new.boundary_facets()
+    centres = new.p[:, new.facets[:, exterior]].mean(axis=1)
+    ends = old.p[:, old.facets[:, facets]]
+    start, span = ends[:, 0], ends[:, -1] - ends[:, 0]
+    length = np.maximum((span**2).sum(axis=0), 1e-300)
+    away = centres[:, :, None] - start[:, None, :]
+    along = np.clip((away * span[:, None, :]).sum(axis=0) / length, 0.0, 1.0)
+    distance = ((away - along * span[:, None, :]) ** 2).sum(axis=0).min(axis=1)
+    scale = np.ptp(old.p, axis=1).max()
+    return exterior[distance < (1e-9 * scale) ** 2]

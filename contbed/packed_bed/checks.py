@@ -1,0 +1,370 @@
+"""What is wrong with a scene although every single value is right: contradictions, gaps and names that do not exist.
+
+Each check is a generator over the tables that its parameters name, and yields (key path, what is wrong). It is left
+out when the schema has rejected one of these tables. `see` says where the other one of two contradicting keys stands.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from difflib import get_close_matches
+from typing import Any
+
+from contbed.closures.binding import is_phase, resolve_closure, resolve_dispersion
+from contbed.errors import SceneError
+from contbed.packed_bed import scene as s
+from contbed.packed_bed.inlets import enters, role, velocity_vector
+from contbed.radiation.checks import (
+    particles_have_a_size_and_fit_together,
+    radiation_is_complete,
+    tubes_see_radiation,
+)
+from contbed.scene.toml_lines import KeyPath, Origin, dotted, parse_key
+
+Mistakes = Iterator[tuple[KeyPath, str]]
+See = Callable[[str], str]
+Boundaries = Mapping[str, s.Boundary]
+NEEDED = ("fluid", "bed", "flow")
+PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
+
+
+def mistakes(
+    parts: Mapping[str, Any], broken: set[str], origin: Origin, checks: Iterable[Callable[..., Mistakes]] | None = None
+) -> list[tuple[KeyPath, str]]:
+    """All mistakes of all checks. `parts` holds the valid tables, `broken` names the others."""
+    available = {**parts, "origin": origin, "see": lambda key: f"{key} ({origin.at(parse_key(key))})"}
+    found: list[tuple[KeyPath, str]] = []
+    absent = {name for name in NEEDED if parts.get(name) is None}
+    for check in CHECKS if checks is None else checks:
+        needs = inspect.signature(check).parameters.keys()
+        if not needs & broken and (check in TOLERANT or not needs & absent):
+            found += list(check(**{name: available[name] for name in needs}))
+    return found
+
+
+def tables_are_complete(
+    heat: s.Heat | None, radiation: s.Radiation | None, fluid: s.Fluid, bed: s.Bed, flow: s.Flow
+) -> Mistakes:
+    alone = heat is None and radiation is not None
+    for name, table in (("fluid", fluid), ("bed", bed), ("flow", flow)):
+        if table is None and not alone:
+            yield (name,), f"this table is missing; {'[heat]' if heat is not None else 'the flow'} needs it"
+        elif table is not None and alone and name != "bed":
+            yield (name,), "has no meaning with [radiation] alone; add [heat] or remove it"
+
+
+def heat_has_its_materials(heat: s.Heat | None, solid: s.Solid | None, fluid: s.Fluid) -> Mistakes:
+    if heat is None:
+        return
+    if solid is None:
+        yield ("heat",), "needs a [solid] table with density, heat_capacity and conductivity"
+    if isinstance(fluid, s.FluidConstant):
+        for name in ("heat_capacity", "conductivity"):
+            if getattr(fluid, name) is None:
+                yield ("fluid", name), "missing; a scene with [heat] needs it"
+            elif getattr(fluid, name) == 0:
+                yield ("fluid", name), "is 0; a scene with [heat] needs it above 0"
+
+
+def heat_alone_uses_temperatures(
+    heat: s.Heat | None, boundary: Boundaries, region: Mapping[str, s.Region], time: s.Time | None
+) -> Mistakes:
+    if heat is not None:
+        return
+    remedy = "has no meaning without a [heat] table"
+    for name, conditions in boundary.items():
+        for phase in PHASES:
+            if getattr(conditions, phase) is not None:
+                yield ("boundary", name, phase), remedy
+    for name in region:
+        yield ("region", name), remedy
+    if time is not None:
+        yield ("time",), "needs a [heat] table: the flow is steady"
+
+
+def names_exist(mesh: s.Mesh, boundary: Boundaries, region: Mapping[str, s.Region]) -> Mistakes:
+    if isinstance(mesh, s.MeshFile):
+        return
+    known = [name for pair in mesh.sides for name in pair if name != "axis"]
+    for name in boundary:
+        if name == "axis" and isinstance(mesh, s.MeshAxisymmetric):
+            yield ("boundary", name), "the axis is a line of symmetry and takes no condition; remove this table"
+        elif name not in known:
+            text = f"a mesh of type '{mesh.type}' has no such boundary; it has {', '.join(known)}"
+            near = get_close_matches(name.lower(), known, n=1)
+            yield ("boundary", name), text + (f"; did you mean '{near[0]}'?" if near else "")
+    for name in region:
+        if name != s.REGION:
+            yield ("region", name), f"a mesh of type '{mesh.type}' has one region, '{s.REGION}'"
+
+
+def velocities_fit_the_mesh(mesh: s.Mesh, flow: s.Flow, see: See) -> Mistakes:
+    for key in PHASES.values():
+        value = getattr(flow, key)
+        if not isinstance(value, tuple):
+            continue
+        if len(value) != mesh.dimension:
+            yield (
+                ("flow", key),
+                f"has {len(value)} components, the mesh has {mesh.dimension} dimensions; see {see('mesh.type')}",
+            )
+        elif isinstance(mesh, s.MeshAxisymmetric) and value[0] != 0:
+            yield ("flow", key), f"the radial velocity is 0 in an axisymmetric bed; see {see('mesh.type')}"
+
+
+def mesh_file_exists(mesh: s.Mesh, see: See, origin: Origin) -> Mistakes:
+    if not isinstance(mesh, s.MeshFile):
+        return
+    path = origin.base / mesh.file
+    suffix = path.suffix.lower()
+    if suffix not in (".geo", ".msh"):
+        yield ("mesh", "file"), "is neither a gmsh geometry (.geo) nor a gmsh mesh (.msh)"
+    elif "\0" in mesh.file or not path.is_file():
+        yield ("mesh", "file"), f"no such file; looked for {path.absolute()}"
+    if suffix == ".msh" and mesh.size is not None:
+        yield ("mesh", "size"), f"is for a .geo; a .msh has its cells already; see {see('mesh.file')}"
+    if mesh.axisymmetric and mesh.dimension != 2:
+        yield ("mesh", "axisymmetric"), f"an axisymmetric mesh has 2 dimensions; see {see('mesh.dimension')}"
+
+
+def the_packing_fits_the_bed(mesh: s.Mesh, bed: s.Bed, see: See) -> Mistakes:
+    if isinstance(mesh, s.MeshFile):
+        return
+    if bed.particle_diameter > mesh.length:
+        yield (
+            ("bed", "particle_diameter"),
+            f"{bed.particle_diameter:g} m is more than the length of the bed, {see('mesh.length')}; is a unit missing?",
+        )
+
+
+def positions_lie_in_the_bed(mesh: s.Mesh, output: s.Output, see: See) -> Mistakes:
+    if isinstance(mesh, s.MeshFile):
+        return
+    for index, position in enumerate(output.positions):
+        if not 0 <= position <= mesh.length:
+            yield (
+                ("output", "positions", index),
+                f"outside of the bed, 0 to {mesh.length:g} m; see {see('mesh.length')}",
+            )
+
+
+def fluids_make_sense(fluid: s.Fluid) -> Mistakes:
+    if isinstance(fluid, s.FluidCoolProp) and fluid.T_range[0] >= fluid.T_range[1]:
+        yield ("fluid", "T_range"), "the lower temperature comes first"
+    if isinstance(fluid, s.FluidCantera):
+        from contbed.materials.composition import mole_fractions
+
+        try:
+            mole_fractions(fluid.composition)
+        except SceneError as error:
+            yield ("fluid", "composition"), str(error)
+
+
+def temperatures_lie_in_the_fluid_table(
+    fluid: s.Fluid, boundary: Boundaries, time: s.Time | None, see: See
+) -> Mistakes:
+    if not isinstance(fluid, s.FluidCoolProp):
+        return
+    low, high = fluid.T_range
+    for path, temperature in _temperatures(["fluid"], boundary, time):
+        if low < high and not low <= temperature <= high:
+            yield path, f"outside of the fluid's table, {low:g} to {high:g} K; see {see('fluid.T_range')}"
+
+
+def polynomials_stay_positive(solid: s.Solid | None, boundary: Boundaries, time: s.Time | None) -> Mistakes:
+    if solid is None:
+        return
+    for key in ("heat_capacity", "conductivity"):
+        coefficients = getattr(solid, key)
+        if not isinstance(coefficients, tuple):
+            continue
+        for path, temperature in _temperatures(PHASES, boundary, time):
+            value = sum(a * temperature**power for power, a in enumerate(coefficients))
+            if not value > 0:
+                yield ("solid", key), f"is {value:.4g} at {dotted(path)} = {temperature:g} K; it must be above 0"
+                break
+
+
+def times_are_in_order(time: s.Time | None, see: See) -> Mistakes:
+    if time is None:
+        return
+    for index, instant in enumerate(time.times):
+        if instant > time.end:
+            yield ("time", "times", index), f"{instant:g} s is after the end; see {see('time.end')}"
+    if time.step is not None and time.step > time.end:
+        yield ("time", "step"), f"{time.step:g} s is more than the whole run; see {see('time.end')}"
+    if time.step is not None and "tolerance" in time.model_fields_set:
+        yield ("time", "tolerance"), f"has no meaning with a fixed step; remove one; see {see('time.step')}"
+
+
+def flow_has_a_way_through(mesh: s.Mesh, flow: s.Flow, boundary: Boundaries, see: See) -> Mistakes:
+    velocity = velocity_vector(mesh, flow.velocity)
+    if len(velocity) != mesh.dimension:
+        return
+    given = {name: conditions.flow for name, conditions in boundary.items() if conditions.flow is not None}
+    moving = any(velocity)
+    for name, kind in given.items():
+        path = ("boundary", name, "flow")
+        if kind == "inlet" and not moving:
+            yield path, f"nothing enters: the velocity is 0; see {see('flow.velocity')}"
+            continue
+        direction = enters(mesh, velocity, name)
+        if kind == "inlet" and direction in (0, -1):
+            yield path, f"the velocity does not enter through '{name}'; see {see('flow.velocity')}"
+        if kind == "outlet" and direction == 1:
+            yield path, f"the velocity enters through '{name}'; see {see('flow.velocity')}"
+    if isinstance(mesh, s.MeshFile):
+        roles: set[str | None] = set(given.values())
+        sides = list(given)
+    else:
+        sides = [side for pair in mesh.sides for side in pair]
+        roles = {role(mesh, velocity, side, boundary) for side in sides}
+        # Roles that contradict the velocity are reported above.
+        if any(enters(mesh, velocity, name) == {"outlet": 1, "inlet": -1}.get(kind, 2) for name, kind in given.items()):
+            return
+    if not moving or not roles & {"inlet", "outlet", "no_slip", "slip"}:
+        return
+    for kind, other, verb in (("inlet", "outlet", "enter"), ("outlet", "inlet", "leave")):
+        if kind not in roles and (other in roles or not isinstance(mesh, s.MeshFile)):
+            walls = [side for side in sides if given.get(side) in ("no_slip", "slip")]
+            at: KeyPath = ("boundary", walls[0], "flow") if walls else ("boundary",)
+            remedy = f"no boundary is an {kind}; give one flow = '{kind}'"
+            yield at, f"the fluid cannot {verb}: {remedy}; see {see('flow.velocity')}"
+
+
+def streams_have_a_temperature(
+    mesh: s.Mesh, flow: s.Flow, heat: s.Heat | None, boundary: Boundaries, see: See
+) -> Mistakes:
+    if heat is None:
+        return
+    for phase, key in PHASES.items():
+        velocity = velocity_vector(mesh, getattr(flow, key))
+        if len(velocity) != mesh.dimension:
+            continue
+        conditions = {name: getattr(b, phase) for name, b in boundary.items() if getattr(b, phase) is not None}
+        for name, condition in conditions.items():
+            if condition.inflow is None:
+                continue
+            path = ("boundary", name, phase, "inflow")
+            if not any(velocity):
+                yield path, f"the {phase} does not move, so that nothing enters; use fixed; see {see(f'flow.{key}')}"
+            elif enters(mesh, velocity, name) in (0, -1):
+                yield path, f"no {phase} enters through '{name}'; see {see(f'flow.{key}')}"
+        if isinstance(mesh, s.MeshFile):
+            known = any(c.inflow is not None or c.fixed is not None for c in conditions.values())
+            if any(velocity) and not known:
+                yield ("boundary",), f"no boundary gives the temperature of the entering {phase}: inflow, or fixed"
+            continue
+        for name in (side for pair in mesh.sides for side in pair if enters(mesh, velocity, side) == 1):
+            is_wall = phase == "fluid" and name in boundary and boundary[name].flow in ("slip", "no_slip")
+            if name not in conditions and not is_wall:
+                yield (
+                    ("boundary", name, phase),
+                    f"the {phase} enters here without a temperature; give inflow, or fixed; see {see(f'flow.{key}')}",
+                )
+
+
+def a_steady_temperature_is_determined(
+    heat: s.Heat | None, time: s.Time | None, boundary: Boundaries, radiation: s.Radiation | None
+) -> Mistakes:
+    if heat is None or time is not None:
+        return
+    tied = {
+        phase
+        for conditions in boundary.values()
+        for phase in PHASES
+        if (c := getattr(conditions, phase)) is not None and (c.fixed or c.inflow or c.coefficient)
+    }
+    if radiation is not None and any(conditions.radiation for conditions in boundary.values()):
+        tied.add("solid")
+    # Without exchange between the phases each needs a temperature of its own.
+    loose = [phase for phase in PHASES if phase not in tied] if heat.nusselt == 0 or not tied else []
+    if loose:
+        yield (
+            ("heat",),
+            f"the steady temperature of the {' and the '.join(loose)} is undetermined: no boundary has fixed, inflow "
+            "or coefficient, none radiates; give one, or a [time] table",
+        )
+
+
+def closures_exist(
+    mesh: s.Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries, origin: Origin
+) -> Mistakes:
+    uses: list[tuple[KeyPath, Any, str]] = [
+        (("bed", "permeability"), bed.permeability, "permeability"),
+        (("bed", "forchheimer"), bed.forchheimer, "forchheimer"),
+    ]
+    if heat is not None:
+        uses += [
+            (("heat", "nusselt"), heat.nusselt, "nusselt"),
+            (("heat", "conductivity_fluid"), heat.conductivity_fluid, "conductivity"),
+            (("heat", "conductivity_solid"), heat.conductivity_solid, "conductivity"),
+            (("heat", "tortuosity"), heat.tortuosity, "tortuosity"),
+            (("heat", "dispersion"), heat.dispersion, "dispersion"),
+        ]
+    for name, conditions in boundary.items():
+        for phase in PHASES:
+            condition = getattr(conditions, phase)
+            if condition is not None:
+                uses.append((("boundary", name, phase, "coefficient"), condition.coefficient, "wall"))
+    for path, spec, kind in uses:
+        if not isinstance(spec, (str, s.Closure, s.ClosureFile)):
+            continue
+        if kind == "conductivity" and is_phase(spec):
+            if isinstance(spec, s.Closure) and spec.model_extra:
+                yield path, f"{spec.name} has no parameters"
+            continue
+        try:
+            functions: tuple[Callable[..., Any], ...]
+            if kind == "dispersion" and not isinstance(spec, s.ClosureFile):
+                functions = resolve_dispersion(spec)[:2]
+            else:
+                functions = resolve_closure(spec, kind, origin.base)[:1]
+        except SceneError as error:
+            yield path, str(error)
+            continue
+        given = spec.model_extra or {} if isinstance(spec, s.Closure) else {}
+        asks = any("D_bed" in function.sheet.arguments for function in functions)  # type: ignore[attr-defined]
+        if asks and "D_bed" not in given and isinstance(mesh, s.MeshLine) and not isinstance(spec, s.ClosureFile):
+            name = spec if isinstance(spec, str) else spec.name
+            yield path, f'needs the diameter of the bed, which a line does not tell: {{name = "{name}", D_bed = ...}}'
+
+
+# these are told when a table is absent
+TOLERANT = (tables_are_complete, radiation_is_complete)
+CHECKS: tuple[Callable[..., Mistakes], ...] = (
+    tables_are_complete,
+    radiation_is_complete,
+    tubes_see_radiation,
+    particles_have_a_size_and_fit_together,
+    heat_has_its_materials,
+    heat_alone_uses_temperatures,
+    names_exist,
+    velocities_fit_the_mesh,
+    mesh_file_exists,
+    the_packing_fits_the_bed,
+    positions_lie_in_the_bed,
+    fluids_make_sense,
+    temperatures_lie_in_the_fluid_table,
+    polynomials_stay_positive,
+    times_are_in_order,
+    flow_has_a_way_through,
+    streams_have_a_temperature,
+    a_steady_temperature_is_determined,
+    closures_exist,
+)
+
+
+def _temperatures(
+    phases: Iterable[str], boundary: Boundaries, time: s.Time | None
+) -> Iterator[tuple[KeyPath, float]]:
+    """Every temperature that the scene gives for these phases."""
+    for phase in phases:
+        for name, conditions in boundary.items():
+            condition = getattr(conditions, phase)
+            for key in ("fixed", "inflow", "ambient"):
+                if condition is not None and getattr(condition, key) is not None:
+                    yield ("boundary", name, phase, key), getattr(condition, key)
+        if time is not None:
+            yield ("time", f"initial_{phase}"), getattr(time, f"initial_{phase}")

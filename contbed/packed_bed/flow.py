@@ -1,0 +1,115 @@
+"""Solves the porous flow of a scene on its mesh: boundary values, Newton, volume-flow balance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import SceneError
+from contbed.fem import system as make_system
+from contbed.fem.dual import Components
+from contbed.fem.skfem import System
+from contbed.mesh.mesh import Mesh
+from contbed.packed_bed.equations import porous_flow
+from contbed.solvers.linear import Policy
+from contbed.solvers.newton import newton
+
+PARALLEL = 1e-9  # a wall counts as parallel to a direction below this sine
+
+
+@dataclass(frozen=True)
+class Flow:
+    """A velocity field: `velocity` (dim, size) on quadratic elements, `state` and `system` behind it."""
+
+    system: System
+    state: Any
+    history: list[float]
+
+    @property
+    def velocity(self) -> Any:
+        """Nodal velocities (dim, size)."""
+        return self.system.part(self.state, "u")
+
+    @property
+    def pressure(self) -> Any:
+        """Nodal pressure, porosity times the intrinsic one (size,)."""
+        return self.system.part(self.state, "p")
+
+    def outflow(self, boundary: str) -> float:
+        """Volume flow out of a boundary [m3/s]."""
+        return self.system.integrate(porous_flow.volume_flow, self.system.boundary(boundary), self.state)
+
+
+def constant_normal(mesh: Mesh, boundary: str) -> Any:
+    """The outward unit normal of a boundary that is plane, else None."""
+    system = System(mesh.skfem, {}, 2)
+    normals = np.concatenate([np.array([n.ravel() for n in part.n.items]).T for part in system.boundary(boundary)])
+    return normals[0] if np.abs(normals - normals[0]).max() < PARALLEL else None
+
+
+def solve_flow(
+    mesh: Mesh,
+    c: porous_flow.Coefficients,
+    inlet: Any,
+    conditions: dict[str, str],
+    policy: Policy,
+    *,
+    tolerance: float,
+    iterations: int,
+) -> Flow:
+    """Newton from uniform flow. `conditions` maps each boundary to inlet, outlet, no_slip or slip.
+
+    Inlet nodes keep the inlet velocity also where a no-slip wall begins, so that the volume flow is the prescribed one.
+    """
+    dim = mesh.skfem.dim()
+    kink = c.forchheimer > 0 and any(c.velocity_solid.items)  # of the drag where the fluid moves with the bed
+    system = make_system(mesh, {"u": (2, dim), "p": (1, 0)}, 9 if kink else 5)
+    state = np.zeros(system.size)
+    system.part(state, "u")[:] = np.asarray(inlet, dtype=float)[:, None]
+    fixed: list[Any] = []
+    for kind in ("slip", "no_slip", "inlet"):
+        for name in (name for name, condition in conditions.items() if condition == kind):
+            facets = mesh.skfem.boundaries[name]
+            for component, value in _values(mesh, name, kind, inlet).items():
+                nodes = system.nodes("u", facets, component)
+                state[nodes] = value
+                fixed.append(nodes)
+    form = [(porous_flow.residual, system.cells, c)]
+    state, history = newton(
+        lambda x, jacobian: system.assemble(form, x, jacobian),
+        state,
+        np.unique(np.concatenate(fixed)),
+        system.ordered(policy),
+        tolerance=tolerance,
+        iterations=iterations,
+        what="flow",
+    )
+    return Flow(system, state, history)
+
+
+def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:
+    dim = mesh.skfem.dim()
+    if kind == "inlet":
+        return {k: float(inlet[k]) for k in range(dim)}
+    if kind == "no_slip":
+        return dict.fromkeys(range(dim), 0.0)
+    normal = constant_normal(mesh, name)
+    if normal is None or np.sort(np.abs(normal))[:-1].max() > PARALLEL:
+        problem = "a slip wall must be a plane along the coordinate axes"
+        raise SceneError(f'boundary.{name}: {problem}; use flow = "no_slip"')
+    return {int(np.argmax(np.abs(normal))): 0.0}
+
+
+def coefficients(scene: Any, medium: Any, velocity: Any, velocity_solid: Any) -> porous_flow.Coefficients:
+    """Momentum coefficients of a scene at the fluid's inlet temperature."""
+    return porous_flow.Coefficients(
+        density=medium.mass_flux_scale(),
+        viscosity=float(medium.fluid.viscosity(medium.T_fluid_in)),
+        porosity=scene.bed.porosity,
+        permeability=medium.packing("permeability"),
+        forchheimer=medium.packing("forchheimer"),
+        velocity_solid=Components(float(v) for v in velocity_solid),
+        speed=float(np.linalg.norm(velocity) + np.linalg.norm(velocity_solid)),
+    )

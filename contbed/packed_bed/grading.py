@@ -1,0 +1,174 @@
+"""Meshes graded to the layers of a scene: exchange and conduction at the ends, drag and radiation on walls."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contbed.mesh.mesh import equidistributed, graded
+from contbed.packed_bed import scene as s
+from contbed.packed_bed.medium import Medium
+
+GRADING_ERROR = 4e-4  # error of theta on a mesh of grading scale 1 with quadratic elements, measured
+OBLIQUE = 0.4  # share of the rate of the most oblique ordinate, 1/mu = (n + 1/2)^2/1.446, that a mesh resolves
+WIDENING = 8.0  # ratio of widths of layers around a corner
+FRONT_CELLS = 4000  # cells of a bed with tracked fronts
+
+
+def nodes(scene: s.Scene, medium: Medium | None, velocity: Any, solid: Any, fronts: bool) -> list[Any] | None:
+    """Graded coordinates for each direction of a built-in mesh without prescribed cells."""
+    mesh = scene.mesh
+    if isinstance(mesh, s.MeshFile):
+        return None
+    if isinstance(mesh, s.MeshLine) and (mesh.cells is None or mesh.graded):
+        if fronts:
+            return [np.linspace(0.0, mesh.length, FRONT_CELLS + 1)]
+        layers = [] if medium is None else axial_layers(scene, medium, float(velocity[0]), float(solid[0]), mesh.length)
+        layers += radiation_layers(scene, medium, 0, mesh.length)
+        if mesh.cells is None:
+            coarse = mesh.length / (400 if scene.time is not None else 40)
+            return [graded(mesh.length, layers, scale=_scale(scene), coarse=coarse)]
+        return [equidistributed(mesh.length, layers, mesh.cells, scene.solver.degree)]
+    if (mesh.cells is not None and not mesh.graded) or (medium is None and scene.radiation is None):
+        return None
+    return [_graded(scene, medium, velocity, solid, k) for k in range(mesh.dimension)]
+
+
+def _scale(scene: s.Scene) -> float:
+    """Factor on the cells of a grading that brings theta to the tolerance of the scene."""
+    return min(1.0, (scene.solver.tolerance / GRADING_ERROR) ** (1.0 / (scene.solver.degree + 1)))
+
+
+def _graded(scene: s.Scene, medium: Medium | None, velocity: Any, solid: Any, direction: int) -> Any:
+    """Graded coordinates of one direction of a 2-D or 3-D bed."""
+    mesh = scene.mesh
+    axis = 1 if isinstance(mesh, s.MeshAxisymmetric) else 0
+    if isinstance(mesh, s.MeshRectangle):
+        extents = [mesh.length, mesh.height]
+    elif isinstance(mesh, s.MeshAxisymmetric):
+        extents = [mesh.radius, mesh.length]
+    else:
+        assert isinstance(mesh, s.MeshBox)
+        extents = [mesh.length, mesh.width, mesh.height]
+    extent = extents[direction]
+    layers = _widening(radiation_layers(scene, medium, direction, extent), extent)
+    if direction == axis and medium is not None and scene.heat is not None:
+        layers += axial_layers(scene, medium, float(velocity[axis]), float(solid[axis]), extent)
+    for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):
+        table = scene.boundary.get(name)
+        thermal = table is not None and (table.flow == "no_slip" or table.fluid or table.solid)
+        if direction != axis and medium is not None and thermal:
+            layers += [(position, max(width, 1e-3 * extent)) for width in _wall_layers(scene, medium, velocity, solid)]
+    if mesh.cells is not None:
+        return equidistributed(extent, layers, mesh.cells[direction])
+    if medium is None and mesh.dimension == 2:
+        return graded(extent, layers, coarse=extent / 12, scale=_scale(scene))
+    return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
+
+
+def _widening(layers: list[tuple[float, float]], extent: float) -> list[tuple[float, float]]:
+    """Layers of growing width above each: where two walls of unlike temperature meet, heat flows on all scales down to
+    the mean free path.
+    """
+    steps = (WIDENING ** np.arange(max(1, np.ceil(np.log(extent / width) / np.log(WIDENING)))) for _, width in layers)
+    return [(x, width * step) for (x, width), each in zip(layers, steps, strict=True) for step in each]
+
+
+def _wall_layers(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> tuple[float, float]:
+    """Widths of the flow layer on a wall [m]: where the drag is Darcy's, and with Forchheimer's at its largest."""
+    permeability, forchheimer = medium.packing("permeability"), medium.packing("forchheimer")
+    fastest = max(float(np.linalg.norm(solid)), float(np.linalg.norm(velocity - solid)))
+    inertia = medium.mass_flux_scale() * forchheimer * fastest / float(medium.fluid.viscosity(medium.T_fluid_in))
+    both = 1.0 / permeability + 2.0 * inertia / permeability**0.5
+    return (permeability / scene.bed.porosity) ** 0.5, (scene.bed.porosity * both) ** -0.5
+
+
+def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> list[tuple[float, float]]:
+    """Positions and widths of the exchange and conduction layers at both ends of a bed, from the closed-form rates."""
+    T = medium.T_fluid_in
+    scale = medium.mass_flux_scale()
+    flux_fluid = scale * float(medium.fluid.heat_capacity(T)) * u
+    flux_solid = float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)) * u_solid
+
+    def speed(density: Any) -> float:
+        return abs(scale / density * u - u_solid)
+
+    d_fluid = float(medium.conductivity_fluid(T))
+    if (dispersion := medium.dispersion(T, speed)) is not None:
+        d_fluid += float(dispersion[0])
+    d_solid = float(medium.conductivity_solid(T))
+    exchange = float(medium.exchange(T, speed))
+    add_fluid, add_solid, cross = (float(share) for share in medium.tortuosity(T) or (0.0, 0.0, 0.0))
+    found = _rates((flux_fluid, d_fluid + add_fluid), (flux_solid, d_solid + add_solid), exchange, cross)
+    finite = [rate for rate in found if rate and np.isfinite(rate)]
+    layers = [(0.0 if rate < 0 else length, min(1.0 / abs(rate), length)) for rate in finite]
+    if flux_fluid * flux_solid >= 0 and finite:
+        layers = [layer for layer in layers if _matters(scene, layer, finite, flux_fluid + flux_solid, length)]
+    return [(position, width) for position, width in layers if width > 1e-10 * length]
+
+
+def _rates(fluid: tuple[float, float], solid: tuple[float, float], exchange: float, cross: float) -> list[float]:
+    """Signed rates [1/m] of the modes of two phases, given as (flux, conductivity); the phases are interchangeable."""
+    from contbed.verify.exact_two_energy import rates
+
+    if exchange == 0.0:
+        return [flux / d for flux, d in (fluid, solid) if d]
+    (flux, d), (flux_other, d_other) = (fluid, solid) if fluid[0] else (solid, fluid)
+    if flux == 0.0:
+        rate = (exchange * (d + d_other + 2.0 * cross) / (d * d_other - cross**2)) ** 0.5 if d and d_other else 0.0
+        return [-rate, rate]
+    sign = 1.0 if flux > 0 else -1.0
+    return [sign * rate for rate in rates(abs(flux), sign * flux_other, d, d_other, exchange, cross)]
+
+
+def _matters(scene: s.Scene, layer: tuple[float, float], rates: list[float], flux: float, length: float) -> bool:
+    """Whether a layer where all streams leave is strong enough to be seen: the gap there has decayed along the bed."""
+    position, width = layer
+    if (position > 0) != (flux > 0) or any(
+        table.fluid or table.solid for name, table in scene.boundary.items() if name == _end(scene, position)
+    ):
+        return True
+    slow = min((abs(rate) for rate in rates if (rate < 0) == (flux > 0)), default=0.0)
+    strength = np.exp(-slow * length) * min(1.0, slow * width)
+    return bool(strength * GRADING_ERROR > scene.solver.tolerance)
+
+
+def _end(scene: s.Scene, position: float) -> str:
+    mesh = scene.mesh
+    low, high = mesh.sides[1 if isinstance(mesh, s.MeshAxisymmetric) else 0]  # type: ignore[union-attr]
+    return high if position > 0 else low
+
+
+def radiation_layers(scene: s.Scene, medium: Medium | None, direction: int, extent: float) -> list[tuple[float, float]]:
+    """Positions and widths of the layers in which radiation adapts to a radiating boundary.
+
+    The rate is sqrt(K_a/D (1 + k_R/k)); the radiative conductivity k_R = 16 sigma T^3 D competes with conduction k.
+    Ordinates adapt in layers of cosines of the mean free path, whatever the albedo.
+    """
+    if scene.radiation is None or scene.radiation.level == "rosseland":
+        return []
+    from contbed.closures.optics import SIGMA, conductivity
+    from contbed.radiation.problem import optics
+
+    c, mesh = optics(scene), scene.mesh
+    hot = [
+        (table.radiation.temperature or ((table.radiation.radiosity or 0.0) / SIGMA) ** 0.25)
+        for table in scene.boundary.values()
+        if table.radiation is not None
+    ]
+    k = scene.radiation.conductivity or 0.0
+    if medium is not None:
+        k = float(medium.conductivity("solid", medium.T_fluid_in))
+    radiative = conductivity(max(hot, default=0.0), c.diffusion)
+    rate = (c.absorption / c.diffusion * (1.0 + radiative / k if k else 1.0)) ** 0.5
+    if scene.radiation.level == "ordinates":
+        rate = max(rate, OBLIQUE * (scene.radiation.ordinates + 0.5) ** 2 / 1.446 * c.extinction)
+    if rate == 0.0:
+        return []
+    layers = []
+    for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):  # type: ignore[union-attr]
+        table = scene.boundary.get(name)
+        if table is not None and table.radiation is not None:
+            layers.append((position, min(1.0 / rate, extent)))
+    return layers

@@ -1,0 +1,276 @@
+"""The two-energy problem of one scene on one mesh: coefficients, boundary conditions, solution, balances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import ConvergenceError
+from contbed.fem import system as make_system
+from contbed.fem.domain import Domain
+from contbed.fem.skfem import Ops
+from contbed.mesh.mesh import Mesh
+from contbed.packed_bed import scene as s
+from contbed.packed_bed.equations import two_energy
+from contbed.packed_bed.heat_coefficients import HeatCoefficients, Motion, plain
+from contbed.packed_bed.medium import Medium
+from contbed.solvers.linear import Policy, Solver, constrain
+from contbed.solvers.newton import newton
+
+PHASES = ("fluid", "solid")
+ROUNDING = 1e-9  # relative change of temperatures up to which a correction counts as round-off
+REFINEMENTS = 3
+
+
+class HeatProblem:
+    """Residual, Jacobian and heat content of both phases; see `contbed.packed_bed.equations.two_energy`.
+
+    `linear` is true for constant properties; `fixed` and `fixed_values` are the prescribed temperatures, `idle` names
+    those that nothing carries into the bed and that are left out.
+    """
+
+    def __init__(self, scene: s.Scene, mesh: Mesh, medium: Medium, motion: Motion, section: float = 1.0):
+        self.scene, self.mesh, self.medium, self.motion = scene, mesh, medium, motion
+        self.degree = degree = scene.solver.degree
+        order = 2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
+        if motion.flow is not None:
+            order = max(order, motion.flow.system.order)  # the divergence vanishes in the quadrature of the flow
+        self.radiation = _coupling(scene)
+        names = two_energy.FIELDS if self.radiation is None else (*two_energy.FIELDS, *self.radiation.fields)
+        fields = dict.fromkeys(names, (degree, 0))
+        self.system = make_system(mesh, fields, order, section)
+        self.linear = medium.constant
+        self.T_span = self._span()
+        self.weights = self._weights()
+        self.lower = self._lower()
+        cells = self.system.cells
+        self.build = HeatCoefficients(scene, mesh, medium, motion, self.system, self.radiation)
+        self.coefficients = self.build.of(cells)
+        self._interior: list[Any] = [(two_energy.residual, cells, self.coefficients)]
+        self._storage: list[Any] = [(two_energy.storage, cells, self.coefficients)]
+        self.walls = [
+            (name, part, self.build.wall(name, phase, part))
+            for name in mesh.boundaries
+            for phase in PHASES
+            for part in self.system.boundary(name)
+        ]
+        self._boundary: list[Any] = [
+            (two_energy.boundary, part, wall)
+            for _, part, wall in self.walls
+            if wall.mass_flux is not None or wall.coefficient is not None or wall.flux
+        ]
+        if self.radiation is not None:
+            self._interior.append(self.radiation.interior(cells))
+            self._boundary += self.radiation.boundaries(mesh, self.system)
+        self.idle: list[str] = []
+        self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
+
+    def _span(self) -> tuple[float, float]:
+        found = [value for table in self.scene.boundary.values() for phase in PHASES
+                 if (c := getattr(table, phase)) is not None
+                 for value in (c.fixed, c.inflow, c.ambient) if value is not None]
+        if self.radiation is not None:
+            found += self.radiation.temperatures(self.mesh)
+        if self.scene.time is not None:
+            found += [self.scene.time.initial_fluid, self.scene.time.initial_solid]
+        return min(found), max(found)
+
+    def _fixed(self) -> tuple[Any, Any, Any]:
+        nodes, values, owners = [], [], []
+        for name in self.mesh.boundaries:
+            for phase in PHASES:
+                condition = self.build.condition(name, phase)
+                if condition is not None and condition.fixed is not None:
+                    if not self._reaches(name, phase):
+                        why = f"the {phase} neither conducts nor enters there"
+                        self.idle.append(f"boundary.{name}.{phase}.fixed has no effect: {why}")
+                        continue
+                    found = self.system.nodes(f"T_{phase}", self.mesh.skfem.boundaries[name])
+                    nodes.append(found)
+                    values.append(np.full(len(found), condition.fixed))
+                    owners.append(np.full(len(found), self.mesh.boundaries.index(name)))
+        if not nodes:
+            return np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64)
+        unique, first = np.unique(np.concatenate(nodes), return_index=True)
+        return unique, np.concatenate(values)[first], np.concatenate(owners)[first]
+
+    def _reaches(self, boundary: str, phase: str) -> bool:
+        """Whether a temperature prescribed there is felt in the bed: by conduction or with an entering stream."""
+        c = getattr(self.coefficients, phase)
+        if c.dispersion is not None or plain(c.conductivity(self.medium.T_fluid_in)) > 0:
+            return True
+        return any(
+            wall.mass_flux is not None and np.min(plain(Ops.dot(wall.mass_flux, part.n))) < 0
+            for name, part, wall in self.walls if (name, wall.name) == (boundary, f"T_{phase}")
+        )  # fmt: skip
+
+    def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Residual of the steady balances and its Jacobian."""
+        return self.system.assemble(self._interior + self._boundary, state, jacobian)
+
+    def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Tested heat content and its Jacobian."""
+        return self.system.assemble(self._storage, state, jacobian)
+
+    def initial(self) -> Any:
+        """State at the start of a transient, or a guess for the steady solution, with prescribed values in place."""
+        time, state = self.scene.time, np.empty(self.system.size)
+        low, high = self.T_span
+        for phase in PHASES:
+            start = getattr(time, f"initial_{phase}") if time is not None else 0.5 * (low + high)
+            self.system.part(state, f"T_{phase}")[:] = start
+        state[self.fixed] = self.fixed_values
+        if self.radiation is not None:
+            self.system.part(state, "G")[:] = self.radiation.emitted(self.system.part(state, "T_solid"))
+        return state
+
+    def begin(self, policy: Policy) -> Any:
+        """State at the start of a transient: incident radiation stores no heat and follows from the temperatures."""
+        state = self.initial()
+        if self.radiation is None:
+            return state
+        residual, matrix = self.steady(state, True)
+        rest = np.arange(self.system.size)[: self.system.offset["G", 0]]
+        residual[rest] = 0.0
+        return state - Solver(constrain(matrix, rest), self.system.ordered(policy))(residual)
+
+    def _weights(self) -> Any:
+        """What makes errors of all unknowns temperatures: 1, and 1/(16 sigma T^3) for incident radiation."""
+        weights = np.ones(self.system.size)
+        if self.radiation is not None:
+            self.system.part(weights, "G")[:] = self.T_span[1] / (4.0 * self.radiation.emitted(self.T_span[1]))
+        return weights
+
+    def _lower(self) -> Any:
+        """Temperatures stay above 0 K; incident radiation, a linear unknown, may undershoot where cells are too few."""
+        lower = np.zeros(self.system.size)
+        if self.radiation is not None:
+            self.system.part(lower, "G")[:] = -np.inf
+        return lower
+
+    def solve(self, policy: Policy) -> tuple[Any, list[float]]:
+        """Steady state by Newton, and by continuation in time where Newton fails."""
+        policy = self.system.ordered(policy)
+        options: dict[str, Any] = {
+            "tolerance": self.scene.solver.newton_tolerance,
+            "iterations": self.scene.solver.newton_iterations,
+            "lower": self.lower,
+            "weights": self.weights,
+            "what": "heat",
+        }
+        start = self.initial() if self.linear else self._frozen(policy)
+        try:
+            return newton(self.steady, start, self.fixed, policy, linear=self.linear, **options)
+        except ConvergenceError:
+            if self.linear:
+                raise
+        from contbed.solvers.continuation import relax
+
+        start = relax(self, self.initial(), policy, self.lower)
+        return newton(self.steady, start, self.fixed, policy, **options)
+
+    def _frozen(self, policy: Policy) -> Any:
+        """The solution with all properties taken at the mean prescribed temperature, as a start for Newton."""
+        uniform = np.full(self.system.size, 0.5 * sum(self.T_span))
+        if self.radiation is not None:
+            self.system.part(uniform, "G")[:] = self.radiation.emitted(uniform[0])
+        residual, matrix = self.steady(uniform, True)
+        jump = np.zeros_like(uniform)
+        jump[self.fixed] = self.fixed_values - uniform[self.fixed]
+        rhs = -residual - matrix @ jump
+        rhs[self.fixed] = jump[self.fixed]
+        state = uniform + Solver(constrain(matrix, self.fixed), policy)(rhs)
+        return state if np.all(state > self.lower) else self.initial()
+
+    def refined(self, state: Any, policy: Policy) -> tuple[Any, Any]:
+        """The state and its residual after further Newton steps, linear in the last one.
+
+        Conduction over small cells turns the last digit of a temperature into heat that can exceed what the streams
+        carry. The residual of the corrected state without rounding is that of the state plus Jacobian times step.
+        """
+        for _ in range(REFINEMENTS):
+            residual, matrix = self.steady(state, True)
+            free = residual.copy()
+            free[self.fixed] = 0.0
+            step = -Solver(constrain(matrix, self.fixed), self.system.ordered(policy))(free)
+            state = state + step
+            if np.abs(step).max() <= ROUNDING * np.abs(state).max():
+                return state, residual + matrix @ step
+        return state, self.steady(state, False)[0]
+
+    def capacity(self) -> float:
+        """Heat above 0 K that the bed holds at the highest prescribed temperature [J]."""
+        high, medium = self.T_span[1], self.medium
+        slopes = (content(high) - content(0.99 * high) for content in (medium.content_fluid, medium.content_solid))
+        return 100.0 * float(np.sum(self.system.cells.weight)) * sum(slopes)
+
+    def throughput(self) -> float:
+        """What streams carry out above 0 K, at the highest prescribed temperature, and what walls radiate [W]."""
+        high = self.T_span[1]
+        radiated = 0.0 if self.radiation is None else self.radiation.emission(self.mesh, self.system)
+        return radiated + sum(
+            getattr(self.coefficients, phase).capacity * high
+            * float(np.sum(part.weight * np.maximum(plain(Ops.dot(wall.mass_flux, part.n)), 0.0)))
+            for (_, part, wall) in self.walls if wall.mass_flux is not None
+            for phase in PHASES if wall.name == f"T_{phase}"
+        )  # fmt: skip
+
+    def estimated_error(self, state: Any) -> Any:
+        """Estimated error of theta in each cell, the larger of both phases."""
+        from contbed.packed_bed.adapt import estimate
+
+        space, (low, high) = self.system.fields["T_fluid"][0], self.T_span
+        errors = [estimate(space, self.system.part(state, name)) for name in two_energy.FIELDS]
+        return np.maximum(*errors) / max(high - low, 1e-9 * high)
+
+    def fluxes(self, state: Any) -> dict[str, dict[str, float]]:
+        """Heat into the bed through each boundary by the stream of each phase, by walls and by radiation [W]; "species"
+        and "tubes" radiate at given temperatures. What prescribed temperatures conduct is in `reactions`. Streams
+        count from the lowest temperature of the scene.
+        """
+        T_ref = self.T_span[0]
+        out = {name: {"T_fluid": 0.0, "T_solid": 0.0, "wall": 0.0} for name in self.mesh.boundaries}
+        for name, part, wall in self.walls:
+            if wall.mass_flux is not None:
+                out[name][wall.name] -= self._integral(_stream_above(T_ref), part, wall, state)
+            out[name]["wall"] += self._integral(two_energy.supplied, part, wall, state)
+        if self.radiation is not None:
+            for name, value in self.radiation.fluxes(self.mesh, self.system, state).items():
+                out.setdefault(name, {})["radiation"] = value
+        return out
+
+    def _integral(self, function: Any, part: Domain, wall: Any, state: Any) -> float:
+        return self.system.integrate(lambda unknowns, ops: function(unknowns, wall, ops), [part], state)
+
+    def reactions(self, residual: Any) -> dict[str, float]:
+        """Heat that prescribed temperatures conduct into the bed [W], by boundary, from an unconstrained residual."""
+        return self.reaction_sums(residual[self.fixed])
+
+    def reaction_sums(self, reaction: Any) -> dict[str, float]:
+        """Sum of the reactions at the prescribed nodes, by boundary."""
+        sums = np.bincount(self.fixed_owner, weights=reaction, minlength=len(self.mesh.boundaries))
+        return {name: float(value) for name, value in zip(self.mesh.boundaries, sums, strict=True)}
+
+    def source(self) -> float:
+        """Heat released in the bed [W]."""
+        c = self.coefficients
+        if not (np.any(c.fluid.source) or np.any(c.solid.source)):
+            return 0.0
+        return float(np.sum(self.system.cells.weight * (c.fluid.source + c.solid.source)))
+
+
+def _coupling(scene: s.Scene) -> Any:
+    """Incident radiation as a further unknown, None for scenes without."""
+    if scene.radiation is None or scene.radiation.level == "rosseland":
+        return None
+    from contbed.radiation.problem import RadiationCoupling
+
+    return RadiationCoupling(scene)
+
+
+def _stream_above(T_ref: float) -> Callable[[Any, Any, Any], Any]:
+    """Heat that a stream carries out above a reference temperature [W/m2]."""
+    return lambda u, c, o: two_energy.convected(u, c, o) - o.dot(c.mass_flux, o.n) * c.enthalpy(T_ref)
+

@@ -1,0 +1,162 @@
+"""Coefficients of the two-energy equations of one scene: velocities, exchange, stabilisation, sources, walls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contbed.fem.domain import Domain
+from contbed.fem.dual import Components
+from contbed.fem.skfem import Ops, System
+from contbed.mesh.mesh import Mesh
+from contbed.packed_bed import scene as s
+from contbed.packed_bed.equations import two_energy
+from contbed.packed_bed.medium import Medium
+
+if TYPE_CHECKING:
+    from contbed.packed_bed.flow import Flow
+
+TINY = 1e-30  # speed or mass flux squared that keeps the direction of a vanishing stream finite
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Superficial velocities of both phases: uniform vectors, or a computed flow for the fluid."""
+
+    fluid: Any
+    solid: Any
+    flow: Flow | None = None
+
+
+@dataclass(frozen=True)
+class HeatCoefficients:
+    """What the forms of `equations.two_energy` need, on any domain; `radiation` couples the incident radiation."""
+
+    scene: s.Scene
+    mesh: Mesh
+    medium: Medium
+    motion: Motion
+    system: System
+    radiation: Any
+
+    def condition(self, boundary: str, phase: str) -> s.PhaseCondition | None:
+        """Thermal condition of one phase on one boundary."""
+        table = self.scene.boundary.get(boundary)
+        return None if table is None else getattr(table, phase)
+
+    def _velocity(self, phase: str, where: Domain) -> Any:
+        """Velocity on a domain, None when the phase rests."""
+        if phase == "fluid" and self.motion.flow is not None:
+            flow = self.motion.flow
+            return self.system.known(where, flow.system.fields["u"][0], flow.velocity)
+        vector = getattr(self.motion, phase)
+        return Components(float(v) for v in vector) if np.any(vector) else None
+
+    def _speed(self, where: Domain) -> Callable[[Any], Any]:
+        """Relative superficial speed as a function of the fluid's density (its mass flux is what is given)."""
+        scale = self.medium.mass_flux_scale()
+        fluid, solid = self._velocity("fluid", where), self._velocity("solid", where)
+        if self.motion.flow is None and self.medium.fluid.constant:
+            speed = float(np.linalg.norm(np.asarray(self.motion.fluid) - np.asarray(self.motion.solid)))
+            return lambda density: speed
+        if fluid is None and solid is None:
+            return lambda density: 0.0  # without the kink of the norm at 0
+        still = Components([0.0] * self.mesh.skfem.dim())
+
+        def speed_of(density: Any) -> Any:
+            w = (still if fluid is None else fluid) * (scale / density) - (still if solid is None else solid)
+            return np.sqrt(Ops.dot(w, w))
+
+        return speed_of
+
+    def of(self, where: Domain) -> two_energy.Coefficients:
+        """Coefficients of the balances on a domain."""
+        medium, speed = self.medium, self._speed(where)
+        spread = medium.dispersion(medium.T_fluid_in, speed)
+        exchange = plain(medium.exchange(medium.T_fluid_in, speed))
+        return two_energy.Coefficients(
+            fluid=self._phase("fluid", where, spread, exchange),
+            solid=self._phase("solid", where, None, exchange),
+            exchange=lambda T_fluid, T_solid: medium.exchange(T_fluid, speed),
+            cross=medium.cross_conductivity,
+            radiated=None if self.radiation is None else self.radiation.taken_up,
+        )
+
+    def _phase(self, phase: str, where: Domain, spread: Any, exchange: Any) -> two_energy.Phase:
+        """Coefficients of one phase with the dispersion along and across the flow, `spread`; the stabilisation also
+        uses `exchange` at the reference temperature.
+        """
+        material, T_ref = getattr(self.medium, phase), self.medium.T_fluid_in
+        conductivity = partial(self.medium.conductivity, phase)
+        velocity, density = self._velocity(phase, where), self._density(phase)
+        flux = None if velocity is None else velocity * density
+        capacity = float(material.heat_capacity(T_ref))
+        dispersion, along = None, 0.0
+        if spread is not None and velocity is not None:
+            along, across = spread
+            size = np.sqrt(Ops.dot(velocity, velocity) + TINY)
+            dispersion = (across, along - across, velocity / size)
+        tau = None
+        if flux is not None and self.scene.solver.stabilisation:
+            speed = np.sqrt(plain(Ops.dot(flux, flux)) + TINY)
+            h = where.along(Components(plain(part) / speed for part in flux.items))
+            stagnant = conductivity(T_ref) + along
+            tau = plain(two_energy.tau(speed * capacity, stagnant, exchange, capacity, h, self.scene.solver.degree))
+        computed = phase == "fluid" and self.motion.flow is not None
+        return two_energy.Phase(
+            mass_flux=flux,
+            divergence=Ops(where).div(velocity) * density if computed else None,
+            enthalpy=material.enthalpy,
+            heat_capacity=material.heat_capacity,
+            capacity=capacity,
+            offset=float(material.enthalpy(T_ref)) - capacity * T_ref,
+            conductivity=conductivity,
+            dispersion=dispersion,
+            content=getattr(self.medium, f"content_{phase}"),
+            source=self._source(phase),
+            tau=tau,
+        )
+
+    def _density(self, phase: str) -> float:
+        """Density that turns the velocity of a phase into its mass flux [kg/m3]."""
+        medium = self.medium
+        return medium.mass_flux_scale() if phase == "fluid" else float(medium.solid.density(medium.T_fluid_in))
+
+    def _source(self, phase: str) -> Any:
+        values = {name: getattr(region, f"source_{phase}") for name, region in self.scene.region.items()}
+        if not any(values.values()):
+            return 0.0
+        field = np.zeros((self.mesh.skfem.nelements, 1))
+        for name, value in values.items():
+            field[self.mesh.skfem.subdomains[name]] += value
+        return field
+
+    def wall(self, name: str, phase: str, where: Domain) -> two_energy.Wall:
+        """Condition of one phase on a boundary domain."""
+        material = getattr(self.medium, phase)
+        velocity = self._velocity(phase, where)
+        flux = None
+        if velocity is not None:
+            normal = plain(Ops.dot(velocity, where.n))
+            if np.abs(normal).max() > 1e-12 * max(np.abs(plain(v)).max() for v in velocity.items):
+                flux = velocity * self._density(phase)
+        condition = self.condition(name, phase)
+        options: dict[str, Any] = {}
+        if condition is not None and condition.inflow is not None:
+            options["inflow"] = float(material.enthalpy(condition.inflow))
+        if condition is not None and condition.flux is not None:
+            options["flux"] = condition.flux
+        if condition is not None and condition.coefficient is not None:
+            spec, speed = condition.coefficient, self._speed(where)
+            options["ambient"] = condition.ambient
+            options["coefficient"] = lambda unknowns: self.medium.wall(spec, unknowns.T_fluid, speed)
+        return two_energy.Wall(f"T_{phase}", flux, material.enthalpy, **options)
+
+
+def plain(item: Any) -> Any:
+    """The value of a dual number, other things as they are."""
+    return getattr(item, "value", item)

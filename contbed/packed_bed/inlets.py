@@ -1,0 +1,36 @@
+"""Through which sides of a built-in mesh a stream enters and leaves. A mesh from a file is not known here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from contbed.packed_bed import scene as s
+
+
+def velocity_vector(mesh: s.Mesh, velocity: float | tuple[float, ...]) -> tuple[float, ...]:
+    """The velocity as a vector; a number is along the bed axis: x, or z when axisymmetric."""
+    if isinstance(velocity, tuple):
+        return velocity
+    axis = 1 if isinstance(mesh, s.MeshAxisymmetric) or getattr(mesh, "axisymmetric", False) else 0
+    return tuple(velocity if index == axis else 0.0 for index in range(mesh.dimension))
+
+
+def enters(mesh: s.Mesh, velocity: tuple[float, ...], side: str) -> int | None:
+    """1 if the velocity enters through this side, -1 if it leaves, 0 if it runs along; None if that is not known."""
+    if isinstance(mesh, s.MeshFile):
+        return None
+    if side == "axis":
+        return 0
+    for component, (low, high) in zip(velocity, mesh.sides, strict=True):
+        if side in (low, high):
+            inward = component if side == low else -component
+            return (inward > 0) - (inward < 0)
+    return None
+
+
+def role(mesh: s.Mesh, velocity: tuple[float, ...], side: str, boundary: Mapping[str, s.Boundary]) -> str | None:
+    """inlet, outlet, slip or no_slip: what the scene says, else by the sign of the velocity."""
+    if side in boundary and boundary[side].flow is not None:
+        return boundary[side].flow
+    direction = enters(mesh, velocity, side)
+    return None if direction is None else {1: "inlet", -1: "outlet", 0: "slip"}[direction]

@@ -1,0 +1,323 @@
+"""Scene -> Plan: the only place that asks "is it there?". Says what is built, what is skipped and why.
+
+Two recognitions make a scene cheap. *Plug flow*: without a no-slip wall and with a uniform inlet along the walls the
+velocity is the inlet velocity everywhere, so no momentum is solved. *One dimension*: plug flow along the bed axis with
+adiabatic sides does not vary across the bed, so a line is solved, and its cross-section kept for the balances.
+A mesh without prescribed cells is graded to the layers that the closed-form rates predict.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import SceneError
+from contbed.mesh.mesh import Mesh, build
+from contbed.models import KINDS, find
+from contbed.packed_bed import scene as s
+from contbed.packed_bed.adapt import refinable
+from contbed.packed_bed.grading import nodes
+from contbed.packed_bed.inlets import role, velocity_vector
+from contbed.packed_bed.medium import Medium
+from contbed.solvers.linear import Policy
+
+AUTOMATIC = 4  # adaptive refinements of an automatic mesh
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a run builds: `scene` as written, `solved` the scene after reduction to a line and to a cheaper radiation.
+
+    `velocity` and `velocity_solid` are vectors on `mesh`, `section` is the cross-section [m2] of a reduced bed,
+    `conditions` has one entry for each boundary.
+    """
+
+    scene: s.Scene
+    solved: s.Scene
+    medium: Any  # Medium; None for a medium that merely radiates
+    mesh: Mesh
+    section: float
+    velocity: Any
+    velocity_solid: Any
+    conditions: dict[str, str]
+    coordinate: str
+    plug: bool
+    fronts: bool
+    built: tuple[tuple[str, str], ...]
+    skipped: tuple[tuple[str, str], ...]
+
+    def as_written(self, boundary: str) -> str:
+        """Name in the scene of a boundary of the mesh that is solved on."""
+        if self.solved.mesh is self.scene.mesh:
+            return boundary
+        mesh = self.scene.mesh
+        low, high = mesh.sides[1 if isinstance(mesh, s.MeshAxisymmetric) else 0]  # type: ignore[union-attr]
+        return {"left": low, "right": high}[boundary]
+
+    @property
+    def radiates(self) -> bool:
+        """Whether the incident radiation is an unknown."""
+        return self.solved.radiation is not None and self.solved.radiation.level != "rosseland"
+
+    @property
+    def adaptations(self) -> int:
+        """How often the mesh of a steady scene may be refined where the estimated error exceeds the tolerance."""
+        rounds, grid = self.solved.solver.adapt, self.solved.mesh
+        if self.scene.heat is None or self.scene.time is not None:
+            return 0
+        if rounds is None:
+            return AUTOMATIC if isinstance(grid, s.MeshLine) and grid.cells is None and not grid.refine else 0
+        return rounds
+
+    def refined(self, error: Any) -> Plan:
+        """The plan on a mesh refined where `error` (ncells,) is large."""
+        from contbed.packed_bed.adapt import refined
+
+        return replace(self, mesh=refined(self.mesh, error))
+
+    @property
+    def policy(self) -> Policy:
+        """How linear systems are solved."""
+        from contbed.fem import policy
+
+        return policy(self.mesh, self.scene.solver.memory_GB)
+
+    def unknowns(self) -> dict[str, int]:
+        """Number of unknowns of each part that is solved."""
+        from contbed.fem.elements import Space
+
+        grid, out = self.mesh.skfem, {}
+        if not self.plug:
+            out["flow"] = grid.dim() * Space(grid, 2).size + grid.nvertices
+        if self.fronts:
+            out["heat"] = 2 * grid.nelements
+        elif self.scene.heat is not None:
+            out["heat"] = 2 * Space(grid, self.scene.solver.degree).size
+        table = self.solved.radiation
+        if table is not None and (self.radiates or self.scene.heat is None):
+            directions = table.ordinates if table.level == "ordinates" else 1
+            conducting = self.scene.heat is None and self.radiates and bool(table.conductivity)
+            out["radiation"] = (directions + conducting) * Space(grid, self.scene.solver.degree).size
+        return out
+
+    def __str__(self) -> str:
+        return described(self)
+
+
+def described(plan: Any) -> str:
+    """What a plan builds and skips, as a table with the number of unknowns."""
+    rows = [("BUILT", what, why) for what, why in plan.built]
+    rows += [("SKIPPED", what, why) for what, why in plan.skipped]
+    width = max(len(what) for _, what, _ in rows)
+    lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
+    for part, size in plan.unknowns().items():
+        lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * plan.policy.predicted_GB(size)):.0f} MB")
+    if isinstance(plan, Plan) and not plan.fronts:
+        from contbed.solvers.cost import advice
+
+        lines.append(advice(plan.unknowns(), plan.policy))
+    return "\n".join(lines)
+
+
+def plan(scene: Any) -> Any:
+    """Decide what a scene needs and build its mesh; SceneError if the mesh or the flow cannot be used.
+
+    Returns a `Plan`, or that of the model that the scene is for.
+    """
+    if scene.kind in KINDS:
+        return find(KINDS[scene.kind].plan)(scene)
+    written, scene, thick = scene, *_cheapest_radiation(scene)
+    if scene.heat is None and scene.radiation is not None:
+        return _plan_radiation(written, scene, thick)
+    built: list[tuple[str, str]] = []
+    skipped: list[tuple[str, str]] = []
+    medium = Medium.of(scene, _inlet_temperature(scene), _bed_diameter(scene.mesh))
+    line = _reduced(scene) if scene.solver.reduce else None
+    if line is not None:
+        skipped.append(("2-D and 3-D mesh", "plug flow between adiabatic walls varies along the bed only"))
+    target, section = line or (scene, 1.0)
+    grid = target.mesh
+    velocity = np.array(velocity_vector(grid, target.flow.velocity), dtype=float)
+    solid = np.array(velocity_vector(grid, target.flow.velocity_solid), dtype=float)
+    fronts = _tracks_fronts(target, medium)
+    mesh = build(grid, nodes(target, medium, velocity, solid, fronts), str(scene.origin.base))
+    _check_names(target, mesh)
+    if scene.solver.adapt and not refinable(mesh):
+        raise SceneError(scene.origin.at(("solver", "adapt")) + ": solver.adapt: only lines and triangles are refined "
+                         "locally; use triangles, or mesh.refine for all cells")  # fmt: skip
+    conditions = {name: _role(target, mesh, name, velocity) for name in mesh.boundaries}
+    plug = "no_slip" not in conditions.values()
+    if plug and scene.heat is None:
+        raise SceneError(scene.origin.at(("flow",)) + ": flow: nothing to solve: no wall has flow = \"no_slip\" and "
+                         "there is no [heat] table")
+    round_bed = isinstance(scene.mesh, s.MeshAxisymmetric) or getattr(scene.mesh, "axisymmetric", False)
+    coordinate = "z" if round_bed else "x"
+    cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
+    built.append((f"mesh, {mesh.skfem.dim()}-D", cells))
+    (skipped if plug else built).append(
+        ("porous flow", "plug flow: no no-slip wall, uniform inlet" if plug else "Taylor-Hood, Newton")
+    )
+    if scene.heat is None:
+        skipped.append(("two-energy", "no [heat] table"))
+    else:
+        built.append(("two-energy", _how_heat(scene, medium, fronts)))
+        if scene.heat.dispersion is None:
+            skipped.append(("dispersion", "no heat.dispersion"))
+        if scene.heat.tortuosity is None:
+            skipped.append(("cross conduction", "no heat.tortuosity"))
+        if medium.constant:
+            skipped.append(("Newton for temperatures", "constant properties: linear"))
+        if scene.time is None:
+            skipped.append(("time stepping", "no [time] table"))
+        (skipped if scene.radiation is None else built).append(_how_radiation(scene, thick))
+    return Plan(written, target, medium, mesh, section, velocity, solid, conditions, coordinate, plug,
+                fronts, tuple(built), tuple(skipped))  # fmt: skip
+
+
+def _cheapest_radiation(scene: s.Scene) -> tuple[s.Scene, str]:
+    """The scene with a Rosseland conductivity where it is allowed and accurate, and what to say about it."""
+    if scene.radiation is None or not scene.radiation.allow_rosseland:
+        return scene, ""
+    from contbed.radiation.rosseland import choose
+
+    return choose(scene)
+
+
+def _plan_radiation(written: s.Scene, scene: s.Scene, thick: str) -> Plan:
+    """A medium that radiates by itself: no flow, no phases."""
+    mesh = build(scene.mesh, nodes(scene, None, None, None, False), str(scene.origin.base))
+    _check_names(scene, mesh)
+    cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
+    still = np.zeros(mesh.skfem.dim())
+    coordinate = "z" if mesh.axisymmetric else "x"
+    built = ((f"mesh, {mesh.skfem.dim()}-D", cells), _how_radiation(scene, thick))
+    skipped = (("porous flow", "[radiation] alone"), ("two-energy", "no [heat] table"))
+    return Plan(written, scene, None, mesh, 1.0, still, still, {}, coordinate, True, False, built, skipped)
+
+
+def _how_radiation(scene: s.Scene, thick: str) -> tuple[str, str]:
+    """`thick` says how well Rosseland would do where that is allowed."""
+    table = scene.radiation
+    if table is None:
+        return "radiation", "no [radiation] table"
+    names = {"p1": "P1", "two_flux": "two-flux", "ordinates": f"{table.ordinates} + {table.ordinates} ordinates"}
+    if table.level == "rosseland":
+        how = f"Rosseland limit: a conductivity of the {'medium' if scene.heat is None else 'solid'}"
+    elif scene.heat is not None:
+        how = f"{names[table.level]}, coupled to the solid"
+    elif table.temperature:
+        how = f"{names[table.level]}, medium of given temperature"
+    else:
+        how = f"{names[table.level]}, medium {'conducting' if table.conductivity else 'in radiative equilibrium'}"
+    return "radiation", f"{how}; {thick}" if thick else how
+
+
+def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
+    if fronts:
+        return "no conduction in a bed at rest: fronts tracked along characteristics"
+    time = "steady" if scene.time is None else "transient, TR-BDF2"
+    form = "linear" if medium.constant else "temperature-dependent"
+    return f"{time}, {form}, degree {scene.solver.degree}{', SUPG' if scene.solver.stabilisation else ''}"
+
+
+def _inlet_temperature(scene: s.Scene) -> float:
+    """Temperature of the entering fluid: a prescribed one, on the inlet if that is known."""
+    found = [(name, table.fluid) for name, table in scene.boundary.items() if table.fluid is not None]
+    velocity = velocity_vector(scene.mesh, scene.flow.velocity)
+    ranked = sorted(found, key=lambda item: role(scene.mesh, velocity, item[0], scene.boundary) != "inlet")
+    for _, condition in ranked:
+        for value in (condition.inflow, condition.fixed, condition.ambient):
+            if value is not None:
+                return value
+    return scene.time.initial_fluid if scene.time is not None else 300.0
+
+
+def _bed_diameter(mesh: s.Mesh) -> float:
+    """Hydraulic diameter of a built-in bed [m]; a line has no walls."""
+    if isinstance(mesh, s.MeshRectangle):
+        return 2.0 * mesh.height
+    if isinstance(mesh, s.MeshAxisymmetric):
+        return 2.0 * mesh.radius
+    if isinstance(mesh, s.MeshBox):
+        return 2.0 * mesh.width * mesh.height / (mesh.width + mesh.height)
+    return float("inf")
+
+
+def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
+    """The same scene on a line and its cross-section [m2], where nothing varies across the bed."""
+    mesh = scene.mesh
+    if isinstance(mesh, s.MeshFile | s.MeshLine) or scene.heat is None or (mesh.cells is not None and mesh.refine):
+        return None
+    axis = 1 if isinstance(mesh, s.MeshAxisymmetric) else 0
+    vectors = [velocity_vector(mesh, v) for v in (scene.flow.velocity, scene.flow.velocity_solid)]
+    if any(component for vector in vectors for k, component in enumerate(vector) if k != axis):
+        return None
+    low, high = mesh.sides[axis]
+    for name, table in scene.boundary.items():
+        given = table.fluid or table.solid or table.radiation or table.flow not in (None, "slip")
+        if name not in (low, high) and given:
+            return None
+    if isinstance(mesh, s.MeshRectangle):
+        section, cells = mesh.height, mesh.cells and mesh.cells[0]
+    elif isinstance(mesh, s.MeshAxisymmetric):
+        section, cells = np.pi * mesh.radius**2, mesh.cells and mesh.cells[1]
+    else:
+        section, cells = mesh.width * mesh.height, mesh.cells and mesh.cells[0]
+    ends = {low: "left", high: "right"}
+    line = scene.model_copy(update={
+        "mesh": s.MeshLine(type="line", length=mesh.length, cells=cells, graded=mesh.graded, refine=mesh.refine),
+        "flow": s.Flow(velocity=vectors[0][axis], velocity_solid=vectors[1][axis]),
+        "boundary": {ends[name]: table for name, table in scene.boundary.items() if name in ends},
+    })  # fmt: skip
+    return line, float(section)
+
+
+def _tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
+    """Whether nothing conducts in a one-dimensional bed at rest that a stream enters: then fronts stay sharp."""
+    if scene.time is None or scene.heat is None or not isinstance(scene.mesh, s.MeshLine) or not medium.constant:
+        return False
+    if scene.flow.velocity_solid or scene.heat.dispersion is not None or scene.heat.tortuosity is not None:
+        return False
+    ends = [table.fluid for table in scene.boundary.values() if table.fluid is not None]
+    only_inlet = all(condition.fixed is not None or condition.inflow is not None for condition in ends)
+    solid_free = all(table.solid is None for table in scene.boundary.values())
+    T = medium.T_fluid_in
+    still = not medium.conductivity_fluid(T) and not medium.conductivity_solid(T) and not scene.region
+    return bool(still and only_inlet and solid_free and scene.flow.velocity)
+
+
+def _role(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
+    """inlet, outlet, slip or no_slip of one boundary."""
+    given = role(scene.mesh, tuple(velocity.tolist()), name, scene.boundary)
+    if given is not None:
+        return given
+    if mesh.axisymmetric and np.abs(mesh.skfem.p[0, mesh.skfem.facets[:, mesh.skfem.boundaries[name]]]).max() < 1e-12:
+        return "slip"
+    from contbed.packed_bed.flow import constant_normal
+
+    normal = constant_normal(mesh, name)
+    across = None if normal is None else float(normal @ velocity) / max(float(np.linalg.norm(velocity)), 1e-300)
+    if across is None or 1e-9 < abs(across) < 0.5:
+        raise SceneError(
+            f"{scene.origin.name}: boundary.{name} is neither along nor across the flow; "
+            f'say [boundary.{name}] flow = "inlet", "outlet", "no_slip" or "slip"'
+        )
+    return "slip" if abs(across) <= 1e-9 else "inlet" if across < 0 else "outlet"
+
+
+def _check_names(scene: s.Scene, mesh: Mesh) -> None:
+    """Boundaries and regions of a mesh file are known only now."""
+    from difflib import get_close_matches
+
+    problems = []
+    for kind, given, known in (("boundary", scene.boundary, mesh.boundaries), ("region", scene.region, mesh.regions)):
+        for name in given:
+            if name not in known:
+                near = get_close_matches(name, known, n=1)
+                hint = f"; did you mean '{near[0]}'?" if near else ""
+                where = scene.origin.at((kind, name))
+                problems.append(f"{where}: {kind}.{name}: the mesh has no such {kind}; it has {', '.join(known)}{hint}")
+    if problems:
+        raise SceneError(problems)

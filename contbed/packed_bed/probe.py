@@ -1,0 +1,72 @@
+"""Values of finite-element fields at given points, and along the axis of a bed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contbed.fem.elements import Space, lagrange
+from contbed.mesh.mesh import Mesh
+
+SAMPLES = 12  # points in a cell of a line
+
+
+class Probe:
+    """Interpolation at points (dim, n) of a mesh; points outside are an error of the caller."""
+
+    def __init__(self, mesh: Mesh, points: Any):
+        grid = mesh.skfem
+        if grid.dim() == 1:
+            nodes = grid.p[0, grid.t]
+            order = np.argsort(nodes.min(axis=0))
+            low = nodes.min(axis=0)[order]
+            at = order[np.clip(np.searchsorted(low, points[0], side="right") - 1, 0, len(order) - 1)]
+            first, second = nodes[0, at], nodes[1, at]
+            self.cells, self.local = at, ((points[0] - first) / (second - first))[None, :]
+        else:
+            # scikit-fem splits quadrilaterals to search, and would look up every named facet in the result one by one
+            self.cells = replace(grid, _boundaries=None, _subdomains=None).element_finder()(*points)
+            mapping = grid._mapping()
+            self.local = mapping.invF(points[:, :, None], tind=self.cells)[:, :, 0]
+
+    def __call__(self, space: Space, values: Any) -> Any:
+        """Values (n,) of a nodal field (size,)."""
+        table = space.element.table(self.local)
+        return (table * values[space.dofs[:, self.cells]]).sum(axis=0)
+
+    def slope(self, space: Space, values: Any, axis: int) -> Any:
+        """Derivative (n,) of a nodal field along a coordinate, one-sided between cells."""
+        grid, element = space.mesh, space.element
+        corners = grid.p[:, grid.t[:, self.cells]]
+        geometry = lagrange(element.refdom, 1)
+        tables = [geometry.table(self.local, a) for a in range(element.dim)]
+        jacobian = np.array([np.einsum("ikn,kn->in", corners, table) for table in tables])
+        inverse = np.linalg.inv(np.moveaxis(jacobian, 2, 0))
+        local = values[space.dofs[:, self.cells]]
+        slopes = np.array([(element.table(self.local, a) * local).sum(axis=0) for a in range(element.dim)])
+        return np.einsum("nka,an->kn", inverse, slopes)[axis]
+
+
+def axis_points(mesh: Mesh, positions: Any | None = None) -> tuple[Any, Any]:
+    """Positions along the bed axis [m] and the points (dim, n) on its centre line.
+
+    A line is sampled densely in each cell; other meshes at 401 equal steps. Cells of a bed that is not straight are
+    met where the centre line of its bounding box is inside.
+    """
+    grid = mesh.skfem
+    if positions is None:
+        if grid.dim() == 1:
+            nodes = np.unique(grid.p[0])
+            fractions = np.arange(SAMPLES) / SAMPLES
+            positions = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * fractions).ravel(), nodes[-1])
+        else:
+            positions = np.linspace(grid.p[mesh.axis].min(), grid.p[mesh.axis].max(), 401)
+    positions = np.asarray(positions, dtype=float)
+    points = np.empty((grid.dim(), len(positions)))
+    for k in range(grid.dim()):
+        low, high = grid.p[k].min(), grid.p[k].max()
+        points[k] = low if mesh.axisymmetric and k == 0 else 0.5 * (low + high)
+    points[mesh.axis] = positions
+    return positions, points

@@ -1,0 +1,148 @@
+"""A transient two-energy run: steps, output times, balance over the whole run, checkpoints and restart."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from contbed.packed_bed.heat import HeatProblem
+from contbed.solvers.linear import Policy
+from contbed.solvers.timestep import WEIGHTS, march
+
+Save = Callable[[dict[str, Any], dict[str, Any]], None]
+
+
+@dataclass
+class History:
+    """What a transient run has done so far. `mean` is the time integral of the state, `reaction` of the heat that
+    prescribed temperatures conduct in, `flux` of the boundary fluxes where properties vary, `gain` of the content.
+    """
+
+    state: Any
+    time: float = 0.0
+    tick: int = 0
+    level: int | None = None
+    steps: int = 0
+    times: list[float] = field(default_factory=list)
+    snapshots: list[Any] = field(default_factory=list)
+    mean: Any = 0.0
+    reaction: Any = 0.0
+    flux: dict[str, float] = field(default_factory=dict)
+    gain: float = 0.0
+
+    def pack(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arrays and numbers of a checkpoint."""
+        arrays = {
+            "state": self.state,
+            "mean": np.asarray(self.mean),
+            "reaction": np.asarray(self.reaction),
+            "times": np.array(self.times),
+            "snapshots": np.array(self.snapshots),
+            "sums": np.array([self.time, self.gain]),
+            "flux": np.array(list(self.flux.values())),
+        }
+        return arrays, {
+            "tick": self.tick, "level": self.level, "steps": self.steps, "flux": list(self.flux),
+        }  # fmt: skip
+
+    @classmethod
+    def unpack(cls, arrays: dict[str, Any], meta: dict[str, Any]) -> History:
+        """The history of a checkpoint."""
+        return cls(
+            state=arrays["state"],
+            time=float(arrays["sums"][0]),
+            tick=meta["tick"],
+            level=meta["level"],
+            steps=meta["steps"],
+            times=list(arrays["times"]),
+            snapshots=list(arrays["snapshots"]),
+            mean=arrays["mean"],
+            reaction=arrays["reaction"],
+            flux=dict(zip(meta["flux"], (float(v) for v in arrays["flux"]), strict=True)),
+            gain=float(arrays["sums"][1]),
+        )
+
+
+def run_transient(
+    problem: HeatProblem,
+    history: History,
+    policy: Policy,
+    *,
+    advance: Callable[[float], None],
+    save: Save | None,
+) -> History:
+    """March `history` to the end of the scene's [time]; it always holds the last accepted step, whatever happens."""
+    time = problem.scene.time
+    assert time is not None
+    wanted = sorted({*time.times, time.end})
+    low, high = problem.T_span
+    if not history.times and wanted[0] == 0.0:
+        _keep(history, 0.0, history.state)
+    solver = problem.scene.solver
+    steps = march(
+        problem,
+        history.state,
+        time.end,
+        problem.system.ordered(policy),
+        tolerance=time.tolerance,
+        span=max(high - low, 1e-9 * high),
+        origin=low,
+        step=time.step,
+        tick=history.tick,
+        level=history.level,
+        newton_options={
+            "tolerance": solver.newton_tolerance, "iterations": solver.newton_iterations,
+            "lower": problem.lower, "weights": problem.weights,
+        },
+    )
+    saved = clock.monotonic()
+    for step in steps:
+        after = replace(history, times=[*history.times], snapshots=[*history.snapshots], flux={**history.flux})
+        for moment in wanted[len(history.times) :]:
+            if moment <= step.end * (1 + 1e-12):
+                _keep(after, moment, step.states[-1] if moment >= step.end else step.at(moment))
+        _account(problem, after, step)
+        after.state, after.time = step.states[-1], step.end
+        after.tick, after.level = step.tick + 2**step.level, step.next_level
+        after.steps += 1
+        vars(history).update(vars(after))  # at once, so that an interrupt never leaves half a step
+        advance(step.end)
+        if save is not None and clock.monotonic() - saved >= time.checkpoint_every:
+            save(*history.pack())
+            saved = clock.monotonic()
+    return history
+
+
+def _keep(history: History, time: float, state: Any) -> None:
+    history.times.append(time)
+    history.snapshots.append(np.array(state))
+
+
+def _account(problem: HeatProblem, history: History, step: Any) -> None:
+    """Add one step to the balance; the weights are those of the method, so the sums close to round-off."""
+    weights = [weight * step.size for weight in WEIGHTS]
+    history.gain += float(np.sum(step.gain))
+    supplied = step.gain + sum(w * rate for w, rate in zip(weights, step.rates, strict=True))
+    history.reaction = history.reaction + supplied[problem.fixed]
+    history.mean = history.mean + sum(w * state for w, state in zip(weights, step.states, strict=True))
+    if not problem.linear:
+        for w, state in zip(weights, step.states, strict=True):
+            for name, parts in problem.fluxes(state).items():
+                for kind, value in parts.items():
+                    history.flux[f"{name}.{kind}"] = history.flux.get(f"{name}.{kind}", 0.0) + w * value
+
+
+def integrated_fluxes(problem: HeatProblem, history: History) -> dict[str, dict[str, float]]:
+    """Heat through each boundary over the run [J]. Linear fluxes are those of the mean state times the duration."""
+    if problem.linear:
+        fluxes = problem.fluxes(history.mean / history.time)
+        return {name: {kind: value * history.time for kind, value in parts.items()} for name, parts in fluxes.items()}
+    out: dict[str, dict[str, float]] = {}
+    for key, value in history.flux.items():
+        name, kind = key.rsplit(".", 1)
+        out.setdefault(name, {})[kind] = value
+    return out

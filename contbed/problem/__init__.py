@@ -1,1 +1,0 @@
-"""A scene made into a problem that the solvers take: coefficients, unknowns, boundary values, and what is found."""

@@ -1,0 +1,99 @@
+"""What is wrong with the radiation of a scene although every single value is right; see `scene.checks`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from contbed.closures.sizes import SizeDistribution
+from contbed.errors import SceneError
+from contbed.packed_bed import scene as s
+
+if TYPE_CHECKING:
+    from contbed.packed_bed.checks import Boundaries, Mistakes, See
+
+
+def tubes_see_radiation(
+    heat: s.Heat | None, radiation: s.Radiation | None, region: Mapping[str, s.Region]
+) -> Mistakes:
+    diffuse = radiation is not None and radiation.level in ("p1", "two_flux")
+    for name, item in region.items():
+        if item.tubes is not None and (heat is None or not diffuse):
+            yield ("region", name, "tubes"), "need [heat] and [radiation] with level p1 or two_flux"
+
+
+def radiation_is_complete(
+    heat: s.Heat | None, radiation: s.Radiation | None, bed: s.Bed, boundary: Boundaries, mesh: s.Mesh, see: See
+) -> Mistakes:
+    if radiation is None:
+        for name, conditions in boundary.items():
+            if conditions.radiation is not None:
+                yield ("boundary", name, "radiation"), "has no meaning without a [radiation] table"
+        return
+    ways = {
+        "emissivity": radiation.emissivity is not None,
+        "species": bool(radiation.species),
+        "absorption": radiation.absorption is not None or radiation.scattering is not None,
+    }
+    if (count := sum(ways.values())) != 1:
+        given = ", ".join(name for name, is_given in ways.items() if is_given) or "none"
+        yield ("radiation",), f"give the optics once: emissivity, species, or absorption and scattering; found {given}"
+    if count == 1 and not ways["absorption"] and bed is None:
+        yield ("bed",), f"this table is missing; the optics need its porosity; see {see('radiation')}"
+    if radiation.level == "ordinates" and mesh.dimension > 1:
+        yield ("radiation", "level"), f"ordinates need a line; use p1; see {see('mesh.type')}"
+    if radiation.level == "ordinates" and heat is not None:
+        yield ("radiation", "level"), f"ordinates solve [radiation] alone; with [heat] use p1; see {see('heat')}"
+    if radiation.level == "two_flux" and mesh.dimension > 1:
+        yield ("radiation", "level"), f"the two-flux method needs a line; use p1; see {see('mesh.type')}"
+    if radiation.level == "rosseland":
+        if heat is None and not radiation.conductivity:
+            yield ("radiation", "level"), "rosseland is for a medium that conducts: [heat], or radiation.conductivity"
+        for name in loose_walls(heat, boundary):
+            remedy = f"fix it in boundary.{name}.solid" if heat is not None else "give a temperature"
+            yield (
+                ("boundary", name, "radiation"),
+                f"with rosseland the solid has the temperature of a wall: {remedy}, or use p1; "
+                f"see {see('radiation.level')}",
+            )
+    for key in ("conductivity", "temperature"):
+        if heat is not None and getattr(radiation, key) is not None:
+            yield ("radiation", key), f"is for a medium alone; [heat] already has it; see {see('heat')}"
+    if radiation.conductivity is not None and radiation.temperature is not None:
+        yield ("radiation", "temperature"), f"is solved for where it conducts; see {see('radiation.conductivity')}"
+    if radiation.temperature is not None and ways["absorption"] and not radiation.absorption:
+        yield ("radiation", "temperature"), "a medium that does not absorb does not emit: give radiation.absorption"
+    if heat is None and radiation.temperature is None and not any(b.radiation for b in boundary.values()):
+        yield ("boundary",), "no boundary radiates and the medium has no temperature: nothing determines it"
+
+
+def particles_have_a_size_and_fit_together(radiation: s.Radiation | None, see: See) -> Mistakes:
+    if radiation is None:
+        return
+    for name, species in radiation.species.items():
+        if species.sieves is None:
+            continue
+        try:
+            SizeDistribution.from_sieves(species.sieves.apertures, species.sieves.mass_fractions)
+        except SceneError as error:
+            yield ("radiation", "species", name, "sieves"), str(error)
+    filled = sum(species.volume_fraction for species in radiation.species.values())
+    if filled >= 1.0 - 1e-12:
+        yield ("radiation", "species"), f"the volume fractions sum to {filled:g}; gas between the particles needs some"
+    absorption, scattering = radiation.absorption, radiation.scattering
+    given = absorption is not None or scattering is not None
+    if given and not (absorption or 0.0) + (scattering or 0.0) * (1.0 - radiation.anisotropy):
+        yield ("radiation",), "nothing stops a ray: absorption, or scattering with anisotropy < 1, must be above 0"
+
+
+def loose_walls(heat: s.Heat | None, boundary: Boundaries) -> list[str]:
+    """Radiating boundaries on which the solid does not have the wall's temperature."""
+    found = []
+    for name, table in boundary.items():
+        wall, solid = table.radiation, table.solid
+        if wall is None:
+            continue
+        touched = heat is None or (solid is not None and solid.fixed == wall.temperature)
+        if wall.temperature is None or not touched:
+            found.append(name)
+    return found

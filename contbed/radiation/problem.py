@@ -1,0 +1,314 @@
+"""The radiation of one scene: optics from its particles, coupling to the two-energy model, and a medium by itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contbed.closures import optics as closures
+from contbed.closures.sizes import SizeDistribution
+from contbed.fem import system as make_system
+from contbed.fem.skfem import System
+from contbed.mesh.mesh import Mesh
+from contbed.packed_bed import scene as s
+from contbed.radiation.equations import p1 as radiation
+from contbed.solvers.linear import Policy, Solver
+from contbed.solvers.newton import newton
+
+REFINEMENTS = 3  # of a linear solution
+
+
+@dataclass(frozen=True)
+class Optics:
+    """Absorption by species at the solid's temperature and by species of given temperature, scattering, D.
+
+    `active` and `passive` are K_a [1/m], `emission` is 4 sum K_a sigma T^4 of the latter [W/m3], `diffusion` D [m].
+    """
+
+    active: float
+    passive: float
+    emission: float
+    scattering: float
+    diffusion: float
+
+    @property
+    def absorption(self) -> float:
+        """All K_a [1/m]."""
+        return self.active + self.passive
+
+    @property
+    def extinction(self) -> float:
+        """beta [1/m]."""
+        return self.absorption + self.scattering
+
+
+def optics(scene: s.Scene) -> Optics:
+    """Coefficients of a scene, from its particles or given directly."""
+    table = scene.radiation
+    assert table is not None
+    if table.absorption is not None or table.scattering is not None:
+        temperatures = [table.temperature]
+        found = closures.Optics(
+            np.array([table.absorption or 0.0]), np.array([table.scattering or 0.0]), table.anisotropy
+        )
+    else:
+        species = dict(table.species) or {"bed": s.RadiatingSpecies(
+            volume_fraction=1.0 - scene.bed.porosity, diameter=scene.bed.particle_diameter,
+            emissivity=table.emissivity, temperature=table.temperature)}  # fmt: skip
+        temperatures = [item.temperature for item in species.values()]
+        particles = [
+            closures.Species(name, item.volume_fraction, _size(item), item.emissivity) for name, item in species.items()
+        ]
+        found = closures.optics(particles, table.correction, table.anisotropy)
+    given = [(float(k), T) for k, T in zip(found.absorption, temperatures, strict=True) if T is not None]
+    passive = sum(k for k, _ in given)
+    return Optics(
+        active=float(found.absorption_total) - passive,
+        passive=passive,
+        emission=sum(k * radiation.emitted(T) for k, T in given),
+        scattering=float(found.scattering_total),
+        diffusion=float(found.diffusion("two_flux" if table.level == "two_flux" else "p1")),
+    )
+
+
+def _size(item: s.RadiatingSpecies) -> float | SizeDistribution:
+    if item.diameter is not None:
+        return item.diameter
+    assert item.sieves is not None
+    return SizeDistribution.from_sieves(item.sieves.apertures, item.sieves.mass_fractions)
+
+
+def surface_of(table: s.Boundary | None) -> radiation.Surface | None:
+    """What a boundary is to the radiation; None for a mirror."""
+    condition = None if table is None else table.radiation
+    if condition is None:
+        return None
+    if condition.temperature is not None:
+        return radiation.Surface(condition.emissivity, radiation.SIGMA * condition.temperature**4)
+    return radiation.Surface(1.0, float(condition.radiosity or 0.0))
+
+
+def surfaces(scene: s.Scene, mesh: Mesh, system: System) -> list[tuple[str, Any, radiation.Surface]]:
+    """Radiating boundaries: name, domain, surface."""
+    found = {name: surface_of(scene.boundary.get(name)) for name in mesh.boundaries}
+    return [(name, part, surface) for name, surface in found.items() if surface for part in system.boundary(name)]
+
+
+def span(c: Optics, surfaces: list[tuple[str, Any, radiation.Surface]]) -> tuple[float, float]:
+    """Lowest and highest given temperature [K]; a radiosity counts as that of a black surface."""
+    found = [power_temperature(surface.power) for _, _, surface in surfaces]
+    if c.passive:
+        found.append(power_temperature(c.emission / (4.0 * c.passive)))
+    return min(found), max(found)
+
+
+def boundary_fluxes(found: list[tuple[str, Any, radiation.Surface]], system: System, state: Any) -> dict[str, float]:
+    """Radiation into the bed through each radiating boundary [W]."""
+    out: dict[str, float] = {}
+    for name, part, surface in found:
+
+        def supplied(unknowns: Any, o: Any, surface: radiation.Surface = surface) -> Any:
+            return radiation.supplied(unknowns, surface, o)
+
+        out[name] = out.get(name, 0.0) + system.integrate(supplied, [part], state)
+    return out
+
+
+def emission(c: Optics, found: list[tuple[str, Any, radiation.Surface]], mesh: Mesh, section: float) -> float:
+    """What black walls and species of given temperature emit [W]: next to it a small net flux is a difference."""
+    walls = [surface.power * (section if part is None else float(np.sum(part.weight))) for _, part, surface in found]
+    return sum(walls) + (c.emission * mesh.measure() * section if c.passive else 0.0)
+
+
+def given_off(c: Optics, system: System, state: Any) -> float:
+    """Net radiation of species of given temperature [W], what they emit less what they absorb."""
+    return system.integrate(lambda unknowns, o: c.emission - c.passive * unknowns.G, [system.cells], state)
+
+
+class RadiationCoupling:
+    """Radiation beside the two-energy equations: its forms, and what the solid takes up."""
+
+    fields = radiation.FIELDS
+    emitted = staticmethod(radiation.emitted)
+
+    def __init__(self, scene: s.Scene):
+        self.scene, self.optics = scene, optics(scene)
+        c = self.optics
+        self.coefficients = radiation.Coefficients({"T_solid": c.active}, c.diffusion, c.emission, c.passive)
+
+    def interior(self, cells: Any) -> tuple[Any, Any, Any]:
+        """The balance of the incident radiation."""
+        return radiation.residual, cells, self.coefficients
+
+    def boundaries(self, mesh: Mesh, system: System) -> list[tuple[Any, Any, Any]]:
+        """Its walls and openings."""
+        forms = [(radiation.boundary, part, surface) for _, part, surface in surfaces(self.scene, mesh, system)]
+        sink = self._tubes(mesh)
+        return forms if sink is None else [*forms, (radiation.tubes, system.cells, sink)]
+
+    def _tubes(self, mesh: Mesh) -> radiation.Tubes | None:
+        """Tubes of all regions as one value in each cell (ncells, 1)."""
+        given = {name: region.tubes for name, region in self.scene.region.items() if region.tubes is not None}
+        if not given:
+            return None
+        area, power = np.zeros((2, mesh.skfem.nelements, 1))
+        bed = closures.radiation_emissivity_half_space(self.optics.scattering / self.optics.extinction)
+        for name, item in given.items():
+            cells = mesh.skfem.subdomains[name]
+            area[cells] = item.area * closures.emissivity_immersed(bed, item.emissivity)
+            power[cells] = radiation.SIGMA * item.temperature**4
+        return radiation.Tubes(area, power)
+
+    def taken_up(self, unknowns: Any) -> Any:
+        """Radiation that the solid absorbs less what it emits [W/m3]."""
+        return radiation.absorbed(unknowns.T_solid, unknowns.G, self.optics.active)
+
+    def temperatures(self, mesh: Mesh) -> list[float]:
+        """Temperatures that radiation brings into the bed: of walls, species, and black surfaces of a radiosity."""
+        table = self.scene.radiation
+        assert table is not None
+        conditions = [self.scene.boundary[name].radiation for name in mesh.boundaries if name in self.scene.boundary]
+        tubes = [region.tubes for region in self.scene.region.values()]
+        found = [item.temperature for item in (*conditions, *table.species.values(), *tubes) if item is not None]
+        entering = [item.radiosity for item in conditions if item is not None and item.radiosity is not None]
+        return [T for T in found if T is not None] + [float(power_temperature(power)) for power in entering]
+
+    def emission(self, mesh: Mesh, system: System) -> float:
+        """What black walls and species of given temperature emit [W]."""
+        return emission(self.optics, surfaces(self.scene, mesh, system), mesh, system.measure.get("section", 1.0))
+
+    def fluxes(self, mesh: Mesh, system: System, state: Any) -> dict[str, float]:
+        """Radiation into the bed through each boundary, from species of given temperature and from tubes [W]."""
+        out = boundary_fluxes(surfaces(self.scene, mesh, system), system, state)
+        if self.optics.passive:
+            out["species"] = given_off(self.optics, system, state)
+        sink = self._tubes(mesh)
+        if sink is not None:
+            out["tubes"] = -system.integrate(
+                lambda unknowns, o: radiation.taken_by_tubes(unknowns, sink, o), [system.cells], state
+            )
+        return out
+
+
+class RadiationProblem:
+    """A medium that radiates and may conduct: unknown G, and `T_solid` where it conducts. See `models.radiation`.
+
+    Without conductivity and temperature the medium is in radiative equilibrium: it emits what it absorbs.
+    """
+
+    def __init__(self, scene: s.Scene, mesh: Mesh, section: float = 1.0):
+        table = scene.radiation
+        assert table is not None
+        self.scene, self.mesh, self.optics = scene, mesh, optics(scene)
+        self.conductivity = table.conductivity or 0.0
+        self.equilibrium = not self.conductivity and not self.optics.passive
+        degree = scene.solver.degree
+        fields = {"G": (degree, 0)} | ({"T_solid": (degree, 0)} if self.conductivity else {})
+        self.system = make_system(mesh, fields, 2 * degree + (4 if self.conductivity else 1), section)
+        active = {"T_solid": self.optics.active} if self.conductivity else {}
+        c = radiation.Coefficients(active, self.optics.diffusion, self.optics.emission, self.optics.passive)
+        self.surfaces = surfaces(scene, mesh, self.system)
+        self.forms: list[Any] = [(radiation.residual, self.system.cells, c)]
+        self.forms += [(radiation.boundary, part, surface) for _, part, surface in self.surfaces]
+        if self.conductivity:
+            self.forms.append((self._conduction, self.system.cells, None))
+        self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
+
+    def _conduction(self, unknowns: Any, tests: Any, c: Any, o: Any) -> Any:
+        gain = radiation.absorbed(unknowns.T_solid, unknowns.G, self.optics.active)
+        return self.conductivity * o.dot(o.grad(unknowns.T_solid), o.grad(tests.T_solid)) - gain * tests.T_solid
+
+    def _fixed(self) -> tuple[Any, Any, Any]:
+        """A conducting medium has the temperature of the walls it touches: nodes, values, number of the boundary."""
+        nodes, values, owners = [np.empty(0, dtype=np.int64)], [np.empty(0)], [np.empty(0, dtype=np.int64)]
+        for k, name in enumerate(self.mesh.boundaries if self.conductivity else ()):
+            table = self.scene.boundary.get(name)
+            if table is not None and table.radiation is not None and table.radiation.temperature is not None:
+                found = self.system.nodes("T_solid", self.mesh.skfem.boundaries[name])
+                nodes.append(found)
+                values.append(np.full(len(found), table.radiation.temperature))
+                owners.append(np.full(len(found), k))
+        unique, first = np.unique(np.concatenate(nodes), return_index=True)
+        return unique, np.concatenate(values)[first], np.concatenate(owners)[first]
+
+    def assemble(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Residual and Jacobian."""
+        return self.system.assemble(self.forms, state, jacobian)
+
+    def solve(self, policy: Policy) -> tuple[Any, list[float]]:
+        """Newton from the mean of the given temperatures, linear without conduction."""
+        policy, state = self.system.ordered(policy), self.start()
+        if not self.conductivity:
+            return self._linear(state, policy), [1.0]
+        options, lower = self.scene.solver, np.zeros(self.system.size)
+        if "G" in self.system.fields:  # linear: may undershoot where cells are too few
+            self.system.part(lower, "G")[:] = -np.inf
+        return newton(
+            self.assemble, state, self.fixed, policy, lower=lower,
+            tolerance=options.newton_tolerance, iterations=options.newton_iterations, what="radiation",
+        )  # fmt: skip
+
+    def start(self) -> Any:
+        """The state at the mean of the given temperatures."""
+        low, high = self.T_span
+        middle = (0.5 * (low**4 + high**4)) ** 0.25
+        state = np.full(self.system.size, middle)
+        self.system.part(state, "G")[:] = radiation.emitted(middle)
+        state[self.fixed] = self.fixed_values
+        return state
+
+    def _linear(self, state: Any, policy: Policy) -> Any:
+        """One solution, refined: in thin media the fluxes are small differences of G."""
+        residual, matrix = self.assemble(state, True)
+        solver = Solver(matrix, policy)
+        for _ in range(REFINEMENTS):
+            state = state - solver(residual)
+            residual, _ = self.assemble(state, False)
+        return state
+
+    @property
+    def T_span(self) -> tuple[float, float]:
+        """Lowest and highest given temperature."""
+        return span(self.optics, self.surfaces)
+
+    @property
+    def space(self) -> Any:
+        """The space of G and of the temperature."""
+        return self.system.fields["G"][0]
+
+    def incident(self, state: Any) -> Any:
+        """G at the nodes [W/m2]."""
+        return self.system.part(state, "G")
+
+    def flux(self, state: Any, probe: Any) -> Any:
+        """Radiative flux along the axis at the points of a probe [W/m2]."""
+        return -self.optics.diffusion * probe.slope(self.space, self.incident(state), self.mesh.axis)
+
+    def temperature(self, state: Any) -> Any:
+        """Nodal temperatures: solved for, or those of a medium that emits what it absorbs."""
+        if self.conductivity:
+            return self.system.part(state, "T_solid")
+        if self.optics.passive:
+            T = power_temperature(self.optics.emission / (4.0 * self.optics.passive))
+            return np.full(self.system.fields["G"][0].size, T)
+        return power_temperature(self.system.part(state, "G") / 4.0)
+
+    def fluxes(self, state: Any) -> dict[str, float]:
+        """Radiation into the bed through each boundary [W]."""
+        return dict.fromkeys(self.mesh.boundaries, 0.0) | boundary_fluxes(self.surfaces, self.system, state)
+
+    def conducted(self, residual: Any) -> dict[str, float]:
+        """Heat that walls conduct into the medium [W], from an unconstrained residual."""
+        sums = np.bincount(self.fixed_owner, weights=residual[self.fixed], minlength=len(self.mesh.boundaries))
+        return {name: float(value) for name, value in zip(self.mesh.boundaries, sums, strict=True)}
+
+    def released(self, state: Any) -> float:
+        """Net radiation of species of given temperature [W], what they emit less what they absorb."""
+        return given_off(self.optics, self.system, state)
+
+
+def power_temperature(power: Any) -> Any:
+    """Temperature [K] of a black surface of emissive power [W/m2]."""
+    return (np.maximum(power, 0.0) / radiation.SIGMA) ** 0.25

@@ -1,0 +1,112 @@
+"""Radiation in thick beds as heat conduction: when to choose it, and a conducting medium that radiates by itself.
+
+    -div((k + 16 sigma T^3 D) grad T) = 0,   T = T_w on walls        (species of given temperature take no part)
+
+What it leaves out is the temperature slip at walls, a resistance of about a mean free path.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contbed.closures.optics import conductivity, error_rosseland
+from contbed.fem import system as make_system
+from contbed.mesh.mesh import Mesh
+from contbed.packed_bed import scene as s
+from contbed.radiation.checks import loose_walls
+from contbed.radiation.equations import p1 as radiation
+from contbed.radiation.problem import RadiationProblem, optics, surfaces
+
+TOLERANCE = 0.01  # estimated error up to which plan may choose the Rosseland conductivity
+
+
+def choose(scene: s.Scene) -> tuple[s.Scene, str]:
+    """The scene with the Rosseland level where it is allowed and accurate enough, and what to say about it."""
+    table = scene.radiation
+    if table is None or not table.allow_rosseland or table.level not in ("p1", "two_flux"):
+        return scene, ""
+    conducts = scene.heat is not None or bool(table.conductivity)
+    if not conducts or loose_walls(scene.heat, scene.boundary):
+        return scene, "Rosseland needs conduction and the solid at the temperature of its walls"
+    if isinstance(scene.mesh, s.MeshFile):
+        return scene, "Rosseland is not estimated on a mesh from a file"
+    thick = scene.model_copy(update={"radiation": table.model_copy(update={"level": "rosseland"})})
+    error = estimate(thick, scene.mesh)
+    text = f"Rosseland errs by about {100.0 * error:.2g} %, allowed are {100.0 * TOLERANCE:g} %"
+    return (thick if error <= TOLERANCE else scene), text
+
+
+def estimate(scene: s.Scene, mesh: Any) -> float:
+    """Relative error of the radiative flux between the walls of a built-in bed, by `error_rosseland`.
+
+    The direction with the largest error counts among those with a radiating wall, or the length of a bed without any.
+    A side that does not radiate counts as black.
+    """
+    c = optics(scene)
+    if isinstance(mesh, s.MeshLine):
+        extents = [mesh.length]
+    elif isinstance(mesh, s.MeshRectangle):
+        extents = [mesh.length, mesh.height]
+    elif isinstance(mesh, s.MeshAxisymmetric):
+        extents = [2.0 * mesh.radius, mesh.length]
+    else:
+        extents = [mesh.length, mesh.width, mesh.height]
+    errors = []
+    for extent, names in zip(extents, mesh.sides, strict=True):
+        walls = [scene.boundary[name].radiation for name in names if name in scene.boundary]
+        emissivities = [wall.emissivity for wall in walls if wall is not None]
+        if emissivities:
+            opposite = emissivities[0] if names[0] == "axis" else 1.0
+            both = (*emissivities, opposite)[:2]
+            errors.append(float(error_rosseland(extent / (3.0 * c.diffusion), *both)))
+    return max(errors) if errors else float(error_rosseland(mesh.length / (3.0 * c.diffusion)))
+
+
+class RosselandProblem(RadiationProblem):
+    """A conducting medium with the Rosseland conductivity: unknown `T_solid`."""
+
+    def __init__(self, scene: s.Scene, mesh: Mesh, section: float = 1.0):
+        table = scene.radiation
+        assert table is not None
+        self.scene, self.mesh, self.optics = scene, mesh, optics(scene)
+        self.conductivity = table.conductivity or 0.0
+        degree = scene.solver.degree
+        self.system = make_system(mesh, {"T_solid": (degree, 0)}, 2 * degree + 3, section)
+        self.surfaces = surfaces(scene, mesh, self.system)
+        self.forms = [(self._conduction, self.system.cells, None)]
+        self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
+
+    def _conduction(self, unknowns: Any, tests: Any, c: Any, o: Any) -> Any:
+        T = unknowns.T_solid
+        return (self.conductivity + conductivity(T, self.optics.diffusion)) * o.dot(o.grad(T), o.grad(tests.T_solid))
+
+    def start(self) -> Any:
+        """The mean of the temperatures of the walls."""
+        state = np.full(self.system.size, 0.5 * sum(self.T_span))
+        state[self.fixed] = self.fixed_values
+        return state
+
+    @property
+    def space(self) -> Any:
+        """The space of the temperature."""
+        return self.system.fields["T_solid"][0]
+
+    def incident(self, state: Any) -> Any:
+        """G at the nodes [W/m2], that of black radiation."""
+        return radiation.emitted(self.temperature(state))
+
+    def flux(self, state: Any, probe: Any) -> Any:
+        """Radiative flux along the axis at the points of a probe [W/m2]."""
+        T = self.temperature(state)
+        slope = probe.slope(self.space, T, self.mesh.axis)
+        return -conductivity(probe(self.space, T), self.optics.diffusion) * slope
+
+    def fluxes(self, state: Any) -> dict[str, float]:
+        """None besides what the medium conducts at its walls [W]."""
+        return dict.fromkeys(self.mesh.boundaries, 0.0)
+
+    def released(self, state: Any) -> float:
+        """Species of given temperature take no part [W]."""
+        return 0.0

@@ -1,0 +1,209 @@
+"""What the schema says about a table or key of a scene: type, unit, bounds, default, meaning.
+
+Errors, `contbed explain` and table headers all read the JSON schemas of the scenes through here, so that a fact stands
+in one place. A name that the user chooses, like that of a boundary, is written NAME.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+from contbed.errors import SceneError
+from contbed.models import KINDS, find
+from contbed.scene.toml_lines import KeyPath, dotted
+
+Node = dict[str, Any]
+_BOUNDS = {
+    "gt": ">",
+    "exclusiveMinimum": ">",
+    "ge": ">=",
+    "minimum": ">=",
+    "lt": "<",
+    "exclusiveMaximum": "<",
+    "le": "<=",
+    "maximum": "<=",
+}
+_TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false"}
+
+
+PACKED_BED = "packed_bed"
+_definitions: dict[str, Node] = {}  # of the schemas that have been asked for; one name means one table in all of them
+
+
+@cache
+def schema(kind: str = PACKED_BED) -> Node:
+    """The JSON schema of one kind of scene."""
+    from contbed.packed_bed.scene import Scene
+
+    model = find(KINDS[kind].settings) if kind in KINDS else Scene
+    found = model.model_json_schema(ref_template=f"{kind}/{{model}}")
+    _definitions.update({f"{kind}/{name}": node for name, node in found["$defs"].items()})
+    return found
+
+
+def options(node: Node) -> list[Node]:
+    """The ways in which a value may be written, references followed and null left out."""
+    if "$ref" in node:
+        return options(_definitions[node["$ref"]])
+    members = node.get("oneOf") or node.get("anyOf")
+    if members is None:
+        return [] if node.get("type") == "null" else [node]
+    return [{**_unit_of(node), **option} for member in members for option in options(member)]
+
+
+def _unit_of(node: Node) -> Node:
+    """The unit, which stands at the list or union and holds for its items or members."""
+    return {"unit": node["unit"]} if "unit" in node else {}
+
+
+def children(node: Node, key: str | int) -> list[Node]:
+    """What `key` may hold in the tables or lists that `node` allows."""
+    found = []
+    for option in options(node):
+        if isinstance(key, int):
+            parts = option.get("prefixItems", [])
+            item = parts[key] if key < len(parts) else option.get("items")
+            if item is not None:
+                found.append({**_unit_of(option), **item})
+        elif key in option.get("properties", {}):
+            found.append(option["properties"][key])
+        elif isinstance(option.get("additionalProperties"), dict):
+            found.append(option["additionalProperties"])
+    return found
+
+
+def keys(node: Node) -> list[str]:
+    """The keys of the tables that `node` allows; NAME where they are free."""
+    found: list[str] = []
+    for option in options(node):
+        names = list(option.get("properties", {}))
+        if isinstance(option.get("additionalProperties"), dict):
+            names.append("NAME")
+        found += [name for name in names if name not in found]
+    return found
+
+
+def at(path: KeyPath) -> list[Node]:
+    """The nodes of a key path in all kinds of scenes; several if the table has several types, none if it is unknown."""
+    nodes = [schema(kind) for kind in (PACKED_BED, *KINDS)]
+    for key in path:
+        nodes = [child for node in nodes for child in children(node, key)]
+    return nodes
+
+
+def is_closure(option: Node) -> bool:
+    """Whether this way of writing a value is a closure's table, the only one that may have further keys."""
+    return option.get("additionalProperties") is True
+
+
+def is_closure_file(option: Node) -> bool:
+    """Whether this way of writing a value is the file of a closure."""
+    return option.get("title") == "ClosureFile"
+
+
+def choices(node: Node) -> list[Any]:
+    """The permitted values of a key that is a choice, or that selects the type of its table."""
+    found = []
+    for option in options(node):
+        found += option.get("enum", []) + ([option["const"]] if "const" in option else [])
+    return found
+
+
+def unit(path: KeyPath) -> str | None:
+    """The SI unit of a key; None if it has none or is not a number."""
+    for node in at(path):
+        for option in [node, *options(node)]:
+            item = next(iter(option.get("prefixItems", [])), option.get("items", option))
+            if found := option.get("unit") or item.get("unit"):
+                return str(found)
+    return None
+
+
+def allowed(node: Node) -> str:
+    """The permitted values in words: "> 0 m", "'line' or 'box'", "a number >= 0, a closure's name or table"."""
+    if values := choices(node):
+        return " or ".join(json.dumps(value) for value in values)
+    ways = options(node)
+    text = "a closure's name" if len(ways) > 1 else "a text"
+    return ", or ".join(dict.fromkeys(text if way.get("type") == "string" else _one(way) for way in ways))
+
+
+def _one(option: Node) -> str:
+    kind = option.get("type")
+    if kind == "object":
+        if is_closure(option):
+            return "a table with a closure's name and parameters"
+        if is_closure_file(option):
+            return "a table with the file of a closure"
+        return f"a table with {', '.join(keys(option))}"
+    if kind == "array":
+        if parts := option.get("prefixItems"):
+            return f"a list of {len(parts)}: {_one(parts[0])}"
+        return f"a list, each {_one(option.get('items', {}))}"
+    bounds = [f"{sign} {option[key]:g}" for key, sign in _BOUNDS.items() if key in option]
+    words = ["a", _TYPES.get(str(kind), "value"), " and ".join(bounds), option.get("unit", "").removeprefix("1")]
+    if kind == "boolean":
+        del words[0]
+    return " ".join(filter(None, words))
+
+
+def explain(name: str) -> str:
+    """The data sheet of a table or key: "heat", "heat.nusselt", "boundary.NAME.fluid", "mesh.line"."""
+    path: KeyPath = tuple(name.split("."))
+    nodes = at(path)
+    if not nodes and len(path) > 1:  # mesh.line: one type of a table
+        nodes = [
+            option
+            for node in at(path[:-1])
+            for option in options(node)
+            if any(value == path[-1] for key in option.get("properties", {}).values() for value in choices(key))
+        ]
+    if not nodes:
+        raise SceneError(f"the scene has no table or key {name!r}")
+    return "\n".join(line for node in nodes for line in _sheet(name, node))
+
+
+def _sheet(name: str, node: Node) -> Iterator[str]:
+    tables = [
+        option
+        for option in options(node)
+        if "properties" in option and not is_closure(option) and not is_closure_file(option)
+    ]
+    if not tables:
+        yield f"{name} - {node['description']}" if "description" in node else name
+        yield f"    allowed: {allowed(node)}"
+        if any(is_closure(option) for option in options(node)):
+            yield "    `contbed list` shows the closures"
+        if "default" in node:
+            value = node["default"]
+            yield f"    default: {'absent' if value is None else json.dumps(value)}"
+        return
+    for table in tables:
+        yield f"[{name}] {table.get('description', '')}"
+        required = table.get("required", [])
+        for key, child in table["properties"].items():
+            if all("properties" in option and not is_closure(option) for option in options(child)):
+                text = f"table, see {dotted((*name.split('.'), key))}"
+            else:
+                text = allowed(child)
+            if key in required:
+                text += "; required"
+            elif child.get("default") not in (None, [], ""):
+                text += f"; default {json.dumps(child['default'])}"
+            meaning = f"  # {child['description']}" if "description" in child else ""
+            yield f"    {key}: {text}{meaning}"
+        yield ""
+
+
+def tables() -> list[str]:
+    """The tables of a scene, with their types: "mesh", "heat", "boundary.NAME"."""
+    found: list[str] = []
+    for name, node in (item for kind in (PACKED_BED, *KINDS) for item in schema(kind)["properties"].items()):
+        if any(isinstance(option.get("additionalProperties"), dict) for option in options(node)):
+            found.append(f"{name}.NAME")
+        elif any("properties" in option for option in options(node)):
+            found.append(name)
+    return list(dict.fromkeys(found))

@@ -1,0 +1,163 @@
+"""Branches of steady states R(x, p) = 0 over a parameter p, through their folds, by pseudo-arclength (Keller 1977).
+
+    R(x, p) = 0,   t_x . (x - x_0) / N^2 + t_p (p - p_0) / P^2 = s
+
+(x_0, p_0) is the last point, t its unit tangent, s the step; N^2 = n X^2 measures all n unknowns as one of size X, P is
+the span of p. The bordered matrix is regular at folds, where the tangent's t_p changes sign; each is then narrowed by
+steps of other lengths from the point before it. Steps grow and shrink with the number of Newton's iterations.
+
+Source: Keller 1977, in Rabinowitz (ed.), Applications of Bifurcation Theory, Academic Press, 359-384.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import ConvergenceError
+from contbed.solvers.linear import Policy, Solver, bordered
+
+Array = Any
+Assemble = Callable[[Array, float, bool], tuple[Array, Any]]
+
+DIFFERENCE = 1e-4  # share of the span by which R is differentiated along the parameter
+ITERATIONS = 8  # of Newton's method in one step
+SHORTEST = 1e-7  # step below which the branch is given up
+LONGEST = 0.1  # step, of a distance in which the whole span of the parameter counts as one
+NARROWED = 30  # steps at most that look for a fold
+FOLD = 1e-9  # share of the span within which a fold is found
+
+
+@dataclass
+class Branch:
+    """Points in the order in which they are met; `folds` are positions between them, with parameter and state."""
+
+    parameter: list[float] = field(default_factory=list)
+    states: list[Array] = field(default_factory=list)
+    folds: list[tuple[int, float, Array]] = field(default_factory=list)
+    complete: bool = False  # whether it ends at an end of the parameter
+
+
+@dataclass
+class _Point:
+    x: Array
+    p: float
+    tangent: tuple[Array, float]
+
+
+class _Walk:
+    """One point after another."""
+
+    def __init__(self, assemble: Assemble, weights: Array, size: float, span: float, policy: Policy, tolerance: float):
+        self.assemble, self.policy, self.tolerance = assemble, policy, tolerance
+        self.metric = weights**2 / (len(weights) * size**2)
+        self.weights, self.size, self.span = weights, size, span
+
+    def slope(self, x: Array, p: float, residual: Array) -> Array:
+        """dR/dp."""
+        step = DIFFERENCE * self.span
+        return (self.assemble(x, p + step, False)[0] - residual) / step
+
+    def bordered(self, x: Array, p: float, row: tuple[Array, float]) -> tuple[Array, Callable[[Array, float], Any]]:
+        """Residual, and a solver of the bordered system, scaled so that all of its rows and columns are alike."""
+        residual, matrix = self.assemble(x, p, True)
+        column = self.span * self.slope(x, p, residual)
+        weight = float((abs(matrix) @ np.ones(len(x))).max())
+        last, corner = weight * self.metric * row[0], weight * row[1] / self.span
+        solver = Solver(bordered(matrix, column, last, corner), self.policy)
+
+        def solve(rhs: Array, last: float) -> tuple[Array, float]:
+            found = solver(np.append(rhs, weight * last))
+            return found[:-1], self.span * float(found[-1])
+
+        return residual, solve
+
+    def tangent(self, x: Array, p: float, before: tuple[Array, float]) -> tuple[Array, float]:
+        """Unit tangent that goes on in the direction of the last one."""
+        _, solve = self.bordered(x, p, before)
+        tx, tp = solve(np.zeros(len(x)), 1.0)
+        length = float(self.metric @ tx**2 + (tp / self.span) ** 2) ** 0.5
+        return tx / length, tp / length
+
+    def step(self, at: _Point, s: float) -> tuple[_Point, int]:
+        """The point of the branch at distance `s`, backward if negative."""
+        tx, tp = at.tangent
+        x, p = at.x + s * tx, at.p + s * tp
+        for iteration in range(1, ITERATIONS + 1):
+            with np.errstate(all="ignore"):
+                residual, solve = self.bordered(x, p, at.tangent)
+                ahead = float(self.metric @ (tx * (x - at.x)) + tp * (p - at.p) / self.span**2)
+                if not np.isfinite(residual).all():
+                    break
+                change, shift = solve(-residual, s - ahead)
+            x, p = x + change, p + shift
+            if np.abs(self.weights * change).max() <= self.tolerance * self.size:
+                return _Point(x, p, self.tangent(x, p, at.tangent)), iteration
+        raise ConvergenceError(f"branch: a step of {s:.2g} does not converge", [], x)
+
+    def fold(self, a: _Point, length: float) -> _Point:
+        """The point between `a` and the one `length` further at which p turns back, by regula falsi in t_p."""
+        low, high = (0.0, a.tangent[1]), (length, self.step(a, length)[0].tangent[1])
+        point = a
+        for _ in range(NARROWED):
+            s = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
+            s = min(max(s, low[0] + 0.05 * (high[0] - low[0])), high[0] - 0.05 * (high[0] - low[0]))
+            point = self.step(a, s)[0]
+            if abs(point.tangent[1]) * (high[0] - low[0]) < FOLD * self.span:
+                break
+            if point.tangent[1] * a.tangent[1] > 0:
+                low = (s, point.tangent[1])
+            else:
+                high = (s, point.tangent[1])
+        return point
+
+
+def trace(
+    assemble: Assemble, x: Array, start: float, stop: float, policy: Policy, *,
+    weights: Array, size: float, points: int, back: float | None = None, first: float = 0.02, tolerance: float = 1e-8,
+) -> Branch:  # fmt: skip
+    """Follow the branch of `assemble(x, p, jacobian) -> (R, matrix)` from a state x at `start` until p passes `stop`
+    or, on the other side, `back`, or `points` are found.
+
+    `weights` make unknowns comparable with `size`. A branch that goes no further is returned incomplete.
+    """
+    walk = _Walk(assemble, weights, size, abs(stop - start), policy, tolerance)
+    out = Branch([start], [x])
+    toward = (np.zeros_like(x), float(np.sign(stop - start)))
+    point, s = _Point(x, start, walk.tangent(x, start, toward)), first
+    back = start if back is None else back
+    low, high = min(back, stop), max(back, stop)
+    while len(out.parameter) < points and s > SHORTEST:
+        try:
+            found, iterations = walk.step(point, s)
+        except ConvergenceError:
+            s *= 0.25
+            continue
+        if found.tangent[1] * point.tangent[1] < 0:
+            turn = walk.fold(point, s)
+            out.folds.append((len(out.parameter), turn.p, turn.x))
+        if not low <= found.p <= high:
+            edge = low if found.p < low else high
+            found = _at(walk, point, found, edge)
+            out.complete = True
+        out.parameter.append(found.p)
+        out.states.append(found.x)
+        if out.complete:
+            break
+        point, s = found, min(LONGEST, s * (2.0 if iterations <= 3 else 1.0 if iterations <= 5 else 0.5))
+    return out
+
+
+def _at(walk: _Walk, a: _Point, b: _Point, p: float) -> _Point:
+    """The point with parameter p next to the line from a to b, by Newton's method at fixed p."""
+    x = a.x + (p - a.p) / (b.p - a.p) * (b.x - a.x)
+    for _ in range(2 * ITERATIONS):
+        residual, matrix = walk.assemble(x, p, True)
+        change = Solver(matrix, walk.policy)(-residual)
+        x = x + change
+        if np.abs(walk.weights * change).max() <= walk.tolerance * walk.size:
+            return _Point(x, p, b.tangent)
+    return b

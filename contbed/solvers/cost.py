@@ -1,0 +1,71 @@
+"""What a steady scene costs on each engine, and which engine it wants.
+
+The rates are processor seconds of a whole run per million unknowns (flow by Newton in 2-D, heat linear), the power with
+which time grows, and bytes an unknown at the peak, measured by studies/scaling on a 2-core x86-64 machine with one
+thread a rank. A transient takes about as much for every few steps. Ranks share memory but for `LEADER`, the part of the
+first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+from contbed.solvers.linear import Policy, free_memory_GB
+
+LEADER = 900.0  # bytes an unknown
+LONG = 1800.0  # [s] beyond which ranks are worth their trouble
+START = 1.2  # [s] of any run
+
+
+@dataclass(frozen=True)
+class Rate:
+    """Seconds for a million unknowns, the power of growth, bytes an unknown."""
+
+    seconds: float
+    power: float
+    memory: float
+
+    def time(self, size: int) -> float:
+        """[s]"""
+        return START + self.seconds * (size / 1e6) ** self.power
+
+    def memory_GB(self, size: int) -> float:
+        """[GB]"""
+        return 0.15 + 1e-9 * self.memory * size
+
+
+# by engine and dimension of the mesh; factors in 3-D grow faster than their memory, n^(4/3)
+RATES = {
+    ("skfem", 1): Rate(6.0, 1.0, 400.0),
+    ("skfem", 2): Rate(50.0, 1.25, 4000.0),
+    ("skfem", 3): Rate(1000.0, 1.6, 20e3),
+    ("dolfinx", 1): Rate(7.0, 1.0, 900.0),
+    ("dolfinx", 2): Rate(21.0, 1.15, 2900.0),
+    ("dolfinx", 3): Rate(55.0, 1.05, 6600.0),
+}
+
+
+def advice(unknowns: dict[str, int], policy: Policy) -> str:
+    """Which engine a scene with these unknowns of its parts wants, and what it costs there.
+
+    scikit-fem as long as its factors fit in the memory allowed and time is short, else DOLFINx on as many ranks as
+    bring the time below `LONG`.
+    """
+    size, largest = sum(unknowns.values()), max(unknowns.values())
+    one, other = RATES["skfem", policy.dimension], RATES["dolfinx", policy.dimension]
+    need = policy.predicted_GB(largest)
+    limit = policy.limit_GB if policy.limit_GB is not None else 0.6 * free_memory_GB()
+    there = f"about {_time(other.time(size))} of processor and {other.memory_GB(size):.2g} GB"
+    if need <= limit and one.time(size) <= LONG:
+        return f"engine: skfem, about {_time(one.time(size))} of processor for a steady scene; dolfinx {there}"
+    why = f"skfem would need {need:.3g} GB of {limit:.3g} GB" if need > limit else (
+        f"skfem would take {_time(one.time(size))}")  # fmt: skip
+    ranks = max(2, ceil(other.time(size) / LONG))
+    first = 0.15 + 1e-9 * LEADER * size + other.memory_GB(size) / ranks
+    return (f"engine: dolfinx, mpirun -n {ranks}: {there} for a steady scene, {first:.2g} GB of it on the first rank; "
+            f"{why}")  # fmt: skip
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds / 3600.0:.2g} h" if seconds >= 3600.0 else f"{seconds:.{0 if seconds >= 10.0 else 1}f} s"

@@ -1,0 +1,108 @@
+"""Newton's method with exact Jacobians, step control and a history that is kept when it fails."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import ConvergenceError
+from contbed.solvers.linear import Policy, Solver, constrain
+
+REACH = 0.7  # share of the way to a lower bound that one step may go
+POLISH = 6  # steps at most after convergence
+
+Assemble = Callable[[Any, bool], tuple[Any, Any]]
+
+
+def newton(
+    assemble: Assemble,
+    state: Any,
+    fixed: Any,
+    policy: Policy,
+    *,
+    tolerance: float = 1e-10,
+    iterations: int = 30,
+    linear: bool = False,
+    lower: Any = -np.inf,
+    floor: float | None = None,
+    weights: Any = 1.0,
+    what: str = "Newton",
+) -> tuple[Any, list[float]]:
+    """Solve `assemble(state, jacobian) -> (residual, matrix)` for the unknowns not in `fixed`.
+
+    `state` already holds the fixed values. The norm is that of the residual relative to the first one; a step that
+    raises it is halved, and none takes an unknown more than `REACH` of its way down to `lower`. A linear problem takes
+    one step. Residuals below `floor` count as rounding; absent, it is estimated from the terms that cancel in them.
+    `weights` make steps of all unknowns comparable. Returns the state and the history of norms.
+    """
+    state = state.copy()
+    residual, matrix = assemble(state, True)
+    residual[fixed] = 0.0
+    scale = max(float(np.linalg.norm(residual)), 1e-300)
+    if floor is None:
+        floor = 0.0 if linear else 1e-15 * float(np.linalg.norm(abs(matrix) @ np.maximum(1.0, np.abs(state))))
+    history = [1.0]
+    solver = None
+    goal = 1e-2 * tolerance
+    for _ in range(iterations):
+        solver, step = _direction(solver, constrain(matrix, fixed), -residual, policy, history, goal)
+        if linear:
+            return state + step, history
+        damping = 1.0
+        nearest = state - REACH * (state - lower)
+        while True:
+            trial = np.maximum(state + damping * step, nearest)
+            with np.errstate(all="ignore"):  # a step too far may leave the range of a property; it is halved below
+                residual, _ = assemble(trial, False)
+            residual[fixed] = 0.0
+            norm = float(np.linalg.norm(residual))
+            if np.isfinite(norm) and (norm <= (1 - 0.1 * damping) * history[-1] * scale or norm <= floor):
+                break
+            damping /= 2
+            if damping < 1e-3 and history[-1] <= tolerance:
+                return state, history  # as low as rounding lets it
+            if damping < 1e-3:
+                message = f"{what}: no descent after {len(history)} iterations"
+                raise ConvergenceError(message, [*history, norm / scale], state)
+        state = trial
+        history.append(norm / scale)
+        largest = max(1e-300, np.abs(weights * state).max())
+        small = damping == 1.0 and np.abs(weights * step).max() <= tolerance * largest
+        if norm <= goal * scale or norm <= floor or small:
+            return _polish(assemble, state, residual, fixed, solver), history
+        _, matrix = assemble(state, True)
+    message = f"{what}: not converged in {iterations} iterations, residual {history[-1]:.2g}"
+    raise ConvergenceError(message, history, state)
+
+
+def _polish(assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: Solver) -> Any:
+    """Further steps with the factors at hand while each lowers the residual fivefold: balances close to round-off."""
+    norm = np.linalg.norm(residual)
+    for _ in range(POLISH):
+        better = state + solver.approximate(-residual)
+        residual, _ = assemble(better, False)
+        residual[fixed] = 0.0
+        after = np.linalg.norm(residual)
+        if not after < 0.2 * norm:
+            return better if after < norm else state
+        state, norm = better, after
+    return state
+
+
+def _direction(
+    solver: Solver | None, matrix: Any, rhs: Any, policy: Policy, history: list[float], goal: float
+) -> tuple[Solver, Any]:
+    """The Newton step. The factors of an earlier matrix serve as long as GMRES needs few iterations with them.
+
+    The linear tolerance is the square of the last reduction, so that convergence stays superlinear, but not below what
+    reaches `goal` (Eisenstat & Walker 1996, doi:10.1137/0917003, choice 2; Kelley 1995, Eq. 6.20).
+    """
+    if solver is not None:
+        forcing = max((history[-1] / history[-2]) ** 2, 0.5 * goal / max(history[-1], 1e-300))
+        step = solver.nearby(matrix, rhs, min(0.1, forcing))
+        if step is not None:
+            return solver, step
+    solver = Solver(matrix, policy)
+    return solver, solver(rhs)

@@ -1,0 +1,1 @@
+"""Finite volumes on any mesh: cells and faces, gradients, reconstruction, flux limiter."""

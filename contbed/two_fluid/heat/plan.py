@@ -1,0 +1,93 @@
+"""What a two-fluid scene with [heat] builds: closures as functions of cells, temperatures given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from contbed.closures.binding import resolve_closure
+from contbed.two_fluid import scene as t
+from contbed.two_fluid.checks import HEAT_KINDS, conducts
+from contbed.two_fluid.heat.equations import FIELDS, Physics, Thermal
+from contbed.two_fluid.simulation import TwoFluid
+
+
+def closure_functions(scene: t.TwoFluidScene) -> dict[str, tuple[Callable, dict[str, Any]]]:
+    """Function and own parameters of the closures that [heat] names, by key."""
+    table = scene.heat
+    chosen = {} if table is None else {key: getattr(table, key) for key in HEAT_KINDS}
+    return {key: resolve_closure(value, HEAT_KINDS[key], scene.origin.base) for key, value in chosen.items()
+            if value is not None and not isinstance(value, float)}  # fmt: skip
+
+
+def physics(scene: t.TwoFluidScene) -> Physics:
+    """Heat capacities and closures of a scene with [heat]."""
+    table, gas, d_p = scene.heat, scene.gas, scene.solid.diameter
+    assert table is not None
+    k, found = table.conductivity_gas, closure_functions(scene)
+    constants = {"d_p": d_p, "k_fluid": k, "k_solid": table.conductivity_solid,
+                 "Pr": table.heat_capacity_gas * gas.viscosity / k}  # fmt: skip
+
+    def coefficient(eps_s: np.ndarray, slip: np.ndarray, dense: Any, T: np.ndarray) -> np.ndarray:
+        if "nusselt" not in found:
+            return np.full_like(eps_s, k / d_p * float(table.nusselt))  # type: ignore[arg-type]
+        Re = (1.0 - eps_s) * gas.density * dense * slip * d_p / gas.viscosity
+        return k / d_p * evaluate(found["nusselt"], {"Re": Re, "eps": 1.0 - eps_s, "T": T, **constants})
+
+    def of_bed(eps_s: np.ndarray, T_gas: np.ndarray, T_solid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        whole = evaluate(found["conductivity_bed"], {"eps": 1.0 - eps_s, "T": T_solid, **constants})
+        part = k * (1.0 - np.sqrt(eps_s))
+        return part, whole - part
+
+    def of_phases(eps_s: np.ndarray, *_: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return table.effective_gas * (1.0 - eps_s), table.effective_solid * eps_s
+
+    conductivity = of_bed if table.conductivity_bed is not None else of_phases
+    return Physics(
+        table.heat_capacity_gas, table.heat_capacity_solid, coefficient, conductivity if conducts(table) else None,
+        table.density, table.T_reference or scene.initial.T_gas or np.nan, table.pressure,
+    )  # fmt: skip
+
+
+def evaluate(pair: tuple[Callable, dict[str, Any]], known: Mapping[str, Any]) -> Any:
+    """A closure and its own parameters, with what it takes of `known`."""
+    function: Any = pair[0]
+    return function(**{name: known[name] for name in function.sheet.arguments if name in known}, **pair[1])
+
+
+def initial(scene: t.TwoFluidScene, height: np.ndarray) -> dict[str, np.ndarray]:
+    """Temperatures (nc,) at the start."""
+    fields = {name: np.empty(len(height)) for name in FIELDS}
+    for part in (scene.initial, *scene.initial.layer):
+        inside = (height >= getattr(part, "start", -np.inf)) & (height < getattr(part, "end", np.inf))
+        for name, value in (("T_gas", part.T_gas), ("T_solid", part.T_solid or part.T_gas)):
+            if value is not None:
+                fields[name][inside] = value
+    return fields
+
+
+def thermal(parts: Mapping[str, Any]) -> dict[str, Thermal]:
+    """Heat at boundaries by their names."""
+    found = {}
+    for name, part in parts.items():
+        if isinstance(part, t.Inlet):
+            found[name] = Thermal(part.T_gas, part.T_solid or part.T_gas)
+        elif isinstance(part, t.Wall):
+            found[name] = Thermal(wall=part.T, flux=part.heat_flux or 0.0)
+    return found
+
+
+def described(table: t.Heat) -> str:
+    """One line for the plan."""
+    density = "ideal gas" if table.density == "ideal_gas" else "constant density"
+    return f"exchange {table.nusselt}, {'with' if conducts(table) else 'without'} conduction, {density}"
+
+
+def arguments(bed: TwoFluid, scene: t.TwoFluidScene, known: Mapping[str, Any]) -> dict[str, Any]:
+    """What the closures of heat were given in the last state, from the arguments `known` of those of flow."""
+    table, heat = scene.heat, bed.heat
+    assert table is not None and heat is not None
+    return {**known, "k_fluid": table.conductivity_gas, "k_solid": table.conductivity_solid, "T": heat.T_solid,
+            "Pr": table.heat_capacity_gas * scene.gas.viscosity / table.conductivity_gas}  # fmt: skip

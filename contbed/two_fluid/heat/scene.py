@@ -1,0 +1,44 @@
+"""The vocabulary of heat in a two-fluid scene: the [heat] table, and what other tables say with it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from contbed.packed_bed import scene as s
+from contbed.scene.quantities import Table, unit
+
+
+class Heat(Table):
+    """Temperatures of gas and particles; without this table they stay and nothing is computed."""
+
+    heat_capacity_gas: s.HeatCapacity
+    heat_capacity_solid: s.HeatCapacity
+    conductivity_gas: Annotated[float, *unit("W/m/K"), Field(gt=0)] = Field(description="of the gas itself")
+    conductivity_solid: s.Conductivity | None = Field(None, description="of a particle; for conductivity_bed")
+    nusselt: s.NonNegativeOrClosure = Field("nusselt_gunn", description="exchange, Nu = h diameter/conductivity_gas")
+    conductivity_bed: s.Named | None = Field(
+        None, description="of the bed at rest; the gas has (1 - sqrt(eps_s)) conductivity_gas of it, particles the rest"
+    )
+    effective_gas: s.Conductivity = Field(0.0, description="conductivity of the gas; its fraction of it conducts")
+    effective_solid: s.Conductivity = Field(0.0, description="conductivity of the particles; their fraction conducts")
+    density: Literal["constant", "ideal_gas"] = Field(
+        "constant", description='"ideal_gas": gas.density is that at T_reference and pressure'
+    )
+    T_reference: s.Temperature | None = Field(None, description="absent: initial.T_gas")
+    pressure: s.Pressure = Field(101325.0, description="outside of the outlet, or in a closed bed at the start")
+
+
+class Temperatures(Table):
+    """Of both phases, where there is [heat]."""
+
+    T_gas: s.Temperature | None = None
+    T_solid: s.Temperature | None = Field(None, description="absent: as the gas")
+
+
+class HeatOfWall(Table):
+    """What a wall does, where there is [heat]; adiabatic otherwise."""
+
+    T: s.Temperature | None = Field(None, description="heat is conducted to the wall at this temperature")
+    heat_flux: s.HeatFlux | None = Field(None, description="into the bed; the phases share it by their fractions")

@@ -1,0 +1,1 @@
+"""Linear systems on cells and faces: conjugate gradients, multigrid, banded elimination."""

@@ -1,0 +1,211 @@
+"""Iterative solution of symmetric systems on the links of a grid, sum of coef (x - x_neighbour) = rhs.
+
+Conjugate gradients, preconditioned by aggregation: cells are joined twice in pairs along their strongest links, so that
+no aggregate reaches across a jump of the coefficients, and a coarse system has the sums of the links between aggregates
+and so the same form. Two steps of conjugate gradients on each coarse level (K-cycle: Notay, Electron. Trans. Numer.
+Anal. 37 (2010) 123) make the number of iterations all but independent of the number of cells. The aggregates follow
+from the coefficients alone: nothing is kept from step to step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contbed.two_fluid.compiled import kernel
+from contbed.two_fluid.fv.grid import Grid, neighbours
+
+COARSEST = 60  # cells that are solved directly
+WEAK = 0.25  # share of the strongest link of a cell below which it is not joined along a link
+ENOUGH = 0.25  # residual after one step on a coarse level that makes the second one needless
+TOLERANCE = 1e-11  # of the largest right-hand side
+ROUNDING = 1e-16  # of the largest term
+MOST = 100  # iterations
+
+
+class Multigrid:
+    """Iterations on one grid."""
+
+    def __init__(self, grid: Grid):
+        self.start, self.beside, self.faces = neighbours(grid)
+        self.near = grid.geometry.left[grid.interior :]
+
+    def solve(self, coef: np.ndarray, floating: bool, rhs: np.ndarray, x: np.ndarray) -> int:
+        """Puts the solution in `x`, which holds a guess; the diagonal of the first cell counts twice where the system
+        is `floating`. Returns the number of iterations, -1 where they do not converge.
+        """
+        value, rest = coef[self.faces], np.zeros(len(x))
+        np.add.at(rest, self.near, coef[len(coef) - len(self.near) :])
+        if floating:
+            rest[0] += rest[0] + value[self.start[0] : self.start[1]].sum()
+        return _solve(self.start, self.beside, value, rest, rhs, x) if np.isfinite(coef.sum() + rhs.sum()) else -1
+
+
+@kernel
+def _pairs(start, beside, value):
+    """Number of the pair of each cell, and of pairs; a cell without a strong link to a free one is alone."""
+    count = len(start) - 1
+    group, found = np.full(count, -1), 0
+    for c in range(count):
+        if group[c] >= 0:
+            continue
+        strongest, best, partner = 0.0, 0.0, -1
+        for j in range(start[c], start[c + 1]):
+            strongest = max(strongest, value[j])
+            if group[beside[j]] < 0 and value[j] > best:
+                best, partner = value[j], beside[j]
+        group[c] = found
+        if best >= WEAK * strongest and partner >= 0:
+            group[partner] = found
+        found += 1
+    return group, found
+
+
+@kernel
+def _joined(start, beside, value, rest, group, found):
+    """The coarse system of groups."""
+    count = len(group)
+    members, first = np.empty(count, dtype=np.int64), np.zeros(found + 1, dtype=np.int64)
+    for c in range(count):
+        first[group[c] + 1] += 1
+    first = np.cumsum(first)
+    filled = first[:-1].copy()
+    for c in range(count):
+        members[filled[group[c]]] = c
+        filled[group[c]] += 1
+    new_start, new_rest = np.zeros(found + 1, dtype=np.int64), np.zeros(found)
+    new_beside, new_value = np.empty(len(beside), dtype=np.int64), np.empty(len(beside))
+    seen, end = np.full(found, -1), 0
+    for i in range(found):
+        begin = end
+        for m in range(first[i], first[i + 1]):
+            c = members[m]
+            new_rest[i] += rest[c]
+            for j in range(start[c], start[c + 1]):
+                other = group[beside[j]]
+                if other == i:
+                    continue
+                if seen[other] < begin:
+                    seen[other] = end
+                    new_beside[end], new_value[end] = other, 0.0
+                    end += 1
+                new_value[seen[other]] += value[j]
+        new_start[i + 1] = end
+    return new_start, new_beside[:end].copy(), new_value[:end].copy(), new_rest
+
+
+@kernel
+def _product(level, x, out):
+    start, beside, value, diagonal = level[0], level[1], level[2], level[3]
+    for c in range(len(x)):
+        total = diagonal[c] * x[c]
+        for j in range(start[c], start[c + 1]):
+            total -= value[j] * x[beside[j]]
+        out[c] = total
+
+
+@kernel
+def _sweep(level, b, x, backwards):
+    """Gauss-Seidel over all cells."""
+    start, beside, value, diagonal = level[0], level[1], level[2], level[3]
+    for i in range(len(x)):
+        c = len(x) - 1 - i if backwards else i
+        total = b[c]
+        for j in range(start[c], start[c + 1]):
+            total += value[j] * x[beside[j]]
+        x[c] = total / diagonal[c]
+
+
+@kernel
+def _cycle(levels, inverse, b, x, first, along, q):
+    """Approximate solution x[0] for b[0]; each list holds one vector for each level.
+
+    A level sweeps, goes `down` and corrects; below the first level the answer is a step of conjugate gradients along
+    what the correction gives, and where that leaves much a second step.
+    """
+    last, at, down = len(levels) - 1, 0, True
+    again, rho, alpha = np.zeros(last + 1, dtype=np.bool_), np.zeros(last + 1), np.zeros(last + 1)
+    while True:
+        if down and at < last:
+            x[at][:] = 0.0
+            _sweep(levels[at], b[at], x[at], False)
+            _product(levels[at], x[at], q[at])
+            group, at = levels[at][4], at + 1
+            b[at][:] = 0.0
+            for c in range(len(group)):
+                b[at][group[c]] += b[at - 1][c] - q[at - 1][c]
+            again[at] = False
+            continue
+        if down:
+            x[at][:] = inverse @ b[at]
+        elif at > 0:
+            _product(levels[at], x[at], q[at])
+            slope = np.dot(x[at], b[at])
+            if again[at]:
+                both = np.dot(x[at], along[at])
+                part = slope / (np.dot(x[at], q[at]) - both * both / rho[at])
+                x[at][:] = part * x[at] + (alpha[at] - both * part) / rho[at] * first[at]
+            else:
+                rho[at], alpha[at], size = np.dot(x[at], q[at]), slope, np.dot(b[at], b[at])
+                if rho[at] > 0.0:
+                    first[at][:], along[at][:] = x[at], q[at]
+                    b[at][:] -= slope / rho[at] * q[at]
+                    if np.dot(b[at], b[at]) > ENOUGH**2 * size:
+                        again[at] = down = True
+                        continue
+                    x[at][:] *= slope / rho[at]
+        if at == 0:
+            return
+        group, at, down = levels[at - 1][4], at - 1, False
+        for c in range(len(group)):
+            x[at][c] += x[at + 1][group[c]]
+        _sweep(levels[at], b[at], x[at], True)
+
+
+@kernel
+def _levels(start, beside, value, rest):
+    """(start, beside, value, diagonal, number of each cell on the next level) of all levels; the last is not joined."""
+    levels = []
+    while True:
+        diagonal = rest.copy()
+        for c in range(len(rest)):
+            for j in range(start[c], start[c + 1]):
+                diagonal[c] += value[j]
+        if len(rest) <= COARSEST:
+            levels.append((start, beside, value, diagonal, np.zeros(0, dtype=np.int64)))
+            return levels
+        group, found = _pairs(start, beside, value)
+        middle = _joined(start, beside, value, rest, group, found)
+        pair, found = _pairs(middle[0], middle[1], middle[2])
+        levels.append((start, beside, value, diagonal, pair[group]))
+        start, beside, value, rest = _joined(middle[0], middle[1], middle[2], middle[3], pair, found)
+
+
+@kernel
+def _solve(start, beside, value, rest, rhs, x):
+    """Solution in `x`; the number of iterations, -1 if too many."""
+    levels = _levels(start, beside, value, rest)
+    start, beside, value, diagonal, _ = levels[-1]
+    matrix = np.diag(diagonal)
+    for c in range(len(diagonal)):
+        for j in range(start[c], start[c + 1]):
+            matrix[c, beside[j]] -= value[j]
+    inverse = np.linalg.inv(matrix)
+    b, z, first, along, q = [[np.empty(len(level[3])) for level in levels] for _ in range(5)]
+
+    least = TOLERANCE * np.max(np.abs(rhs)) + ROUNDING * np.max(np.abs(levels[0][3] * x))
+    p, product, before, rho = np.zeros(len(x)), np.empty(len(x)), np.empty(len(x)), 1.0
+    _product(levels[0], x, product)
+    r = rhs - product
+    for iteration in range(MOST):
+        if np.max(np.abs(r)) <= least:
+            return iteration
+        b[0][:] = r
+        _cycle(levels, inverse, b, z, first, along, q)
+        slope = np.dot(z[0], r)
+        p = z[0] + ((slope - np.dot(z[0], before)) / rho if iteration > 0 else 0.0) * p
+        _product(levels[0], p, product)
+        alpha, rho = slope / np.dot(p, product), slope
+        before[:] = r
+        x += alpha * p
+        r -= alpha * product
+    return -1

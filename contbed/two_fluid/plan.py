@@ -1,0 +1,217 @@
+"""Plan of a two-fluid scene: grid, conditions, closures, and what is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contbed.closures.binding import resolve_closure
+from contbed.errors import SceneError
+from contbed.mesh.mesh import Mesh, build
+from contbed.scene.mesh import MeshFile
+from contbed.two_fluid import boundary, pressure, probes
+from contbed.two_fluid import closures as laws
+from contbed.two_fluid import scene as t
+from contbed.two_fluid.checks import ABSENT, KINDS
+from contbed.two_fluid.fv import grid
+from contbed.two_fluid.simulation import Materials, Options, TwoFluid
+
+STEP_COST = (5e-7, 1.2e-6, 3e-6)  # s of CPU per cell and step in 1-D, 2-D and 3-D, of beds of some 10 000 cells
+
+
+@dataclass(frozen=True)
+class TwoFluidPlan:
+    """What a run builds."""
+
+    scene: t.TwoFluidScene
+    mesh: Mesh
+    grid: grid.Grid
+    built: tuple[tuple[str, str], ...]
+    skipped: tuple[tuple[str, str], ...]
+    probes: dict[str, int]
+    fronts: bool = False
+
+    @property
+    def policy(self) -> Any:
+        """How linear systems are solved."""
+        from contbed.solvers.linear import Policy
+
+        return Policy(self.grid.dimension, None)
+
+    def unknowns(self) -> dict[str, int]:
+        """Number of unknowns: fraction, pressure, granular temperature and two velocities in each cell."""
+        theta = self.scene.two_fluid.granular_temperature != "frozen"
+        cells = len(self.grid.cells)
+        flow = {"flow": cells * (2 + theta + 2 * self.grid.dimension)}
+        return flow if self.scene.heat is None else flow | {"heat": 2 * cells}
+
+    def bed(self) -> tuple[TwoFluid, laws.Laws]:
+        """The bed at its start, and its laws."""
+        scene = self.scene
+        gravity = np.zeros(self.grid.dimension)
+        gravity[-1] = -scene.two_fluid.gravity
+        solid = scene.solid
+        materials = Materials(scene.gas.density, scene.gas.viscosity, solid.density, solid.diameter, solid.packing,
+                              tuple(gravity))  # fmt: skip
+        made = laws.make(materials, _particles(scene), *_names(scene))
+        bed = TwoFluid(self.grid, materials, made.closures, conditions(scene, self.grid), _options(scene))
+        if scene.heat is not None:
+            from contbed.two_fluid.heat import equations as heat
+            from contbed.two_fluid.heat import plan as heat_planning
+
+            bed.heat = heat.Heat(bed, heat_planning.physics(scene), heat_planning.thermal(parts(scene)))
+        bed.start(**initial(scene, self.grid))
+        return bed, made
+
+    def __str__(self) -> str:
+        from contbed.packed_bed.plan import described
+
+        return described(self)
+
+
+def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
+    """Build mesh and grid.
+
+    Raises
+    ------
+    SceneError : the mesh cannot be used, a boundary has no condition or does not exist
+    """
+    mesh = _cut(build(scene.mesh, base=str(scene.origin.base)), scene)
+    pairs = [(name, part.partner) for name, part in scene.boundary.items() if isinstance(part, t.Periodic)]
+    cells = grid.build(mesh, pairs)
+    known = conditions(scene, cells)
+    for name in cells.boundaries:
+        if name not in known:
+            where = scene.origin.at(("boundary",))
+            raise SceneError(f"{where}: boundary.{name}: missing; every side needs a condition")
+    table = scene.two_fluid
+    cost = STEP_COST[cells.dimension - 1] * len(cells.cells)
+    built = [("cells", f"{len(cells.cells)}, about {cost * 1e3:.2g} ms a step")]
+    how = "elimination" if pressure.direct(cells) else "conjugate gradients with multigrid"
+    built.append(("pressure", f"{how}, band of {cells.bandwidth} cells"))
+    skipped: list[tuple[str, str]] = []
+    for there, what, how, why in (
+        (table.drag != ABSENT, "drag", str(table.drag), 'drag = "none"'),
+        (table.granular_temperature != "frozen", "granular temperature", table.granular_temperature, "frozen"),
+        (table.viscosity != ABSENT, "stress of the particles", table.viscosity, 'viscosity = "none"'),
+        (table.friction != ABSENT, "friction", table.friction, 'friction = "none"'),
+        (table.guards, "guards of dilute flow", "drag and free path", "guards = false"),
+        (scene.time.average_from is not None, "averages", "in time", "no time.average_from"),
+    ):
+        (built if there else skipped).append((what, how if there else why))
+    if scene.heat is None:
+        skipped.append(("heat", "no [heat]: isothermal"))
+    else:
+        from contbed.two_fluid.heat import plan as heat_planning
+
+        built.append(("heat", heat_planning.described(scene.heat)))
+    if scene.output.window is not None and cells.dimension > 1:
+        skipped.append(("fully developed flow", "[fully_developed] gives profiles far from the inlet in a second"))
+    points = probes.cells(mesh, cells, scene.output.probes)
+    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points)
+
+
+def parts(scene: t.TwoFluidScene, time: float = 0.0) -> dict[str, Any]:
+    """The boundaries that are in force from `time` [s] on."""
+    return {name: scene.boundary[part.on or name] if 0.0 < (getattr(part, "until", None) or 0.0) <= time else part
+            for name, part in scene.boundary.items() if not isinstance(part, t.Periodic)}  # fmt: skip
+
+
+def conditions(scene: t.TwoFluidScene, cells: grid.Grid, time: float = 0.0) -> dict[str, boundary.Condition]:
+    """Condition of each boundary from `time` [s] on."""
+    found = {name: _condition(part) for name, part in parts(scene, time).items()}
+    return found if "axis" not in cells.boundaries else {"axis": boundary.symmetry(), **found}
+
+
+def initial(scene: t.TwoFluidScene, cells: grid.Grid) -> dict[str, np.ndarray]:
+    """Fields at the start; the pressure carries the weight above."""
+    start, height = scene.initial, cells.centres[:, -1]
+    scalars = {name: np.full(len(height), getattr(start, name)) for name in ("eps_s", "theta", "u_gas", "u_solid")}
+    for layer in start.layer:
+        inside = (height >= layer.start) & (height < layer.end)
+        for name, field in scalars.items():
+            if (value := getattr(layer, name)) is not None:
+                field[inside] = value
+    if start.noise:
+        random = np.random.default_rng(start.seed).uniform(-1.0, 1.0, len(height))
+        scalars["eps_s"] = scalars["eps_s"] * (1.0 + start.noise * random)
+    fields = {name: scalars[name] for name in ("eps_s", "theta")}
+    for name in ("u_gas", "u_solid"):
+        fields[name] = np.zeros((len(height), cells.dimension))
+        fields[name][:, -1] = scalars[name]
+    if start.shear:
+        fields["u_solid"][:, 0] += start.shear * (height - 0.5 * (height.min() + height.max()))
+    if scene.heat is not None:
+        from contbed.two_fluid.heat import plan as heat_planning
+
+        fields |= heat_planning.initial(scene, height)
+    return fields
+
+
+def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
+    """The mesh with pieces of boundaries under names of their own."""
+    plain = mesh.skfem
+    named = dict(plain.boundaries or {})
+    middles = plain.p[:, plain.facets].mean(axis=1)
+    for name, part in scene.boundary.items():
+        whole = getattr(part, "on", None)
+        if whole is None:
+            for key, wanted in (("type", name), ("partner", getattr(part, "partner", name))):
+                if wanted not in named:
+                    where, known = scene.origin.at(("boundary", name, key)), ", ".join(named)
+                    raise SceneError(f"{where}: boundary.{name}: the mesh has no {wanted!r}, only {known}")
+            continue
+        if whole not in named:
+            raise SceneError(f"{scene.origin.at(('boundary', name, 'on'))}: boundary.{name}.on: no boundary {whole!r}")
+        middle = middles[:, named[whole]]
+        axis = 0 if np.ptp(middle[-1]) <= 1e-9 * np.ptp(plain.p[-1]) else -1
+        inside = (middle[axis] > part.start) & (middle[axis] < part.end)  # type: ignore[union-attr]
+        if not inside.any() or inside.all():
+            low, high = (f(plain.p[axis, plain.facets[:, named[whole]]]) for f in (np.min, np.max))
+            found = f"holds {'all faces' if inside.any() else 'no face'} of {whole!r}, which reaches from {low:.6g} m"
+            found = f"boundary.{name}: {found} to {high:.6g} m with {len(inside)} faces"
+            raise SceneError(f"{scene.origin.at(('boundary', name))}: {found}; refine the mesh or change start and end")
+        named[name], named[whole] = named[whole][inside], named[whole][~inside]
+    if isinstance(scene.mesh, MeshFile) and not named:
+        raise SceneError(f"{scene.origin.at(('mesh', 'file'))}: mesh.file: the mesh names no boundaries")
+    return replace(mesh, skfem=replace(plain, _boundaries=named))
+
+
+def _condition(part: Any) -> boundary.Condition:
+    if isinstance(part, t.Wall):
+        return boundary.Wall(part.gas, part.solid, part.specularity or 0.0,
+                             1.0 if part.restitution is None else part.restitution, part.velocity)  # fmt: skip
+    if isinstance(part, t.Inlet):
+        return boundary.Inlet(part.velocity, part.eps_s, part.solid_flux or 0.0, part.solid_velocity or 0.0, part.theta)
+    return boundary.Outlet(part.pressure) if isinstance(part, t.Outlet) else boundary.symmetry()
+
+
+def closure_functions(scene: t.TwoFluidScene) -> dict[str, tuple[Callable, dict[str, Any]] | None]:
+    """Function and own parameters by kind, None for what is absent."""
+    found: dict[str, tuple[Callable, dict[str, Any]] | None] = {}
+    for key, kind in KINDS.items():
+        chosen = getattr(scene.two_fluid, key)
+        found[kind] = None if chosen == ABSENT else resolve_closure(chosen, kind, scene.origin.base)
+    return found
+
+
+def _names(scene: t.TwoFluidScene) -> tuple[dict[str, str | None], dict[str, float]]:
+    found = closure_functions(scene)
+    drag = found["drag"]
+    names = {kind: None if pair is None else pair[0].__name__ for kind, pair in found.items()}
+    return names, {} if drag is None else drag[1]
+
+
+def _particles(scene: t.TwoFluidScene) -> laws.Particles:
+    table, friction = scene.two_fluid, scene.solid.friction
+    return laws.Particles(scene.solid.restitution, friction.start, friction.strength, friction.angle,
+                          table.free_path if table.guards else None)  # fmt: skip
+
+
+def _options(scene: t.TwoFluidScene) -> Options:
+    time = scene.time
+    return Options(courant=time.courant, dt_max=time.longest, dt_first=time.first, dt=time.step, order=time.order,
+                   theta=scene.two_fluid.granular_temperature)  # fmt: skip

@@ -1,0 +1,267 @@
+"""What a two-fluid run finds: rows over time, tables along and across the bed, balance, named results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contbed.two_fluid import momentum_budget as weight
+from contbed.two_fluid import scene as t
+from contbed.two_fluid.averages import Averages, along, spectrum
+from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.simulation import TwoFluid
+
+if TYPE_CHECKING:
+    from contbed.two_fluid.heat.equations import Heat
+
+COLUMNS = ("t [s]", "pressure_drop [Pa]", "solids [kg]", "centre_of_solids [m]", "u_solid_max [m/s]",
+           "theta_mean [m2/s2]", "eps_s_max [1]", "dt [s]")  # fmt: skip
+WITH_HEAT = ("T_gas_mean [K]", "T_solid_mean [K]", "T_gas_max [K]", "T_solid_max [K]", "p0 [Pa]")
+SCANT = 1e-6  # fraction of particles below which their speed says nothing
+BINS = 200  # along the bed at most
+WALL_BINS = 64  # across it
+ROUND = 0.95  # cosine between the wall's normal and the radius, all around, of a bed that counts as round
+SPECTRUM = 64  # samples from which a spectrum is taken
+
+
+def held(bed: TwoFluid) -> float:
+    """Mass of the particles [kg]; in a plane per metre of depth, on a line per square metre."""
+    return float(bed.materials.rho_solid * (bed.eps_s @ bed.grid.geometry.volume))
+
+
+def kept(bed: TwoFluid) -> dict[str, float]:
+    """What has a balance: mass of the particles; with heat also mass of the gas [kg] and heat [J]."""
+    solids = {"solids": held(bed)}
+    if bed.heat is None:
+        return solids
+    return solids | {"gas": float(bed.heat.mass @ bed.grid.geometry.volume), "heat": bed.heat.stored()}
+
+
+def columns(bed: TwoFluid) -> tuple[str, ...]:
+    """Headers of the rows over time."""
+    return COLUMNS if bed.heat is None else (*COLUMNS, *WITH_HEAT[: 4 + bed.heat.ideal])
+
+
+def row(bed: TwoFluid) -> list[float]:
+    """One row under the `columns`."""
+    s, volume, height = bed.eps_s, bed.grid.geometry.volume, bed.grid.centres[:, -1]
+    mass = s * volume
+    total = max(float(mass.sum()), 1e-300)
+    warm = [] if bed.heat is None else _temperatures(bed, bed.heat)
+    return [bed.time, pressure_at(bed, -1) - pressure_at(bed, 1), held(bed), float(mass @ height) / total,
+            fastest(bed), float(mass @ bed.theta) / total, float(s.max()), bed.dt, *warm]  # fmt: skip
+
+
+def _temperatures(bed: TwoFluid, heat: Heat) -> list[float]:
+    """Means by mass, and the hottest gas and particles."""
+    volume = bed.grid.geometry.volume
+    gas, solid = heat.mass * volume, bed.eps_s * volume
+    hottest = float(np.max(heat.T_solid, where=bed.eps_s > SCANT, initial=0.0))
+    return [float(gas @ heat.T_gas / gas.sum()), float(solid @ heat.T_solid / max(solid.sum(), 1e-300)),
+            float(heat.T_gas.max()), hottest, *([heat.p0] if heat.ideal else [])]  # fmt: skip
+
+
+def pressure_at(bed: TwoFluid, side: int) -> float:
+    """Mean pressure [Pa] of the cells that touch the bottom (side -1) or the top (1); 0 where these are periodic."""
+    g, first = bed.grid.geometry, bed.grid.interior
+    height = side * bed.grid.middles[first:, -1]
+    near = height.max(initial=-np.inf) - 1e-6 * np.ptp(bed.grid.centres[:, -1])
+    end = first + np.flatnonzero((height >= near) & (side * g.normal[first:, -1] > 0.5))
+    return float(g.area[end] @ bed.p[g.left[end]] / g.area[end].sum()) if len(end) else 0.0
+
+
+def fastest(bed: TwoFluid) -> float:
+    """Largest speed of particles [m/s]."""
+    speed = np.linalg.norm(bed.u_solid, axis=1)
+    return float(np.max(speed, where=bed.eps_s > SCANT, initial=0.0))
+
+
+def balances(bed: TwoFluid, start: dict[str, float]) -> dict[str, dict[str, Any]]:
+    """What came in, went out and stayed of what is `kept`."""
+    rho, account, now = bed.materials.rho_solid, bed.account, kept(bed)
+    found = {"solids": _balance(rho * account["solid_in"], rho * account["solid_out"], 0.0, start, now, "solids")}
+    if bed.heat is not None:
+        a = bed.heat.account
+        found["gas"] = _balance(a["gas_in"], a["gas_out"], 0.0, start, now, "gas")
+        found["heat"] = _balance(a["heat_in"], a["heat_out"], a["walls"], start, now, "heat")
+    return found
+
+
+def _balance(came, went, walls, start, now, what) -> dict[str, Any]:
+    stored = now[what] - start[what]
+    scale = max(start[what], came, 1e-300)
+    return {"in": came, "out": went, "source": walls, "stored": stored, "unit": "J" if what == "heat" else "kg",
+            "relative_residual": (stored - came + went - walls) / scale}  # fmt: skip
+
+
+def tables(
+    plan: Any, bed: TwoFluid, averages: Averages | None, rows: dict[str, np.ndarray]
+) -> dict[str, dict[str, Any]]:
+    """axial.csv and, where there is a lateral direction, lateral.csv: averages, or the last state without them; with
+    averages also spectrum.csv, the power of the pressure drop by frequency.
+    """
+    averaged = averages is not None and averages.weight.sum() > 0
+    fields = averages.means() if averaged else bed.fields()  # type: ignore[union-attr]
+    volume, centres = bed.grid.geometry.volume, bed.grid.centres
+    s = fields["eps_s"]
+    values = {"eps_s [1]": s, "u_solid [m/s]": fields["u_solid"][:, -1], "u_gas [m/s]": fields["u_gas"][:, -1],
+              "theta [m2/s2]": fields["theta"], "p [Pa]": fields["p"]}  # fmt: skip
+    warm = {name: fields[name] for name in ("T_gas", "T_solid") if name in fields}
+    values |= {f"{name} [K]": value for name, value in warm.items()}
+    weights = {"T_gas [K]": 1.0 - s, "T_solid [K]": s} if warm else {}
+    weights |= {"u_solid [m/s]": s, "theta [m2/s2]": s, "u_gas [m/s]": 1.0 - s}
+    if averaged:
+        values["theta_total [m2/s2]"] = fields["theta_total"]
+        weights["theta_total [m2/s2]"] = s
+    corners = plan.mesh.skfem.p[:, plan.mesh.skfem.t].T
+    height = centres[:, -1]
+    place, columns = along(height, volume, values, weights, min(BINS, _layers(height, corners[..., -1])))
+    found = {"axial": {"height [m]": place, **columns}}
+    if bed.grid.dimension > 1:
+        window = plan.scene.output.window
+        inside = np.full(len(volume), True)
+        if window is not None:
+            inside = (height >= window.start) & (height <= window.end)
+        pick = {name: value[inside] for name, value in values.items()}
+        lean = {name: value[inside] for name, value in weights.items()}
+        name, lateral = across(bed.grid)
+        x = lateral(centres[inside])
+        bins = min(WALL_BINS, _layers(x, lateral(corners)))
+        place, columns = along(x, volume[inside], pick, lean, bins)
+        found["lateral"] = {name: place, **columns}
+    late = rows["t [s]"] >= averages.start if averaged else np.zeros(0)  # type: ignore[union-attr]
+    if late.sum() >= SPECTRUM:
+        frequency, power = spectrum(rows["t [s]"][late], rows["pressure_drop [Pa]"][late])
+        found["spectrum"] = {"frequency [Hz]": frequency, "pressure_drop [Pa2 s]": power}
+    return found
+
+
+def across(grid: Grid) -> tuple[str, Callable[[np.ndarray], np.ndarray]]:
+    """Name of the lateral coordinate and its value at points (..., dim): the distance from the middle where a bed in
+    3-D is round, or else the first coordinate.
+    """
+    if grid.dimension == 3:
+        side = np.abs(grid.geometry.normal[:, 2]) < 0.5
+        side[: grid.interior] = False
+        normal, wall = grid.geometry.normal[side, :2], grid.middles[side, :2]
+        middle = 0.5 * (wall.min(axis=0, initial=np.inf) + wall.max(axis=0, initial=-np.inf))
+        outwards = (wall - middle) / np.linalg.norm(wall - middle, axis=1)[:, None]
+        oblique = np.abs(normal).max(axis=1, initial=0.0) < ROUND
+        if oblique.any() and ((normal * outwards).sum(axis=1) > ROUND).all():
+            return "r [m]", lambda points: np.linalg.norm(points[..., :2] - middle, axis=-1)
+    return "r [m]" if grid.axisymmetric else "x [m]", lambda points: points[..., 0]
+
+
+def _layers(position: np.ndarray, corners: np.ndarray) -> int:
+    """How many different positions cells have, to a thousandth of the extent, but not more than cells fit in a row."""
+    span = max(float(np.ptp(position)), 1e-300)
+    places = len(np.unique(np.round((position - position.min()) / span, 3)))
+    return min(places, 1 + round(span / float(np.median(np.ptp(corners, axis=-1)))))
+
+
+def arguments(bed: TwoFluid, scene: t.TwoFluidScene) -> dict[str, np.ndarray | float]:
+    """What closures were given in the last state, where there are particles."""
+    there = bed.eps_s > SCANT
+    if not there.any():
+        there[:] = True
+    s = bed.eps_s[there]
+    m = bed.materials
+    slip = np.linalg.norm(bed.u_gas - bed.u_solid, axis=1)[there]
+    g0 = bed.rheology.g0[there]
+    slip *= np.broadcast_to(bed.dense, there.shape)[there]
+    return {"eps_s": s, "eps": 1.0 - s, "Re": (1.0 - s) * m.rho_gas * slip * m.d_p / m.mu_gas, "d_p": m.d_p,
+            "mu": m.mu_gas, "g0": g0, "e": scene.solid.restitution, "eps_max": m.eps_max,
+            "p_friction": bed.rheology.p_friction[there], "angle": scene.solid.friction.angle,
+            "shear_rate": bed.shear_rate()[there] if bed.closures.sheared else 0.0}  # fmt: skip
+
+
+def results(
+    plan: Any,
+    bed: TwoFluid,
+    start: dict[str, float],
+    averages: Averages | None,
+    rows: dict[str, np.ndarray],
+    tables: dict[str, dict[str, Any]],
+) -> dict[str, Any]:
+    """Named results; those of check cases only where the scene is such a case."""
+    scene: t.TwoFluidScene = plan.scene
+    last = row(bed)
+    found: dict[str, Any] = {
+        "time [s]": bed.time,
+        "steps": bed.steps,
+        "mass_drift_relative": balances(bed, start)["solids"]["relative_residual"],
+        "max_velocity": last[4],
+        "theta_final": last[5],
+        "eps_s_max": last[6],
+        "pressure_drop [Pa]": last[1],
+        "slip_velocity": _slip(bed),
+    }
+    found |= dict(zip(WITH_HEAT, last[len(COLUMNS) :], strict=False))
+    section = bed.grid.geometry.volume.sum() / np.ptp(plan.mesh.skfem.p[-1])
+    found["weight_of_solids"] = float(scene.two_fluid.gravity * last[2] / section)
+    shear = _shear(scene, plan)
+    if shear:
+        found["theta_over_s2d2"] = last[5] / (shear * bed.materials.d_p) ** 2
+    found |= _fronts(scene, bed)
+    if averages is not None and averages.weight.sum() > 0:
+        late = rows["t [s]"] >= averages.start
+        found["pressure_drop_mean [Pa]"] = float(np.mean(rows["pressure_drop [Pa]"][late]))
+        found["averaged [s]"] = float(averages.weight.sum())
+        found["difference_of_halves"] = averages.drift()
+        if found["weight_of_solids"] > 0.0:
+            found |= weight.shares(averages.forces())
+    if "spectrum" in tables:
+        frequency, power = tables["spectrum"].values()
+        found["dominant_frequency [Hz]"] = float(frequency[np.argmax(power)])
+    return found
+
+
+def _slip(bed: TwoFluid) -> float:
+    """Mean velocity of the gas past the particles in the middle fifth of the height [m/s]."""
+    height = bed.grid.centres[:, -1]
+    low, span = height.min(), np.ptp(height)
+    middle = (np.abs(height - low - 0.5 * span) <= 0.1 * span) & (bed.eps_s > 1e-12)
+    mass = (bed.eps_s * bed.grid.geometry.volume)[middle]
+    past = (bed.u_gas - bed.u_solid)[middle, -1]
+    return float(mass @ past / mass.sum()) if middle.any() else 0.0
+
+
+def _shear(scene: t.TwoFluidScene, plan: Any) -> float:
+    """Rate of shear between two walls that move [1/s], or of the start."""
+    moving = [part.velocity[0] for part in scene.boundary.values() if isinstance(part, t.Wall) and part.velocity]
+    if len(moving) == 2:
+        return abs(moving[0] - moving[1]) / float(np.ptp(plan.mesh.skfem.p[-1]))
+    return abs(scene.initial.shear)
+
+
+def _fronts(scene: t.TwoFluidScene, bed: TwoFluid) -> dict[str, Any]:
+    """Fronts on a line: of settling from a uniform start, or of a jump in the start that runs at c = sqrt(theta)."""
+    if bed.grid.dimension > 1:
+        return {}
+    order = np.argsort(bed.grid.centres[:, 0])
+    x, s = bed.grid.centres[order, 0], bed.eps_s[order]
+    start = scene.initial
+    if not start.layer and start.eps_s > 0 and scene.two_fluid.gravity > 0:
+        densest = 0.5 * (start.eps_s + scene.solid.packing)
+        return {"front_position_m": _crossing(x, s, 0.5 * start.eps_s, -1),
+                "lower_front_position_m": _crossing(x, s, densest, 0)}  # fmt: skip
+    if scene.two_fluid.granular_temperature == "frozen" and len(start.layer) == 1 and start.theta > 0:
+        jump, c = start.layer[0].end, start.theta**0.5
+        right = s[-1]
+        way = c * bed.time
+        # between the tail of the fan and the shock the state is uniform; its middle third is read
+        between = (x > jump - 0.1 * way) & (x < jump + 0.3 * way)
+        star = float(np.median(s[between])) if between.any() else float("nan")
+        return {"eps_star": star, "shock_speed": (_crossing(x, s, 0.5 * (star + right), -1) - jump) / max(way, 1e-300)}
+    return {}
+
+
+def _crossing(x: np.ndarray, s: np.ndarray, level: float, which: int) -> float:
+    """Where s falls through a level, the first or the last time."""
+    falls = np.flatnonzero((s[:-1] >= level) & (s[1:] < level))
+    if not len(falls):
+        return float("nan")
+    i = falls[which]
+    return float(x[i] + (s[i] - level) / (s[i] - s[i + 1]) * (x[i + 1] - x[i]))

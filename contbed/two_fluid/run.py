@@ -1,0 +1,183 @@
+"""Run of a two-fluid scene: rows over time, averages, checkpoints, files and findings."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed.closures import usage
+from contbed.result import Result
+from contbed.two_fluid import (
+    closures as laws,
+)
+from contbed.two_fluid import (
+    momentum_budget as weight,
+)
+from contbed.two_fluid import (
+    plan as planning,
+)
+from contbed.two_fluid import (
+    probes,
+)
+from contbed.two_fluid import (
+    results as findings,
+)
+from contbed.two_fluid import scene as t
+from contbed.two_fluid.averages import Averages
+from contbed.two_fluid.simulation import TwoFluid
+
+ROWS = 200  # in profiles.csv unless the scene says how often
+
+
+class Run:
+    """A bed on its way: rows over time and averages."""
+
+    def __init__(self, plan: planning.TwoFluidPlan):
+        self.plan, self.scene = plan, plan.scene
+        self.bed, self.laws = plan.bed()
+        time = self.scene.time
+        self.kept = findings.kept(self.bed)
+        inlets = (getattr(part, "until", None) for part in self.scene.boundary.values())
+        self.ends = sorted({end for end in inlets if end is not None})
+        self.ended = 0
+        self.averages = None
+        if time.average_from is not None:
+            self.averages = Averages(time.average_from, time.end, momentum=weight.momentum(self.bed))
+        self.rows: list[list[float]] = []
+        self.files: list[tuple[float, str]] = []
+        self.interval = time.sample or time.end / ROWS
+        self.take_row()
+
+    def take_row(self) -> None:
+        """One row of profiles.csv."""
+        self.rows.append(findings.row(self.bed) + probes.row(self.bed, self.plan.probes))
+
+    def end_pulses(self) -> bool:
+        """Impose what follows the inlets whose time is over; whether there were any."""
+        bed, ended = self.bed, sum(end <= self.bed.time for end in self.ends)
+        if ended == self.ended:
+            return False
+        self.ended = ended
+        bed.impose(planning.conditions(self.scene, bed.grid, bed.time))
+        if bed.heat is not None:
+            from contbed.two_fluid.heat import plan as heat_planning
+
+            bed.heat.impose(heat_planning.thermal(planning.parts(self.scene, bed.time)))
+        return True
+
+    def after_step(self, bed: TwoFluid) -> None:
+        """What every step adds to."""
+        if self.end_pulses():
+            bed.settle_fluxes(bed.dt)
+        if self.averages is not None:
+            self.averages.add(bed)
+
+    def arrays(self) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+        """Arrays and numbers for a checkpoint."""
+        state = self.bed.state()
+        plain = {name: value for name, value in state.items() if not isinstance(value, np.ndarray)}
+        arrays = {name: value for name, value in state.items() if isinstance(value, np.ndarray)}
+        arrays |= {"rows": np.array(self.rows), "counts": self.laws.counts, "kept": np.array(list(self.kept.values()))}
+        if self.averages is not None:
+            arrays |= self.averages.arrays()
+        return arrays, {"state": json.dumps(plain), "files": json.dumps(self.files)}
+
+    def resume(self, arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
+        """Go on from a checkpoint, bit for bit."""
+        self.bed.restore({**arrays, **json.loads(meta["state"])})
+        self.rows = np.asarray(arrays["rows"]).tolist()
+        self.laws.counts[:] = arrays["counts"]
+        self.kept = dict(zip(self.kept, np.asarray(arrays["kept"]).tolist(), strict=True))
+        self.files = [(float(time), str(name)) for time, name in json.loads(meta["files"])]
+        if self.averages is not None:
+            self.averages.resume(dict(arrays))
+        self.end_pulses()
+
+
+def solve(
+    plan: Any, result: Result, folder: Path | None, quiet: bool, start: tuple[Mapping[str, Any], Any] | None
+) -> None:
+    """Run and fill the result; fields and checkpoints go into `folder`."""
+    from contbed.output.progress import Progress
+    from contbed.scene.loading import scene_hash
+
+    run = Run(plan)
+    scene: t.TwoFluidScene = plan.scene
+    label = scene_hash(scene)
+    if start is not None:
+        run.resume(*start)
+    stops = np.arange(1, max(1, round(scene.time.end / run.interval)) + 1) * run.interval
+    stops[-1] = scene.time.end
+    try:
+        with Progress(scene.time.end, quiet=quiet) as progress:
+
+            def after(bed: TwoFluid) -> None:
+                run.after_step(bed)
+                progress.advance_to(bed.time, f"step {bed.dt:.2g} s")
+
+            for stop in stops[stops > run.bed.time * (1.0 + 1e-12)]:
+                for time in (*(end for end in run.ends if run.bed.time < end < stop), stop):
+                    run.bed.advance(time, after)
+                run.take_row()
+                if folder is not None:
+                    _keep(run, folder, label)
+    finally:
+        _fill(run, result)
+        if folder is not None and scene.output.fields:
+            _fields(run, folder)
+
+
+def _keep(run: Run, folder: Path, label: str) -> None:
+    """Checkpoint after a row, and fields when their time has come."""
+    from contbed.output import checkpoint
+
+    arrays, meta = run.arrays()
+    checkpoint.save(folder, arrays, {"scene_hash": label, **meta})
+    every = run.scene.time.fields
+    if run.scene.output.fields and every is not None and run.bed.time >= (len(run.files) + 1) * every * (1.0 - 1e-9):
+        _fields(run, folder)
+
+
+def _fields(run: Run, folder: Path) -> None:
+    from contbed.output.vtu import write_series
+    from contbed.two_fluid.files import write_cells
+
+    if run.files and run.files[-1][0] == run.bed.time:
+        return
+    means = run.averages.means() if run.averages is not None and run.averages.weight.sum() > 0 else {}
+    name = f"fields_{len(run.files):04d}.vtu"
+    fields = run.bed.fields()
+    fields |= {f"{key}_mean": value for key, value in means.items()}
+    write_cells(folder / name, run.plan.mesh.skfem, run.plan.grid.cells, fields)
+    run.files.append((run.bed.time, name))
+    write_series(folder / "fields.pvd", run.files)
+
+
+def _fill(run: Run, result: Result) -> None:
+    """Profiles, tables, balances, closures and qoi."""
+    scene, bed = run.scene, run.bed
+    headers = [*findings.columns(bed), *probes.columns(bed, run.plan.probes)]
+    result.profiles |= dict(zip(headers, np.array(run.rows).T.copy(), strict=True))
+    result.balances |= findings.balances(bed, run.kept)
+    result.tables |= findings.tables(run.plan, bed, run.averages, result.profiles)
+    result.qoi |= findings.results(run.plan, bed, run.kept, run.averages, result.profiles, result.tables)
+    for name, number in [*bed.counters.items(), *zip(laws.COUNTED, run.laws.counts.tolist(), strict=True)]:
+        if number:
+            result.qoi[name] = int(number)
+    known = findings.arguments(bed, scene)
+    used = list(planning.closure_functions(scene).values())
+    if scene.heat is not None:
+        from contbed.two_fluid.heat import plan as heat_planning
+
+        known = heat_planning.arguments(bed, scene, known)
+        used += heat_planning.closure_functions(scene).values()
+    for pair in used:
+        if pair is not None:
+            function: Any = pair[0]
+            facts = function.sheet
+            given = {name: known[name] for name in facts.arguments}
+            result.closures.append(usage(function, **given, **pair[1]).to_dict())
