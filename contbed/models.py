@@ -32,9 +32,7 @@ KINDS = {
         "bubbling_bed.results:solve",
         "heat",
     ),
-    "particles": Kind(
-        "dem.scene:ParticleScene", "dem.checks:CHECKS", "dem.run:plan", "dem.run:solve", "heat"
-    ),
+    "particles": Kind("dem.scene:ParticleScene", "dem.checks:CHECKS", "dem.run:plan", "dem.run:solve", "heat"),
     "particles_gas": Kind(
         "cfd_dem.scene:GasScene",
         "cfd_dem.checks:CHECKS",

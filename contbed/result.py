@@ -77,8 +77,10 @@ class Result:
             if self.series:
                 from contbed.output.vtu import write_series
 
-                names = [(time, write(out / f"fields_{k:04d}.vtu", mesh.skfem, nodal))
-                         for k, (time, nodal) in enumerate(self.series)]  # fmt: skip
+                names = [
+                    (time, write(out / f"fields_{k:04d}.vtu", mesh.skfem, nodal))
+                    for k, (time, nodal) in enumerate(self.series)
+                ]
                 write_series(out / "fields.pvd", names)
             else:
                 write(out / "fields.vtu", mesh.skfem, self.nodal)

@@ -55,9 +55,7 @@ def run(
     return _run(scene, out, quiet, restart, engine)
 
 
-def _run(
-    scene: s.Scene, out: str | Path | None, quiet: bool, restart: str | Path | None, engine: str
-) -> Result:
+def _run(scene: s.Scene, out: str | Path | None, quiet: bool, restart: str | Path | None, engine: str) -> Result:
     start = clock.perf_counter()
     folder = Path(out) if out is not None else Path(restart) if restart is not None else None
     plan: Any = make_plan(scene)
@@ -182,8 +180,14 @@ def _radiation(plan: Plan, result: Result) -> None:
         result.history += history
     fluxes, conducted = problem.fluxes(state), problem.conducted(problem.assemble(state, False)[0])
     parts = {name: {"radiation": value} for name, value in fluxes.items()}
-    result.balances["energy"] = _heat_balance(parts, conducted, problem.released(state), 0.0, "W",
-                                             emission(problem.optics, problem.surfaces, plan.mesh, plan.section))
+    result.balances["energy"] = _heat_balance(
+        parts,
+        conducted,
+        problem.released(state),
+        0.0,
+        "W",
+        emission(problem.optics, problem.surfaces, plan.mesh, plan.section),
+    )
     radiation_findings(plan, problem, state, fluxes, conducted, result)
 
 
@@ -216,9 +220,14 @@ def _flow(plan: Plan, result: Result) -> Any:
     scene, options = plan.scene, plan.scene.solver
     c = coefficients(scene, plan.medium, plan.velocity, plan.velocity_solid)
     flow = solve_flow(
-        plan.mesh, c, plan.velocity, plan.conditions, plan.policy,
-        tolerance=options.newton_tolerance, iterations=options.newton_iterations,
-    )  # fmt: skip
+        plan.mesh,
+        c,
+        plan.velocity,
+        plan.conditions,
+        plan.policy,
+        tolerance=options.newton_tolerance,
+        iterations=options.newton_iterations,
+    )
     result.history += flow.history
     outflow = {name: flow.outflow(name) for name in plan.mesh.boundaries}
     entering = -sum(v for v in outflow.values() if v < 0)
@@ -237,14 +246,16 @@ def _balance(
     scale = max(abs(entering), abs(leaving), abs(source), abs(stored), floor)
     residual = (entering + source - leaving - stored) / scale
     return {
-        "in": entering, "out": leaving, "source": source, "stored": stored,
-        "relative_residual": residual, "unit": unit,
-    }  # fmt: skip
+        "in": entering,
+        "out": leaving,
+        "source": source,
+        "stored": stored,
+        "relative_residual": residual,
+        "unit": unit,
+    }
 
 
-def _heat_balance(
-    fluxes: Any, reactions: Any, source: float, stored: float, unit: str, held: float
-) -> dict[str, Any]:
+def _heat_balance(fluxes: Any, reactions: Any, source: float, stored: float, unit: str, held: float) -> dict[str, Any]:
     parts = [value for flux in fluxes.values() for value in flux.values()] + list(reactions.values())
     entering, leaving = sum(v for v in parts if v > 0), -sum(v for v in parts if v < 0)
     return _balance(entering, leaving, source, stored, unit, max(NOTICED * held, 1e-300))
@@ -282,9 +293,14 @@ def _steady(plan: Plan, problem: Any, result: Result, last: bool) -> Any | None:
 
 
 def _transient(
-    scene: s.Scene, plan: Plan, problem: Any, result: Result, folder: Path | None, quiet: bool,
+    scene: s.Scene,
+    plan: Plan,
+    problem: Any,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
     start: tuple[Any, Any] | None,
-) -> None:  # fmt: skip
+) -> None:
     from contbed.output import checkpoint
     from contbed.output.progress import Progress
     from contbed.packed_bed.results import transient_findings
@@ -361,8 +377,9 @@ def _check_state(plan: Plan, problem: Any, states: list[Any], result: Result) ->
                 f"{values.min():.6g} to {values.max():.6g} K"
             )
     low, high = problem.T_span
-    has_heat = problem.source() or any(table.flux for b in plan.scene.boundary.values()
-                                       for table in (b.fluid, b.solid) if table is not None)  # fmt: skip
+    has_heat = problem.source() or any(
+        table.flux for b in plan.scene.boundary.values() for table in (b.fluid, b.solid) if table is not None
+    )
     if has_heat or high <= low:
         return
     both = [problem.system.part(state, name) for state in states for name in ("T_fluid", "T_solid")]

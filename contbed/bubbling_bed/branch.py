@@ -56,12 +56,21 @@ def follow(problem: BubblingProblem, state: Any, result: Result) -> None:
     family = Family(problem, table.parameter)
     start = float(value_at(problem.plan.scene, table.parameter))
     branch = trace(
-        family.assemble, problem.unknowns(state), start, table.to, problem.plan.policy,
-        weights=problem.weights, size=TYPICAL, points=table.points, back=table.back_to,
-    )  # fmt: skip
+        family.assemble,
+        problem.unknowns(state),
+        start,
+        table.to,
+        problem.plan.policy,
+        weights=problem.weights,
+        size=TYPICAL,
+        points=table.points,
+        back=table.back_to,
+    )
     if not branch.complete:
-        result.warnings.append(f"the branch ends at {table.parameter} = {branch.parameter[-1]:.6g} after "
-                               f"{len(branch.parameter)} points; raise continuation.points")  # fmt: skip
+        result.warnings.append(
+            f"the branch ends at {table.parameter} = {branch.parameter[-1]:.6g} after "
+            f"{len(branch.parameter)} points; raise continuation.points"
+        )
     result.qoi |= {f"fold_{k}": p for k, (_, p, _) in enumerate(branch.folds, 1)}
     result.tables["continuation"] = columns(problem, family, branch)
 

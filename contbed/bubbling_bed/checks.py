@@ -78,14 +78,22 @@ def bubbles_carry_their_gas(bubbles: b.Bubbles | None, see: See) -> Mistakes:
 
 
 def coefficients_fit_the_gas(
-    gas: b.Gas, bubbling_bed: b.BubblingBed, bubbles: b.Bubbles | None, species: Kinds, tubes: b.Surface | None,
-    walls: b.Surface | None, freeboard: b.Freeboard | None, origin: Origin, see: See,
-) -> Mistakes:  # fmt: skip
+    gas: b.Gas,
+    bubbling_bed: b.BubblingBed,
+    bubbles: b.Bubbles | None,
+    species: Kinds,
+    tubes: b.Surface | None,
+    walls: b.Surface | None,
+    freeboard: b.Freeboard | None,
+    origin: Origin,
+    see: See,
+) -> Mistakes:
     """Numbers only with a capacity flow, closures that exist with a mass flow, and the properties that these need."""
     computed = gas.mass_flow is not None
     which = f"see {see('gas.mass_flow' if computed else 'gas.capacity_flow')}"
-    tables = SimpleNamespace(bubbling_bed=bubbling_bed, bubbles=bubbles, species=species, tubes=tubes, walls=walls,
-                             freeboard=freeboard)  # fmt: skip
+    tables = SimpleNamespace(
+        bubbling_bed=bubbling_bed, bubbles=bubbles, species=species, tubes=tubes, walls=walls, freeboard=freeboard
+    )
     if not computed and freeboard is not None and freeboard.height is not None:
         yield ("freeboard", "height"), f"a freeboard needs the properties of the gas: give gas.mass_flow; {which}"
         return
@@ -145,8 +153,11 @@ def the_gas_is_known(gas: b.Gas, species: Kinds) -> Mistakes:
         yield ("gas", "composition"), f"mole fractions sum to {sum(amounts):.8g}, not to 1"
     hottest = known.T_range[1]
     entering: list[tuple[KeyPath, float]] = [(("gas", "temperature"), gas.temperature)]
-    entering += [(("species", name, "feed", "temperature"), item.feed.temperature)
-                 for name, item in species.items() if item.feed is not None]  # fmt: skip
+    entering += [
+        (("species", name, "feed", "temperature"), item.feed.temperature)
+        for name, item in species.items()
+        if item.feed is not None
+    ]
     for path, T in entering:
         if hottest < T:
             yield path, f"hotter than the properties of the gas hold, {hottest:g} K by {gas.mechanism}"
@@ -197,16 +208,30 @@ def positions_lie_in_the_bed(bubbling_bed: b.BubblingBed, output: s.Output, see:
 
 
 def the_parameter_is_a_number(
-    continuation: b.Continuation | None, bubbling_bed: b.BubblingBed, gas: b.Gas, bubbles: b.Bubbles | None,
-    species: Kinds, tubes: b.Surface | None, walls: b.Surface | None, distributor: b.Distributor | None,
+    continuation: b.Continuation | None,
+    bubbling_bed: b.BubblingBed,
+    gas: b.Gas,
+    bubbles: b.Bubbles | None,
+    species: Kinds,
+    tubes: b.Surface | None,
+    walls: b.Surface | None,
+    distributor: b.Distributor | None,
     freeboard: b.Freeboard | None,
-) -> Mistakes:  # fmt: skip
+) -> Mistakes:
     if continuation is None:
         return
     from contbed.bubbling_bed.branch import value_at
 
-    tables = {"bubbling_bed": bubbling_bed, "gas": gas, "bubbles": bubbles, "species": species, "tubes": tubes,
-              "walls": walls, "distributor": distributor, "freeboard": freeboard}  # fmt: skip
+    tables = {
+        "bubbling_bed": bubbling_bed,
+        "gas": gas,
+        "bubbles": bubbles,
+        "species": species,
+        "tubes": tubes,
+        "walls": walls,
+        "distributor": distributor,
+        "freeboard": freeboard,
+    }
     found = value_at(tables, continuation.parameter)
     fixed = continuation.parameter.startswith("bubbling_bed.height") or "diameter" in continuation.parameter
     if not isinstance(found, float) or fixed:

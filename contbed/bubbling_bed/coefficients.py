@@ -53,9 +53,15 @@ def uses(scene: Any) -> Iterator[Use]:
     if bed.conductivity is not None:
         yield ("bubbling_bed", "conductivity"), bed.conductivity, "conductivity"
     if bubbles is not None:
-        for key, kind in (("fraction", "bubble_fraction"), ("exchange", "bubble_heat"),
-                          ("gas_exchange", "gas_exchange"), ("size", "bubble_growth"), ("start", "bubble_start"),
-                          ("rise", "bubble_rise"), ("emulsion_gas", "emulsion_gas")):
+        for key, kind in (
+            ("fraction", "bubble_fraction"),
+            ("exchange", "bubble_heat"),
+            ("gas_exchange", "gas_exchange"),
+            ("size", "bubble_growth"),
+            ("start", "bubble_start"),
+            ("rise", "bubble_rise"),
+            ("emulsion_gas", "emulsion_gas"),
+        ):
             yield ("bubbles", key), getattr(bubbles, key), kind
     for name, item in scene.species.items():
         yield ("species", name, "gas_coefficient"), item.gas_coefficient, "nusselt"
@@ -66,8 +72,13 @@ def uses(scene: Any) -> Iterator[Use]:
         if table is not None:
             yield (key, "coefficient"), table.coefficient, "bed_tube"
     if scene.freeboard is not None and scene.freeboard.height is not None:
-        for key, kind in (("ejection", "ejection"), ("decay", "decay"), ("terminal_velocity", "terminal_velocity"),
-                          ("elutriation", "elutriation"), ("gas_coefficient", "nusselt")):
+        for key, kind in (
+            ("ejection", "ejection"),
+            ("decay", "decay"),
+            ("terminal_velocity", "terminal_velocity"),
+            ("elutriation", "elutriation"),
+            ("gas_coefficient", "nusselt"),
+        ):
             yield ("freeboard", key), getattr(scene.freeboard, key), kind
 
 
@@ -110,12 +121,15 @@ class Computed:
         self.share = {name: item.volume_fraction for name, item in present.items()}
         self.density = {name: float(item.density or 0.0) for name, item in present.items()}
         self.capacity = {name: _coefficients(item.heat_capacity) for name, item in present.items()}
-        self.surface = {name: 6.0 * self.solids * item.volume_fraction / (item.sphericity * item.diameter)
-                        for name, item in present.items()}  # fmt: skip
+        self.surface = {
+            name: 6.0 * self.solids * item.volume_fraction / (item.sphericity * item.diameter)
+            for name, item in present.items()
+        }
         total = sum(item.volume_fraction / item.diameter for item in present.values())
         self.d_p = 1.0 / total
-        self.sphericity = total / sum(item.volume_fraction / (item.sphericity * item.diameter)
-                                      for item in present.values())  # fmt: skip
+        self.sphericity = total / sum(
+            item.volume_fraction / (item.sphericity * item.diameter) for item in present.values()
+        )
         self.rho_solid = sum(self.share[name] * self.density[name] for name in self.names)
         self.k_solid = self._by_surface({name: item.thermal_conductivity for name, item in present.items()})
         self.bubbling = scene.bubbles is not None and scene.bubbles.fraction != 0
@@ -175,11 +189,25 @@ class Computed:
         rho, mu, cp, k = gas.density(T), gas.viscosity(T), gas.heat_capacity(T), gas.conductivity(T)
         cp_solid = sum(self.share[n] * self.density[n] * self.heat_capacity(n, T) for n in self.names) / self.rho_solid
         state = {
-            "T": T, "p": gas.pressure, "molar_mass": gas.molar_mass, "rho_gas": rho, "mu": mu, "cp_gas": cp,
-            "k_gas": k, "k_fluid": k, "Pr": mu * cp / k, "eps": self.eps, "eps_mf": self.eps, "d_p": self.d_p,
-            "sphericity": self.sphericity, "D_bed": self.D_bed, "rho_solid": self.rho_solid, "cp_solid": cp_solid,
-            "k_solid": self.k_solid, "Ar": self.d_p**3 * rho * (self.rho_solid - rho) * GRAVITY / mu**2,
-        }  # fmt: skip
+            "T": T,
+            "p": gas.pressure,
+            "molar_mass": gas.molar_mass,
+            "rho_gas": rho,
+            "mu": mu,
+            "cp_gas": cp,
+            "k_gas": k,
+            "k_fluid": k,
+            "Pr": mu * cp / k,
+            "eps": self.eps,
+            "eps_mf": self.eps,
+            "d_p": self.d_p,
+            "sphericity": self.sphericity,
+            "D_bed": self.D_bed,
+            "rho_solid": self.rho_solid,
+            "cp_solid": cp_solid,
+            "k_solid": self.k_solid,
+            "Ar": self.d_p**3 * rho * (self.rho_solid - rho) * GRAVITY / mu**2,
+        }
         found = self._call(("bubbling_bed", "minimum_fluidization"), state)
         given = self.wired["bubbling_bed", "minimum_fluidization"].value is not None
         state["u_mf"] = found if given else found * mu / (rho * self.d_p)
@@ -222,25 +250,34 @@ class Computed:
             flows = {"T_emulsion": flow - u.flow_bubble, "T_bubble": u.flow_bubble}
             crossing = o.grad(u.flow_bubble)[0]
             slopes = {"T_emulsion": -crossing, "T_bubble": crossing}
-            unknown = bubbling_flow.Local(target, growth, start, heat,
-                                          heat * self.flow / self.D_bed)  # fmt: skip
+            unknown = bubbling_flow.Local(target, growth, start, heat, heat * self.flow / self.D_bed)
         delta = state.get("delta", 0.0)
         state["eps_bed"] = 1.0 - (1.0 - delta) * self.solids
         changes = {}
         if part is not None and part.known(u):
-            state["entering"] = {"T_emulsion": self.flow} if not self.bubbling else {
-                "T_emulsion": self.flow - u.flow_bubble, "T_bubble": u.flow_bubble}  # fmt: skip
+            state["entering"] = (
+                {"T_emulsion": self.flow}
+                if not self.bubbling
+                else {"T_emulsion": self.flow - u.flow_bubble, "T_bubble": u.flow_bubble}
+            )
             flows = {f"T_{phase}": part.mass(u, phase) for phase in part.phases}
             changes = {f"T_{phase}": partial(part.changed, u, phase, o) for phase in part.phases}
         local = model.Local(
-            delta, {name: self._to_gas(name, state) for name in self.names},
-            {name: self._mixing(name, state) for name in self.names}, self._pairs(state),
+            delta,
+            {name: self._to_gas(name, state) for name in self.names},
+            {name: self._mixing(name, state) for name in self.names},
+            self._pairs(state),
             self._call(("bubbles", "exchange"), state) if self.bubbling else 0.0,
             {key: self._contact(key, state) for key in ("tubes", "walls") if getattr(scene, key) is not None},
-            flows, slopes, crossing,
+            flows,
+            slopes,
+            crossing,
             {f"T_{phase}": gas.enthalpy for phase, gas in gases.items()},
-            {f"T_{phase}": gas.heat_capacity for phase, gas in gases.items()}, unknown, state, changes,
-        )  # fmt: skip
+            {f"T_{phase}": gas.heat_capacity for phase, gas in gases.items()},
+            unknown,
+            state,
+            changes,
+        )
         if changes:
             self._inventory(u, local)
         return local
@@ -302,9 +339,12 @@ class Computed:
     def _of_pair(self, name: str, k: int, state: dict[str, Any]) -> dict[str, Any]:
         item = self.scene.species[name]
         return {
-            f"f_{k}": self.solids * self.share[name], f"d_{k}": item.diameter, f"rho_{k}": self.density[name],
-            f"cp_{k}": self.heat_capacity(name, state["T"]), f"k_{k}": item.thermal_conductivity,
-        }  # fmt: skip
+            f"f_{k}": self.solids * self.share[name],
+            f"d_{k}": item.diameter,
+            f"rho_{k}": self.density[name],
+            f"cp_{k}": self.heat_capacity(name, state["T"]),
+            f"k_{k}": item.thermal_conductivity,
+        }
 
     def _contact(self, key: str, state: dict[str, Any]) -> Any:
         return self.wired[key, "coefficient"](state | {"eps": state["eps_bed"]}, self.ranges)
@@ -378,12 +418,14 @@ class Computed:
             return float(np.squeeze(value))
 
         return {
-            "delta": number(local.delta), "gas": {n: number(v) for n, v in local.gas.items()},
+            "delta": number(local.delta),
+            "gas": {n: number(v) for n, v in local.gas.items()},
             "conduction": {n: number(v) for n, v in local.conduction.items()},
-            "pairs": {n: number(v) for n, v in local.pairs.items()}, "exchange": number(local.exchange),
+            "pairs": {n: number(v) for n, v in local.pairs.items()},
+            "exchange": number(local.exchange),
             "contact": {n: number(v) for n, v in local.contact.items()},
             "flows": {n: number(v * cp[n]) for n, v in local.flows.items()},
-        }  # fmt: skip
+        }
 
 
 def _positive(x: Any, unit: Any) -> Any:

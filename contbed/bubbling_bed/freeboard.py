@@ -29,15 +29,27 @@ class Above:
             name: model.Surface(item.perimeter, item.coefficient, item.temperature, item.emissivity or 0.0)
             for name, item in (("freeboard_tubes", self.table.tubes), ("freeboard_walls", self.table.walls))
             if item is not None
-        }  # fmt: skip
+        }
         above = self.table.temperature_above
         self.part = model.Freeboard(
-            computed.section, self.table.height, scene.bubbling_bed.height, self.here, self.ejected, self.shares,
-            computed.enthalpy, computed.heat_capacity, surface, emissivity / sum(computed.surface.values()), surfaces,
-            radiates, 1.0 / 3.0 if scene.radiation.level == "p1" else 0.25,
-            SIGMA * above**4 if above is not None else None, 1e6 * computed.flow / (0.02 * computed.rho_solid),
-            scene.solver.degree, ("carryover", *(self._out if self._reacts else ())),
-        )  # fmt: skip
+            computed.section,
+            self.table.height,
+            scene.bubbling_bed.height,
+            self.here,
+            self.ejected,
+            self.shares,
+            computed.enthalpy,
+            computed.heat_capacity,
+            surface,
+            emissivity / sum(computed.surface.values()),
+            surfaces,
+            radiates,
+            1.0 / 3.0 if scene.radiation.level == "p1" else 0.25,
+            SIGMA * above**4 if above is not None else None,
+            1e6 * computed.flow / (0.02 * computed.rho_solid),
+            scene.solver.degree,
+            ("carryover", *(self._out if self._reacts else ())),
+        )
 
     @property
     def _reacts(self) -> bool:
@@ -67,9 +79,17 @@ class Above:
         rho, mu, cp, k = gas.density(T), gas.viscosity(T), gas.heat_capacity(T), gas.conductivity(T)
         u_gas = flow / (rho * computed.section)
         state = {
-            "T": T, "rho_gas": rho, "mu": mu, "cp_gas": cp, "k_gas": k, "k_fluid": k, "Pr": mu * cp / k, "u_gas": u_gas,
-            "eps": 1.0, "D_bed": computed.D_bed,
-        }  # fmt: skip
+            "T": T,
+            "rho_gas": rho,
+            "mu": mu,
+            "cp_gas": cp,
+            "k_gas": k,
+            "k_fluid": k,
+            "Pr": mu * cp / k,
+            "u_gas": u_gas,
+            "eps": 1.0,
+            "D_bed": computed.D_bed,
+        }
         return state, flow, gas
 
     def _of(self, state: dict[str, Any], name: str, diameter: float) -> dict[str, Any]:
@@ -108,9 +128,14 @@ class Above:
         if nusselt.value is None:
             exchange = exchange * state["k_gas"] / computed.d_p
         return model.Here(
-            flow, gas.enthalpy, gas.heat_capacity, self._call("decay", mixed), carried,
-            computed.rho_solid * state["u_gas"], exchange,
-        )  # fmt: skip
+            flow,
+            gas.enthalpy,
+            gas.heat_capacity,
+            self._call("decay", mixed),
+            carried,
+            computed.rho_solid * state["u_gas"],
+            exchange,
+        )
 
     def ejected(self, local: Local) -> Any:
         """Flow of particles from the surface of the bed [kg/m2/s]."""
@@ -160,5 +185,7 @@ class Above:
             return part.section * u.carryover * part.brought(u)
 
         taken = problem.at(lambda u, o: part.section * u.flow_up * part.solids(u.T_up), problem.bottom, state)
-        return {"freeboard": (0.0, problem.at(gas, problem.bottom, state)),
-                "carryover": (problem.at(brought, problem.top, state), taken)}  # fmt: skip
+        return {
+            "freeboard": (0.0, problem.at(gas, problem.bottom, state)),
+            "carryover": (problem.at(brought, problem.top, state), taken),
+        }

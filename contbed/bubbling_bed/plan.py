@@ -79,8 +79,12 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
         (c.bubbles is not None, "bubble gas", "exchange with the emulsion gas", "no bubbles"),
         (c.plate is not None, "distributor", "one temperature", "no [distributor] table"),
         (bool(c.surfaces), "immersed surfaces", ", ".join(c.surfaces), "no [tubes], no [walls]"),
-        (c.computed is not None and c.computed.above is not None, "freeboard", "gas, particles, radiation",
-         "no [freeboard] with a height"),
+        (
+            c.computed is not None and c.computed.above is not None,
+            "freeboard",
+            "gas, particles, radiation",
+            "no [freeboard] with a height",
+        ),
         (c.level != "none", "radiation", levels.get(c.level, ""), "level none"),
     ):
         (built if there else skipped).append((what, how if there else why))
@@ -112,30 +116,48 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
     number = _frozen(scene, surface) if computed is None else computed.frozen(_hot(scene), bed.height)
     species = {
         name: model.Species(
-            _solids(name, item, bed.height, section, number["conduction"][name], computed), number["gas"][name],
-            float(surface[k] / surface.sum()), float(absorption[k]), item.emissivity or 1.0,
+            _solids(name, item, bed.height, section, number["conduction"][name], computed),
+            number["gas"][name],
+            float(surface[k] / surface.sum()),
+            float(absorption[k]),
+            item.emissivity or 1.0,
         )
         for k, (name, item) in enumerate(present.items())
-    }  # fmt: skip
+    }
     surfaces = {
         name: model.Surface(
-            item.perimeter, number["contact"][name], item.temperature or HOT,
+            item.perimeter,
+            number["contact"][name],
+            item.temperature or HOT,
             float(optics.emissivity_immersed(eps_bed, item.emissivity)) if eps_bed and item.emissivity else 0.0,
             None if item.steam is None else f"T_{name}",
         )
         for name, item in _surfaces(scene).items()
-    }  # fmt: skip
+    }
     plate = None
     if (table := scene.distributor) is not None:
         plate = model.Plate(table.coefficient, float(-np.expm1(-table.preheat_NTU)), table.emissivity or 0.0)
     gases = {name: model.Stream(constant(flow)) for name, flow in number["flows"].items()}
     emulsion = replace(gases["T_emulsion"], release=_release(scene.gas.release, section))
     return model.Coefficients(
-        section, number["delta"], scene.gas.temperature, species, number["pairs"], emulsion, gases.get("T_bubble"),
-        number["exchange"], surfaces, plate, level if level not in ("p1", "two_flux") else "field", diffusion,
-        _radiosity(scene.freeboard), scene.solver.degree, computed, computed.fields if computed is not None else (),
+        section,
+        number["delta"],
+        scene.gas.temperature,
+        species,
+        number["pairs"],
+        emulsion,
+        gases.get("T_bubble"),
+        number["exchange"],
+        surfaces,
+        plate,
+        level if level not in ("p1", "two_flux") else "field",
+        diffusion,
+        _radiosity(scene.freeboard),
+        scene.solver.degree,
+        computed,
+        computed.fields if computed is not None else (),
         (computed.parts if computed is not None else ()) + _water(scene),
-    ), albedo  # fmt: skip
+    ), albedo
 
 
 def _water(scene: b.BubblingScene) -> tuple[Any, ...]:
@@ -150,8 +172,16 @@ def _water(scene: b.BubblingScene) -> tuple[Any, ...]:
     for name, table in wanted.items():
         water = steam(table.pressure)
         conductance = _surfaces(scene)[name].perimeter * table.coefficient
-        out.append(Steam(name, table.mass_flow, water.enthalpy(table.temperature), conductance, water.temperature,
-                         table.direction == "up"))  # fmt: skip
+        out.append(
+            Steam(
+                name,
+                table.mass_flow,
+                water.enthalpy(table.temperature),
+                conductance,
+                water.temperature,
+                table.direction == "up",
+            )
+        )
     return tuple(out)
 
 
@@ -189,15 +219,20 @@ def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
         bubbles = None
     return {
         "delta": bubbles.fraction if bubbles else 0.0,
-        "gas": {name: float(a * item.gas_coefficient)
-                for a, (name, item) in zip(surface, present.items(), strict=True)},
+        "gas": {
+            name: float(a * item.gas_coefficient) for a, (name, item) in zip(surface, present.items(), strict=True)
+        },
         "conduction": {name: scene.bubbling_bed.section * item.conductivity for name, item in present.items()},
-        "pairs": {(name, other): value for name, item in present.items() for other, value in item.exchange.items()
-                  if other in present},
+        "pairs": {
+            (name, other): value
+            for name, item in present.items()
+            for other, value in item.exchange.items()
+            if other in present
+        },
         "exchange": bubbles.exchange if bubbles else 0.0,
         "contact": {name: item.coefficient for name, item in _surfaces(scene).items()},
         "flows": {"T_emulsion": scene.gas.capacity_flow} | ({"T_bubble": bubbles.capacity_flow} if bubbles else {}),
-    }  # fmt: skip
+    }
 
 
 def _optics(scene: b.BubblingScene, fractions: Any) -> optics.Optics:
@@ -232,8 +267,9 @@ def _solids(
     return model.Stream(
         lambda z: rate * (ndtr((z - feed.height) / feed.width) - below) - drained,
         lambda z: rate / (feed.width * np.sqrt(2.0 * np.pi)) * np.exp(-0.5 * ((z - feed.height) / feed.width) ** 2),
-        feed.temperature, **heat,
-    )  # fmt: skip
+        feed.temperature,
+        **heat,
+    )
 
 
 def _release(table: b.Release | None, section: float) -> Any:
@@ -302,13 +338,12 @@ def predicted_layers(c: model.Coefficients, height: float, hot: float) -> list[t
     if c.level == "field":
         K[place["G"], place["G"]] = c.section * c.diffusion * power
     unit, zero = np.eye(len(names)), np.zeros_like(S)
-    alpha, beta = eig(np.block([[zero, unit], [S, W]]), np.block([[unit, zero], [zero, K]]),
-                      right=False, homogeneous_eigvals=True)  # fmt: skip
+    alpha, beta = eig(
+        np.block([[zero, unit], [S, W]]), np.block([[unit, zero], [zero, K]]), right=False, homogeneous_eigvals=True
+    )
     finite = np.abs(beta) > 1e-14 * np.abs(alpha)
     rates = np.real(alpha[finite] / beta[finite])
-    return [
-        (0.0 if rate < 0 else height, 1.0 / abs(rate)) for rate in rates if 1.0 < abs(rate) * height < 1.0 / THIN
-    ]
+    return [(0.0 if rate < 0 else height, 1.0 / abs(rate)) for rate in rates if 1.0 < abs(rate) * height < 1.0 / THIN]
 
 
 def _mesh(scene: b.BubblingScene, layers: list[tuple[float, float]]) -> Mesh:

@@ -33,8 +33,13 @@ def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -
             for turn in np.unique(turns):
                 part = np.flatnonzero(turns == turn)
                 part = np.append(max(part[0] - 1, 0), part)  # from the fold on
-                axes.plot(p[part], T[part], color=COLOURS[k % len(COLOURS)], linestyle="--" if turn % 2 else "-",
-                          label=name_of(header).removeprefix("T_") if turn == 0 else None)  # fmt: skip
+                axes.plot(
+                    p[part],
+                    T[part],
+                    color=COLOURS[k % len(COLOURS)],
+                    linestyle="--" if turn % 2 else "-",
+                    label=name_of(header).removeprefix("T_") if turn == 0 else None,
+                )
         axes.set(xlabel=name_of(headers[1]), ylabel="mean temperature [K]")
         figure.legend(loc="outside lower center", ncols=5)
 
@@ -54,8 +59,11 @@ def bubbling_plot(
     """
     values = {name_of(header): np.asarray(column) for header, column in columns.items()}
     z = values.pop("z")
-    flows = {name: value for name, value in (results or {}).items()
-             if name.endswith("_W") and value and not name.endswith("_water_W")}  # fmt: skip
+    flows = {
+        name: value
+        for name, value in (results or {}).items()
+        if name.endswith("_W") and value and not name.endswith("_water_W")
+    }
     panels: list[tuple[Any, float]] = [(_temperatures, 2.0)]
     panels += [(_radiation, 1.0)] if "G" in values else []
     panels += [(_bubbles, 1.0)] if "delta" in values else []
@@ -82,16 +90,24 @@ def _temperatures(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
         if name in dashed:
             axes.plot(values[name], z, color=colours[name], linestyle=(0, (4, 2)), label=dashed[name])
         else:
-            axes.plot(values[name], z, color=COLOURS[k % len(COLOURS)], linewidth=max(1.2, 4.0 - 1.2 * k),
-                      label=others.get(name, name.removeprefix("T_").replace("_", " ")))  # fmt: skip
+            axes.plot(
+                values[name],
+                z,
+                color=COLOURS[k % len(COLOURS)],
+                linewidth=max(1.2, 4.0 - 1.2 * k),
+                label=others.get(name, name.removeprefix("T_").replace("_", " ")),
+            )
             k += 1
     axes.set_xlabel("temperature [K]")
     axes.legend(frameon=False, fontsize=8)
 
 
 def _radiation(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
-    for name, label, colour in (("G", "$G$", "#D55E00"), ("G_freeboard", None, "#D55E00"),
-                                ("q_radiation", "$q_r$", "#000000")):  # fmt: skip
+    for name, label, colour in (
+        ("G", "$G$", "#D55E00"),
+        ("G_freeboard", None, "#D55E00"),
+        ("q_radiation", "$q_r$", "#000000"),
+    ):
         if name in values:
             axes.plot(1e-3 * values[name], z, color=colour, label=label)
     axes.set_xlabel("radiation [kW/m$^2$]")
@@ -99,8 +115,11 @@ def _radiation(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
 
 
 def _bubbles(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
-    for name, label, colour in (("d_b", "diameter [m]", "#009E73"), ("delta", "share of volume", "#CC79A7"),
-                                ("u_b", "velocity [m/s]", "#E69F00")):  # fmt: skip
+    for name, label, colour in (
+        ("d_b", "diameter [m]", "#009E73"),
+        ("delta", "share of volume", "#CC79A7"),
+        ("u_b", "velocity [m/s]", "#E69F00"),
+    ):
         if name in values:
             axes.plot(values[name], z, color=colour, label=label)
     axes.set_xlabel("bubbles")
@@ -116,8 +135,13 @@ def _gases(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
         if np.nanmax(values[name]) < 1e-3:
             continue
         colour = colours.setdefault(gas, COLOURS[len(colours) % len(COLOURS)])
-        axes.plot(values[name], z, color=colour, linestyle="--" if phase == "bubble" else "-",
-                  label=gas if phase == "emulsion" else None)  # fmt: skip
+        axes.plot(
+            values[name],
+            z,
+            color=colour,
+            linestyle="--" if phase == "bubble" else "-",
+            label=gas if phase == "emulsion" else None,
+        )
     axes.set_xlabel("mole fraction (bubbles dashed)")
     axes.legend(frameon=False, fontsize=8)
 
@@ -125,8 +149,11 @@ def _gases(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
 def _heat(axes: Any, flows: Mapping[str, float]) -> None:
     names = list(flows)[::-1]
     colours = ["#D55E00" if name.startswith("release") else "#0072B2" for name in names]
-    axes.barh([name.removesuffix("_W").replace("_", " ") for name in names], [1e-3 * flows[name] for name in names],
-              color=colours)  # fmt: skip
+    axes.barh(
+        [name.removesuffix("_W").replace("_", " ") for name in names],
+        [1e-3 * flows[name] for name in names],
+        color=colours,
+    )
     axes.tick_params(axis="y", labelsize=7)
     axes.axvline(0.0, color="black", linewidth=0.6)
     axes.set_xlabel("heat [kW], released or taken out")

@@ -128,10 +128,17 @@ class BubblingProblem:
         # rounding of each temperature times what it multiplies
         rounding = np.finfo(float).eps * float((abs(matrix) @ np.abs(x)).max()) * len(x) ** 0.5
         return newton(
-            self.steady, x, self.fixed, self.plan.policy, tolerance=options.newton_tolerance,
-            iterations=options.newton_iterations, lower=self.lower, floor=rounding, weights=self.weights,
+            self.steady,
+            x,
+            self.fixed,
+            self.plan.policy,
+            tolerance=options.newton_tolerance,
+            iterations=options.newton_iterations,
+            lower=self.lower,
+            floor=rounding,
+            weights=self.weights,
             what="bubbling bed",
-        )  # fmt: skip
+        )
 
     def _state(self, x: Array) -> Array:
         """The fields for temperatures at all nodes."""
@@ -204,8 +211,10 @@ class BubblingProblem:
         for name, stream in c.streams.items():
             if stream.fed is None:
                 continue
-            ends = [self.at(lambda u, o, n=name, s=stream: s.flow(o.x[0]) * s.enthalpy(getattr(u, n)), end, state)
-                    for end in (self.bottom, self.top)]  # fmt: skip
+            ends = [
+                self.at(lambda u, o, n=name, s=stream: s.flow(o.x[0]) * s.enthalpy(getattr(u, n)), end, state)
+                for end in (self.bottom, self.top)
+            ]
             brought = self.total(lambda u, o, s=stream: s.fed(o.x[0]) * s.enthalpy(s.feed_temperature), state)
             out[name] = (brought, ends[1] - ends[0])
         if self.chemistry is not None:

@@ -119,6 +119,8 @@ def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: R
 
 
 FREEBOARD = {"T_freeboard": "K", "T_up": "K", "T_down": "K", "flow_up": "kg/m2/s", "G_freeboard": "W/m2"}
+
+
 def _water(problem: BubblingProblem, name: str, state: Any, result: Result, values: dict[str, Any]) -> None:
     """What water does inside of a surface: profiles, what leaves, and its own balance."""
     from contbed.materials.steam import steam
@@ -126,31 +128,48 @@ def _water(problem: BubblingProblem, name: str, state: Any, result: Result, valu
     table = getattr(problem.plan.scene, name).steam
     water = steam(table.pressure)
     padded = np.full(len(result.profiles["z [m]"]), np.nan)
-    for header, column in ((f"T_{name}_surface [K]", values["T"]), (f"T_{name}_water [K]",
-                           water.temperature(values["h"])), (f"h_{name}_water [kJ/kg]", values["h"])):
+    for header, column in (
+        (f"T_{name}_surface [K]", values["T"]),
+        (f"T_{name}_water [K]", water.temperature(values["h"])),
+        (f"h_{name}_water [kJ/kg]", values["h"]),
+    ):
         padded[: len(column)] = column
         result.profiles[header] = padded.copy()
     h_in = water.enthalpy(table.temperature)
     end = problem.top if table.direction == "up" else problem.bottom
     h_out = problem.at(lambda u, o: getattr(u, f"h_{name}"), end, state)
-    gained = sum(value for key, value in problem.duties(state).items()
-                 if key in (f"{name}_convection_W", f"{name}_radiation_W"))  # fmt: skip
+    gained = sum(
+        value for key, value in problem.duties(state).items() if key in (f"{name}_convection_W", f"{name}_radiation_W")
+    )
     flow = 1e3 * table.mass_flow
-    result.qoi |= {f"{name}_water_W": flow * (h_out - h_in), f"{name}_water_out_K": float(water.temperature(h_out)),
-                   f"{name}_water_out_kJ_kg": h_out}  # fmt: skip
+    result.qoi |= {
+        f"{name}_water_W": flow * (h_out - h_in),
+        f"{name}_water_out_K": float(water.temperature(h_out)),
+        f"{name}_water_out_kJ_kg": h_out,
+    }
     if (quality := water.quality(h_out)) is not None:
         result.qoi[f"{name}_water_out_quality"] = quality
     if not water.h_range[0] <= h_out <= water.h_range[1]:
         result.warnings.append(f"{name}: water leaves at {h_out:g} kJ/kg, outside of its table")
     result.balances[f"water in {name}"] = {
-        "in": flow * h_in, "out": flow * h_out, "source": gained, "stored": 0.0, "unit": "W",
+        "in": flow * h_in,
+        "out": flow * h_out,
+        "source": gained,
+        "stored": 0.0,
+        "unit": "W",
         "relative_residual": (flow * (h_in - h_out) + gained) / max(abs(flow * h_in), abs(flow * h_out), abs(gained)),
-    }  # fmt: skip
+    }
 
 
 HYDRODYNAMICS = {
-    "u": "m/s", "u_mf": "m/s", "u_e": "m/s", "u_b": "m/s", "delta": "1", "flow_bubble": "kg/s", "d_b": "m",
-}  # fmt: skip
+    "u": "m/s",
+    "u_mf": "m/s",
+    "u_e": "m/s",
+    "u_b": "m/s",
+    "delta": "1",
+    "flow_bubble": "kg/s",
+    "d_b": "m",
+}
 
 
 def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any], result: Result) -> None:
@@ -166,8 +185,10 @@ def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any
     result.closures += used
     for use in used:
         if use["share_outside"] > 0:
-            result.warnings.append(f"{use['used_by']}: {use['name']} is used out of its range on "
-                                   f"{100 * use['share_outside']:.3g} % of the height")  # fmt: skip
+            result.warnings.append(
+                f"{use['used_by']}: {use['name']} is used out of its range on "
+                f"{100 * use['share_outside']:.3g} % of the height"
+            )
     for name, value in local.contact.items():
         result.qoi[f"{name}_coefficient_W_m2K"] = float(trapezoid(np.broadcast_to(value, z.shape), z) / np.ptp(z))
     if computed.bubbling:
@@ -182,8 +203,10 @@ def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any
     for gas in {phase for phase in ("T_emulsion", "T_bubble") if phase in values}:
         if (share := computed.gas.share_outside(values[gas])) > 0:
             low, high = computed.gas.T_range
-            result.warnings.append(f"{gas}: {100 * share:.3g} % of the height is outside of the properties of the gas, "
-                                   f"{low:g} to {high:g} K")  # fmt: skip
+            result.warnings.append(
+                f"{gas}: {100 * share:.3g} % of the height is outside of the properties of the gas, "
+                f"{low:g} to {high:g} K"
+            )
 
 
 def _freeboard(above: Any, values: dict[str, Any], local: Any, z: Any, result: Result) -> list[Any]:
@@ -197,8 +220,10 @@ def _freeboard(above: Any, values: dict[str, Any], local: Any, z: Any, result: R
     fed = sum(item.feed.mass_flow or 0.0 for item in computed.scene.present.values() if item.feed is not None)
     sized = any(item.sizes is not None for item in computed.scene.present.values())
     if not sized and computed.chemistry is None and part.section * values["carryover"] > fed:
-        result.warnings.append(f"gas carries away {part.section * values['carryover']:.3g} kg/s of particles, "
-                               f"{fed:.3g} kg/s are fed: give species.NAME.sizes")  # fmt: skip
+        result.warnings.append(
+            f"gas carries away {part.section * values['carryover']:.3g} kg/s of particles, "
+            f"{fed:.3g} kg/s are fed: give species.NAME.sizes"
+        )
     if values["carryover"] > ejected:
         result.warnings.append("gas carries away more particles than bubbles throw up: freeboard.elutriation")
     above_bed = part.bed + (part.bed - z[::-1]) * part.stretch
@@ -225,6 +250,10 @@ def _balance(
     source = sum(releases.values())
     scale = max(entering, leaving, abs(source), 1e-300)
     return {
-        "in": entering, "out": leaving, "source": source, "stored": 0.0,
-        "relative_residual": (entering + source - leaving) / scale, "unit": "W",
-    }  # fmt: skip
+        "in": entering,
+        "out": leaving,
+        "source": source,
+        "stored": 0.0,
+        "relative_residual": (entering + source - leaving) / scale,
+        "unit": "W",
+    }

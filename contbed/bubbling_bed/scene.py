@@ -35,9 +35,7 @@ MassFlow = Annotated[float, *unit("kg/s"), Field(gt=0)]
 Frequency = Annotated[float, *unit("1/s"), Field(ge=0)]
 Speed = Annotated[float, *unit("m/s"), Field(gt=0)]
 
-BubbleFraction = Annotated[
-    Annotated[s.Number, Field(ge=0, lt=1), Tag("number")] | s.NamedOrFile, Discriminator(form)
-]
+BubbleFraction = Annotated[Annotated[s.Number, Field(ge=0, lt=1), Tag("number")] | s.NamedOrFile, Discriminator(form)]
 ExchangeOrClosure = Annotated[Annotated[Exchange, Tag("number")] | s.NamedOrFile, Discriminator(form)]
 RateOrClosure = Annotated[Annotated[Frequency, Tag("number")] | s.NamedOrFile, Discriminator(form)]
 NamedExpansion = Annotated[s.NamedOrFile, Discriminator(form)]
@@ -268,12 +266,12 @@ class Radiation(s.Table):
     """Radiation between the particles of a bubbling bed."""
 
     level: Literal["none", "pairwise", "paper", "two_flux", "p1"] = Field(
-        "p1", description="pairwise, paper: among the species at one height only, eqs. 2-11 and 34 of "
-        "Rabi & de Souza-Santos",
+        "p1",
+        description="pairwise, paper: among the species at one height only, eqs. 2-11 and 34 of Rabi & de Souza-Santos",
     )
     correction: Literal["close_packed", "independent"] | None = Field(
         None,
-        description="extinction over the voidage, the default, or the limit of points far apart; pairwise, paper: that"
+        description="extinction over the voidage, the default, or the limit of points far apart; pairwise, paper: that",
     )
     anisotropy: Annotated[s.Number, Field(ge=-1, le=1)] = Field(0.0, description="mean cosine of scattering")
 

@@ -70,8 +70,11 @@ def settled(problem: BubblingProblem, state: Any, result: Result) -> tuple[Any, 
         changes.append(abs(diameter / item.diameter - 1.0))
         sizes = item.sizes.model_copy(update={"bed": tuple(shares)})
         species[name] = item.model_copy(update={"diameter": diameter, "sizes": sizes})
-        result.qoi |= {f"{name}_diameter_m": diameter, f"{name}_drain_kg_s": drain,
-                       f"{name}_carryover_kg_s": item.feed.mass_flow - drain}  # fmt: skip
+        result.qoi |= {
+            f"{name}_diameter_m": diameter,
+            f"{name}_drain_kg_s": drain,
+            f"{name}_carryover_kg_s": item.feed.mass_flow - drain,
+        }
     bed = scene.bubbling_bed
     if bed.settled_height is not None:
         height = height_of(problem, state)
@@ -100,8 +103,10 @@ def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, 
     if excess(least) < 0:
         raise ConvergenceError(
             f"species {name}: gas carries away {feed:.3g} kg/s and more at the given inventory; feed more or coarser "
-            "particles", [], state,
-        )  # fmt: skip
+            "particles",
+            [],
+            state,
+        )
     drain = feed if excess(feed) >= 0 else brentq(excess, least, feed, xtol=1e-15 * feed, rtol=1e-14)
     return feed * given / (drain + carried), float(drain)
 

@@ -68,6 +68,11 @@ def closure_is_of_a_fixed_bed(closure: g.NusseltClosure | None, particles: g.Gas
 
 
 CHECKS = (
-    one_source, fluid_is_complete, closures_exist, jet_is_in_the_floor, jet_is_told_apart, times_are_in_order,
+    one_source,
+    fluid_is_complete,
+    closures_exist,
+    jet_is_in_the_floor,
+    jet_is_told_apart,
+    times_are_in_order,
     closure_is_of_a_fixed_bed,
-)  # fmt: skip
+)

@@ -205,10 +205,25 @@ class Gas:
         pushed = kernels.scatter_faces(faces, weight, drag * carried, len(self.u))
         gained, received = self._exchange(dt, bed, where, share, local, eps_face)
 
-        load = rho * self.u / dt + pushed / (eps_face * room) + kernels.momentum(
-            self.u, rho * self.q, eps_face, rho, self._on_faces(self._on_cells(self.fluid.viscosity)), self.gravity,
-            grid.size, grid.cell_face, grid.face_cell, grid.face_next, grid.face_axis, grid.active, self.no_slip,
-        )  # fmt: skip
+        load = (
+            rho * self.u / dt
+            + pushed / (eps_face * room)
+            + kernels.momentum(
+                self.u,
+                rho * self.q,
+                eps_face,
+                rho,
+                self._on_faces(self._on_cells(self.fluid.viscosity)),
+                self.gravity,
+                grid.size,
+                grid.cell_face,
+                grid.face_cell,
+                grid.face_next,
+                grid.face_axis,
+                grid.active,
+                self.no_slip,
+            )
+        )
         resistance = rho / dt + resisted / room
         loose = np.where(grid.active, load / resistance, self.u)
         gap = np.where(grid.face_kind == OUTLET, 0.5, 1.0) * grid.size[grid.face_axis]
@@ -216,12 +231,21 @@ class Gas:
         source = (self.mass / self.density - eps * self.open_volume) / dt + self._expansion() * gained
         source -= kernels.divergence(self._area * eps_face * loose, grid.cell_face)
         self.p, iterations, error = kernels.pressure(
-            self.p, conductance, source, grid.cell_face, grid.face_cell, grid.open_cells, grid.count[2],
-            self.tolerance, STEPS,
-        )  # fmt: skip
+            self.p,
+            conductance,
+            source,
+            grid.cell_face,
+            grid.face_cell,
+            grid.open_cells,
+            grid.count[2],
+            self.tolerance,
+            STEPS,
+        )
         if not error <= self.tolerance:
-            raise ConvergenceError(f"gas: pressure found to {error:.2g} after {iterations} iterations, "
-                                   f"{self.tolerance:.2g} is wanted; shorten the step")  # fmt: skip
+            raise ConvergenceError(
+                f"gas: pressure found to {error:.2g} after {iterations} iterations, "
+                f"{self.tolerance:.2g} is wanted; shorten the step"
+            )
         slope = kernels.slopes(self.p, grid.size, grid.face_cell, grid.face_axis, grid.face_kind, grid.active)
         self.u = loose - slope / resistance
         self.eps, self.q = eps, eps_face * self.u

@@ -130,8 +130,10 @@ class Average:
         for name, h in found.items():
             self.mean[name] = old * self.mean[name] + new * h if name in self.mean else h
         self.coordination = old * self.coordination + new * z
-        self.Re, self.eps = (new * now + (old * past if len(past) else 0.0)
-                             for past, now in ((self.Re, around.Re), (self.eps, around.eps)))  # fmt: skip
+        self.Re, self.eps = (
+            new * now + (old * past if len(past) else 0.0)
+            for past, now in ((self.Re, around.Re), (self.eps, around.eps))
+        )
         self.Pr = old * self.Pr + new * float(around.Pr.mean())
 
     @property
@@ -157,6 +159,7 @@ def bed_nusselt(
     average = Average(solid)
     average(bed)
     h = average.mean["convection"] if of == "convection" else average.total
-    rho, mu, k, c = (float(getattr(gas.fluid, name)(T)) for name in
-                     ("density", "viscosity", "conductivity", "heat_capacity"))  # fmt: skip
+    rho, mu, k, c = (
+        float(getattr(gas.fluid, name)(T)) for name in ("density", "viscosity", "conductivity", "heat_capacity")
+    )
     return rho * velocity * float(d_p.mean()) / mu, mu * c / k, float((h * d_p).mean()) / k

@@ -76,11 +76,15 @@ def plan(scene: g.GasScene) -> GasPlan:
     _require_room(scene, particles)
     d = 2.0 * float(particles.radius.max())
     wide, high = (scale * d for scale in scene.gas.cell)
-    count = tuple(max(1, round(length / size)) for length, size in
-                  zip((*table.width, scene.gas.height), (wide, wide, high), strict=True))  # fmt: skip
+    count = tuple(
+        max(1, round(length / size))
+        for length, size in zip((*table.width, scene.gas.height), (wide, wide, high), strict=True)
+    )
     grid = Grid(np.zeros(3), np.array([*table.width, scene.gas.height]) / count, count, sides)  # type: ignore[arg-type]
-    built = [("particles", f"{len(particles)}, {'fixed' if table.fixed else 'moving'}"),
-             ("gas", " x ".join(str(n) for n in count) + " cells")]  # fmt: skip
+    built = [
+        ("particles", f"{len(particles)}, {'fixed' if table.fixed else 'moving'}"),
+        ("gas", " x ".join(str(n) for n in count) + " cells"),
+    ]
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
         (scene.heat is not None, "energy", "gas and particles", "no [heat] table: one temperature"),
@@ -126,12 +130,27 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
     scene = plan.scene
     table, gas = scene.particles, scene.gas
     material = _material(table)
-    simulation = Simulation(plan.particles, [material], box(plan.domain), plan.domain, impact_speed=0.3,
-                            gravity=(0.0, 0.0, -9.81 if gas.gravity else 0.0))  # fmt: skip
+    simulation = Simulation(
+        plan.particles,
+        [material],
+        box(plan.domain),
+        plan.domain,
+        impact_speed=0.3,
+        gravity=(0.0, 0.0, -9.81 if gas.gravity else 0.0),
+    )
     solid = Solid(table.conductivity, table.heat_capacity, table.modulus_real, table.exponents)
     T = None if scene.heat is None else scene.heat.T
-    flow = Gas(plan.grid, _fluid(scene), _law(scene, "drag"), _law(scene, "nusselt"), T or gas.T, T is None,
-               simulation.gravity, gas.no_slip, tolerance=scene.solver.pressure_tolerance)  # fmt: skip
+    flow = Gas(
+        plan.grid,
+        _fluid(scene),
+        _law(scene, "drag"),
+        _law(scene, "nusselt"),
+        T or gas.T,
+        T is None,
+        simulation.gravity,
+        gas.no_slip,
+        tolerance=scene.solver.pressure_tolerance,
+    )
     interval = 5e-3 if scene.heat is None else scene.heat.interval
     bed = Bed(simulation, flow, gas.step, T, table.heat_capacity, solid, table.emissivity, interval, not table.fixed)
     _open(scene, bed)
@@ -185,18 +204,28 @@ def _findings(plan: GasPlan, bed: Bed, history: History, result: Result) -> None
         result.qoi |= {"T_solid_mean_K": float(bed.T.mean()), "T_fluid_max_K": float(bed.gas.T.max())}  # type: ignore[union-attr]
         result.qoi["radiation_not_balanced [J]"] = bed.radiated
     weight = float(bed.simulation.mass.sum()) * 9.81 / float(np.prod(scene.particles.width))
-    result.qoi |= {"time [s]": bed.time, "bed_weight [Pa]": weight, "above_grid": bed.above,
-                   "porosities_raised": bed.gas.counts["raised"]}  # fmt: skip
-    for what, number in (("particles above the grid of the gas", bed.above),
-                         ("porosities below 0.2, raised", bed.gas.counts["raised"])):  # fmt: skip
+    result.qoi |= {
+        "time [s]": bed.time,
+        "bed_weight [Pa]": weight,
+        "above_grid": bed.above,
+        "porosities_raised": bed.gas.counts["raised"],
+    }
+    for what, number in (
+        ("particles above the grid of the gas", bed.above),
+        ("porosities below 0.2, raised", bed.gas.counts["raised"]),
+    ):
         if number:
             result.warnings.append(f"{number} times {what}")
     if not average.count:
         return
     total = average.total
     result.qoi |= {f"h_{name} [W/m2/K]": value for name, value in average.bed_means().items()}
-    result.qoi |= {"h_total [W/m2/K]": float(total.mean()), "coordination": average.coordination,
-                   "porosity": float(average.eps.mean()), "samples": average.count}  # fmt: skip
+    result.qoi |= {
+        "h_total [W/m2/K]": float(total.mean()),
+        "coordination": average.coordination,
+        "porosity": float(average.eps.mean()),
+        "samples": average.count,
+    }
     conduction = total - average.mean["convection"] - average.mean.get("radiation", 0.0)
     for name, values in (("convection", average.mean["convection"]), ("conduction", conduction), ("total", total)):
         result.qoi[f"h_{name}_percentiles [W/m2/K]"] = np.percentile(values, SPREAD).tolist()
@@ -305,16 +334,28 @@ def _fluid(scene: g.GasScene) -> Any:
 
 
 def _material(table: g.GasParticles) -> Material:
-    return Material(table.density, table.modulus, table.poisson_ratio, table.restitution, table.sliding_friction,
-                    table.rolling_friction)  # fmt: skip
+    return Material(
+        table.density,
+        table.modulus,
+        table.poisson_ratio,
+        table.restitution,
+        table.sliding_friction,
+        table.rolling_friction,
+    )
 
 
 def _settled(scene: g.GasScene) -> Particles:
     table = scene.particles
     assert table.radius is not None
     material = _material(table)
-    packing = pack(table.width, radius=table.radius, count=table.count, seed=table.seed, material=material,
-                   periodic=(table.periodic, table.periodic))  # fmt: skip
+    packing = pack(
+        table.width,
+        radius=table.radius,
+        count=table.count,
+        seed=table.seed,
+        material=material,
+        periodic=(table.periodic, table.periodic),
+    )
     return Particles(packing.position, packing.radius)
 
 
@@ -338,5 +379,7 @@ def _require_room(scene: g.GasScene, particles: Particles) -> None:
         far = particles.position[:, axis]
         if far.min() < 0.0 or far.max() > room[axis]:
             where = scene.origin.at(tuple(key.split(".")))
-            raise SceneError(f"{where}: {key}: centres from {far.min():.4g} to {far.max():.4g} m in {'xyz'[axis]}, "
-                             f"the box from 0 to {room[axis]:.4g} m")  # fmt: skip
+            raise SceneError(
+                f"{where}: {key}: centres from {far.min():.4g} to {far.max():.4g} m in {'xyz'[axis]}, "
+                f"the box from 0 to {room[axis]:.4g} m"
+            )

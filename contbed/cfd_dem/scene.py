@@ -1,11 +1,11 @@
 """The vocabulary of a scene of particles in a gas: fixed, fluidized or stirred by a jet, in SI.
 
-    [particles]     spheres, settled at the start or from a file, and their material
-    [fluid]         constant properties, or a gas mixture of Cantera
-    [gas]           inlet, closures of drag and heat transfer, grid
-    [heat]          energy equations of gas and particles; absent: all at one temperature, coefficients are still found
-    [time]          how long, and from when on averages are taken
-    [closure]       velocities for which a Nusselt number is fitted, written as closure.toml; absent: none
+[particles]     spheres, settled at the start or from a file, and their material
+[fluid]         constant properties, or a gas mixture of Cantera
+[gas]           inlet, closures of drag and heat transfer, grid
+[heat]          energy equations of gas and particles; absent: all at one temperature, coefficients are still found
+[time]          how long, and from when on averages are taken
+[closure]       velocities for which a Nusselt number is fitted, written as closure.toml; absent: none
 """
 
 from __future__ import annotations

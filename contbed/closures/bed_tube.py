@@ -164,9 +164,7 @@ def bed_tube_zabrodsky(d_p, rho_solid, k_gas):
     return 35.8 * rho_solid**0.2 * k_gas**0.6 * d_p**-0.36
 
 
-@closure(
-    kind="bed_tube", unit="W/m2/K", ranges={"Ar": (0.0, 1e8), "delta": (0.0, 0.9)}, source=_MARTIN
-)
+@closure(kind="bed_tube", unit="W/m2/K", ranges={"Ar": (0.0, 1e8), "delta": (0.0, 0.9)}, source=_MARTIN)
 def bed_tube_martin(Ar, Pr, delta, eps_mf, d_p, T, p, molar_mass, cp_gas, k_gas, rho_solid, cp_solid, packets=2.6):
     """Martin (1984): particles move as molecules of a gas do, and gas convects.
 

@@ -17,9 +17,7 @@ _DARTON = "Darton, LaNauze, Davidson, Harrison 1977, Trans. Inst. Chem. Eng. 55,
 _MIWA = "Miwa, Mori, Kato, Muchi 1972, Int. Chem. Eng. 12, 181-187"
 
 
-@closure(
-    kind="bubble_size", unit="m", ranges={"D_bed": (0.3, 1.3), "u_excess": (0.0, 0.48)}, source=_MORI_WEN
-)
+@closure(kind="bubble_size", unit="m", ranges={"D_bed": (0.3, 1.3), "u_excess": (0.0, 0.48)}, source=_MORI_WEN)
 def bubble_size_mori_wen(z, d_b0, u_excess, D_bed):
     """Mori and Wen (1975): growth of bubbles from the distributor to a largest size.
 
@@ -65,9 +63,7 @@ def bubble_size_mori_wen(z, d_b0, u_excess, D_bed):
     return d_bm - (d_bm - d_b0) * np.exp(-0.3 * z / D_bed)
 
 
-@closure(
-    kind="bubble_growth", unit="-", ranges={"D_bed": (0.3, 1.3), "u_excess": (0.0, 0.48)}, source=_MORI_WEN
-)
+@closure(kind="bubble_growth", unit="-", ranges={"D_bed": (0.3, 1.3), "u_excess": (0.0, 0.48)}, source=_MORI_WEN)
 def bubble_growth_mori_wen(d_b, u_excess, D_bed):
     """Mori and Wen (1975): slope of bubble_size_mori_wen over the height, at the excess of gas there.
 
@@ -109,9 +105,7 @@ def bubble_growth_mori_wen(d_b, u_excess, D_bed):
     return 0.3 * (d_bm - d_b) / D_bed
 
 
-@closure(
-    kind="bubble_growth", unit="-", ranges={"D_bed": (0.05, 1.3), "u_excess": (0.0, 1.0)}, source=_HORIO
-)
+@closure(kind="bubble_growth", unit="-", ranges={"D_bed": (0.05, 1.3), "u_excess": (0.0, 1.0)}, source=_HORIO)
 def bubble_growth_horio_nonaka(d_b, u_excess, u_mf, D_bed):
     """Horio and Nonaka (1987): coalescence and splitting.
 

@@ -96,8 +96,10 @@ def conductivity_series(k_fluid, k_solid, eps):
 
 def _coated_spheres(k_matrix, k_core, share):
     """Space filled with spheres of k_core, each coated with k_matrix; a quotient of sums, so no digits are lost."""
-    return k_matrix * (2 * (1 - share) * k_matrix + (1 + 2 * share) * k_core) / (
-        (2 + share) * k_matrix + (1 - share) * k_core
+    return (
+        k_matrix
+        * (2 * (1 - share) * k_matrix + (1 + 2 * share) * k_core)
+        / ((2 + share) * k_matrix + (1 - share) * k_core)
     )
 
 

@@ -41,9 +41,7 @@ def _zehner_deformation(eps, shape):
     return shape * ((1 - eps) / eps) ** (10 / 9)
 
 
-@closure(
-    kind="conductivity", unit="W/m/K", ranges={"eps": (0.26, 0.6), "k_solid/k_fluid": (1, 1e3)}, source=_ZEHNER
-)
+@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0.26, 0.6), "k_solid/k_fluid": (1, 1e3)}, source=_ZEHNER)
 def conductivity_zehner_schluender(k_fluid, k_solid, eps, shape=1.25):
     """Zehner and Schluender (1970): deformed particles in a cylindrical cell, no contact, no radiation.
 
@@ -166,9 +164,7 @@ def _kunii_resistance(kappa, sine_squared):
     return (1 - m / 2) / (kappa * (1 - kappa * m * _log_tail(1 + (kappa - 1) * m, 2)))
 
 
-@closure(
-    kind="conductivity", unit="W/m/K", ranges={"eps": (0.26, 0.476), "k_solid/k_fluid": (1, 1e4)}, source=_KUNII
-)
+@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0.26, 0.476), "k_solid/k_fluid": (1, 1e4)}, source=_KUNII)
 def conductivity_kunii_smith(k_fluid, k_solid, eps, beta=1.0):
     """Kunii and Smith (1960): contacts of spheres between loose and dense packing, no radiation.
 

@@ -76,9 +76,7 @@ def volatiles(ultimate: Mapping[str, float], volatile_matter: float) -> Volatile
     mass = {**ultimate, "C": carbon}
     elements = {name: mass[name] / ATOMIC[name] / volatile_matter for name in ("C", "H", "O", "N", "S")}
     bound = {**elements, "H": elements["H"] - 2.0 * elements["S"]}
-    guess = {
-        name: share / molar_mass(FORMULAS[name]) for name, share in yields_loison_chauvin(volatile_matter).items()
-    }
+    guess = {name: share / molar_mass(FORMULAS[name]) for name, share in yields_loison_chauvin(volatile_matter).items()}
     yields = balanced(guess, [bound[name] for name in BALANCED])
     yields |= {name: amount for name, amount in (("N2", 0.5 * elements["N"]), ("H2S", elements["S"])) if amount > 0}
     return Volatiles(yields, guess, elements)

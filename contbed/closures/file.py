@@ -101,4 +101,3 @@ def _table(content: Mapping[str, Any], name: str) -> dict[str, Any]:
 
 def _number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-

@@ -217,9 +217,7 @@ def nusselt_kunii_levenspiel(Re):
     return 0.03 * Re**1.3
 
 
-@closure(
-    kind="solids_mixing", unit="m2/s", ranges={"delta": (0.0, 0.7), "wake": (0.0, 0.5)}, source=_KL
-)
+@closure(kind="solids_mixing", unit="m2/s", ranges={"delta": (0.0, 0.7), "wake": (0.0, 0.5)}, source=_KL)
 def solids_mixing_kunii_levenspiel(delta, u_b, d_b, u_mf, eps_mf, wake=0.2):
     """Kunii and Levenspiel (1969): vertical mixing of the solids by the wakes that bubbles carry up.
 

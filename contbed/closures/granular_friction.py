@@ -1,8 +1,8 @@
 """Granular flow near packing, where particles rub: frictional pressure and viscosity.
 
-    eps_s, eps_max [-] fraction of the particles, at most      eps_min [-] fraction above which particles rub
-    p_friction [Pa] frictional pressure      angle [rad] of internal friction
-    shear_rate [1/s] square root of the second invariant of the strain rate, half of du/dy in simple shear
+eps_s, eps_max [-] fraction of the particles, at most      eps_min [-] fraction above which particles rub
+p_friction [Pa] frictional pressure      angle [rad] of internal friction
+shear_rate [1/s] square root of the second invariant of the strain rate, half of du/dy in simple shear
 """
 
 from __future__ import annotations

@@ -249,7 +249,9 @@ def minimum_fluidization_babu(Ar):
 
 
 @closure(
-    kind="minimum_fluidization", unit="-", source=_ERGUN,
+    kind="minimum_fluidization",
+    unit="-",
+    source=_ERGUN,
     ranges={"eps_mf": (0.36, 0.7), "sphericity": (0.3, 1.0)},
 )
 def minimum_fluidization_ergun(Ar, eps_mf, sphericity):

@@ -63,14 +63,28 @@ CHAR_LAWS: dict[str, dict[str, Law]] = {
 """Combustion per outer surface [m/s]; gasification per carbon, partial pressures in bar [1/s]."""
 
 CALCINATION = Law(
-    "silcox", "CaCO3 <-> CaO + CO2", 1.22 / ATM, 0.0, 4026.0, {}, (900.0, 1400.0),
-    "Silcox, Kramlich, Pershing 1989, Ind. Eng. Chem. Res. 28, 155-160, doi:10.1021/ie00086a005", unit="mol/m2/s/Pa",
-)  # fmt: skip
+    "silcox",
+    "CaCO3 <-> CaO + CO2",
+    1.22 / ATM,
+    0.0,
+    4026.0,
+    {},
+    (900.0, 1400.0),
+    "Silcox, Kramlich, Pershing 1989, Ind. Eng. Chem. Res. 28, 155-160, doi:10.1021/ie00086a005",
+    unit="mol/m2/s/Pa",
+)
 
 SULPHATION = Law(
-    "borgwardt", "CaO + SO2 + 0.5 O2 -> CaSO4", 490.0, 0.0, 17500 * 4.184 / R_GAS, {"SO2": 1.0}, (1030.0, 1450.0),
-    "Rajan, Wen 1980, AIChE J. 26, 642-655, doi:10.1002/aic.690260416, after Borgwardt 1970", unit="1/s per cm2/g",
-)  # fmt: skip
+    "borgwardt",
+    "CaO + SO2 + 0.5 O2 -> CaSO4",
+    490.0,
+    0.0,
+    17500 * 4.184 / R_GAS,
+    {"SO2": 1.0},
+    (1030.0, 1450.0),
+    "Rajan, Wen 1980, AIChE J. 26, 642-655, doi:10.1002/aic.690260416, after Borgwardt 1970",
+    unit="1/s per cm2/g",
+)
 
 
 def carbon_per_oxygen(T: Any) -> Any:

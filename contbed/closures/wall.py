@@ -11,9 +11,7 @@ _LI = "Li, Finlayson 1977, Chem. Eng. Sci. 32, 1055-1066, doi:10.1016/0009-2509(
 _MARTIN = "Martin, Nilles 1993, Chem. Ing. Tech. 65, 1468-1477, doi:10.1002/cite.330651206"
 
 
-@closure(
-    kind="wall", unit="W/m2/K", ranges={"Re": (20, 7600), "Pr": (0.6, 0.8), "d_p/D_bed": (0.05, 0.3)}, source=_LI
-)
+@closure(kind="wall", unit="W/m2/K", ranges={"Re": (20, 7600), "Pr": (0.6, 0.8), "d_p/D_bed": (0.05, 0.3)}, source=_LI)
 def wall_li_finlayson(Re, Pr, k_fluid, d_p, D_bed):
     """Li and Finlayson (1977): spheres in a tube, gas.
 

@@ -57,6 +57,11 @@ def closure_has_points(closure: p.Closure | None, see: See) -> Mistakes:
 
 
 CHECKS = (
-    one_source, lattice_has_no_layers, contact_is_small, file_exists, layers_are_apart, fluid_is_there,
+    one_source,
+    lattice_has_no_layers,
+    contact_is_small,
+    file_exists,
+    layers_are_apart,
+    fluid_is_there,
     closure_has_points,
-)  # fmt: skip
+)

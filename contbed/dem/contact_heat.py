@@ -73,7 +73,7 @@ class ContactHeat:
 @njit(error_model="numpy")
 def contact_heat(
     x, T, source, per_capacity, radius, mass, kind, table, heat_table, image, start, mates, past, now, dt, gained
-):  # fmt: skip
+):
     """Advance T by a step `dt`; contacts have the histories of step number `now`. `gained` is room for n numbers."""
     gained[:] = source
     for i in range(len(x)):

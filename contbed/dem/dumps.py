@@ -146,9 +146,7 @@ def _frame(line: str, lines: _Lines) -> Frame:
     have = min(count, len(lines.lines) - first)
     columns = dict(zip(names, _rows(lines, have, names), strict=True))
     if have < count:
-        raise SceneError(
-            f"{lines.path}:{len(lines.lines)}: truncated: step {step} has {have} of {count} particles"
-        )
+        raise SceneError(f"{lines.path}:{len(lines.lines)}: truncated: step {step} has {have} of {count} particles")
     return _particles(step, columns, box, lines)
 
 

@@ -130,8 +130,10 @@ def fit_log_polynomial(
     # columns of like size, so that the rank is a matter of the data alone
     size = np.abs(matrix).max(axis=0)
     if free < 1 or (size == 0).any() or np.linalg.matrix_rank(matrix / size) < len(powers):
-        raise SceneError(f"{len(target)} points do not determine {len(powers)} terms of degrees {tuple(degrees)} in "
-                         f"{', '.join(scales)}: lower a degree or add points")  # fmt: skip
+        raise SceneError(
+            f"{len(target)} points do not determine {len(powers)} terms of degrees {tuple(degrees)} in "
+            f"{', '.join(scales)}: lower a degree or add points"
+        )
     values = np.linalg.lstsq(matrix / size, target, rcond=None)[0] / size
     residuals = target - matrix @ values
     inverse = np.linalg.inv((matrix / size).T @ (matrix / size)) / np.outer(size, size)
@@ -141,16 +143,14 @@ def fit_log_polynomial(
         "format": FORMAT,
         "kind": kind,
         "form": "log_polynomial",
-        "variables": {
-            name: {"scale": scale, "reference": references[name]} for name, scale in scales.items()
-        },
+        "variables": {name: {"scale": scale, "reference": references[name]} for name, scale in scales.items()},
         "terms": [
             {"powers": list(term), "value": float(v), "interval": [float(v - h), float(v + h)]}
             for term, v, h in zip(powers, values, half, strict=True)
         ],
         "range": {name: [float(column.min()), float(column.max())] for name, column in data.items()},
         "residuals": _summary(residuals, "of ln(k/k_fluid)" if kind == "conductivity" else "of ln(Nu)"),
-    }  # fmt: skip
+    }
     return Fit(content, covariance, residuals)
 
 

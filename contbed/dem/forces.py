@@ -17,8 +17,30 @@ BLOCK = 64  # contacts
 # columns of a block: vector from j to i and its square; relative velocity, then force; spring; half the vector x force;
 # normal force and speed; and of the pair: sum of the radii, effective radius and mass, columns of the pair table
 (
-    DX, DY, DZ, FAR, VX, VY, VZ, SX, SY, SZ, QX, QY, QZ, LOAD, SPEED_N, TOUCH, R_EFF, M_EFF, E, G, CN, CT, MU,
-) = (column * BLOCK for column in range(23))  # fmt: skip
+    DX,
+    DY,
+    DZ,
+    FAR,
+    VX,
+    VY,
+    VZ,
+    SX,
+    SY,
+    SZ,
+    QX,
+    QY,
+    QZ,
+    LOAD,
+    SPEED_N,
+    TOUCH,
+    R_EFF,
+    M_EFF,
+    E,
+    G,
+    CN,
+    CT,
+    MU,
+) = (column * BLOCK for column in range(23))
 
 
 @njit
@@ -30,7 +52,7 @@ def workspace():
 @njit(error_model="numpy", fastmath=set(FAST))
 def pair_forces(
     x, v, w, f, q, radius, mass, inertia, kind, uniform, table, image, start, mates, past, now, dt, b, rows
-):  # fmt: skip
+):
     """Add the forces and torques of all pairs to `f` and `q`."""
     if uniform:
         for k in range(BLOCK):
@@ -108,9 +130,18 @@ def _block(b, rows, count, v, w, f, q, radius, mass, inertia, kind, uniform, tab
 def _roll(q, i, j, w, inertia, b, k, friction, dt):
     far = np.sqrt(b[FAR + k])
     tx, ty, tz = rolling_torque(
-        b[DX + k] / far, b[DY + k] / far, b[DZ + k] / far, w[i, 0] - w[j, 0], w[i, 1] - w[j, 1], w[i, 2] - w[j, 2],
-        b[R_EFF + k], inertia[i] * inertia[j] / (inertia[i] + inertia[j]), friction, b[LOAD + k], dt,
-    )  # fmt: skip
+        b[DX + k] / far,
+        b[DY + k] / far,
+        b[DZ + k] / far,
+        w[i, 0] - w[j, 0],
+        w[i, 1] - w[j, 1],
+        w[i, 2] - w[j, 2],
+        b[R_EFF + k],
+        inertia[i] * inertia[j] / (inertia[i] + inertia[j]),
+        friction,
+        b[LOAD + k],
+        dt,
+    )
     _add(q, i, tx, ty, tz, 1.0)
     _add(q, j, tx, ty, tz, -1.0)
 
@@ -122,14 +153,31 @@ def _law(b, count, dt):
         dx, dy, dz = b[DX + k], b[DY + k], b[DZ + k]
         far = np.sqrt(b[FAR + k])
         fx, fy, fz, b[LOAD + k], b[SX + k], b[SY + k], b[SZ + k], b[SPEED_N + k] = contact_law(
-            dx / far, dy / far, dz / far, b[TOUCH + k] - far,
-            b[VX + k], b[VY + k], b[VZ + k], b[SX + k], b[SY + k], b[SZ + k], b[R_EFF + k], b[M_EFF + k],
-            b[E + k], b[G + k], b[CN + k], b[CT + k], b[MU + k], dt,
-        )  # fmt: skip
+            dx / far,
+            dy / far,
+            dz / far,
+            b[TOUCH + k] - far,
+            b[VX + k],
+            b[VY + k],
+            b[VZ + k],
+            b[SX + k],
+            b[SY + k],
+            b[SZ + k],
+            b[R_EFF + k],
+            b[M_EFF + k],
+            b[E + k],
+            b[G + k],
+            b[CN + k],
+            b[CT + k],
+            b[MU + k],
+            dt,
+        )
         b[VX + k], b[VY + k], b[VZ + k] = fx, fy, fz
         b[QX + k], b[QY + k], b[QZ + k] = (
-            0.5 * (dz * fy - dy * fz), 0.5 * (dx * fz - dz * fx), 0.5 * (dy * fx - dx * fy),
-        )  # fmt: skip
+            0.5 * (dz * fy - dy * fz),
+            0.5 * (dx * fz - dz * fx),
+            0.5 * (dy * fx - dx * fy),
+        )
 
 
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
@@ -153,14 +201,25 @@ def wall_forces(x, v, w, f, q, radius, mass, inertia, kind, table, walls, wall_k
             continue
         own, other = kind[i], wall_kind[side]
         cx, cy, cz, normal, sx, sy, sz, speed = contact_law(
-            nx, ny, nz, overlap,
+            nx,
+            ny,
+            nz,
+            overlap,
             v[i, 0] - gap * (w[i, 1] * nz - w[i, 2] * ny),
             v[i, 1] - gap * (w[i, 2] * nx - w[i, 0] * nz),
             v[i, 2] - gap * (w[i, 0] * ny - w[i, 1] * nx),
-            past[side, i, 0], past[side, i, 1], past[side, i, 2], radius[i], mass[i],
-            table[own, other, E_EFF], table[own, other, G_EFF], table[own, other, DAMP_N],
-            table[own, other, DAMP_T], table[own, other, SLIDE], dt,
-        )  # fmt: skip
+            past[side, i, 0],
+            past[side, i, 1],
+            past[side, i, 2],
+            radius[i],
+            mass[i],
+            table[own, other, E_EFF],
+            table[own, other, G_EFF],
+            table[own, other, DAMP_N],
+            table[own, other, DAMP_T],
+            table[own, other, SLIDE],
+            dt,
+        )
         past[side, i, 0], past[side, i, 1], past[side, i, 2] = sx, sy, sz
         if past[side, i, SINCE] < 0.0:
             past[side, i, SINCE], past[side, i, SPEED] = now, abs(speed)
@@ -170,5 +229,5 @@ def wall_forces(x, v, w, f, q, radius, mass, inertia, kind, table, walls, wall_k
         if friction > 0.0:
             tx, ty, tz = rolling_torque(
                 nx, ny, nz, w[i, 0], w[i, 1], w[i, 2], radius[i], inertia[i], friction, normal, dt
-            )  # fmt: skip
+            )
             _add(q, i, tx, ty, tz, 1.0)

@@ -131,9 +131,14 @@ def convection(Re: Any, Pr: Any, k_fluid: Any, d_p: Any, a: float = 1.2, b: floa
 
 
 def surroundings(
-    x: Array, T: Array, T_fluid: Any, eps: Any, d_p: float, box: Box | None = None,
+    x: Array,
+    T: Array,
+    T_fluid: Any,
+    eps: Any,
+    d_p: float,
+    box: Box | None = None,
     periodic: tuple[bool, ...] = CLOSED,
-) -> Array:  # fmt: skip
+) -> Array:
     """Temperature that each particle sees [K], eps T_f + (1 - eps) mean of its neighbours within 1.5 d_p (Eq. 9)."""
     pairs = near_pairs(x, VIEW * d_p, box, periodic)
     count = _gather(len(x), pairs, np.ones(len(pairs.i)), np.ones(len(pairs.i)))
@@ -164,8 +169,11 @@ def radiation_conductance(pairs: Pairs, count: int, T: float, d_p: float, emissi
     n = np.maximum(_gather(count, pairs, 1.0 * seen, 1.0 * seen), 1.0)
     whole = 4.0 * STEFAN_BOLTZMANN * emissivity * T**3 * np.pi * d_p**2
     share = 1.0 - np.asarray(eps, dtype=float)
-    return seen * whole * (share if share.ndim == 0 else 0.5 * (share[pairs.i] + share[pairs.j])) * (
-        0.5 / n[pairs.i] + 0.5 / n[pairs.j]
+    return (
+        seen
+        * whole
+        * (share if share.ndim == 0 else 0.5 * (share[pairs.i] + share[pairs.j]))
+        * (0.5 / n[pairs.i] + 0.5 / n[pairs.j])
     )
 
 

@@ -101,9 +101,17 @@ def gap_conductance(
     rest = near & ~equal
     if rest.any():
         out[rest] = _quadrature(
-            small[rest], large[rest], D[rest], apart[rest] - D[rest], cone[rest], k_small[rest], k_large[rest], k_fluid,
-            r_contact[rest], end[rest],
-        )  # fmt: skip
+            small[rest],
+            large[rest],
+            D[rest],
+            apart[rest] - D[rest],
+            cone[rest],
+            k_small[rest],
+            k_large[rest],
+            k_fluid,
+            r_contact[rest],
+            end[rest],
+        )
     return out
 
 
@@ -200,9 +208,17 @@ def _equal_spheres(R: Array, D: Array, cone: Array, K: Array, k_fluid: float, lo
 
 
 def _quadrature(
-    R_i: Array, R_j: Array, D_i: Array, D_j: Array, cone: Array, k_i: Array, k_j: Array, k_fluid: float,
-    low: Array, high: Array,
-) -> Array:  # fmt: skip
+    R_i: Array,
+    R_j: Array,
+    D_i: Array,
+    D_j: Array,
+    cone: Array,
+    k_i: Array,
+    k_j: Array,
+    k_fluid: float,
+    low: Array,
+    high: Array,
+) -> Array:
     """Eq. 5 by Gauss-Legendre in s, r = low + (high - low) s^3, which resolves the narrow gap at the contact."""
     R_i, R_j, D_i, D_j, cone, k_i, k_j, low, span, high = (
         item[..., None] for item in (R_i, R_j, D_i, D_j, cone, k_i, k_j, low, high - low, high)

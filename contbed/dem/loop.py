@@ -64,10 +64,42 @@ def _moved(x, x0):
 
 @njit
 def _steps(
-    x, v, w, f, q, x0, start, mates, past, near, wall_past, radius, mass, inertia, kind, table, walls, wall_kind,
-    lower, upper, periodic, gravity, force, uniform, dt, skin, limit, reach, first, steps, rebuild,
-    T, source, per_capacity, heat_table,
-):  # fmt: skip
+    x,
+    v,
+    w,
+    f,
+    q,
+    x0,
+    start,
+    mates,
+    past,
+    near,
+    wall_past,
+    radius,
+    mass,
+    inertia,
+    kind,
+    table,
+    walls,
+    wall_kind,
+    lower,
+    upper,
+    periodic,
+    gravity,
+    force,
+    uniform,
+    dt,
+    skin,
+    limit,
+    reach,
+    first,
+    steps,
+    rebuild,
+    T,
+    source,
+    per_capacity,
+    heat_table,
+):
     vh, wh, per_mass, per_inertia = np.empty_like(v), np.empty_like(w), 1.0 / mass, 1.0 / inertia
     image = shifts(lower, upper, periodic)
     block, rows = workspace()
@@ -76,7 +108,7 @@ def _steps(
     for step in range(steps):
         fastest2, culprit = _advance(
             x, v, w, vh, wh, f, q, per_mass, per_inertia, force, gravity, dt, step == 0, limit * limit
-        )  # fmt: skip
+        )
         if culprit >= 0:
             status = TOO_FAST
             break
@@ -100,13 +132,27 @@ def _steps(
         now = float(first + step + 1)
         pair_forces(
             x, v, w, f, q, radius, mass, inertia, kind, uniform, table, image, start, mates, past, now, dt, block, rows
-        )  # fmt: skip
+        )
         wall_forces(x, v, w, f, q, radius, mass, inertia, kind, table, walls, wall_kind, near, wall_past, now, dt)
         if len(T):
             contact_heat(
-                x, T, source, per_capacity, radius, mass, kind, table, heat_table, image, start, mates, past, now, dt,
+                x,
+                T,
+                source,
+                per_capacity,
+                radius,
+                mass,
+                kind,
+                table,
+                heat_table,
+                image,
+                start,
+                mates,
+                past,
+                now,
+                dt,
                 gained,
-            )  # fmt: skip
+            )
         done += 1
     if status == OK and steps > 0:
         _finish(v, w, vh, wh, f, q, per_mass, per_inertia, gravity, dt)

@@ -56,9 +56,17 @@ class Cell:
 
 
 def between_layers(
-    x: Array, pairs: Pairs, parts: Mapping[str, Array], hot: Mask, cold: Mask, area: float,
-    T_hot: float = 398.15, T_cold: float = 298.15, axis: int = 2, middle: float = 0.8,
-) -> Layers:  # fmt: skip
+    x: Array,
+    pairs: Pairs,
+    parts: Mapping[str, Array],
+    hot: Mask,
+    cold: Mask,
+    area: float,
+    T_hot: float = 398.15,
+    T_cold: float = 298.15,
+    axis: int = 2,
+    middle: float = 0.8,
+) -> Layers:
     """Solve for the temperatures between two layers of particles.
 
     Parameters
@@ -75,8 +83,10 @@ def between_layers(
     SceneError : a layer is empty, a particle is in both, or nothing connects them
     """
     if not hot.any() or not cold.any() or (hot & cold).any():
-        raise SceneError(f"layers of {hot.sum()} hot and {cold.sum()} cold particles, {(hot & cold).sum()} in both; "
-                         "each needs particles of its own")  # fmt: skip
+        raise SceneError(
+            f"layers of {hot.sum()} hot and {cold.sum()} cold particles, {(hot & cold).sum()} in both; "
+            "each needs particles of its own"
+        )
     G = total(parts)
     n = len(x)
     matrix = _laplacian(n, pairs, G)

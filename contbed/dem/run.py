@@ -131,9 +131,13 @@ def _conductivity(plan: ParticlePlan, pairs: heat.Pairs, parts: dict[str, Array]
         result.qoi |= {f"share_{name}": share for name, share in found.shares.items()}
         result.qoi |= {"heat [W]": found.heat, "k_between_layers [W/m/K]": found.between, "isolated": found.isolated}
         result.balances["energy"] = {
-            "in": found.heat, "out": found.heat * (1.0 - found.imbalance), "source": 0.0, "stored": 0.0,
-            "relative_residual": found.imbalance, "unit": "W",
-        }  # fmt: skip
+            "in": found.heat,
+            "out": found.heat * (1.0 - found.imbalance),
+            "source": 0.0,
+            "stored": 0.0,
+            "relative_residual": found.imbalance,
+            "unit": "W",
+        }
         result.profiles |= _profile(z, found.T, float(plan.radius.mean()))
     return found.conductivity
 
@@ -205,8 +209,10 @@ def _from_file(scene: p.ParticleScene) -> tuple[Array, Array, tuple[Array, Array
         radius = np.full(len(x), table.radius)
         box = (x - radius[:, None]).min(axis=0), (x + radius[:, None]).max(axis=0)
     if scene.layers is None and not all(periodic):
-        raise SceneError(f"{scene.origin.at(('particles',))}: layers: this table is missing; the box of {table.file} "
-                         "is not periodic on all sides")  # fmt: skip
+        raise SceneError(
+            f"{scene.origin.at(('particles',))}: layers: this table is missing; the box of {table.file} "
+            "is not periodic on all sides"
+        )
     if scene.layers is not None:
         periodic = (*periodic[:2], False)
     return x, radius, box, periodic

@@ -1,11 +1,11 @@
 """The vocabulary of a scene of particles: conduction through a lattice or a packing from a file, in SI.
 
-    [lattice]       touching spheres in a periodic cell, or
-    [particles]     a table of positions or a dump of LIGGGHTS or LAMMPS
-    [conduction]    materials and mechanisms
-    [layers]        which particles of a file are held at temperatures; absent: a periodic cell
-    [radiation]     between the particles; absent: none
-    [closure]       ratios of conductivity for which a closure file is fitted; absent: none
+[lattice]       touching spheres in a periodic cell, or
+[particles]     a table of positions or a dump of LIGGGHTS or LAMMPS
+[conduction]    materials and mechanisms
+[layers]        which particles of a file are held at temperatures; absent: a periodic cell
+[radiation]     between the particles; absent: none
+[closure]       ratios of conductivity for which a closure file is fitted; absent: none
 """
 
 from __future__ import annotations

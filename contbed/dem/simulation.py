@@ -200,18 +200,48 @@ class Simulation:
     def _interval(self, steps: int) -> None:
         before = self.state()
         status, culprit, done, self._reach, self._start, self._mates, self._past, self._near = loop.run_steps(
-            self.position, self.velocity, self.spin, self._load, self._torque, self._listed, self._start, self._mates,
-            self._past, self._near, self._wall_past, self.radius, self.mass, self.inertia, self.kind, self._table,
-            self._walls, self._wall_kind, *self._sides, self.gravity, np.ascontiguousarray(self.force, np.float64),
-            self._uniform, self.time_step, self.skin, STRIDE * float(self.radius.min()) / self.time_step, self._reach,
-            self.steps_done, steps, self._stale, self.T, np.ascontiguousarray(self.heat_source, np.float64),
-            1.0 / self.heat_capacity, self._heat_table,
-        )  # fmt: skip
+            self.position,
+            self.velocity,
+            self.spin,
+            self._load,
+            self._torque,
+            self._listed,
+            self._start,
+            self._mates,
+            self._past,
+            self._near,
+            self._wall_past,
+            self.radius,
+            self.mass,
+            self.inertia,
+            self.kind,
+            self._table,
+            self._walls,
+            self._wall_kind,
+            *self._sides,
+            self.gravity,
+            np.ascontiguousarray(self.force, np.float64),
+            self._uniform,
+            self.time_step,
+            self.skin,
+            STRIDE * float(self.radius.min()) / self.time_step,
+            self._reach,
+            self.steps_done,
+            steps,
+            self._stale,
+            self.T,
+            np.ascontiguousarray(self.heat_source, np.float64),
+            1.0 / self.heat_capacity,
+            self._heat_table,
+        )
         if status == loop.OK and not np.isfinite(self.T).all():
             culprit = int((~np.isfinite(self.T)).argmax())
             self.restore(before)
-            raise ConvergenceError(f"dem: temperature of particle {culprit} is not a number; a heat source, or a heat "
-                                   "capacity too small for the time step", state=before)  # fmt: skip
+            raise ConvergenceError(
+                f"dem: temperature of particle {culprit} is not a number; a heat source, or a heat "
+                "capacity too small for the time step",
+                state=before,
+            )
         if status == loop.OK:
             self.steps_done += steps
             self._stale = False

@@ -118,11 +118,14 @@ def local(u: Any, c: Coefficients) -> Local:
     Re = eps * c.rho_gas * slip * c.d_p / c.mu_gas
     state, scale = {"eps_s": eps_s, "g0": g0}, c.rho_solid * c.d_p * u.root
     return Local(
-        eps_s, g0, Re, c.call("drag", Re=Re, eps=eps),
+        eps_s,
+        g0,
+        Re,
+        c.call("drag", Re=Re, eps=eps),
         scale * c.call("granular_viscosity", **state),
         scale * c.call("granular_conductivity", **state),
         c.rho_solid / c.d_p * u.root**3 * c.call("granular_dissipation", **state),
-    )  # fmt: skip
+    )
 
 
 def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:

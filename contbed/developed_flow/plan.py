@@ -73,10 +73,19 @@ def coefficients(scene: d.DevelopedScene) -> Coefficients:
     table, gas, solid, wall = scene.fully_developed, scene.gas, scene.solid, scene.wall
     laws = {kind: resolve_closure(getattr(table, key), kind, scene.origin.base) for key, kind in KINDS.items()}
     return Coefficients(
-        rho_gas=gas.density, mu_gas=gas.viscosity, rho_solid=solid.density, d_p=solid.diameter,
-        restitution=solid.restitution, eps_max=solid.packing, gravity=table.gravity, velocity=table.velocity,
-        solid_flux=table.solid_flux, specularity=wall.specularity, wall_restitution=wall.restitution, laws=laws,
-    )  # fmt: skip
+        rho_gas=gas.density,
+        mu_gas=gas.viscosity,
+        rho_solid=solid.density,
+        d_p=solid.diameter,
+        restitution=solid.restitution,
+        eps_max=solid.packing,
+        gravity=table.gravity,
+        velocity=table.velocity,
+        solid_flux=table.solid_flux,
+        specularity=wall.specularity,
+        wall_restitution=wall.restitution,
+        laws=laws,
+    )
 
 
 def line(nodes: np.ndarray, axisymmetric: bool) -> Mesh:

@@ -111,7 +111,14 @@ class DevelopedProblem:
         """Newton from a state nearby."""
         options = self.plan.scene.solver
         return newton(
-            self.steady, x, self.fixed, self.plan.policy, tolerance=options.newton_tolerance,
-            iterations=options.newton_iterations, linear=not self.particles, lower=self.lower, weights=self.weights,
+            self.steady,
+            x,
+            self.fixed,
+            self.plan.policy,
+            tolerance=options.newton_tolerance,
+            iterations=options.newton_iterations,
+            linear=not self.particles,
+            lower=self.lower,
+            weights=self.weights,
             what="developed flow",
-        )  # fmt: skip
+        )

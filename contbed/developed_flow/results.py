@@ -76,15 +76,22 @@ def findings(problem: DevelopedProblem, state: Array, result: Result) -> None:
     result.qoi["u_gas_centre"] = float(columns["u_gas [m/s]"][0])
     if problem.particles:
         at = model.local(SimpleNamespace(**values), c)
-        profiles = {"u_solid [m/s]": values["u_solid"], "theta [m2/s2]": values["root"] ** 2, "eps_s [1]": at.eps_s,
-                    "beta [kg/m3/s]": at.beta, "mu_solid [Pa s]": at.mu}  # fmt: skip
+        profiles = {
+            "u_solid [m/s]": values["u_solid"],
+            "theta [m2/s2]": values["root"] ** 2,
+            "eps_s [1]": at.eps_s,
+            "beta [kg/m3/s]": at.beta,
+            "mu_solid [Pa s]": at.mu,
+        }
         for header, column in profiles.items():
             columns[header] = column[order]
             name = header.partition(" ")[0]
             result.nodal[name] = (system.fields["u_solid"][0], column)
             if name in ("u_solid", "theta", "eps_s"):
-                result.qoi |= {f"{name if name != 'eps_s' else 'eps_solid'}_{place}": float(column[order][k])
-                               for place, k in (("centre", 0), ("wall", -1))}  # fmt: skip
+                result.qoi |= {
+                    f"{name if name != 'eps_s' else 'eps_solid'}_{place}": float(column[order][k])
+                    for place, k in (("centre", 0), ("wall", -1))
+                }
         result.qoi["pressure_solid_Pa"] = float(values["pressure"][0])
         result.qoi["eps_solid_mean"] = _mean(problem, state, lambda u, o: model.local(u, c).eps_s)
         known = {"eps_s": at.eps_s, "g0": at.g0, "eps": 1.0 - at.eps_s, "Re": at.Re}
@@ -130,8 +137,14 @@ def _mean(problem: DevelopedProblem, state: Array, expression: Any) -> float:
 
 def _balance(given: float, found: float, unit: str) -> dict[str, Any]:
     scale = max(abs(given), abs(found), 1e-300)
-    return {"in": given, "out": found, "source": 0.0, "stored": 0.0, "relative_residual": (given - found) / scale,
-            "unit": unit}  # fmt: skip
+    return {
+        "in": given,
+        "out": found,
+        "source": 0.0,
+        "stored": 0.0,
+        "relative_residual": (given - found) / scale,
+        "unit": unit,
+    }
 
 
 def _nearest(problem: DevelopedProblem, state: Array, meant: float | None, result: Result) -> Array:
@@ -139,8 +152,10 @@ def _nearest(problem: DevelopedProblem, state: Array, meant: float | None, resul
     found = [state, *others(problem, state, result)]
     found.sort(key=lambda each: _centre(problem, each))
     result.qoi["solutions_found"] = len(found)
-    columns = {"theta_centre [m2/s2]": [_centre(problem, each) for each in found],
-               "pressure_gradient [Pa/m]": [problem.system.part(each, "gradient")[0] for each in found]}  # fmt: skip
+    columns = {
+        "theta_centre [m2/s2]": [_centre(problem, each) for each in found],
+        "pressure_gradient [Pa/m]": [problem.system.part(each, "gradient")[0] for each in found],
+    }
     result.tables["branches"] = {header: np.array(column, dtype=float) for header, column in columns.items()}
     if meant is None:
         return state
@@ -158,8 +173,9 @@ def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Arra
 
     found = [state]
     for stop, back in ((velocity / SPAN, velocity * SPAN), (velocity * SPAN, velocity / SPAN)):
-        branch = trace(assemble, state, velocity, stop, policy, weights=problem.weights, size=velocity, points=POINTS,
-                       back=back)  # fmt: skip
+        branch = trace(
+            assemble, state, velocity, stop, policy, weights=problem.weights, size=velocity, points=POINTS, back=back
+        )
         if not branch.complete:
             end = branch.parameter[-1]
             result.warnings.append(f"the branch over the velocity is followed to {end:.4g} m/s, not to {stop:.4g}")

@@ -59,9 +59,12 @@ def account() -> dict[str, Any]:
     all_ranks = crew()
     taken = np.asarray(all_ranks.together(usage)).reshape(-1, 2)
     return {
-        "name": "dolfinx", "ranks": all_ranks.comm.size, "iterations": all_ranks.iterations,
-        "cpu_s": taken[:, 0].tolist(), "memory_GB": taken[:, 1].tolist(),
-    }  # fmt: skip
+        "name": "dolfinx",
+        "ranks": all_ranks.comm.size,
+        "iterations": all_ranks.iterations,
+        "cpu_s": taken[:, 0].tolist(),
+        "memory_GB": taken[:, 1].tolist(),
+    }
 
 
 @dataclass(eq=False)
@@ -114,8 +117,11 @@ class System(skfem.System):
 
     def _dealt(self) -> Layout:
         """The unknowns, each with the rank that has its place."""
-        numbers = [self.partition.shares(_by_cell(self.fields[name][0]) + start)
-                   for (name, _), start in self.offset.items() if name in self.along]  # fmt: skip
+        numbers = [
+            self.partition.shares(_by_cell(self.fields[name][0]) + start)
+            for (name, _), start in self.offset.items()
+            if name in self.along
+        ]
         degrees = [(space.degree, count) for space, count in self.along.values()]
         order, counts = self.crew.together(make_space, self.key, self.partition.key, degrees, root=numbers)
         return Layout(order, counts, self.size)
@@ -168,10 +174,15 @@ class _Compiled:
         partition = system.partition
         known = [(partition.shares(field.values[_by_cell(field.space)])) for field in recording.known]
         self.crew.together(
-            make_form, self.key, system.key, recording.entries, [array.shape[1] for array in recording.arrays],
-            [field.space.degree for field in recording.known], measure_of(system),
+            make_form,
+            self.key,
+            system.key,
+            recording.entries,
+            [array.shape[1] for array in recording.arrays],
+            [field.space.degree for field in recording.known],
+            measure_of(system),
             root=([partition.shares(array) for array in recording.arrays], known),
-        )  # fmt: skip
+        )
 
     def __del__(self) -> None:
         self.crew.dropped.append(self.key)
@@ -183,9 +194,12 @@ def measure_of(system: System) -> Any:
 
     points, weights = get_quadrature(system.cells.refdom, system.order)
     return SimpleNamespace(
-        points=np.ascontiguousarray(points.T), weights=weights, order=system.order,
-        axisymmetric=system.cells.axisymmetric, section=float(system.measure.get("section", 1.0)),
-    )  # fmt: skip
+        points=np.ascontiguousarray(points.T),
+        weights=weights,
+        order=system.order,
+        axisymmetric=system.cells.axisymmetric,
+        section=float(system.measure.get("section", 1.0)),
+    )
 
 
 def _order(refdom: Any, degree: int) -> Any:
@@ -218,7 +232,7 @@ def usage(all_ranks: Crew, root: Any) -> Any:
 
 def make_mesh(all_ranks: Crew, root: Any, key: int, cell: str, dim: int) -> Any:
     """Deal a mesh out; returns the cells of each rank in turn and their number."""
-    cells, points = root or (np.empty((0, 2 ** dim if cell in CUBES else dim + 1), np.int64), np.empty((0, dim)))
+    cells, points = root or (np.empty((0, 2**dim if cell in CUBES else dim + 1), np.int64), np.empty((0, dim)))
     mesh = versions.create_mesh(all_ranks.comm, cell, cells, points)
     owned = mesh.topology.index_map(dim).size_local
     original = np.asarray(mesh.topology.original_cell_index[:owned], dtype=np.int64)
@@ -238,9 +252,10 @@ def space_on(part: Any, what: Any) -> Any:
     key = (kind, *(item if isinstance(item, int) else item.tobytes() for item in data))
     if key not in part.spaces:
         make: dict[str, Any] = {
-            "nodes": partial(versions.lagrange, ncomponents=0), "cells": versions.constants,
+            "nodes": partial(versions.lagrange, ncomponents=0),
+            "cells": versions.constants,
             "points": versions.quadrature,
-        }  # fmt: skip
+        }
         element = make[kind](part.cell, *data)
         part.spaces[key] = versions.function_space(part.mesh, element)
     return part.spaces[key]

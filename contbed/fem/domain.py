@@ -63,10 +63,14 @@ class Domain:
         edges = [(a, b) for a in range(refdom.nnodes) for b in range(a)] if affine else _edges(refdom)
         lengths = [np.linalg.norm(corners[:, a] - corners[:, b], axis=0) for a, b in edges]
         self.h = np.max(lengths, axis=0)[:, None]
-        self._curvature = None if affine else [
-            [np.einsum("ikc,kq->icq", corners, geometry.table(self.X, a, b)) for b in range(self.dim)]
-            for a in range(self.dim)
-        ]
+        self._curvature = (
+            None
+            if affine
+            else [
+                [np.einsum("ikc,kq->icq", corners, geometry.table(self.X, a, b)) for b in range(self.dim)]
+                for a in range(self.dim)
+            ]
+        )
         self._tables: dict[Any, Array] = {}
 
     def along(self, direction: Components) -> Array:

@@ -95,16 +95,21 @@ class Dual(NDArrayOperatorsMixin):
         result = base**exponent
         if not tangents[1]:
             return Dual(result, _combine([(tangents[0], exponent * base ** (exponent - 1.0))]))
-        return Dual(result, _combine([(tangents[0], exponent * base ** (exponent - 1.0)),
-                                      (tangents[1], result * np.log(base))]))
+        return Dual(
+            result, _combine([(tangents[0], exponent * base ** (exponent - 1.0)), (tangents[1], result * np.log(base))])
+        )
 
     def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
         if function is not np.where:
             return NotImplemented
         condition, yes, no = np.asarray(args[0]), args[1], args[2]
         chosen = np.where(condition, getattr(yes, "value", yes), getattr(no, "value", no))
-        return Dual(chosen, _combine([(getattr(yes, "tangents", {}), 1.0 * condition),
-                                      (getattr(no, "tangents", {}), 1.0 * ~condition)]))
+        return Dual(
+            chosen,
+            _combine(
+                [(getattr(yes, "tangents", {}), 1.0 * condition), (getattr(no, "tangents", {}), 1.0 * ~condition)]
+            ),
+        )
 
 
 class Linear(NDArrayOperatorsMixin):

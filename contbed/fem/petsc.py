@@ -25,13 +25,23 @@ MULTIGRID = KRYLOV | {"pc_type": "gamg"} | SMOOTHER
 # drag makes the velocity block nearly diagonal, so its diagonal gives a good Schur complement for the pressure, a
 # Laplacian scaled by the permeability: one cycle of multigrid would solve it ever worse as cells get smaller
 SPLIT = KRYLOV | {
-    "pc_type": "fieldsplit", "pc_fieldsplit_type": "schur", "pc_fieldsplit_schur_fact_type": "full",
-    "pc_fieldsplit_schur_precondition": "selfp", "fieldsplit_0_ksp_type": "preonly",
-    "fieldsplit_0_pc_type": "bjacobi", "fieldsplit_1_ksp_type": "preonly", "fieldsplit_1_pc_type": "ksp",
-    "fieldsplit_1_ksp_ksp_type": "gmres", "fieldsplit_1_ksp_ksp_rtol": 1e-2, "fieldsplit_1_ksp_pc_type": "gamg",
-}  # fmt: skip
+    "pc_type": "fieldsplit",
+    "pc_fieldsplit_type": "schur",
+    "pc_fieldsplit_schur_fact_type": "full",
+    "pc_fieldsplit_schur_precondition": "selfp",
+    "fieldsplit_0_ksp_type": "preonly",
+    "fieldsplit_0_pc_type": "bjacobi",
+    "fieldsplit_1_ksp_type": "preonly",
+    "fieldsplit_1_pc_type": "ksp",
+    "fieldsplit_1_ksp_ksp_type": "gmres",
+    "fieldsplit_1_ksp_ksp_rtol": 1e-2,
+    "fieldsplit_1_ksp_pc_type": "gamg",
+}
 FACTORS = {
-    "ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps", "mat_mumps_icntl_14": 60,
+    "ksp_type": "preonly",
+    "pc_type": "lu",
+    "pc_factor_mat_solver_type": "mumps",
+    "mat_mumps_icntl_14": 60,
 }  # room for pivots, in percent
 
 
@@ -174,8 +184,11 @@ class _Inverse:
         parts, reason, iterations = self.crew.together(apply, self.key, root=(layout, rhs))
         self.crew.iterations.append(iterations)
         if reason < 0:
-            how = "the factorisation failed: is a temperature or the pressure fixed anywhere?" if self.direct else (
-                f"no convergence in {iterations} iterations")  # fmt: skip
+            how = (
+                "the factorisation failed: is a temperature or the pressure fixed anywhere?"
+                if self.direct
+                else (f"no convergence in {iterations} iterations")
+            )
             raise ConvergenceError(f"linear solver of PETSc, reason {reason}: {how}")
         return layout.collected(parts)
 

@@ -96,8 +96,11 @@ class Crew:
         if not isinstance(error, ContbedError | MemoryError):
             traceback.print_exception(error)
         kind = "" if isinstance(error, ContbedError) else f"{type(error).__name__}: "
-        print(f"contbed: rank {self.comm.rank} of {self.comm.size} failed ({kind}{error}); all ranks end",
-              file=sys.stderr, flush=True)  # fmt: skip
+        print(
+            f"contbed: rank {self.comm.rank} of {self.comm.size} failed ({kind}{error}); all ranks end",
+            file=sys.stderr,
+            flush=True,
+        )
         self.comm.Abort(error.exit_code if isinstance(error, ContbedError) else FAILED)
 
     def scatter(self, values: Any, counts: Any, width: int, dtype: Any) -> Any:

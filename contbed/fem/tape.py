@@ -247,4 +247,3 @@ def integrand(tape: Tape, forms: Any) -> Recorded | None:
             raise ContbedError("a form belongs to another domain")
         total = total + form(unknowns, tests, coeffs, TapeOps(tape))
     return total if isinstance(total, Recorded) else None
-

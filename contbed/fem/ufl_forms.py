@@ -156,7 +156,12 @@ class UflSystem:
         return coefficient, Pointwise(coefficient)
 
     def form(
-        self, form: Callable[..., Any], coeffs: Any, *, order: int, rule: tuple[Any, Any] | None = None,
+        self,
+        form: Callable[..., Any],
+        coeffs: Any,
+        *,
+        order: int,
+        rule: tuple[Any, Any] | None = None,
         facets: bool = False,
     ) -> ufl.Form:
         """Integral of a form over cells or exterior facets, times 2 pi r when axisymmetric.

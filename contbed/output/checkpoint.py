@@ -21,8 +21,16 @@ _ARRAY = "array."  # keeps the names of arrays apart from those of the file itse
 
 # what zipfile and numpy raise on bytes that are not as they were written; a zip may even seem to be encrypted
 _DAMAGE = (
-    OSError, ValueError, TypeError, KeyError, EOFError, RuntimeError, MemoryError, zipfile.BadZipFile, zlib.error,
-)  # fmt: skip
+    OSError,
+    ValueError,
+    TypeError,
+    KeyError,
+    EOFError,
+    RuntimeError,
+    MemoryError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
 
 
 def save(folder: Path | str, arrays: Mapping[str, NDArray], meta: Mapping[str, Any]) -> None:

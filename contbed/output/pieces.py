@@ -29,8 +29,10 @@ def write(path: Path, mesh: Any, nodal: Mapping[str, tuple[Space, Any]]) -> str:
     region = np.full((mesh.nelements, 1), -1, dtype=np.int64)
     for k, name in enumerate(names):
         region[mesh.subdomains[name], 0] = k
-    fields = {name: (space.degree, np.atleast_2d(values).shape[0] if np.ndim(values) > 1 else 0)
-              for name, (space, values) in nodal.items()}  # fmt: skip
+    fields = {
+        name: (space.degree, np.atleast_2d(values).shape[0] if np.ndim(values) > 1 else 0)
+        for name, (space, values) in nodal.items()
+    }
     corners = mesh.p[:, mesh.t].transpose(2, 0, 1).reshape(mesh.nelements, -1)
     by_cell = [row[space.dofs.T] for space, values in nodal.values() for row in np.atleast_2d(values)]
     root = [partition.shares(table) for table in (mesh.t.T, corners, region, *by_cell)]
@@ -46,14 +48,26 @@ def _header(fields: dict[str, tuple[int, int]], region: bool, stem: str, count: 
     def array(name: str, kind: str, ncomponents: int) -> str:
         return f'      <PDataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{ncomponents}"/>'
 
-    return "\n".join([
-        '<?xml version="1.0"?>', '<VTKFile type="PUnstructuredGrid" version="0.1">', '  <PUnstructuredGrid>',
-        "    <PPointData>", *(array(name, "Float64", 3 if n else 1) for name, (_, n) in fields.items()),
-        "    </PPointData>", "    <PCellData>", *([array("region", "Int32", 1)] if region else []),
-        "    </PCellData>", "    <PPoints>", array("Points", "Float64", 3), "    </PPoints>",
-        *(f"    <Piece Source={quoteattr(_piece(stem, rank))}/>" for rank in range(count)),
-        "  </PUnstructuredGrid>", "</VTKFile>", "",
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            '<?xml version="1.0"?>',
+            '<VTKFile type="PUnstructuredGrid" version="0.1">',
+            "  <PUnstructuredGrid>",
+            "    <PPointData>",
+            *(array(name, "Float64", 3 if n else 1) for name, (_, n) in fields.items()),
+            "    </PPointData>",
+            "    <PCellData>",
+            *([array("region", "Int32", 1)] if region else []),
+            "    </PCellData>",
+            "    <PPoints>",
+            array("Points", "Float64", 3),
+            "    </PPoints>",
+            *(f"    <Piece Source={quoteattr(_piece(stem, rank))}/>" for rank in range(count)),
+            "  </PUnstructuredGrid>",
+            "</VTKFile>",
+            "",
+        ]
+    )
 
 
 def _piece(stem: str, rank: int) -> str:
@@ -61,9 +75,15 @@ def _piece(stem: str, rank: int) -> str:
 
 
 def write_piece(
-    all_ranks: Crew, root: Any, kind: Any, dim: int, fields: dict[str, tuple[int, int]], names: list[str], folder: str,
+    all_ranks: Crew,
+    root: Any,
+    kind: Any,
+    dim: int,
+    fields: dict[str, tuple[int, int]],
+    names: list[str],
+    folder: str,
     stem: str,
-) -> None:  # fmt: skip
+) -> None:
     """The cells of this rank as one file; runs on all ranks."""
     tables = iter(root or ())
 

@@ -118,8 +118,14 @@ def profile_plot(path: Path | str, columns: Mapping[str, Array], coordinate_head
             for name in group:
                 # the fluid is dashed so that the solid shows through where both are equal
                 dashes = (0, (4, 2)) if _phase(name) == "fluid" and len(group) > 1 else "solid"
-                axes.plot(x, values[name], color=_COLOURS[_phase(name)], linestyle=dashes, label=_phase(name),
-                          zorder=3 if _phase(name) == "fluid" else 2)  # fmt: skip
+                axes.plot(
+                    x,
+                    values[name],
+                    color=_COLOURS[_phase(name)],
+                    linestyle=dashes,
+                    label=_phase(name),
+                    zorder=3 if _phase(name) == "fluid" else 2,
+                )
             low, high = _limits([values[name] for name in group])
             axes.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
             axes.set_ylabel(_group_label(group))
@@ -141,8 +147,9 @@ def transient_plot(path: Path | str, columns: Mapping[str, Array], coordinate_he
     times = times[np.unique(np.linspace(0, len(times) - 1, _CURVES).round().astype(int))]
     colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(times)))
     with _figure(path, 4.6, title) as figure:
-        panels = figure.subplots(1, len(names), sharex=True, sharey=len({FIELDS[name].unit for name in names}) == 1,
-                                 squeeze=False)[0]  # fmt: skip
+        panels = figure.subplots(
+            1, len(names), sharex=True, sharey=len({FIELDS[name].unit for name in names}) == 1, squeeze=False
+        )[0]
         for axes, name in zip(panels, names, strict=True):
             curves = [(x[t == time], values[name][t == time]) for time in times]
             for (along, value), colour in zip(curves, colours, strict=True):
@@ -152,8 +159,15 @@ def transient_plot(path: Path | str, columns: Mapping[str, Array], coordinate_he
             axes.yaxis.set_tick_params(labelleft=True)
             figure.draw_without_rendering()
             for time, colour, spot in zip(times, colours, _free_spots(axes, curves), strict=True):
-                axes.annotate(f"{time:.4g} s", spot, color=colour, fontsize=9, ha="center", va="center",
-                              bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "linewidth": 0})  # fmt: skip
+                axes.annotate(
+                    f"{time:.4g} s",
+                    spot,
+                    color=colour,
+                    fontsize=9,
+                    ha="center",
+                    va="center",
+                    bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "linewidth": 0},
+                )
 
 
 def _free_spots(axes: Any, curves: list[tuple[Array, Array]]) -> list[tuple[float, float]]:

@@ -73,10 +73,13 @@ def _parts(summary: Mapping[str, Any]) -> Iterable[Any]:
     if balances := summary.get("balances"):
         parts = ("in", "out", "source", "stored")
         rows = [
-            [_with_unit(name, item.get("unit")), *(_number(item.get(key)) for key in parts),
-             _number(item.get("relative_residual"), ".1e")]
+            [
+                _with_unit(name, item.get("unit")),
+                *(_number(item.get(key)) for key in parts),
+                _number(item.get("relative_residual"), ".1e"),
+            ]
             for name, item in balances.items()
-        ]  # fmt: skip
+        ]
         yield _grid("balance", [*parts, "relative residual"], rows)
     if closures := summary.get("closures"):
         yield _grid("closure", ["argument", "used", "range", "outside"], _closure_rows(closures))

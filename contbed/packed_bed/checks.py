@@ -288,9 +288,7 @@ def a_steady_temperature_is_determined(
         )
 
 
-def closures_exist(
-    mesh: s.Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries, origin: Origin
-) -> Mistakes:
+def closures_exist(mesh: s.Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries, origin: Origin) -> Mistakes:
     uses: list[tuple[KeyPath, Any, str]] = [
         (("bed", "permeability"), bed.permeability, "permeability"),
         (("bed", "forchheimer"), bed.forchheimer, "forchheimer"),
@@ -356,9 +354,7 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
 )
 
 
-def _temperatures(
-    phases: Iterable[str], boundary: Boundaries, time: s.Time | None
-) -> Iterator[tuple[KeyPath, float]]:
+def _temperatures(phases: Iterable[str], boundary: Boundaries, time: s.Time | None) -> Iterator[tuple[KeyPath, float]]:
     """Every temperature that the scene gives for these phases."""
     for phase in phases:
         for name, conditions in boundary.items():

@@ -68,9 +68,14 @@ class HeatProblem:
         self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
 
     def _span(self) -> tuple[float, float]:
-        found = [value for table in self.scene.boundary.values() for phase in PHASES
-                 if (c := getattr(table, phase)) is not None
-                 for value in (c.fixed, c.inflow, c.ambient) if value is not None]
+        found = [
+            value
+            for table in self.scene.boundary.values()
+            for phase in PHASES
+            if (c := getattr(table, phase)) is not None
+            for value in (c.fixed, c.inflow, c.ambient)
+            if value is not None
+        ]
         if self.radiation is not None:
             found += self.radiation.temperatures(self.mesh)
         if self.scene.time is not None:
@@ -103,8 +108,9 @@ class HeatProblem:
             return True
         return any(
             wall.mass_flux is not None and np.min(plain(Ops.dot(wall.mass_flux, part.n))) < 0
-            for name, part, wall in self.walls if (name, wall.name) == (boundary, f"T_{phase}")
-        )  # fmt: skip
+            for name, part, wall in self.walls
+            if (name, wall.name) == (boundary, f"T_{phase}")
+        )
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Residual of the steady balances and its Jacobian."""
@@ -211,11 +217,14 @@ class HeatProblem:
         high = self.T_span[1]
         radiated = 0.0 if self.radiation is None else self.radiation.emission(self.mesh, self.system)
         return radiated + sum(
-            getattr(self.coefficients, phase).capacity * high
+            getattr(self.coefficients, phase).capacity
+            * high
             * float(np.sum(part.weight * np.maximum(plain(Ops.dot(wall.mass_flux, part.n)), 0.0)))
-            for (_, part, wall) in self.walls if wall.mass_flux is not None
-            for phase in PHASES if wall.name == f"T_{phase}"
-        )  # fmt: skip
+            for (_, part, wall) in self.walls
+            if wall.mass_flux is not None
+            for phase in PHASES
+            if wall.name == f"T_{phase}"
+        )
 
     def estimated_error(self, state: Any) -> Any:
         """Estimated error of theta in each cell, the larger of both phases."""
@@ -273,4 +282,3 @@ def _coupling(scene: s.Scene) -> Any:
 def _stream_above(T_ref: float) -> Callable[[Any, Any, Any], Any]:
     """Heat that a stream carries out above a reference temperature [W/m2]."""
     return lambda u, c, o: two_energy.convected(u, c, o) - o.dot(c.mass_flux, o.n) * c.enthalpy(T_ref)
-

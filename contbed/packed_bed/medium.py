@@ -131,10 +131,15 @@ class Medium:
     def _state(self, T: Any, speed: Callable[[Any], Any]) -> dict[str, Any]:
         Re, Pr = self.reynolds(T, speed), self.prandtl(T)
         return {
-            "Re": Re, "Pr": Pr, "Pe": Re * Pr, "eps": self.scene.bed.porosity, "T": T,
-            "d_p": self.scene.bed.particle_diameter, "D_bed": self.bed_diameter,
+            "Re": Re,
+            "Pr": Pr,
+            "Pe": Re * Pr,
+            "eps": self.scene.bed.porosity,
+            "T": T,
+            "d_p": self.scene.bed.particle_diameter,
+            "D_bed": self.bed_diameter,
             "k_fluid": self.fluid.conductivity(T),
-        }  # fmt: skip
+        }
 
     def conductivity(self, phase: str, T: Any) -> Any:
         """Effective conductivity of one phase without dispersion, the tortuosity's share included [W/m/K]."""
@@ -252,4 +257,3 @@ def _rosseland(scene: s.Scene) -> float | None:
 
 def _named(spec: Any) -> TypeGuard[str | s.Closure | s.ClosureFile]:
     return isinstance(spec, str | s.Closure | s.ClosureFile)
-

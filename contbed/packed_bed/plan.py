@@ -145,13 +145,17 @@ def plan(scene: Any) -> Any:
     mesh = build(grid, nodes(target, medium, velocity, solid, fronts), str(scene.origin.base))
     _check_names(target, mesh)
     if scene.solver.adapt and not refinable(mesh):
-        raise SceneError(scene.origin.at(("solver", "adapt")) + ": solver.adapt: only lines and triangles are refined "
-                         "locally; use triangles, or mesh.refine for all cells")  # fmt: skip
+        raise SceneError(
+            scene.origin.at(("solver", "adapt")) + ": solver.adapt: only lines and triangles are refined "
+            "locally; use triangles, or mesh.refine for all cells"
+        )
     conditions = {name: _role(target, mesh, name, velocity) for name in mesh.boundaries}
     plug = "no_slip" not in conditions.values()
     if plug and scene.heat is None:
-        raise SceneError(scene.origin.at(("flow",)) + ": flow: nothing to solve: no wall has flow = \"no_slip\" and "
-                         "there is no [heat] table")
+        raise SceneError(
+            scene.origin.at(("flow",)) + ': flow: nothing to solve: no wall has flow = "no_slip" and '
+            "there is no [heat] table"
+        )
     round_bed = isinstance(scene.mesh, s.MeshAxisymmetric) or getattr(scene.mesh, "axisymmetric", False)
     coordinate = "z" if round_bed else "x"
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
@@ -172,8 +176,21 @@ def plan(scene: Any) -> Any:
         if scene.time is None:
             skipped.append(("time stepping", "no [time] table"))
         (skipped if scene.radiation is None else built).append(_how_radiation(scene, thick))
-    return Plan(written, target, medium, mesh, section, velocity, solid, conditions, coordinate, plug,
-                fronts, tuple(built), tuple(skipped))  # fmt: skip
+    return Plan(
+        written,
+        target,
+        medium,
+        mesh,
+        section,
+        velocity,
+        solid,
+        conditions,
+        coordinate,
+        plug,
+        fronts,
+        tuple(built),
+        tuple(skipped),
+    )
 
 
 def _cheapest_radiation(scene: s.Scene) -> tuple[s.Scene, str]:
@@ -266,11 +283,13 @@ def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
     else:
         section, cells = mesh.width * mesh.height, mesh.cells and mesh.cells[0]
     ends = {low: "left", high: "right"}
-    line = scene.model_copy(update={
-        "mesh": s.MeshLine(type="line", length=mesh.length, cells=cells, graded=mesh.graded, refine=mesh.refine),
-        "flow": s.Flow(velocity=vectors[0][axis], velocity_solid=vectors[1][axis]),
-        "boundary": {ends[name]: table for name, table in scene.boundary.items() if name in ends},
-    })  # fmt: skip
+    line = scene.model_copy(
+        update={
+            "mesh": s.MeshLine(type="line", length=mesh.length, cells=cells, graded=mesh.graded, refine=mesh.refine),
+            "flow": s.Flow(velocity=vectors[0][axis], velocity_solid=vectors[1][axis]),
+            "boundary": {ends[name]: table for name, table in scene.boundary.items() if name in ends},
+        }
+    )
     return line, float(section)
 
 

@@ -131,9 +131,7 @@ class Bed(Table):
         "spheres", description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"
     )
     permeability: PermeabilityOrClosure = "permeability_ergun"
-    forchheimer: NonNegativeOrClosure = Field(
-        "forchheimer_ergun", description="inertial drag coefficient c_F"
-    )
+    forchheimer: NonNegativeOrClosure = Field("forchheimer_ergun", description="inertial drag coefficient c_F")
 
 
 class Flow(Table):
@@ -239,9 +237,7 @@ class PhaseCondition(Table):
     fixed: Temperature | None = Field(None, description="prescribed temperature")
     inflow: Temperature | None = Field(None, description="Danckwerts: temperature of the entering stream")
     flux: HeatFlux | None = Field(None, description="heat into the bed")
-    coefficient: WallCoefficientOrClosure | None = Field(
-        None, description="Robin: wall coefficient to `ambient`"
-    )
+    coefficient: WallCoefficientOrClosure | None = Field(None, description="Robin: wall coefficient to `ambient`")
     ambient: Temperature | None = None
 
     @model_validator(mode="after")
@@ -298,9 +294,7 @@ class Solver(Table):
 
     degree: Order = Field(2, description="polynomial degree of the temperatures")
     stabilisation: Switch = Field(True, description="residual-based SUPG")
-    tolerance: Fraction = Field(
-        1e-5, description="target error of theta for automatic meshes"
-    )
+    tolerance: Fraction = Field(1e-5, description="target error of theta for automatic meshes")
     adapt: Annotated[Whole, Field(ge=0, le=10)] | None = Field(
         None, description="refinements where the error estimate of a steady run exceeds `tolerance`; absent: automatic"
     )

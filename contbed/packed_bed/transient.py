@@ -46,8 +46,11 @@ class History:
             "flux": np.array(list(self.flux.values())),
         }
         return arrays, {
-            "tick": self.tick, "level": self.level, "steps": self.steps, "flux": list(self.flux),
-        }  # fmt: skip
+            "tick": self.tick,
+            "level": self.level,
+            "steps": self.steps,
+            "flux": list(self.flux),
+        }
 
     @classmethod
     def unpack(cls, arrays: dict[str, Any], meta: dict[str, Any]) -> History:
@@ -95,8 +98,10 @@ def run_transient(
         tick=history.tick,
         level=history.level,
         newton_options={
-            "tolerance": solver.newton_tolerance, "iterations": solver.newton_iterations,
-            "lower": problem.lower, "weights": problem.weights,
+            "tolerance": solver.newton_tolerance,
+            "iterations": solver.newton_iterations,
+            "lower": problem.lower,
+            "weights": problem.weights,
         },
     )
     saved = clock.monotonic()

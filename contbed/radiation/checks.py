@@ -13,9 +13,7 @@ if TYPE_CHECKING:
     from contbed.packed_bed.checks import Boundaries, Mistakes, See
 
 
-def tubes_see_radiation(
-    heat: s.Heat | None, radiation: s.Radiation | None, region: Mapping[str, s.Region]
-) -> Mistakes:
+def tubes_see_radiation(heat: s.Heat | None, radiation: s.Radiation | None, region: Mapping[str, s.Region]) -> Mistakes:
     diffuse = radiation is not None and radiation.level in ("p1", "two_flux")
     for name, item in region.items():
         if item.tubes is not None and (heat is None or not diffuse):

@@ -48,8 +48,16 @@ class OrdinatesProblem:
         self.ends = {name: self._end(name, z) for name in mesh.boundaries}
         walls = {self.ends[name]: Wall(surface.power, surface.emissivity) for name, _, surface in self.surfaces}
         degree = scene.solver.degree
-        self.bed = Ordinates(z, absorption, scattering, walls.get(0), walls.get(-1), table.ordinates, degree,
-                             inverse=self._inverse if mesh.engine == "dolfinx" else None)  # fmt: skip
+        self.bed = Ordinates(
+            z,
+            absorption,
+            scattering,
+            walls.get(0),
+            walls.get(-1),
+            table.ordinates,
+            degree,
+            inverse=self._inverse if mesh.engine == "dolfinx" else None,
+        )
         self.space = Space(mesh.skfem, degree)
         self._fields: dict[bytes, OrdinatesSolution] = {}
         self._order = np.argsort(self.space.points[0])
@@ -114,9 +122,15 @@ class OrdinatesProblem:
             state[end] = T
         options = self.scene.solver
         state, history = newton(
-            self.assemble, state, self.fixed, policy,
-            tolerance=options.newton_tolerance, iterations=options.newton_iterations, lower=0.0, what="radiation",
-        )  # fmt: skip
+            self.assemble,
+            state,
+            self.fixed,
+            policy,
+            tolerance=options.newton_tolerance,
+            iterations=options.newton_iterations,
+            lower=0.0,
+            what="radiation",
+        )
         # one step with the matrix of the solution itself closes the balance to round-off
         residual, matrix = self.assemble(state, True)
         residual[self.fixed] = 0.0

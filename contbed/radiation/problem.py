@@ -54,9 +54,14 @@ def optics(scene: s.Scene) -> Optics:
             np.array([table.absorption or 0.0]), np.array([table.scattering or 0.0]), table.anisotropy
         )
     else:
-        species = dict(table.species) or {"bed": s.RadiatingSpecies(
-            volume_fraction=1.0 - scene.bed.porosity, diameter=scene.bed.particle_diameter,
-            emissivity=table.emissivity, temperature=table.temperature)}  # fmt: skip
+        species = dict(table.species) or {
+            "bed": s.RadiatingSpecies(
+                volume_fraction=1.0 - scene.bed.porosity,
+                diameter=scene.bed.particle_diameter,
+                emissivity=table.emissivity,
+                temperature=table.temperature,
+            )
+        }
         temperatures = [item.temperature for item in species.values()]
         particles = [
             closures.Species(name, item.volume_fraction, _size(item), item.emissivity) for name, item in species.items()
@@ -246,9 +251,15 @@ class RadiationProblem:
         if "G" in self.system.fields:  # linear: may undershoot where cells are too few
             self.system.part(lower, "G")[:] = -np.inf
         return newton(
-            self.assemble, state, self.fixed, policy, lower=lower,
-            tolerance=options.newton_tolerance, iterations=options.newton_iterations, what="radiation",
-        )  # fmt: skip
+            self.assemble,
+            state,
+            self.fixed,
+            policy,
+            lower=lower,
+            tolerance=options.newton_tolerance,
+            iterations=options.newton_iterations,
+            what="radiation",
+        )
 
     def start(self) -> Any:
         """The state at the mean of the given temperatures."""

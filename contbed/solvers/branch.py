@@ -116,9 +116,19 @@ class _Walk:
 
 
 def trace(
-    assemble: Assemble, x: Array, start: float, stop: float, policy: Policy, *,
-    weights: Array, size: float, points: int, back: float | None = None, first: float = 0.02, tolerance: float = 1e-8,
-) -> Branch:  # fmt: skip
+    assemble: Assemble,
+    x: Array,
+    start: float,
+    stop: float,
+    policy: Policy,
+    *,
+    weights: Array,
+    size: float,
+    points: int,
+    back: float | None = None,
+    first: float = 0.02,
+    tolerance: float = 1e-8,
+) -> Branch:
     """Follow the branch of `assemble(x, p, jacobian) -> (R, matrix)` from a state x at `start` until p passes `stop`
     or, on the other side, `back`, or `points` are found.
 

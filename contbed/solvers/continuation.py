@@ -14,9 +14,15 @@ STEPS = 200
 
 
 def relax(
-    problem: Problem, state: Any, policy: Policy, lower: Any = 0.0, first: float = 1e-3, last: float = 1e12,
-    growth: float = GROWTH, tolerance: float = 1e-6,
-) -> Any:  # fmt: skip
+    problem: Problem,
+    state: Any,
+    policy: Policy,
+    lower: Any = 0.0,
+    first: float = 1e-3,
+    last: float = 1e12,
+    growth: float = GROWTH,
+    tolerance: float = 1e-6,
+) -> Any:
     """March from `state` with steps that grow from `first` to `last` [s]; a step that fails is shortened. Unknowns stay
     above `lower`.
     """

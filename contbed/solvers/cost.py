@@ -59,12 +59,16 @@ def advice(unknowns: dict[str, int], policy: Policy) -> str:
     there = f"about {_time(other.time(size))} of processor and {other.memory_GB(size):.2g} GB"
     if need <= limit and one.time(size) <= LONG:
         return f"engine: skfem, about {_time(one.time(size))} of processor for a steady scene; dolfinx {there}"
-    why = f"skfem would need {need:.3g} GB of {limit:.3g} GB" if need > limit else (
-        f"skfem would take {_time(one.time(size))}")  # fmt: skip
+    why = (
+        f"skfem would need {need:.3g} GB of {limit:.3g} GB"
+        if need > limit
+        else (f"skfem would take {_time(one.time(size))}")
+    )
     ranks = max(2, ceil(other.time(size) / LONG))
     first = 0.15 + 1e-9 * LEADER * size + other.memory_GB(size) / ranks
-    return (f"engine: dolfinx, mpirun -n {ranks}: {there} for a steady scene, {first:.2g} GB of it on the first rank; "
-            f"{why}")  # fmt: skip
+    return (
+        f"engine: dolfinx, mpirun -n {ranks}: {there} for a steady scene, {first:.2g} GB of it on the first rank; {why}"
+    )
 
 
 def _time(seconds: float) -> str:

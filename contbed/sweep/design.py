@@ -167,9 +167,7 @@ def _normal(entry: Mapping[str, Any], unit: str | None, say: Say) -> Distributio
     return lambda u: mean + deviation * ndtri(u)
 
 
-def _number(
-    entry: Mapping[str, Any], key: str, unit: str | None, say: Say, difference: bool = False
-) -> float | None:
+def _number(entry: Mapping[str, Any], key: str, unit: str | None, say: Say, difference: bool = False) -> float | None:
     """A number in SI; a `difference` of temperatures does not move with the zero of its scale."""
     value = entry.get(key)
     if isinstance(value, str) and unit is not None:

@@ -122,9 +122,13 @@ def _lines(path: Path, title: str, axes: list[_Axis], results: list[tuple[Quanti
             for k, group in enumerate(groups):
                 order = np.flatnonzero(group)[np.argsort(along.values[group], kind="stable")]
                 panel.plot(
-                    along.values[order], values[order], "o" if along.choices else "o-", markersize=4,
-                    color=_COLOURS[k % len(_COLOURS)], label=beside.choices[k] if beside else None,
-                )  # fmt: skip
+                    along.values[order],
+                    values[order],
+                    "o" if along.choices else "o-",
+                    markersize=4,
+                    color=_COLOURS[k % len(_COLOURS)],
+                    label=beside.choices[k] if beside else None,
+                )
             _crosses(panel, along, failed)
             panel.set_ylabel(_folded(quantity.label))
             along.label(panel)
@@ -200,8 +204,14 @@ def _choices(axis: _Axis) -> Iterator[Any]:
 def _crosses(panel: Any, axis: _Axis, failed: Any) -> None:
     """Failed runs, on the lower edge."""
     if failed.any():
-        panel.plot(axis.values[failed], np.zeros(failed.sum()), transform=panel.get_xaxis_transform(),
-                   clip_on=False, zorder=4, **_FAILED)  # fmt: skip
+        panel.plot(
+            axis.values[failed],
+            np.zeros(failed.sum()),
+            transform=panel.get_xaxis_transform(),
+            clip_on=False,
+            zorder=4,
+            **_FAILED,
+        )
 
 
 def _is_plane(axes: list[_Axis]) -> bool:

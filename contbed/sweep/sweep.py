@@ -129,6 +129,6 @@ def _require_known(todo: Study, rows: list[Row]) -> None:
     results = [quantity.key for quantity in table.columns(todo, rows)[1]]
     missing = [name for name in todo.qoi if name not in results]
     if results and missing:
-        raise SceneError([
-            f'{todo.qoi_at}: qoi: no run has the result "{name}"; {nearest(name, results)}' for name in missing
-        ])  # fmt: skip
+        raise SceneError(
+            [f'{todo.qoi_at}: qoi: no run has the result "{name}"; {nearest(name, results)}' for name in missing]
+        )

@@ -87,13 +87,19 @@ def write(out: Path, study: Study, rows: list[Row]) -> None:
         "qoi": {q.key: {"unit": q.unit} for q in results},
     }
     runs = [
-        {"run": row.name, "exit_code": row.exit_code, "problem": row.problem, "parameters": row.parameters,
-         "qoi": row.qoi}
+        {
+            "run": row.name,
+            "exit_code": row.exit_code,
+            "problem": row.problem,
+            "parameters": row.parameters,
+            "qoi": row.qoi,
+        }
         for row in rows
-    ]  # fmt: skip
+    ]
     counts = {"cases": len(study.cases), "ended": len(rows), "failed": sum(bool(row.exit_code) for row in rows)}
-    write_json(out / "table.json", {"study": study.file.name, **counts, "warnings": study.warnings, **described,
-                                    "runs": runs})  # fmt: skip
+    write_json(
+        out / "table.json", {"study": study.file.name, **counts, "warnings": study.warnings, **described, "runs": runs}
+    )
 
 
 def columns(study: Study, rows: list[Row]) -> tuple[list[Quantity], list[Quantity]]:

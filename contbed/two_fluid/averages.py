@@ -36,9 +36,15 @@ class Averages:
             return
         half = min(int(HALVES * (bed.time - self.start) / (self.end - self.start)), HALVES - 1)
         s = bed.eps_s[:, None]
-        now = {"eps_s": bed.eps_s, "theta": bed.eps_s * bed.theta, "p": bed.p, "u_gas": (1.0 - s) * bed.u_gas,
-               "u_solid": s * bed.u_solid, "square": s * bed.u_solid**2,
-               "forces": weight.forces(bed, before)}  # fmt: skip
+        now = {
+            "eps_s": bed.eps_s,
+            "theta": bed.eps_s * bed.theta,
+            "p": bed.p,
+            "u_gas": (1.0 - s) * bed.u_gas,
+            "u_solid": s * bed.u_solid,
+            "square": s * bed.u_solid**2,
+            "forces": weight.forces(bed, before),
+        }
         if bed.heat is not None:
             now |= {"T_gas": (1.0 - bed.eps_s) * bed.heat.T_gas, "T_solid": bed.eps_s * bed.heat.T_solid}
         self.weight[half] += bed.dt
@@ -92,8 +98,9 @@ class Averages:
         self.sums = {name[4:]: np.array(value) for name, value in arrays.items() if name.startswith("sum_")}
 
 
-def along(position: np.ndarray, volume: np.ndarray, values: dict[str, np.ndarray], weights: dict[str, np.ndarray],
-          bins: int) -> tuple[np.ndarray, dict[str, np.ndarray]]:  # fmt: skip
+def along(
+    position: np.ndarray, volume: np.ndarray, values: dict[str, np.ndarray], weights: dict[str, np.ndarray], bins: int
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Means of cells in equal bins of a coordinate: the coordinate of the bins that hold cells, and each value.
 
     `weights` names what a value is weighted by besides the volume, such as the fraction of the phase.

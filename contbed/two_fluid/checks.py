@@ -21,8 +21,10 @@ KINDS = {
     "friction_viscosity": "granular_friction_viscosity",
 }
 HEAT_KINDS = {"nusselt": "nusselt", "conductivity_bed": "conductivity"}
-HEAT_ARGUMENTS = {"nusselt": {"Re", "Pr", "eps", "T", "d_p", "k_fluid"},
-                  "conductivity": {"k_fluid", "k_solid", "eps", "T", "d_p"}}  # fmt: skip
+HEAT_ARGUMENTS = {
+    "nusselt": {"Re", "Pr", "eps", "T", "d_p", "k_fluid"},
+    "conductivity": {"k_fluid", "k_solid", "eps", "T", "d_p"},
+}
 ABSENT = "none"
 
 
@@ -165,5 +167,14 @@ def times_are_in_order(time: t.Time, see: See) -> Mistakes:
         yield ("time", "first"), f"is longer than the longest step; see {see('time.longest')}"
 
 
-CHECKS = (mesh_has_cells, closures_exist, fractions_fit, boundaries_are_complete, what_enters_can_leave,
-          pulses_end_in_an_inlet, heat_is_complete, closures_of_heat_exist, times_are_in_order)  # fmt: skip
+CHECKS = (
+    mesh_has_cells,
+    closures_exist,
+    fractions_fit,
+    boundaries_are_complete,
+    what_enters_can_leave,
+    pulses_end_in_an_inlet,
+    heat_is_complete,
+    closures_of_heat_exist,
+    times_are_in_order,
+)

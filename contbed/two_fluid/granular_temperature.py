@@ -60,9 +60,24 @@ def _transport(bed: Stepper, dt: float, made: np.ndarray, divergence: np.ndarray
     coef, content = np.empty((len(g.left), 1)), np.empty_like(column)
     ks.conduct(g, edge.solid, edge, r.conductivity, old, grad, bed.grid.skewed, rhs, coef)
     ks.theta_system(
-        g, edge, edge.solid, bed.slip, dt, rho_s, bed.materials.eps_max, s, old, r.g0, sink,
-        rho_s * r.pressure, divergence, made, bed.u_solid, rhs, content,
-    )  # fmt: skip
+        g,
+        edge,
+        edge.solid,
+        bed.slip,
+        dt,
+        rho_s,
+        bed.materials.eps_max,
+        s,
+        old,
+        r.g0,
+        sink,
+        rho_s * r.pressure,
+        divergence,
+        made,
+        bed.u_solid,
+        rhs,
+        content,
+    )
     bed.theta = old + bed.solve(coef, np.zeros_like(column), content, rhs, "theta")[:, 0]
     if (low := bed.theta < UNDERFLOW).any():
         bed.counters["theta_clipped_cells"] += int((bed.theta < 0.0).sum())

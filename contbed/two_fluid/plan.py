@@ -54,8 +54,9 @@ class TwoFluidPlan:
         gravity = np.zeros(self.grid.dimension)
         gravity[-1] = -scene.two_fluid.gravity
         solid = scene.solid
-        materials = Materials(scene.gas.density, scene.gas.viscosity, solid.density, solid.diameter, solid.packing,
-                              tuple(gravity))  # fmt: skip
+        materials = Materials(
+            scene.gas.density, scene.gas.viscosity, solid.density, solid.diameter, solid.packing, tuple(gravity)
+        )
         made = laws.make(materials, _particles(scene), *_names(scene))
         bed = TwoFluid(self.grid, materials, made.closures, conditions(scene, self.grid), _options(scene))
         if scene.heat is not None:
@@ -116,8 +117,11 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
 
 def parts(scene: t.TwoFluidScene, time: float = 0.0) -> dict[str, Any]:
     """The boundaries that are in force from `time` [s] on."""
-    return {name: scene.boundary[part.on or name] if 0.0 < (getattr(part, "until", None) or 0.0) <= time else part
-            for name, part in scene.boundary.items() if not isinstance(part, t.Periodic)}  # fmt: skip
+    return {
+        name: scene.boundary[part.on or name] if 0.0 < (getattr(part, "until", None) or 0.0) <= time else part
+        for name, part in scene.boundary.items()
+        if not isinstance(part, t.Periodic)
+    }
 
 
 def conditions(scene: t.TwoFluidScene, cells: grid.Grid, time: float = 0.0) -> dict[str, boundary.Condition]:
@@ -182,8 +186,13 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
 
 def _condition(part: Any) -> boundary.Condition:
     if isinstance(part, t.Wall):
-        return boundary.Wall(part.gas, part.solid, part.specularity or 0.0,
-                             1.0 if part.restitution is None else part.restitution, part.velocity)  # fmt: skip
+        return boundary.Wall(
+            part.gas,
+            part.solid,
+            part.specularity or 0.0,
+            1.0 if part.restitution is None else part.restitution,
+            part.velocity,
+        )
     if isinstance(part, t.Inlet):
         return boundary.Inlet(part.velocity, part.eps_s, part.solid_flux or 0.0, part.solid_velocity or 0.0, part.theta)
     return boundary.Outlet(part.pressure) if isinstance(part, t.Outlet) else boundary.symmetry()
@@ -207,11 +216,22 @@ def _names(scene: t.TwoFluidScene) -> tuple[dict[str, str | None], dict[str, flo
 
 def _particles(scene: t.TwoFluidScene) -> laws.Particles:
     table, friction = scene.two_fluid, scene.solid.friction
-    return laws.Particles(scene.solid.restitution, friction.start, friction.strength, friction.angle,
-                          table.free_path if table.guards else None)  # fmt: skip
+    return laws.Particles(
+        scene.solid.restitution,
+        friction.start,
+        friction.strength,
+        friction.angle,
+        table.free_path if table.guards else None,
+    )
 
 
 def _options(scene: t.TwoFluidScene) -> Options:
     time = scene.time
-    return Options(courant=time.courant, dt_max=time.longest, dt_first=time.first, dt=time.step, order=time.order,
-                   theta=scene.two_fluid.granular_temperature)  # fmt: skip
+    return Options(
+        courant=time.courant,
+        dt_max=time.longest,
+        dt_first=time.first,
+        dt=time.step,
+        order=time.order,
+        theta=scene.two_fluid.granular_temperature,
+    )

@@ -25,8 +25,9 @@ def two_fluid_plot(
     tables = {name: table for name, table in tables.items() if name != "spectrum"}
     with _figure(path, 2.4 + 2.3 * len(tables), title) as figure:
         panels = figure.subplots(1 + len(tables), 3, squeeze=False)
-        for axes, name in zip(panels[0], ("pressure_drop [Pa]", "centre_of_solids [m]", "theta_mean [m2/s2]"),
-                              strict=True):  # fmt: skip
+        for axes, name in zip(
+            panels[0], ("pressure_drop [Pa]", "centre_of_solids [m]", "theta_mean [m2/s2]"), strict=True
+        ):
             # the first pressure is that of fields that have not met yet
             axes.plot(rows["t [s]"][1:], rows[name][1:], color="#0072B2", linewidth=1)
             axes.set(xlabel="t [s]", ylabel=name.replace("_", " "))
@@ -36,8 +37,14 @@ def two_fluid_plot(
             for axes, name in zip(line, _PANELS, strict=True):
                 axes.plot(table[coordinate], table[name], color="#D55E00", linewidth=1)
                 if name.startswith("theta") and "theta_total [m2/s2]" in table:
-                    axes.plot(table[coordinate], table["theta_total [m2/s2]"], color="#000000", linestyle="--",
-                              linewidth=1, label="with resolved motion")  # fmt: skip
+                    axes.plot(
+                        table[coordinate],
+                        table["theta_total [m2/s2]"],
+                        color="#000000",
+                        linestyle="--",
+                        linewidth=1,
+                        label="with resolved motion",
+                    )
                     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.18), fontsize="x-small")
                 axes.set(xlabel=coordinate, ylabel=name.replace("_", " "))
                 axes.margins(x=0)
@@ -53,8 +60,13 @@ def developed_plot(path: Path | str, columns: Mapping[str, Any], title: str = ""
         for axes, names in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
             for name in names:
                 solid = name != "u_gas [m/s]"
-                axes.plot(r, columns[name], color="#D55E00" if solid else "#0072B2", linewidth=1.2,
-                          label="particles" if solid else "gas")  # fmt: skip
+                axes.plot(
+                    r,
+                    columns[name],
+                    color="#D55E00" if solid else "#0072B2",
+                    linewidth=1.2,
+                    label="particles" if solid else "gas",
+                )
             if len(names) > 1:
                 axes.legend()
             label = "u [m/s]" if names[0].startswith("u_") else names[0].replace("_", " ")

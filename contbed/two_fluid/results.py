@@ -50,8 +50,17 @@ def row(bed: TwoFluid) -> list[float]:
     mass = s * volume
     total = max(float(mass.sum()), 1e-300)
     warm = [] if bed.heat is None else _temperatures(bed, bed.heat)
-    return [bed.time, pressure_at(bed, -1) - pressure_at(bed, 1), held(bed), float(mass @ height) / total,
-            fastest(bed), float(mass @ bed.theta) / total, float(s.max()), bed.dt, *warm]  # fmt: skip
+    return [
+        bed.time,
+        pressure_at(bed, -1) - pressure_at(bed, 1),
+        held(bed),
+        float(mass @ height) / total,
+        fastest(bed),
+        float(mass @ bed.theta) / total,
+        float(s.max()),
+        bed.dt,
+        *warm,
+    ]
 
 
 def _temperatures(bed: TwoFluid, heat: Heat) -> list[float]:
@@ -59,8 +68,13 @@ def _temperatures(bed: TwoFluid, heat: Heat) -> list[float]:
     volume = bed.grid.geometry.volume
     gas, solid = heat.mass * volume, bed.eps_s * volume
     hottest = float(np.max(heat.T_solid, where=bed.eps_s > SCANT, initial=0.0))
-    return [float(gas @ heat.T_gas / gas.sum()), float(solid @ heat.T_solid / max(solid.sum(), 1e-300)),
-            float(heat.T_gas.max()), hottest, *([heat.p0] if heat.ideal else [])]  # fmt: skip
+    return [
+        float(gas @ heat.T_gas / gas.sum()),
+        float(solid @ heat.T_solid / max(solid.sum(), 1e-300)),
+        float(heat.T_gas.max()),
+        hottest,
+        *([heat.p0] if heat.ideal else []),
+    ]
 
 
 def pressure_at(bed: TwoFluid, side: int) -> float:
@@ -92,8 +106,14 @@ def balances(bed: TwoFluid, start: dict[str, float]) -> dict[str, dict[str, Any]
 def _balance(came, went, walls, start, now, what) -> dict[str, Any]:
     stored = now[what] - start[what]
     scale = max(start[what], came, 1e-300)
-    return {"in": came, "out": went, "source": walls, "stored": stored, "unit": "J" if what == "heat" else "kg",
-            "relative_residual": (stored - came + went - walls) / scale}  # fmt: skip
+    return {
+        "in": came,
+        "out": went,
+        "source": walls,
+        "stored": stored,
+        "unit": "J" if what == "heat" else "kg",
+        "relative_residual": (stored - came + went - walls) / scale,
+    }
 
 
 def tables(
@@ -106,8 +126,13 @@ def tables(
     fields = averages.means() if averaged else bed.fields()  # type: ignore[union-attr]
     volume, centres = bed.grid.geometry.volume, bed.grid.centres
     s = fields["eps_s"]
-    values = {"eps_s [1]": s, "u_solid [m/s]": fields["u_solid"][:, -1], "u_gas [m/s]": fields["u_gas"][:, -1],
-              "theta [m2/s2]": fields["theta"], "p [Pa]": fields["p"]}  # fmt: skip
+    values = {
+        "eps_s [1]": s,
+        "u_solid [m/s]": fields["u_solid"][:, -1],
+        "u_gas [m/s]": fields["u_gas"][:, -1],
+        "theta [m2/s2]": fields["theta"],
+        "p [Pa]": fields["p"],
+    }
     warm = {name: fields[name] for name in ("T_gas", "T_solid") if name in fields}
     values |= {f"{name} [K]": value for name, value in warm.items()}
     weights = {"T_gas [K]": 1.0 - s, "T_solid [K]": s} if warm else {}
@@ -171,10 +196,19 @@ def arguments(bed: TwoFluid, scene: t.TwoFluidScene) -> dict[str, np.ndarray | f
     slip = np.linalg.norm(bed.u_gas - bed.u_solid, axis=1)[there]
     g0 = bed.rheology.g0[there]
     slip *= np.broadcast_to(bed.dense, there.shape)[there]
-    return {"eps_s": s, "eps": 1.0 - s, "Re": (1.0 - s) * m.rho_gas * slip * m.d_p / m.mu_gas, "d_p": m.d_p,
-            "mu": m.mu_gas, "g0": g0, "e": scene.solid.restitution, "eps_max": m.eps_max,
-            "p_friction": bed.rheology.p_friction[there], "angle": scene.solid.friction.angle,
-            "shear_rate": bed.shear_rate()[there] if bed.closures.sheared else 0.0}  # fmt: skip
+    return {
+        "eps_s": s,
+        "eps": 1.0 - s,
+        "Re": (1.0 - s) * m.rho_gas * slip * m.d_p / m.mu_gas,
+        "d_p": m.d_p,
+        "mu": m.mu_gas,
+        "g0": g0,
+        "e": scene.solid.restitution,
+        "eps_max": m.eps_max,
+        "p_friction": bed.rheology.p_friction[there],
+        "angle": scene.solid.friction.angle,
+        "shear_rate": bed.shear_rate()[there] if bed.closures.sheared else 0.0,
+    }
 
 
 def results(
@@ -245,8 +279,10 @@ def _fronts(scene: t.TwoFluidScene, bed: TwoFluid) -> dict[str, Any]:
     start = scene.initial
     if not start.layer and start.eps_s > 0 and scene.two_fluid.gravity > 0:
         densest = 0.5 * (start.eps_s + scene.solid.packing)
-        return {"front_position_m": _crossing(x, s, 0.5 * start.eps_s, -1),
-                "lower_front_position_m": _crossing(x, s, densest, 0)}  # fmt: skip
+        return {
+            "front_position_m": _crossing(x, s, 0.5 * start.eps_s, -1),
+            "lower_front_position_m": _crossing(x, s, densest, 0),
+        }
     if scene.two_fluid.granular_temperature == "frozen" and len(start.layer) == 1 and start.theta > 0:
         jump, c = start.layer[0].end, start.theta**0.5
         right = s[-1]

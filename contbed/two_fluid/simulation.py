@@ -112,8 +112,9 @@ class TwoFluid(Stepper):
             return o.dt
         gas = float(np.max(self.outflow[:, 0], initial=0.0))
         solid = float(np.max(self.outflow[:, 1], where=self.eps_s > 1e-6, initial=0.0))
-        rate = max(solid / o.courant, gas / (PASSES * CROSSED if self.heat is None else o.courant),
-                   self.adiabatic / HEATED)  # fmt: skip
+        rate = max(
+            solid / o.courant, gas / (PASSES * CROSSED if self.heat is None else o.courant), self.adiabatic / HEATED
+        )
         longest = min(o.dt_max, 1.0 / rate if rate > 0 else np.inf)
         return min(longest, self.wanted * o.growth if self.wanted > 0 else o.dt_first)
 

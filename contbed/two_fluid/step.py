@@ -133,8 +133,15 @@ class Stepper:
         self.heat: Heat | None = None
         self.dense: float | np.ndarray = 1.0
         self.time, self.steps = 0.0, 0
-        names = ("limited_faces", "limited_steps", "limiter_rounds", "packing_rounds", "first_order_steps",
-                 "theta_upwind_cells", "theta_clipped_cells")  # fmt: skip
+        names = (
+            "limited_faces",
+            "limited_steps",
+            "limiter_rounds",
+            "packing_rounds",
+            "first_order_steps",
+            "theta_upwind_cells",
+            "theta_clipped_cells",
+        )
         self.counters = dict.fromkeys(names, 0)
 
         self.faces, self._moment = np.zeros((nf, 8)), np.zeros((nc, dim, dim))
@@ -171,9 +178,17 @@ class Stepper:
         self.mu_friction = self.closures.friction(r.p_friction, rate)
         shear = r.mu + self.mu_friction
         ks.wall_slip(
-            g, self.edge.solid, self.edge, self.materials.eps_max, self.rho[1],
-            self.eps_s, self.theta, r.g0, shear, self.slip,
-        )  # fmt: skip
+            g,
+            self.edge.solid,
+            self.edge,
+            self.materials.eps_max,
+            self.rho[1],
+            self.eps_s,
+            self.theta,
+            r.g0,
+            shear,
+            self.slip,
+        )
         passes = max(1, int(np.ceil(dt * self.outflow[:, 0].max() / CROSSED * (1.0 - 1e-9))))
         h_g, grad_g, carried_g = self._velocity(dt, 0, gas, 1.0 - self.eps_s, self._mu_gas, self._bulk_gas, passes)
         h_s, grad_s, carried_s = self._velocity(dt, 1, self.moved, self.eps_s, shear, r.bulk, 1)

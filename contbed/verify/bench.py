@@ -96,8 +96,11 @@ def machine() -> str:
             model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), model)
     except OSError:
         pass
-    parts = [f"{name} {metadata.version(name)}" for name in ("numpy", "scipy", "scikit-fem", "ngsolve") if find_spec(
-        name.replace("scikit-fem", "skfem"))]  # fmt: skip
+    parts = [
+        f"{name} {metadata.version(name)}"
+        for name in ("numpy", "scipy", "scikit-fem", "ngsolve")
+        if find_spec(name.replace("scikit-fem", "skfem"))
+    ]
     return f"{model}, {os.cpu_count()} cores, one thread; Python {platform.python_version()}, {', '.join(parts)}"
 
 

@@ -22,9 +22,16 @@ def reference(scene, y=0.0):
     """Exact developed flow at the distance y [m] from a wall, from the values in the scene."""
     flow, fluid, bed = scene.flow, scene.fluid, scene.bed
     return exact.brinkman_forchheimer_channel(
-        y, scene.mesh.height, flow.velocity, flow.velocity_solid, fluid.viscosity, fluid.density,
-        bed.permeability, bed.forchheimer, bed.porosity,
-    )  # fmt: skip
+        y,
+        scene.mesh.height,
+        flow.velocity,
+        flow.velocity_solid,
+        fluid.viscosity,
+        fluid.density,
+        bed.permeability,
+        bed.forchheimer,
+        bed.porosity,
+    )
 
 
 def errors(scene, result):

@@ -95,8 +95,10 @@ class Collocation:
         if self.level == "none":
             return out
         E4 = 4 * SIGMA * T**4
-        surfaces = [(x.perimeter * h, 4 * SIGMA * x.temperature**4)
-                    for x, h in ((sc.tubes, self.h_tube), (sc.walls, self.h_wall))]  # fmt: skip
+        surfaces = [
+            (x.perimeter * h, 4 * SIGMA * x.temperature**4)
+            for x, h in ((sc.tubes, self.h_tube), (sc.walls, self.h_wall))
+        ]
         if self.level == "paper":
             G = (self.Ka[:, None] * E4).sum(axis=0) / self.Ka.sum()
             for h, cold in surfaces:

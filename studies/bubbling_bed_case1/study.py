@@ -1,6 +1,6 @@
 """The bubbling bed with frozen closures at four levels of radiation: table, errors against collocation, pictures.
 
-    python studies/bubbling_bed_case1/study.py        # about 5 s: results.csv, profiles.png, convergence.png
+python studies/bubbling_bed_case1/study.py        # about 5 s: results.csv, profiles.png, convergence.png
 """
 
 from __future__ import annotations
@@ -72,8 +72,7 @@ def profiles(results: dict[str, cb.Result]) -> None:
     for panel, (_, what) in zip(axes, panels, strict=False):
         panel.set(title=what, xlabel="temperature [K]", ylim=(0, 0.6))
     axes[0].set_ylabel("height above the distributor [m]")
-    axes[3].set(title="incident radiation", xlabel="$G$ [kW/m$^2$]", ylabel="height [mm]",
-                ylim=(1e-2, 600))  # fmt: skip
+    axes[3].set(title="incident radiation", xlabel="$G$ [kW/m$^2$]", ylabel="height [mm]", ylim=(1e-2, 600))
     for panel in axes:
         panel.spines[["top", "right"]].set_visible(False)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)

@@ -42,8 +42,14 @@ EXCHANGE = ("wakao_kaguei", "gunn", "ranz_marshall")
 def packings():
     """Beds of 2500 spheres with periodic sides, measured between z = 2 mm and 24 mm."""
     for seed in SEEDS:
-        bed = pack((WIDTH, WIDTH), radius=R, count=2500, seed=seed, periodic=(True, True),
-                   material=Material(density=1000.0, youngs_modulus=SOFT))  # fmt: skip
+        bed = pack(
+            (WIDTH, WIDTH),
+            radius=R,
+            count=2500,
+            seed=seed,
+            periodic=(True, True),
+            material=Material(density=1000.0, youngs_modulus=SOFT),
+        )
         box = np.zeros(3), np.array([WIDTH, WIDTH, bed.position[:, 2].max() + R])
         yield extract.Packing(bed.position, R, bed.statistics["porosity_core"], 2e-3, 24e-3, WIDTH**2, box)
 
@@ -111,13 +117,20 @@ def both(beds, conductivity):
         rows.append((scene.stem, "packings", base, np.std(single, ddof=1), np.std(drawn)))
         rows.append((scene.stem, "packings, Gunn at every particle", outlet_of(conductivity, laws["Gunn"], scene)))
         for nusselt in EXCHANGE:
-            rows.append((scene.stem, f"zehner_schluender, {nusselt}",
-                         outlet("zehner_schluender", scene, **{"heat.nusselt": nusselt})))  # fmt: skip
+            rows.append(
+                (
+                    scene.stem,
+                    f"zehner_schluender, {nusselt}",
+                    outlet("zehner_schluender", scene, **{"heat.nusselt": nusselt}),
+                )
+            )
     with open(HERE / "outlet_both.csv", "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["scene", "closures", "T_out [K]", "over packings [K]", "over parameters [K]"])
-        writer.writerows([name, what, *(f"{value:.4f}" for value in values), *[""] * (3 - len(values))]
-                         for name, what, *values in rows)  # fmt: skip
+        writer.writerows(
+            [name, what, *(f"{value:.4f}" for value in values), *[""] * (3 - len(values))]
+            for name, what, *values in rows
+        )
     for name, what, *values in rows:
         print(f"{name:12} {what:36}", *(f"{value:9.4f}" for value in values))
 
@@ -140,8 +153,10 @@ def main():
     for name, T in rows:
         print(f"{name:28} {T:8.3f} K {T - rows[0][1]:+7.3f} K")
     both(beds, whole)
-    print(f"standard deviation over packings {np.std(each, ddof=1):.3f} K, over the parameters {np.std(drawn):.3f} K; "
-          f"finer mesh {mesh - rows[0][1]:+.4f} K")  # fmt: skip
+    print(
+        f"standard deviation over packings {np.std(each, ddof=1):.3f} K, over the parameters {np.std(drawn):.3f} K; "
+        f"finer mesh {mesh - rows[0][1]:+.4f} K"
+    )
 
 
 if __name__ == "__main__":

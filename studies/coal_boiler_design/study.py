@@ -1,7 +1,7 @@
 """Tubes and air of a coal boiler: table and contours from the runs of the sweep.
 
-    contbed sweep studies/coal_boiler_design/sweep/tubes_and_air.toml --out results/boiler
-    python studies/coal_boiler_design/study.py results/boiler        # results.csv, design.png
+contbed sweep studies/coal_boiler_design/sweep/tubes_and_air.toml --out results/boiler
+python studies/coal_boiler_design/study.py results/boiler        # results.csv, design.png
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Gas properties: accuracy against Cantera and time per point, for all four properties of several mixtures.
 
-    python studies/gas_properties/study.py        # writes gas_properties.csv
+python studies/gas_properties/study.py        # writes gas_properties.csv
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Element and energy closure, gas and carbon conversion of published gasifiers, with what is not published as bands.
 
-    python study.py            five cases of cases.csv, one with bands: results.csv, gasifiers.png
-    python study.py all        all 23 cases with complete inputs
+python study.py            five cases of cases.csv, one with bands: results.csv, gasifiers.png
+python study.py all        all 23 cases with complete inputs
 """
 
 from __future__ import annotations
@@ -52,8 +52,11 @@ def cases() -> dict[str, dict[str, str]]:
 
 def scene(row: dict[str, str], height: float, char: float, hold: float, loss: float) -> dict[str, Any]:
     """The tables of a case. All air enters at the bottom: where the secondary air enters is not tabulated."""
-    number = {name: float(value or 0.0) for name, value in row.items()
-              if name not in ("case", "plant", "fuel", "recycle", "note")}  # fmt: skip
+    number = {
+        name: float(value or 0.0)
+        for name, value in row.items()
+        if name not in ("case", "plant", "fuel", "recycle", "note")
+    }
     D = next(size for plant, size in SIZES.items() if row["case"].startswith(plant))
     air = (number["primary_air_Nm3_h"] + number["secondary_air_Nm3_h"]) * NORMAL / 3600.0
     steam = number["steam_kg_h"] / 3600.0 / 0.018015
@@ -71,31 +74,63 @@ def scene(row: dict[str, str], height: float, char: float, hold: float, loss: fl
         "gas": {
             "mass_flow": 0.031998 * moles["O2"] + 0.028014 * moles["N2"] + 0.018015 * moles["H2O"],
             "composition": ", ".join(f"{name}:{n / total:.9f}" for name, n in moles.items() if n > 0),
-            "pressure": 1e6 * number["p_MPa"], "temperature": 550.0,
+            "pressure": 1e6 * number["p_MPa"],
+            "temperature": 550.0,
         },
         "bubbles": {"gas_exchange": "gas_exchange_sit_grace"},
         "species": {
-            "char": {"volume_fraction": 0.05, "diameter": char, "density": 600.0, "heat_capacity": 1500.0,
-                     "gas_coefficient": 200.0, "conductivity": 2e3, "exchange": {"sand": 5e4}},
-            "sand": {"volume_fraction": 0.95, "diameter": 4e-4, "density": 2600.0, "heat_capacity": 1000.0,
-                     "gas_coefficient": 400.0, "conductivity": 3e4},
+            "char": {
+                "volume_fraction": 0.05,
+                "diameter": char,
+                "density": 600.0,
+                "heat_capacity": 1500.0,
+                "gas_coefficient": 200.0,
+                "conductivity": 2e3,
+                "exchange": {"sand": 5e4},
+            },
+            "sand": {
+                "volume_fraction": 0.95,
+                "diameter": 4e-4,
+                "density": 2600.0,
+                "heat_capacity": 1000.0,
+                "gas_coefficient": 400.0,
+                "conductivity": 3e4,
+            },
         },
         "walls": {"perimeter": 3.14159265 * D, "coefficient": loss, "temperature": 300.0},
         "fuel": {
-            "species": "char", "moisture": number["moisture_wt"] / 100.0, "ash": number["ash_dry"] / whole,
-            "volatile_matter": number["VM_daf"] / 100.0, "char_density": DENSITY,
+            "species": "char",
+            "moisture": number["moisture_wt"] / 100.0,
+            "ash": number["ash_dry"] / whole,
+            "volatile_matter": number["VM_daf"] / 100.0,
+            "char_density": DENSITY,
             "ultimate": {name: share / whole for name, share in dry.items()},
-            "feed": {"mass_flow": number["feed_kg_h"] / 3600.0, "temperature": 300.0, "height": 0.3 * height,
-                     "width": 0.1 * height},
+            "feed": {
+                "mass_flow": number["feed_kg_h"] / 3600.0,
+                "temperature": 300.0,
+                "height": 0.3 * height,
+                "width": 0.1 * height,
+            },
         },
         "drain": {"time": drain},
         "reactions": {
-            "drying": {"time": 10.0}, "devolatilisation": {"time": 20.0}, "char_combustion": {}, "char_steam": {},
-            "char_CO2": {}, "char_H2": {}, "CO_oxidation": {}, "H2_oxidation": {}, "CH4_oxidation": {},
-            "tar_oxidation": {}, "H2S_oxidation": {}, "water_gas_shift": {},
+            "drying": {"time": 10.0},
+            "devolatilisation": {"time": 20.0},
+            "char_combustion": {},
+            "char_steam": {},
+            "char_CO2": {},
+            "char_H2": {},
+            "CO_oxidation": {},
+            "H2_oxidation": {},
+            "CH4_oxidation": {},
+            "tar_oxidation": {},
+            "H2S_oxidation": {},
+            "water_gas_shift": {},
         },
-        "mesh": {"cells": 12}, "solver": {"degree": 2, "guess": 1150.0}, "output": {"plots": False, "fields": False},
-    }  # fmt: skip
+        "mesh": {"cells": 12},
+        "solver": {"degree": 2, "guess": 1150.0},
+        "output": {"plots": False, "fields": False},
+    }
 
 
 def run(row: dict[str, str], **changes: float) -> dict[str, Any]:
@@ -109,8 +144,9 @@ def run(row: dict[str, str], **changes: float) -> dict[str, Any]:
     except ContbedError as error:
         return out | {"status": str(error).splitlines()[0][:80]}
     out |= {"status": "ok"} | {name: result.qoi.get(name, 0.0) for name in WANTED}
-    out |= {f"open_{name}": abs(result.balances[name]["relative_residual"])
-            for name in ELEMENTS if name in result.balances}  # fmt: skip
+    out |= {
+        f"open_{name}": abs(result.balances[name]["relative_residual"]) for name in ELEMENTS if name in result.balances
+    }
     return out | {"cpu_s": time.process_time() - start}
 
 
@@ -150,8 +186,10 @@ def write(found: list[dict[str, Any]]) -> None:
     with (HERE / "results.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, names)
         writer.writeheader()
-        writer.writerows({key: f"{value:.6g}" if isinstance(value, float) else value for key, value in item.items()}
-                         for item in found)  # fmt: skip
+        writer.writerows(
+            {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in item.items()}
+            for item in found
+        )
 
 
 if __name__ == "__main__":

@@ -78,8 +78,10 @@ def main():
             error = found(result) / [psi, slip] - 1
             errors[level, ordinates, tau], times[level, ordinates, tau] = error[0], seconds
             cells = result.plan.mesh.skfem.nelements
-            rows.append(f"{tau:g},{name_of(level, ordinates)},{psi:.10f},{result.qoi['flux_dimensionless']:.10f},"
-                        f"{error[0]:.1e},{slip:.10f},{error[1]:.1e},{cells},{seconds:.4f}")  # fmt: skip
+            rows.append(
+                f"{tau:g},{name_of(level, ordinates)},{psi:.10f},{result.qoi['flux_dimensionless']:.10f},"
+                f"{error[0]:.1e},{slip:.10f},{error[1]:.1e},{cells},{seconds:.4f}"
+            )
         worst = max(abs(errors[level, ordinates, tau]) for tau in THICKNESSES)
         print(f"{name_of(level, ordinates):18} worst error of the flux {100 * worst:.3g} %")
     (HERE / "levels.csv").write_text("\n".join(rows) + "\n", encoding="ascii")
@@ -95,8 +97,15 @@ def plot(errors, times):
         values = [abs(errors[level, ordinates, tau]) for tau in THICKNESSES]
         line = {"color": COLOURS[level], "linewidth": widths.get(ordinates, 1.8)}
         left.loglog(THICKNESSES, values, **line)
-        left.annotate(name_of(level, ordinates), (THICKNESSES[-1], values[-1]), (5, 0), textcoords="offset points",
-                      va="center", color=COLOURS[level], fontsize=9)  # fmt: skip
+        left.annotate(
+            name_of(level, ordinates),
+            (THICKNESSES[-1], values[-1]),
+            (5, 0),
+            textcoords="offset points",
+            va="center",
+            color=COLOURS[level],
+            fontsize=9,
+        )
     for tau, mark in MARKS.items():
         for level, ordinates in LEVELS:
             x, y = times[level, ordinates, tau], abs(errors[level, ordinates, tau])

@@ -26,10 +26,15 @@ SHOWN = (0.0, 0.5, 0.9, 0.99)
 def variant(albedo, tau, level, ordinates=8):
     """The scene of albedo 0.5 and tau = 1 with other values."""
     beta = tau / 0.1
-    return cb.load(HERE / "albedo_0.5_tau_1.toml", {
-        "radiation.level": level, "radiation.ordinates": ordinates,
-        "radiation.absorption": beta * (1.0 - albedo), "radiation.scattering": beta * albedo,
-    })  # fmt: skip
+    return cb.load(
+        HERE / "albedo_0.5_tau_1.toml",
+        {
+            "radiation.level": level,
+            "radiation.ordinates": ordinates,
+            "radiation.absorption": beta * (1.0 - albedo),
+            "radiation.scattering": beta * albedo,
+        },
+    )
 
 
 def parameters(scene):
@@ -93,8 +98,14 @@ def plot(emittance):
             left.semilogx(THICKNESSES, values, dashes, color=colour, linewidth=1.3)
             right.semilogx(THICKNESSES, 100 * (values / reference - 1), dashes, color=colour, linewidth=1.3)
         left.semilogx(THICKNESSES, reference, "o", color=colour, markersize=3.5)
-        left.annotate(rf"$\omega$ = {albedo:g}", (THICKNESSES[-1], reference[-1]), (6, 0), va="center",
-                      textcoords="offset points", color=colour)  # fmt: skip
+        left.annotate(
+            rf"$\omega$ = {albedo:g}",
+            (THICKNESSES[-1], reference[-1]),
+            (6, 0),
+            va="center",
+            textcoords="offset points",
+            color=colour,
+        )
     left.plot([], [], "ko", markersize=3.5, label="transport")
     for name, dashes in STYLES.items():
         left.plot([], [], f"k{dashes}", label=name)

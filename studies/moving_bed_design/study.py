@@ -1,6 +1,6 @@
 """Two sweeps over the moving-bed heater: a map of its design, and what uncertain values leave open.
 
-    python studies/moving_bed_design/study.py
+python studies/moving_bed_design/study.py
 """
 
 from __future__ import annotations
@@ -33,12 +33,16 @@ def main() -> None:
         print(f"{1e3 * d:5.1f} mm: within {WITHIN:g} K from {1e3 * slowest:.2f} mm/s")
     table = read_table(HERE / "uncertainty.csv")
     steam, silica, hot = (table[n] for n in ("T_fluid_out [K]", "T_solid_out [K]", "boundary.top.solid.fixed [K]"))
-    print(f"steam {steam.mean():.1f} K, deviation {steam.std(ddof=1):.1f} K, correlation with the silica's inlet "
-          f"{np.corrcoef(steam, hot)[0, 1]:.3f}")  # fmt: skip
+    print(
+        f"steam {steam.mean():.1f} K, deviation {steam.std(ddof=1):.1f} K, correlation with the silica's inlet "
+        f"{np.corrcoef(steam, hot)[0, 1]:.3f}"
+    )
     print(f"below the silica's inlet: mean {(hot - steam).mean():.1f} K, largest {(hot - steam).max():.1f} K")
     velocity = table["flow.velocity_solid [m/s]"]
-    print(f"silica leaves at {silica.mean():.0f} K, deviation {silica.std(ddof=1):.0f} K, correlation with its "
-          f"velocity {np.corrcoef(silica, velocity)[0, 1]:.3f}")  # fmt: skip
+    print(
+        f"silica leaves at {silica.mean():.0f} K, deviation {silica.std(ddof=1):.0f} K, correlation with its "
+        f"velocity {np.corrcoef(silica, velocity)[0, 1]:.3f}"
+    )
 
 
 def columns(source: Path, target: Path) -> None:

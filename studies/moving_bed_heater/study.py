@@ -72,13 +72,24 @@ def plot(table: np.ndarray) -> None:
         axes.plot(1e3 * VELOCITIES, column, "o-", color=colour, markersize=4)
         last = np.flatnonzero(np.isfinite(column))[-1]
         axes.annotate(
-            f"{1e3 * d:g} mm", (1e3 * VELOCITIES[last], column[last]), (6, 0), textcoords="offset points",
-            va="center", color=colour,
-        )  # fmt: skip
+            f"{1e3 * d:g} mm",
+            (1e3 * VELOCITIES[last], column[last]),
+            (6, 0),
+            textcoords="offset points",
+            va="center",
+            color=colour,
+        )
     short = VELOCITIES[~np.isfinite(table).any(axis=1)]
     axes.axvspan(1e3 * VELOCITIES[0], 1e3 * short.max(), color="0.9")
-    axes.text(1e3 * VELOCITIES[1], 0.3, "too little silica: no length is enough", rotation=90, ha="center", va="center",
-              color="0.35")  # fmt: skip
+    axes.text(
+        1e3 * VELOCITIES[1],
+        0.3,
+        "too little silica: no length is enough",
+        rotation=90,
+        ha="center",
+        va="center",
+        color="0.35",
+    )
     axes.set(yscale="log", xscale="log", xlabel="solid velocity [mm/s]", ylabel="bed length [m]")
     axes.set_xlim(1e3 * VELOCITIES[0])
     axes.set_yticks([0.05, 0.1, 0.2, 0.5, 1, 2, 3], ["0.05", "0.1", "0.2", "0.5", "1", "2", "3"])

@@ -55,8 +55,15 @@ class Case:
 def settled(case):
     """Bed of particles, with strong damping: what moves in it later is the gas's work."""
     damped = replace(GLASS, restitution=0.3)
-    return pack((case.width, case.depth), radius=case.d / 2, count=case.count, periodic=(False, True), material=damped,
-                seed=1, at_rest=1e-3)  # fmt: skip
+    return pack(
+        (case.width, case.depth),
+        radius=case.d / 2,
+        count=case.count,
+        periodic=(False, True),
+        material=damped,
+        seed=1,
+        at_rest=1e-3,
+    )
 
 
 def coupled(case, packing):
@@ -71,8 +78,12 @@ def coupled(case, packing):
     size = np.array([case.width / count[0], case.depth / layers, across])
     air = gas_mixture(AIR, 101325.0, "gri30.yaml")
     gas = Gas(
-        Grid(np.zeros(3), size, count, (False, True)), air, drag_gidaspow, nusselt_gunn, T=T_BED,
-    )  # fmt: skip
+        Grid(np.zeros(3), size, count, (False, True)),
+        air,
+        drag_gidaspow,
+        nusselt_gunn,
+        T=T_BED,
+    )
     bed = Bed(simulation, gas, T=T_BED, heat_capacity=840.0)
     middle = 0.5 * case.width
     slot = (middle - 0.5 * case.nozzle, middle + 0.5 * case.nozzle)
@@ -123,8 +134,9 @@ def run(name, folder):
     facts |= {"heat_in_J": balance["in"], "heat_open_J": closed, "above": bed.above, "dt": bed.simulation.time_step}
     print(name, {key: float(f"{value:.4g}") for key, value in facts.items()}, flush=True)
     Path(folder).mkdir(parents=True, exist_ok=True)
-    np.savez_compressed(Path(folder) / f"{name}.npz", rows=rows, size=bed.gas.grid.size, facts=list(facts.values()),
-                        **shots)  # fmt: skip
+    np.savez_compressed(
+        Path(folder) / f"{name}.npz", rows=rows, size=bed.gas.grid.size, facts=list(facts.values()), **shots
+    )
 
 
 def found(folder):
@@ -180,9 +192,12 @@ def plot(folder):
         t, diameter, T, _, hottest = data["rows"].T
         scale = Case(name).scale
         stop, late = (np.argmin(np.abs(t - scale * moment)) for moment in (DURATION, 0.3))
-        print(name, f"end of injection: {1e2 * diameter[stop]:.2f} cm, {T[stop]:.0f} K; at {scale * 0.3:g} s: "
-              f"{1e2 * diameter[late]:.2f} cm, {T[late]:.0f} K; early {T[np.isfinite(T)][0]:.0f} K; particles up to "
-              f"{hottest.max():.0f} K; largest {1e2 * np.nanmax(diameter):.2f} cm")  # fmt: skip
+        print(
+            name,
+            f"end of injection: {1e2 * diameter[stop]:.2f} cm, {T[stop]:.0f} K; at {scale * 0.3:g} s: "
+            f"{1e2 * diameter[late]:.2f} cm, {T[late]:.0f} K; early {T[np.isfinite(T)][0]:.0f} K; particles up to "
+            f"{hottest.max():.0f} K; largest {1e2 * np.nanmax(diameter):.2f} cm",
+        )
 
 
 if __name__ == "__main__":

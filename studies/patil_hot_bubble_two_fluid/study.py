@@ -32,8 +32,13 @@ def scene(case):
     """`half_3mm_900` with another diameter and temperature; `_fine` halves the cells."""
     size, T = case.removesuffix("_fine").removeprefix("half_").split("mm_")
     background, T = BACKGROUND[int(size)], float(T)
-    changes = {"solid.diameter": 1e-3 * int(size), "boundary.bottom.velocity": background, "initial.u_gas": background,
-               "boundary.jet.T_gas": T, "boundary.jet.velocity": FLUX / DENSITY * T / T_BED}  # fmt: skip
+    changes = {
+        "solid.diameter": 1e-3 * int(size),
+        "boundary.bottom.velocity": background,
+        "initial.u_gas": background,
+        "boundary.jet.T_gas": T,
+        "boundary.jet.velocity": FLUX / DENSITY * T / T_BED,
+    }
     changes["initial.layer"] = [{"end": DEPTH, "eps_s": 1.0 - EMULSION, "u_gas": background / EMULSION}]
     if case.endswith("_fine"):
         changes["mesh.cells"] = [60, 160]
@@ -104,8 +109,9 @@ def curves(found, discrete):
         style, wide = {"2mm": "--", "3mm": "-"}[size], 0.9 if fine else 1.8
         dots = {"ls": "", "marker": "o+"[style == "--"], "ms": 4}
         for data, mark, how in (
-            (rows, "two fluids", {"ls": style, "lw": wide}), (discrete.get(name), "particles", dots)
-        ):  # fmt: skip
+            (rows, "two fluids", {"ls": style, "lw": wide}),
+            (discrete.get(name), "particles", dots),
+        ):
             if data is None:
                 continue
             shown, text = data[:, 1] > 0.0, ", ".join((size, f"{T} K", mark, *fine))

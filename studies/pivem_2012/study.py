@@ -95,8 +95,10 @@ def write(name, rows):
 def main():
     scenes = {name: cb.load(HERE / f"{name}.toml") for name in table()}
     results = {name: cb.run(scene) for name, scene in scenes.items()}
-    rows = ["scene,theta_equilibrium [1],mixing theta [1],equilibrium_length [m],"
-            "error_fluid [1],error_solid [1],error_equilibrium [1],error_length [1]"]  # fmt: skip
+    rows = [
+        "scene,theta_equilibrium [1],mixing theta [1],equilibrium_length [m],"
+        "error_fluid [1],error_solid [1],error_equilibrium [1],error_length [1]"
+    ]
     worst = 0.0
     for name, result in results.items():
         c, difference = coefficients(scenes[name]), errors(scenes[name], result)
@@ -143,8 +145,10 @@ def figures(results):
 
 def brinkman(plug):
     """Three rows in two dimensions with walls that hold the fluid."""
-    rows = ["scene,u_max/u_D at the outlet [1],theta_equilibrium on the axis [1],plug [1],"
-            "equilibrium_length on the axis [m],plug [m],T_fluid_out [K],plug [K]"]  # fmt: skip
+    rows = [
+        "scene,u_max/u_D at the outlet [1],theta_equilibrium on the axis [1],plug [1],"
+        "equilibrium_length on the axis [m],plug [m],T_fluid_out [K],plug [K]"
+    ]
     style()
     figure, panels = plt.subplots(1, 3, figsize=(12, 3.8), sharey=True, layout="constrained")
     for axes, name in zip(panels, BRINKMAN, strict=True):

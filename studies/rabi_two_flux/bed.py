@@ -72,9 +72,9 @@ class Bed:
         for name in ("tubes", "wall"):
             part = data[name]
             sees = closures.emissivity_immersed(eps_bed, part["emissivity"]) / 4
-            self.sinks.append(SimpleNamespace(
-                name=name, p=part["perimeter_m"], h=part["h_W_m2K"], T=part["temperature_K"], sees=sees
-            ))  # fmt: skip
+            self.sinks.append(
+                SimpleNamespace(name=name, p=part["perimeter_m"], h=part["h_W_m2K"], T=part["temperature_K"], sees=sees)
+            )
         self.m_plate, self.m_top = (closures.marshak(self.plate["emissivity"]), 0.5) if ends else (0.0, 0.0)
         self.J_top = data["top"]["radiosity_W_m2"] * power(data["top"]["radiosity_reference_K"])
         self.diffusion = None if LEVELS[level] is None else LEVELS[level] / self.beta
@@ -88,8 +88,9 @@ class Bed:
         self.system = System(self.mesh, dict.fromkeys(fields, (3, 0)), 9)
         points = self.system.fields["T_char"][0].points[0]
         self.z, self.order = np.sort(points), np.argsort(points)
-        self.bottom, self.top = ({f: self.system.offset[f, 0] + node for f in fields}
-                                 for node in (np.argmin(points), np.argmax(points)))  # fmt: skip
+        self.bottom, self.top = (
+            {f: self.system.offset[f, 0] + node for f in fields} for node in (np.argmin(points), np.argmax(points))
+        )
 
     def emitted(self, T):
         """4 sum K_a,m E_m [W/m3 of emulsion]."""
@@ -323,9 +324,15 @@ def plot(beds, found) -> None:
         paper, full = (solved(level, mixing=mixing) for level in ("closure", "p1"))
         apart.plot(full.z, paper.T_inert - full.T_inert, color=colours["T_inert"], linewidth=width)
         at = int(np.searchsorted(full.z, 0.3))
-        apart.annotate(f"dispersion x {mixing:g}", (0.3, (paper.T_inert - full.T_inert)[at]),
-                       (0, 5 if mixing == 1 else -13), ha="center",
-                       textcoords="offset points", color=colours["T_inert"], fontsize=9)  # fmt: skip
+        apart.annotate(
+            f"dispersion x {mixing:g}",
+            (0.3, (paper.T_inert - full.T_inert)[at]),
+            (0, 5 if mixing == 1 else -13),
+            ha="center",
+            textcoords="offset points",
+            color=colours["T_inert"],
+            fontsize=9,
+        )
     apart.set(xlabel="height [m]", ylabel="inert: eq. 34 minus P1 [K]", xlim=(0, beds["p1"].H), ylim=(-4, None))
     flux.set(xlabel="height [mm]", ylabel="radiative flux upwards [kW/m$^2$]", xlim=(0, 6), ylim=(-145, 5))
     flux.set_title("at the distributor")

@@ -80,8 +80,14 @@ def plot(results, mixtures) -> None:
     for m, each in enumerate(mixtures["three"]):
         heat.plot(T_CHAR, equilibrium[m] / 1e6, color=COLOURS[each.name])
         heat.plot(T_CHAR, pairs[m] / 1e6, "--", color=COLOURS[each.name])
-        heat.annotate(each.name, (T_CHAR[-1], equilibrium[m, -1] / 1e6), (5, 0), textcoords="offset points",
-                      va="center", color=COLOURS[each.name])  # fmt: skip
+        heat.annotate(
+            each.name,
+            (T_CHAR[-1], equilibrium[m, -1] / 1e6),
+            (5, 0),
+            textcoords="offset points",
+            va="center",
+            color=COLOURS[each.name],
+        )
         error.semilogy(T_CHAR, difference(equilibrium, pairs)[m], color=COLOURS[each.name])
     heat.plot([], [], "k", label="exact: eq. 34 and enclosure")
     heat.plot([], [], "k--", label="pairs, eqs. 2-11")

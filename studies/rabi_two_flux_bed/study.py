@@ -1,6 +1,6 @@
 """A hot bed of three species at five levels of radiation: table, pictures, run times.
 
-    python studies/rabi_two_flux_bed/study.py        # about 1 min: results.csv, profiles.png, packing.csv
+python studies/rabi_two_flux_bed/study.py        # about 1 min: results.csv, profiles.png, packing.csv
 """
 
 from __future__ import annotations

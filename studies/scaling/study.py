@@ -29,16 +29,31 @@ RUNS = (
 COLUMNS = ("scene", "cells", "engine", "ranks", "unknowns", "cpu_s", "cpu_largest_s", "wall_s", "setup_s", "solve_s",
            "memory_GB", "memory_leader_GB", "iterations")  # fmt: skip
 ENVIRONMENT = {
-    "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
-    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
-}  # fmt: skip
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+}
 
 
 def measured(scene: str, cells: tuple[int, ...], engine: str, ranks: int, python: str) -> dict[str, object]:
     """One run as a row of the table."""
     with tempfile.TemporaryDirectory() as out:
-        command = [python, "-m", "contbed", "run", HERE / f"{scene}.toml", "--quiet", "--out", out,
-                   "--engine", engine, "--set", f"mesh.cells={list(cells)}"]  # fmt: skip
+        command = [
+            python,
+            "-m",
+            "contbed",
+            "run",
+            HERE / f"{scene}.toml",
+            "--quiet",
+            "--out",
+            out,
+            "--engine",
+            engine,
+            "--set",
+            f"mesh.cells={list(cells)}",
+        ]
         if ranks > 1:
             command = ["mpirun", "-n", str(ranks), *command]
         start = time.perf_counter()
@@ -48,17 +63,34 @@ def measured(scene: str, cells: tuple[int, ...], engine: str, ranks: int, python
         if status:
             raise RuntimeError(f"{scene} {cells} {engine} {ranks}: exit {os.waitstatus_to_exitcode(status)}")
         summary = json.loads((Path(out) / "summary.json").read_text())
-    taken = summary.get("engine") or {"cpu_s": [usage.ru_utime + usage.ru_stime], "iterations": [],
-                                      "memory_GB": [1.024e-6 * usage.ru_maxrss]}  # fmt: skip
+    taken = summary.get("engine") or {
+        "cpu_s": [usage.ru_utime + usage.ru_stime],
+        "iterations": [],
+        "memory_GB": [1.024e-6 * usage.ru_maxrss],
+    }
     timings = summary["timings"]
     many = [k for k in taken["iterations"] if k > 1]
-    return dict(zip(COLUMNS, (
-        scene, "x".join(map(str, cells)), engine, ranks, sum(summary["dofs"].values()),
-        round(sum(taken["cpu_s"]), 2), round(max(taken["cpu_s"]), 2), round(wall, 1),
-        round(timings["plan"] + timings.get("heat setup", 0.0), 2),
-        round(timings.get("flow", 0.0) + timings.get("heat", 0.0), 2),
-        round(sum(taken["memory_GB"]), 3), round(taken["memory_GB"][0], 3), max(many, default=""),
-    ), strict=True))  # fmt: skip
+    return dict(
+        zip(
+            COLUMNS,
+            (
+                scene,
+                "x".join(map(str, cells)),
+                engine,
+                ranks,
+                sum(summary["dofs"].values()),
+                round(sum(taken["cpu_s"]), 2),
+                round(max(taken["cpu_s"]), 2),
+                round(wall, 1),
+                round(timings["plan"] + timings.get("heat setup", 0.0), 2),
+                round(timings.get("flow", 0.0) + timings.get("heat", 0.0), 2),
+                round(sum(taken["memory_GB"]), 3),
+                round(taken["memory_GB"][0], 3),
+                max(many, default=""),
+            ),
+            strict=True,
+        )
+    )
 
 
 def plot(rows: list[dict[str, str]]) -> None:
@@ -68,14 +100,20 @@ def plot(rows: list[dict[str, str]]) -> None:
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    styles = {("skfem", "1"): ("k", "o", "scikit-fem"), ("dolfinx", "1"): ("tab:blue", "s", "DOLFINx, 1 rank"),
-              ("dolfinx", "2"): ("tab:orange", "^", "DOLFINx, 2 ranks")}  # fmt: skip
+    styles = {
+        ("skfem", "1"): ("k", "o", "scikit-fem"),
+        ("dolfinx", "1"): ("tab:blue", "s", "DOLFINx, 1 rank"),
+        ("dolfinx", "2"): ("tab:orange", "^", "DOLFINx, 2 ranks"),
+    }
     titles = {"plane": "2-D: flow and heat, direct", "space": "3-D: heat, multigrid above 60 000"}
     figure, axes = plt.subplots(2, 2, figsize=(9, 7), sharex="col", layout="constrained")
     for k, (scene, title) in enumerate(titles.items()):
         for (engine, ranks), (colour, marker, label) in styles.items():
-            found = sorted((int(row["unknowns"]), float(row["cpu_s"]), float(row["memory_GB"])) for row in rows
-                           if (row["scene"], row["engine"], row["ranks"]) == (scene, engine, ranks))  # fmt: skip
+            found = sorted(
+                (int(row["unknowns"]), float(row["cpu_s"]), float(row["memory_GB"]))
+                for row in rows
+                if (row["scene"], row["engine"], row["ranks"]) == (scene, engine, ranks)
+            )
             if found:
                 n, time, memory = zip(*found, strict=True)
                 axes[0, k].loglog(n, time, color=colour, marker=marker, label=label)
@@ -99,7 +137,7 @@ def main() -> None:
     table = HERE / "scaling.csv"
     rows = list(csv.DictReader(table.open())) if table.is_file() else []
     done = {(row["scene"], row["cells"], row["engine"], int(row["ranks"])) for row in rows}
-    for scene, cells, engine, ranks in sorted(RUNS, key=lambda run: (run[1][0] * run[1][-1] ** (len(run[1]) - 1))):
+    for scene, cells, engine, ranks in sorted(RUNS, key=lambda run: run[1][0] * run[1][-1] ** (len(run[1]) - 1)):
         count = 1
         for n in cells:
             count *= n

@@ -40,13 +40,20 @@ def main():
     rows = ["kappa L [1],x/L [1],P1 [1],P1 spectral [1],difference,transport [1],P1 minus transport"]
     results = {tau: cb.run(cb.load(HERE / f"tau_{tau}.toml")) for tau in THICKNESSES}
     for tau, result in results.items():
-        found, spectral, exact = (f(PLACES) for f in (
-            lambda x, r=result: wall_flux(r, x), lambda x, k=float(tau): square_p1(x, k),
-            lambda x, k=float(tau): square_transport(x, k)))  # fmt: skip
+        found, spectral, exact = (
+            f(PLACES)
+            for f in (
+                lambda x, r=result: wall_flux(r, x),
+                lambda x, k=float(tau): square_p1(x, k),
+                lambda x, k=float(tau): square_transport(x, k),
+            )
+        )
         for values in zip(PLACES, found, spectral, exact, strict=True):
             x, p1, reference, transport = values
-            rows.append(f"{tau},{x:g},{p1:.10f},{reference:.10f},{p1 / reference - 1:.1e},{transport:.8f},"
-                        f"{p1 / transport - 1:.3f}")  # fmt: skip
+            rows.append(
+                f"{tau},{x:g},{p1:.10f},{reference:.10f},{p1 / reference - 1:.1e},{transport:.8f},"
+                f"{p1 / transport - 1:.3f}"
+            )
         print(rows[-1], f"{result.plan.mesh.skfem.nelements} cells, {result.timings['total']:.2f} s")
     (HERE / "wall_flux.csv").write_text("\n".join(rows) + "\n", encoding="ascii")
     plot(results)
@@ -61,8 +68,14 @@ def plot(results):
         values = wall_flux(result, x)
         left.plot(x, values, color=COLOURS[tau])
         left.plot(x, square_transport(x, float(tau)), "--", color=COLOURS[tau])
-        left.annotate(rf"$\kappa L$ = {tau}", (x[-1], values[33]), (8, 0), textcoords="offset points", va="center",
-                      color=COLOURS[tau])  # fmt: skip
+        left.annotate(
+            rf"$\kappa L$ = {tau}",
+            (x[-1], values[33]),
+            (8, 0),
+            textcoords="offset points",
+            va="center",
+            color=COLOURS[tau],
+        )
     left.plot([], [], "k", label="P1")
     left.plot([], [], "k--", label="transport")
     left.legend(loc="center", bbox_to_anchor=(0.5, 0.42))

@@ -103,14 +103,17 @@ def plot(rows: list[tuple[Case, float, float]], path: Path) -> None:
 
     figure, panels = plt.subplots(2, 3, figsize=(9.5, 6.0), sharex=True, sharey=True, layout="constrained")
     for panel, slip in zip(panels.flat, SLIP, strict=True):
-        worst = np.array([
-            [max(e for c, e, _ in rows if (c.peclet, c.ntu, c.slip) == (peclet, ntu, slip)) for peclet in PECLET]
-            for ntu in NTU
-        ])  # fmt: skip
+        worst = np.array(
+            [
+                [max(e for c, e, _ in rows if (c.peclet, c.ntu, c.slip) == (peclet, ntu, slip)) for peclet in PECLET]
+                for ntu in NTU
+            ]
+        )
         image = panel.imshow(np.log10(worst), origin="lower", cmap="viridis", vmin=-8, vmax=-3, aspect="auto")
         for (i, j), value in np.ndenumerate(worst):
-            panel.text(j, i, f"{value:.0e}", ha="center", va="center", fontsize=7,
-                       color="black" if value > 1e-5 else "white")  # fmt: skip
+            panel.text(
+                j, i, f"{value:.0e}", ha="center", va="center", fontsize=7, color="black" if value > 1e-5 else "white"
+            )
         panel.set_title(rf"$C_\mathrm{{s}}/C_\mathrm{{f}}$ = {slip:g}", fontsize=10)
         panel.set_xticks(range(len(PECLET)), [f"{v:g}" for v in PECLET])
         panel.set_yticks(range(len(NTU)), [f"{v:g}" for v in NTU])

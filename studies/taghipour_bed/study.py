@@ -50,8 +50,16 @@ def own(path: Path) -> list:
     axial = result.tables["axial"]
     shares = [result.qoi[f"weight_{name}"] for name in ("pressure", "walls", "missing")]
     cells = "x".join(str(n) for n in scene.mesh.cells)
-    return ["contbed", path.stem, cells, scene.boundary["left"].solid, *shares,
-            *heights(axial["height [m]"], axial["eps_s [1]"]), result.qoi["mass_drift_relative"], cpu]  # fmt: skip
+    return [
+        "contbed",
+        path.stem,
+        cells,
+        scene.boundary["left"].solid,
+        *shares,
+        *heights(axial["height [m]"], axial["eps_s [1]"]),
+        result.qoi["mass_drift_relative"],
+        cpu,
+    ]
 
 
 def peer(name: str, case: openfoam.Case) -> list:
@@ -63,8 +71,18 @@ def peer(name: str, case: openfoam.Case) -> list:
     weight = 2500.0 * 9.81 * openfoam.BED_FRACTION * openfoam.BED_HEIGHT
     share = float(trapezoid(p[late] - 1e5, t[late]) / np.ptp(t[late])) / weight
     z = (np.arange(case.ny) + 0.5) / case.ny
-    return ["twoPhaseEulerFoam", name, f"{case.nx}x{case.ny}", case.walls, share, "", "", *heights(z, eps_s),
-            found["mass_drift_relative"], found["cpu_s"]]  # fmt: skip
+    return [
+        "twoPhaseEulerFoam",
+        name,
+        f"{case.nx}x{case.ny}",
+        case.walls,
+        share,
+        "",
+        "",
+        *heights(z, eps_s),
+        found["mass_drift_relative"],
+        found["cpu_s"],
+    ]
 
 
 def frames() -> None:

@@ -84,13 +84,15 @@ def measure(case: str, cells: tuple[int, ...]) -> dict[str, object]:
     count, width = len(grid.cells), grid.bandwidth
     iterative = Multigrid(grid)
     row = {
-        "case": case, "cells": count, "band": width,
+        "case": case,
+        "cells": count,
+        "band": width,
         "us_per_cell_step": 1e6 * median(steps[FIRST:]) / count,
         "pressure_share": median(solutions[FIRST:]) / median(steps[FIRST:]),
         "policy": "elimination" if isinstance(watched.by, Elimination) else "multigrid",
         "iterations": iterative.solve(coef, watched.floating, rhs, guess.copy()),
         "multigrid_ms": timed(lambda: iterative.solve(coef, watched.floating, rhs, guess.copy())),
-    }  # fmt: skip
+    }
     if count * width**2 < DENSEST:
         direct = Elimination(grid)
         row["elimination_ms"] = timed(lambda: direct.solve(grid.geometry, coef, watched.floating, rhs.copy()))

@@ -278,9 +278,7 @@ def constants(case: Case) -> dict[str, dict[str, Any]]:
 
 
 def numerics(case: Case) -> dict[str, dict[str, Any]]:
-    fraction, scalar, vector = (
-        ("upwind",) * 3 if case.upwind else ("vanLeer", "limitedLinear 1", "limitedLinearV 1")
-    )
+    fraction, scalar, vector = ("upwind",) * 3 if case.upwind else ("vanLeer", "limitedLinear 1", "limitedLinearV 1")
     stress = "div((((alpha.air*thermo:rho.air)*nuEff.air)*dev2(T(grad(U.air)))))"
     granular = (
         "div((((thermo:rho.particles*nut.particles)*dev2(T(grad(U.particles))))"

@@ -63,8 +63,19 @@ def main() -> None:
             drift = float("nan") if case.riser else peer["mass_drift_relative"]
             done["twoPhaseEulerFoam"] = {**peer, "mass_drift": drift}
         for program, r in done.items():
-            rows.append([name, program, COURANT, case.end, r["cpu_s"], int(r["steps"]), 1e3 * r["cpu_s"] / r["steps"],
-                         r["cpu_s"] / case.end, r["mass_drift"]])  # fmt: skip
+            rows.append(
+                [
+                    name,
+                    program,
+                    COURANT,
+                    case.end,
+                    r["cpu_s"],
+                    int(r["steps"]),
+                    1e3 * r["cpu_s"] / r["steps"],
+                    r["cpu_s"] / case.end,
+                    r["mass_drift"],
+                ]
+            )
             print(*(f"{value:.4g}" if isinstance(value, float) else value for value in rows[-1]), flush=True)
     with open(HERE / "results.csv", "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")

@@ -125,8 +125,7 @@ def cases():
             step = {"time": {"courant": courant}}
             yield Case("shock", f"slug at {speed:g} m/s, Courant {courant}", 0.3, merged(merged(thrown, CLOSED), step))
         for name in ("triangles", "Schaeffer", "second order in time", "algebraic theta", "no guards"):
-            yield Case("shock", f"slug at {speed:g} m/s, {name}", 0.3,
-                       merged(merged(thrown, CLOSED), VARIANTS[name]))  # fmt: skip
+            yield Case("shock", f"slug at {speed:g} m/s, {name}", 0.3, merged(merged(thrown, CLOSED), VARIANTS[name]))
     fall = merged(layer(0.15, 0.3, 0.55), BOX)
     for courant in COURANT:
         yield Case("fall", f"column in a box, Courant {courant}", 0.6, merged(fall, {"time": {"courant": courant}}))
@@ -138,13 +137,23 @@ def cases():
         yield Case("inlet", f"gas into an empty box, {name}", 0.5, merged(VARIANTS[name], {}))
         for eps_s in (1e-9, 1e-4, 0.3, 0.6):
             inlet = {"bottom": {"type": "inlet", "velocity": 5.0, "eps_s": eps_s, "solid_velocity": 2.0, "theta": 0.1}}
-            yield Case("inlet", f"particles into nothing, eps_s {eps_s:g}, {name}", 0.4,
-                       merged(VARIANTS[name], {"boundary": inlet}))  # fmt: skip
+            yield Case(
+                "inlet",
+                f"particles into nothing, eps_s {eps_s:g}, {name}",
+                0.4,
+                merged(VARIANTS[name], {"boundary": inlet}),
+            )
     inlet = {"bottom": {"type": "inlet", "velocity": 5.0, "eps_s": 0.6, "solid_velocity": 2.0, "theta": 0.1}}
-    yield Case("inlet", "particles into nothing, eps_s 0.6, slip walls", 0.4,
-               merged({"boundary": inlet}, sides(WALLS["slip"])))  # fmt: skip
-    inlet = {"boundary": {"bottom": {"type": "inlet", "eps_s": 0.3, "solid_velocity": 1.0}, "top": WALL,
-                          "right": {"type": "outlet"}}}  # fmt: skip
+    yield Case(
+        "inlet", "particles into nothing, eps_s 0.6, slip walls", 0.4, merged({"boundary": inlet}, sides(WALLS["slip"]))
+    )
+    inlet = {
+        "boundary": {
+            "bottom": {"type": "inlet", "eps_s": 0.3, "solid_velocity": 1.0},
+            "top": WALL,
+            "right": {"type": "outlet"},
+        }
+    }
     for name, wall in (("no-slip", WALL), ("slip", WALLS["slip"])):
         sideways = merged(inlet, {"boundary": {"left": wall}})
         yield Case("inlet", f"particles thrown up to a wall, {name} side", 0.5, sideways)
@@ -157,8 +166,11 @@ def cases():
         yield Case("size", f"bed of {name}", 1.0, merged(BED, changes))
         yield Case("size", f"random, {name}", 0.3, changes, random=True)
     for ratio, (rho_s, rho, mu, speed) in PAIRS.items():
-        changes = {"solid": {"density": rho_s, "diameter": 500e-6}, "gas": {"density": rho, "viscosity": mu},
-                   "boundary": {"bottom": {"velocity": speed}}}  # fmt: skip
+        changes = {
+            "solid": {"density": rho_s, "diameter": 500e-6},
+            "gas": {"density": rho, "viscosity": mu},
+            "boundary": {"bottom": {"velocity": speed}},
+        }
         yield Case("density", f"bed, {ratio:g}", 1.0, merged(BED, changes))
         yield Case("density", f"random, {ratio:g}", 0.3, changes, random=True)
     for courant in COURANT:
@@ -184,8 +196,12 @@ def start(case, bed):
     """Random fields."""
     random, cells = np.random.default_rng(1), bed.eps_s.shape
     velocity = (*cells, bed.grid.dimension)
-    bed.start(eps_s=random.uniform(0.0, 0.6, cells), theta=random.uniform(0.0, 1.0, cells),
-              u_gas=random.uniform(-1.0, 1.0, velocity), u_solid=random.uniform(-1.0, 1.0, velocity))  # fmt: skip
+    bed.start(
+        eps_s=random.uniform(0.0, 0.6, cells),
+        theta=random.uniform(0.0, 1.0, cells),
+        u_gas=random.uniform(-1.0, 1.0, velocity),
+        u_solid=random.uniform(-1.0, 1.0, velocity),
+    )
 
 
 def solids(bed):
@@ -243,9 +259,23 @@ def run(case):
     now, scale = solids(bed)
     mass, packing = abs(now - before) / max(scale, 1e-300), bed.materials.eps_max
     passed = not remark and watch.low >= 0.0 and watch.high <= packing and watch.cold >= 0.0 and mass <= 1e-12
-    return [case.group, case.name, passed, f"{bed.time:.3g}", bed.steps, f"{watch.low:.3g}", f"{watch.high:.6f}",
-            f"{packing - watch.high:.2g}", f"{watch.cold:.3g}", f"{watch.hot:.3g}", f"{watch.fast:.3g}",
-            f"{speed(bed):.3g}", f"{mass:.1e}", f"{time.process_time() - begin:.1f}", remark]  # fmt: skip
+    return [
+        case.group,
+        case.name,
+        passed,
+        f"{bed.time:.3g}",
+        bed.steps,
+        f"{watch.low:.3g}",
+        f"{watch.high:.6f}",
+        f"{packing - watch.high:.2g}",
+        f"{watch.cold:.3g}",
+        f"{watch.hot:.3g}",
+        f"{watch.fast:.3g}",
+        f"{speed(bed):.3g}",
+        f"{mass:.1e}",
+        f"{time.process_time() - begin:.1f}",
+        remark,
+    ]
 
 
 def main():

@@ -90,9 +90,18 @@ def peer(cells: str, courant: float) -> Iterator[Block]:
     fraction, begin, end = STARTS[PEER]
     chosen = cb.load(SCENE)
     case = openfoam.Case(
-        "riser", *numbers(cells), end, 3.2, solids=26.6, courant=courant, walls="jj", largest_dt=0.05,
-        average_from=begin, start=(fraction, chosen.initial.u_gas, chosen.initial.u_solid), write_every=BLOCK,
-    )  # fmt: skip
+        "riser",
+        *numbers(cells),
+        end,
+        3.2,
+        solids=26.6,
+        courant=courant,
+        walls="jj",
+        largest_dt=0.05,
+        average_from=begin,
+        start=(fraction, chosen.initial.u_gas, chosen.initial.u_solid),
+        write_every=BLOCK,
+    )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         openfoam.run(case, folder)
@@ -215,8 +224,14 @@ def draw() -> None:
     axes[0, 0].legend(fontsize=8, loc="lower right")
     axes[1, 0].legend(fontsize=8)
     figure.savefig(HERE / "accuracy.png", dpi=120)
-    head = ["program", "cells", "courant", "steps", "cpu_per_s", *(f"{a}_{b}" for b in QUANTITIES for a in
-            ("error", "scatter"))]  # fmt: skip
+    head = [
+        "program",
+        "cells",
+        "courant",
+        "steps",
+        "cpu_per_s",
+        *(f"{a}_{b}" for b in QUANTITIES for a in ("error", "scatter")),
+    ]
     write(HERE / "accuracy.csv", head, rows)
 
 

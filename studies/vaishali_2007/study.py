@@ -1,6 +1,6 @@
 """Profiles of the riser in the window of the measurements, contbed beside twoPhaseEulerFoam, in profiles.png.
 
-    python study.py [SCENE ...]     runs these scenes (some 11 minutes of CPU each), keeps their lateral.csv, and draws
+python study.py [SCENE ...]     runs these scenes (some 11 minutes of CPU each), keeps their lateral.csv, and draws
 """
 
 from __future__ import annotations
@@ -50,8 +50,12 @@ def peer(path: Path) -> dict[str, np.ndarray]:
     """The peer's profile under our names; what its averages lack in the third direction counts as the lateral one."""
     found = columns(path)
     moved = (found["var_us_axial"] + 2.0 * found["var_us_lateral"]) / 3.0
-    return {"x [m]": WIDTH * found["x_over_W"], "eps_s [1]": found["es_mean"], "u_solid [m/s]": found["us_mean"],
-            "theta_total [m2/s2]": found["theta_mean"] + moved}  # fmt: skip
+    return {
+        "x [m]": WIDTH * found["x_over_W"],
+        "eps_s [1]": found["es_mean"],
+        "u_solid [m/s]": found["us_mean"],
+        "theta_total [m2/s2]": found["theta_mean"] + moved,
+    }
 
 
 def draw() -> None:

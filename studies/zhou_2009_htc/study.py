@@ -26,8 +26,14 @@ from contbed.materials.constant import ConstantFluid
 
 HERE = Path(__file__).parent
 D, WIDTH, COUNT = 2e-3, 26e-3, 2500
-GLASS = Material(density=2500.0, youngs_modulus=1e7, poisson_ratio=0.3, restitution=0.335, sliding_friction=0.3,
-                 rolling_friction=0.04)  # fmt: skip
+GLASS = Material(
+    density=2500.0,
+    youngs_modulus=1e7,
+    poisson_ratio=0.3,
+    restitution=0.335,
+    sliding_friction=0.3,
+    rolling_friction=0.04,
+)
 AIR = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026)
 NUSSELT = partial(nusselt_power, a=1.2, b=0.5)
 VELOCITIES = (0.2, 0.42, 0.8, 1.0, 1.2, 1.3, 1.4, 1.6, 2.0, 2.4)
@@ -157,8 +163,15 @@ def table(results):
     parts = ("fluid_touching", "fluid_apart", "contact", "impact")
     for k in ("0.08", "0.84", "30"):
         head += [f"{name} {k}" for name in (*parts, "total")]
-    head += ["total 0.84 E=10 MPa c=1", "total 30 E=10 MPa c=1", "total 30 exponents 1/3 1/5", "radiation 373 K",
-             "radiation 1273 K", "hot spheres by cooling", "hot spheres by average"]  # fmt: skip
+    head += [
+        "total 0.84 E=10 MPa c=1",
+        "total 30 E=10 MPa c=1",
+        "total 30 exponents 1/3 1/5",
+        "radiation 373 K",
+        "radiation 1273 K",
+        "hot spheres by cooling",
+        "hot spheres by average",
+    ]
     weight = COUNT * np.pi / 6 * D**3 * 2500.0 * 9.81 / WIDTH**2
     with open(HERE / "results.csv", "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -169,8 +182,14 @@ def table(results):
             values.append(cases["0.84"]["convection"])
             for k in ("0.08", "0.84", "30"):
                 values += [*(cases[k][name] for name in parts), sum(cases[k].values())]
-            values += [sum(cases[name].values()) for name in ("0.84 at 10 MPa, no correction",
-                       "30 at 10 MPa, no correction", "30, exponents 1/3 and 1/5")]  # fmt: skip
+            values += [
+                sum(cases[name].values())
+                for name in (
+                    "0.84 at 10 MPa, no correction",
+                    "30 at 10 MPa, no correction",
+                    "30, exponents 1/3 and 1/5",
+                )
+            ]
             values += [row["radiation"]["373"], row["radiation"]["1273"]]
             values += [np.mean(row["hot_cooling"]), np.mean(row["hot_average"])]
             writer.writerow([row["U"], *(f"{value:.4g}" for value in values)])

@@ -32,8 +32,9 @@ def shared():
 
 def own(modulus, seed=1):
     """Centres [m] and porosity of a bed of our own, settled and stiffened to a modulus [Pa]."""
-    bed = pack((WIDTH, WIDTH), radius=R, count=2500, seed=seed,
-               material=Material(density=1000.0, youngs_modulus=modulus))  # fmt: skip
+    bed = pack(
+        (WIDTH, WIDTH), radius=R, count=2500, seed=seed, material=Material(density=1000.0, youngs_modulus=modulus)
+    )
     return bed.position, bed.statistics["porosity_core"]
 
 

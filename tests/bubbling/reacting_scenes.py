@@ -5,25 +5,35 @@ from copy import deepcopy
 from contbed.scene.loading import from_dict
 
 COAL = {
-    "species": "char", "moisture": 0.08, "ash": 0.10, "volatile_matter": 0.38,
+    "species": "char",
+    "moisture": 0.08,
+    "ash": 0.10,
+    "volatile_matter": 0.38,
     "ultimate": {"C": 0.70, "H": 0.047, "O": 0.12, "N": 0.013, "S": 0.02},
     "feed": {"mass_flow": 0.035, "temperature": 300.0, "height": 0.2, "width": 0.1},
-}  # fmt: skip
-BURNING = {name: {} for name in ("char_combustion", "CO_oxidation", "H2_oxidation", "CH4_oxidation",
-                                 "tar_oxidation", "H2S_oxidation")}  # fmt: skip
+}
+BURNING = {
+    name: {}
+    for name in ("char_combustion", "CO_oxidation", "H2_oxidation", "CH4_oxidation", "tar_oxidation", "H2S_oxidation")
+}
 BURNING |= {"drying": {"time": 10.0}, "devolatilisation": {"time": 20.0}}
 STONE = {
-    "species": "stone", "purity": 0.95,
+    "species": "stone",
+    "purity": 0.95,
     "feed": {"mass_flow": 0.005, "temperature": 300.0, "height": 0.2, "width": 0.1},
-}  # fmt: skip
+}
 
 
 def particles(share, diameter, density, **keys):
     """One kind of particles with its own numbers."""
     return {
-        "volume_fraction": share, "diameter": diameter, "density": density, "heat_capacity": 1000.0,
-        "gas_coefficient": 150.0, "conductivity": 4e4 * share + 200.0,
-    } | keys  # fmt: skip
+        "volume_fraction": share,
+        "diameter": diameter,
+        "density": density,
+        "heat_capacity": 1000.0,
+        "gas_coefficient": 150.0,
+        "conductivity": 4e4 * share + 200.0,
+    } | keys
 
 
 def tables(stone=False, **changes):

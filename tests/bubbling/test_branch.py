@@ -16,8 +16,13 @@ def stirred(guess, start, to):
     flow, height, section = 300.0, 0.6, 1.3
     release = {"rate": RISE * np.exp(-E / 1000.0) * flow / height / section, "activation": E, "reference": 1000.0}
     inert = {"gas_coefficient": 1e5, "conductivity": 1e7, "release": release}
-    return one(inert=inert, gas={"capacity_flow": flow, "temperature": start}, solver={"guess": guess},
-               continuation={"parameter": "gas.temperature", "to": to}, mesh={"cells": 6})  # fmt: skip
+    return one(
+        inert=inert,
+        gas={"capacity_flow": flow, "temperature": start},
+        solver={"guess": guess},
+        continuation={"parameter": "gas.temperature", "to": to},
+        mesh={"cells": 6},
+    )
 
 
 def test_folds_of_a_stirred_bed():
@@ -47,10 +52,15 @@ def test_a_bed_with_radiation_ignites_at_a_fold():
     gas = {**values()["gas"], "release": {"rate": 1.0e6, "length": 0.3}}
     found = []
     for cells in (16, 24):
-        result = cb.run(case1(
-            species=species(char={"release": release}), gas=gas, solver={"guess": 400.0}, mesh={"cells": cells},
-            continuation={"parameter": "gas.release.rate", "to": 3e6},
-        ))  # fmt: skip
+        result = cb.run(
+            case1(
+                species=species(char={"release": release}),
+                gas=gas,
+                solver={"guess": 400.0},
+                mesh={"cells": cells},
+                continuation={"parameter": "gas.release.rate", "to": 3e6},
+            )
+        )
         found.append(result.qoi["fold_1"])
         table = result.tables["continuation"]
         p, T = table["gas.release.rate [1]"], table["T_inert [K]"]

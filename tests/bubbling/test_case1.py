@@ -13,17 +13,28 @@ from bubbling_scenes import STUDY, case1
 import contbed as cb
 
 P1 = {
-    "T_distributor_K": 482.347353, "T_emulsion_top_K": 1134.2735, "T_bubble_top_K": 929.3245,
-    "T_char_mid_K": 1212.2719, "T_limestone_mid_K": 1133.2380, "T_inert_mid_K": 1134.5902,
-}  # fmt: skip
+    "T_distributor_K": 482.347353,
+    "T_emulsion_top_K": 1134.2735,
+    "T_bubble_top_K": 929.3245,
+    "T_char_mid_K": 1212.2719,
+    "T_limestone_mid_K": 1133.2380,
+    "T_inert_mid_K": 1134.5902,
+}
 P1_DUTIES = {
-    "tubes_convection_W": 280598.99, "tubes_radiation_W": 150666.83, "walls_convection_W": 14074.87,
-    "walls_radiation_W": 96168.26, "top_radiation_W": 44145.65,
-}  # fmt: skip
+    "tubes_convection_W": 280598.99,
+    "tubes_radiation_W": 150666.83,
+    "walls_convection_W": 14074.87,
+    "walls_radiation_W": 96168.26,
+    "top_radiation_W": 44145.65,
+}
 NONE = {
-    "T_distributor_K": 443.748204, "T_emulsion_top_K": 1581.45, "T_bubble_top_K": 1226.48,
-    "T_char_mid_K": 2301.70, "T_limestone_mid_K": 1578.02, "T_inert_mid_K": 1580.00,
-}  # fmt: skip
+    "T_distributor_K": 443.748204,
+    "T_emulsion_top_K": 1581.45,
+    "T_bubble_top_K": 1226.48,
+    "T_char_mid_K": 2301.70,
+    "T_limestone_mid_K": 1578.02,
+    "T_inert_mid_K": 1580.00,
+}
 
 
 @pytest.mark.parametrize("cells", [None, 20])

@@ -54,8 +54,10 @@ def test_heats_of_reaction_are_those_of_cantera(law):
 @pytest.mark.parametrize("law", [law for law in ALL if law.reversible], ids=lambda law: law.reaction)
 def test_equilibrium_constants_are_those_of_cantera(law):
     for temperature in T[T < 1200]:
-        g = sum(n * reference(name).thermo.h(temperature) - n * temperature * reference(name).thermo.s(temperature)
-                for name, n in law.stoichiometry.items())  # fmt: skip
+        g = sum(
+            n * reference(name).thermo.h(temperature) - n * temperature * reference(name).thermo.s(temperature)
+            for name, n in law.stoichiometry.items()
+        )
         ln_K = -g / (cantera.gas_constant * temperature)
         assert float(thermo.ln_equilibrium(law.stoichiometry, temperature)) == pytest.approx(ln_K, abs=2e-4)
 
@@ -70,9 +72,14 @@ def test_published_equilibria():
 def test_slopes_by_temperature_are_exact():
     at = Dual(T, {"T": 1.0})
     species = thermo.table()
-    for function in (species["CO2"].enthalpy, species["CaCO3"].enthalpy, species["H2O"].heat_capacity,
-                     lambda T: thermo.ln_equilibrium({"CO": -1.0, "H2O": -1.0, "CO2": 1.0, "H2": 1.0}, T),
-                     rs.lime_surface, rs.carbon_per_oxygen):  # fmt: skip
+    for function in (
+        species["CO2"].enthalpy,
+        species["CaCO3"].enthalpy,
+        species["H2O"].heat_capacity,
+        lambda T: thermo.ln_equilibrium({"CO": -1.0, "H2O": -1.0, "CO2": 1.0, "H2": 1.0}, T),
+        rs.lime_surface,
+        rs.carbon_per_oxygen,
+    ):
         found = function(at).tangents["T"]
         assert found == pytest.approx((function(T + 1e-2) - function(T - 1e-2)) / 2e-2, rel=1e-6, abs=1e-9)
 
@@ -103,8 +110,11 @@ def test_fractional_orders_are_straight_below_a_trace():
 
 
 def char(model="shrinking", diameter=2e-3, **factors):
-    laws = {name: (law, t.CharCombustion(factor=factors.get(name, 1.0)))
-            for name, laws in rs.CHAR_LAWS.items() for law in laws.values()}  # fmt: skip
+    laws = {
+        name: (law, t.CharCombustion(factor=factors.get(name, 1.0)))
+        for name, laws in rs.CHAR_LAWS.items()
+        for law in laws.values()
+    }
     return cr.Char("char", diameter, 800.0, model, 1.5, laws)
 
 
@@ -115,8 +125,9 @@ def test_char_burns_at_the_limits_of_kinetics_and_of_the_film():
     assert kinetic.burning(1100.0, 1100.0, C, p) == pytest.approx(kinetic.surface * 1e-9 * law.constant(1100.0) * C)
     D = rs.diffusion_in_nitrogen("O2", 0.031998, 1100.0, p)
     assert film.burning(1100.0, 1100.0, C, p) == pytest.approx(film.surface * 1.5 * D / (0.8 * 2e-3) * C)
-    CO = cr.Char("char", 2e-3, 800.0, "shrinking", 1.5,
-                 {"char_combustion": (law, t.CharCombustion(products="CO", factor=1e12))})  # fmt: skip
+    CO = cr.Char(
+        "char", 2e-3, 800.0, "shrinking", 1.5, {"char_combustion": (law, t.CharCombustion(products="CO", factor=1e12))}
+    )
     assert CO.burning(1100.0, 1100.0, C, p) == pytest.approx(2.0 * film.burning(1100.0, 1100.0, C, p))
 
 
@@ -185,10 +196,14 @@ def test_a_guess_that_holds_the_elements_is_kept():
 
 def fuel(**changes):
     table = {
-        "species": "char", "moisture": 0.1, "ash": 0.08, "volatile_matter": 0.38, "heating_value": 30e6,
+        "species": "char",
+        "moisture": 0.1,
+        "ash": 0.08,
+        "volatile_matter": 0.38,
+        "heating_value": 30e6,
         "ultimate": {"C": 0.7636, "H": 0.0506, "O": 0.0736, "N": 0.0138, "S": 0.0184},
         "feed": {"mass_flow": 0.02, "temperature": 300.0, "height": 0.2, "width": 0.05},
-    }  # fmt: skip
+    }
     return t.Fuel.model_validate(table | changes)
 
 

@@ -65,9 +65,15 @@ def test_closures_are_those_of_the_state():
 def test_a_number_is_a_closure_that_returns_it():
     """The bed with the numbers that closures gave, at the same heat capacity of gas, has the same temperatures."""
     still = {"heat_capacity": 1000.0}
-    result = solved(hot(tubes__coefficient=250.0, species__char__conductivity=100.0,
-                        species__char__exchange={"inert": 40.0}, bubbles__size=0.1,
-                        species__char__heat_capacity=still["heat_capacity"]))  # fmt: skip
+    result = solved(
+        hot(
+            tubes__coefficient=250.0,
+            species__char__conductivity=100.0,
+            species__char__exchange={"inert": 40.0},
+            bubbles__size=0.1,
+            species__char__heat_capacity=still["heat_capacity"],
+        )
+    )
     assert result.qoi["tubes_coefficient_W_m2K"] == pytest.approx(250.0, rel=1e-12)
     assert np.all(result.profiles["d_b [m]"] == 0.1)
     assert not any(use["kind"] in ("bed_tube", "solid_exchange", "bubble_growth") for use in result.closures)
@@ -85,8 +91,9 @@ def test_ranges_are_reported_with_where_they_are_used():
 
 def test_gas_that_passes_into_the_bubbles_brings_its_heat():
     """Without exchange bubbles are heated by that alone: W_b h_b' = X (h_e - h_b) where X = W_b' > 0."""
-    result = solved(hot(bubbles={"exchange": 0.0}, gas__mass_flow=0.5, solver={"guess": 900.0},
-                        species__inert__conductivity=20.0))  # fmt: skip
+    result = solved(
+        hot(bubbles={"exchange": 0.0}, gas__mass_flow=0.5, solver={"guess": 900.0}, species__inert__conductivity=20.0)
+    )
     column = {header.split(" [")[0]: values for header, values in result.profiles.items()}
     flow = column["flow_bubble"]
     gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)

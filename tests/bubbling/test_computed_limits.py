@@ -40,8 +40,12 @@ def test_order_of_a_manufactured_solution(degree):
     """All closures at work, exact fields far from any state of the bed."""
     errors, sizes = [], (6, 12, 24)
     for cells in sizes:
-        scene = hot(mesh={"cells": cells}, solver={"degree": degree}, bubbles={"size": "horio_nonaka"},
-                    tubes__coefficient="martin")  # fmt: skip
+        scene = hot(
+            mesh={"cells": cells},
+            solver={"degree": degree},
+            bubbles={"size": "horio_nonaka"},
+            tubes__coefficient="martin",
+        )
         made = plan(scene)
         even = np.linspace(0.0, 0.6, cells + 1)
         made.mesh.skfem.p[0] = even[np.argsort(np.argsort(made.mesh.skfem.p[0]))]
@@ -96,12 +100,17 @@ def test_tiny_and_absent_parts():
 def test_ten_species():
     ten = {
         f"s{k}": {
-            "volume_fraction": 0.1, "diameter": 2e-4 * 1.4**k, "density": 1000.0 + 200.0 * k, "heat_capacity": 1000.0,
-            "emissivity": 0.3 + 0.06 * k, "gas_coefficient": "gunn", "conductivity": "kunii_levenspiel",
+            "volume_fraction": 0.1,
+            "diameter": 2e-4 * 1.4**k,
+            "density": 1000.0 + 200.0 * k,
+            "heat_capacity": 1000.0,
+            "emissivity": 0.3 + 0.06 * k,
+            "gas_coefficient": "gunn",
+            "conductivity": "kunii_levenspiel",
             "exchange": {f"s{other}": "agu" for other in range(k)},
         }
         for k in range(10)
-    }  # fmt: skip
+    }
     result = solved(hot(species=ten))
     assert len(result.history) <= 15
     assert sum(header.startswith("T_s") for header in result.profiles) == 10
@@ -111,7 +120,7 @@ def test_conductivity_of_the_emulsion_and_nusselt_from_files(tmp_path):
     """A file that holds the form of a published law, and one whose polynomial is a constant ratio."""
     (tmp_path / "nusselt.toml").write_text(
         'format = 1\nkind = "nusselt"\nform = "power"\n[parameters]\nbase = {value = 2.0}\na = {value = 0.6}\n'
-        'b = {value = 0.5}\nc = {value = 0.3333333333333333}\n[range]\nRe = [0.1, 100.0]\nPr = [0.5, 1.0]\n'
+        "b = {value = 0.5}\nc = {value = 0.3333333333333333}\n[range]\nRe = [0.1, 100.0]\nPr = [0.5, 1.0]\n"
     )
     (tmp_path / "conductivity.toml").write_text(
         'format = 1\nkind = "conductivity"\nform = "log_polynomial"\n[variables]\n'

@@ -51,19 +51,28 @@ def test_particles_fall_off_exponentially():
 
 def test_gas_without_particles_is_cooled_by_the_walls():
     """m h' = p h_w (T_w - T) from the mixture of both gases at the surface of the bed."""
-    given = {"height": 2.0, "ejection": 1e-7, "decay": 3.0, "elutriation": 0.0, "gas_coefficient": 1e-3,
-             "walls": {**WALLS, "emissivity": None}}  # fmt: skip
+    given = {
+        "height": 2.0,
+        "ejection": 1e-7,
+        "decay": 3.0,
+        "elutriation": 0.0,
+        "gas_coefficient": 1e-3,
+        "walls": {**WALLS, "emissivity": None},
+    }
     given["walls"].pop("emissivity")
     result = solved(hot(freeboard=given, radiation=None, distributor={"coefficient": 80.0, "preheat_NTU": 2.5}))
     gas = gas_mixture("N2:0.79, O2:0.21", 101325.0)
     y, T = column(result, "T_freeboard [K]")
     top = np.flatnonzero(np.isclose(result.profiles["z [m]"], 0.6))[0]
     bubbles = result.profiles["flow_bubble [kg/s]"][top]
-    mixed = sum(flow * gas.enthalpy(result.profiles[f"T_{name} [K]"][top])
-                for name, flow in (("bubble", bubbles), ("emulsion", 0.6 - bubbles)))  # fmt: skip
+    mixed = sum(
+        flow * gas.enthalpy(result.profiles[f"T_{name} [K]"][top])
+        for name, flow in (("bubble", bubbles), ("emulsion", 0.6 - bubbles))
+    )
     assert 0.6 * gas.enthalpy(T[0]) == pytest.approx(mixed, rel=1e-5)
-    exact = solve_ivp(lambda y, T: 3.5 * 20.0 * (600.0 - T) / (0.6 * gas.heat_capacity(T)), (0, 2), T[:1], t_eval=y,
-                      rtol=1e-10)  # fmt: skip
+    exact = solve_ivp(
+        lambda y, T: 3.5 * 20.0 * (600.0 - T) / (0.6 * gas.heat_capacity(T)), (0, 2), T[:1], t_eval=y, rtol=1e-10
+    )
     assert np.abs(T - exact.y[0]).max() < 1e-4  # of 100 K
     lost = 0.6 * (gas.enthalpy(T[0]) - gas.enthalpy(T[-1]))
     assert result.qoi["freeboard_walls_convection_W"] == pytest.approx(lost, rel=1e-6)
@@ -72,8 +81,14 @@ def test_gas_without_particles_is_cooled_by_the_walls():
 def test_many_particles_bring_the_gas_to_the_temperature_of_the_bed():
     """50 kg/m2/s hold a hundred times the heat of the gas, which leaves the bubbles cold."""
     above = {"height": 2.0, "decay": 3.0, "elutriation": 0.0, "ejection": 50.0}
-    result = solved(hot(freeboard=above, radiation=None, solver={"guess": 700.0},
-                        distributor={"coefficient": 80.0, "preheat_NTU": 2.5}))  # fmt: skip
+    result = solved(
+        hot(
+            freeboard=above,
+            radiation=None,
+            solver={"guess": 700.0},
+            distributor={"coefficient": 80.0, "preheat_NTU": 2.5},
+        )
+    )
     surface = result.profiles["T_inert [K]"][np.flatnonzero(np.isclose(result.profiles["z [m]"], 0.6))[0]]
     gas, up = (column(result, name)[1] for name in ("T_freeboard [K]", "T_up [K]"))
     assert surface - gas[0] > 5 and abs(surface - gas[-1]) < 1

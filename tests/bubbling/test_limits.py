@@ -56,11 +56,14 @@ def test_infinite_exchange_is_one_temperature():
         "b": INERT | {"volume_fraction": 0.6, "gas_coefficient": 1e10, "conductivity": 150.0},
     }
     two["a"]["release"] = {"rate": source}
-    result = cb.run(one(
-        species=two, gas={"capacity_flow": 0.25 * flow, "temperature": 300.0},
-        bubbles={"fraction": 0.2, "capacity_flow": 0.75 * flow, "exchange": 1e13},
-        tubes={"perimeter": 2.0, "coefficient": 300.0, "temperature": 800.0},
-    ))  # fmt: skip
+    result = cb.run(
+        one(
+            species=two,
+            gas={"capacity_flow": 0.25 * flow, "temperature": 300.0},
+            bubbles={"fraction": 0.2, "capacity_flow": 0.75 * flow, "exchange": 1e13},
+            tubes={"perimeter": 2.0, "coefficient": 300.0, "temperature": 800.0},
+        )
+    )
     K, Q, H = 1.3 * conductivity, 1.3 * source, 0.6
     down, up = (flow + np.array([-1.0, 1.0]) * np.sqrt(flow**2 + 4 * K * contact)) / (2 * K)
     far = 800.0 + Q / contact
@@ -79,13 +82,18 @@ def test_infinite_exchange_is_one_temperature():
 
 def test_everything_at_one_temperature_stays_there():
     T = 900.0
-    surfaces = {name: {"perimeter": 4.0, "coefficient": 50.0, "temperature": T, "emissivity": 0.5}
-                for name in ("tubes", "walls")}  # fmt: skip
+    surfaces = {
+        name: {"perimeter": 4.0, "coefficient": 50.0, "temperature": T, "emissivity": 0.5}
+        for name in ("tubes", "walls")
+    }
     particles = species(**{name: {"release": None} for name in ("char", "limestone")})
     for name in ("char", "limestone"):
         particles[name]["feed"]["temperature"] = T
-    result = cb.run(case1(gas={"capacity_flow": 230.0, "temperature": T}, species=particles,
-                          freeboard={"temperature": T}, **surfaces))  # fmt: skip
+    result = cb.run(
+        case1(
+            gas={"capacity_flow": 230.0, "temperature": T}, species=particles, freeboard={"temperature": T}, **surfaces
+        )
+    )
     for header, column in result.profiles.items():
         if header.startswith("T_"):
             assert np.abs(column - T).max() < 1e-7, header  # rounding through cells of 0.1 mm
@@ -109,7 +117,12 @@ def test_thick_bed_between_mirrors_is_the_papers_closure():
 def test_equal_bubbles_and_emulsion_gas():
     """Bubbles with infinite exchange are emulsion gas of the sum of both flows where particles fill the same volume."""
     joined = cb.run(case1("none", bubbles={"fraction": 0.3, "capacity_flow": 460.0, "exchange": 1e12}))
-    alone = cb.run(case1("none", bubbles={"fraction": 0.3, "capacity_flow": 0.0, "exchange": 1e12},
-                         gas={"capacity_flow": 690.0, "temperature": 300.0, "release": {"rate": 3.4e6, "length": 0.3}}))
+    alone = cb.run(
+        case1(
+            "none",
+            bubbles={"fraction": 0.3, "capacity_flow": 0.0, "exchange": 1e12},
+            gas={"capacity_flow": 690.0, "temperature": 300.0, "release": {"rate": 3.4e6, "length": 0.3}},
+        )
+    )
     for name, value in joined.qoi.items():
         assert value == pytest.approx(alone.qoi[name], rel=2e-6), name

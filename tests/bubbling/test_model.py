@@ -40,12 +40,21 @@ def coefficients(level, degree):
     a = model.Stream(lambda z: 5.0 * z**2, lambda z: 10.0 * z, 400.0, 3.0, release)
     b = model.Stream(lambda z: 2.0 * (z - HEIGHT), lambda z: 2.0 + 0.0 * z, 500.0, 8.0)
     return model.Coefficients(
-        1.4, 0.3, 350.0,
-        {"a": model.Species(a, 30.0, 0.4, 0.8), "b": model.Species(b, 50.0, 0.6, 1.5)}, {("a", "b"): 20.0},
-        model.Stream(lambda z: 12.0 + 0.0 * z, release=release), model.Stream(lambda z: 25.0 + 0.0 * z), 40.0,
+        1.4,
+        0.3,
+        350.0,
+        {"a": model.Species(a, 30.0, 0.4, 0.8), "b": model.Species(b, 50.0, 0.6, 1.5)},
+        {("a", "b"): 20.0},
+        model.Stream(lambda z: 12.0 + 0.0 * z, release=release),
+        model.Stream(lambda z: 25.0 + 0.0 * z),
+        40.0,
         {"tubes": model.Surface(2.0, 15.0, 450.0, 0.6), "walls": model.Surface(3.0, 5.0, 700.0, 0.3)},
-        model.Plate(9.0, 0.8, 0.7), level, 0.2, 3e4, degree,
-    )  # fmt: skip
+        model.Plate(9.0, 0.8, 0.7),
+        level,
+        0.2,
+        3e4,
+        degree,
+    )
 
 
 def bed(level, degree, cells):
@@ -56,8 +65,10 @@ def bed(level, degree, cells):
         {"bottom": lambda x: x[0] == 0.0, "top": lambda x: x[0] == HEIGHT}
     )
     system = System(line, dict.fromkeys(c.fields, (degree, 0)) | {"T_distributor": (0, 0)}, 2 * degree + 4)
-    forms = [(model.residual, system.cells, c), *((form, system.boundary(end)[0], c)
-             for form, end in ((model.bottom, "bottom"), (model.top, "top")))]  # fmt: skip
+    forms = [
+        (model.residual, system.cells, c),
+        *((form, system.boundary(end)[0], c) for form, end in ((model.bottom, "bottom"), (model.top, "top"))),
+    ]
     return system, forms
 
 
@@ -116,8 +127,12 @@ def test_heat_that_one_phase_gives_another_gets():
 
 def test_predicted_layers_of_two_streams():
     """Particles and gas at rest: K r^2 = p h, for a mode that decays upward and one that decays downward."""
-    made = plan(one(gas={"capacity_flow": 0.0, "temperature": 300.0},
-                    tubes={"perimeter": 1.0, "coefficient": 800.0, "temperature": 500.0}))  # fmt: skip
+    made = plan(
+        one(
+            gas={"capacity_flow": 0.0, "temperature": 300.0},
+            tubes={"perimeter": 1.0, "coefficient": 800.0, "temperature": 500.0},
+        )
+    )
     width = np.sqrt(1.3 * 5.0 / 800.0)
     assert "graded to 2 layers" in str(made)
     assert made.mesh.skfem.p[0, 1:].min() < 0.5 * width

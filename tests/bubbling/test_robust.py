@@ -86,15 +86,23 @@ def test_one_species():
 def test_ten_species_of_all_sizes():
     ten = {
         f"s{k}": {
-            "volume_fraction": 0.1, "diameter": 1e-4 * 2.0**k, "emissivity": 0.1 + 0.08 * k,
-            "gas_coefficient": 40.0 + 20.0 * k, "conductivity": 10.0 ** (k - 4),
+            "volume_fraction": 0.1,
+            "diameter": 1e-4 * 2.0**k,
+            "emissivity": 0.1 + 0.08 * k,
+            "gas_coefficient": 40.0 + 20.0 * k,
+            "conductivity": 10.0 ** (k - 4),
             "exchange": {f"s{other}": 10.0 ** (other - 2) for other in range(k)},
-            "feed": {"capacity_flow": 10.0 ** (k - 8), "temperature": 300.0 + 50.0 * k, "height": 0.06 * k,
-                     "width": 0.02, "drain": "top" if k % 2 else "bottom"},
+            "feed": {
+                "capacity_flow": 10.0 ** (k - 8),
+                "temperature": 300.0 + 50.0 * k,
+                "height": 0.06 * k,
+                "width": 0.02,
+                "drain": "top" if k % 2 else "bottom",
+            },
             "release": {"rate": 2e4 * (k - 4), "activation": 500.0 * k, "reference": 1100.0},
         }
         for k in range(10)
-    }  # fmt: skip
+    }
     result = solved(case1(species=ten))
     columns = [values for header, values in result.profiles.items() if header.startswith("T_s")]
     assert len(columns) == 10 and np.min(columns) > 300 and np.max(columns) < 2500

@@ -107,9 +107,10 @@ def test_adiabatic_flame_by_cantera():
     gas = {"mass_flow": 0.02, "composition": mixture, "temperature": 900.0}
     q = solved(tube(mixture, {"CO_oxidation": {}, "H2_oxidation": {}}, gas=gas, walls=None)).qoi
     names = ("CO", "H2", "O2", "H2O", "N2", "CO2")
-    burnt = cantera.Solution(thermo="ideal-gas", species=[
-        item for item in cantera.Species.list_from_file("nasa_gas.yaml") if item.name in names
-    ])  # fmt: skip
+    burnt = cantera.Solution(
+        thermo="ideal-gas",
+        species=[item for item in cantera.Species.list_from_file("nasa_gas.yaml") if item.name in names],
+    )
     burnt.TPX = 900.0, 101325.0, mixture
     burnt.equilibrate("HP")
     # what is left of the fuel, and enthalpies smoothed at 1000 K
@@ -149,8 +150,10 @@ def test_only_char():
 
 @pytest.mark.slow
 def test_six_guesses_lead_to_two_states():
-    found = {guess: solved(combustor(solver={"degree": 2, "guess": guess})).qoi
-             for guess in (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)}  # fmt: skip
+    found = {
+        guess: solved(combustor(solver={"degree": 2, "guess": guess})).qoi
+        for guess in (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)
+    }
     hot = [q["T_inert_mid_K"] for q in found.values() if q["ignited"]]
     cold = [q["T_inert_mid_K"] for q in found.values() if not q["ignited"]]
     assert found[400.0]["ignited"] == 0 and found[1500.0]["ignited"] == 1

@@ -33,10 +33,22 @@ def test_boiling_water_has_one_temperature_and_a_quality():
 
 def inert(direction, coefficient):
     """Particles of one temperature, far hotter than the water of a small flow."""
-    return one(inert={"conductivity": 1e7, "gas_coefficient": 1e4}, gas={"capacity_flow": 3e4, "temperature": 700.0},
-               tubes={"perimeter": 2.0, "coefficient": 100.0, "steam": {
-                   "pressure": 60e5, "temperature": 300.0, "mass_flow": 0.2, "coefficient": coefficient,
-                   "direction": direction}}, mesh={"cells": 20})  # fmt: skip
+    return one(
+        inert={"conductivity": 1e7, "gas_coefficient": 1e4},
+        gas={"capacity_flow": 3e4, "temperature": 700.0},
+        tubes={
+            "perimeter": 2.0,
+            "coefficient": 100.0,
+            "steam": {
+                "pressure": 60e5,
+                "temperature": 300.0,
+                "mass_flow": 0.2,
+                "coefficient": coefficient,
+                "direction": direction,
+            },
+        },
+        mesh={"cells": 20},
+    )
 
 
 @pytest.mark.parametrize("direction", ["up", "down"])
@@ -50,8 +62,14 @@ def test_water_of_a_stirred_bed_is_heated_exponentially(direction):
     from scipy.integrate import solve_ivp
 
     rise = np.abs(along - along[0])
-    exact = solve_ivp(lambda y, x: k * (T.mean() - water.temperature(x)) / 200.0, (0, 0.6), [water.enthalpy(300.0)],
-                      t_eval=rise, rtol=1e-9, atol=1e-9).y[0]  # fmt: skip
+    exact = solve_ivp(
+        lambda y, x: k * (T.mean() - water.temperature(x)) / 200.0,
+        (0, 0.6),
+        [water.enthalpy(300.0)],
+        t_eval=rise,
+        rtol=1e-9,
+        atol=1e-9,
+    ).y[0]
     found = h if direction == "up" else h[::-1]
     # the bed differs by 1e-3 K from one temperature
     assert np.abs(found - exact).max() < 2e-4

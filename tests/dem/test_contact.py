@@ -92,7 +92,7 @@ def test_mindlin_slope(axis):
     pair = pair_table([Material(restitution=1.0)])[0, 0]
     overlap, moved = 1e-6, 1e-12
     n, t = along(axis), along((axis + 1) % 3)
-    force = contact_law(*n, overlap, *t, 0.0, 0.0, 0.0, RADIUS / 2, 1.0, *pair[:SLIDE + 1], moved)
+    force = contact_law(*n, overlap, *t, 0.0, 0.0, 0.0, RADIUS / 2, 1.0, *pair[: SLIDE + 1], moved)
     k_n = 2.0 * pair[E_EFF] * np.sqrt(RADIUS / 2 * overlap)
     slope = -np.dot(force[:3], t) / moved
     assert slope == pytest.approx(8.0 * pair[G_EFF] * np.sqrt(RADIUS / 2 * overlap), rel=1e-12)
@@ -105,7 +105,7 @@ def test_friction_never_exceeds_coulomb_and_releases_in_tension():
     spring = (0.0, 0.0, 0.0)
     for speed in (0.0, -0.5, 0.5, 50.0):
         fx, fy, fz, normal, *spring, _ = contact_law(
-            0.0, 0.0, 1.0, 1e-6, 3.0, 4.0, speed, *spring, RADIUS, 1e-5, *pair[:SLIDE + 1], 1e-6
+            0.0, 0.0, 1.0, 1e-6, 3.0, 4.0, speed, *spring, RADIUS, 1e-5, *pair[: SLIDE + 1], 1e-6
         )
         assert np.hypot(fx, fy) <= GLASS.sliding_friction * max(normal, 0.0) * (1 + 1e-12)
         assert fz == normal

@@ -76,9 +76,13 @@ def test_after_the_impact_the_contact_is_at_rest():
     damped = Material(restitution=0.2)
     spheres = Particles([[0, 0, RADIUS], [0, 0, 3 * RADIUS]], RADIUS)
     simulation = Simulation(
-        spheres, [damped], [Plane((0, 0, 0), (0, 0, 1))], time_step=1e-5, heat=ContactHeat(5.0, 1.0, static=0.3),
+        spheres,
+        [damped],
+        [Plane((0, 0, 0), (0, 0, 1))],
+        time_step=1e-5,
+        heat=ContactHeat(5.0, 1.0, static=0.3),
         T=[300.0, 400.0],
-    )  # fmt: skip
+    )
     simulation.run(100_000)
     before, overlap = np.diff(simulation.T)[0], simulation.contacts().overlap[0]
     simulation.run(1000)
@@ -100,9 +104,15 @@ def crowd(**change):
     materials = [Material(), Material(density=7800.0, youngs_modulus=3e7)]
     heat = ContactHeat([0.84, 30.0], [0.2, 0.1])  # small capacities, so that much heat moves
     return Simulation(
-        spheres, materials, domain=Domain((0,) * 3, (side,) * 3, (True,) * 3), gravity=(0, 0, 0), time_step=2e-6,
-        heat=heat, T=rng.uniform(300.0, 400.0, 64), **change,
-    )  # fmt: skip
+        spheres,
+        materials,
+        domain=Domain((0,) * 3, (side,) * 3, (True,) * 3),
+        gravity=(0, 0, 0),
+        time_step=2e-6,
+        heat=heat,
+        T=rng.uniform(300.0, 400.0, 64),
+        **change,
+    )
 
 
 def test_heat_is_conserved_and_evens_out():

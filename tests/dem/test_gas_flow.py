@@ -66,8 +66,13 @@ def test_a_uniform_bed_has_the_pressure_drop_of_its_closure(drag, periodic):
     # every cell holds the same share of the same lattice: nothing is approximated, 1e-12 is rounding
     step, U = 1.05 * D, 0.8
     x = lattice(step, 9, 9, 15)
-    gas = Gas(Grid(np.zeros(3), np.full(3, 3 * step), (3, 3, 5), (periodic,) * 2), AIR, drag, gravity=(0, 0, 0),
-              tolerance=1e-13)  # fmt: skip
+    gas = Gas(
+        Grid(np.zeros(3), np.full(3, 3 * step), (3, 3, 5), (periodic,) * 2),
+        AIR,
+        drag,
+        gravity=(0, 0, 0),
+        tolerance=1e-13,
+    )
     gas.inlet(U, 300.0)
     for _ in range(200):
         force, _ = gas.step(1e-3, at_rest(x))
@@ -159,8 +164,13 @@ def test_schumann_fronts_at_the_order_of_the_grid():
         grid = Grid(np.zeros(3), np.array([3 * step, 3 * step, 0.5 / cells]), (1, 1, cells), (True, True))
         gas = Gas(grid, water, drag_gidaspow, gunn, gravity=(0, 0, 0))
         gas.inlet(0.1, 310.0)
-        copper = Simulation(Particles(x, d / 2), [Material(8400.0)], (), Domain((0, 0, 0), (0.012, 0.012, 0.5),
-                            (True, True, False)), skin=5e-5)  # fmt: skip
+        copper = Simulation(
+            Particles(x, d / 2),
+            [Material(8400.0)],
+            (),
+            Domain((0, 0, 0), (0.012, 0.012, 0.5), (True, True, False)),
+            skin=5e-5,
+        )
         bed = Bed(copper, gas, gas_step=0.4 * 0.5 / cells * eps / 0.1, T=300.0, heat_capacity=385.0, moving=False)
         bed.run(2.25)
         fluid, _ = schumann(grid.centres[:, 2], 2.25, h_v, eps, 0.1, 4.187e6, 8400 * 385.0)
@@ -203,9 +213,14 @@ def test_a_fluidized_bed_is_carried_by_the_gas(packing):
     assert np.mean(drops) == pytest.approx(wanted, rel=0.05)
     assert bed.simulation.position[:, 2].max() < 40 * D and bed.gas.counts["raised"] == 0
 
+
 def hot_bed(packing):
-    gas = Gas(Grid(np.zeros(3), np.array([2.5, 2.5, 2.5]) * D, (4, 4, 20), (True, True)),
-              gas_mixture("N2:0.79, O2:0.21", 101325.0), drag_di_felice, nusselt_gunn)  # fmt: skip
+    gas = Gas(
+        Grid(np.zeros(3), np.array([2.5, 2.5, 2.5]) * D, (4, 4, 20), (True, True)),
+        gas_mixture("N2:0.79, O2:0.21", 101325.0),
+        drag_di_felice,
+        nusselt_gunn,
+    )
     bed = bed_of(packing, 1.0, gas, T=np.linspace(300.0, 340.0, 1000), solid=Solid(0.84, modulus=5e10))
     gas.inlet(1.0, 300.0, slot=(3 * D, 7 * D), slot_velocity=8.0, slot_T=900.0)
     return bed
@@ -233,8 +248,15 @@ def test_a_hot_jet_closes_its_balances_and_restarts_bit_for_bit(packing):
 
 
 def test_radiation_tells_what_it_does_not_balance(packing):
-    bed = bed_of(packing, 0.5, nusselt=nusselt_gunn, T=np.linspace(600.0, 1200.0, 1000), emissivity=0.9, moving=False,
-                 gas_step=1e-3)  # fmt: skip
+    bed = bed_of(
+        packing,
+        0.5,
+        nusselt=nusselt_gunn,
+        T=np.linspace(600.0, 1200.0, 1000),
+        emissivity=0.9,
+        moving=False,
+        gas_step=1e-3,
+    )
     bed.run(0.02)
     heat = bed.balance()
     assert bed.radiated != 0.0

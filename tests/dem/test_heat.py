@@ -119,8 +119,9 @@ def test_one_impact():
     real = heat_impact.impact_conductance(stiff, (0.84, 0.84), (capacity, capacity)) * stiff.duration
     soft = heat_impact.impact_conductance(impact, (0.84, 0.84), (capacity, capacity), c) * impact.duration
     assert soft == pytest.approx(real, rel=1e-12)  # the correction of an impact is exact: c^3
-    one, other = (heat_impact.impact_conductance(impact, k, h) for k, h in (((1.0, 9.0), (1e6, 3e6)),
-                                                                         ((9.0, 1.0), (3e6, 1e6))))  # fmt: skip
+    one, other = (
+        heat_impact.impact_conductance(impact, k, h) for k, h in (((1.0, 9.0), (1e6, 3e6)), ((9.0, 1.0), (3e6, 1e6)))
+    )
     assert one == other
 
 

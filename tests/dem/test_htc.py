@@ -74,16 +74,20 @@ def folder(tmp_path_factory):
 
 
 def lattice():
-    return np.stack(
-        np.meshgrid(*[(np.arange(n) + 0.5) * STEP for n in (9, 9, 15)], indexing="ij"), -1
-    ).reshape(-1, 3)  # fmt: skip
+    return np.stack(np.meshgrid(*[(np.arange(n) + 0.5) * STEP for n in (9, 9, 15)], indexing="ij"), -1).reshape(-1, 3)
 
 
 def test_a_lattice_has_the_coefficients_of_its_contacts():
     domain = Domain((0, 0, 0), (9 * STEP, 9 * STEP, np.inf), (True, True, False))
     simulation = Simulation(Particles(lattice(), D / 2), [Material(2500.0, 1e7)], (), domain)
-    gas = Gas(Grid(np.zeros(3), np.full(3, 3 * STEP), (3, 3, 5), (True, True)), AIR, drag_di_felice, NU,
-              isothermal=True, gravity=(0, 0, 0))  # fmt: skip
+    gas = Gas(
+        Grid(np.zeros(3), np.full(3, 3 * STEP), (3, 3, 5), (True, True)),
+        AIR,
+        drag_di_felice,
+        NU,
+        isothermal=True,
+        gravity=(0, 0, 0),
+    )
     gas.inlet(0.5, 300.0)
     bed = Bed(simulation, gas, 1e-3, moving=False)
     bed.run(0.1)
@@ -130,16 +134,21 @@ def test_a_fresh_contact_conducts_as_an_impact():
 
 
 def test_a_scene_gives_coefficients_and_a_closure_that_scenes_use(folder, tmp_path):
-    text = SCENE + '\n[closure]\nvelocities = [0.1, 0.3, 0.6, 1.0]\n'
+    text = SCENE + "\n[closure]\nvelocities = [0.1, 0.3, 0.6, 1.0]\n"
     result = cb.run(loads(text, base=folder), out=tmp_path / "out")
     assert result.qoi["h_convection [W/m2/K]"] == pytest.approx(float(NU(Re=RE, Pr=PR)) * 0.026 / D, rel=1e-6)
     assert result.qoi["coordination"] == pytest.approx(6 - 2 / 15, rel=1e-12)
     assert abs(result.balances["gas"]["relative_residual"]) < 1e-12
     assert [use["kind"] for use in result.closures] == ["drag", "nusselt"]
     assert {path.name for path in (tmp_path / "out").iterdir()} >= {
-        "summary.json", "profiles.csv", "profiles.png", "particles.pvd", "particles_0000.vtu", "checkpoint.npz",
+        "summary.json",
+        "profiles.csv",
+        "profiles.png",
+        "particles.pvd",
+        "particles_0000.vtu",
+        "checkpoint.npz",
         "closure.toml",
-    }  # fmt: skip
+    }
     assert json.loads((tmp_path / "out/summary.json").read_text())["scene"]["gas"]["velocity"] == 0.5
     # where every particle sees the same gas the fit is the law that went in
     packed = """
@@ -204,7 +213,7 @@ def test_an_interrupted_scene_continues_bit_for_bit(tmp_path, monkeypatch):
         ('file = "bed.csv"', 'file = "none.csv"', "scene.toml:3: particles.file"),
         ('file = "bed.csv"', "", "particles: give either count"),
         ('radius = "1 mm"\n', "", "particles.radius: missing; bed.csv has none"),
-        ("velocity = 0.5", "velocity = 0.5\ndrag = \"ergon\"", "unknown drag closure"),
+        ("velocity = 0.5", 'velocity = 0.5\ndrag = "ergon"', "unknown drag closure"),
         ("step = 1e-2", "jet = { slot = [0.01, 0.5], mass_flux = 1.0, T = 300.0 }", "gas.jet.slot"),
         ("step = 1e-2", "jet = { slot = [0.0, 0.01], mass_flux = 1.0, T = 500.0 }", "gas.jet.T"),
         ("end = 0.1", "end = 0.1\naverage_from = 0.2", "scene.toml:27: time.average_from"),

@@ -121,15 +121,18 @@ def test_mistakes(folder):
     ]
     lattice = '[lattice]\ntype = "hcp"\nradius = 1.0\ncontact_radius = 0.1\n[conduction]\nparticles = 0\nfluids = 1\n'
     assert problems(lattice) == [
-        "scene.toml:2: lattice.type = \"hcp\": unknown choice; allowed: sc, bcc, fcc",
+        'scene.toml:2: lattice.type = "hcp": unknown choice; allowed: sc, bcc, fcc',
         "scene.toml:6: conduction.particles = 0: out of range; allowed: a number > 0 W/m/K",
         "scene.toml:7: conduction.fluids = 1: unknown key; allowed: particles, fluid, paths, porosity, correction; "
         "did you mean 'fluid'?",
     ]
-    both = '[lattice]\ntype = "sc"\nradius = 1.0\ncontact_radius = 2.0\n' + BED + '[closure]\nratios = [1, 2, 3]\n'
+    both = '[lattice]\ntype = "sc"\nradius = 1.0\ncontact_radius = 2.0\n' + BED + "[closure]\nratios = [1, 2, 3]\n"
     assert [text.split(": ", 2)[1] for text in problems(both, folder)] == [
-        "lattice.contact_radius = 2.0", "particles", "layers", "closure.ratios = [1, 2, 3]",
-    ]  # fmt: skip
+        "lattice.contact_radius = 2.0",
+        "particles",
+        "layers",
+        "closure.ratios = [1, 2, 3]",
+    ]
     line = BED.splitlines().index("bottom = 0.6") + 1
     assert problems(BED.replace("0.6", "4.5"), folder)[0].startswith(f"scene.toml:{line}: layers.bottom = 4.5: is not")
     assert problems(BED.replace("bed.csv", "no.csv"), folder) == [

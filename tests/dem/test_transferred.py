@@ -126,8 +126,9 @@ def test_samples_scatter_as_the_parameters_do():
 def test_data_that_determine_nothing():
     ratio = np.geomspace(1, 100, 6)
     with pytest.raises(SceneError, match="6 points do not determine 4 terms"):
-        extract.fit_log_polynomial("conductivity", {RATIO: ratio, "eps": np.full(6, 0.4)}, ratio,
-                                   {RATIO: "log", "eps": "linear"}, (1, 1))  # fmt: skip
+        extract.fit_log_polynomial(
+            "conductivity", {RATIO: ratio, "eps": np.full(6, 0.4)}, ratio, {RATIO: "log", "eps": "linear"}, (1, 1)
+        )
     with pytest.raises(SceneError, match="do not determine a and b"):
         extract.fit_power([10.0, 10.0, 10.0], 0.7, [4.0, 4.1, 4.2])
 
@@ -225,13 +226,15 @@ def test_files_that_cannot_be_used(folder):
     ]
     assert told("title = 'a scene'") == [f"{at}{file}:1: format: missing: this is no closure file of contbed"]
     assert "not valid TOML" in told(good[:40])[0]
-    assert "form: unknown form 'spline' of a nusselt; known: log_polynomial, power" in told(
-        good.replace('"power"', '"spline"')
-    )[0]
+    assert (
+        "form: unknown form 'spline' of a nusselt; known: log_polynomial, power"
+        in told(good.replace('"power"', '"spline"'))[0]
+    )
     line = next(k for k, text in enumerate(good.splitlines(), 1) if text.startswith("a = "))
-    assert f"{file}:{line}: parameters.a: is missing or has no number" in told(
-        good.replace("\na = {value =", "\na = {values =")
-    )[0]
+    assert (
+        f"{file}:{line}: parameters.a: is missing or has no number"
+        in told(good.replace("\na = {value =", "\na = {values ="))[0]
+    )
     assert "range: does not bound Pr" in told(good.replace("\nPr = [", "\nEps = ["))[0]
     (folder / "htc.toml").unlink()
     with pytest.raises(SceneError) as error:

@@ -18,11 +18,17 @@ STOP = 25.0  # [s] of the run that is interrupted
 def found(result: Any) -> dict[str, Any]:
     """Fields, profiles, balances and named results of a run as arrays."""
     out = {f"nodal.{name}": np.asarray(values) for name, (_, values) in result.nodal.items()}
-    out |= {f"series.{k}.{name}": np.asarray(values) for k, (_, nodal) in enumerate(result.series)
-            for name, (_, values) in nodal.items()}  # fmt: skip
+    out |= {
+        f"series.{k}.{name}": np.asarray(values)
+        for k, (_, nodal) in enumerate(result.series)
+        for name, (_, values) in nodal.items()
+    }
     out |= {f"profile.{name}": np.asarray(column) for name, column in result.profiles.items()}
-    out |= {f"{name}.{header}": np.asarray(column) for name, table in result.tables.items()
-            for header, column in table.items()}  # fmt: skip
+    out |= {
+        f"{name}.{header}": np.asarray(column)
+        for name, table in result.tables.items()
+        for header, column in table.items()
+    }
     out |= {f"balance.{name}": np.array(item["relative_residual"]) for name, item in result.balances.items()}
     out |= {f"qoi.{name}": np.array(value) for name, value in result.qoi.items() if isinstance(value, float)}
     for item in result.closures:

@@ -21,9 +21,14 @@ LINE = {"type": "line", "length": 1.0, "cells": 30}
 def bed(mesh: dict[str, Any], **tables: Any) -> dict[str, Any]:
     """A scene with a bed at rest that hot gas enters; tables replace its own."""
     scene = {
-        "mesh": mesh, "fluid": CONSTANT, "solid": STEEL, "bed": BED, "flow": {"velocity": 0.5},
-        "heat": {"nusselt": "wakao_kaguei"}, "boundary": {"left": INLET},
-    }  # fmt: skip
+        "mesh": mesh,
+        "fluid": CONSTANT,
+        "solid": STEEL,
+        "bed": BED,
+        "flow": {"velocity": 0.5},
+        "heat": {"nusselt": "wakao_kaguei"},
+        "boundary": {"left": INLET},
+    }
     scene |= tables
     return {name: table for name, table in scene.items() if table is not None}
 
@@ -110,15 +115,19 @@ SCENES: dict[str, dict[str, Any]] = {
 MEDIUM = {
     "mesh": LINE | {"cells": 20},
     "radiation": {"level": "two_flux", "absorption": 3.0, "scattering": 2.0},
-    "boundary": {"left": {"radiation": {"temperature": 1000.0, "emissivity": 0.8}},
-                 "right": {"radiation": {"temperature": 500.0, "emissivity": 0.6}}},
-}  # fmt: skip
+    "boundary": {
+        "left": {"radiation": {"temperature": 1000.0, "emissivity": 0.8}},
+        "right": {"radiation": {"temperature": 500.0, "emissivity": 0.6}},
+    },
+}
 SCENES |= {
     "medium_equilibrium": MEDIUM,
     "medium_conducting": {**MEDIUM, "radiation": MEDIUM["radiation"] | {"level": "p1", "conductivity": 0.5}},
     "medium_rosseland": {**MEDIUM, "radiation": MEDIUM["radiation"] | {"level": "rosseland", "conductivity": 0.5}},
     "medium_plane": {
-        **MEDIUM, "mesh": CHANNEL | {"length": 1.0, "height": 1.0}, "radiation": MEDIUM["radiation"] | {"level": "p1"}
+        **MEDIUM,
+        "mesh": CHANNEL | {"length": 1.0, "height": 1.0},
+        "radiation": MEDIUM["radiation"] | {"level": "p1"},
     },
 }
 ORDINATES = MEDIUM["radiation"] | {"level": "ordinates", "ordinates": 4}
@@ -140,12 +149,18 @@ def settling() -> dict[str, Any]:
     found = study("rabi_two_flux_bed/two_flux.toml", 12)
     del found["bubbling_bed"]["height"]
     found["bubbling_bed"]["settled_height"] = 0.6
-    found["freeboard"] = {"height": 3.0, "elutriation": "geldart", "temperature_above": 600.0,
-                          "walls": {"perimeter": 3.5, "coefficient": 20.0, "temperature": 600.0, "emissivity": 0.8}}
+    found["freeboard"] = {
+        "height": 3.0,
+        "elutriation": "geldart",
+        "temperature_above": 600.0,
+        "walls": {"perimeter": 3.5, "coefficient": 20.0, "temperature": 600.0, "emissivity": 0.8},
+    }
     sand = found["species"]["inert"]
     del sand["diameter"]
-    sand |= {"sizes": {"diameters": [2e-4, 5e-4, 1e-3], "feed": [0.2, 0.4, 0.4]},
-             "feed": {"mass_flow": 0.2, "temperature": 300.0, "height": 0.2, "width": 0.05}}
+    sand |= {
+        "sizes": {"diameters": [2e-4, 5e-4, 1e-3], "feed": [0.2, 0.4, 0.4]},
+        "feed": {"mass_flow": 0.2, "temperature": 300.0, "height": 0.2, "width": 0.05},
+    }
     del found["tubes"]["temperature"]
     found["tubes"]["steam"] = {"pressure": 60e5, "temperature": 450.0, "mass_flow": 0.5, "coefficient": 3000.0}
     return found
@@ -162,12 +177,19 @@ SCENES |= {
     "bubbling_frozen": study("bubbling_bed_case1/p1.toml", 16),
     "bubbling_pairs": study("bubbling_bed_case1/paper_closure.toml", 16, solver={"degree": 3}),
     "bubbling_branch": {  # of one temperature, through both folds
-        "mesh": {"cells": 6}, "bubbling_bed": {"height": 0.6, "section": 1.3, "solids_fraction": 0.5},
-        "gas": {"capacity_flow": 300.0, "temperature": 600.0}, "solver": {"guess": 400.0},
-        "species": {"inert": {
-            "volume_fraction": 1.0, "diameter": 1e-3, "gas_coefficient": 1e5, "conductivity": 1e5,
-            "release": {"rate": 1.1e5, "activation": 3000.0, "reference": 1000.0},
-        }},
+        "mesh": {"cells": 6},
+        "bubbling_bed": {"height": 0.6, "section": 1.3, "solids_fraction": 0.5},
+        "gas": {"capacity_flow": 300.0, "temperature": 600.0},
+        "solver": {"guess": 400.0},
+        "species": {
+            "inert": {
+                "volume_fraction": 1.0,
+                "diameter": 1e-3,
+                "gas_coefficient": 1e5,
+                "conductivity": 1e5,
+                "release": {"rate": 1.1e5, "activation": 3000.0, "reference": 1000.0},
+            }
+        },
         "continuation": {"parameter": "gas.temperature", "to": 760.0},
     },
     "bubbling_closures": study("rabi_two_flux_bed/two_flux.toml", 12),

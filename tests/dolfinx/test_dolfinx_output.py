@@ -31,9 +31,10 @@ def test_pieces_are_the_whole(results, scene: str, stem: str) -> None:
     count = np.cumsum([0, *(len(part.points) for part in parts)])
     cells = np.concatenate([part.cells[0].data + n for part, n in zip(parts, count, strict=False)])
     joined = meshio.Mesh(
-        np.concatenate([part.points for part in parts]), [(whole.cells[0].type, cells)],
+        np.concatenate([part.points for part in parts]),
+        [(whole.cells[0].type, cells)],
         point_data={name: np.concatenate([part.point_data[name] for part in parts]) for name in whole.point_data},
-    )  # fmt: skip
+    )
     declared = {item.attrib["Name"] for item in tree.parse(together / f"{stem}.pvtu").getroot().iter("PDataArray")}
     assert declared == {"Points", *whole.point_data, *whole.cell_data}
     for name in whole.point_data:

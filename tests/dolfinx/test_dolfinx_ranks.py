@@ -88,10 +88,13 @@ def test_what_the_engine_lacks_is_named(tmp_path: Path, ranks: int) -> None:
     assert done.stderr.count("has no fronts tracked along characteristics") == 1
 
 
-@pytest.mark.parametrize(("study", "what"), [
-    ("patil_packed_bed/schumann.toml", "no fronts tracked along characteristics"),
-    ("lattices/sc.toml", "no scenes of kind particles"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("study", "what"),
+    [
+        ("patil_packed_bed/schumann.toml", "no fronts tracked along characteristics"),
+        ("lattices/sc.toml", "no scenes of kind particles"),
+    ],
+)
 def test_other_models_are_refused_by_name(study: str, what: str) -> None:
     from contbed.errors import EngineError
     from contbed.runner import run as solve
@@ -114,13 +117,16 @@ def test_a_rank_that_fails_ends_all(scene: str) -> None:
     assert "rank 1 of 2 failed (FloatingPointError: this rank has had enough); all ranks end" in done.stderr
 
 
-@pytest.mark.parametrize(("scene", "key", "value", "error", "code"), [
-    ("heat_gas_walls", "solver.newton_iterations", "1", "ConvergenceError", 3),
-    ("ordinates_conducting", "solver.newton_iterations", "1", "ConvergenceError", 3),
-    ("bubbling_settling", "freeboard.elutriation", "5.0", "ConvergenceError", 3),
-    ("bubbling_closures", "solver.strict", "true", "ClosureRangeError", 4),
-    ("bubbling_frozen", "solver.balance_tolerance", "1e-30", "BalanceError", 5),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("scene", "key", "value", "error", "code"),
+    [
+        ("heat_gas_walls", "solver.newton_iterations", "1", "ConvergenceError", 3),
+        ("ordinates_conducting", "solver.newton_iterations", "1", "ConvergenceError", 3),
+        ("bubbling_settling", "freeboard.elutriation", "5.0", "ConvergenceError", 3),
+        ("bubbling_closures", "solver.strict", "true", "ClosureRangeError", 4),
+        ("bubbling_frozen", "solver.balance_tolerance", "1e-30", "BalanceError", 5),
+    ],
+)
 def test_all_ranks_meet_the_error_of_the_leader(results, scene, key, value, error: str, code: int) -> None:
     folder = results("complain", 2, scene, key, value)
     first, second = ((folder / f"rank{k}.txt").read_text() for k in range(2))

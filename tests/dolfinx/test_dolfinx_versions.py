@@ -36,9 +36,7 @@ def test_elements_compile_and_hold_values_at_our_points(tmp_path: Path) -> None:
     )
     rule = {"quadrature_rule": "custom", "quadrature_points": points, "quadrature_weights": W, "quadrature_degree": 7}
     form = data * constant * state[2] * ufl.Measure("dx", domain=mesh, metadata=rule)
-    (compiled,), module, _ = jit.compile_forms(
-        [form], cache_dir=tmp_path, cffi_extra_compile_args=["-O0"], timeout=60
-    )
+    (compiled,), module, _ = jit.compile_forms([form], cache_dir=tmp_path, cffi_extra_compile_args=["-O0"], timeout=60)
     random = np.random.default_rng(5)
     values, pressure = random.uniform(1.0, 2.0, len(W)), random.uniform(1.0, 2.0, 3)
     order = {data: values, constant: np.array([3.0]), state: np.append(np.zeros(12), pressure)}

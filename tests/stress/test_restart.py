@@ -69,8 +69,10 @@ plots = false
 fields = false
 """
 ADAPTIVE = SCENE.replace("step = 0.5\n", "")
-NONLINEAR = SCENE.replace("end = 1500.0", "end = 1010.0").replace("step = 0.5", "step = 50.0").replace(
-    "heat_capacity = 900.0", "heat_capacity = [600.0, 0.6]"
+NONLINEAR = (
+    SCENE.replace("end = 1500.0", "end = 1010.0")
+    .replace("step = 0.5", "step = 50.0")
+    .replace("heat_capacity = 900.0", "heat_capacity = [600.0, 0.6]")
 )
 COMMAND = [sys.executable, "-m", "contbed", "run", "--quiet"]
 
@@ -98,8 +100,12 @@ def finish(command) -> tuple[int, str]:
 
 def start_until_checkpoint(scene: Path, folder: Path) -> subprocess.Popen:
     """A run that has written a checkpoint; shells let what they start in the background ignore interrupts."""
-    run = subprocess.Popen([*COMMAND, str(scene), "--out", str(folder)], stderr=subprocess.PIPE, text=True,
-                           preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # fmt: skip
+    run = subprocess.Popen(
+        [*COMMAND, str(scene), "--out", str(folder)],
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     while run.poll() is None and not (folder / "checkpoint.npz").exists():
         time.sleep(0.001)
     return run

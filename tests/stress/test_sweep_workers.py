@@ -63,8 +63,12 @@ def command(*arguments):
     environment = {**os.environ, "PYTHONPATH": str(Path(contbed.__file__).parents[1])}
     return subprocess.Popen(
         [sys.executable, "-m", "contbed", "sweep", "study.toml", *arguments],
-        env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
-    )  # fmt: skip
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
 
 
 def wait_for(condition, seconds=120.0):

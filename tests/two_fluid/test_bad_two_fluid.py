@@ -51,8 +51,11 @@ def test_the_good_scene_is_good():
         ({"boundary.bottom.eps_s": 0.64, "boundary.bottom.solid_flux": 10.0}, (), "denser than the densest packing"),
         ({"boundary.bottom.eps_s": 0.2}, (), "particles need eps_s and either"),
         ({"boundary.bottom.solid_flux": 10.0}, (), "particles need eps_s and either"),
-        ({"boundary.bottom.eps_s": 0.2, "boundary.bottom.solid_flux": 9.0, "boundary.bottom.solid_velocity": 0.1}, (),
-         "give either solid_flux or solid_velocity"),
+        (
+            {"boundary.bottom.eps_s": 0.2, "boundary.bottom.solid_flux": 9.0, "boundary.bottom.solid_velocity": 0.1},
+            (),
+            "give either solid_flux or solid_velocity",
+        ),
         ({"boundary.bottom.velocity": -0.4}, (), "boundary.bottom"),
         ({}, ("boundary.left.specularity",), "specularity"),
         ({"boundary.right.specularity": 0.1}, (), "belongs to solid = 'johnson_jackson'"),
@@ -79,7 +82,7 @@ def test_the_good_scene_is_good():
         ({}, ("solid.density",), "solid.density"),
         ({"gas.pressure": 1e5}, (), "pressure"),
     ],
-)  # fmt: skip
+)
 def test_a_mistake_is_named(changes, without, told):
     with pytest.raises(SceneError) as caught:
         plan(from_dict(scene(changes, without)))

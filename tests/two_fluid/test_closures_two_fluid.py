@@ -44,11 +44,14 @@ def test_terminal_velocity_of_one_particle(name, slip):
 @pytest.mark.parametrize(
     ("name", "velocity", "voidage"),
     [
-        ("drag_wen_yu", 0.38, 0.6150), ("drag_wen_yu", 0.46, 0.6477),
-        ("drag_syamlal_obrien", 0.38, 0.6097), ("drag_syamlal_obrien", 0.46, 0.6549),
-        ("drag_gidaspow", 0.38, 0.6297), ("drag_gidaspow", 0.46, 0.6632),
+        ("drag_wen_yu", 0.38, 0.6150),
+        ("drag_wen_yu", 0.46, 0.6477),
+        ("drag_syamlal_obrien", 0.38, 0.6097),
+        ("drag_syamlal_obrien", 0.46, 0.6549),
+        ("drag_gidaspow", 0.38, 0.6297),
+        ("drag_gidaspow", 0.46, 0.6632),
     ],
-)  # fmt: skip
+)
 def test_voidage_of_a_uniform_suspension(name, velocity, voidage):
     found = brentq(lambda eps: carried(name, eps, velocity / eps, **TAGHIPOUR), 0.4, 0.75)
     assert found == pytest.approx(voidage, abs=6e-5)  # four printed digits

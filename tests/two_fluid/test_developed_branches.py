@@ -55,8 +55,9 @@ def test_pipe_holds_its_momentum_and_granular_energy_up_to_every_radius():
     """
     result = cb.run(load(**{"fully_developed.section": "pipe", "solver.cells": 120}))
     c = result.profiles
-    r, eps_s, theta, mu, beta = (c[name] for name in ("r [m]", "eps_s [1]", "theta [m2/s2]", "mu_solid [Pa s]",
-                                                      "beta [kg/m3/s]"))  # fmt: skip
+    r, eps_s, theta, mu, beta = (
+        c[name] for name in ("r [m]", "eps_s [1]", "theta [m2/s2]", "mu_solid [Pa s]", "beta [kg/m3/s]")
+    )
     force = result.qoi["pressure_gradient_Pa_m"] - 9.81 * (2500.0 * eps_s + 1.2 * (1 - eps_s))
     shear = np.gradient(c["u_solid [m/s]"], r)
     stress = r * (mu * shear + 1.8e-5 * np.gradient(c["u_gas [m/s]"], r))

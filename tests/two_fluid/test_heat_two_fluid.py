@@ -88,12 +88,18 @@ def bubbling(shape, ideal):
     sides = {"left": SLIP, "right": SLIP, "bottom": Inlet(1.5), "top": Outlet()}
     thermal = {"bottom": Thermal(T_gas=600.0), "left": Thermal(wall=400.0), "right": Thermal(flux=1e3)}
     laws = closures(drag, pressure=1.0, friction=100.0)
-    b = heated(grid, sides, thermal, 200.0, laws, (0.05, 1.0), ideal, Options(courant=0.3), gravity=(0.0, -9.81),
-               d_p=1e-3)  # fmt: skip
+    b = heated(
+        grid, sides, thermal, 200.0, laws, (0.05, 1.0), ideal, Options(courant=0.3), gravity=(0.0, -9.81), d_p=1e-3
+    )
     x, z = grid.centres.T
     bed = z < 0.04
-    b.start(eps_s=np.where(bed, 0.5 + 0.02 * np.sin(300 * x), 0.0), u_gas=np.stack((0 * z, np.where(bed, 3.0, 1.5)), 1),
-            theta=1e-3, T_gas=300.0, T_solid=300.0)  # fmt: skip
+    b.start(
+        eps_s=np.where(bed, 0.5 + 0.02 * np.sin(300 * x), 0.0),
+        u_gas=np.stack((0 * z, np.where(bed, 3.0, 1.5)), 1),
+        theta=1e-3,
+        T_gas=300.0,
+        T_solid=300.0,
+    )
     return b
 
 
@@ -118,9 +124,16 @@ def test_moving_bed_keeps_heat_and_gas(shape, ideal):
 
 
 def test_isothermal_beds_know_nothing_of_heat():
-    done = subprocess.run([sys.executable, "-c", "import sys, contbed.two_fluid.run as s; "
-                           "print(*[name for name in sys.modules if 'two_fluid' in name])"],
-                          capture_output=True, text=True, check=True)  # fmt: skip
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import sys, contbed.two_fluid.run as s; print(*[name for name in sys.modules if 'two_fluid' in name])",
+        ],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     assert "contbed.two_fluid.step" in done.stdout
     assert "contbed.two_fluid.heat.scene" in done.stdout
     assert not {"contbed.two_fluid.heat.equations", "contbed.two_fluid.heat.plan"} & set(done.stdout.split())
@@ -171,8 +184,14 @@ def test_conduction_in_one_phase(shape, phase):
 def test_walls_at_two_temperatures():
     """A linear temperature is exact; both walls are given what the phases conduct."""
     grid = rectangle(0.1, 0.02, (10, 2))
-    b = heated(grid, dict.fromkeys(grid.boundaries, SLIP), {"left": Thermal(wall=300.0), "right": Thermal(wall=400.0)},
-               h=100.0, conductivity=(2.0, 10.0), options=Options(dt=1e4))  # fmt: skip
+    b = heated(
+        grid,
+        dict.fromkeys(grid.boundaries, SLIP),
+        {"left": Thermal(wall=300.0), "right": Thermal(wall=400.0)},
+        h=100.0,
+        conductivity=(2.0, 10.0),
+        options=Options(dt=1e4),
+    )
     b.start(eps_s=0.4, T_gas=300.0, T_solid=350.0)
     for _ in range(20):
         b.step(1e4)
@@ -183,8 +202,14 @@ def test_walls_at_two_temperatures():
 def schumann_error(cells):
     """Largest error of both temperatures, over the step at the inlet, behind a front in a bed that does not move."""
     length, u, s, h = 0.1, 1.0, 0.5, 3.0
-    b = heated(line(length, cells), {"left": Inlet(u * (1 - s)), "right": Outlet()}, {"left": Thermal(T_gas=310.0)}, h,
-               options=Options(courant=0.4, dt_max=1.0), gravity=(0.0,))  # fmt: skip
+    b = heated(
+        line(length, cells),
+        {"left": Inlet(u * (1 - s)), "right": Outlet()},
+        {"left": Thermal(T_gas=310.0)},
+        h,
+        options=Options(courant=0.4, dt_max=1.0),
+        gravity=(0.0,),
+    )
     b.start(eps_s=s, u_gas=u, T_gas=300.0, T_solid=300.0)
     b.advance(4.0 * length / u)
     H = 6 * h * s / 275e-6
@@ -200,8 +225,16 @@ def test_hot_front_in_a_bed_at_rest():
 
 def test_ideal_gas_that_warms_flows_faster():
     """A steady stream keeps its mass flux; its velocity follows the temperature."""
-    b = heated(line(0.1, 20), {"left": Inlet(0.5), "right": Outlet()}, {"left": Thermal(T_gas=300.0)}, 50.0, ideal=True,
-               options=Options(courant=0.4), gravity=(0.0,), rho_solid=2.5e9)  # fmt: skip
+    b = heated(
+        line(0.1, 20),
+        {"left": Inlet(0.5), "right": Outlet()},
+        {"left": Thermal(T_gas=300.0)},
+        50.0,
+        ideal=True,
+        options=Options(courant=0.4),
+        gravity=(0.0,),
+        rho_solid=2.5e9,
+    )
     b.start(eps_s=0.01, u_gas=0.5 / 0.99, T_gas=300.0, T_solid=600.0)
     b.advance(1.0)
     rise = 600.0 - b.heat.T_gas
@@ -323,7 +356,7 @@ def test_a_pulse_brings_what_was_given_and_ends():
         ({}, ("boundary.jet.on", "boundary.jet.start", "boundary.jet.end"), "boundary.jet.until"),
         ({"boundary.jet.on": "top"}, (), "boundary.jet.until"),
     ],
-)  # fmt: skip
+)
 def test_a_mistake_about_heat_is_named(changes, without, told):
     with pytest.raises(SceneError) as caught:
         from_dict(scene(changes, without))

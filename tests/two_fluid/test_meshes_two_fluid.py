@@ -292,10 +292,13 @@ def test_periodic_pair_and_piece_of_a_side(tmp_path):
     assert list(result.plan.grid.boundaries) == ["bottom", "top"]
 
 
-@pytest.mark.parametrize(("change", "message"), [
-    (('Physical Curve("left", 4) = {4};', ""), "exterior facets are in no Physical Curve"),
-    (("Periodic Curve {2} = {-4} Translate {0.06, 0, 0};", "Transfinite Curve {2} = 8;"), "mesh both sides alike"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('Physical Curve("left", 4) = {4};', ""), "exterior facets are in no Physical Curve"),
+        (("Periodic Curve {2} = {-4} Translate {0.06, 0, 0};", "Transfinite Curve {2} = 8;"), "mesh both sides alike"),
+    ],
+)
 def test_meshes_that_cannot_be_used(change, message, tmp_path):
     text = geometry("triangles", LENGTH, HEIGHT, 0.012)
     assert change[0] in text
@@ -303,15 +306,28 @@ def test_meshes_that_cannot_be_used(change, message, tmp_path):
         cb.run(scene(tmp_path, text.replace(*change), 2, '[boundary.left]\ntype = "periodic"\npartner = "right"\n'))
 
 
-@pytest.mark.parametrize(("sides", "message"), [
-    ('[boundary.left]\ntype = "periodic"\npartner = "rihgt"', r"bed.toml:\d+: .*no 'rihgt', only bottom, right, top"),
-    (WALL.format("left") + WALL.format("rigth"), "no 'rigth'"),
-    (WALL.format("left"), "boundary.right: missing"),
-    (WALL.format("left") + WALL.format("right") + WALL.format("port") + 'on = "left"\nstart = 0.05\nend = 0.0501',
-     "port: holds no face of 'left', which reaches from 0 m to 0.12 m with 10 faces; refine"),
-    (WALL.format("left") + WALL.format("right") + WALL.format("port") + 'on = "left"\nstart = -1.0\nend = 1.0',
-     "port: holds all faces of 'left'"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("sides", "message"),
+    [
+        (
+            '[boundary.left]\ntype = "periodic"\npartner = "rihgt"',
+            r"bed.toml:\d+: .*no 'rihgt', only bottom, right, top",
+        ),
+        (WALL.format("left") + WALL.format("rigth"), "no 'rigth'"),
+        (WALL.format("left"), "boundary.right: missing"),
+        (
+            WALL.format("left")
+            + WALL.format("right")
+            + WALL.format("port")
+            + 'on = "left"\nstart = 0.05\nend = 0.0501',
+            "port: holds no face of 'left', which reaches from 0 m to 0.12 m with 10 faces; refine",
+        ),
+        (
+            WALL.format("left") + WALL.format("right") + WALL.format("port") + 'on = "left"\nstart = -1.0\nend = 1.0',
+            "port: holds all faces of 'left'",
+        ),
+    ],
+)
 def test_boundaries_that_the_mesh_lacks(sides, message, tmp_path):
     with pytest.raises(SceneError, match=message):
         cb.run(scene(tmp_path, geometry("triangles", LENGTH, HEIGHT, 0.012), 2, sides))

@@ -31,10 +31,15 @@ def slip(law, scene):
     return brentq(missing, 1e-6, 10.0, xtol=1e-14)
 
 
-@pytest.mark.parametrize(("name", "law"), [
-    ("slip", "drag_wen_yu"), ("uniform_wenyu", "drag_wen_yu"), ("uniform_syamlal", "drag_syamlal_obrien"),
-    ("uniform_gidaspow", "drag_gidaspow"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "law"),
+    [
+        ("slip", "drag_wen_yu"),
+        ("uniform_wenyu", "drag_wen_yu"),
+        ("uniform_syamlal", "drag_syamlal_obrien"),
+        ("uniform_gidaspow", "drag_gidaspow"),
+    ],
+)
 def test_gas_passes_a_suspension_at_its_slip_velocity(name, law):
     # implicit drag gives the steady slip at any step (V3, V4)
     result = found(name)
@@ -113,8 +118,13 @@ def test_spectrum_finds_a_wave_and_its_power():
 
 
 def test_restart_is_bit_for_bit(tmp_path):
-    change = {"mesh.cells": [4, 20], "time.end": 0.05, "time.sample": 0.01, "time.average_from": 0.02,
-              "output.probes": {"low": [0.1, 0.1]}}  # fmt: skip
+    change = {
+        "mesh.cells": [4, 20],
+        "time.end": 0.05,
+        "time.sample": 0.01,
+        "time.average_from": 0.02,
+        "output.probes": {"low": [0.1, 0.1]},
+    }
     scene = cb.load(STUDY / "closed_box_jj.toml", change)
     whole = cb.run(scene, tmp_path / "whole")
     from contbed.two_fluid import run as study

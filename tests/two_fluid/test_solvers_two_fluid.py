@@ -61,8 +61,9 @@ def test_implicit_exchange(name):
     x = np.empty_like(rhs)
     assert kl.solve(g, coef, np.zeros_like(x), content, rhs, 0.0, 1e-12, 500, x) > 0
     for k in range(2):
-        np.testing.assert_allclose(x[:, k], np.linalg.solve(matrix(grid, coef[:, k], content[:, k]), rhs[:, k]),
-                                   atol=1e-9)  # fmt: skip
+        np.testing.assert_allclose(
+            x[:, k], np.linalg.solve(matrix(grid, coef[:, k], content[:, k]), rhs[:, k]), atol=1e-9
+        )
 
     coef[ni:] = 0.0
     links = np.zeros_like(x)

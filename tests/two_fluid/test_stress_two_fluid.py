@@ -13,9 +13,16 @@ THROWN = {"layer": [{"start": 0.1, "end": 0.2, "eps_s": 0.55, "u_solid": -1.0, "
 
 
 def build(
-    two_fluid=None, solid=None, gas=None, initial=None, bottom=None, cells=(8, 24), shape="quadrilateral", mesh=None,
-    **time
-):  # fmt: skip
+    two_fluid=None,
+    solid=None,
+    gas=None,
+    initial=None,
+    bottom=None,
+    cells=(8, 24),
+    shape="quadrilateral",
+    mesh=None,
+    **time,
+):
     """A small bed, on a `mesh` or a rectangle."""
     scene = {
         "mesh": mesh or {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": cells, "shape": shape},

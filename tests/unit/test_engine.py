@@ -13,9 +13,12 @@ from contbed.fem.skfem import Domain, Ops, System
 from contbed.verify.mms import Manufactured, exact
 
 KINDS = {
-    "line": skfem.MeshLine, "triangle": skfem.MeshTri, "quadrilateral": skfem.MeshQuad,
-    "tetrahedron": skfem.MeshTet, "hexahedron": skfem.MeshHex,
-}  # fmt: skip
+    "line": skfem.MeshLine,
+    "triangle": skfem.MeshTri,
+    "quadrilateral": skfem.MeshQuad,
+    "tetrahedron": skfem.MeshTet,
+    "hexahedron": skfem.MeshHex,
+}
 DEGREES = {"line": 3, "triangle": 3, "quadrilateral": 3, "tetrahedron": 3, "hexahedron": 2}
 SPACES = [(shape, degree) for shape, highest in DEGREES.items() for degree in range(1, highest + 1)]
 ROUNDOFF = 1e-12  # sums of some hundred terms of order one, and second derivatives of cells of size 0.3

@@ -228,8 +228,20 @@ def test_result_table_is_plain_and_complete():
     text = summary.table(SUMMARY)
     assert text.isascii() and "\x1b" not in text
     assert all(len(line) <= 100 and line == line.rstrip() for line in text.splitlines())
-    for part in ("flow 1,234,567, heat 12", "solve 12.3 s", "energy [W]", "1.0e-13", "3 .. 20", ">= 15", "<= 1e+03",
-                 "! 25 %", "T_fluid_outlet [K]", "412.346", "power [W]", "[bold]nusselt_x[/bold]"):  # fmt: skip
+    for part in (
+        "flow 1,234,567, heat 12",
+        "solve 12.3 s",
+        "energy [W]",
+        "1.0e-13",
+        "3 .. 20",
+        ">= 15",
+        "<= 1e+03",
+        "! 25 %",
+        "T_fluid_outlet [K]",
+        "412.346",
+        "power [W]",
+        "[bold]nusselt_x[/bold]",
+    ):
         assert part in text
     assert text.count("!") == 1 and "_out_K [K]" not in text
     assert "unknowns   12,345" in summary.table({"dofs": 12345, "timings": {"mesh": 1}})

@@ -84,12 +84,17 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
         ({"mesh": {**BED["mesh"], "length": "1 m"}}, "pint"),
         ({"fluid": {"model": "cantera", "composition": "N2:1"}}, "cantera"),
         ({"radiation": {"emissivity": 0.8}}, "contbed.radiation.problem"),
-        ({"time": {"end": 1.0, "step": 1.0, "initial_fluid": 300.0, "initial_solid": 300.0}}, "contbed.solvers.timestep"),
-        ({"boundary": {**BED["boundary"], "top": {"flow": "no_slip"}},
-          "mesh": {**BED["mesh"], "cells": [4, 4]}}, "contbed.packed_bed.flow"),
+        (
+            {"time": {"end": 1.0, "step": 1.0, "initial_fluid": 300.0, "initial_solid": 300.0}},
+            "contbed.solvers.timestep",
+        ),
+        (
+            {"boundary": {**BED["boundary"], "top": {"flow": "no_slip"}}, "mesh": {**BED["mesh"], "cells": [4, 4]}},
+            "contbed.packed_bed.flow",
+        ),
     ],
     ids=["units", "cantera", "radiation", "time", "flow"],
-)  # fmt: skip
+)
 def test_what_is_named_is_imported(change, module):
     assert module in after_run(bed(**change))
 
@@ -154,9 +159,12 @@ def test_absent_terms_are_not_evaluated():
     for phase in (plain.fluid, plain.solid):
         assert phase.tau is None and phase.dispersion is None and phase.divergence is None
         assert isinstance(phase.source, float) and phase.source == 0.0
-    full = problem(plan(
-        heat={**BED["heat"], "dispersion": {"axial": 1.0}, "tortuosity": -0.01}, region={"bed": {"source_solid": 1.0}}
-    )).coefficients  # fmt: skip
+    full = problem(
+        plan(
+            heat={**BED["heat"], "dispersion": {"axial": 1.0}, "tortuosity": -0.01},
+            region={"bed": {"source_solid": 1.0}},
+        )
+    ).coefficients
     assert full.cross is not None and full.fluid.tau is not None and full.fluid.dispersion is not None
     assert np.all(full.solid.source == 1.0)
 
@@ -257,8 +265,9 @@ def test_nothing_imports_dem_or_two_fluid_but_a_plan():
         if inside not in ("dem", "two_fluid"):
             # at the top of a file; a run may import what its plan names when it gets there
             top = {
-                name for node in ast.parse(path.read_text(encoding="utf-8")).body
+                name
+                for node in ast.parse(path.read_text(encoding="utf-8")).body
                 if isinstance(node, ast.ImportFrom | ast.Import)
                 for name in ([node.module or ""] if isinstance(node, ast.ImportFrom) else [a.name for a in node.names])
-            }  # fmt: skip
+            }
             assert not any(name.startswith(("contbed.dem", "contbed.two_fluid")) for name in top), path

@@ -95,8 +95,11 @@ def never(below, text):
 @pytest.mark.parametrize(
     ("low", "high", "count", "spacing"),
     [
-        (0.1, 0.7, 7, "linear"), (3.0, -1.0, 10, "linear"),
-        (math.pi, math.e, 5, "log"), (-1e3, -1e-5, 9, "log"), (7, 1, 2, "log"),
+        (0.1, 0.7, 7, "linear"),
+        (3.0, -1.0, 10, "linear"),
+        (math.pi, math.e, 5, "log"),
+        (-1e3, -1e-5, 9, "log"),
+        (7, 1, 2, "log"),
     ],
 )
 def test_ranges_are_even_and_exact_at_both_ends(low, high, count, spacing):
@@ -180,9 +183,7 @@ def test_the_same_scene_twice_is_one_run(folder):
 
 
 def test_scenes_of_every_kind(folder):
-    (folder / "scene.toml").write_text(
-        '[lattice]\ntype = "sc"\nradius = "1 mm"\ncontact_radius = 1e-5\n' + CONDUCTION
-    )
+    (folder / "scene.toml").write_text('[lattice]\ntype = "sc"\nradius = "1 mm"\ncontact_radius = 1e-5\n' + CONDUCTION)
     (folder / "study.toml").write_text('scene = "scene.toml"\n[parameters]\nlattice.type = ["sc", "bcc", "fcc"]\n')
     assert sweep() == 0
     found = [float(row["k_eff [W/m/K]"]) for row in rows(folder)]
@@ -214,9 +215,14 @@ def test_a_sweep_runs_everything_once_and_keeps_failures(folder, runner, capsys)
     assert len(runner.calls) == 6
     found = rows(folder)
     assert list(found[0]) == [
-        "flow.velocity [m/s]", "bed.particle_diameter [m]", "pressure_drop [Pa]", "u_max [m/s]", "run", "exit code",
+        "flow.velocity [m/s]",
+        "bed.particle_diameter [m]",
+        "pressure_drop [Pa]",
+        "u_max [m/s]",
+        "run",
+        "exit code",
         "problem",
-    ]  # fmt: skip
+    ]
     assert [row["flow.velocity [m/s]"] for row in found] == ["0.1", "0.1", "0.2", "0.2"]
     assert [float(row["pressure_drop [Pa]"]) for row in found] == [100.0, 50.0, 200.0, 100.0]
     whole = json.loads((folder / "out" / "table.json").read_text())
@@ -328,7 +334,7 @@ def parameters(text):
     ("text", "line"),
     [
         (parameters("[-9e999, 1]"), "study.toml:3: flow.velocity = -Infinity: not a finite number"),
-        (STUDY.replace("flow.velocity", "flow.velocty"), 'did you mean \'velocity\'? (and 1 more values)'),
+        (STUDY.replace("flow.velocity", "flow.velocty"), "did you mean 'velocity'? (and 1 more values)"),
         (parameters("0.1"), "study.toml:3: flow.velocity: expected a list of values, or a range { from, to, count }"),
         (parameters("[]"), "study.toml:3: flow.velocity: an empty list; give at least one value"),
         (parameters("{}"), "study.toml:3: flow.velocity: count is missing"),
@@ -367,7 +373,7 @@ def parameters(text):
         (SAMPLE.replace("to = 0.5", "to = '5 mm'"), "bed.porosity: to: expected a plain number, found '5 mm'"),
         ("sample = 3\n" + STUDY, "study.toml:1: sample: expected a table with method, count, seed and parameters"),
     ],
-)  # fmt: skip
+)
 def test_mistakes_in_a_study_are_told_before_the_first_run(folder, runner, capsys, text, line):
     (folder / "study.toml").write_text(text)
     assert sweep() == 2
@@ -387,11 +393,19 @@ def test_a_contradiction_in_the_scene_names_the_values_that_make_it(folder, runn
 def test_quantities_have_names_units_and_labels():
     found = [table.result(name) for name in ("T_fluid_out_K", "heat_wall_W", "k_eff [W/m/K]", "u_max", "porosity")]
     assert [q.header for q in found] == [
-        "T_fluid_out [K]", "heat_wall [W]", "k_eff [W/m/K]", "u_max [m/s]", "porosity [-]",
-    ]  # fmt: skip
+        "T_fluid_out [K]",
+        "heat_wall [W]",
+        "k_eff [W/m/K]",
+        "u_max [m/s]",
+        "porosity [-]",
+    ]
     assert [q.label for q in found] == [
-        r"$T_\mathrm{f}$ out [K]", "heat wall [W]", "k eff [W/m/K]", "$u$ max [m/s]", "porosity",
-    ]  # fmt: skip
+        r"$T_\mathrm{f}$ out [K]",
+        "heat wall [W]",
+        "k eff [W/m/K]",
+        "$u$ max [m/s]",
+        "porosity",
+    ]
     assert table.parameter("bed.particle_diameter", [0.1]).label == "bed.particle_diameter [m]"
     assert table.parameter("heat.nusselt", [2.0, "nusselt_gunn"]).header == "heat.nusselt"
     assert table.parameter("heat.nusselt", [2.0, 4.0]).header == "heat.nusselt [-]"

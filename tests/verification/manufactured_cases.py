@@ -19,9 +19,12 @@ def mesh(shape: str, n: int) -> skfem.Mesh:
     """The unit interval, square or cube with n cells a side and smoothly moved inner nodes."""
     nodes = np.linspace(0.0, 1.0, n + 1)
     kind = {
-        "line": skfem.MeshLine, "triangle": skfem.MeshTri, "quadrilateral": skfem.MeshQuad,
-        "tetrahedron": skfem.MeshTet, "hexahedron": skfem.MeshHex,
-    }[shape]  # fmt: skip
+        "line": skfem.MeshLine,
+        "triangle": skfem.MeshTri,
+        "quadrilateral": skfem.MeshQuad,
+        "tetrahedron": skfem.MeshTet,
+        "hexahedron": skfem.MeshHex,
+    }[shape]
     made = kind.init_tensor(*[nodes] * kind.elem.refdom.dim())
     bump = 0.12 * np.prod(np.sin(np.pi * made.p), axis=0)
     x = made.p + bump * np.array([[1.0], [-0.7], [0.4]])[: len(made.p)]

@@ -44,9 +44,16 @@ def walls(mesh: str) -> list[str]:
 
 
 def scene(
-    mesh: str = "line", *, velocity: Any = 0.2, velocity_solid: Any = 1e-4, inlet: Any = INFLOW, wall: Any = None,
-    solid: Any = SOLID, boundary: Any = None, **tables: Any,
-) -> dict[str, Any]:  # fmt: skip
+    mesh: str = "line",
+    *,
+    velocity: Any = 0.2,
+    velocity_solid: Any = 1e-4,
+    inlet: Any = INFLOW,
+    wall: Any = None,
+    solid: Any = SOLID,
+    boundary: Any = None,
+    **tables: Any,
+) -> dict[str, Any]:
     """Fluid enters at 300 K at the low end, solid as `inlet` says at its own end, `wall` acts on the solid."""
     low, high = ends(mesh)
     own_end = high if np.sum(velocity_solid) < 0 else low
@@ -57,10 +64,15 @@ def scene(
             if wall is not None:
                 boundary[name] = {"solid": wall}
     return {
-        "mesh": MESHES[mesh], "fluid": FLUID, "solid": solid, "bed": {"porosity": 0.4, "particle_diameter": 0.02},
+        "mesh": MESHES[mesh],
+        "fluid": FLUID,
+        "solid": solid,
+        "bed": {"porosity": 0.4, "particle_diameter": 0.02},
         "flow": {"velocity": velocity, "velocity_solid": velocity_solid},
-        "heat": {"nusselt": 5.0}, "boundary": boundary, **tables,
-    }  # fmt: skip
+        "heat": {"nusselt": 5.0},
+        "boundary": boundary,
+        **tables,
+    }
 
 
 def run(values: dict[str, Any]) -> Any:
@@ -128,10 +140,18 @@ def test_sources_by_region(time):
 def test_cross_current(solid, stabilisation):
     """The solid moves along y."""
     boundary = {"left": {"fluid": {"inflow": 300.0}}, "bottom": {"solid": {"inflow": 400.0}}, "top": {}, "right": {}}
-    result = closed(run(scene(
-        "rectangle", velocity=[0.2, 0.0], velocity_solid=[0.0, 1e-4], boundary=boundary, solid=solid,
-        solver={"stabilisation": stabilisation},
-    )))  # fmt: skip
+    result = closed(
+        run(
+            scene(
+                "rectangle",
+                velocity=[0.2, 0.0],
+                velocity_solid=[0.0, 1e-4],
+                boundary=boundary,
+                solid=solid,
+                solver={"stabilisation": stabilisation},
+            )
+        )
+    )
     assert 300.0 < result.qoi["T_solid_out_K"] < 400.0 and 300.0 < result.qoi["T_fluid_out_K"] < 400.0
 
 
@@ -209,8 +229,9 @@ def test_the_axes_of_a_box_are_alike():
     points = np.random.default_rng(2).uniform(0.02, 0.48, (3, 40))
     reference = values_at(closed(along(0)), points)
     for axis in (1, 2):
-        np.testing.assert_allclose(values_at(closed(along(axis)), np.roll(points, axis, axis=0)), reference,
-                                   rtol=0, atol=EQUAL)  # fmt: skip
+        np.testing.assert_allclose(
+            values_at(closed(along(axis)), np.roll(points, axis, axis=0)), reference, rtol=0, atol=EQUAL
+        )
 
 
 def test_one_dimension_stands_for_two_and_three():
@@ -263,9 +284,12 @@ def test_inlets_against_the_exact_solution(inlet):
     x, s = result.profiles["x [m]"], result.profiles["T_solid [K]"]
     area = 6.0 * 0.6 / 0.02
     c = {
-        "flux_fluid": 1.2 * 1000.0 * 0.2, "flux_solid": 2000.0 * 900.0 * 1e-3, "d_fluid": 0.4 * 0.05,
-        "d_solid": 0.6 * 2.0, "ha": 5.0 * 0.05 / 0.02 * area,
-    }  # fmt: skip
+        "flux_fluid": 1.2 * 1000.0 * 0.2,
+        "flux_solid": 2000.0 * 900.0 * 1e-3,
+        "d_fluid": 0.4 * 0.05,
+        "d_solid": 0.6 * 2.0,
+        "ha": 5.0 * 0.05 / 0.02 * area,
+    }
     if inlet == "fixed":
         entry = 400.0
     else:

@@ -140,8 +140,9 @@ def test_balances_on_a_line(level, velocity_solid):
 
 
 @pytest.mark.parametrize("mesh", [name for name in MESHES if name != "line"])
-@pytest.mark.parametrize("time", [None, {"end": 2e3, "step": 4e2, "initial_fluid": 500.0, "initial_solid": 1200.0}],
-                         ids=["steady", "time"])  # fmt: skip
+@pytest.mark.parametrize(
+    "time", [None, {"end": 2e3, "step": 4e2, "initial_fluid": 500.0, "initial_solid": 1200.0}], ids=["steady", "time"]
+)
 def test_balances_on_every_mesh(mesh, time):
     values = radiating(mesh)
     if time is not None:
@@ -176,8 +177,9 @@ SPECIES = {
 }
 
 
-@pytest.mark.parametrize("time", [None, {"end": 2e3, "step": 4e2, "initial_fluid": 500.0, "initial_solid": 1200.0}],
-                         ids=["steady", "time"])  # fmt: skip
+@pytest.mark.parametrize(
+    "time", [None, {"end": 2e3, "step": 4e2, "initial_fluid": 500.0, "initial_solid": 1200.0}], ids=["steady", "time"]
+)
 def test_species_of_given_temperature(time):
     """What they give off is part of the balance; all species together radiate what leaves through the walls."""
     values = radiating(radiation={"species": SPECIES}, **({} if time is None else {"time": time}))
@@ -260,6 +262,7 @@ def test_reciprocity_of_two_walls():
     """A bed held at a temperature, and walls that differ: what wall 2 absorbs of the power of wall 1 is what wall 1
     absorbs of the same power of wall 2. The equation for G is linear then; 1e-10 leaves four digits for round-off.
     """
+
     def absorbed(hot: str, other: str) -> float:
         boundary = {name: {"radiation": wall(COLD, e)} for name, e in (("left", 0.3), ("top", 0.9), ("right", 0.6))}
         values = {
@@ -285,9 +288,15 @@ STEPS = 12  # of Newton at most, without continuation, on each mesh
 
 
 def furnace(
-    tau: float, albedo: float, motion: str, walls: float, gas: float, emissivity: float = 0.8, N: float | None = None,
+    tau: float,
+    albedo: float,
+    motion: str,
+    walls: float,
+    gas: float,
+    emissivity: float = 0.8,
+    N: float | None = None,
     **tables: Any,
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """One metre of bed between walls of one temperature, with gas of another; N = k beta/(4 sigma T^3)."""
     velocity, velocity_solid = MOTIONS[motion]
     left: dict[str, Any] = {"radiation": wall(walls, emissivity), "fluid": {"inflow" if velocity else "fixed": gas}}
@@ -295,8 +304,10 @@ def furnace(
     if velocity_solid:
         (left if velocity_solid > 0 else right)["solid"] = {"inflow": gas}
     values = bed(velocity=velocity, velocity_solid=velocity_solid, boundary={"left": left, "right": right}, **tables)
-    values |= {"mesh": {"type": "line", "length": 1.0}, "radiation": {
-        "absorption": tau * (1.0 - albedo), "scattering": tau * albedo}}  # fmt: skip
+    values |= {
+        "mesh": {"type": "line", "length": 1.0},
+        "radiation": {"absorption": tau * (1.0 - albedo), "scattering": tau * albedo},
+    }
     if N is not None:
         values["heat"]["conductivity_solid"] = N * 4.0 * SIGMA * max(walls, gas) ** 3 / tau
     return values

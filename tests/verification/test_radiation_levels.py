@@ -200,8 +200,10 @@ def test_every_level_tends_to_rosseland():
     errors = []
     for tau in (50.0, 200.0, 800.0):
         k = conductivity(0.1, tau)
-        fluxes = [run(slab(level, tau, wall(1000.0), wall(500.0), conductivity=k)).qoi["heat_left_W"]
-                  for level in ("rosseland", "p1", "ordinates")]  # fmt: skip
+        fluxes = [
+            run(slab(level, tau, wall(1000.0), wall(500.0), conductivity=k)).qoi["heat_left_W"]
+            for level in ("rosseland", "p1", "ordinates")
+        ]
         errors.append(np.abs(np.array(fluxes[1:]) / fluxes[0] - 1.0))
     assert np.all(np.array(errors[-1]) < 1.5e-3)
     assert np.log2(errors[0] / errors[1]) / 2 == pytest.approx(1.0, abs=0.15)
@@ -245,11 +247,14 @@ def bed(tau: float, level: str, heated: bool, **radiation: Any) -> dict[str, Any
     }
 
 
-@pytest.mark.parametrize(("sides", "walls", "tau"), [
-    ({"type": "rectangle", "length": 2.0, "height": 0.5}, {"top": 0.5, "bottom": 0.5}, 50.0),
-    ({"type": "rectangle", "length": 2.0, "height": 0.5}, {"left": 0.5, "right": 0.5}, 200.0),
-    ({"type": "axisymmetric", "length": 2.0, "radius": 0.25}, {"wall": 0.5}, 50.0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("sides", "walls", "tau"),
+    [
+        ({"type": "rectangle", "length": 2.0, "height": 0.5}, {"top": 0.5, "bottom": 0.5}, 50.0),
+        ({"type": "rectangle", "length": 2.0, "height": 0.5}, {"left": 0.5, "right": 0.5}, 200.0),
+        ({"type": "axisymmetric", "length": 2.0, "radius": 0.25}, {"wall": 0.5}, 50.0),
+    ],
+)
 def test_estimate_of_rosseland_is_across_the_walls(sides, walls, tau):
     boundary = {name: {"radiation": wall(900.0, eps)} for name, eps in walls.items()}
     radiation = {"level": "p1", "absorption": 100.0, "conductivity": 1.0}

@@ -217,9 +217,11 @@ def flow_strong(case: Flow, dim: int, x: Any) -> tuple[list[Any], Any]:
             laplacian = laplacian + slope[0].value / x[0] - (u[0] / x[0] ** 2 if k == 0 else 0.0)
         convected = sum(u[m] * slope[m].value for m in range(dim))
         momentum.append(
-            c.density / c.porosity * convected + slope_p[k].value - c.viscosity * laplacian
+            c.density / c.porosity * convected
+            + slope_p[k].value
+            - c.viscosity * laplacian
             + c.porosity * resistance * w[k]
-        )  # fmt: skip
+        )
     divergence = sum(jets[k][1][k].value for k in range(dim))
     return momentum, divergence + u[0] / x[0] if case.axisymmetric else divergence
 

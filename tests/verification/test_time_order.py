@@ -86,9 +86,18 @@ def relaxing() -> tuple[Problem, Any, Any]:
 
     def phase(capacity: float) -> two_energy.Phase:
         return two_energy.Phase(
-            mass_flux=None, divergence=None, enthalpy=None, heat_capacity=None, capacity=1.0, offset=0.0,
-            conductivity=lambda T: 0.4, dispersion=None, content=lambda T: capacity * T, source=0.0, tau=None,
-        )  # fmt: skip
+            mass_flux=None,
+            divergence=None,
+            enthalpy=None,
+            heat_capacity=None,
+            capacity=1.0,
+            offset=0.0,
+            conductivity=lambda T: 0.4,
+            dispersion=None,
+            content=lambda T: capacity * T,
+            source=0.0,
+            tau=None,
+        )
 
     system = Heat("quadrilateral", (), 2).manufactured(2)[0].system
     c = two_energy.Coefficients(phase(capacity_fluid), phase(capacity_solid), lambda fluid, solid: exchange, None)

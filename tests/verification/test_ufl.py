@@ -106,9 +106,7 @@ def heat_coefficients(o: Any, velocity: Any, materials: Any, *, uniform: bool, s
             source=3.0,
             tau=tau if stabilised else None,
         )
-    return two_energy.Coefficients(
-        phases["fluid"], phases["solid"], exchange, lambda T: 0.05 * solid.conductivity(T)
-    )
+    return two_energy.Coefficients(phases["fluid"], phases["solid"], exchange, lambda T: 0.05 * solid.conductivity(T))
 
 
 def wall_coefficients(o: Any, velocity: Any, inflow: float | None) -> two_energy.Wall:
@@ -144,9 +142,14 @@ def flow(axisymmetric: bool = False) -> Case:
 
 
 def heat(
-    form: Any, materials: Any, *, uniform: bool = False, stabilised: bool = True, degree: int = 2,
+    form: Any,
+    materials: Any,
+    *,
+    uniform: bool = False,
+    stabilised: bool = True,
+    degree: int = 2,
     axisymmetric: bool = False,
-) -> Case:  # fmt: skip
+) -> Case:
     """Both energy equations."""
     return Case(
         form,
@@ -230,9 +233,12 @@ class Element:
         refdom = mesh.elem.refdom
         rule = get_quadrature(refdom if case.facet is None else refdom.brefdom, case.order)
         self.form = self.ufl_system.form(
-            case.form, case.coeffs(self.ufl_system.ops, known), order=case.order, rule=(rule[0].T.copy(), rule[1]),
+            case.form,
+            case.coeffs(self.ufl_system.ops, known),
+            order=case.order,
+            rule=(rule[0].T.copy(), rule[1]),
             facets=case.facet is not None,
-        )  # fmt: skip
+        )
         random = np.random.default_rng(7)
         self.state = random.uniform(*case.scale, self.system.size)
         self.velocity_state = random.uniform(-1.0, 1.0, self.velocity_system.size)
@@ -335,9 +341,13 @@ def test_conditions_combine() -> None:
     at = (0.3, 0.8)
     x, y = ufl_forms.UflSystem("triangle", {"T": (1, 0)}).ops.x
     for condition, expected in (
-        ((x < y) & (x < 0.1), 2.0), ((x < y) | (x < 0.1), 1.0), (~(x < y), 2.0),
-        (np.logical_and(x < y, y < 1.0), 1.0), (np.logical_or(x > y, y > 1.0), 2.0), (np.logical_not(x > y), 1.0),
-    ):  # fmt: skip
+        ((x < y) & (x < 0.1), 2.0),
+        ((x < y) | (x < 0.1), 1.0),
+        (~(x < y), 2.0),
+        (np.logical_and(x < y, y < 1.0), 1.0),
+        (np.logical_or(x > y, y > 1.0), 2.0),
+        (np.logical_not(x > y), 1.0),
+    ):
         assert np.where(condition, 1.0, 2.0).expression(at) == expected
     assert np.where(1.0 < 2.0, x, y) is x
     assert np.where(1.0 > 2.0, x, y) is y

@@ -74,8 +74,9 @@ def what_is_fed_leaves(
     if fuel is None or drain is not None:
         return
     for there, name, what in (
-        (fuel.moisture, "drying", "moisture"), (fuel.volatile_matter, "devolatilisation", "volatile matter"),
-    ):  # fmt: skip
+        (fuel.moisture, "drying", "moisture"),
+        (fuel.volatile_matter, "devolatilisation", "volatile matter"),
+    ):
         if there and getattr(reactions, name) is None:
             yield ("fuel",), f"its {what} never leaves the bed: give [reactions.{name}] or [drain]"
     if fuel.volatile_matter < 1 and not reactions.of_char:
@@ -118,5 +119,9 @@ def gases_react(reactions: t.Reactions | None, gas: Any) -> Mistakes:
 
 
 CHECKS: tuple[Callable[..., Mistakes], ...] = (
-    reactions_have_what_they_need, the_fuel_is_whole, what_is_fed_leaves, fed_species_are_there, gases_react,
-)  # fmt: skip
+    reactions_have_what_they_need,
+    the_fuel_is_whole,
+    what_is_fed_leaves,
+    fed_species_are_there,
+    gases_react,
+)

@@ -52,11 +52,17 @@ def fuel_data(fuel: t.Fuel) -> FuelData:
     vapour = float(species["H2O"].enthalpy(T0) - species["H2O(l)"].enthalpy(T0))
     V = fuel.volatile_matter
     return FuelData(
-        rate, rate * (1.0 - V) / dv.ATOMIC["C"], rate * V, received * fuel.moisture / species["H2O"].molar_mass,
-        received * (1.0 - fuel.moisture) * fuel.ash, dv.volatiles(daf, V) if V else None, higher,
-        higher / (1.0 - fuel.ash) - 0.5 * amounts["H"] * vapour, formation / V if V else 0.0,
+        rate,
+        rate * (1.0 - V) / dv.ATOMIC["C"],
+        rate * V,
+        received * fuel.moisture / species["H2O"].molar_mass,
+        received * (1.0 - fuel.moisture) * fuel.ash,
+        dv.volatiles(daf, V) if V else None,
+        higher,
+        higher / (1.0 - fuel.ash) - 0.5 * amounts["H"] * vapour,
+        formation / V if V else 0.0,
         {name: rate * n for name, n in amounts.items()},
-    )  # fmt: skip
+    )
 
 
 def gaussian(feed: t.SolidsFeed, height: float) -> Callable[[Any], Any]:
@@ -71,8 +77,10 @@ def gaussian(feed: t.SolidsFeed, height: float) -> Callable[[Any], Any]:
 def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
     """All that the scene lets run."""
     table = scene.reactions
-    out: list[Any] = [cr.Homogeneous(name, cr.law_of(name, item), item.factor, table.mixing_time)
-                      for name, item in table.homogeneous.items()]  # fmt: skip
+    out: list[Any] = [
+        cr.Homogeneous(name, cr.law_of(name, item), item.factor, table.mixing_time)
+        for name, item in table.homogeneous.items()
+    ]
     if (fuel := scene.fuel) is not None and data is not None:
         if table.drying is not None and data.moisture:
             out.append(cr.Drying(fuel.species, table.drying.time))
@@ -85,10 +93,16 @@ def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
     if (stone := scene.limestone) is not None:
         item = scene.species[stone.species]
         taking = table.sulphation
-        out.append(cr.Lime(
-            stone.species, item.diameter, item.density, table.calcination and table.calcination.factor,
-            taking and taking.factor, taking.maximum_conversion if taking else 1.0,
-        ))  # fmt: skip
+        out.append(
+            cr.Lime(
+                stone.species,
+                item.diameter,
+                item.density,
+                table.calcination and table.calcination.factor,
+                taking and taking.factor,
+                taking.maximum_conversion if taking else 1.0,
+            )
+        )
     return tuple(out)
 
 
@@ -209,10 +223,14 @@ class Chemistry:
             return {phase: Mixture(entering, self.part.pressure, mean, mole) for phase in self.part.phases}
         state = self.part.state(u, None)
         gases = {
-            phase: Mixture(entering, self.part.pressure, state.molar_mass[phase],
-                           {name: w / self.part.gases[name].molar_mass for name, w in state.w[phase].items()})
+            phase: Mixture(
+                entering,
+                self.part.pressure,
+                state.molar_mass[phase],
+                {name: w / self.part.gases[name].molar_mass for name, w in state.w[phase].items()},
+            )
             for phase in self.part.phases
-        }  # fmt: skip
+        }
         return gases
 
 
@@ -224,8 +242,9 @@ def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
     names, running = gases_of(wanted, inlet)
     idle = tuple(item.name for item in wanted if isinstance(item, cr.Homogeneous) and item not in running)
     species = thermo.table()
-    gases = {name: model.Gas(species[name].molar_mass, species[name].enthalpy, species[name].heat_capacity)
-             for name in names}  # fmt: skip
+    gases = {
+        name: model.Gas(species[name].molar_mass, species[name].enthalpy, species[name].heat_capacity) for name in names
+    }
     bed = scene.bubbling_bed
     drain = scene.drain
     velocity = 0.0 if drain is None else bed.height / drain.time * (1.0 if drain.end == "top" else -1.0)
@@ -233,10 +252,20 @@ def chemistry(scene: Any, mixing: dict[str, Any], exchange: Any) -> Chemistry:
     moles = scene.gas.mass_flow / mean
     solids, ash = _solids(scene, data, running, inlet, moles)
     part = model.Species(
-        gases, ("emulsion", "bubble") if scene.bubbles is not None and scene.bubbles.fraction != 0 else ("emulsion",),
-        inlet, scene.gas.pressure, bed.section, 1.0 - bed.solids_fraction, solids, ash, velocity, mixing, running,
-        exchange, scene.solver.degree,
-    )  # fmt: skip
+        gases,
+        ("emulsion", "bubble") if scene.bubbles is not None and scene.bubbles.fraction != 0 else ("emulsion",),
+        inlet,
+        scene.gas.pressure,
+        bed.section,
+        1.0 - bed.solids_fraction,
+        solids,
+        ash,
+        velocity,
+        mixing,
+        running,
+        exchange,
+        scene.solver.degree,
+    )
     return Chemistry(part, data, running, idle, bed.height, moles)
 
 
@@ -252,8 +281,14 @@ def _solids(
 
         def add(name: str, enthalpy: Any, rate: float, stays: float, scale: float = 1.0) -> None:
             if rate:
-                solids[name] = model.Solid(fuel.species, enthalpy, lambda z: rate * share(z), fuel.feed.temperature,
-                                           scale, rate * stays / height)  # fmt: skip
+                solids[name] = model.Solid(
+                    fuel.species,
+                    enthalpy,
+                    lambda z: rate * share(z),
+                    fuel.feed.temperature,
+                    scale,
+                    rate * stays / height,
+                )
 
         times = {item.__class__: item.time for item in running if isinstance(item, cr.Drying | cr.Devolatilisation)}
         add("moisture", species["H2O(l)"].enthalpy, data.moisture, times.get(cr.Drying, kept))
@@ -261,19 +296,22 @@ def _solids(
         add("volatiles", matter, data.volatile, times.get(cr.Devolatilisation, kept), 40.0)
         add("char", species["C"].enthalpy, data.carbon, min(_burnout(scene, running, inlet), kept))
         if data.ash:
-            ash.append(model.Ash(fuel.species, lambda z: data.ash * share(z), fuel.feed.temperature,
-                                 _linear(0.0, CP_ASH)))  # fmt: skip
+            ash.append(
+                model.Ash(fuel.species, lambda z: data.ash * share(z), fuel.feed.temperature, _linear(0.0, CP_ASH))
+            )
     if (stone := scene.limestone) is not None:
         place = gaussian(stone.feed, height)
         rate = stone.feed.mass_flow * stone.purity / species["CaCO3"].molar_mass
         rest = stone.feed.mass_flow * (1.0 - stone.purity)
         for name, part in (("CaCO3", 0.1), ("CaO", 0.7), ("CaSO4", 0.2)):
             fed = (lambda z: rate * place(z)) if name == "CaCO3" else None
-            solids[name] = model.Solid(stone.species, species[name].enthalpy, fed, stone.feed.temperature, 1.0,
-                                       part * rate * kept / height)  # fmt: skip
+            solids[name] = model.Solid(
+                stone.species, species[name].enthalpy, fed, stone.feed.temperature, 1.0, part * rate * kept / height
+            )
         if rest:
-            ash.append(model.Ash(stone.species, lambda z: rest * place(z), stone.feed.temperature,
-                                 _linear(0.0, CP_ASH)))  # fmt: skip
+            ash.append(
+                model.Ash(stone.species, lambda z: rest * place(z), stone.feed.temperature, _linear(0.0, CP_ASH))
+            )
     return solids, tuple(ash)
 
 
@@ -290,7 +328,10 @@ def _burnout(scene: Any, running: tuple[Any, ...], inlet: dict[str, float]) -> f
             if "char_combustion" in item.reactions and "O2" in inlet:
                 rate += float(item.burning(T, T, 0.5 * inlet["O2"] * p / (R_GAS * T), p))
             x = dict.fromkeys(thermo.GASES, 0.0) | {"H2O": 0.1, "CO2": 0.1}
-            rate += sum(max(float(item.gasifying(name, T, T, x, p)), 0.0)
-                        for name in item.reactions if name != "char_combustion")  # fmt: skip
+            rate += sum(
+                max(float(item.gasifying(name, T, T, x, p)), 0.0)
+                for name in item.reactions
+                if name != "char_combustion"
+            )
             return 1.0 / max(rate, 1e-5)
     return 1e3

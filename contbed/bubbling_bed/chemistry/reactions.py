@@ -92,8 +92,9 @@ class Devolatilisation:
 
     def __call__(self, state: State, book: Book) -> None:
         rate = state.solid["volatiles"] / self.time
-        book.particle(self.species, {name: amount * rate for name, amount in self.yields.items()},
-                      {"volatiles": -rate}, state)  # fmt: skip
+        book.particle(
+            self.species, {name: amount * rate for name, amount in self.yields.items()}, {"volatiles": -rate}, state
+        )
 
 
 @dataclass(frozen=True)
@@ -141,7 +142,7 @@ class Char:
     def gasifying(self, name: str, T: Any, T_gas: Any, x: dict[str, Any], p: float) -> Any:
         """Carbon gasified per carbon [1/s], net of the backward reaction."""
         law, table = self.reactions[name]
-        (agent, order), = law.orders.items()
+        ((agent, order),) = law.orders.items()
         count = -law.stoichiometry[agent]
         pressure = x[agent] * (p / rs.BAR)
         small = r.SMALL * p / rs.BAR

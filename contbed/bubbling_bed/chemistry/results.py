@@ -25,15 +25,19 @@ def carried(problem: Any, chemistry: Chemistry, state: Any) -> dict[str, tuple[f
     out: dict[str, tuple[float, float]] = {}
     for phase in part.phases:
         brought = problem.at(
-            lambda u, o, p=phase: sum(n * part.gases[name].enthalpy(c.inlet)
-                                      for name, n in part.entering(c.at(u, o), p).items()),
-            problem.bottom, state,
-        )  # fmt: skip
+            lambda u, o, p=phase: sum(
+                n * part.gases[name].enthalpy(c.inlet) for name, n in part.entering(c.at(u, o), p).items()
+            ),
+            problem.bottom,
+            state,
+        )
         taken = problem.at(
-            lambda u, o, p=phase: sum(n * part.gases[name].enthalpy(getattr(u, f"T_{p}"))
-                                      for name, n in part.flow(u, p).items()),
-            problem.top, state,
-        )  # fmt: skip
+            lambda u, o, p=phase: sum(
+                n * part.gases[name].enthalpy(getattr(u, f"T_{p}")) for name, n in part.flow(u, p).items()
+            ),
+            problem.top,
+            state,
+        )
         out[f"T_{phase}"] = (brought, taken if problem.above is None else 0.0)  # the freeboard takes it further
     for name, solid in part.solids.items():
         brought = 0.0
@@ -41,9 +45,12 @@ def carried(problem: Any, chemistry: Chemistry, state: Any) -> dict[str, tuple[f
             brought = problem.total(lambda u, o, s=solid: s.fed(o.x[0]) * s.enthalpy(s.feed_temperature), state)
         end = problem.top if part.velocity > 0 else problem.bottom
         taken = problem.at(
-            lambda u, o, n=name, s=solid: abs(part.velocity) * getattr(u, f"n_{n}")
-            * s.enthalpy(getattr(u, f"T_{s.species}")), end, state,
-        )  # fmt: skip
+            lambda u, o, n=name, s=solid: (
+                abs(part.velocity) * getattr(u, f"n_{n}") * s.enthalpy(getattr(u, f"T_{s.species}"))
+            ),
+            end,
+            state,
+        )
         out[name] = (brought, taken)
     for k, ash in enumerate(part.ash):
         out[f"ash {k}"] = (
@@ -97,13 +104,20 @@ def _streams(problem: Any, chemistry: Chemistry, state: Any) -> tuple[dict[str, 
         return sum(part.entering(c.at(u, o), phase)[name] for phase in part.phases)
 
     entering = {name: problem.at(lambda u, o, n=name: bottom(u, o, n), problem.bottom, state) for name in part.gases}
-    leaving = {name: problem.at(lambda u, o, n=name: sum(part.flow(u, phase)[n] for phase in part.phases),
-                                problem.top, state) for name in part.gases}  # fmt: skip
+    leaving = {
+        name: problem.at(lambda u, o, n=name: sum(part.flow(u, phase)[n] for phase in part.phases), problem.top, state)
+        for name in part.gases
+    }
     end = problem.top if part.velocity > 0 else problem.bottom
-    drained = {name: problem.at(lambda u, o, n=name: abs(part.velocity) * getattr(u, f"n_{n}"), end, state)
-               for name in part.solids}  # fmt: skip
-    fed = {name: problem.total(lambda u, o, s=solid: s.fed(o.x[0]), state)
-           for name, solid in part.solids.items() if solid.fed is not None}  # fmt: skip
+    drained = {
+        name: problem.at(lambda u, o, n=name: abs(part.velocity) * getattr(u, f"n_{n}"), end, state)
+        for name in part.solids
+    }
+    fed = {
+        name: problem.total(lambda u, o, s=solid: s.fed(o.x[0]), state)
+        for name, solid in part.solids.items()
+        if solid.fed is not None
+    }
     return entering, leaving, drained, fed
 
 
@@ -126,9 +140,13 @@ def _elements(chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, f
         )
         if brought > 0:
             result.balances[element] = {
-                "in": brought, "out": taken, "source": 0.0, "stored": 0.0,
-                "relative_residual": (brought - taken) / brought, "unit": "mol/s",
-            }  # fmt: skip
+                "in": brought,
+                "out": taken,
+                "source": 0.0,
+                "stored": 0.0,
+                "relative_residual": (brought - taken) / brought,
+                "unit": "mol/s",
+            }
 
 
 def heating_value(name: str) -> float:
@@ -185,8 +203,18 @@ def _warnings(problem: Any, chemistry: Chemistry, state: Any, held: dict[str, fl
         T = np.concatenate([problem.system.part(state, field) for field in fields])
         outside = share_outside(T, law.T_range)
         kind = "gas reaction" if name in LAWS else "reaction of particles"
-        result.closures.append({
-            "name": f"{name}: {law.name}", "kind": kind, "source": law.source, "share_outside": outside,
-            "ranges": {"T": {"declared": list(law.T_range), "used": [float(T.min()), float(T.max())],
-                             "share_outside": outside}},
-        })  # fmt: skip
+        result.closures.append(
+            {
+                "name": f"{name}: {law.name}",
+                "kind": kind,
+                "source": law.source,
+                "share_outside": outside,
+                "ranges": {
+                    "T": {
+                        "declared": list(law.T_range),
+                        "used": [float(T.min()), float(T.max())],
+                        "share_outside": outside,
+                    }
+                },
+            }
+        )

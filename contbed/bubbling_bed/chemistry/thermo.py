@@ -63,8 +63,10 @@ class Species:
     def entropy(self, T: Any) -> Any:
         """[J/mol/K] at standard pressure; of plain numbers."""
         t = np.clip(T, *self.T_range)
-        parts = [cp[0] * np.log(t) + polynomial(integrated(cp[1:]), t) + constant
-                 for cp, constant in zip(self.cp, self.s, strict=True)]  # fmt: skip
+        parts = [
+            cp[0] * np.log(t) + polynomial(integrated(cp[1:]), t) + constant
+            for cp, constant in zip(self.cp, self.s, strict=True)
+        ]
         return R_GAS * np.where(t > self.T_mid, parts[1], parts[0]) + self._cp(T) * np.log(T / t)
 
     def gibbs(self, T: Any) -> Any:
@@ -105,9 +107,15 @@ def _species(name: str, item: Any) -> Species:
 
     s_low = float(low[6])
     return Species(
-        name, dict(item.composition), molar_mass(item.composition), (data.min_temp, data.max_temp), T_mid, cp,
-        (h_low, h_high), (s_low, s_low + varying(0) - varying(1)),
-    )  # fmt: skip
+        name,
+        dict(item.composition),
+        molar_mass(item.composition),
+        (data.min_temp, data.max_temp),
+        T_mid,
+        cp,
+        (h_low, h_high),
+        (s_low, s_low + varying(0) - varying(1)),
+    )
 
 
 def ln_equilibrium(stoichiometry: Mapping[str, float], T: Any) -> Any:

@@ -202,9 +202,12 @@ class Coefficients:
             self.delta,
             {name: item.gas for name, item in self.species.items()},
             {name: item.stream.conduction for name, item in self.species.items()},
-            self.pairs, self.exchange, {name: x.coefficient for name, x in self.surfaces.items()}, gases,
+            self.pairs,
+            self.exchange,
+            {name: x.coefficient for name, x in self.surfaces.items()},
+            gases,
             dict.fromkeys(gases, 0.0),
-        )  # fmt: skip
+        )
 
     def volume(self, local: Local) -> Any:
         """Emulsion per height, A (1 - delta) [m2]."""
@@ -311,8 +314,9 @@ def taken_up(u: Any, c: Coefficients, local: Local) -> list[Any]:
     for x in c.surfaces.values():
         factor = 0.25 * x.perimeter * x.emissivity / sum(absorption)
         cold = radiation.emitted(x.cold(u))
-        taken = [old - factor * K * (radiation.emitted(t) - cold)
-                 for old, K, t in zip(taken, absorption, T, strict=True)]  # fmt: skip
+        taken = [
+            old - factor * K * (radiation.emitted(t) - cold) for old, K, t in zip(taken, absorption, T, strict=True)
+        ]
     return taken
 
 

@@ -207,8 +207,13 @@ class Species:
         T = 0.5 * (state.T["emulsion"] + state.T["bubble"])
         rho = self.pressure * 0.5 * (state.molar_mass["emulsion"] + state.molar_mass["bubble"]) / (R_GAS * T)
         mass = self.section * local.delta * self.exchange(local, state) * rho
-        book.passed({name: mass * (w["bubble"][name] - w["emulsion"][name]) / gas.molar_mass
-                     for name, gas in self.gases.items()}, T)  # fmt: skip
+        book.passed(
+            {
+                name: mass * (w["bubble"][name] - w["emulsion"][name]) / gas.molar_mass
+                for name, gas in self.gases.items()
+            },
+            T,
+        )
         if local.crossing is not None:  # its enthalpy is in the bed's model
             up, down = np.maximum(local.crossing, 0.0), np.minimum(local.crossing, 0.0)
             for name, gas in self.gases.items():
@@ -261,8 +266,14 @@ class Species:
 
     def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any:
         """What the bed holds: solids, and gas at 1 m/s."""
-        held = sum((HEAT * getattr(u, f"N_{name}_{phase}") * getattr(tests, f"N_{name}_{phase}")
-                    for phase in self.phases for name in self.gases), start=0.0)  # fmt: skip
+        held = sum(
+            (
+                HEAT * getattr(u, f"N_{name}_{phase}") * getattr(tests, f"N_{name}_{phase}")
+                for phase in self.phases
+                for name in self.gases
+            ),
+            start=0.0,
+        )
         for name, solid in self.solids.items():
             held = held + HEAT * solid.scale * getattr(u, f"n_{name}") * getattr(tests, f"n_{name}")
         return held

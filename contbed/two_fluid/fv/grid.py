@@ -158,20 +158,36 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     np.add.at(moment, left, outer)
     np.add.at(moment, right, outer[:ni])
     arrays = (
-        left, right, area[face], flat[face], normal, distance, cross, share, skew, arm_left, arm_right,
-        *_slopes(d, left, right, count, bool(skewed)), volume, np.linalg.inv(moment),
+        left,
+        right,
+        area[face],
+        flat[face],
+        normal,
+        distance,
+        cross,
+        share,
+        skew,
+        arm_left,
+        arm_right,
+        *_slopes(d, left, right, count, bool(skewed)),
+        volume,
+        np.linalg.inv(moment),
         centres[:, 0] if mesh.axisymmetric else np.zeros(count),
-    )  # fmt: skip
+    )
     number = np.full(len(first), -1)
     number[edge] = ni + np.arange(len(edge))
     named = {name: number[facets] for name, facets in old.boundaries.items()}
     return Grid(
         Geometry._make([*map(np.ascontiguousarray, arrays), bool(skewed), (0,) * dim]),
-        cells, centres, middles[face],
+        cells,
+        centres,
+        middles[face],
         {name: np.sort(f[f >= 0]) for name, f in named.items() if (f >= 0).any()},
         {name: np.sort(rank[c]) for name, c in old.subdomains.items()},
-        mesh.axisymmetric, bool(skewed), int((right - left[:ni]).max(initial=0)),
-    )  # fmt: skip
+        mesh.axisymmetric,
+        bool(skewed),
+        int((right - left[:ni]).max(initial=0)),
+    )
 
 
 def _middles(count: int, reference: type, place: Callable, determinant: Callable) -> tuple[np.ndarray, np.ndarray]:

@@ -291,8 +291,14 @@ class Heat:
 
         n = content.size
         rhs = (content * lift).ravel()
-        x, left = cg(LinearOperator((n, n), product), rhs, inverse(rhs), rtol=TOLERANCE, maxiter=ITERATIONS,
-                     M=LinearOperator((n, n), inverse))  # fmt: skip
+        x, left = cg(
+            LinearOperator((n, n), product),
+            rhs,
+            inverse(rhs),
+            rtol=TOLERANCE,
+            maxiter=ITERATIONS,
+            M=LinearOperator((n, n), inverse),
+        )
         if left:
             raise ConvergenceError(f"t = {self.bed.time:.6g} s: heat did not converge in {ITERATIONS} iterations")
         kh.conducted(g, coef, x.reshape(size), out)

@@ -18,8 +18,11 @@ def closure_functions(scene: t.TwoFluidScene) -> dict[str, tuple[Callable, dict[
     """Function and own parameters of the closures that [heat] names, by key."""
     table = scene.heat
     chosen = {} if table is None else {key: getattr(table, key) for key in HEAT_KINDS}
-    return {key: resolve_closure(value, HEAT_KINDS[key], scene.origin.base) for key, value in chosen.items()
-            if value is not None and not isinstance(value, float)}  # fmt: skip
+    return {
+        key: resolve_closure(value, HEAT_KINDS[key], scene.origin.base)
+        for key, value in chosen.items()
+        if value is not None and not isinstance(value, float)
+    }
 
 
 def physics(scene: t.TwoFluidScene) -> Physics:
@@ -27,8 +30,12 @@ def physics(scene: t.TwoFluidScene) -> Physics:
     table, gas, d_p = scene.heat, scene.gas, scene.solid.diameter
     assert table is not None
     k, found = table.conductivity_gas, closure_functions(scene)
-    constants = {"d_p": d_p, "k_fluid": k, "k_solid": table.conductivity_solid,
-                 "Pr": table.heat_capacity_gas * gas.viscosity / k}  # fmt: skip
+    constants = {
+        "d_p": d_p,
+        "k_fluid": k,
+        "k_solid": table.conductivity_solid,
+        "Pr": table.heat_capacity_gas * gas.viscosity / k,
+    }
 
     def coefficient(eps_s: np.ndarray, slip: np.ndarray, dense: Any, T: np.ndarray) -> np.ndarray:
         if "nusselt" not in found:
@@ -46,9 +53,14 @@ def physics(scene: t.TwoFluidScene) -> Physics:
 
     conductivity = of_bed if table.conductivity_bed is not None else of_phases
     return Physics(
-        table.heat_capacity_gas, table.heat_capacity_solid, coefficient, conductivity if conducts(table) else None,
-        table.density, table.T_reference or scene.initial.T_gas or np.nan, table.pressure,
-    )  # fmt: skip
+        table.heat_capacity_gas,
+        table.heat_capacity_solid,
+        coefficient,
+        conductivity if conducts(table) else None,
+        table.density,
+        table.T_reference or scene.initial.T_gas or np.nan,
+        table.pressure,
+    )
 
 
 def evaluate(pair: tuple[Callable, dict[str, Any]], known: Mapping[str, Any]) -> Any:
@@ -89,5 +101,10 @@ def arguments(bed: TwoFluid, scene: t.TwoFluidScene, known: Mapping[str, Any]) -
     """What the closures of heat were given in the last state, from the arguments `known` of those of flow."""
     table, heat = scene.heat, bed.heat
     assert table is not None and heat is not None
-    return {**known, "k_fluid": table.conductivity_gas, "k_solid": table.conductivity_solid, "T": heat.T_solid,
-            "Pr": table.heat_capacity_gas * scene.gas.viscosity / table.conductivity_gas}  # fmt: skip
+    return {
+        **known,
+        "k_fluid": table.conductivity_gas,
+        "k_solid": table.conductivity_solid,
+        "T": heat.T_solid,
+        "Pr": table.heat_capacity_gas * scene.gas.viscosity / table.conductivity_gas,
+    }

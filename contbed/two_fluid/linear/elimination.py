@@ -50,8 +50,9 @@ class Elimination:
         """Puts the solution in `x`, which holds the right-hand side; the diagonal of the first cell counts twice where
         the system is `floating`. False if the system is singular.
         """
-        _eliminate(g, coef, floating, self.gone, self.start, self.beside, self.faces, self.place, self.diagonal,
-                   self.band, x)  # fmt: skip
+        _eliminate(
+            g, coef, floating, self.gone, self.start, self.beside, self.faces, self.place, self.diagonal, self.band, x
+        )
         if not kb.factor(self.band, self.width, self.panel):
             return False
         x[self.kept] = lapack.dpbtrs(self.band[: len(self.kept)].T, x[self.kept], lower=1)[0]

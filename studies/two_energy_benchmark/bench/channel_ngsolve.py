@@ -30,9 +30,11 @@ def compiled(integrand: ng.CoefficientFunction) -> ng.CoefficientFunction:
 
 
 mesh = MakeStructured2DMesh(
-    quads=grid["shape"] == "quadrilateral", nx=grid["cells"][0], ny=grid["cells"][1],
+    quads=grid["shape"] == "quadrilateral",
+    nx=grid["cells"][0],
+    ny=grid["cells"][1],
     mapping=lambda x, y: (length * x, height * y),
-)  # fmt: skip
+)
 inlet, outlet, walls = (mesh.Boundaries(name) for name in ("left", "right", "bottom|top"))
 
 # flow: plug flow, at rest on the walls, the inlet keeps its corners

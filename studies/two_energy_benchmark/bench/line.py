@@ -1,8 +1,8 @@
 """The slip row of Pivem & de Lemos: user time and largest error of contbed and of upwind finite volumes.
 
-    line.py automatic TOLERANCE...      contbed as it comes
-    line.py uniform DEGREE CELLS...     its engine on uniform square cells in 2-D
-    line.py volumes CELLS...            first-order upwind finite volumes on the same cells
+line.py automatic TOLERANCE...      contbed as it comes
+line.py uniform DEGREE CELLS...     its engine on uniform square cells in 2-D
+line.py volumes CELLS...            first-order upwind finite volumes on the same cells
 """
 
 import sys

@@ -1,6 +1,6 @@
 """The slip row of Pivem & de Lemos in NGSolve on uniform triangles: user time and largest error.
 
-    line_ngsolve.py DEGREE CELLS...
+line_ngsolve.py DEGREE CELLS...
 """
 
 import sys
