@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contbed.closures.bubbles import GRAVITY
-from contbed.closures.registry import closure
+from contbed.closures.registry import Value, closure
 
 GAS_CONSTANT = 8.314462618  # [J/mol/K]
 _INF = float("inf")
@@ -15,7 +15,18 @@ _MARTIN = "Martin 1984, Chem. Eng. Process. 18, 157-169 and 199-223"
 
 
 @closure(kind="bed_tube", unit="W/m2/K", ranges={"Ar": (0.0, 1e8), "u_excess": (0.0, _INF)}, source=_MOLERUS)
-def bed_tube_molerus_wirth(Ar, u_excess, u_mf, eps_mf, rho_gas, mu, cp_gas, k_gas, rho_solid, cp_solid):
+def bed_tube_molerus_wirth(
+    Ar: Value,
+    u_excess: Value,
+    u_mf: Value,
+    eps_mf: Value,
+    rho_gas: Value,
+    mu: Value,
+    cp_gas: Value,
+    k_gas: Value,
+    rho_solid: Value,
+    cp_solid: Value,
+) -> Value:
     """Molerus and Wirth (1997): from fine to coarse particles, by the excess of gas.
 
         h = k_gas Nu / l,  l = (mu / (g^(1/2) (rho_solid - rho_gas)))^(2/3)
@@ -24,48 +35,17 @@ def bed_tube_molerus_wirth(Ar, u_excess, u_mf, eps_mf, rho_gas, mu, cp_gas, k_ga
         Nu = 0.125 p7 / (1 + p2 + 0.28 p2 p7^2 p4^(1/2) p5^2 / p6) / (1 + 33.3 / (p6^(1/3) p5))
              + 0.165 Pr^(1/3) p4^(1/3) / (1 + 0.05 / p6)
 
-    Parameters
-    ----------
     Ar : [-] Archimedes number d_p^3 rho (rho_solid - rho) g / mu^2; enters the range only
-    u_excess : [m/s] u - u_mf
-    u_mf : [m/s] superficial velocity at minimum fluidization
-    eps_mf : [-] voidage at minimum fluidization
-    rho_gas : [kg/m3] density of the gas
-    mu : [Pa s] its viscosity
-    cp_gas : [J/kg/K] its heat capacity
-    k_gas : [W/m/K] its conductivity
-    rho_solid : [kg/m3] density of the particles
-    cp_solid : [J/kg/K] their heat capacity
 
-    Returns
-    -------
-    [W/m2/K] coefficient of a surface in the bed
+    Fitted to: vertical surfaces in beds of glass, sand, metals, up to 2 MPa. This equation covers the whole range;
+        simpler ones hold below Ar = 100 and above 1e5
+    Limits: u_excess -> 0: 0.
+    Source: Quoted from secondary sources.
 
-    Range
-    -----
-    Ar : 0.0 to 1e8
-    u_excess : 0.0 to inf
-
-    Fitted to
-    ---------
-    vertical surfaces in beds of glass, sand, metals, up to 2 MPa. This equation covers the whole range; simpler ones
-    hold below Ar = 100 and above 1e5
-
-    Limits
-    ------
-    u_excess -> 0: 0.
-
-    Example
-    -------
     >>> h = bed_tube_molerus_wirth(Ar=700.0, u_excess=0.5, u_mf=0.1, eps_mf=0.45, rho_gas=0.3, mu=4.5e-5,
     ...                            cp_gas=1150.0, k_gas=0.075, rho_solid=2600.0, cp_solid=1000.0)
     >>> round(float(h), 3)
     696.309
-
-    Source
-    ------
-    Molerus, Wirth 1997, Heat Transfer in Fluidized Beds, Chapman & Hall, London.
-    Quoted from secondary sources.
     """
     length = (mu / (GRAVITY**0.5 * (rho_solid - rho_gas))) ** (2 / 3)
     p2, p4, p7 = k_gas / (2.0 * cp_gas * mu), rho_gas / (rho_solid - rho_gas), 1.0 - eps_mf
@@ -77,95 +57,60 @@ def bed_tube_molerus_wirth(Ar, u_excess, u_mf, eps_mf, rho_gas, mu, cp_gas, k_ga
 
 
 @closure(kind="bed_tube", unit="W/m2/K", ranges={"Ar": (0.0, 1e2)}, source=_MOLERUS)
-def bed_tube_molerus_laminar(Ar, mu, rho_gas, cp_gas, k_gas, rho_solid):
+def bed_tube_molerus_laminar(
+    Ar: Value, mu: Value, rho_gas: Value, cp_gas: Value, k_gas: Value, rho_solid: Value
+) -> Value:
     """Molerus and Wirth (1997): the largest coefficient of fine particles.
 
         h = 1 / (l / (0.09 k_gas) + l / (0.09 cp_gas mu)),  l = (mu / (g^(1/2) (rho_solid - rho_gas)))^(2/3)
 
-    Parameters
-    ----------
     Ar : [-] Archimedes number d_p^3 rho (rho_solid - rho) g / mu^2; enters the range only
-    mu : [Pa s] viscosity of the gas
-    rho_gas : [kg/m3] its density
-    cp_gas : [J/kg/K] its heat capacity
-    k_gas : [W/m/K] its conductivity
-    rho_solid : [kg/m3] density of the particles
 
-    Returns
-    -------
-    [W/m2/K] coefficient of a surface in the bed
+    Fitted to: fine particles well fluidized; without influence of diameter and velocity
+    Limits: cp_gas -> inf: 0.09 k_gas / l.
+    Source: Quoted from secondary sources.
 
-    Range
-    -----
-    Ar : 0.0 to 1e2
-
-    Fitted to
-    ---------
-    fine particles well fluidized; without influence of diameter and velocity
-
-    Limits
-    ------
-    cp_gas -> inf: 0.09 k_gas / l.
-
-    Example
-    -------
     >>> round(float(bed_tube_molerus_laminar(Ar=50.0, mu=4.5e-5, rho_gas=0.3, cp_gas=1150.0, k_gas=0.075,
     ...                                      rho_solid=2600.0)), 3)
     881.65
-
-    Source
-    ------
-    Molerus, Wirth 1997, Heat Transfer in Fluidized Beds, Chapman & Hall, London.
-    Quoted from secondary sources.
     """
     length = (mu / (GRAVITY**0.5 * (rho_solid - rho_gas))) ** (2 / 3)
     return 0.09 / length / (1.0 / k_gas + 1.0 / (cp_gas * mu))
 
 
 @closure(kind="bed_tube", unit="W/m2/K", ranges={"d_p": (5e-5, 1e-3)}, source=_ZABRODSKY)
-def bed_tube_zabrodsky(d_p, rho_solid, k_gas):
+def bed_tube_zabrodsky(d_p: Value, rho_solid: Value, k_gas: Value) -> Value:
     """Zabrodsky (1966): the largest coefficient over the velocity of the gas. In SI.
 
         h_max = 35.8 rho_solid^0.2 k_gas^0.6 d_p^-0.36
 
-    Parameters
-    ----------
-    d_p : [m] particle diameter
-    rho_solid : [kg/m3] density of the particles
-    k_gas : [W/m/K] conductivity of the gas
+    Fitted to: group A and B particles in air and other gases; conduction through gas around particles, so that coarse
+        ones with their convection of gas are outside
+    Limits: d_p -> inf: 0.
+    Source: Quoted from secondary sources.
 
-    Returns
-    -------
-    [W/m2/K] coefficient of a surface in the bed
-
-    Range
-    -----
-    d_p : 5e-05 to 0.001
-
-    Fitted to
-    ---------
-    group A and B particles in air and other gases; conduction through gas around particles, so that coarse ones with
-    their convection of gas are outside
-
-    Limits
-    ------
-    d_p -> inf: 0.
-
-    Example
-    -------
     >>> round(float(bed_tube_zabrodsky(d_p=5e-4, rho_solid=2600.0, k_gas=0.075)), 3)
     562.711
-
-    Source
-    ------
-    Zabrodsky 1966, Hydrodynamics and Heat Transfer in Fluidized Beds, MIT Press, Cambridge.
-    Quoted from secondary sources.
     """
     return 35.8 * rho_solid**0.2 * k_gas**0.6 * d_p**-0.36
 
 
 @closure(kind="bed_tube", unit="W/m2/K", ranges={"Ar": (0.0, 1e8), "delta": (0.0, 0.9)}, source=_MARTIN)
-def bed_tube_martin(Ar, Pr, delta, eps_mf, d_p, T, p, molar_mass, cp_gas, k_gas, rho_solid, cp_solid, packets=2.6):
+def bed_tube_martin(
+    Ar: Value,
+    Pr: Value,
+    delta: Value,
+    eps_mf: Value,
+    d_p: Value,
+    T: Value,
+    p: Value,
+    molar_mass: Value,
+    cp_gas: Value,
+    k_gas: Value,
+    rho_solid: Value,
+    cp_solid: Value,
+    packets: float = 2.6,
+) -> Value:
     """Martin (1984): particles move as molecules of a gas do, and gas convects.
 
         h = k_gas / d_p ((1 - delta) (1 - eps_mf) Z (1 - exp(-N)) + 0.009 Pr^(1/3) Ar^(1/2)),  N = Nu_wp / (packets Z)
@@ -173,50 +118,16 @@ def bed_tube_martin(Ar, Pr, delta, eps_mf, d_p, T, p, molar_mass, cp_gas, k_gas,
         Nu_wp = 4 ((1 + Kn) ln(1 + 1/Kn) - 1),  Kn = (2 (2 / gamma - 1) L) (2 / d_p)
         L = (2 pi R T / M)^(1/2) k_gas / (p (2 cp_gas - R / M)),  log10(1 / gamma - 1) = 0.6 - (1000 K / T + 1) / 2.8
 
-    Parameters
-    ----------
-    Ar : [-] Archimedes number d_p^3 rho (rho_solid - rho) g / mu^2
-    Pr : [-] Prandtl number of the gas
-    delta : [-] share of bubbles in the volume
-    eps_mf : [-] voidage at minimum fluidization
-    d_p : [m] particle diameter
-    T : [K] temperature
-    p : [Pa] pressure
-    molar_mass : [kg/mol] of the gas
-    cp_gas : [J/kg/K] heat capacity of the gas
-    k_gas : [W/m/K] its conductivity
-    rho_solid : [kg/m3] density of the particles
-    cp_solid : [J/kg/K] their heat capacity
     packets : [-] ratio of the time of contact to that of free flight
 
-    Returns
-    -------
-    [W/m2/K] coefficient of a surface in the bed
+    Fitted to: `packets` to data of many authors, single tubes and walls
+    Limits: delta -> 0: the gas's share alone.
+    Source: As in the VDI Heat Atlas, section M5; quoted from memory of secondary sources.
 
-    Range
-    -----
-    Ar : 0.0 to 1e8
-    delta : 0.0 to 0.9
-
-    Fitted to
-    ---------
-    `packets` to data of many authors, single tubes and walls
-
-    Limits
-    ------
-    delta -> 0: the gas's share alone.
-
-    Example
-    -------
     >>> h = bed_tube_martin(Ar=700.0, Pr=0.7, delta=0.25, eps_mf=0.45, d_p=5e-4, T=1100.0, p=101325.0, molar_mass=0.029,
     ...                     cp_gas=1150.0, k_gas=0.075, rho_solid=2600.0, cp_solid=1000.0)
     >>> round(float(h), 3)
     358.693
-
-    Source
-    ------
-    Martin 1984, Chem. Eng. Process. 18, 157-169 and 199-223.
-    As in the VDI Heat Atlas, section M5; quoted from memory of secondary sources.
     """
     accommodation = 1.0 / (1.0 + 10.0 ** (0.6 - (1000.0 / T + 1.0) / 2.8))
     specific = GAS_CONSTANT / molar_mass

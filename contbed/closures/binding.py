@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from contbed.closures import dispersion, registry
+from contbed.closures import registry
 from contbed.errors import SceneError
 from contbed.packed_bed.scene import Closure, ClosureFile
 
@@ -98,7 +98,7 @@ def resolve_dispersion(spec: str | Closure) -> tuple[Function, Function, dict[st
     """The axial and the transverse function of a dispersion closure, and the parameters set beside the name."""
     name, parameters = _split(spec)
     stems = [known.removesuffix("_axial") for known in registry.names("dispersion") if known.endswith("_axial")]
-    pair = dispersion.dispersion_pair(_full_name(name, "dispersion", stems))
+    pair = registry.dispersion_pair(_full_name(name, "dispersion", stems))
     _check(name, parameters, [pair.axial, pair.transverse])
     return pair.axial, pair.transverse, parameters
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.closures.registry import closure
+from contbed.closures.registry import Value, closure
 
 _FELICE = "Di Felice 1994, Int. J. Multiphase Flow 20, 153-159, doi:10.1016/0301-9322(94)90011-6"
 _GIDASPOW = "Gidaspow 1994, Multiphase Flow and Fluidization, Academic Press, eq. 2.11"
@@ -26,90 +26,37 @@ _TURN = 0.002  # width of that change
 
 
 @closure(kind="drag", unit="kg/m3/s", ranges={"Re": (0.01, 1e4), "eps": (0.37, 1)}, source=_FELICE)
-def drag_di_felice(Re, eps, d_p, mu):
+def drag_di_felice(Re: Value, eps: Value, d_p: Value, mu: Value) -> Value:
     """Di Felice (1994): single-sphere drag times a power of the porosity.
 
         beta = 3/4 (0.63 Re^(1/2) + 4.8)^2 (1 - eps) eps^(1 - chi) mu/d_p^2
         chi = 3.7 - 0.65 exp(-(1.5 - log10 Re)^2/2)
 
-    Parameters
-    ----------
-    Re : [-] superficial Reynolds number eps rho |u_gas - u_solid| d_p/mu
-    eps : [-] porosity
-    d_p : [m] particle diameter
-    mu : [Pa s] viscosity of the gas
+    Fitted to: fixed and fluidized beds and single spheres, with Dallavalle's drag
+    Limits: Re -> 0: 17.28 (1 - eps) eps^-2.7 mu/d_p^2. eps -> 1: Dallavalle's single sphere.
+    Source: As in Zhou, Hou, Yu 2011, Table 1.
 
-    Returns
-    -------
-    [kg/m3/s] drag coefficient per volume of the bed
-
-    Range
-    -----
-    Re : 0.01 to 1e4
-    eps : 0.37 to 1
-
-    Fitted to
-    ---------
-    fixed and fluidized beds and single spheres, with Dallavalle's drag
-
-    Limits
-    ------
-    Re -> 0: 17.28 (1 - eps) eps^-2.7 mu/d_p^2. eps -> 1: Dallavalle's single sphere.
-
-    Example
-    -------
     >>> round(float(drag_di_felice(Re=100.0, eps=0.4, d_p=2e-3, mu=1.8e-5)), 4)
     1750.8199
-
-    Source
-    ------
-    Di Felice 1994, Int. J. Multiphase Flow 20, 153-159, doi:10.1016/0301-9322(94)90011-6.
-    As in Zhou, Hou, Yu 2011, Table 1.
     """
     chi = 3.7 - 0.65 * np.exp(-0.5 * (1.5 - np.log(Re + 1e-30) / np.log(10.0)) ** 2)
     return 0.75 * (0.63 * Re**0.5 + 4.8) ** 2 * (1 - eps) * eps ** (1 - chi) * mu / d_p**2
 
 
 @closure(kind="drag", unit="kg/m3/s", ranges={"Re": (0, _INF), "eps": (0.35, 1)}, source=_GIDASPOW)
-def drag_gidaspow(Re, eps, d_p, mu):
+def drag_gidaspow(Re: Value, eps: Value, d_p: Value, mu: Value) -> Value:
     """Gidaspow (1994): Ergun below a porosity of 0.8, Wen and Yu above.
 
         beta = (150 (1 - eps)^2 + 1.75 (1 - eps) Re)/eps mu/d_p^2 for eps < 0.8, else drag_wen_yu
 
     joined by a logistic step in eps of width 0.01.
 
-    Parameters
-    ----------
-    Re : [-] superficial Reynolds number eps rho |u_gas - u_solid| d_p/mu
-    eps : [-] porosity
-    d_p : [m] particle diameter
-    mu : [Pa s] viscosity of the gas
+    Fitted to: Ergun's packed beds and Wen and Yu's expanded ones
+    Limits: Re -> 0 in a packed bed: 150 (1 - eps)^2/eps mu/d_p^2, Ergun's. eps -> 1: the single sphere of drag_wen_yu.
+    Source: The smooth step is an addition.
 
-    Returns
-    -------
-    [kg/m3/s] drag coefficient per volume of the bed
-
-    Range
-    -----
-    Re : 0 to inf
-    eps : 0.35 to 1
-
-    Fitted to
-    ---------
-    Ergun's packed beds and Wen and Yu's expanded ones
-
-    Limits
-    ------
-    Re -> 0 in a packed bed: 150 (1 - eps)^2/eps mu/d_p^2, Ergun's. eps -> 1: the single sphere of drag_wen_yu.
-
-    Example
-    -------
     >>> round(float(drag_gidaspow(Re=100.0, eps=0.4, d_p=2e-3, mu=1.8e-5)), 4)
     1788.75
-
-    Source
-    ------
-    Gidaspow 1994, Multiphase Flow and Fluidization, Academic Press, eq. 2.11; the smooth step is an addition.
     """
     packed = (150.0 * (1 - eps) ** 2 + 1.75 * (1 - eps) * Re) / eps * mu / d_p**2
     share = 1.0 / (1.0 + np.exp((_LOOSE - eps) / _BLEND))
@@ -117,7 +64,7 @@ def drag_gidaspow(Re, eps, d_p, mu):
 
 
 @closure(kind="drag", unit="kg/m3/s", ranges={"Re": (0, _INF), "eps": (0.35, 1)}, source=_SYAMLAL)
-def drag_syamlal_obrien(Re, eps, d_p, mu, c=0.8, d=2.65):
+def drag_syamlal_obrien(Re: Value, eps: Value, d_p: Value, mu: Value, c: float = 0.8, d: float = 2.65) -> Value:
     """Syamlal and O'Brien (1993): Dallavalle's drag at the terminal velocity of the suspension.
 
         beta = 3/4 (1 - eps) eps/v^2 (0.63 Re_i^(1/2) + 4.8 v^(1/2))^2 mu/d_p^2,  Re_i = Re/eps
@@ -127,41 +74,15 @@ def drag_syamlal_obrien(Re, eps, d_p, mu, c=0.8, d=2.65):
     joined by a logistic step in eps of width 0.002. c and d move the minimum fluidization to a measured one, with
     c 0.85^1.28 = 0.85^d; as they stand it comes too late for most beds.
 
-    Parameters
-    ----------
-    Re : [-] superficial Reynolds number eps rho |u_gas - u_solid| d_p/mu
-    eps : [-] porosity
-    d_p : [m] particle diameter
-    mu : [Pa s] viscosity of the gas
     c : [-] factor below a porosity of 0.85
     d : [-] power above
 
-    Returns
-    -------
-    [kg/m3/s] drag coefficient per volume of the bed
+    Fitted to: terminal velocities in settling and fluidized beds
+    Limits: eps -> 1: Dallavalle's single sphere.
+    Source: The powers are positive; print with minus signs is wrong.
 
-    Range
-    -----
-    Re : 0 to inf
-    eps : 0.35 to 1
-
-    Fitted to
-    ---------
-    terminal velocities in settling and fluidized beds
-
-    Limits
-    ------
-    eps -> 1: Dallavalle's single sphere.
-
-    Example
-    -------
     >>> round(float(drag_syamlal_obrien(Re=100.0, eps=0.4, d_p=2e-3, mu=1.8e-5)), 4)
     2069.3673
-
-    Source
-    ------
-    Syamlal, Rogers, O'Brien 1993, MFIX documentation: theory guide, doi:10.2172/10145548.
-    The powers are positive; print with minus signs is wrong.
     """
     inner = Re / eps
     a = eps**4.14
@@ -172,44 +93,17 @@ def drag_syamlal_obrien(Re, eps, d_p, mu, c=0.8, d=2.65):
 
 
 @closure(kind="drag", unit="kg/m3/s", ranges={"Re": (0, _INF), "eps": (0.4, 1)}, source=_WEN_YU)
-def drag_wen_yu(Re, eps, d_p, mu):
+def drag_wen_yu(Re: Value, eps: Value, d_p: Value, mu: Value) -> Value:
     """Wen and Yu (1966): Schiller and Naumann's sphere times a power of the porosity.
 
         beta = 3/4 C Re (1 - eps) eps^-2.65 mu/d_p^2,  C Re = 24 (1 + 0.15 Re^0.687) up to Re = 1000, then 0.44 Re
 
-    Parameters
-    ----------
-    Re : [-] superficial Reynolds number eps rho |u_gas - u_solid| d_p/mu
-    eps : [-] porosity
-    d_p : [m] particle diameter
-    mu : [Pa s] viscosity of the gas
+    Fitted to: sedimentation and fluidization of spheres
+    Limits: Re -> 0: 18 (1 - eps) eps^-2.65 mu/d_p^2. At Re = 1000 the laws differ by 0.4 % and are joined by a logistic
+        step in Re of width 10.
 
-    Returns
-    -------
-    [kg/m3/s] drag coefficient per volume of the bed
-
-    Range
-    -----
-    Re : 0 to inf
-    eps : 0.4 to 1
-
-    Fitted to
-    ---------
-    sedimentation and fluidization of spheres
-
-    Limits
-    ------
-    Re -> 0: 18 (1 - eps) eps^-2.65 mu/d_p^2. At Re = 1000 the laws differ by 0.4 %
-    and are joined by a logistic step in Re of width 10.
-
-    Example
-    -------
     >>> round(float(drag_wen_yu(Re=100.0, eps=0.4, d_p=2e-3, mu=1.8e-5)), 4)
     2506.5809
-
-    Source
-    ------
-    Wen, Yu 1966, Chem. Eng. Prog. Symp. Ser. 62, 100-111.
     """
     creeping, share = 24.0 * (1 + 0.15 * Re**0.687), 1.0 / (1.0 + np.exp((_STEP - Re) / _RISE))
     sphere = creeping + share * (0.44 * Re - creeping)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contbed.closures.registry import closure
+from contbed.closures.registry import Value, closure
 
 _INF = float("inf")
 _KL = "Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, Butterworth-Heinemann, Boston"
@@ -11,44 +11,19 @@ _TOOMEY = "Toomey, Johnstone 1952, Chem. Eng. Prog. 48, 220-226"
 
 
 @closure(kind="bubble_fraction", unit="-", ranges={"u/u_mf": (1.0, _INF)}, source=_KL)
-def bubble_fraction_kunii_levenspiel(u, u_mf, u_b, eps_mf):
+def bubble_fraction_kunii_levenspiel(u: Value, u_mf: Value, u_b: Value, eps_mf: Value) -> Value:
     """Kunii and Levenspiel (1991): volume of bubbles, by how fast they rise past the gas of the emulsion.
 
         delta = (1 - w) (u - u_mf) / (u_b + s u_mf) + w u / u_b,  r = u_b eps_mf / u_mf
         s = 2 - S(r, 1) - S(r, 3) - S(r, 5),  w = S(r, 10),  S(r, c) = r^4 / (r^4 + c^4)
 
-    Parameters
-    ----------
-    u : [m/s] superficial velocity
-    u_mf : [m/s] that at minimum fluidization
-    u_b : [m/s] velocity of the bubbles
-    eps_mf : [-] voidage at minimum fluidization
+    Fitted to: nothing: balances of gas. The book switches s from 2 to 1, 0, -1 at r = 1, 3, 5 and to u / u_b at 10,
+        which jumps; here the same limits join smoothly, each over a factor of 1.7 in r
+    Limits: r -> 0: (u - u_mf) / (u_b + 2 u_mf). r -> inf: u / u_b.
+    Source: Eqs. 6.26 to 6.29.
 
-    Returns
-    -------
-    [-] share of bubbles in the volume of the bed
-
-    Range
-    -----
-    u/u_mf : 1.0 to inf
-
-    Fitted to
-    ---------
-    nothing: balances of gas. The book switches s from 2 to 1, 0, -1 at r = 1, 3, 5 and to u / u_b at 10, which jumps;
-    here the same limits join smoothly, each over a factor of 1.7 in r
-
-    Limits
-    ------
-    r -> 0: (u - u_mf) / (u_b + 2 u_mf). r -> inf: u / u_b.
-
-    Example
-    -------
     >>> round(float(bubble_fraction_kunii_levenspiel(u=1.0, u_mf=0.2, u_b=1.8, eps_mf=0.45)), 6)
     0.450544
-
-    Source
-    ------
-    Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, Butterworth-Heinemann, Boston, Eqs. 6.26 to 6.29.
     """
     r4 = (u_b * eps_mf / u_mf) ** 4
     s = 2.0 - r4 / (r4 + 1.0) - r4 / (r4 + 3.0**4) - r4 / (r4 + 5.0**4)
@@ -57,249 +32,99 @@ def bubble_fraction_kunii_levenspiel(u, u_mf, u_b, eps_mf):
 
 
 @closure(kind="bubble_fraction", unit="-", ranges={"u/u_mf": (1.0, _INF)}, source=_TOOMEY)
-def bubble_fraction_two_phase(u, u_mf, u_b):
+def bubble_fraction_two_phase(u: Value, u_mf: Value, u_b: Value) -> Value:
     """Toomey and Johnstone (1952): all gas beyond minimum fluidization flows as bubbles.
 
         delta = (u - u_mf) / u_b
 
-    Parameters
-    ----------
-    u : [m/s] superficial velocity
-    u_mf : [m/s] that at minimum fluidization
-    u_b : [m/s] velocity of the bubbles
+    Fitted to: nothing: the two-phase theory, which gives bubbles somewhat too much gas
+    Limits: u -> u_mf: 0.
 
-    Returns
-    -------
-    [-] share of bubbles in the volume of the bed
-
-    Range
-    -----
-    u/u_mf : 1.0 to inf
-
-    Fitted to
-    ---------
-    nothing: the two-phase theory, which gives bubbles somewhat too much gas
-
-    Limits
-    ------
-    u -> u_mf: 0.
-
-    Example
-    -------
     >>> round(float(bubble_fraction_two_phase(u=1.0, u_mf=0.2, u_b=1.6)), 6)
     0.5
-
-    Source
-    ------
-    Toomey, Johnstone 1952, Chem. Eng. Prog. 48, 220-226.
     """
     return (u - u_mf) / u_b
 
 
 @closure(kind="emulsion_gas", unit="m/s", ranges={"u_mf": (0, _INF)}, source=_TOOMEY)
-def emulsion_gas_two_phase(u_mf):
+def emulsion_gas_two_phase(u_mf: Value) -> Value:
     """Toomey and Johnstone (1952): the emulsion stays at minimum fluidization.
 
         u_e = u_mf
 
-    Parameters
-    ----------
-    u_mf : [m/s] superficial velocity at minimum fluidization
+    Fitted to: nothing: the two-phase theory
+    Limits: none
 
-    Returns
-    -------
-    [m/s] gas through the emulsion, per section of emulsion
-
-    Range
-    -----
-    u_mf : 0 to inf
-
-    Fitted to
-    ---------
-    nothing: the two-phase theory
-
-    Limits
-    ------
-    none
-
-    Example
-    -------
     >>> emulsion_gas_two_phase(u_mf=0.2)
     0.2
-
-    Source
-    ------
-    Toomey, Johnstone 1952, Chem. Eng. Prog. 48, 220-226.
     """
     return 1.0 * u_mf
 
 
 @closure(kind="emulsion_gas", unit="m/s", ranges={"delta": (0.0, 0.7), "wake": (0.0, 0.5)}, source=_KL)
-def emulsion_gas_kunii_levenspiel(u_mf, eps_mf, delta, u_b, wake=0.2):
+def emulsion_gas_kunii_levenspiel(u_mf: Value, eps_mf: Value, delta: Value, u_b: Value, wake: float = 0.2) -> Value:
     """Kunii and Levenspiel (1991): the gas rises through particles that sink to make good for those in wakes.
 
         u_e = u_mf - eps_mf wake delta u_b / (1 - delta - wake delta)
 
-    Parameters
-    ----------
-    u_mf : [m/s] superficial velocity at minimum fluidization
-    eps_mf : [-] voidage at minimum fluidization
-    delta : [-] share of bubbles in the volume
-    u_b : [m/s] velocity of the bubbles
-    wake : [-] volume of wake over that of bubble
+    Result: gas through the emulsion, per section of emulsion; below zero it flows down, which beds refuse
+    Fitted to: nothing: balances of gas and solids
+    Limits: delta -> 0: u_mf.
+    Source: Eqs. 6.39 and 6.40.
 
-    Returns
-    -------
-    [m/s] gas through the emulsion, per section of emulsion; below zero it flows down, which beds refuse
-
-    Range
-    -----
-    delta : 0.0 to 0.7
-    wake : 0.0 to 0.5
-
-    Fitted to
-    ---------
-    nothing: balances of gas and solids
-
-    Limits
-    ------
-    delta -> 0: u_mf.
-
-    Example
-    -------
     >>> round(float(emulsion_gas_kunii_levenspiel(u_mf=0.3, eps_mf=0.45, delta=0.2, u_b=1.0, wake=0.2)), 6)
     0.276316
-
-    Source
-    ------
-    Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, Butterworth-Heinemann, Boston, Eqs. 6.39 and 6.40.
     """
     return u_mf - eps_mf * wake * delta * u_b / (1.0 - delta - wake * delta)
 
 
 @closure(kind="nusselt", unit="-", ranges={"Re": (0.1, 100.0)}, source=_KL)
-def nusselt_kunii_levenspiel(Re):
+def nusselt_kunii_levenspiel(Re: Value) -> Value:
     """Kunii and Levenspiel (1969): fine particles of a fluidized bed, as measured by plug flow of the gas.
 
         Nu = 0.03 Re^1.3
 
-    Parameters
-    ----------
-    Re : [-] superficial Reynolds number on d_p
+    Result: Nusselt number on d_p and the conductivity of the gas
+    Fitted to: data of many authors; below one since gas that bypasses in bubbles is counted. With bubbles as a phase of
+        their own nusselt_gunn or nusselt_ranz_marshall is the choice
+    Limits: Re -> 0: 0.
+    Source: Fig. 11.6. Range read from secondary sources.
 
-    Returns
-    -------
-    [-] Nusselt number on d_p and the conductivity of the gas
-
-    Range
-    -----
-    Re : 0.1 to 100.0
-
-    Fitted to
-    ---------
-    data of many authors; below one since gas that bypasses in bubbles is counted. With bubbles as a phase of their own
-    nusselt_gunn or nusselt_ranz_marshall is the choice
-
-    Limits
-    ------
-    Re -> 0: 0.
-
-    Example
-    -------
     >>> round(float(nusselt_kunii_levenspiel(Re=10.0)), 6)
     0.598579
-
-    Source
-    ------
-    Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, Butterworth-Heinemann, Boston, Fig. 11.6.
-    Range read from secondary sources.
     """
     return 0.03 * Re**1.3
 
 
 @closure(kind="solids_mixing", unit="m2/s", ranges={"delta": (0.0, 0.7), "wake": (0.0, 0.5)}, source=_KL)
-def solids_mixing_kunii_levenspiel(delta, u_b, d_b, u_mf, eps_mf, wake=0.2):
+def solids_mixing_kunii_levenspiel(
+    delta: Value, u_b: Value, d_b: Value, u_mf: Value, eps_mf: Value, wake: float = 0.2
+) -> Value:
     """Kunii and Levenspiel (1969): vertical mixing of the solids by the wakes that bubbles carry up.
 
         D_s = wake^2 eps_mf delta d_b u_b^2 / (3 u_mf)
 
-    Parameters
-    ----------
-    delta : [-] share of bubbles in the volume
-    u_b : [m/s] velocity of the bubbles
-    d_b : [m] their diameter
-    u_mf : [m/s] superficial velocity at minimum fluidization
-    eps_mf : [-] voidage at minimum fluidization
-    wake : [-] volume of wake over that of bubble
+    Fitted to: nothing: the counter-current flow model with exchange between wake and emulsion; an order of magnitude
+    Limits: delta -> 0: 0.
+    Source: Chapter 6. Quoted from secondary sources.
 
-    Returns
-    -------
-    [m2/s] axial dispersion of the solids
-
-    Range
-    -----
-    delta : 0.0 to 0.7
-    wake : 0.0 to 0.5
-
-    Fitted to
-    ---------
-    nothing: the counter-current flow model with exchange between wake and emulsion; an order of magnitude
-
-    Limits
-    ------
-    delta -> 0: 0.
-
-    Example
-    -------
     >>> round(float(solids_mixing_kunii_levenspiel(delta=0.3, u_b=1.0, d_b=0.1, u_mf=0.2, eps_mf=0.45)), 6)
     0.0009
-
-    Source
-    ------
-    Kunii, Levenspiel 1991, Fluidization Engineering, 2nd edition, Butterworth-Heinemann, Boston, chapter 6.
-    Quoted from secondary sources.
     """
     return wake**2 * eps_mf * delta * d_b * u_b**2 / (3.0 * u_mf)
 
 
 @closure(kind="expansion", unit="-", ranges={"u_excess": (0.0, _INF), "d_p": (5e-5, 5e-3)}, source=_SOUZA)
-def expansion_souza_santos(u_excess, u_mf, d_p, rho_solid, rho_gas):
+def expansion_souza_santos(u_excess: Value, u_mf: Value, d_p: Value, rho_solid: Value, rho_gas: Value) -> Value:
     """Souza-Santos (2010): height of a bed wider than 64 mm over its height at minimum fluidization. In SI.
 
         R = 1 + 14.314 u_excess^0.738 d_p^1.006 rho_solid^0.376 / (rho_gas^0.126 u_mf^0.937)
 
-    Parameters
-    ----------
-    u_excess : [m/s] u - u_mf
-    u_mf : [m/s] superficial velocity at minimum fluidization
-    d_p : [m] particle diameter
-    rho_solid : [kg/m3] density of the particles
-    rho_gas : [kg/m3] density of the gas
+    Fitted to: beds of many authors, by Babu, Shah and Talwalkar (1978); the bounds of the data have not been seen
+    Limits: u_excess -> 0: 1.
+    Source: Eq. 14.8.
 
-    Returns
-    -------
-    [-] ratio of the heights
-
-    Range
-    -----
-    u_excess : 0.0 to inf
-    d_p : 5e-05 to 0.005
-
-    Fitted to
-    ---------
-    beds of many authors, by Babu, Shah and Talwalkar (1978); the bounds of the data have not been seen
-
-    Limits
-    ------
-    u_excess -> 0: 1.
-
-    Example
-    -------
     >>> round(float(expansion_souza_santos(u_excess=0.5, u_mf=0.2, d_p=7e-4, rho_solid=2600.0, rho_gas=0.3)), 6)
     1.58159
-
-    Source
-    ------
-    Souza-Santos 2010, Solid Fuels Combustion and Gasification, 2nd edition, CRC Press, Boca Raton, Eq. 14.8.
     """
     return 1.0 + 14.314 * u_excess**0.738 * d_p**1.006 * rho_solid**0.376 / (rho_gas**0.126 * u_mf**0.937)

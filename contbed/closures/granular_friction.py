@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.closures.registry import closure
+from contbed.closures.registry import Value, closure
 
 _JOHNSON = "Johnson, Jackson 1987, J. Fluid Mech. 176, 67-93, doi:10.1017/S0022112087000570"
 _SCHAEFFER = "Schaeffer 1987, J. Differ. Equ. 66, 19-50, doi:10.1016/0022-0396(87)90038-6"
@@ -17,85 +17,40 @@ _OPENFOAM = "OpenFOAM v1912, twoPhaseEulerFoam, frictionalStressModel JohnsonJac
 
 
 @closure(kind="granular_friction", unit="Pa", ranges={"eps_s": (0, 0.65)}, source=_JOHNSON)
-def friction_johnson_jackson(eps_s, eps_max, eps_min=0.5, strength=0.05, gap=0.01):
+def friction_johnson_jackson(
+    eps_s: Value, eps_max: Value, eps_min: float = 0.5, strength: float = 0.05, gap: float = 0.01
+) -> Value:
     """Johnson and Jackson (1987): pressure of particles that rub, none below eps_min.
 
     p = strength (eps_s - eps_min)^2/(eps_max - eps_s)^5
 
     with eps_max - eps_s no smaller than gap.
 
-    Parameters
-    ----------
-    eps_s : [-] fraction of the particles
-    eps_max : [-] densest packing
-    eps_min : [-] fraction above which particles rub
     strength : [Pa] factor
     gap : [-] smallest eps_max - eps_s that counts
 
-    Returns
-    -------
-    [Pa] frictional pressure
+    Fitted to: flow of glass beads down chutes
+    Limits: eps_s <= eps_min: 0.
 
-    Range
-    -----
-    eps_s : 0 to 0.65
-
-    Fitted to
-    ---------
-    flow of glass beads down chutes
-
-    Limits
-    ------
-    eps_s <= eps_min: 0.
-
-    Example
-    -------
     >>> round(float(friction_johnson_jackson(eps_s=0.6, eps_max=0.63)), 3)
     20576.132
-
-    Source
-    ------
-    Johnson, Jackson 1987, J. Fluid Mech. 176, 67-93, doi:10.1017/S0022112087000570.
     """
     return strength * np.maximum(eps_s - eps_min, 0.0) ** 2 / np.maximum(eps_max - eps_s, gap) ** 5
 
 
 @closure(kind="granular_friction_viscosity", unit="Pa s", ranges={"p_friction": (0, 1e6)}, source=_OPENFOAM)
-def friction_viscosity_newtonian(p_friction, angle, time=0.5):
+def friction_viscosity_newtonian(p_friction: Value, angle: Value, time: float = 0.5) -> Value:
     """OpenFOAM (2019): frictional viscosity that does not depend on the flow.
 
     mu = time p_friction sin(angle)
 
-    Parameters
-    ----------
-    p_friction : [Pa] frictional pressure
-    angle : [rad] of internal friction
     time : [s] of relaxation
 
-    Returns
-    -------
-    [Pa s] frictional viscosity
+    Fitted to: nothing: a heap spreads like honey
+    Limits: p_friction = 0: 0.
 
-    Range
-    -----
-    p_friction : 0 to 1e6
-
-    Fitted to
-    ---------
-    nothing: a heap spreads like honey
-
-    Limits
-    ------
-    p_friction = 0: 0.
-
-    Example
-    -------
     >>> round(float(friction_viscosity_newtonian(p_friction=100.0, angle=0.5)), 3)
     23.971
-
-    Source
-    ------
-    OpenFOAM v1912, twoPhaseEulerFoam, frictionalStressModel JohnsonJackson.
     """
     return time * p_friction * np.sin(angle)
 
@@ -106,42 +61,17 @@ def friction_viscosity_newtonian(p_friction, angle, time=0.5):
     ranges={"p_friction": (0, 1e6), "shear_rate": (0, 1e4)},
     source=_SCHAEFFER,
 )
-def friction_viscosity_schaeffer(p_friction, angle, shear_rate, rate_min=0.05):
+def friction_viscosity_schaeffer(p_friction: Value, angle: Value, shear_rate: Value, rate_min: float = 0.05) -> Value:
     """Schaeffer (1987): a yield stress p_friction sin(angle) that does not depend on the rate of shear.
 
     mu = p_friction sin(angle)/(2 sqrt(shear_rate^2 + rate_min^2))
 
-    Parameters
-    ----------
-    p_friction : [Pa] frictional pressure
-    angle : [rad] of internal friction
-    shear_rate : [1/s] square root of the second invariant of the strain rate
     rate_min : [1/s] below which particles creep instead of standing still
 
-    Returns
-    -------
-    [Pa s] frictional viscosity
+    Fitted to: plastic flow of sand, Coulomb's law
+    Limits: shear_rate >> rate_min: the stress 2 mu shear_rate is p_friction sin(angle).
 
-    Range
-    -----
-    p_friction : 0 to 1e6
-    shear_rate : 0 to 1e4
-
-    Fitted to
-    ---------
-    plastic flow of sand, Coulomb's law
-
-    Limits
-    ------
-    shear_rate >> rate_min: the stress 2 mu shear_rate is p_friction sin(angle).
-
-    Example
-    -------
     >>> round(float(friction_viscosity_schaeffer(p_friction=100.0, angle=0.5, shear_rate=10.0)), 4)
     2.3971
-
-    Source
-    ------
-    Schaeffer 1987, J. Differ. Equ. 66, 19-50, doi:10.1016/0022-0396(87)90038-6.
     """
     return p_friction * np.sin(angle) / (2.0 * np.sqrt(shear_rate**2 + rate_min**2))

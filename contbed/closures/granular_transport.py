@@ -10,7 +10,7 @@ a kinetic part; `kinetic` is the share of the kinetic part that the guards `shar
 
 from __future__ import annotations
 
-from contbed.closures.registry import closure
+from contbed.closures.registry import Value, closure
 
 _LUN = "Lun, Savage, Jeffrey, Chepurniy 1984, J. Fluid Mech. 140, 223-256, doi:10.1017/S0022112084000586"
 _SYAMLAL = "Syamlal, Rogers, O'Brien 1993, MFIX documentation: theory guide, DOE/METC-94/1004, doi:10.2172/10145548"
@@ -20,7 +20,7 @@ _PI = 3.141592653589793
 
 
 @closure(kind="granular_viscosity", unit="-", ranges=_DENSE, source=_GIDASPOW)
-def granular_viscosity_gidaspow(eps_s, g0, e, kinetic=1.0):
+def granular_viscosity_gidaspow(eps_s: Value, g0: Value, e: Value, kinetic: Value = 1.0) -> Value:
     """Gidaspow (1994): shear viscosity over rho_s d_p sqrt(theta).
 
     mu = rho_s d_p sqrt(theta) [4/5 eps_s^2 g0 (1 + e)/sqrt(pi)
@@ -29,38 +29,11 @@ def granular_viscosity_gidaspow(eps_s, g0, e, kinetic=1.0):
     the first term collisional, the second kinetic. Print often loses an eps_s of the first, or divides the second by
     eps_s; both contradict the kinetic theory.
 
-    Parameters
-    ----------
-    eps_s : [-] fraction of the particles
-    g0 : [-] radial distribution at contact
-    e : [-] restitution of two particles
-    kinetic : [-] share of the kinetic part that guards leave
+    Fitted to: kinetic theory of slightly inelastic spheres
+    Limits: eps_s -> 0: 10 sqrt(pi)/(96 (1 + e)), not zero: dilute flows need the guards.
 
-    Returns
-    -------
-    [-] mu/(rho_s d_p sqrt(theta))
-
-    Range
-    -----
-    eps_s : 0 to 0.63
-    e : 0 to 1
-
-    Fitted to
-    ---------
-    kinetic theory of slightly inelastic spheres
-
-    Limits
-    ------
-    eps_s -> 0: 10 sqrt(pi)/(96 (1 + e)), not zero: dilute flows need the guards.
-
-    Example
-    -------
     >>> round(float(granular_viscosity_gidaspow(eps_s=0.3, g0=4.84732, e=0.95)), 6)
     0.592645
-
-    Source
-    ------
-    Gidaspow 1994, Multiphase Flow and Fluidization, Academic Press, chapter 9.
     """
     collisional = 0.8 * eps_s**2 * g0 * (1.0 + e) / _PI**0.5
     dilute = 10.0 * _PI**0.5 / (96.0 * (1.0 + e) * g0)
@@ -68,44 +41,17 @@ def granular_viscosity_gidaspow(eps_s, g0, e, kinetic=1.0):
 
 
 @closure(kind="granular_viscosity", unit="-", ranges=_DENSE, source=_SYAMLAL)
-def granular_viscosity_syamlal(eps_s, g0, e, kinetic=1.0):
+def granular_viscosity_syamlal(eps_s: Value, g0: Value, e: Value, kinetic: Value = 1.0) -> Value:
     """Syamlal et al. (1993): shear viscosity over rho_s d_p sqrt(theta).
 
     mu = rho_s d_p sqrt(theta) [4/5 eps_s^2 g0 (1 + e)/sqrt(pi)
                                 + eps_s sqrt(pi)/(6 (3 - e)) (1 + 2/5 (1 + e) (3 e - 1) eps_s g0)]
 
-    Parameters
-    ----------
-    eps_s : [-] fraction of the particles
-    g0 : [-] radial distribution at contact
-    e : [-] restitution of two particles
-    kinetic : [-] share of the kinetic part that guards leave
+    Fitted to: kinetic theory of slightly inelastic spheres
+    Limits: eps_s -> 0: sqrt(pi) eps_s/(6 (3 - e)).
 
-    Returns
-    -------
-    [-] mu/(rho_s d_p sqrt(theta))
-
-    Range
-    -----
-    eps_s : 0 to 0.63
-    e : 0 to 1
-
-    Fitted to
-    ---------
-    kinetic theory of slightly inelastic spheres
-
-    Limits
-    ------
-    eps_s -> 0: sqrt(pi) eps_s/(6 (3 - e)).
-
-    Example
-    -------
     >>> round(float(granular_viscosity_syamlal(eps_s=0.3, g0=4.84732, e=0.95)), 6)
     0.517913
-
-    Source
-    ------
-    Syamlal, Rogers, O'Brien 1993, MFIX documentation: theory guide, DOE/METC-94/1004, doi:10.2172/10145548.
     """
     collisional = 0.8 * eps_s**2 * g0 * (1.0 + e) / _PI**0.5
     rest = 1.0 + 0.4 * (1.0 + e) * (3.0 * e - 1.0) * eps_s * g0
@@ -113,48 +59,22 @@ def granular_viscosity_syamlal(eps_s, g0, e, kinetic=1.0):
 
 
 @closure(kind="granular_bulk_viscosity", unit="-", ranges=_DENSE, source=_LUN)
-def granular_bulk_lun(eps_s, g0, e):
+def granular_bulk_lun(eps_s: Value, g0: Value, e: Value) -> Value:
     """Lun et al. (1984): bulk viscosity over rho_s d_p sqrt(theta).
 
     bulk = 4/3 rho_s d_p sqrt(theta) eps_s^2 g0 (1 + e)/sqrt(pi)
 
-    Parameters
-    ----------
-    eps_s : [-] fraction of the particles
-    g0 : [-] radial distribution at contact
-    e : [-] restitution of two particles
+    Fitted to: kinetic theory of slightly inelastic spheres
+    Limits: eps_s -> 0: as eps_s^2.
 
-    Returns
-    -------
-    [-] bulk/(rho_s d_p sqrt(theta))
-
-    Range
-    -----
-    eps_s : 0 to 0.63
-    e : 0 to 1
-
-    Fitted to
-    ---------
-    kinetic theory of slightly inelastic spheres
-
-    Limits
-    ------
-    eps_s -> 0: as eps_s^2.
-
-    Example
-    -------
     >>> round(float(granular_bulk_lun(eps_s=0.3, g0=4.84732, e=0.95)), 6)
     0.639945
-
-    Source
-    ------
-    Lun, Savage, Jeffrey, Chepurniy 1984, J. Fluid Mech. 140, 223-256, doi:10.1017/S0022112084000586.
     """
     return 4.0 / 3.0 * eps_s**2 * g0 * (1.0 + e) / _PI**0.5
 
 
 @closure(kind="granular_conductivity", unit="-", ranges=_DENSE, source=_SYAMLAL)
-def granular_conductivity_syamlal(eps_s, g0, e, kinetic=1.0):
+def granular_conductivity_syamlal(eps_s: Value, g0: Value, e: Value, kinetic: Value = 1.0) -> Value:
     """Syamlal et al. (1993): conductivity of granular energy over rho_s d_p sqrt(theta).
 
     k = rho_s d_p sqrt(theta) 15 sqrt(pi) eps_s/(4 (41 - 33 eta))
@@ -162,38 +82,11 @@ def granular_conductivity_syamlal(eps_s, g0, e, kinetic=1.0):
 
     the last term collisional.
 
-    Parameters
-    ----------
-    eps_s : [-] fraction of the particles
-    g0 : [-] radial distribution at contact
-    e : [-] restitution of two particles
-    kinetic : [-] share of the kinetic part that guards leave
+    Fitted to: kinetic theory of slightly inelastic spheres
+    Limits: eps_s -> 0: 15 sqrt(pi) eps_s/(4 (41 - 33 eta)).
 
-    Returns
-    -------
-    [-] k/(rho_s d_p sqrt(theta))
-
-    Range
-    -----
-    eps_s : 0 to 0.63
-    e : 0 to 1
-
-    Fitted to
-    ---------
-    kinetic theory of slightly inelastic spheres
-
-    Limits
-    ------
-    eps_s -> 0: 15 sqrt(pi) eps_s/(4 (41 - 33 eta)).
-
-    Example
-    -------
     >>> round(float(granular_conductivity_syamlal(eps_s=0.3, g0=4.84732, e=0.95)), 6)
     1.860549
-
-    Source
-    ------
-    Syamlal, Rogers, O'Brien 1993, MFIX documentation: theory guide, DOE/METC-94/1004, doi:10.2172/10145548.
     """
     eta = 0.5 * (1.0 + e)
     rest = 1.0 + 2.4 * eta**2 * (4.0 * eta - 3.0) * eps_s * g0
@@ -201,44 +94,17 @@ def granular_conductivity_syamlal(eps_s, g0, e, kinetic=1.0):
 
 
 @closure(kind="granular_conductivity", unit="-", ranges=_DENSE, source=_GIDASPOW)
-def granular_conductivity_gidaspow(eps_s, g0, e, kinetic=1.0):
+def granular_conductivity_gidaspow(eps_s: Value, g0: Value, e: Value, kinetic: Value = 1.0) -> Value:
     """Gidaspow (1994): conductivity of granular energy over rho_s d_p sqrt(theta).
 
     k = rho_s d_p sqrt(theta) [2 eps_s^2 g0 (1 + e)/sqrt(pi)
                                + 75 sqrt(pi)/(192 (1 + e) g0) (1 + 6/5 (1 + e) g0 eps_s)^2]
 
-    Parameters
-    ----------
-    eps_s : [-] fraction of the particles
-    g0 : [-] radial distribution at contact
-    e : [-] restitution of two particles
-    kinetic : [-] share of the kinetic part that guards leave
+    Fitted to: kinetic theory of slightly inelastic spheres
+    Limits: eps_s -> 0: 75 sqrt(pi)/(192 (1 + e)), not zero: dilute flows need the guards.
 
-    Returns
-    -------
-    [-] k/(rho_s d_p sqrt(theta))
-
-    Range
-    -----
-    eps_s : 0 to 0.63
-    e : 0 to 1
-
-    Fitted to
-    ---------
-    kinetic theory of slightly inelastic spheres
-
-    Limits
-    ------
-    eps_s -> 0: 75 sqrt(pi)/(192 (1 + e)), not zero: dilute flows need the guards.
-
-    Example
-    -------
     >>> round(float(granular_conductivity_gidaspow(eps_s=0.3, g0=4.84732, e=0.95)), 6)
     2.379826
-
-    Source
-    ------
-    Gidaspow 1994, Multiphase Flow and Fluidization, Academic Press, chapter 9.
     """
     collisional = 2.0 * eps_s**2 * g0 * (1.0 + e) / _PI**0.5
     dilute = 75.0 * _PI**0.5 / (192.0 * (1.0 + e) * g0)
@@ -246,47 +112,23 @@ def granular_conductivity_gidaspow(eps_s, g0, e, kinetic=1.0):
 
 
 @closure(kind="granular_dissipation", unit="-", ranges=_DENSE, source=_LUN)
-def granular_dissipation_lun(eps_s, g0, e):
+def granular_dissipation_lun(eps_s: Value, g0: Value, e: Value) -> Value:
     """Lun et al. (1984): dissipation by inelastic collisions, times d_p/(rho_s theta^(3/2)).
 
     gamma = 12 (1 - e^2) eps_s^2 g0 rho_s theta^(3/2)/(d_p sqrt(pi))
 
-    Parameters
-    ----------
-    eps_s : [-] fraction of the particles
-    g0 : [-] radial distribution at contact
-    e : [-] restitution of two particles
+    Fitted to: kinetic theory of slightly inelastic spheres
+    Limits: e = 1: none.
 
-    Returns
-    -------
-    [-] gamma d_p/(rho_s theta^1.5)
-
-    Range
-    -----
-    eps_s : 0 to 0.63
-    e : 0 to 1
-
-    Fitted to
-    ---------
-    kinetic theory of slightly inelastic spheres
-
-    Limits
-    ------
-    e = 1: none.
-
-    Example
-    -------
     >>> round(float(granular_dissipation_lun(eps_s=0.3, g0=4.84732, e=0.95)), 6)
     0.287975
-
-    Source
-    ------
-    Lun, Savage, Jeffrey, Chepurniy 1984, J. Fluid Mech. 140, 223-256, doi:10.1017/S0022112084000586.
     """
     return 12.0 * (1.0 - e**2) * eps_s**2 * g0 / _PI**0.5
 
 
-def share_drag(K, theta, eps_s, g0, rho_s, d_p, dilute, factor=2.0):
+def share_drag(
+    K: Value, theta: Value, eps_s: Value, g0: Value, rho_s: Value, d_p: Value, dilute: Value, factor: float = 2.0
+) -> Value:
     """Agrawal et al. (2001): share of the kinetic part that drag leaves, since gas stops particles between collisions.
 
     share = 1/(1 + factor K mu/(rho_s^2 eps_s g0 theta)),  mu = dilute rho_s d_p sqrt(theta)
@@ -326,7 +168,7 @@ def share_drag(K, theta, eps_s, g0, rho_s, d_p, dilute, factor=2.0):
     return 1.0 / (1.0 + factor * K * dilute * d_p / (rho_s * (eps_s + 1e-12) * g0 * theta**0.5 + 1e-30))
 
 
-def share_free_path(eps_s, g0, d_p, length):
+def share_free_path(eps_s: Value, g0: Value, d_p: Value, length: Value) -> Value:
     """Share of the kinetic part where the free path would exceed a length of the flow.
 
     share = 1/(1 + Kn),  Kn = d_p/(6 sqrt(2) eps_s g0 length)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.closures.registry import closure
+from contbed.closures.registry import Value, closure
 from contbed.closures.sizes import SizeDistribution
 from contbed.errors import SceneError
 
@@ -147,80 +147,38 @@ def optics(species: Sequence[Species], packing: str = "close_packed", anisotropy
 
 
 @closure(kind="radiation", unit="W/m/K", ranges={"T": (0, float("inf")), "beta": (0, float("inf"))}, source=_ROSSELAND)
-def radiation_rosseland(T, beta):
+def radiation_rosseland(T: Value, beta: Value) -> Value:
     """Rosseland (1931): radiation in a thick medium as heat conduction.
 
         k = 16 sigma T^3 / (3 beta)
 
-    Parameters
-    ----------
     T : [K] temperature, the same for all species
     beta : [1/m] transport coefficient K_a + K_s (1 - g), the extinction coefficient when scattering is isotropic
 
-    Returns
-    -------
-    [W/m/K] radiative conductivity
+    Result: radiative conductivity
+    Fitted to: nothing: exact as the mean free path shrinks. For a layer between walls see error_rosseland
+    Limits: beta -> 0: diverges, since radiation then depends on the walls.
+    Source: As given in Modest 2013, Radiative Heat Transfer, section 15.2.
 
-    Range
-    -----
-    T : 0 to inf
-    beta : 0 to inf
-
-    Fitted to
-    ---------
-    nothing: exact as the mean free path shrinks. For a layer between walls see error_rosseland
-
-    Limits
-    ------
-    beta -> 0: diverges, since radiation then depends on the walls.
-
-    Example
-    -------
     >>> round(float(radiation_rosseland(T=1200.0, beta=1000.0)), 6)
     0.522582
-
-    Source
-    ------
-    Rosseland 1931, Astrophysik auf atomtheoretischer Grundlage, Springer, Berlin.
-    As given in Modest 2013, Radiative Heat Transfer, section 15.2.
     """
     return 16 * SIGMA * T**3 / (3 * beta)
 
 
 @closure(kind="radiation", unit="-", ranges={"albedo": (0, 1)}, source=_SCHUSTER)
-def radiation_emissivity_half_space(albedo):
+def radiation_emissivity_half_space(albedo: Value) -> Value:
     """Schuster (1905): emissivity of a deep isothermal bed by the two-flux method.
 
         eps_bed = 2 s / (1 + s),  s = sqrt(1 - albedo)
 
-    Parameters
-    ----------
-    albedo : [-] K_s / beta
+    Result: hemispherical emissivity of the surface of the bed
+    Fitted to: nothing: exact for isotropic scattering and two streams; transport theory gives .8832 where this gives
+        .8622
+    Limits: albedo -> 0: 1. albedo -> 1: 0, with infinite slope.
 
-    Returns
-    -------
-    [-] hemispherical emissivity of the surface of the bed
-
-    Range
-    -----
-    albedo : 0 to 1
-
-    Fitted to
-    ---------
-    nothing: exact for isotropic scattering and two streams; transport theory gives .8832 where this gives .8622
-
-    Limits
-    ------
-    albedo -> 0: 1. albedo -> 1: 0, with infinite slope.
-
-    Example
-    -------
     >>> round(float(radiation_emissivity_half_space(albedo=0.36)), 6)
     0.888889
-
-    Source
-    ------
-    Schuster 1905, Astrophys. J. 21, 1-22, doi:10.1086/141186.
     """
     s = (1 - albedo) ** 0.5
     return 2 * s / (1 + s)

@@ -112,12 +112,12 @@ _CGS = 1e6  # mol/cm3/s in mol/m3/s
 
 def _from_cm(A: float, order: float) -> float:
     """A for mol/cm3 as one for mol/m3."""
-    return A * _CGS * (1e-6) ** order
+    return A * _CGS * float((1e-6) ** order)
 
 
 def _from_kmol(A: float, order: float) -> float:
     """A for kmol/m3 as one for mol/m3."""
-    return A * 1e3 ** (1.0 - order)
+    return A * float(1e3 ** (1.0 - order))
 
 
 _CAL = 4.184 / R_GAS  # cal/mol in K

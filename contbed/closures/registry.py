@@ -16,30 +16,19 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cache
+from importlib import import_module
+from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
+from contbed.closures.sheet import Docstring, Interval, Sheet, assembled
 from contbed.errors import SceneError
 
+Value: TypeAlias = Any  # a number, an array or a dual number
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-
-@dataclass(frozen=True)
-class Sheet:
-    """The data sheet of one closure. `options` are the arguments that have a default."""
-
-    name: str
-    kind: str
-    unit: str
-    arguments: tuple[str, ...]
-    options: Mapping[str, Any]
-    ranges: Mapping[str, tuple[float, float]]
-    source: str
-    summary: str
-    equation: str
-    text: str
 
 
 @dataclass(frozen=True)
@@ -86,47 +75,71 @@ _register: dict[str, Callable[..., Any]] = {}
 
 
 def closure(
-    *, kind: str, unit: str, ranges: Mapping[str, tuple[float, float]], source: str
+    *,
+    kind: str,
+    unit: str,
+    ranges: Mapping[str, tuple[float, float]],
+    source: str,
+    bounds: Mapping[str, str] = MappingProxyType({}),
 ) -> Callable[[Function], Function]:
-    """Register a function as a closure and attach its data sheet as `function.sheet`."""
+    """Register a function as a closure; its data sheet becomes `function.sheet` and, as text, its docstring.
+
+    `bounds` are the values that parameters may have, such as {"emissivity": "(0, 1]"}.
+    """
 
     def decorate(function: Function) -> Function:
         name = function.__name__
         parameters = inspect.signature(function).parameters
         if name in _register and _register[name].__module__ != function.__module__:
             raise ValueError(f"closure {name}: the name is taken")
-        for key in ranges:
-            if not set(key.split("/")) <= set(parameters):
-                raise ValueError(f"closure {name}: range {key!r} names no argument; it has {', '.join(parameters)}")
-        text = inspect.getdoc(function) or ""
-        summary, _, rest = text.partition("\n")
-        function.sheet = Sheet(  # type: ignore[attr-defined]
+        for what, keys in (("range", ranges), ("bound", bounds)):
+            for key in keys:
+                if not set(key.split("/")) <= set(parameters):
+                    raise ValueError(
+                        f"closure {name}: {what} {key!r} names no argument; it has {', '.join(parameters)}"
+                    )
+        limits = MappingProxyType({key: Interval.read(text) for key, text in bounds.items()})
+        doc = Docstring.read(inspect.getdoc(function) or "")
+        given = {key: value.default for key, value in parameters.items()}
+        required = tuple(key for key, default in given.items() if default is inspect.Parameter.empty)
+        sheet = Sheet(
             name=name,
             kind=kind,
             unit=unit,
-            arguments=tuple(key for key, value in parameters.items() if value.default is value.empty),
-            options=MappingProxyType(
-                {key: value.default for key, value in parameters.items() if value.default is not value.empty}
-            ),
+            arguments=required,
+            options=MappingProxyType({key: value for key, value in given.items() if key not in required}),
             ranges=MappingProxyType({key: (float(low), float(high)) for key, (low, high) in ranges.items()}),
             source=source,
-            summary=summary,
-            equation=inspect.cleandoc(rest.partition("Parameters\n")[0]).strip(),
-            text=text,
+            summary=doc.summary,
+            equation=inspect.cleandoc(doc.equation),
+            text=assembled(doc, kind, unit, tuple(parameters), ranges, limits, source),
+            bounds=limits,
         )
+        function.sheet = sheet  # type: ignore[attr-defined]
+        function.__doc__ = sheet.text
         _register[name] = function
         return function
 
     return decorate
 
 
+@cache
+def _load() -> None:
+    """Import the modules of this package that hold closures; each closure registers itself."""
+    for file in sorted(Path(__file__).parent.glob("*.py")):
+        if "\n@closure(" in file.read_text(encoding="utf-8"):
+            import_module(f"{__package__}.{file.stem}")
+
+
 def names(kind: str | None = None) -> tuple[str, ...]:
     """The names of all closures, or of those of one kind, in alphabetical order."""
+    _load()
     return tuple(sorted(name for name in _register if kind is None or _sheet(name).kind == kind))
 
 
 def get(name: str, kind: str | None = None) -> Callable[..., Any]:
     """The closure of that name. An unknown name, or one of another kind, raises SceneError with the nearest names."""
+    _load()
     function = _register.get(name)
     if function is None:
         raise unknown(name, names(kind), kind)
@@ -134,6 +147,21 @@ def get(name: str, kind: str | None = None) -> Callable[..., Any]:
     if kind is not None and found != kind:
         raise SceneError(f"closure {name!r} is of kind {found!r}, wanted kind {kind!r}: {', '.join(names(kind))}")
     return function
+
+
+class DispersionPair(NamedTuple):
+    """The two closures of one correlation of dispersion."""
+
+    axial: Callable[..., Any]
+    transverse: Callable[..., Any]
+
+
+def dispersion_pair(stem: str) -> DispersionPair:
+    """The axial and the transverse closure whose names begin with `stem`; SceneError names the nearest stems."""
+    known = [name.removesuffix("_axial") for name in names("dispersion") if name.endswith("_axial")]
+    if stem not in known:
+        raise unknown(stem, known, "dispersion")
+    return DispersionPair(get(f"{stem}_axial"), get(f"{stem}_transverse"))
 
 
 def sheet(name: str) -> Sheet:
@@ -180,7 +208,8 @@ def unknown(name: str, known: Iterable[str], kind: str | None = None) -> SceneEr
 
 
 def _sheet(name: str) -> Sheet:
-    return _register[name].sheet  # type: ignore[attr-defined]
+    found: Sheet = _register[name].sheet  # type: ignore[attr-defined]
+    return found
 
 
 def _argument_use(values: np.ndarray, declared: tuple[float, float]) -> ArgumentUse:

@@ -35,7 +35,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.closures.registry import Sheet
+from contbed.closures.sheet import Sheet
 
 FORMAT = 1
 UNITS = {"conductivity": "W/m/K", "nusselt": "-"}
@@ -66,6 +66,7 @@ class Transferred:
             summary=f"Fitted from particles: {form}.",
             equation=form,
             text=f"{form} fitted from particles, {source}",
+            bounds=MappingProxyType({}),
         )
         self.__signature__ = inspect.Signature(
             [inspect.Parameter(argument, inspect.Parameter.KEYWORD_ONLY) for argument in arguments]
