@@ -17,19 +17,20 @@ __all__ = ["Plan", "Result", "Scene", "load", "plan", "run"]
 
 _HOMES = {
     "Scene": "packed_bed.scene",
-    "load": "scene.loading",
+    "load": "loading",
     "Plan": "packed_bed.plan",
-    "plan": "packed_bed.plan",
+    "plan": "models",
     "Result": "result",
     "run": "runner",
 }
 
 if TYPE_CHECKING:
-    from contbed.packed_bed.plan import Plan, plan
+    from contbed.loading import load
+    from contbed.models import plan
+    from contbed.packed_bed.plan import Plan
     from contbed.packed_bed.scene import Scene
     from contbed.result import Result
     from contbed.runner import run
-    from contbed.scene.loading import load
 
 
 def __getattr__(name: str) -> Any:

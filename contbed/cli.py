@@ -118,7 +118,7 @@ def check(
 def plan(scene: SceneFile, settings: Settings = None) -> None:
     """Show what a scene builds and what it leaves out, with unknowns and memory."""
     loaded = _load(scene, settings)
-    from contbed.packed_bed.plan import plan as make
+    from contbed.models import plan as make
 
     print(make(loaded))
 
@@ -190,7 +190,7 @@ def sweep(
 
 
 def _load(path: Path, settings: list[str] | None) -> Any:
-    from contbed.scene.loading import load
+    from contbed.loading import load
 
     return load(path, dict(_assignment(text) for text in settings or []))
 

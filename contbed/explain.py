@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from pathlib import Path
 
 from contbed import closures
 from contbed.closures import registry
 from contbed.errors import SceneError
-from contbed.scene import schema as reference
+from contbed.models import MODELS
+from contbed.scene import schema
+from contbed.scene.toml_lines import KeyPath
 
 
 def models() -> dict[str, str]:
-    """The docstrings of the models, read without importing them."""
-    folder = Path(__file__).parent / "models"
-    files = sorted(file for file in folder.glob("*.py") if not file.name.startswith("_"))
-    return {file.stem: ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or "" for file in files}
+    """The docstrings of all equations by name, read without importing them."""
+    files = {name: file for model in MODELS.values() for name, file in model.sheets().items()}
+    return {name: ast.get_docstring(ast.parse(files[name].read_text(encoding="utf-8"))) or "" for name in sorted(files)}
 
 
 def studies(folder: Path) -> dict[str, list[str]]:
@@ -28,19 +29,17 @@ def studies(folder: Path) -> dict[str, list[str]]:
 
 def explain(name: str) -> str:
     """The data sheet of a closure, with or without its kind; of a model; of a table or key of a scene."""
-    if name in models():
-        return models()[name]
     known = closures.names()
     # A short name may belong to closures of several kinds; that of a dispersion stands for a pair.
     wanted = [f"{kind}{name}" for kind in ("", *(f"{registry.sheet(closure).kind}_" for closure in known))]
     wanted += [f"{stem}{end}" for stem in (name, f"dispersion_{name}") for end in ("_axial", "_transverse")]
-    if matches := [closure for closure in known if closure in wanted]:
-        return "\n".join(closures.data_sheet(match) for match in matches)
-    try:
-        return reference.explain(name)
-    except SceneError:
-        pass
-    names = [*models(), *known, *reference.tables(), *_keys()]
+    sheets = [models()[name]] if name in models() else []
+    sheets += [closures.data_sheet(match) for match in known if match in wanted]
+    if lines := [line for node in _nodes(name) for line in schema.sheet(name, node)]:
+        sheets.append("\n".join(lines))
+    if sheets:
+        return "\n\n".join(sheet.rstrip("\n") for sheet in sheets) + "\n"
+    names = [*models(), *known, *tables(), *_keys()]
     near = get_close_matches(name, names, n=3, cutoff=0.5)
     hint = f"nearest: {', '.join(near)}" if near else "`contbed list` shows all names"
     raise SceneError(f"no model, closure, table or key is called {name!r}; {hint}")
@@ -53,9 +52,62 @@ def listing(folder: Path) -> str:
         lines += _section(
             f"closures: {kind}", (f"{name:44} {registry.sheet(name).summary}" for name in closures.names(kind))
         )
-    lines += _section("tables of a scene", reference.tables())
+    lines += _section("tables of a scene", tables())
     lines += _section("studies", (f"{name:28} {', '.join(scenes)}" for name, scenes in studies(folder).items()))
     return "\n".join(lines)
+
+
+def at(path: KeyPath) -> list[schema.Node]:
+    """The nodes of a key path in all kinds of scenes; several if the table has several types, none if it is unknown."""
+    nodes = _schemas()
+    for key in path:
+        nodes = [child for node in nodes for child in schema.children(node, key)]
+    return nodes
+
+
+def unit(path: KeyPath) -> str | None:
+    """The SI unit of a key; None if it has none or is not a number."""
+    for node in at(path):
+        for option in [node, *schema.options(node)]:
+            item = next(iter(option.get("prefixItems", [])), option.get("items", option))
+            if found := option.get("unit") or item.get("unit"):
+                return str(found)
+    return None
+
+
+def tables() -> list[str]:
+    """The tables of a scene, with their types: "mesh", "heat", "boundary.NAME"."""
+    found: list[str] = []
+    for name, node in (item for root in _schemas() for item in root["properties"].items()):
+        if any(isinstance(option.get("additionalProperties"), dict) for option in schema.options(node)):
+            found.append(f"{name}.NAME")
+        elif any("properties" in option for option in schema.options(node)):
+            found.append(name)
+    return list(dict.fromkeys(found))
+
+
+def _schemas() -> list[schema.Node]:
+    """Schemas of all kinds of scenes, the packed bed first."""
+    return [schema.of(MODELS[kind].scene) for kind in sorted(MODELS, key=lambda kind: kind != "packed_bed")]
+
+
+def _nodes(name: str) -> Iterator[schema.Node]:
+    """What the schemas say of a table or key: "heat", "heat.nusselt", "boundary.NAME.fluid", "mesh.line"; each once."""
+    path: KeyPath = tuple(name.split("."))
+    nodes = at(path)
+    if not nodes and len(path) > 1:  # mesh.line: one type of a table
+        nodes = [
+            option
+            for node in at(path[:-1])
+            for option in schema.options(node)
+            if any(value == path[-1] for key in option.get("properties", {}).values() for value in schema.choices(key))
+        ]
+    shown: list[str] = []
+    for node in nodes:
+        text = "\n".join(schema.sheet(name, node))
+        if text not in shown:
+            shown.append(text)
+            yield node
 
 
 def _section(title: str, entries: Iterable[str]) -> list[str]:
@@ -65,7 +117,7 @@ def _section(title: str, entries: Iterable[str]) -> list[str]:
 
 def _keys() -> list[str]:
     found = []
-    for table in reference.tables():
-        for node in reference.at(tuple(table.split("."))):
-            found += [f"{table}.{key}" for key in reference.keys(node)]
+    for table in tables():
+        for node in at(tuple(table.split("."))):
+            found += [f"{table}.{key}" for key in schema.keys(node)]
     return found

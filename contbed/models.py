@@ -1,63 +1,180 @@
-"""The kinds of scenes besides the packed bed: where settings, checks, plan and run of each are. Imported when used."""
+"""The physics of contbed: what each package provides, and which one a scene is for.
+
+Every physics is a package with the same modules, which are imported when they are used:
+
+    scene.py    tables and keys of its scenes, with unit, bounds, default and meaning
+    checks.py   CHECKS, what can be wrong with a scene although every value is right
+    plan.py     plan(scene) -> Plan: what is built, what is left out and why, unknowns and cost
+    run.py      run(plan, result, folder, quiet, start): solves and fills the result
+    plots.py    plot(result, folder): the picture that a person wants first
+    equations/  the equations, each file with its PDEs, symbols, units and source
+
+A new physics is such a package and one entry of MODELS.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import Any, ClassVar, Protocol
+
+
+class Plan(Protocol):
+    """What a run builds."""
+
+    @property
+    def scene(self) -> Any:
+        """The scene as written."""
+
+    @property
+    def mesh(self) -> Any:
+        """The mesh that is solved on; None without one."""
+
+    @property
+    def built(self) -> tuple[tuple[str, str], ...]:
+        """Names of what is built, each with how."""
+
+    @property
+    def skipped(self) -> tuple[tuple[str, str], ...]:
+        """Names of what is left out, each with the reason."""
+
+    @property
+    def steps(self) -> bool:
+        """Whether the run takes time steps, which a checkpoint can go on from."""
+
+    @property
+    def without_weak_form(self) -> str:
+        """What has no weak form that another engine could evaluate; empty if all has one."""
+
+    @property
+    def policy(self) -> Any:
+        """How linear systems are solved."""
+
+    def unknowns(self) -> dict[str, int]:
+        """Number of unknowns of each part that is solved."""
 
 
 @dataclass(frozen=True)
-class Kind:
-    """Addresses "module:name" in contbed, and the phase that the timings call the run.
+class Model:
+    """One physics.
 
-    settings : model of the scene
-    checks : what can be wrong with it although every value is right
-    plan : of a scene
-    solve : (plan, result, folder, quiet, start) fills the result, from the checkpoint `start` unless it is None
+    package : its folder in contbed
+    settings : name of the pydantic model of its scenes in scene.py
+    means : whether the top-level tables of a file make it a scene of this physics
+    equations : modules in the package whose docstrings `contbed explain` shows, by name
     """
 
+    package: str
     settings: str
-    checks: str
-    plan: str
-    solve: str
-    phase: str
+    means: Callable[[Mapping[str, Any]], bool]
+    equations: Mapping[str, str]
+    plan_in: str = "plan"
+
+    def find(self, module: str, name: str) -> Any:
+        """What a module of the package calls `name`."""
+        return getattr(import_module(f"contbed.{self.package}.{module}"), name)
+
+    @property
+    def scene(self) -> Any:
+        """The pydantic model of its scenes."""
+        return self.find("scene", self.settings)
+
+    def sheets(self) -> dict[str, Path]:
+        """The file of each set of equations, by name; nothing is imported."""
+        folder = Path(__file__).parent / self.package
+        return {name: folder / f"{module.replace('.', '/')}.py" for name, module in self.equations.items()}
 
 
-KINDS = {
-    "bubbling_bed": Kind(
-        "bubbling_bed.scene:BubblingScene",
-        "bubbling_bed.checks:CHECKS",
-        "bubbling_bed.plan:plan",
-        "bubbling_bed.results:solve",
-        "heat",
+def _has(*tables: str) -> Callable[[Mapping[str, Any]], bool]:
+    return lambda values: any(table in values for table in tables)
+
+
+def _is_bubbling_bed(values: Mapping[str, Any]) -> bool:
+    # a misspelt name is told as such, rather than all tables of the bed as unknown
+    return any(get_close_matches(name.lower(), ["bubbling_bed"], n=1, cutoff=0.6) for name in values)
+
+
+def _is_particles(values: Mapping[str, Any]) -> bool:
+    return _has("particles", "lattice")(values) or ("mesh" not in values and "conduction" in values)
+
+
+def _only_radiates(values: Mapping[str, Any]) -> bool:
+    return "radiation" in values and not _has("heat", "fluid", "flow", "solid", "time", "region")(values)
+
+
+# the first that a scene fits; the packed bed takes all others
+MODELS: dict[str, Model] = {
+    "two_fluid": Model("two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "simulation"}),
+    "fully_developed": Model(
+        "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}
     ),
-    "particles": Kind("dem.scene:ParticleScene", "dem.checks:CHECKS", "dem.run:plan", "dem.run:solve", "heat"),
-    "particles_gas": Kind(
-        "cfd_dem.scene:GasScene",
-        "cfd_dem.checks:CHECKS",
-        "cfd_dem.run:plan",
-        "cfd_dem.run:solve",
-        "particles and gas",
+    "bubbling_bed": Model(
+        "bubbling_bed",
+        "BubblingScene",
+        _is_bubbling_bed,
+        {
+            "bubbling_bed": "equations.bed",
+            "bubbling_flow": "equations.flow",
+            "bubbling_species": "equations.species",
+            "freeboard": "equations.freeboard",
+            "steam": "equations.steam",
+        },
     ),
-    "two_fluid": Kind(
-        "two_fluid.scene:TwoFluidScene",
-        "two_fluid.checks:CHECKS",
-        "two_fluid.plan:plan",
-        "two_fluid.run:solve",
-        "flow",
+    "particles_gas": Model(
+        "cfd_dem", "GasScene", lambda values: "particles" in values and "gas" in values, {"particles_gas": "gas"}, "run"
     ),
-    "fully_developed": Kind(
-        "developed_flow.scene:DevelopedScene",
-        "developed_flow.checks:CHECKS",
-        "developed_flow.plan:plan",
-        "developed_flow.results:solve",
-        "flow",
+    "particles": Model("dem", "ParticleScene", _is_particles, {"particles": "network"}, "run"),
+    "radiation": Model(
+        "radiation", "RadiationScene", _only_radiates, {"radiation": "equations.p1", "ordinates": "equations.ordinates"}
+    ),
+    "packed_bed": Model(
+        "packed_bed",
+        "Scene",
+        lambda values: True,
+        {
+            "two_energy": "equations.two_energy",
+            "porous_flow": "equations.porous_flow",
+            "fronts": "equations.fronts",
+        },
     ),
 }
 
 
-def find(address: str) -> Any:
-    """What stands at "module:name"."""
-    module, name = address.split(":")
-    return getattr(import_module(f"contbed.{module}"), name)
+class Kind(Protocol):
+    """A scene as far as the choice of its physics goes."""
+
+    kind: ClassVar[str]
+
+
+def model_of(scene: Kind) -> Model:
+    """The physics that a scene is for."""
+    return MODELS[scene.kind]
+
+
+def kind_of(values: Mapping[str, Any]) -> str:
+    """The kind of scene that the tables of a file mean."""
+    return next(kind for kind, model in MODELS.items() if model.means(values))
+
+
+def plan(scene: Any) -> Any:
+    """Decide what a scene needs and build its mesh.
+
+    Raises
+    ------
+    SceneError : mesh, flow or closures of the scene cannot be used
+    """
+    return model_of(scene).find(model_of(scene).plan_in, "plan")(scene)
+
+
+def described(plan: Plan, *more: str) -> str:
+    """What a plan builds and leaves out as a table, unknowns with their memory, and further lines."""
+    rows = [("BUILT", what, why) for what, why in plan.built]
+    rows += [("SKIPPED", what, why) for what, why in plan.skipped]
+    width = max(len(what) for _, what, _ in rows)
+    lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
+    for part, size in plan.unknowns().items():
+        lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * plan.policy.predicted_GB(size)):.0f} MB")
+    return "\n".join([*lines, *more])

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import time as clock
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import wraps
 from pathlib import Path
 from typing import Any
 
-from contbed.packed_bed.plan import Plan
+from contbed import models
 
 
 @dataclass
@@ -15,7 +19,7 @@ class Result:
     `engine` holds what ranks took; `series` holds (time, nodal) of a transient; `summary` is what summary.json says.
     """
 
-    plan: Plan
+    plan: models.Plan
     profiles: dict[str, Any] = field(default_factory=dict)
     tables: dict[str, dict[str, Any]] = field(default_factory=dict)  # further tables, written as NAME.csv
     nodal: dict[str, Any] = field(default_factory=dict)
@@ -33,7 +37,7 @@ class Result:
     @property
     def summary(self) -> dict[str, Any]:
         """The contents of summary.json."""
-        from contbed.scene.loading import resolved
+        from contbed.scene.identity import resolved
         from contbed.versions import versions
 
         return {
@@ -85,39 +89,38 @@ class Result:
             else:
                 write(out / "fields.vtu", mesh.skfem, self.nodal)
         if settings.plots and self.profiles:
-            self._plot(out)
+            models.model_of(self.plan.scene).find("plots", "plot")(self, out)
         write_json(out / "summary.json", self.summary)
 
-    def _plot(self, out: Path) -> None:
-        from contbed.output.plots import field_plot, profile_plot, transient_plot
+    @contextmanager
+    def timed(self, phase: str) -> Iterator[None]:
+        """Add the wall time of the block to `timings`."""
+        start = clock.perf_counter()
+        try:
+            yield
+        finally:
+            self.timings[phase] = self.timings.get(phase, 0.0) + clock.perf_counter() - start
 
-        scene, mesh = self.plan.scene, self.plan.mesh
-        if scene.kind == "bubbling_bed":
-            from contbed.bubbling_bed.plots import bubbling_plot
 
-            bubbling_plot(out / "profiles.png", self.profiles, scene.title, self.qoi)
-            if "continuation" in self.tables:
-                from contbed.bubbling_bed.plots import branch_plot
+def timed(phase: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Decorator of a `run(plan, result, ...)`: its wall time stands in `result.timings` as `phase`."""
 
-                branch_plot(out / "continuation.png", self.tables["continuation"], scene.title)
-            return
-        if scene.kind == "two_fluid":
-            from contbed.two_fluid.plots import two_fluid_plot
+    def decorate(run: Callable[..., None]) -> Callable[..., None]:
+        @wraps(run)
+        def wrapped(plan: Any, result: Result, *arguments: Any) -> None:
+            with result.timed(phase):
+                run(plan, result, *arguments)
 
-            two_fluid_plot(out / "profiles.png", self.profiles, self.tables, scene.title)
-            return
-        if scene.kind == "fully_developed":
-            from contbed.two_fluid.plots import developed_plot
+        return wrapped
 
-            developed_plot(out / "profiles.png", self.profiles, scene.title)
-            return
-        if scene.kind == "particles_gas":
-            from contbed.dem.plots import history_plot
+    return decorate
 
-            history_plot(out / "profiles.png", self.profiles, scene.title)
-            return
-        coordinate = next(iter(self.profiles))
-        draw = transient_plot if "t [s]" in self.profiles else profile_plot
-        draw(out / "profiles.png", self.profiles, coordinate, scene.title)
-        if self.nodal and mesh.skfem.dim() == 2:
-            field_plot(out / "fields.png", mesh.skfem, self.nodal, mesh.axisymmetric, scene.title)
+
+def outside(closure: Mapping[str, Any]) -> str:
+    """What to say about a closure that was used outside of its declared range."""
+    parts = [
+        f"{name} {use['used'][0]:.4g} to {use['used'][1]:.4g}, declared {use['declared'][0]} to {use['declared'][1]}"
+        for name, use in closure["ranges"].items()
+        if use["share_outside"] > 0
+    ]
+    return f"closure {closure['name']} is out of its range: {', '.join(parts)}"

@@ -11,8 +11,8 @@ from contbed.bubbling_bed.chemistry import checks as chemistry_checks
 from contbed.bubbling_bed.coefficients import mixture, named, uses
 from contbed.closures.binding import resolve_closure
 from contbed.errors import SceneError
-from contbed.packed_bed import scene as s
-from contbed.packed_bed.checks import Mistakes, See
+from contbed.scene.checking import Mistakes, See
+from contbed.scene.tables import Output
 from contbed.scene.toml_lines import KeyPath, Origin
 
 RESERVED = ("emulsion", "bubble", "distributor", "freeboard", "tubes", "walls", "up", "down")
@@ -200,7 +200,7 @@ def something_fixes_the_temperatures(
         yield ("gas", "capacity_flow"), "no stream and no surface carries heat away: no steady state is determined"
 
 
-def positions_lie_in_the_bed(bubbling_bed: b.BubblingBed, output: s.Output, see: See) -> Mistakes:
+def positions_lie_in_the_bed(bubbling_bed: b.BubblingBed, output: Output, see: See) -> Mistakes:
     for index, position in enumerate(output.positions):
         if not 0 <= position <= bubbling_bed.height:
             text = f"outside of the bed, 0 to {bubbling_bed.height:g} m; see {see('bubbling_bed.height')}"

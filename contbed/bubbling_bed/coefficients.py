@@ -22,7 +22,8 @@ from contbed.closures.binding import resolve_closure
 from contbed.closures.bubbles import GRAVITY
 from contbed.closures.reactions_solid import diffusion_in_nitrogen
 from contbed.materials.common import integrated, polynomial
-from contbed.packed_bed.scene import Closure, ClosureFile
+from contbed.scene.quantities import ClosureFile
+from contbed.scene.tables import Closure
 from contbed.scene.toml_lines import KeyPath, dotted
 
 SMOOTHED = 1e-3  # share of u_mf over which the excess of gas bends to zero where there is none

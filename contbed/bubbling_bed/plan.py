@@ -14,7 +14,10 @@ from contbed.bubbling_bed import scene as b
 from contbed.bubbling_bed.equations import bed as model
 from contbed.closures import optics
 from contbed.errors import SceneError
-from contbed.mesh.mesh import REGION, Mesh, equidistributed, graded, refine
+from contbed.mesh.grading import equidistributed, graded
+from contbed.mesh.mesh import Mesh, refine
+from contbed.models import described
+from contbed.scene.mesh import REGION
 from contbed.solvers.linear import Policy
 
 COARSE = 16  # cells of an automatic mesh away from layers
@@ -33,6 +36,8 @@ class BubblingPlan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     albedo: float | None = None  # of the emulsion
+    without_weak_form: str = ""
+    steps: bool = False
 
     @property
     def policy(self) -> Policy:
@@ -56,8 +61,6 @@ class BubblingPlan:
         return out | ({"gas flow": others * size} if others else {})
 
     def __str__(self) -> str:
-        from contbed.packed_bed.plan import described
-
         return described(self)
 
 

@@ -9,10 +9,19 @@ from typing import Any
 import numpy as np
 
 from contbed.fields import name_of
-from contbed.output.plots import _figure
+from contbed.output.plots import styled_figure
+from contbed.result import Result
 
 # Okabe and Ito's colours without yellow
 COLOURS = ("#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2")
+
+
+def plot(result: Result, folder: Path) -> None:
+    """Write profiles.png, and continuation.png where steady states were followed."""
+    title = result.plan.scene.title
+    bubbling_plot(folder / "profiles.png", result.profiles, title, result.qoi)
+    if "continuation" in result.tables:
+        branch_plot(folder / "continuation.png", result.tables["continuation"], title)
 
 
 def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -> None:
@@ -26,7 +35,7 @@ def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -
     """
     headers = list(columns)
     p, turns = np.asarray(columns[headers[1]]), np.asarray(columns["turns [1]"])
-    with _figure(path, 4.2, title) as figure:
+    with styled_figure(path, 4.2, title) as figure:
         axes = figure.subplots()
         for k, header in enumerate(header for header in headers if header.startswith("T_")):
             T = np.asarray(columns[header])
@@ -69,7 +78,7 @@ def bubbling_plot(
     panels += [(_bubbles, 1.0)] if "delta" in values else []
     panels += [(_gases, 1.3)] if any(name.startswith("x_") for name in values) else []
     panels += [(_heat, 1.5)] if flows else []
-    with _figure(path, 5.6, title, width=max(7.0, 2.6 * sum(width for _, width in panels))) as figure:
+    with styled_figure(path, 5.6, title, width=max(7.0, 2.6 * sum(width for _, width in panels))) as figure:
         axes = figure.subplots(1, len(panels), squeeze=False, width_ratios=[width for _, width in panels])[0]
         for panel, (draw, _) in zip(axes, panels, strict=True):
             if draw is _heat:

@@ -1,82 +1,29 @@
-"""Solution of a bubbling bed and what a user reads of it: profiles, temperatures, heat duties, energy balance."""
+"""What a user reads of it: profiles, temperatures, heat duties, energy balance."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from scipy.integrate import trapezoid
 
+from contbed.balance import Balance
 from contbed.bubbling_bed.plan import BubblingPlan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.closures import optics, registry
 from contbed.errors import ConvergenceError
-from contbed.packed_bed.probe import Probe, axis_points
+from contbed.fem.probe import Probe, axis_points
 from contbed.result import Result
 
-COLD, HOT = 400.0, 2000.0  # temperatures from which other steady states are looked for [K]
 EVEN = 201  # heights at which the use of closures is counted
-APART = 1.0  # difference of temperatures of two steady states [K]
 
 
-def solve(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
-    """Solve and fill the result; steady and quick, so that `folder`, `quiet` and `start` have no use."""
-    problem = BubblingProblem(plan)
-    state, history = problem.solve()
-    result.history += history
-    if plan.scene.computed:
-        from contbed.bubbling_bed.settling import settle, unsettled
-
-        if unsettled(plan.scene):
-            problem, state = settle(problem, state, result)
-            plan = result.plan = problem.plan  # type: ignore[assignment]
-    findings(plan, problem, state, result)
-    scene = plan.scene
-    if scene.continuation is not None:
-        from contbed.bubbling_bed.branch import follow
-
-        follow(problem, state, result)
-    if any(item.release is not None and item.release.activation for item in (scene.gas, *scene.present.values())):
-        result.qoi["steady_states_found"] = _steady_states(problem, state, result)
-
-
-def _steady_states(problem: BubblingProblem, state: Any, result: Result) -> int:
-    """Number of states, with those that a cold and a hot guess lead to: release that grows with T allows several."""
-    found = [state]
-    for guess in (COLD, HOT):
-        try:
-            other, _ = problem.solve(guess)
-        except ConvergenceError:
-            result.warnings.append(f"no steady state was found from a uniform {guess:g} K")
-            continue
-        if all(_distance(problem, other, known) > APART for known in found):
-            here, there = (
-                np.mean([problem.system.part(each, f"T_{name}") for name in problem.c.species])
-                for each in (state, other)
-            )
-            result.warnings.append(
-                f"this is the {'ignited' if here > there else 'extinguished'} one of several steady states: its "
-                f"particles are at {here:.6g} K on average, those of another at {there:.6g} K; solver.guess = {guess:g}"
-                " leads there"
-            )
-            found.append(other)
-    return len(found)
-
-
-def _distance(problem: BubblingProblem, a: Any, b: Any) -> float:
-    """Largest difference of a temperature [K]."""
-    names = problem.c.streams
-    return max(float(np.abs(problem.system.part(a, name) - problem.system.part(b, name)).max()) for name in names)
-
-
-def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Result) -> None:
+def fill(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Result) -> None:
     """Profiles, named results and the energy balance of a state."""
     scene, c, space = plan.scene, plan.coefficients, problem.space
     nodal = {name: problem.system.part(state, name) for name in c.fields}
-    wanted = np.unique(scene.output.positions) if scene.output.positions else None
-    positions, points = axis_points(plan.mesh, wanted)
+    positions, points = axis_points(plan.mesh, scene.output.positions)
     probe = Probe(plan.mesh, points)
     result.profiles = {"z [m]": positions} | {f"{name} [K]": probe(space, nodal[name]) for name in c.streams}
     if "G" in nodal:
@@ -84,10 +31,10 @@ def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: R
         result.profiles["q_radiation [W/m2]"] = -c.diffusion * probe.slope(space, nodal["G"], 0)
     chemistry = c.computed.chemistry if c.computed is not None else None
     if chemistry is not None:
-        from contbed.bubbling_bed.chemistry import results as chemistry_findings
+        from contbed.bubbling_bed.chemistry import results as chemistry_results
 
         along = {name: probe(space, nodal[name]) for name in chemistry.part.fields}
-        result.profiles |= chemistry_findings.profiles(chemistry, along)
+        result.profiles |= chemistry_results.profiles(chemistry, along)
     if c.computed is not None:
         values = {name: probe(space, nodal[name]) for name in c.fields}
         values |= {name: float(problem.system.part(state, name)[0]) for name in c.scalars}
@@ -112,7 +59,7 @@ def findings(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: R
     result.qoi |= duties | {f"release_{name}_W": value for name, value in releases.items()}
     result.balances["energy"] = _balance(problem, state, duties, releases)
     if chemistry is not None:
-        chemistry_findings.findings(problem, chemistry, state, result)
+        chemistry_results.fill(problem, chemistry, state, result)
     if plan.albedo is not None:
         use = registry.usage(optics.radiation_emissivity_half_space, albedo=plan.albedo)
         result.closures.append(use.to_dict())
@@ -151,14 +98,7 @@ def _water(problem: BubblingProblem, name: str, state: Any, result: Result, valu
         result.qoi[f"{name}_water_out_quality"] = quality
     if not water.h_range[0] <= h_out <= water.h_range[1]:
         result.warnings.append(f"{name}: water leaves at {h_out:g} kJ/kg, outside of its table")
-    result.balances[f"water in {name}"] = {
-        "in": flow * h_in,
-        "out": flow * h_out,
-        "source": gained,
-        "stored": 0.0,
-        "unit": "W",
-        "relative_residual": (flow * (h_in - h_out) + gained) / max(abs(flow * h_in), abs(flow * h_out), abs(gained)),
-    }
+    result.balances[f"water in {name}"] = Balance(flow * h_in, flow * h_out, "W", gained).as_dict()
 
 
 HYDRODYNAMICS = {
@@ -246,14 +186,4 @@ def _balance(
     parts = [value for brought, taken in problem.carried(state).values() for value in (brought, -taken)]
     inside = ("distributor",) if problem.above is None else ("distributor", "top_radiation")
     parts += [-value for name, value in duties.items() if not name.startswith(inside)]
-    entering, leaving = sum(part for part in parts if part > 0), -sum(part for part in parts if part < 0)
-    source = sum(releases.values())
-    scale = max(entering, leaving, abs(source), 1e-300)
-    return {
-        "in": entering,
-        "out": leaving,
-        "source": source,
-        "stored": 0.0,
-        "relative_residual": (entering + source - leaving) / scale,
-        "unit": "W",
-    }
+    return Balance.of_fluxes(parts, "W", sum(releases.values())).as_dict()

@@ -21,45 +21,76 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from contbed.bubbling_bed.chemistry import scene as chemistry
-from contbed.packed_bed import scene as s
-from contbed.scene.quantities import Cells, form, unit
+from contbed.scene import quantities as q
+from contbed.scene.quantities import (
+    Cells,
+    Conductivity,
+    Density,
+    Emissivity,
+    Extinction,
+    Fraction,
+    HeatSource,
+    Irradiance,
+    Length,
+    NonNegative,
+    Number,
+    Order,
+    Position,
+    Positive,
+    Pressure,
+    Switch,
+    Table,
+    Temperature,
+    WallCoefficient,
+    Whole,
+    form,
+    unit,
+)
+from contbed.scene.tables import (
+    ConductivityOrClosure,
+    NamedOrFile,
+    Output,
+    Polynomial,
+    SceneBase,
+    WallCoefficientOrClosure,
+)
 
 Area = Annotated[float, *unit("m**2"), Field(gt=0)]
 CapacityFlow = Annotated[float, *unit("W/K"), Field(ge=0)]
 Exchange = Annotated[float, *unit("W/m**3/K"), Field(ge=0)]
 GasCoefficient = Annotated[float, *unit("W/m**2/K"), Field(gt=0)]
 Kelvin = Annotated[float, *unit("K")]
-HeatCapacity = Annotated[Annotated[s.HeatCapacity, Tag("number")] | s.Polynomial, Discriminator(form)]
-Share = Annotated[s.Number, Field(ge=0, le=1)]
+HeatCapacity = Annotated[Annotated[q.HeatCapacity, Tag("number")] | Polynomial, Discriminator(form)]
+Share = Annotated[Number, Field(ge=0, le=1)]
 MassFlow = Annotated[float, *unit("kg/s"), Field(gt=0)]
 Frequency = Annotated[float, *unit("1/s"), Field(ge=0)]
 Speed = Annotated[float, *unit("m/s"), Field(gt=0)]
 
-BubbleFraction = Annotated[Annotated[s.Number, Field(ge=0, lt=1), Tag("number")] | s.NamedOrFile, Discriminator(form)]
-ExchangeOrClosure = Annotated[Annotated[Exchange, Tag("number")] | s.NamedOrFile, Discriminator(form)]
-RateOrClosure = Annotated[Annotated[Frequency, Tag("number")] | s.NamedOrFile, Discriminator(form)]
-NamedExpansion = Annotated[s.NamedOrFile, Discriminator(form)]
+BubbleFraction = Annotated[Annotated[Number, Field(ge=0, lt=1), Tag("number")] | NamedOrFile, Discriminator(form)]
+ExchangeOrClosure = Annotated[Annotated[Exchange, Tag("number")] | NamedOrFile, Discriminator(form)]
+RateOrClosure = Annotated[Annotated[Frequency, Tag("number")] | NamedOrFile, Discriminator(form)]
+NamedExpansion = Annotated[NamedOrFile, Discriminator(form)]
 EjectionOrClosure = Annotated[
-    Annotated[float, *unit("kg/m**2/s"), Field(ge=0), Tag("number")] | s.NamedOrFile, Discriminator(form)
+    Annotated[float, *unit("kg/m**2/s"), Field(ge=0), Tag("number")] | NamedOrFile, Discriminator(form)
 ]
-RateOfDecayOrClosure = Annotated[Annotated[s.Extinction, Tag("number")] | s.NamedOrFile, Discriminator(form)]
-SpeedOrClosure = Annotated[Annotated[Speed, Tag("number")] | s.NamedOrFile, Discriminator(form)]
-LengthOrClosure = Annotated[Annotated[s.Length, Tag("number")] | s.NamedOrFile, Discriminator(form)]
-GasCoefficientOrClosure = Annotated[Annotated[GasCoefficient, Tag("number")] | s.NamedOrFile, Discriminator(form)]
+RateOfDecayOrClosure = Annotated[Annotated[Extinction, Tag("number")] | NamedOrFile, Discriminator(form)]
+SpeedOrClosure = Annotated[Annotated[Speed, Tag("number")] | NamedOrFile, Discriminator(form)]
+LengthOrClosure = Annotated[Annotated[Length, Tag("number")] | NamedOrFile, Discriminator(form)]
+GasCoefficientOrClosure = Annotated[Annotated[GasCoefficient, Tag("number")] | NamedOrFile, Discriminator(form)]
 
 
-class BubblingBed(s.Table):
+class BubblingBed(Table):
     """The bed between distributor and freeboard; z is the height above the distributor."""
 
-    height: s.Length = Field(description="of the bubbling bed; or settled_height")
-    settled_height: s.Length | None = Field(None, description="at minimum fluidization, from which the height follows")
+    height: Length = Field(description="of the bubbling bed; or settled_height")
+    settled_height: Length | None = Field(None, description="at minimum fluidization, from which the height follows")
     expansion: NamedExpansion | None = Field(
         None, description="ratio of both heights by a closure; absent: by the volume of the bubbles"
     )
     section: Area = Field(description="cross-section of the bed")
-    solids_fraction: s.Fraction = Field(description="share of the emulsion's volume, one minus its voidage")
+    solids_fraction: Fraction = Field(description="share of the emulsion's volume, one minus its voidage")
     minimum_fluidization: SpeedOrClosure = Field("minimum_fluidization_grace", description="superficial velocity")
-    conductivity: s.ConductivityOrClosure | None = Field(
+    conductivity: ConductivityOrClosure | None = Field(
         None, description="of the resting emulsion, added to the mixing and split by volume; absent: none"
     )
 
@@ -76,7 +107,7 @@ class BubblingBed(s.Table):
         return values | {"height": 1.3 * number if isinstance(number, float | int) else given}
 
 
-class Bubbles(s.Table):
+class Bubbles(Table):
     """Gas that passes as bubbles free of particles."""
 
     fraction: BubbleFraction = Field("bubble_fraction_kunii_levenspiel", description="share of the bed's volume")
@@ -95,13 +126,13 @@ class Bubbles(s.Table):
     )
 
 
-class Release(s.Table):
+class Release(Table):
     """Heat released per volume of bed, rate exp(-z/length) exp(-activation (1/T - 1/reference)); T of what releases."""
 
-    rate: s.HeatSource = Field(description="negative where heat is consumed")
-    length: s.Length | None = Field(None, description="decay along the height; absent: uniform")
+    rate: HeatSource = Field(description="negative where heat is consumed")
+    length: Length | None = Field(None, description="decay along the height; absent: uniform")
     activation: Annotated[Kelvin, Field(ge=0)] | None = Field(None, description="E/R; absent: none")
-    reference: s.Temperature | None = Field(None, description="temperature at which the rate holds")
+    reference: Temperature | None = Field(None, description="temperature at which the rate holds")
 
     @model_validator(mode="after")
     def _both(self) -> Release:
@@ -110,15 +141,15 @@ class Release(s.Table):
         return self
 
 
-class Gas(s.Table):
+class Gas(Table):
     """What enters below the distributor, all at one temperature."""
 
     capacity_flow: CapacityFlow | None = Field(None, description="of the emulsion's gas; coefficients are numbers")
     mass_flow: MassFlow | None = Field(None, description="of all gas; coefficients may be closures")
     composition: str | None = Field(None, description='with mass_flow: mole fractions, "N2:0.79, O2:0.21"')
-    pressure: s.Pressure = 101325.0
+    pressure: Pressure = 101325.0
     mechanism: str = Field("gri30.yaml", description="a Cantera file with the species of the gas")
-    temperature: s.Temperature = Field(description="below the distributor")
+    temperature: Temperature = Field(description="below the distributor")
     release: Release | None = Field(None, description="heat released in the gas of the emulsion")
 
     @model_validator(mode="after")
@@ -130,23 +161,23 @@ class Gas(s.Table):
         return self
 
 
-class Feed(s.Table):
+class Feed(Table):
     """Particles that enter around a height, Gaussian, and leave the bed at one end."""
 
     capacity_flow: CapacityFlow | None = Field(None, description="with gas.capacity_flow")
     mass_flow: Annotated[float, *unit("kg/s"), Field(ge=0)] | None = Field(None, description="with gas.mass_flow")
-    temperature: s.Temperature
-    height: Annotated[s.Position, Field(ge=0)]
-    width: s.Length = Field(description="standard deviation; what it puts beyond the ends enters inside")
+    temperature: Temperature
+    height: Annotated[Position, Field(ge=0)]
+    width: Length = Field(description="standard deviation; what it puts beyond the ends enters inside")
     drain: Literal["top", "bottom"] = "top"
 
 
-class Sizes(s.Table):
+class Sizes(Table):
     """Sizes of one kind of particle: those fed, or those in the bed. The first need [freeboard] with a height."""
 
-    diameters: Annotated[tuple[s.Length, ...], Field(min_length=2)]
-    feed: tuple[s.NonNegative, ...] | None = Field(None, description="mass fractions, which sum to one")
-    bed: tuple[s.NonNegative, ...] | None = Field(None, description="instead of `feed`")
+    diameters: Annotated[tuple[Length, ...], Field(min_length=2)]
+    feed: tuple[NonNegative, ...] | None = Field(None, description="mass fractions, which sum to one")
+    bed: tuple[NonNegative, ...] | None = Field(None, description="instead of `feed`")
 
     @model_validator(mode="after")
     def _sums(self) -> Sizes:
@@ -159,19 +190,19 @@ class Sizes(s.Table):
         return self
 
 
-class Species(s.Table):
+class Species(Table):
     """One kind of particle."""
 
     volume_fraction: Share = Field(description="share of the solids; 0: this kind is left out")
-    diameter: s.Length = Field(description="Sauter mean, of spheres of the particles' volumes; or sizes")
+    diameter: Length = Field(description="Sauter mean, of spheres of the particles' volumes; or sizes")
     sizes: Sizes | None = None
-    sphericity: Annotated[s.Number, Field(gt=0, le=1)] = Field(1.0, description="surface of such spheres over the true")
-    density: s.Density | None = Field(None, description="needed with gas.mass_flow")
+    sphericity: Annotated[Number, Field(gt=0, le=1)] = Field(1.0, description="surface of such spheres over the true")
+    density: Density | None = Field(None, description="needed with gas.mass_flow")
     heat_capacity: HeatCapacity | None = Field(None, description="needed with gas.mass_flow")
-    thermal_conductivity: s.Conductivity = Field(1.0, description="of the material")
-    emissivity: s.Emissivity | None = Field(None, description="needed with [radiation]")
+    thermal_conductivity: Conductivity = Field(1.0, description="of the material")
+    emissivity: Emissivity | None = Field(None, description="needed with [radiation]")
     gas_coefficient: GasCoefficientOrClosure = Field(description="particle to emulsion gas, or a nusselt closure")
-    conductivity: s.ConductivityOrClosure = Field(
+    conductivity: ConductivityOrClosure = Field(
         description="of axial mixing, on the whole section, or a closure of the solids' dispersion"
     )
     exchange: dict[str, ExchangeOrClosure] = Field(
@@ -192,23 +223,23 @@ class Species(s.Table):
         return values | {"diameter": 1.0 / sum(x / d for x, d in zip(shares, table.diameters, strict=True))}
 
 
-class Steam(s.Table):
+class Steam(Table):
     """Water, boiling water or steam inside of a surface."""
 
-    pressure: s.Pressure
-    temperature: s.Temperature = Field(description="of what enters; it does not boil there")
+    pressure: Pressure
+    temperature: Temperature = Field(description="of what enters; it does not boil there")
     mass_flow: MassFlow
-    coefficient: Annotated[s.WallCoefficient, Field(gt=0)] = Field(description="inside, on the outer surface")
+    coefficient: Annotated[WallCoefficient, Field(gt=0)] = Field(description="inside, on the outer surface")
     direction: Literal["up", "down"] = "up"
 
 
-class Surface(s.Table):
+class Surface(Table):
     """Tubes or walls along the whole height, at a temperature or with water inside."""
 
-    perimeter: s.Length = Field(description="surface per height of bed")
-    coefficient: s.WallCoefficientOrClosure = Field(description="convective, split over the species by their surface")
-    temperature: s.Temperature | None = None
-    emissivity: s.Emissivity | None = Field(None, description="absent: a mirror")
+    perimeter: Length = Field(description="surface per height of bed")
+    coefficient: WallCoefficientOrClosure = Field(description="convective, split over the species by their surface")
+    temperature: Temperature | None = None
+    emissivity: Emissivity | None = Field(None, description="absent: a mirror")
     steam: Steam | None = Field(None, description="instead of `temperature`")
 
     @model_validator(mode="after")
@@ -218,32 +249,32 @@ class Surface(s.Table):
         return self
 
 
-class Distributor(s.Table):
+class Distributor(Table):
     """A plate of one temperature that the gas cools and the bed heats; absent: the bed ends at a mirror."""
 
-    coefficient: s.WallCoefficient = Field(description="to the particles, split over the species by their surface")
-    preheat_NTU: s.NonNegative = Field(description="transfer units of the gas inside of the plate")
-    emissivity: s.Emissivity | None = Field(None, description="absent: a mirror")
+    coefficient: WallCoefficient = Field(description="to the particles, split over the species by their surface")
+    preheat_NTU: NonNegative = Field(description="transfer units of the gas inside of the plate")
+    emissivity: Emissivity | None = Field(None, description="absent: a mirror")
 
 
-class FreeboardSurface(s.Table):
+class FreeboardSurface(Table):
     """Tubes or walls along the whole freeboard."""
 
-    perimeter: s.Length = Field(description="surface per height")
-    coefficient: s.WallCoefficient = Field(description="to the gas")
-    temperature: s.Temperature
-    emissivity: s.Emissivity | None = Field(None, description="absent: a mirror")
+    perimeter: Length = Field(description="surface per height")
+    coefficient: WallCoefficient = Field(description="to the gas")
+    temperature: Temperature
+    emissivity: Emissivity | None = Field(None, description="absent: a mirror")
 
 
-class Freeboard(s.Table):
+class Freeboard(Table):
     """What is above the bed: a radiosity, a black space at a temperature, or a freeboard of some height whose gas,
     particles and radiation are solved for. The last needs gas.mass_flow.
     """
 
-    radiosity: s.Irradiance | None = None
-    temperature: s.Temperature | None = None
-    height: s.Length | None = None
-    temperature_above: s.Temperature | None = Field(None, description="black, above `height`; absent: a mirror")
+    radiosity: Irradiance | None = None
+    temperature: Temperature | None = None
+    height: Length | None = None
+    temperature_above: Temperature | None = Field(None, description="black, above `height`; absent: a mirror")
     tubes: FreeboardSurface | None = None
     walls: FreeboardSurface | None = None
     ejection: EjectionOrClosure = Field("ejection_pemberton_davidson", description="flow of particles thrown up")
@@ -262,7 +293,7 @@ class Freeboard(s.Table):
         return self
 
 
-class Radiation(s.Table):
+class Radiation(Table):
     """Radiation between the particles of a bubbling bed."""
 
     level: Literal["none", "pairwise", "paper", "two_flux", "p1"] = Field(
@@ -273,39 +304,39 @@ class Radiation(s.Table):
         None,
         description="extinction over the voidage, the default, or the limit of points far apart; pairwise, paper: that",
     )
-    anisotropy: Annotated[s.Number, Field(ge=-1, le=1)] = Field(0.0, description="mean cosine of scattering")
+    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = Field(0.0, description="mean cosine of scattering")
 
 
-class Continuation(s.Table):
+class Continuation(Table):
     """The branch of steady states from the value in this scene to another, through the folds between them."""
 
     parameter: str = Field(description='key of a number in this scene, "gas.temperature" or "walls.coefficient"')
-    to: s.Number = Field(description="in SI")
-    back_to: s.Number | None = Field(None, description="end of the other side; absent: the value in this scene")
-    points: Annotated[s.Whole, Field(ge=3, le=10_000)] = Field(200, description="at most")
+    to: Number = Field(description="in SI")
+    back_to: Number | None = Field(None, description="end of the other side; absent: the value in this scene")
+    points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(200, description="at most")
 
 
-class Mesh(s.Table):
+class Mesh(Table):
     """Cells along the height, graded to the layers at both ends."""
 
     cells: Cells | None = Field(None, description="absent: by solver.tolerance")
-    refine: s.Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
+    refine: Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
 
 
-class Solver(s.Table):
+class Solver(Table):
     """Numerics; the defaults suit nearly all scenes."""
 
-    degree: s.Order = Field(3, description="polynomial degree of all fields")
-    tolerance: s.Fraction = Field(1e-6, description="target error of automatic meshes, relative to the temperatures")
-    guess: s.Temperature = Field(1100.0, ge=200, description="uniform temperature that Newton's method starts from")
-    newton_tolerance: s.Fraction = 1e-10
-    newton_iterations: s.Whole = Field(60, ge=1, le=1000)
-    balance_tolerance: s.Positive = 1e-10
-    strict: s.Switch = Field(False, description="a closure out of its range is an error")
-    memory_GB: s.Positive | None = Field(None, description="refuse a factorisation predicted above this")
+    degree: Order = Field(3, description="polynomial degree of all fields")
+    tolerance: Fraction = Field(1e-6, description="target error of automatic meshes, relative to the temperatures")
+    guess: Temperature = Field(1100.0, ge=200, description="uniform temperature that Newton's method starts from")
+    newton_tolerance: Fraction = 1e-10
+    newton_iterations: Whole = Field(60, ge=1, le=1000)
+    balance_tolerance: Positive = 1e-10
+    strict: Switch = Field(False, description="a closure out of its range is an error")
+    memory_GB: Positive | None = Field(None, description="refuse a factorisation predicted above this")
 
 
-class BubblingScene(s.SceneBase):
+class BubblingScene(SceneBase):
     """One run of a bubbling bed."""
 
     kind: ClassVar[str] = "bubbling_bed"
@@ -327,7 +358,7 @@ class BubblingScene(s.SceneBase):
     continuation: Continuation | None = None
     mesh: Mesh = Mesh()
     solver: Solver = Solver()
-    output: s.Output = s.Output()
+    output: Output = Output()
 
     @property
     def computed(self) -> bool:

@@ -6,8 +6,8 @@ from contbed.cfd_dem import scene as g
 from contbed.closures.binding import resolve_closure
 from contbed.dem.dumps import is_dump
 from contbed.errors import SceneError
-from contbed.packed_bed import scene as s
-from contbed.packed_bed.checks import Mistakes, See
+from contbed.scene.checking import Mistakes, See
+from contbed.scene.tables import FluidCantera, FluidConstant
 from contbed.scene.toml_lines import Origin
 
 
@@ -27,8 +27,8 @@ def one_source(particles: g.GasParticles, origin: Origin, see: See) -> Mistakes:
         yield ("particles", "radius"), f"missing; {particles.file} has none"
 
 
-def fluid_is_complete(fluid: s.FluidConstant | s.FluidCantera) -> Mistakes:
-    if isinstance(fluid, s.FluidConstant):
+def fluid_is_complete(fluid: FluidConstant | FluidCantera) -> Mistakes:
+    if isinstance(fluid, FluidConstant):
         for name in ("heat_capacity", "conductivity"):
             if not getattr(fluid, name):
                 yield ("fluid", name), "missing or 0; heat transfer coefficients need it"

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.balance import Balance
 from contbed.cfd_dem import scene as g
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
@@ -26,8 +27,9 @@ from contbed.dem.statistics import surface
 from contbed.dem.walls import INFINITE, Domain, box
 from contbed.errors import SceneError
 from contbed.fields import header
-from contbed.packed_bed.scene import FluidConstant
-from contbed.result import Result
+from contbed.models import described
+from contbed.result import Result, timed
+from contbed.scene.tables import FluidConstant
 
 Array = NDArray[np.float64]
 
@@ -46,7 +48,8 @@ class GasPlan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
-    fronts: bool = False
+    without_weak_form: str = "scenes of kind particles_gas"
+    steps: bool = True
 
     @property
     def policy(self) -> Any:
@@ -62,8 +65,6 @@ class GasPlan:
         return {"particles": moving, "gas": int(self.grid.active.sum()) + self.grid.cells, "heat": heat}
 
     def __str__(self) -> str:
-        from contbed.packed_bed.plan import described
-
         return described(self)
 
 
@@ -104,7 +105,8 @@ class History:
     names: tuple[str, ...] = ()
 
 
-def solve(
+@timed("particles and gas")
+def run(
     plan: Any, result: Result, folder: Path | None, quiet: bool, start: tuple[Mapping[str, Any], Any] | None
 ) -> None:
     """Run and fill the result; particles, checkpoint and a closure file go into `folder`."""
@@ -243,15 +245,13 @@ def _findings(plan: GasPlan, bed: Bed, history: History, result: Result) -> None
 
 
 def _balance(parts: Mapping[str, float], unit: str, floor: float) -> dict[str, Any]:
-    """The parts and by how much they are open, over the largest of them and `floor`."""
-    scale = max(*(abs(part) for part in parts.values()), floor, 1e-300)
-    missing = parts["in"] - parts["out"] + parts["source"] - parts["stored"]
-    return {**parts, "relative_residual": missing / scale, "unit": unit}
+    """Balance of the parts in, out, source and stored, against the largest of them and `floor`."""
+    return Balance(parts["in"], parts["out"], unit, parts["source"], parts["stored"], floor=floor).as_dict()
 
 
 def _closure(plan: GasPlan, result: Result, folder: Path | None) -> None:
     """Bed averages of Nu over Re of a fixed bed at several velocities, fitted."""
-    from contbed.scene.loading import scene_hash
+    from contbed.scene.identity import scene_hash
 
     scene = plan.scene
     assert scene.closure is not None
@@ -271,7 +271,7 @@ def _keeper(
 ) -> Callable[[], None]:
     """What writes the checkpoint after a sample, and the particles when their time has come."""
     from contbed.output import checkpoint
-    from contbed.scene.loading import scene_hash
+    from contbed.scene.identity import scene_hash
 
     label = scene_hash(scene)
 

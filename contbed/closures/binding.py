@@ -10,7 +10,8 @@ from typing import Any
 
 from contbed.closures import registry
 from contbed.errors import SceneError
-from contbed.packed_bed.scene import Closure, ClosureFile
+from contbed.scene.quantities import ClosureFile
+from contbed.scene.tables import Closure
 
 PHASE = "conductivity_phase"
 # Arguments that a model knows and passes by itself, by kind; all others without a default come from the scene.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contbed.dem import scene as p
-from contbed.packed_bed.checks import Mistakes, See
+from contbed.scene.checking import Mistakes, See
 from contbed.scene.toml_lines import Origin
 
 

@@ -10,6 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.output.files import atomic
+from contbed.output.plots import plot_profiles_and_fields as plot
+
+__all__ = ["history_plot", "plot", "write_particles"]
 
 
 def write_particles(path: Path | str, x: NDArray, columns: Mapping[str, NDArray]) -> None:
@@ -29,14 +32,14 @@ def history_plot(path: Path | str, columns: Mapping[str, NDArray], title: str = 
     title : text above the picture
     """
     from contbed.fields import FIELDS, name_of
-    from contbed.output.plots import _figure
+    from contbed.output.plots import styled_figure
 
     values = {name_of(key): column for key, column in columns.items()}
     t = values.pop("t")
     groups = [[name] for name in values if not name.startswith("T_")]
     if "T_solid" in values:
         groups.append(["T_fluid", "T_solid"])
-    with _figure(path, 0.8 + 1.6 * len(groups), title) as figure:
+    with styled_figure(path, 0.8 + 1.6 * len(groups), title) as figure:
         panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
         for axes, group in zip(panels, groups, strict=True):
             for name, colour in zip(group, ("#0072B2", "#D55E00"), strict=False):

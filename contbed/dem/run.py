@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.balance import Balance
 from contbed.dem import dumps, extract, heat, network
 from contbed.dem import scene as p
 from contbed.dem.heat_pair import correction
 from contbed.errors import SceneError
 from contbed.fields import header
-from contbed.result import Result
+from contbed.models import described
+from contbed.result import Result, timed
 
 Array = NDArray[np.float64]
 
@@ -40,6 +42,8 @@ class ParticlePlan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
+    without_weak_form: str = "scenes of kind particles"
+    steps: bool = False
 
     @property
     def policy(self) -> Any:
@@ -53,8 +57,6 @@ class ParticlePlan:
         return {"heat": len(self.x)}
 
     def __str__(self) -> str:
-        from contbed.packed_bed.plan import described
-
         return described(self)
 
 
@@ -77,7 +79,8 @@ def plan(scene: p.ParticleScene) -> ParticlePlan:
     return ParticlePlan(scene, x, radius, box, periodic, porosity, tuple(built), tuple(skipped))
 
 
-def solve(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
+@timed("heat")
+def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
     """Solve the network and fill the result; a closure file goes into `folder`, `quiet` and `start` have no use."""
     scene = plan.scene
     pairs = _pairs(plan)
@@ -95,7 +98,7 @@ def solve(plan: Any, result: Result, folder: Path | None, quiet: bool, start: An
 
 
 def _closure(plan: ParticlePlan, pairs: heat.Pairs, result: Result, folder: Path | None) -> None:
-    from contbed.scene.loading import scene_hash
+    from contbed.scene.identity import scene_hash
 
     scene = plan.scene
     table, fluid = scene.closure, scene.conduction.fluid
@@ -130,14 +133,9 @@ def _conductivity(plan: ParticlePlan, pairs: heat.Pairs, parts: dict[str, Array]
     if result is not None:
         result.qoi |= {f"share_{name}": share for name, share in found.shares.items()}
         result.qoi |= {"heat [W]": found.heat, "k_between_layers [W/m/K]": found.between, "isolated": found.isolated}
-        result.balances["energy"] = {
-            "in": found.heat,
-            "out": found.heat * (1.0 - found.imbalance),
-            "source": 0.0,
-            "stored": 0.0,
-            "relative_residual": found.imbalance,
-            "unit": "W",
-        }
+        result.balances["energy"] = Balance(
+            found.heat, found.heat * (1.0 - found.imbalance), "W", scale=abs(found.heat)
+        ).as_dict()
         result.profiles |= _profile(z, found.T, float(plan.radius.mean()))
     return found.conductivity
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contbed.closures.binding import resolve_closure
 from contbed.developed_flow import scene as d
 from contbed.errors import SceneError
-from contbed.packed_bed.checks import Mistakes, See
+from contbed.scene.checking import Mistakes, See
 from contbed.scene.toml_lines import Origin
 
 KINDS = {

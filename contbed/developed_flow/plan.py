@@ -12,7 +12,9 @@ from contbed.closures.binding import resolve_closure
 from contbed.developed_flow import scene as d
 from contbed.developed_flow.checks import KINDS
 from contbed.developed_flow.equations import Coefficients
-from contbed.mesh.mesh import REGION, Mesh
+from contbed.mesh.mesh import Mesh
+from contbed.models import described
+from contbed.scene.mesh import REGION
 
 GRADED = 3.5  # of tanh: the last cell is thinner than the first by a factor of cosh^2
 
@@ -26,7 +28,8 @@ class DevelopedPlan:
     mesh: Mesh
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
-    fronts: bool = False
+    without_weak_form: str = ""
+    steps: bool = False
 
     @property
     def policy(self) -> Any:
@@ -45,8 +48,6 @@ class DevelopedPlan:
         return replace(self, mesh=replace(line(nodes, self.mesh.axisymmetric), engine=self.mesh.engine))
 
     def __str__(self) -> str:
-        from contbed.packed_bed.plan import described
-
         return described(self)
 
 

@@ -11,8 +11,8 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from contbed.packed_bed import scene as s
-from contbed.scene.quantities import Table, unit
+from contbed.scene.quantities import Density, Fraction, Length, Number, Order, Positive, Switch, Table, Whole, unit
+from contbed.scene.tables import SceneBase
 from contbed.two_fluid.scene import Flux, Gas, Named
 
 
@@ -20,7 +20,7 @@ class FullyDeveloped(Table):
     """The section, what flows through it, and closures."""
 
     section: Literal["channel", "pipe"]
-    radius: s.Length = Field(description="of the pipe, or half the width of the channel")
+    radius: Length = Field(description="of the pipe, or half the width of the channel")
     velocity: Annotated[float, *unit("m/s"), Field(gt=0)] = Field(description="superficial, of the gas, upward")
     solid_flux: Flux = Field(description="mass flux of the particles, upward; 0: gas alone")
     theta_centre: Annotated[float, *unit("m**2/s**2"), Field(gt=0)] | None = Field(
@@ -38,39 +38,39 @@ class FullyDeveloped(Table):
 class Solid(Table):
     """Equal spheres."""
 
-    diameter: s.Length
-    density: s.Density
-    restitution: Annotated[s.Number, Field(gt=0, le=1)] = 0.9
-    packing: Annotated[s.Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
+    diameter: Length
+    density: Density
+    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    packing: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
 
 
 class Wall(Table):
     """Where the gas stands still and particles slip, after Johnson and Jackson."""
 
-    specularity: Annotated[s.Number, Field(gt=0, le=1)]
-    restitution: Annotated[s.Number, Field(gt=0, le=1)] = 0.9
+    specularity: Annotated[Number, Field(gt=0, le=1)]
+    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
 
 
 class Output(Table):
     """What a run writes besides summary.json and profiles.csv."""
 
-    plots: s.Switch = True
-    fields: s.Switch = True
+    plots: Switch = True
+    fields: Switch = True
 
 
 class Solver(Table):
     """Numerics."""
 
-    cells: s.Whole = Field(60, ge=4, le=10000, description="between centre and wall, finer toward the wall")
-    degree: s.Order = Field(3, description="polynomial degree of the fields")
-    branches: s.Switch = Field(False, description="follow solutions over the velocity to find others of it")
-    newton_tolerance: s.Fraction = 1e-10
-    newton_iterations: s.Whole = Field(60, ge=1, le=1000)
-    balance_tolerance: s.Positive = 1e-10
-    strict: s.Switch = Field(False, description="a closure out of its range is an error")
+    cells: Whole = Field(60, ge=4, le=10000, description="between centre and wall, finer toward the wall")
+    degree: Order = Field(3, description="polynomial degree of the fields")
+    branches: Switch = Field(False, description="follow solutions over the velocity to find others of it")
+    newton_tolerance: Fraction = 1e-10
+    newton_iterations: Whole = Field(60, ge=1, le=1000)
+    balance_tolerance: Positive = 1e-10
+    strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
-class DevelopedScene(s.SceneBase):
+class DevelopedScene(SceneBase):
     """Fully developed flow of gas and particles."""
 
     kind: ClassVar[str] = "fully_developed"

@@ -41,12 +41,7 @@ def adopted(plan: Any) -> Any:
     EngineError : names what the engine does not have
     """
     scene = plan.scene
-    lacking = ""
-    if scene.kind not in ("packed_bed", "bubbling_bed", "fully_developed"):
-        lacking = f"scenes of kind {scene.kind}"
-    elif scene.kind == "packed_bed" and plan.fronts:
-        lacking = "fronts tracked along characteristics (a bed at rest without conduction)"
-    if lacking:
+    if lacking := plan.without_weak_form:
         raise EngineError(f"{scene.origin.name}: the engine dolfinx has no {lacking}; run it with --engine skfem")
     dolfinx, _ = versions.modules()
     size = crew().comm.size

@@ -13,8 +13,8 @@ import numpy as np
 import skfem
 
 from contbed.errors import SceneError
-from contbed.mesh.mesh import REGION, find_facets
-from contbed.packed_bed.scene import MeshFile
+from contbed.mesh.mesh import find_facets
+from contbed.scene.mesh import REGION, MeshFile
 
 MESHES = {
     "line": skfem.MeshLine,

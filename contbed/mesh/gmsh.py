@@ -19,7 +19,7 @@ import skfem
 
 from contbed.errors import SceneError
 from contbed.mesh.check import Cells, assemble
-from contbed.packed_bed.scene import MeshFile
+from contbed.scene.mesh import MeshFile
 
 SYSTEM_LIBRARIES = "libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1"
 

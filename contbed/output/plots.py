@@ -59,7 +59,7 @@ _STYLE: dict[Any, Any] = {
 
 
 @contextmanager
-def _figure(
+def styled_figure(
     path: Path | str, height: float, title: str, layout: Any = "constrained", width: float | None = None
 ) -> Iterator[Any]:
     """A figure in the common style, saved as PNG when the block ends."""
@@ -112,7 +112,7 @@ def profile_plot(path: Path | str, columns: Mapping[str, Array], coordinate_head
     coordinate = name_of(coordinate_header)
     x = values.pop(coordinate)
     groups = _chosen(list(values))
-    with _figure(path, 4.7 if len(groups) == 1 else 1.2 + 2.3 * len(groups), title) as figure:
+    with styled_figure(path, 4.7 if len(groups) == 1 else 1.2 + 2.3 * len(groups), title) as figure:
         panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
         for axes, group in zip(panels, groups, strict=True):
             for name in group:
@@ -146,7 +146,7 @@ def transient_plot(path: Path | str, columns: Mapping[str, Array], coordinate_he
     times = np.unique(t)
     times = times[np.unique(np.linspace(0, len(times) - 1, _CURVES).round().astype(int))]
     colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(times)))
-    with _figure(path, 4.6, title) as figure:
+    with styled_figure(path, 4.6, title) as figure:
         panels = figure.subplots(
             1, len(names), sharex=True, sharey=len({FIELDS[name].unit for name in names}) == 1, squeeze=False
         )[0]
@@ -236,7 +236,7 @@ def field_plot(
     high = wide * ratio
     size = 0.8 + across * (wide + 0.9), 0.85 + rows * (high + 0.45)
     note = f"   (${FIELDS[labels[1]].symbol}$ drawn {stretch:.2g} times larger)" if stretch > 1 else ""
-    with _figure(path, size[1], title, layout="none") as figure:
+    with styled_figure(path, size[1], title, layout="none") as figure:
         for k, name in enumerate(names):
             row, column = divmod(k, across)
             left, bottom = 0.8 + column * (wide + 0.9), 0.6 + (rows - 1 - row) * (high + 0.45)
@@ -268,7 +268,7 @@ def _limits(values: list[Array]) -> tuple[float, float]:
 
 def error_plot(path: Path | str, curves: Mapping[str, Any], x_label: str, y_label: str, title: str = "") -> None:
     """Errors on logarithmic axes, one line for each (x, error) in `curves`; what is not positive is left out."""
-    with _figure(path, 5.0, title) as figure:
+    with styled_figure(path, 5.0, title) as figure:
         axes = figure.subplots()
         for (label, (x, error)), marker in zip(curves.items(), itertools.cycle("osD^vPX<>"), strict=False):
             x, error = np.asarray(x, dtype=float), np.asarray(error, dtype=float)
@@ -279,3 +279,12 @@ def error_plot(path: Path | str, curves: Mapping[str, Any], x_label: str, y_labe
         axes.grid(which="major", linewidth=0.3)
         if len(curves) > 1:
             figure.legend(loc="outside lower center", ncols=3, fontsize=9)
+
+
+def plot_profiles_and_fields(result: Any, folder: Path) -> None:
+    """Write profiles.png, over time for a transient, and fields.png of a plane mesh, into `folder`."""
+    scene, mesh, columns = result.plan.scene, result.plan.mesh, result.profiles
+    draw = transient_plot if "t [s]" in columns else profile_plot
+    draw(folder / "profiles.png", columns, next(iter(columns)), scene.title)
+    if result.nodal and mesh.skfem.dim() == 2:
+        field_plot(folder / "fields.png", mesh.skfem, result.nodal, mesh.axisymmetric, scene.title)

@@ -1,14 +1,8 @@
-"""What is wrong with a scene although every single value is right: contradictions, gaps and names that do not exist.
-
-Each check is a generator over the tables that its parameters name, and yields (key path, what is wrong). It is left
-out when the schema has rejected one of these tables. `see` says where the other one of two contradicting keys stands.
-"""
+"""What is wrong with a packed bed although every single value is right; see `scene.checking`."""
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from difflib import get_close_matches
 from typing import Any
 
 from contbed.closures.binding import is_phase, resolve_closure, resolve_dispersion
@@ -20,31 +14,20 @@ from contbed.radiation.checks import (
     radiation_is_complete,
     tubes_see_radiation,
 )
-from contbed.scene.toml_lines import KeyPath, Origin, dotted, parse_key
+from contbed.radiation.scene import Radiation
+from contbed.scene.checking import Check, Mistakes, See
+from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile, MeshLine
+from contbed.scene.mesh_checks import mesh_file_exists, names_exist, positions_lie_in_the_bed
+from contbed.scene.quantities import ClosureFile
+from contbed.scene.tables import Closure, Fluid, FluidCantera, FluidConstant, FluidCoolProp
+from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
-Mistakes = Iterator[tuple[KeyPath, str]]
-See = Callable[[str], str]
 Boundaries = Mapping[str, s.Boundary]
-NEEDED = ("fluid", "bed", "flow")
 PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
 
 
-def mistakes(
-    parts: Mapping[str, Any], broken: set[str], origin: Origin, checks: Iterable[Callable[..., Mistakes]] | None = None
-) -> list[tuple[KeyPath, str]]:
-    """All mistakes of all checks. `parts` holds the valid tables, `broken` names the others."""
-    available = {**parts, "origin": origin, "see": lambda key: f"{key} ({origin.at(parse_key(key))})"}
-    found: list[tuple[KeyPath, str]] = []
-    absent = {name for name in NEEDED if parts.get(name) is None}
-    for check in CHECKS if checks is None else checks:
-        needs = inspect.signature(check).parameters.keys()
-        if not needs & broken and (check in TOLERANT or not needs & absent):
-            found += list(check(**{name: available[name] for name in needs}))
-    return found
-
-
 def tables_are_complete(
-    heat: s.Heat | None, radiation: s.Radiation | None, fluid: s.Fluid, bed: s.Bed, flow: s.Flow
+    heat: s.Heat | None, radiation: Radiation | None, fluid: Fluid | None, bed: s.Bed | None, flow: s.Flow | None
 ) -> Mistakes:
     alone = heat is None and radiation is not None
     for name, table in (("fluid", fluid), ("bed", bed), ("flow", flow)):
@@ -54,12 +37,12 @@ def tables_are_complete(
             yield (name,), "has no meaning with [radiation] alone; add [heat] or remove it"
 
 
-def heat_has_its_materials(heat: s.Heat | None, solid: s.Solid | None, fluid: s.Fluid) -> Mistakes:
+def heat_has_its_materials(heat: s.Heat | None, solid: s.Solid | None, fluid: Fluid) -> Mistakes:
     if heat is None:
         return
     if solid is None:
         yield ("heat",), "needs a [solid] table with density, heat_capacity and conductivity"
-    if isinstance(fluid, s.FluidConstant):
+    if isinstance(fluid, FluidConstant):
         for name in ("heat_capacity", "conductivity"):
             if getattr(fluid, name) is None:
                 yield ("fluid", name), "missing; a scene with [heat] needs it"
@@ -83,23 +66,7 @@ def heat_alone_uses_temperatures(
         yield ("time",), "needs a [heat] table: the flow is steady"
 
 
-def names_exist(mesh: s.Mesh, boundary: Boundaries, region: Mapping[str, s.Region]) -> Mistakes:
-    if isinstance(mesh, s.MeshFile):
-        return
-    known = [name for pair in mesh.sides for name in pair if name != "axis"]
-    for name in boundary:
-        if name == "axis" and isinstance(mesh, s.MeshAxisymmetric):
-            yield ("boundary", name), "the axis is a line of symmetry and takes no condition; remove this table"
-        elif name not in known:
-            text = f"a mesh of type '{mesh.type}' has no such boundary; it has {', '.join(known)}"
-            near = get_close_matches(name.lower(), known, n=1)
-            yield ("boundary", name), text + (f"; did you mean '{near[0]}'?" if near else "")
-    for name in region:
-        if name != s.REGION:
-            yield ("region", name), f"a mesh of type '{mesh.type}' has one region, '{s.REGION}'"
-
-
-def velocities_fit_the_mesh(mesh: s.Mesh, flow: s.Flow, see: See) -> Mistakes:
+def velocities_fit_the_mesh(mesh: Mesh, flow: s.Flow, see: See) -> Mistakes:
     for key in PHASES.values():
         value = getattr(flow, key)
         if not isinstance(value, tuple):
@@ -109,27 +76,12 @@ def velocities_fit_the_mesh(mesh: s.Mesh, flow: s.Flow, see: See) -> Mistakes:
                 ("flow", key),
                 f"has {len(value)} components, the mesh has {mesh.dimension} dimensions; see {see('mesh.type')}",
             )
-        elif isinstance(mesh, s.MeshAxisymmetric) and value[0] != 0:
+        elif isinstance(mesh, MeshAxisymmetric) and value[0] != 0:
             yield ("flow", key), f"the radial velocity is 0 in an axisymmetric bed; see {see('mesh.type')}"
 
 
-def mesh_file_exists(mesh: s.Mesh, see: See, origin: Origin) -> Mistakes:
-    if not isinstance(mesh, s.MeshFile):
-        return
-    path = origin.base / mesh.file
-    suffix = path.suffix.lower()
-    if suffix not in (".geo", ".msh"):
-        yield ("mesh", "file"), "is neither a gmsh geometry (.geo) nor a gmsh mesh (.msh)"
-    elif "\0" in mesh.file or not path.is_file():
-        yield ("mesh", "file"), f"no such file; looked for {path.absolute()}"
-    if suffix == ".msh" and mesh.size is not None:
-        yield ("mesh", "size"), f"is for a .geo; a .msh has its cells already; see {see('mesh.file')}"
-    if mesh.axisymmetric and mesh.dimension != 2:
-        yield ("mesh", "axisymmetric"), f"an axisymmetric mesh has 2 dimensions; see {see('mesh.dimension')}"
-
-
-def the_packing_fits_the_bed(mesh: s.Mesh, bed: s.Bed, see: See) -> Mistakes:
-    if isinstance(mesh, s.MeshFile):
+def the_packing_fits_the_bed(mesh: Mesh, bed: s.Bed, see: See) -> Mistakes:
+    if isinstance(mesh, MeshFile):
         return
     if bed.particle_diameter > mesh.length:
         yield (
@@ -138,21 +90,10 @@ def the_packing_fits_the_bed(mesh: s.Mesh, bed: s.Bed, see: See) -> Mistakes:
         )
 
 
-def positions_lie_in_the_bed(mesh: s.Mesh, output: s.Output, see: See) -> Mistakes:
-    if isinstance(mesh, s.MeshFile):
-        return
-    for index, position in enumerate(output.positions):
-        if not 0 <= position <= mesh.length:
-            yield (
-                ("output", "positions", index),
-                f"outside of the bed, 0 to {mesh.length:g} m; see {see('mesh.length')}",
-            )
-
-
-def fluids_make_sense(fluid: s.Fluid) -> Mistakes:
-    if isinstance(fluid, s.FluidCoolProp) and fluid.T_range[0] >= fluid.T_range[1]:
+def fluids_make_sense(fluid: Fluid) -> Mistakes:
+    if isinstance(fluid, FluidCoolProp) and fluid.T_range[0] >= fluid.T_range[1]:
         yield ("fluid", "T_range"), "the lower temperature comes first"
-    if isinstance(fluid, s.FluidCantera):
+    if isinstance(fluid, FluidCantera):
         from contbed.materials.composition import mole_fractions
 
         try:
@@ -161,10 +102,8 @@ def fluids_make_sense(fluid: s.Fluid) -> Mistakes:
             yield ("fluid", "composition"), str(error)
 
 
-def temperatures_lie_in_the_fluid_table(
-    fluid: s.Fluid, boundary: Boundaries, time: s.Time | None, see: See
-) -> Mistakes:
-    if not isinstance(fluid, s.FluidCoolProp):
+def temperatures_lie_in_the_fluid_table(fluid: Fluid, boundary: Boundaries, time: s.Time | None, see: See) -> Mistakes:
+    if not isinstance(fluid, FluidCoolProp):
         return
     low, high = fluid.T_range
     for path, temperature in _temperatures(["fluid"], boundary, time):
@@ -198,7 +137,7 @@ def times_are_in_order(time: s.Time | None, see: See) -> Mistakes:
         yield ("time", "tolerance"), f"has no meaning with a fixed step; remove one; see {see('time.step')}"
 
 
-def flow_has_a_way_through(mesh: s.Mesh, flow: s.Flow, boundary: Boundaries, see: See) -> Mistakes:
+def flow_has_a_way_through(mesh: Mesh, flow: s.Flow, boundary: Boundaries, see: See) -> Mistakes:
     velocity = velocity_vector(mesh, flow.velocity)
     if len(velocity) != mesh.dimension:
         return
@@ -214,7 +153,7 @@ def flow_has_a_way_through(mesh: s.Mesh, flow: s.Flow, boundary: Boundaries, see
             yield path, f"the velocity does not enter through '{name}'; see {see('flow.velocity')}"
         if kind == "outlet" and direction == 1:
             yield path, f"the velocity enters through '{name}'; see {see('flow.velocity')}"
-    if isinstance(mesh, s.MeshFile):
+    if isinstance(mesh, MeshFile):
         roles: set[str | None] = set(given.values())
         sides = list(given)
     else:
@@ -226,7 +165,7 @@ def flow_has_a_way_through(mesh: s.Mesh, flow: s.Flow, boundary: Boundaries, see
     if not moving or not roles & {"inlet", "outlet", "no_slip", "slip"}:
         return
     for kind, other, verb in (("inlet", "outlet", "enter"), ("outlet", "inlet", "leave")):
-        if kind not in roles and (other in roles or not isinstance(mesh, s.MeshFile)):
+        if kind not in roles and (other in roles or not isinstance(mesh, MeshFile)):
             walls = [side for side in sides if given.get(side) in ("no_slip", "slip")]
             at: KeyPath = ("boundary", walls[0], "flow") if walls else ("boundary",)
             remedy = f"no boundary is an {kind}; give one flow = '{kind}'"
@@ -234,7 +173,7 @@ def flow_has_a_way_through(mesh: s.Mesh, flow: s.Flow, boundary: Boundaries, see
 
 
 def streams_have_a_temperature(
-    mesh: s.Mesh, flow: s.Flow, heat: s.Heat | None, boundary: Boundaries, see: See
+    mesh: Mesh, flow: s.Flow, heat: s.Heat | None, boundary: Boundaries, see: See
 ) -> Mistakes:
     if heat is None:
         return
@@ -251,7 +190,7 @@ def streams_have_a_temperature(
                 yield path, f"the {phase} does not move, so that nothing enters; use fixed; see {see(f'flow.{key}')}"
             elif enters(mesh, velocity, name) in (0, -1):
                 yield path, f"no {phase} enters through '{name}'; see {see(f'flow.{key}')}"
-        if isinstance(mesh, s.MeshFile):
+        if isinstance(mesh, MeshFile):
             known = any(c.inflow is not None or c.fixed is not None for c in conditions.values())
             if any(velocity) and not known:
                 yield ("boundary",), f"no boundary gives the temperature of the entering {phase}: inflow, or fixed"
@@ -266,7 +205,7 @@ def streams_have_a_temperature(
 
 
 def a_steady_temperature_is_determined(
-    heat: s.Heat | None, time: s.Time | None, boundary: Boundaries, radiation: s.Radiation | None
+    heat: s.Heat | None, time: s.Time | None, boundary: Boundaries, radiation: Radiation | None
 ) -> Mistakes:
     if heat is None or time is not None:
         return
@@ -288,7 +227,7 @@ def a_steady_temperature_is_determined(
         )
 
 
-def closures_exist(mesh: s.Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries, origin: Origin) -> Mistakes:
+def closures_exist(mesh: Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries, origin: Origin) -> Mistakes:
     uses: list[tuple[KeyPath, Any, str]] = [
         (("bed", "permeability"), bed.permeability, "permeability"),
         (("bed", "forchheimer"), bed.forchheimer, "forchheimer"),
@@ -307,31 +246,29 @@ def closures_exist(mesh: s.Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boun
             if condition is not None:
                 uses.append((("boundary", name, phase, "coefficient"), condition.coefficient, "wall"))
     for path, spec, kind in uses:
-        if not isinstance(spec, (str, s.Closure, s.ClosureFile)):
+        if not isinstance(spec, (str, Closure, ClosureFile)):
             continue
         if kind == "conductivity" and is_phase(spec):
-            if isinstance(spec, s.Closure) and spec.model_extra:
+            if isinstance(spec, Closure) and spec.model_extra:
                 yield path, f"{spec.name} has no parameters"
             continue
         try:
             functions: tuple[Callable[..., Any], ...]
-            if kind == "dispersion" and not isinstance(spec, s.ClosureFile):
+            if kind == "dispersion" and not isinstance(spec, ClosureFile):
                 functions = resolve_dispersion(spec)[:2]
             else:
                 functions = resolve_closure(spec, kind, origin.base)[:1]
         except SceneError as error:
             yield path, str(error)
             continue
-        given = spec.model_extra or {} if isinstance(spec, s.Closure) else {}
+        given = spec.model_extra or {} if isinstance(spec, Closure) else {}
         asks = any("D_bed" in function.sheet.arguments for function in functions)  # type: ignore[attr-defined]
-        if asks and "D_bed" not in given and isinstance(mesh, s.MeshLine) and not isinstance(spec, s.ClosureFile):
+        if asks and "D_bed" not in given and isinstance(mesh, MeshLine) and not isinstance(spec, ClosureFile):
             name = spec if isinstance(spec, str) else spec.name
             yield path, f'needs the diameter of the bed, which a line does not tell: {{name = "{name}", D_bed = ...}}'
 
 
-# these are told when a table is absent
-TOLERANT = (tables_are_complete, radiation_is_complete)
-CHECKS: tuple[Callable[..., Mistakes], ...] = (
+CHECKS: tuple[Check, ...] = (
     tables_are_complete,
     radiation_is_complete,
     tubes_see_radiation,

@@ -6,73 +6,53 @@ from typing import Any
 
 import numpy as np
 
-from contbed.mesh.mesh import equidistributed, graded
+from contbed.mesh.grading import GRADING_ERROR, equidistributed, graded, scale_for, widened
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
+from contbed.radiation.grading import radiation_layers
+from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 
-GRADING_ERROR = 4e-4  # error of theta on a mesh of grading scale 1 with quadratic elements, measured
-OBLIQUE = 0.4  # share of the rate of the most oblique ordinate, 1/mu = (n + 1/2)^2/1.446, that a mesh resolves
-WIDENING = 8.0  # ratio of widths of layers around a corner
 FRONT_CELLS = 4000  # cells of a bed with tracked fronts
 
 
-def nodes(scene: s.Scene, medium: Medium | None, velocity: Any, solid: Any, fronts: bool) -> list[Any] | None:
+def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: bool) -> list[Any] | None:
     """Graded coordinates for each direction of a built-in mesh without prescribed cells."""
     mesh = scene.mesh
-    if isinstance(mesh, s.MeshFile):
+    if isinstance(mesh, MeshFile):
         return None
-    if isinstance(mesh, s.MeshLine) and (mesh.cells is None or mesh.graded):
+    if isinstance(mesh, MeshLine) and (mesh.cells is None or mesh.graded):
         if fronts:
             return [np.linspace(0.0, mesh.length, FRONT_CELLS + 1)]
-        layers = [] if medium is None else axial_layers(scene, medium, float(velocity[0]), float(solid[0]), mesh.length)
-        layers += radiation_layers(scene, medium, 0, mesh.length)
+        layers = axial_layers(scene, medium, float(velocity[0]), float(solid[0]), mesh.length)
+        layers += radiation_layers(scene, _conductivity(scene, medium), 0, mesh.length)
         if mesh.cells is None:
             coarse = mesh.length / (400 if scene.time is not None else 40)
-            return [graded(mesh.length, layers, scale=_scale(scene), coarse=coarse)]
+            return [
+                graded(mesh.length, layers, scale=scale_for(scene.solver.tolerance, scene.solver.degree), coarse=coarse)
+            ]
         return [equidistributed(mesh.length, layers, mesh.cells, scene.solver.degree)]
-    if (mesh.cells is not None and not mesh.graded) or (medium is None and scene.radiation is None):
+    if mesh.cells is not None and not mesh.graded:
         return None
     return [_graded(scene, medium, velocity, solid, k) for k in range(mesh.dimension)]
 
 
-def _scale(scene: s.Scene) -> float:
-    """Factor on the cells of a grading that brings theta to the tolerance of the scene."""
-    return min(1.0, (scene.solver.tolerance / GRADING_ERROR) ** (1.0 / (scene.solver.degree + 1)))
-
-
-def _graded(scene: s.Scene, medium: Medium | None, velocity: Any, solid: Any, direction: int) -> Any:
+def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction: int) -> Any:
     """Graded coordinates of one direction of a 2-D or 3-D bed."""
     mesh = scene.mesh
-    axis = 1 if isinstance(mesh, s.MeshAxisymmetric) else 0
-    if isinstance(mesh, s.MeshRectangle):
-        extents = [mesh.length, mesh.height]
-    elif isinstance(mesh, s.MeshAxisymmetric):
-        extents = [mesh.radius, mesh.length]
-    else:
-        assert isinstance(mesh, s.MeshBox)
-        extents = [mesh.length, mesh.width, mesh.height]
-    extent = extents[direction]
-    layers = _widening(radiation_layers(scene, medium, direction, extent), extent)
-    if direction == axis and medium is not None and scene.heat is not None:
+    axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
+    assert not isinstance(mesh, MeshFile | MeshLine)
+    extent = mesh.extents[direction]
+    layers = widened(radiation_layers(scene, _conductivity(scene, medium), direction, extent), extent)
+    if direction == axis and scene.heat is not None:
         layers += axial_layers(scene, medium, float(velocity[axis]), float(solid[axis]), extent)
     for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):
         table = scene.boundary.get(name)
         thermal = table is not None and (table.flow == "no_slip" or table.fluid or table.solid)
-        if direction != axis and medium is not None and thermal:
+        if direction != axis and thermal:
             layers += [(position, max(width, 1e-3 * extent)) for width in _wall_layers(scene, medium, velocity, solid)]
     if mesh.cells is not None:
         return equidistributed(extent, layers, mesh.cells[direction])
-    if medium is None and mesh.dimension == 2:
-        return graded(extent, layers, coarse=extent / 12, scale=_scale(scene))
     return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
-
-
-def _widening(layers: list[tuple[float, float]], extent: float) -> list[tuple[float, float]]:
-    """Layers of growing width above each: where two walls of unlike temperature meet, heat flows on all scales down to
-    the mean free path.
-    """
-    steps = (WIDENING ** np.arange(max(1, np.ceil(np.log(extent / width) / np.log(WIDENING)))) for _, width in layers)
-    return [(x, width * step) for (x, width), each in zip(layers, steps, strict=True) for step in each]
 
 
 def _wall_layers(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> tuple[float, float]:
@@ -82,6 +62,11 @@ def _wall_layers(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> t
     inertia = medium.mass_flux_scale() * forchheimer * fastest / float(medium.fluid.viscosity(medium.T_fluid_in))
     both = 1.0 / permeability + 2.0 * inertia / permeability**0.5
     return (permeability / scene.bed.porosity) ** 0.5, (scene.bed.porosity * both) ** -0.5
+
+
+def _conductivity(scene: s.Scene, medium: Medium) -> float:
+    """Conductivity of the solid [W/m/K] with which radiation competes."""
+    return float(medium.conductivity("solid", medium.T_fluid_in)) if scene.radiation is not None else 0.0
 
 
 def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> list[tuple[float, float]]:
@@ -110,7 +95,7 @@ def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, lengt
 
 def _rates(fluid: tuple[float, float], solid: tuple[float, float], exchange: float, cross: float) -> list[float]:
     """Signed rates [1/m] of the modes of two phases, given as (flux, conductivity); the phases are interchangeable."""
-    from contbed.verify.exact_two_energy import rates
+    from contbed.packed_bed.equations.modes import rates
 
     if exchange == 0.0:
         return [flux / d for flux, d in (fluid, solid) if d]
@@ -136,39 +121,5 @@ def _matters(scene: s.Scene, layer: tuple[float, float], rates: list[float], flu
 
 def _end(scene: s.Scene, position: float) -> str:
     mesh = scene.mesh
-    low, high = mesh.sides[1 if isinstance(mesh, s.MeshAxisymmetric) else 0]  # type: ignore[union-attr]
+    low, high = mesh.sides[1 if isinstance(mesh, MeshAxisymmetric) else 0]  # type: ignore[union-attr]
     return high if position > 0 else low
-
-
-def radiation_layers(scene: s.Scene, medium: Medium | None, direction: int, extent: float) -> list[tuple[float, float]]:
-    """Positions and widths of the layers in which radiation adapts to a radiating boundary.
-
-    The rate is sqrt(K_a/D (1 + k_R/k)); the radiative conductivity k_R = 16 sigma T^3 D competes with conduction k.
-    Ordinates adapt in layers of cosines of the mean free path, whatever the albedo.
-    """
-    if scene.radiation is None or scene.radiation.level == "rosseland":
-        return []
-    from contbed.closures.optics import SIGMA, conductivity
-    from contbed.radiation.problem import optics
-
-    c, mesh = optics(scene), scene.mesh
-    hot = [
-        (table.radiation.temperature or ((table.radiation.radiosity or 0.0) / SIGMA) ** 0.25)
-        for table in scene.boundary.values()
-        if table.radiation is not None
-    ]
-    k = scene.radiation.conductivity or 0.0
-    if medium is not None:
-        k = float(medium.conductivity("solid", medium.T_fluid_in))
-    radiative = conductivity(max(hot, default=0.0), c.diffusion)
-    rate = (c.absorption / c.diffusion * (1.0 + radiative / k if k else 1.0)) ** 0.5
-    if scene.radiation.level == "ordinates":
-        rate = max(rate, OBLIQUE * (scene.radiation.ordinates + 0.5) ** 2 / 1.446 * c.extinction)
-    if rate == 0.0:
-        return []
-    layers = []
-    for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):  # type: ignore[union-attr]
-        table = scene.boundary.get(name)
-        if table is not None and table.radiation is not None:
-            layers.append((position, min(1.0 / rate, extent)))
-    return layers

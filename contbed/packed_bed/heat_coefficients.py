@@ -12,6 +12,7 @@ import numpy as np
 from contbed.fem.domain import Domain
 from contbed.fem.dual import Components
 from contbed.fem.skfem import Ops, System
+from contbed.fem.stabilisation import tau
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.equations import two_energy
@@ -100,12 +101,12 @@ class HeatCoefficients:
             along, across = spread
             size = np.sqrt(Ops.dot(velocity, velocity) + TINY)
             dispersion = (across, along - across, velocity / size)
-        tau = None
+        stabilisation = None
         if flux is not None and self.scene.solver.stabilisation:
             speed = np.sqrt(plain(Ops.dot(flux, flux)) + TINY)
             h = where.along(Components(plain(part) / speed for part in flux.items))
             stagnant = conductivity(T_ref) + along
-            tau = plain(two_energy.tau(speed * capacity, stagnant, exchange, capacity, h, self.scene.solver.degree))
+            stabilisation = plain(tau(speed * capacity, stagnant, exchange, capacity, h, self.scene.solver.degree))
         computed = phase == "fluid" and self.motion.flow is not None
         return two_energy.Phase(
             mass_flux=flux,
@@ -118,7 +119,7 @@ class HeatCoefficients:
             dispersion=dispersion,
             content=getattr(self.medium, f"content_{phase}"),
             source=self._source(phase),
-            tau=tau,
+            tau=stabilisation,
         )
 
     def _density(self, phase: str) -> float:

@@ -5,19 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from contbed.packed_bed import scene as s
+from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile
 
 
-def velocity_vector(mesh: s.Mesh, velocity: float | tuple[float, ...]) -> tuple[float, ...]:
+def velocity_vector(mesh: Mesh, velocity: float | tuple[float, ...]) -> tuple[float, ...]:
     """The velocity as a vector; a number is along the bed axis: x, or z when axisymmetric."""
     if isinstance(velocity, tuple):
         return velocity
-    axis = 1 if isinstance(mesh, s.MeshAxisymmetric) or getattr(mesh, "axisymmetric", False) else 0
+    axis = 1 if isinstance(mesh, MeshAxisymmetric) or getattr(mesh, "axisymmetric", False) else 0
     return tuple(velocity if index == axis else 0.0 for index in range(mesh.dimension))
 
 
-def enters(mesh: s.Mesh, velocity: tuple[float, ...], side: str) -> int | None:
+def enters(mesh: Mesh, velocity: tuple[float, ...], side: str) -> int | None:
     """1 if the velocity enters through this side, -1 if it leaves, 0 if it runs along; None if that is not known."""
-    if isinstance(mesh, s.MeshFile):
+    if isinstance(mesh, MeshFile):
         return None
     if side == "axis":
         return 0
@@ -28,7 +29,7 @@ def enters(mesh: s.Mesh, velocity: tuple[float, ...], side: str) -> int | None:
     return None
 
 
-def role(mesh: s.Mesh, velocity: tuple[float, ...], side: str, boundary: Mapping[str, s.Boundary]) -> str | None:
+def role(mesh: Mesh, velocity: tuple[float, ...], side: str, boundary: Mapping[str, s.Boundary]) -> str | None:
     """inlet, outlet, slip or no_slip: what the scene says, else by the sign of the velocity."""
     if side in boundary and boundary[side].flow is not None:
         return boundary[side].flow

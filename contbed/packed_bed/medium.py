@@ -17,15 +17,17 @@ from contbed.closures.binding import is_phase, own_parameters, resolve_closure, 
 from contbed.materials import ConstantFluid, Solid, gas_mixture, real_fluid
 from contbed.materials.pointwise import pointwise
 from contbed.packed_bed import scene as s
+from contbed.scene.quantities import ClosureFile
+from contbed.scene.tables import Closure, FluidCantera, FluidConstant, FluidCoolProp
 
 _AREA = {"spheres": 6.0, "rods": 4.0}
 
 
-def fluid_of(settings: s.FluidConstant | s.FluidCantera | s.FluidCoolProp) -> Any:
+def fluid_of(settings: FluidConstant | FluidCantera | FluidCoolProp) -> Any:
     """The fluid of a scene; Cantera and CoolProp are imported only when named."""
-    if isinstance(settings, s.FluidCantera):
+    if isinstance(settings, FluidCantera):
         return gas_mixture(settings.composition, settings.pressure, settings.mechanism)
-    if isinstance(settings, s.FluidCoolProp):
+    if isinstance(settings, FluidCoolProp):
         return real_fluid(settings.name, settings.pressure, settings.T_range)
     conductivity = 1.0 if settings.conductivity is None else settings.conductivity
     return ConstantFluid(settings.density, settings.heat_capacity or 1.0, settings.viscosity, conductivity)
@@ -255,5 +257,5 @@ def _rosseland(scene: s.Scene) -> float | None:
     return radiation_problem.optics(scene).diffusion
 
 
-def _named(spec: Any) -> TypeGuard[str | s.Closure | s.ClosureFile]:
-    return isinstance(spec, str | s.Closure | s.ClosureFile)
+def _named(spec: Any) -> TypeGuard[str | Closure | ClosureFile]:
+    return isinstance(spec, str | Closure | ClosureFile)

@@ -14,13 +14,18 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.mesh.mesh import Mesh, build
-from contbed.models import KINDS, find
+from contbed.mesh.build import build, require_names
+from contbed.mesh.mesh import Mesh
+from contbed.models import described
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.inlets import role, velocity_vector
 from contbed.packed_bed.medium import Medium
+from contbed.radiation.plan import level_name
+from contbed.scene.mesh import Mesh as MeshSettings
+from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshFile, MeshLine, MeshRectangle
+from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
 AUTOMATIC = 4  # adaptive refinements of an automatic mesh
@@ -53,7 +58,7 @@ class Plan:
         if self.solved.mesh is self.scene.mesh:
             return boundary
         mesh = self.scene.mesh
-        low, high = mesh.sides[1 if isinstance(mesh, s.MeshAxisymmetric) else 0]  # type: ignore[union-attr]
+        low, high = mesh.sides[1 if isinstance(mesh, MeshAxisymmetric) else 0]  # type: ignore[union-attr]
         return {"left": low, "right": high}[boundary]
 
     @property
@@ -62,13 +67,23 @@ class Plan:
         return self.solved.radiation is not None and self.solved.radiation.level != "rosseland"
 
     @property
+    def steps(self) -> bool:
+        """Whether the run takes time steps, which a checkpoint can go on from."""
+        return self.scene.time is not None and not self.fronts
+
+    @property
+    def without_weak_form(self) -> str:
+        """What has no weak form that another engine could evaluate; empty if all has one."""
+        return "fronts tracked along characteristics (a bed at rest without conduction)" if self.fronts else ""
+
+    @property
     def adaptations(self) -> int:
         """How often the mesh of a steady scene may be refined where the estimated error exceeds the tolerance."""
         rounds, grid = self.solved.solver.adapt, self.solved.mesh
         if self.scene.heat is None or self.scene.time is not None:
             return 0
         if rounds is None:
-            return AUTOMATIC if isinstance(grid, s.MeshLine) and grid.cells is None and not grid.refine else 0
+            return AUTOMATIC if isinstance(grid, MeshLine) and grid.cells is None and not grid.refine else 0
         return rounds
 
     def refined(self, error: Any) -> Plan:
@@ -95,42 +110,22 @@ class Plan:
             out["heat"] = 2 * grid.nelements
         elif self.scene.heat is not None:
             out["heat"] = 2 * Space(grid, self.scene.solver.degree).size
-        table = self.solved.radiation
-        if table is not None and (self.radiates or self.scene.heat is None):
-            directions = table.ordinates if table.level == "ordinates" else 1
-            conducting = self.scene.heat is None and self.radiates and bool(table.conductivity)
-            out["radiation"] = (directions + conducting) * Space(grid, self.scene.solver.degree).size
+        if self.radiates:
+            out["radiation"] = Space(grid, self.scene.solver.degree).size
         return out
 
     def __str__(self) -> str:
-        return described(self)
+        return described(self) if self.fronts else described(self, advice(self.unknowns(), self.policy))
 
 
-def described(plan: Any) -> str:
-    """What a plan builds and skips, as a table with the number of unknowns."""
-    rows = [("BUILT", what, why) for what, why in plan.built]
-    rows += [("SKIPPED", what, why) for what, why in plan.skipped]
-    width = max(len(what) for _, what, _ in rows)
-    lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
-    for part, size in plan.unknowns().items():
-        lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * plan.policy.predicted_GB(size)):.0f} MB")
-    if isinstance(plan, Plan) and not plan.fronts:
-        from contbed.solvers.cost import advice
+def plan(scene: s.Scene) -> Plan:
+    """Decide what a packed bed needs and build its mesh.
 
-        lines.append(advice(plan.unknowns(), plan.policy))
-    return "\n".join(lines)
-
-
-def plan(scene: Any) -> Any:
-    """Decide what a scene needs and build its mesh; SceneError if the mesh or the flow cannot be used.
-
-    Returns a `Plan`, or that of the model that the scene is for.
+    Raises
+    ------
+    SceneError : the mesh or the flow cannot be used
     """
-    if scene.kind in KINDS:
-        return find(KINDS[scene.kind].plan)(scene)
     written, scene, thick = scene, *_cheapest_radiation(scene)
-    if scene.heat is None and scene.radiation is not None:
-        return _plan_radiation(written, scene, thick)
     built: list[tuple[str, str]] = []
     skipped: list[tuple[str, str]] = []
     medium = Medium.of(scene, _inlet_temperature(scene), _bed_diameter(scene.mesh))
@@ -143,7 +138,7 @@ def plan(scene: Any) -> Any:
     solid = np.array(velocity_vector(grid, target.flow.velocity_solid), dtype=float)
     fronts = _tracks_fronts(target, medium)
     mesh = build(grid, nodes(target, medium, velocity, solid, fronts), str(scene.origin.base))
-    _check_names(target, mesh)
+    require_names(target.origin, mesh, {"boundary": target.boundary, "region": target.region})
     if scene.solver.adapt and not refinable(mesh):
         raise SceneError(
             scene.origin.at(("solver", "adapt")) + ": solver.adapt: only lines and triangles are refined "
@@ -156,7 +151,7 @@ def plan(scene: Any) -> Any:
             scene.origin.at(("flow",)) + ': flow: nothing to solve: no wall has flow = "no_slip" and '
             "there is no [heat] table"
         )
-    round_bed = isinstance(scene.mesh, s.MeshAxisymmetric) or getattr(scene.mesh, "axisymmetric", False)
+    round_bed = isinstance(scene.mesh, MeshAxisymmetric) or getattr(scene.mesh, "axisymmetric", False)
     coordinate = "z" if round_bed else "x"
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
     built.append((f"mesh, {mesh.skfem.dim()}-D", cells))
@@ -202,32 +197,15 @@ def _cheapest_radiation(scene: s.Scene) -> tuple[s.Scene, str]:
     return choose(scene)
 
 
-def _plan_radiation(written: s.Scene, scene: s.Scene, thick: str) -> Plan:
-    """A medium that radiates by itself: no flow, no phases."""
-    mesh = build(scene.mesh, nodes(scene, None, None, None, False), str(scene.origin.base))
-    _check_names(scene, mesh)
-    cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
-    still = np.zeros(mesh.skfem.dim())
-    coordinate = "z" if mesh.axisymmetric else "x"
-    built = ((f"mesh, {mesh.skfem.dim()}-D", cells), _how_radiation(scene, thick))
-    skipped = (("porous flow", "[radiation] alone"), ("two-energy", "no [heat] table"))
-    return Plan(written, scene, None, mesh, 1.0, still, still, {}, coordinate, True, False, built, skipped)
-
-
 def _how_radiation(scene: s.Scene, thick: str) -> tuple[str, str]:
-    """`thick` says how well Rosseland would do where that is allowed."""
+    """Level of the radiation; `thick` says how well Rosseland would do where that is allowed."""
     table = scene.radiation
     if table is None:
         return "radiation", "no [radiation] table"
-    names = {"p1": "P1", "two_flux": "two-flux", "ordinates": f"{table.ordinates} + {table.ordinates} ordinates"}
     if table.level == "rosseland":
-        how = f"Rosseland limit: a conductivity of the {'medium' if scene.heat is None else 'solid'}"
-    elif scene.heat is not None:
-        how = f"{names[table.level]}, coupled to the solid"
-    elif table.temperature:
-        how = f"{names[table.level]}, medium of given temperature"
+        how = "Rosseland limit: a conductivity of the solid"
     else:
-        how = f"{names[table.level]}, medium {'conducting' if table.conductivity else 'in radiative equilibrium'}"
+        how = f"{level_name(table)}, coupled to the solid"
     return "radiation", f"{how}; {thick}" if thick else how
 
 
@@ -251,13 +229,13 @@ def _inlet_temperature(scene: s.Scene) -> float:
     return scene.time.initial_fluid if scene.time is not None else 300.0
 
 
-def _bed_diameter(mesh: s.Mesh) -> float:
+def _bed_diameter(mesh: MeshSettings) -> float:
     """Hydraulic diameter of a built-in bed [m]; a line has no walls."""
-    if isinstance(mesh, s.MeshRectangle):
+    if isinstance(mesh, MeshRectangle):
         return 2.0 * mesh.height
-    if isinstance(mesh, s.MeshAxisymmetric):
+    if isinstance(mesh, MeshAxisymmetric):
         return 2.0 * mesh.radius
-    if isinstance(mesh, s.MeshBox):
+    if isinstance(mesh, MeshBox):
         return 2.0 * mesh.width * mesh.height / (mesh.width + mesh.height)
     return float("inf")
 
@@ -265,9 +243,9 @@ def _bed_diameter(mesh: s.Mesh) -> float:
 def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
     """The same scene on a line and its cross-section [m2], where nothing varies across the bed."""
     mesh = scene.mesh
-    if isinstance(mesh, s.MeshFile | s.MeshLine) or scene.heat is None or (mesh.cells is not None and mesh.refine):
+    if isinstance(mesh, MeshFile | MeshLine) or scene.heat is None or (mesh.cells is not None and mesh.refine):
         return None
-    axis = 1 if isinstance(mesh, s.MeshAxisymmetric) else 0
+    axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
     vectors = [velocity_vector(mesh, v) for v in (scene.flow.velocity, scene.flow.velocity_solid)]
     if any(component for vector in vectors for k, component in enumerate(vector) if k != axis):
         return None
@@ -276,16 +254,16 @@ def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
         given = table.fluid or table.solid or table.radiation or table.flow not in (None, "slip")
         if name not in (low, high) and given:
             return None
-    if isinstance(mesh, s.MeshRectangle):
+    if isinstance(mesh, MeshRectangle):
         section, cells = mesh.height, mesh.cells and mesh.cells[0]
-    elif isinstance(mesh, s.MeshAxisymmetric):
+    elif isinstance(mesh, MeshAxisymmetric):
         section, cells = np.pi * mesh.radius**2, mesh.cells and mesh.cells[1]
     else:
         section, cells = mesh.width * mesh.height, mesh.cells and mesh.cells[0]
     ends = {low: "left", high: "right"}
     line = scene.model_copy(
         update={
-            "mesh": s.MeshLine(type="line", length=mesh.length, cells=cells, graded=mesh.graded, refine=mesh.refine),
+            "mesh": MeshLine(type="line", length=mesh.length, cells=cells, graded=mesh.graded, refine=mesh.refine),
             "flow": s.Flow(velocity=vectors[0][axis], velocity_solid=vectors[1][axis]),
             "boundary": {ends[name]: table for name, table in scene.boundary.items() if name in ends},
         }
@@ -295,7 +273,7 @@ def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
 
 def _tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
     """Whether nothing conducts in a one-dimensional bed at rest that a stream enters: then fronts stay sharp."""
-    if scene.time is None or scene.heat is None or not isinstance(scene.mesh, s.MeshLine) or not medium.constant:
+    if scene.time is None or scene.heat is None or not isinstance(scene.mesh, MeshLine) or not medium.constant:
         return False
     if scene.flow.velocity_solid or scene.heat.dispersion is not None or scene.heat.tortuosity is not None:
         return False
@@ -324,19 +302,3 @@ def _role(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
             f'say [boundary.{name}] flow = "inlet", "outlet", "no_slip" or "slip"'
         )
     return "slip" if abs(across) <= 1e-9 else "inlet" if across < 0 else "outlet"
-
-
-def _check_names(scene: s.Scene, mesh: Mesh) -> None:
-    """Boundaries and regions of a mesh file are known only now."""
-    from difflib import get_close_matches
-
-    problems = []
-    for kind, given, known in (("boundary", scene.boundary, mesh.boundaries), ("region", scene.region, mesh.regions)):
-        for name in given:
-            if name not in known:
-                near = get_close_matches(name, known, n=1)
-                hint = f"; did you mean '{near[0]}'?" if near else ""
-                where = scene.origin.at((kind, name))
-                problems.append(f"{where}: {kind}.{name}: the mesh has no such {kind}; it has {', '.join(known)}{hint}")
-    if problems:
-        raise SceneError(problems)

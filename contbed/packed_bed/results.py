@@ -6,21 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from contbed.fem.probe import Probe, axis_points
+from contbed.fields import header
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.probe import Probe, axis_points
 from contbed.result import Result
 
 APART = 0.01  # difference of theta at which the phases count as being in equilibrium
-
-
-def coordinate_header(plan: Plan) -> str:
-    """Header of the coordinate along the bed."""
-    return f"{plan.coordinate} [m]"
-
-
-def wanted_positions(plan: Plan) -> Any:
-    """Profile positions that the scene asks for, None for automatic ones."""
-    return np.unique(plan.scene.output.positions) if plan.scene.output.positions else None
 
 
 def _theta(T: Any, span: tuple[float, float]) -> Any:
@@ -32,11 +23,11 @@ def flow_findings(plan: Plan, flow: Any, result: Result) -> None:
     """Largest speed, pressure drop and pressure gradient, velocity along and across the bed."""
     space, _ = flow.system.fields["u"]
     axis, positions = plan.mesh.axis, None
-    positions, points = axis_points(plan.mesh, wanted_positions(plan))
+    positions, points = axis_points(plan.mesh, plan.scene.output.positions)
     probe = Probe(plan.mesh, points)
     u = probe(space, flow.velocity[axis])
     pressure = probe(flow.system.fields["p"][0], flow.pressure)
-    result.profiles = {coordinate_header(plan): positions, "u [m/s]": u, "p [Pa]": pressure}
+    result.profiles = {header(plan.coordinate): positions, "u [m/s]": u, "p [Pa]": pressure}
     outlets = [name for name, kind in plan.conditions.items() if kind == "outlet"]
     facets = np.concatenate([plan.mesh.skfem.boundaries[name] for name in outlets])
     result.qoi |= {
@@ -65,7 +56,7 @@ def steady_findings(plan: Plan, problem: Any, state: Any, fluxes: Any, reactions
     if "tubes" in fluxes:
         result.qoi["heat_tubes_W"] = fluxes["tubes"]["radiation"]
     if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
-        x = result.profiles[coordinate_header(plan)]
+        x = result.profiles[header(plan.coordinate)]
         gap = _theta(solid, span) - _theta(fluid, span)
         _equilibrium(x, gap, 0.5 * (_theta(solid, span) + _theta(fluid, span)), result)
 
@@ -104,7 +95,7 @@ def _nodal(problem: Any, state: Any) -> dict[str, Any]:
 
 
 def _profiles(plan: Plan, problem: Any, states: list[Any], times: list[float] | None, result: Result) -> Any:
-    positions, points = axis_points(plan.mesh, wanted_positions(plan))
+    positions, points = axis_points(plan.mesh, plan.scene.output.positions)
     probe = Probe(plan.mesh, points)
     space = problem.system.fields["T_fluid"][0]
     fluid = np.array([probe(space, problem.system.part(state, "T_fluid")) for state in states])
@@ -124,7 +115,7 @@ def _columns(
     plan: Plan, positions: Any, fluid: Any, solid: Any, span: tuple[float, float], times: Any, result: Result
 ) -> None:
     """Profile columns; the rows of a transient run through the positions for each time."""
-    columns = {coordinate_header(plan): np.tile(positions, len(fluid))}
+    columns = {header(plan.coordinate): np.tile(positions, len(fluid))}
     if times is not None:
         columns["t [s]"] = np.repeat(np.asarray(times, dtype=float), len(positions))
     columns |= {"T_fluid [K]": fluid.ravel(), "T_solid [K]": solid.ravel()}
@@ -157,8 +148,8 @@ def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Re
     time = plan.scene.time
     assert time is not None
     length = plan.scene.mesh.length  # type: ignore[union-attr]
-    positions = wanted_positions(plan)
-    if positions is None:
+    positions = np.unique(plan.scene.output.positions)
+    if not len(positions):
         positions = np.linspace(0.0, length, 1001)
     along = length - positions if backwards else positions
     fluid, solid = (np.array(part) for part in zip(*(snapshot.at(along) for snapshot in snapshots), strict=True))

@@ -1,19 +1,20 @@
-"""What is wrong with the radiation of a scene although every single value is right; see `scene.checks`."""
+"""What is wrong with the radiation of a scene although every single value is right; see `scene.checking`."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Any
 
 from contbed.closures.sizes import SizeDistribution
 from contbed.errors import SceneError
-from contbed.packed_bed import scene as s
+from contbed.radiation.scene import Radiation
+from contbed.scene.checking import Check, Mistakes, See
+from contbed.scene.mesh import Mesh
+from contbed.scene.mesh_checks import boundaries_exist, mesh_file_exists, positions_lie_in_the_bed
+from contbed.scene.tables import Packing
 
-if TYPE_CHECKING:
-    from contbed.packed_bed.checks import Boundaries, Mistakes, See
 
-
-def tubes_see_radiation(heat: s.Heat | None, radiation: s.Radiation | None, region: Mapping[str, s.Region]) -> Mistakes:
+def tubes_see_radiation(heat: Any | None, radiation: Radiation | None, region: Mapping[str, Any]) -> Mistakes:
     diffuse = radiation is not None and radiation.level in ("p1", "two_flux")
     for name, item in region.items():
         if item.tubes is not None and (heat is None or not diffuse):
@@ -21,7 +22,12 @@ def tubes_see_radiation(heat: s.Heat | None, radiation: s.Radiation | None, regi
 
 
 def radiation_is_complete(
-    heat: s.Heat | None, radiation: s.Radiation | None, bed: s.Bed, boundary: Boundaries, mesh: s.Mesh, see: See
+    heat: Any | None,
+    radiation: Radiation | None,
+    bed: Packing | None,
+    boundary: Mapping[str, Any],
+    mesh: Mesh,
+    see: See,
 ) -> Mistakes:
     if radiation is None:
         for name, conditions in boundary.items():
@@ -65,7 +71,7 @@ def radiation_is_complete(
         yield ("boundary",), "no boundary radiates and the medium has no temperature: nothing determines it"
 
 
-def particles_have_a_size_and_fit_together(radiation: s.Radiation | None, see: See) -> Mistakes:
+def particles_have_a_size_and_fit_together(radiation: Radiation | None, see: See) -> Mistakes:
     if radiation is None:
         return
     for name, species in radiation.species.items():
@@ -84,14 +90,30 @@ def particles_have_a_size_and_fit_together(radiation: s.Radiation | None, see: S
         yield ("radiation",), "nothing stops a ray: absorption, or scattering with anisotropy < 1, must be above 0"
 
 
-def loose_walls(heat: s.Heat | None, boundary: Boundaries) -> list[str]:
+def loose_walls(heat: Any, boundary: Mapping[str, Any]) -> list[str]:
     """Radiating boundaries on which the solid does not have the wall's temperature."""
     found = []
     for name, table in boundary.items():
-        wall, solid = table.radiation, table.solid
+        wall = table.radiation
         if wall is None:
             continue
-        touched = heat is None or (solid is not None and solid.fixed == wall.temperature)
+        touched = heat is None or (table.solid is not None and table.solid.fixed == wall.temperature)
         if wall.temperature is None or not touched:
             found.append(name)
     return found
+
+
+def a_medium_radiates(
+    radiation: Radiation, bed: Packing | None, boundary: Mapping[str, Any], mesh: Mesh, see: See
+) -> Mistakes:
+    """The optics of a medium by itself."""
+    yield from radiation_is_complete(None, radiation, bed, boundary, mesh, see)
+
+
+CHECKS: tuple[Check, ...] = (
+    a_medium_radiates,
+    particles_have_a_size_and_fit_together,
+    boundaries_exist,
+    mesh_file_exists,
+    positions_lie_in_the_bed,
+)

@@ -19,10 +19,10 @@ from scipy.sparse import csc_matrix
 from contbed.fem import policy, shared
 from contbed.fem.elements import Space
 from contbed.mesh.mesh import Mesh
-from contbed.packed_bed import scene as s
 from contbed.radiation.equations import p1 as radiation
 from contbed.radiation.equations.ordinates import Ordinates, OrdinatesSolution, Wall
 from contbed.radiation.problem import optics, power_temperature, span, surface_of
+from contbed.radiation.scene import Radiating
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
 
@@ -30,7 +30,7 @@ from contbed.solvers.newton import newton
 class OrdinatesProblem:
     """The scene's medium on a line; the state holds the temperatures at the points of a conducting medium."""
 
-    def __init__(self, scene: s.Scene, mesh: Mesh, section: float = 1.0):
+    def __init__(self, scene: Radiating, mesh: Mesh, section: float = 1.0):
         table = scene.radiation
         assert table is not None
         self.scene, self.mesh, self.section, self.optics = scene, mesh, section, optics(scene)

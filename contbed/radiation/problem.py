@@ -2,90 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from contbed.closures import optics as closures
-from contbed.closures.sizes import SizeDistribution
 from contbed.fem import system as make_system
 from contbed.fem.skfem import System
 from contbed.mesh.mesh import Mesh
-from contbed.packed_bed import scene as s
 from contbed.radiation.equations import p1 as radiation
+from contbed.radiation.optics import Optics, optics
+from contbed.radiation.scene import Radiating
 from contbed.solvers.linear import Policy, Solver
 from contbed.solvers.newton import newton
 
 REFINEMENTS = 3  # of a linear solution
 
 
-@dataclass(frozen=True)
-class Optics:
-    """Absorption by species at the solid's temperature and by species of given temperature, scattering, D.
-
-    `active` and `passive` are K_a [1/m], `emission` is 4 sum K_a sigma T^4 of the latter [W/m3], `diffusion` D [m].
-    """
-
-    active: float
-    passive: float
-    emission: float
-    scattering: float
-    diffusion: float
-
-    @property
-    def absorption(self) -> float:
-        """All K_a [1/m]."""
-        return self.active + self.passive
-
-    @property
-    def extinction(self) -> float:
-        """beta [1/m]."""
-        return self.absorption + self.scattering
-
-
-def optics(scene: s.Scene) -> Optics:
-    """Coefficients of a scene, from its particles or given directly."""
-    table = scene.radiation
-    assert table is not None
-    if table.absorption is not None or table.scattering is not None:
-        temperatures = [table.temperature]
-        found = closures.Optics(
-            np.array([table.absorption or 0.0]), np.array([table.scattering or 0.0]), table.anisotropy
-        )
-    else:
-        species = dict(table.species) or {
-            "bed": s.RadiatingSpecies(
-                volume_fraction=1.0 - scene.bed.porosity,
-                diameter=scene.bed.particle_diameter,
-                emissivity=table.emissivity,
-                temperature=table.temperature,
-            )
-        }
-        temperatures = [item.temperature for item in species.values()]
-        particles = [
-            closures.Species(name, item.volume_fraction, _size(item), item.emissivity) for name, item in species.items()
-        ]
-        found = closures.optics(particles, table.correction, table.anisotropy)
-    given = [(float(k), T) for k, T in zip(found.absorption, temperatures, strict=True) if T is not None]
-    passive = sum(k for k, _ in given)
-    return Optics(
-        active=float(found.absorption_total) - passive,
-        passive=passive,
-        emission=sum(k * radiation.emitted(T) for k, T in given),
-        scattering=float(found.scattering_total),
-        diffusion=float(found.diffusion("two_flux" if table.level == "two_flux" else "p1")),
-    )
-
-
-def _size(item: s.RadiatingSpecies) -> float | SizeDistribution:
-    if item.diameter is not None:
-        return item.diameter
-    assert item.sieves is not None
-    return SizeDistribution.from_sieves(item.sieves.apertures, item.sieves.mass_fractions)
-
-
-def surface_of(table: s.Boundary | None) -> radiation.Surface | None:
+def surface_of(table: Any) -> radiation.Surface | None:
     """What a boundary is to the radiation; None for a mirror."""
     condition = None if table is None else table.radiation
     if condition is None:
@@ -95,7 +29,7 @@ def surface_of(table: s.Boundary | None) -> radiation.Surface | None:
     return radiation.Surface(1.0, float(condition.radiosity or 0.0))
 
 
-def surfaces(scene: s.Scene, mesh: Mesh, system: System) -> list[tuple[str, Any, radiation.Surface]]:
+def surfaces(scene: Radiating, mesh: Mesh, system: System) -> list[tuple[str, Any, radiation.Surface]]:
     """Radiating boundaries: name, domain, surface."""
     found = {name: surface_of(scene.boundary.get(name)) for name in mesh.boundaries}
     return [(name, part, surface) for name, surface in found.items() if surface for part in system.boundary(name)]
@@ -138,7 +72,7 @@ class RadiationCoupling:
     fields = radiation.FIELDS
     emitted = staticmethod(radiation.emitted)
 
-    def __init__(self, scene: s.Scene):
+    def __init__(self, scene: Radiating):
         self.scene, self.optics = scene, optics(scene)
         c = self.optics
         self.coefficients = radiation.Coefficients({"T_solid": c.active}, c.diffusion, c.emission, c.passive)
@@ -198,12 +132,12 @@ class RadiationCoupling:
 
 
 class RadiationProblem:
-    """A medium that radiates and may conduct: unknown G, and `T_solid` where it conducts. See `models.radiation`.
+    """A medium that radiates and may conduct: unknown G, and `T_solid` where it conducts. See `equations.p1`.
 
     Without conductivity and temperature the medium is in radiative equilibrium: it emits what it absorbs.
     """
 
-    def __init__(self, scene: s.Scene, mesh: Mesh, section: float = 1.0):
+    def __init__(self, scene: Radiating, mesh: Mesh, section: float = 1.0):
         table = scene.radiation
         assert table is not None
         self.scene, self.mesh, self.optics = scene, mesh, optics(scene)

@@ -6,23 +6,23 @@ from typing import Any
 
 import numpy as np
 
-from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.probe import Probe, axis_points
-from contbed.packed_bed.results import coordinate_header, wanted_positions
+from contbed.fem.probe import Probe, axis_points
+from contbed.fields import header
+from contbed.radiation.plan import Plan
 from contbed.result import Result
 
 
-def radiation_findings(
+def fill(
     plan: Plan, problem: Any, state: Any, fluxes: dict[str, float], conducted: dict[str, float], result: Result
 ) -> None:
     """Temperature, G and radiative flux along the axis; heat through each boundary; between two plates the
     dimensionless flux q/(sigma (T1^4 - T2^4)) and the temperature slip 1 - Phi(0).
     """
-    positions, points = axis_points(plan.mesh, wanted_positions(plan))
+    positions, points = axis_points(plan.mesh, plan.scene.output.positions)
     probe = Probe(plan.mesh, points)
     space, G, temperature = problem.space, problem.incident(state), problem.temperature(state)
     result.profiles = {
-        coordinate_header(plan): positions,
+        header(plan.coordinate): positions,
         "T_solid [K]": probe(space, temperature),
         "G [W/m2]": probe(space, G),
         "q_radiation [W/m2]": problem.flux(state, probe),

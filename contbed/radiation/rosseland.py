@@ -7,22 +7,25 @@ What it leaves out is the temperature slip at walls, a resistance of about a mea
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from contbed.closures.optics import conductivity, error_rosseland
 from contbed.fem import system as make_system
 from contbed.mesh.mesh import Mesh
-from contbed.packed_bed import scene as s
 from contbed.radiation.checks import loose_walls
 from contbed.radiation.equations import p1 as radiation
-from contbed.radiation.problem import RadiationProblem, optics, surfaces
+from contbed.radiation.optics import optics
+from contbed.radiation.problem import RadiationProblem, surfaces
+from contbed.radiation.scene import Radiating
+from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine, MeshRectangle
 
+Scene = TypeVar("Scene", bound=Any)
 TOLERANCE = 0.01  # estimated error up to which plan may choose the Rosseland conductivity
 
 
-def choose(scene: s.Scene) -> tuple[s.Scene, str]:
+def choose(scene: Scene) -> tuple[Scene, str]:
     """The scene with the Rosseland level where it is allowed and accurate enough, and what to say about it."""
     table = scene.radiation
     if table is None or not table.allow_rosseland or table.level not in ("p1", "two_flux"):
@@ -30,7 +33,7 @@ def choose(scene: s.Scene) -> tuple[s.Scene, str]:
     conducts = scene.heat is not None or bool(table.conductivity)
     if not conducts or loose_walls(scene.heat, scene.boundary):
         return scene, "Rosseland needs conduction and the solid at the temperature of its walls"
-    if isinstance(scene.mesh, s.MeshFile):
+    if isinstance(scene.mesh, MeshFile):
         return scene, "Rosseland is not estimated on a mesh from a file"
     thick = scene.model_copy(update={"radiation": table.model_copy(update={"level": "rosseland"})})
     error = estimate(thick, scene.mesh)
@@ -38,18 +41,18 @@ def choose(scene: s.Scene) -> tuple[s.Scene, str]:
     return (thick if error <= TOLERANCE else scene), text
 
 
-def estimate(scene: s.Scene, mesh: Any) -> float:
+def estimate(scene: Radiating, mesh: Any) -> float:
     """Relative error of the radiative flux between the walls of a built-in bed, by `error_rosseland`.
 
     The direction with the largest error counts among those with a radiating wall, or the length of a bed without any.
     A side that does not radiate counts as black.
     """
     c = optics(scene)
-    if isinstance(mesh, s.MeshLine):
+    if isinstance(mesh, MeshLine):
         extents = [mesh.length]
-    elif isinstance(mesh, s.MeshRectangle):
+    elif isinstance(mesh, MeshRectangle):
         extents = [mesh.length, mesh.height]
-    elif isinstance(mesh, s.MeshAxisymmetric):
+    elif isinstance(mesh, MeshAxisymmetric):
         extents = [2.0 * mesh.radius, mesh.length]
     else:
         extents = [mesh.length, mesh.width, mesh.height]
@@ -67,7 +70,7 @@ def estimate(scene: s.Scene, mesh: Any) -> float:
 class RosselandProblem(RadiationProblem):
     """A conducting medium with the Rosseland conductivity: unknown `T_solid`."""
 
-    def __init__(self, scene: s.Scene, mesh: Mesh, section: float = 1.0):
+    def __init__(self, scene: Radiating, mesh: Mesh, section: float = 1.0):
         table = scene.radiation
         assert table is not None
         self.scene, self.mesh, self.optics = scene, mesh, optics(scene)

@@ -23,6 +23,11 @@ class MeshLine(Table):
     graded: Switch = Field(False, description=GRADED)
     refine: Whole = Field(0, ge=0, le=12, description="uniform refinements after construction")
 
+    @property
+    def extents(self) -> tuple[float, ...]:
+        """Size in each direction [m], in the order of `sides`."""
+        return (self.length,)
+
 
 class MeshRectangle(Table):
     """A planar channel, x along `length`, y along `height`; boundaries `left`, `right`, `bottom`, `top`."""
@@ -36,6 +41,11 @@ class MeshRectangle(Table):
     graded: Switch = Field(False, description=GRADED)
     shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
     refine: Whole = Field(0, ge=0, le=8)
+
+    @property
+    def extents(self) -> tuple[float, ...]:
+        """Size in each direction [m], in the order of `sides`."""
+        return (self.length, self.height)
 
 
 class MeshAxisymmetric(Table):
@@ -51,6 +61,11 @@ class MeshAxisymmetric(Table):
     shape: Literal["triangle", "quadrilateral"] = "quadrilateral"
     refine: Whole = Field(0, ge=0, le=8)
 
+    @property
+    def extents(self) -> tuple[float, ...]:
+        """Size in each direction [m], in the order of `sides`."""
+        return (self.radius, self.length)
+
 
 class MeshBox(Table):
     """A box, x along `length`, y `width`, z `height`; boundaries `left right front back bottom top`."""
@@ -65,6 +80,11 @@ class MeshBox(Table):
     graded: Switch = Field(False, description=GRADED)
     shape: Literal["tetrahedron", "hexahedron"] = "hexahedron"
     refine: Whole = Field(0, ge=0, le=6)
+
+    @property
+    def extents(self) -> tuple[float, ...]:
+        """Size in each direction [m], in the order of `sides`."""
+        return (self.length, self.width, self.height)
 
 
 class MeshFile(Table):

@@ -11,9 +11,7 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
-from contbed.errors import SceneError
-from contbed.models import KINDS, find
-from contbed.scene.toml_lines import KeyPath, dotted
+from contbed.scene.toml_lines import dotted
 
 Node = dict[str, Any]
 _BOUNDS = {
@@ -29,18 +27,14 @@ _BOUNDS = {
 _TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false"}
 
 
-PACKED_BED = "packed_bed"
 _definitions: dict[str, Node] = {}  # of the schemas that have been asked for; one name means one table in all of them
 
 
 @cache
-def schema(kind: str = PACKED_BED) -> Node:
-    """The JSON schema of one kind of scene."""
-    from contbed.packed_bed.scene import Scene
-
-    model = find(KINDS[kind].settings) if kind in KINDS else Scene
-    found = model.model_json_schema(ref_template=f"{kind}/{{model}}")
-    _definitions.update({f"{kind}/{name}": node for name, node in found["$defs"].items()})
+def of(model: Any) -> Node:
+    """The JSON schema of a kind of scene, given as its pydantic model."""
+    found: Node = model.model_json_schema(ref_template=f"{model.kind}/{{model}}")
+    _definitions.update({f"{model.kind}/{name}": node for name, node in found["$defs"].items()})
     return found
 
 
@@ -86,14 +80,6 @@ def keys(node: Node) -> list[str]:
     return found
 
 
-def at(path: KeyPath) -> list[Node]:
-    """The nodes of a key path in all kinds of scenes; several if the table has several types, none if it is unknown."""
-    nodes = [schema(kind) for kind in (PACKED_BED, *KINDS)]
-    for key in path:
-        nodes = [child for node in nodes for child in children(node, key)]
-    return nodes
-
-
 def is_closure(option: Node) -> bool:
     """Whether this way of writing a value is a closure's table, the only one that may have further keys."""
     return option.get("additionalProperties") is True
@@ -110,16 +96,6 @@ def choices(node: Node) -> list[Any]:
     for option in options(node):
         found += option.get("enum", []) + ([option["const"]] if "const" in option else [])
     return found
-
-
-def unit(path: KeyPath) -> str | None:
-    """The SI unit of a key; None if it has none or is not a number."""
-    for node in at(path):
-        for option in [node, *options(node)]:
-            item = next(iter(option.get("prefixItems", [])), option.get("items", option))
-            if found := option.get("unit") or item.get("unit"):
-                return str(found)
-    return None
 
 
 def allowed(node: Node) -> str:
@@ -150,23 +126,8 @@ def _one(option: Node) -> str:
     return " ".join(filter(None, words))
 
 
-def explain(name: str) -> str:
-    """The data sheet of a table or key: "heat", "heat.nusselt", "boundary.NAME.fluid", "mesh.line"."""
-    path: KeyPath = tuple(name.split("."))
-    nodes = at(path)
-    if not nodes and len(path) > 1:  # mesh.line: one type of a table
-        nodes = [
-            option
-            for node in at(path[:-1])
-            for option in options(node)
-            if any(value == path[-1] for key in option.get("properties", {}).values() for value in choices(key))
-        ]
-    if not nodes:
-        raise SceneError(f"the scene has no table or key {name!r}")
-    return "\n".join(line for node in nodes for line in _sheet(name, node))
-
-
-def _sheet(name: str, node: Node) -> Iterator[str]:
+def sheet(name: str, node: Node) -> Iterator[str]:
+    """The lines of the data sheet of a table or key."""
     tables = [
         option
         for option in options(node)
@@ -196,14 +157,3 @@ def _sheet(name: str, node: Node) -> Iterator[str]:
             meaning = f"  # {child['description']}" if "description" in child else ""
             yield f"    {key}: {text}{meaning}"
         yield ""
-
-
-def tables() -> list[str]:
-    """The tables of a scene, with their types: "mesh", "heat", "boundary.NAME"."""
-    found: list[str] = []
-    for name, node in (item for kind in (PACKED_BED, *KINDS) for item in schema(kind)["properties"].items()):
-        if any(isinstance(option.get("additionalProperties"), dict) for option in options(node)):
-            found.append(f"{name}.NAME")
-        elif any("properties" in option for option in options(node)):
-            found.append(name)
-    return list(dict.fromkeys(found))

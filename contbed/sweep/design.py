@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.scene.loading import nearest
+from contbed.scene.names import nearest
 
 Array = NDArray[np.float64]
 Say = Callable[[tuple[str, ...], str], None]

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.output.plots import _figure
+from contbed.output.plots import styled_figure
 from contbed.sweep.study import Study
 from contbed.sweep.table import Quantity, Row, columns, parameter
 
@@ -115,7 +115,7 @@ def _results(study: Study, rows: list[Row]) -> list[tuple[Quantity, Array]]:
 def _lines(path: Path, title: str, axes: list[_Axis], results: list[tuple[Quantity, Array]], failed: Any) -> None:
     along = next((axis for axis in axes if not axis.choices), axes[0])
     beside = next((axis for axis in axes if axis is not along), None)
-    with _figure(path, 1.2 + 2.6 * len(results), title) as figure:
+    with styled_figure(path, 1.2 + 2.6 * len(results), title) as figure:
         panels = figure.subplots(len(results), 1, sharex=True, squeeze=False)[:, 0]
         for panel, (quantity, values) in zip(panels, results, strict=True):
             groups = [np.ones(len(values), bool)] if beside is None else _choices(beside)
@@ -143,7 +143,7 @@ def _contours(path: Path, title: str, axes: list[_Axis], results: list[tuple[Qua
     x, y = axes
     across = min(len(results), 2)
     down = -(-len(results) // across)
-    with _figure(path, 0.6 + (3.3 if across > 1 else 5.0) * down, title) as figure:
+    with styled_figure(path, 0.6 + (3.3 if across > 1 else 5.0) * down, title) as figure:
         panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
         for panel, (quantity, values) in zip(panels.flat, results, strict=False):
             net = Triangulation(x.scaled, y.scaled)
@@ -170,7 +170,7 @@ def _effects(path: Path, title: str, axes: list[_Axis], results: list[tuple[Quan
     shown = [axis for axis in axes if any(axis is other for other in strongest)]
     if len(shown) < len(axes):
         title = f"{title}\n" * bool(title) + f"the {len(shown)} strongest of {len(axes)} parameters"
-    with _figure(path, 1.0 + 2.2 * len(results), title) as figure:
+    with styled_figure(path, 1.0 + 2.2 * len(results), title) as figure:
         panels = figure.subplots(len(results), len(shown), sharex="col", sharey="row", squeeze=False)
         for row, (quantity, values) in zip(panels, results, strict=True):
             for panel, axis in zip(row, shown, strict=True):

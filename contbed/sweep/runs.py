@@ -23,7 +23,7 @@ from typing import IO, Any
 
 from contbed.errors import ContbedError, SceneError
 from contbed.output.summary import write_json
-from contbed.scene.loading import resolved
+from contbed.scene.identity import resolved
 from contbed.sweep.study import Case
 
 OUTCOME = "outcome.json"

@@ -32,10 +32,12 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
+from contbed import explain
 from contbed.errors import SceneError
-from contbed.packed_bed.scene import SceneBase
-from contbed.scene import schema as reference
-from contbed.scene.loading import load, nearest, resolved, scene_hash
+from contbed.loading import load
+from contbed.scene.identity import resolved, scene_hash
+from contbed.scene.names import nearest
+from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse_key, read
 from contbed.sweep import design
 
@@ -219,7 +221,7 @@ def _flat(
 
 def _unit(name: str) -> str | None:
     try:
-        return reference.unit(parse_key(name))
+        return explain.unit(parse_key(name))
     except ValueError:  # told by the scene
         return None
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from contbed.errors import SceneError
 from contbed.output.files import prepare
 from contbed.output.progress import Progress
-from contbed.scene.loading import nearest
+from contbed.scene.names import nearest
 from contbed.sweep import table, workers
 from contbed.sweep.runs import Outcome, forget, known, locked
 from contbed.sweep.study import Case, Study, read_study

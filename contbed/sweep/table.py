@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from contbed import explain
 from contbed.fields import FIELDS, name_of, unit_of
 from contbed.output.files import atomic
 from contbed.output.summary import write_json
-from contbed.scene import schema as reference
 from contbed.scene.toml_lines import parse_key
 from contbed.sweep.study import Study
 
@@ -60,7 +60,7 @@ class Quantity:
 def parameter(key: str, values: Iterable[Any]) -> Quantity:
     """A key of the scene; names and tables have no unit, also where a number might stand."""
     named = any(isinstance(value, str | dict) for value in values)
-    return Quantity(key, key, None if named else reference.unit(parse_key(key)))
+    return Quantity(key, key, None if named else explain.unit(parse_key(key)))
 
 
 def result(key: str) -> Quantity:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from contbed.closures.binding import resolve_closure
 from contbed.errors import SceneError
-from contbed.packed_bed.checks import Mistakes, See
 from contbed.scene import mesh as meshes
+from contbed.scene.checking import Mistakes, See
 from contbed.scene.toml_lines import Origin
 from contbed.two_fluid import scene as t
 

@@ -10,7 +10,9 @@ import numpy as np
 
 from contbed.closures.binding import resolve_closure
 from contbed.errors import SceneError
-from contbed.mesh.mesh import Mesh, build
+from contbed.mesh.build import build
+from contbed.mesh.mesh import Mesh
+from contbed.models import described
 from contbed.scene.mesh import MeshFile
 from contbed.two_fluid import boundary, pressure, probes
 from contbed.two_fluid import closures as laws
@@ -32,7 +34,8 @@ class TwoFluidPlan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     probes: dict[str, int]
-    fronts: bool = False
+    without_weak_form: str = "scenes of kind two_fluid"
+    steps: bool = True
 
     @property
     def policy(self) -> Any:
@@ -68,8 +71,6 @@ class TwoFluidPlan:
         return bed, made
 
     def __str__(self) -> str:
-        from contbed.packed_bed.plan import described
-
         return described(self)
 
 

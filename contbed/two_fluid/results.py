@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contbed.balance import Balance
 from contbed.two_fluid import momentum_budget as weight
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages, along, spectrum
@@ -103,17 +104,11 @@ def balances(bed: TwoFluid, start: dict[str, float]) -> dict[str, dict[str, Any]
     return found
 
 
-def _balance(came, went, walls, start, now, what) -> dict[str, Any]:
-    stored = now[what] - start[what]
-    scale = max(start[what], came, 1e-300)
-    return {
-        "in": came,
-        "out": went,
-        "source": walls,
-        "stored": stored,
-        "unit": "J" if what == "heat" else "kg",
-        "relative_residual": (stored - came + went - walls) / scale,
-    }
+def _balance(
+    came: float, went: float, walls: float, start: Mapping[str, float], now: Mapping[str, float], what: str
+) -> dict[str, Any]:
+    scale, unit = max(start[what], came, 1e-300), "J" if what == "heat" else "kg"
+    return Balance(came, went, unit, walls, now[what] - start[what], scale).as_dict()
 
 
 def tables(

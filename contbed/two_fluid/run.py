@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contbed.closures import usage
-from contbed.result import Result
+from contbed.result import Result, timed
 from contbed.two_fluid import (
     closures as laws,
 )
@@ -98,12 +98,13 @@ class Run:
         self.end_pulses()
 
 
-def solve(
+@timed("flow")
+def run(
     plan: Any, result: Result, folder: Path | None, quiet: bool, start: tuple[Mapping[str, Any], Any] | None
 ) -> None:
     """Run and fill the result; fields and checkpoints go into `folder`."""
     from contbed.output.progress import Progress
-    from contbed.scene.loading import scene_hash
+    from contbed.scene.identity import scene_hash
 
     run = Run(plan)
     scene: t.TwoFluidScene = plan.scene

@@ -17,17 +17,32 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Discriminator, Field
 
-from contbed.packed_bed import scene as s
+from contbed.scene import tables
 from contbed.scene.mesh import Mesh
-from contbed.scene.quantities import Table, unit
+from contbed.scene.quantities import (
+    Density,
+    Instant,
+    Length,
+    Number,
+    Position,
+    Positive,
+    Seconds,
+    Switch,
+    Table,
+    Viscosity,
+    Whole,
+    form,
+    unit,
+)
+from contbed.scene.tables import SceneBase
 from contbed.two_fluid.heat.scene import Heat, HeatOfWall, Temperatures
 
 Speed = Annotated[float, *unit("m/s")]
-Share = Annotated[s.Number, Field(ge=0, lt=1)]
+Share = Annotated[Number, Field(ge=0, lt=1)]
 Theta = Annotated[float, *unit("m**2/s**2"), Field(ge=0)]
 Angle = Annotated[float, *unit("rad"), Field(gt=0, lt=1.5)]
 Flux = Annotated[float, *unit("kg/m**2/s"), Field(ge=0)]
-Named = Annotated[s.Named, Discriminator(s.form)]
+Named = Annotated[tables.Named, Discriminator(form)]
 
 
 class TwoFluid(Table):
@@ -44,21 +59,21 @@ class TwoFluid(Table):
     dissipation: str = "granular_dissipation_lun"
     friction: str = Field("friction_johnson_jackson", description='"none": no friction near packing')
     friction_viscosity: str = Field("friction_viscosity_newtonian", description='"none": friction pushes only')
-    guards: s.Switch = Field(True, description="limit the kinetic stress of dilute flow by drag and free path")
-    free_path: s.Length = Field(0.01, description="largest mean free path that the guards allow")
+    guards: Switch = Field(True, description="limit the kinetic stress of dilute flow by drag and free path")
+    free_path: Length = Field(0.01, description="largest mean free path that the guards allow")
 
 
 class Gas(Table):
     """Incompressible gas or liquid."""
 
-    density: s.Density
-    viscosity: s.Viscosity
+    density: Density
+    viscosity: Viscosity
 
 
 class Friction(Table):
     """Of particles near packing."""
 
-    start: Annotated[s.Number, Field(gt=0, lt=1)] = Field(0.5, description="fraction above which particles rub")
+    start: Annotated[Number, Field(gt=0, lt=1)] = Field(0.5, description="fraction above which particles rub")
     strength: Annotated[float, *unit("Pa"), Field(gt=0)] = 0.05
     angle: Angle = 0.49742
 
@@ -66,18 +81,18 @@ class Friction(Table):
 class Solid(Table):
     """Equal spheres."""
 
-    diameter: s.Length
-    density: s.Density
-    restitution: Annotated[s.Number, Field(gt=0, le=1)] = 0.9
-    packing: Annotated[s.Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
+    diameter: Length
+    density: Density
+    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    packing: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
     friction: Friction = Friction()
 
 
 class Layer(Temperatures):
     """Fields between two positions along the last axis; what is not given stays as it was."""
 
-    start: s.Position = -1e30
-    end: s.Position = 1e30
+    start: Position = -1e30
+    end: Position = 1e30
     eps_s: Share | None = None
     theta: Theta | None = None
     u_gas: Speed | None = Field(None, description="along the last axis")
@@ -92,8 +107,8 @@ class Initial(Temperatures):
     u_gas: Speed = Field(0.0, description="intrinsic, along the last axis")
     u_solid: Speed = 0.0
     shear: Annotated[float, *unit("1/s")] = Field(0.0, description="of the particles: u_x grows with the last axis")
-    noise: Annotated[s.Number, Field(ge=0, lt=1)] = Field(0.0, description="relative, of eps_s, to break symmetry")
-    seed: Annotated[s.Whole, Field(ge=0)] = 0
+    noise: Annotated[Number, Field(ge=0, lt=1)] = Field(0.0, description="relative, of eps_s, to break symmetry")
+    seed: Annotated[Whole, Field(ge=0)] = 0
     layer: tuple[Layer, ...] = ()
 
 
@@ -101,8 +116,8 @@ class Part(Table):
     """A boundary, or a piece of one along the last axis; along the first, of one that is level."""
 
     on: str | None = Field(None, description="boundary of the mesh that this is a piece of, from start to end")
-    start: s.Position | None = None
-    end: s.Position | None = None
+    start: Position | None = None
+    end: Position | None = None
 
 
 class Wall(Part, HeatOfWall):
@@ -111,8 +126,8 @@ class Wall(Part, HeatOfWall):
     type: Literal["wall"]
     gas: Literal["no_slip", "slip"] = "no_slip"
     solid: Literal["no_slip", "slip", "johnson_jackson"] = "no_slip"
-    specularity: Annotated[s.Number, Field(gt=0, le=1)] | None = None
-    restitution: Annotated[s.Number, Field(gt=0, le=1)] | None = None
+    specularity: Annotated[Number, Field(gt=0, le=1)] | None = None
+    restitution: Annotated[Number, Field(gt=0, le=1)] | None = None
     velocity: tuple[Speed, ...] = Field((), description="of the wall in its own plane")
 
 
@@ -133,7 +148,7 @@ class Inlet(Part, Temperatures):
     """Gas, with or without particles."""
 
     type: Literal["inlet"]
-    until: s.Seconds | None = Field(None, description="then it is as the inlet that it is a piece of")
+    until: Seconds | None = Field(None, description="then it is as the inlet that it is a piece of")
     velocity: Annotated[Speed, Field(ge=0)] = Field(0.0, description="superficial, of the gas")
     eps_s: Share = 0.0
     solid_flux: Flux | None = Field(None, description="mass flux of the particles through this boundary")
@@ -154,41 +169,41 @@ Boundary = Annotated[Wall | Symmetry | Periodic | Inlet | Outlet, Field(discrimi
 class Window(Table):
     """Where lateral profiles are averaged, along the last axis."""
 
-    start: s.Position
-    end: s.Position
+    start: Position
+    end: Position
 
 
 class Time(Table):
     """The run and its averages."""
 
-    end: s.Seconds
-    courant: Annotated[s.Number, Field(gt=0, le=1)] = 0.5
-    step: s.Seconds | None = Field(None, description="fixed, in place of the Courant number")
-    longest: s.Seconds = 1e-2
-    first: s.Seconds = 1e-5
+    end: Seconds
+    courant: Annotated[Number, Field(gt=0, le=1)] = 0.5
+    step: Seconds | None = Field(None, description="fixed, in place of the Courant number")
+    longest: Seconds = 1e-2
+    first: Seconds = 1e-5
     order: Literal[1, 2] = 1
-    average_from: s.Instant | None = Field(None, description="absent: no averages")
-    sample: s.Seconds | None = Field(None, description="interval of rows in profiles.csv; absent: 1/200 of the run")
-    fields: s.Seconds | None = Field(None, description="interval of fields; absent: the end only")
+    average_from: Instant | None = Field(None, description="absent: no averages")
+    sample: Seconds | None = Field(None, description="interval of rows in profiles.csv; absent: 1/200 of the run")
+    fields: Seconds | None = Field(None, description="interval of fields; absent: the end only")
 
 
 class Output(Table):
     """What a run writes besides summary.json and profiles.csv."""
 
-    plots: s.Switch = True
-    fields: s.Switch = True
+    plots: Switch = True
+    fields: Switch = True
     window: Window | None = Field(None, description="for lateral.csv; absent: the whole height")
-    probes: dict[str, tuple[s.Position, ...]] = Field(default_factory=dict, description="points, for profiles.csv")
+    probes: dict[str, tuple[Position, ...]] = Field(default_factory=dict, description="points, for profiles.csv")
 
 
 class Solver(Table):
     """Tolerances."""
 
-    balance_tolerance: s.Positive = 1e-10
-    strict: s.Switch = Field(False, description="a closure out of its range is an error")
+    balance_tolerance: Positive = 1e-10
+    strict: Switch = Field(False, description="a closure out of its range is an error")
 
 
-class TwoFluidScene(s.SceneBase):
+class TwoFluidScene(SceneBase):
     """Gas and particles as two fluids."""
 
     kind: ClassVar[str] = "two_fluid"

@@ -20,12 +20,13 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.packed_bed import scene as s
-from contbed.packed_bed.grading import GRADING_ERROR
+from contbed.loading import load
+from contbed.mesh.grading import GRADING_ERROR
+from contbed.models import plan as make_plan
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.plan import plan as make_plan
 from contbed.runner import run
-from contbed.scene.loading import load
+from contbed.scene.mesh import MeshLine
+from contbed.scene.tables import SceneBase
 
 Profile = Callable[[Any], dict[str, Any]]
 
@@ -101,13 +102,12 @@ def converge(scene: str | Path, levels: int = 4, out: str | Path | None = None) 
     return found
 
 
-def _at_level(path: str | Path, scene: s.Scene, level: int, points: Sequence[float] = ()) -> s.Scene:
-    if scene.kind in ("particles", "particles_gas"):
-        raise SceneError(f"{path}: a scene of particles has no mesh to refine")
-    if scene.kind == "fully_developed":
-        raise SceneError(f"{path}: a fully developed flow has no [mesh] to refine; vary solver.cells")
-    mesh = scene.mesh
-    changes: dict[str, Any] = {"solver.adapt": 0} if scene.kind == "packed_bed" else {}
+def _at_level(path: str | Path, scene: Any, level: int, points: Sequence[float] = ()) -> SceneBase:
+    mesh = getattr(scene, "mesh", None)
+    if mesh is None:
+        remedy = "; vary solver.cells" if "cells" in type(scene.solver).model_fields else ""
+        raise SceneError(f"{path}: a scene of kind {scene.kind} has no [mesh] to refine{remedy}")
+    changes: dict[str, Any] = {"solver.adapt": 0} if "adapt" in type(scene.solver).model_fields else {}
     cells = getattr(mesh, "cells", None)
     if cells is not None:
         changes["mesh.cells"] = (np.asarray(cells) * 2**level).tolist()
@@ -161,7 +161,7 @@ def closed_form(plan: Plan) -> dict[str, Any] | None:
     scene, medium, mesh = plan.solved, plan.medium, plan.solved.mesh
     if scene.heat is None or scene.radiation is not None or scene.time is not None or not medium.constant:
         return None
-    if not isinstance(mesh, s.MeshLine) or any(r.source_fluid or r.source_solid for r in scene.region.values()):
+    if not isinstance(mesh, MeshLine) or any(r.source_fluid or r.source_solid for r in scene.region.values()):
         return None
     T_fluid, T_solid = (_only_fixed(scene, phase, name) for phase, name in _inlets(plan).items())
     if T_fluid is None or T_solid is None or T_fluid == T_solid:
@@ -196,7 +196,7 @@ def _inlets(plan: Plan) -> dict[str, str]:
     return {"fluid": "left" if u > 0 else "right", "solid": "left" if (u_solid or u) > 0 else "right"}
 
 
-def _only_fixed(scene: s.Scene, phase: str, inlet: str) -> float | None:
+def _only_fixed(scene: Any, phase: str, inlet: str) -> float | None:
     """The temperature of a phase that is fixed at its inlet and free everywhere else."""
     conditions = {name: getattr(table, phase) for name, table in scene.boundary.items()}
     given = {name: condition for name, condition in conditions.items() if condition is not None}

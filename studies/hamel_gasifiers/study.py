@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 import contbed as cb
 from contbed.errors import ContbedError
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
 
 HERE = Path(__file__).parent
 OMITTED = ("VTTP10", "VTTP15", "WSV-F")  # oxygen ratio recomputed from the flows is off the tabulated one by 12 to 24 %

@@ -29,8 +29,9 @@ from scipy.special import ndtr
 from contbed.closures import optics as closures
 from contbed.closures.optics import SIGMA
 from contbed.fem.skfem import System
-from contbed.mesh.mesh import build, graded
-from contbed.packed_bed import scene as settings
+from contbed.mesh.build import build
+from contbed.mesh.grading import graded
+from contbed.scene.mesh import MeshLine
 from contbed.solvers.linear import Policy, Solver
 from contbed.solvers.newton import newton
 
@@ -83,7 +84,7 @@ class Bed:
     def _mesh(self) -> None:
         layer = 0.5 / np.sqrt(self.absorption.sum() * self.beta)
         nodes = graded(self.H, [(0.0, layer), (self.H, layer)], scale=0.25)
-        self.mesh = build(settings.MeshLine(type="line", length=self.H), [nodes]).skfem
+        self.mesh = build(MeshLine(type="line", length=self.H), [nodes]).skfem
         fields = (*SOLIDS, *GASES) + (("G",) if self.diffusion else ())
         self.system = System(self.mesh, dict.fromkeys(fields, (3, 0)), 9)
         points = self.system.fields["T_char"][0].points[0]

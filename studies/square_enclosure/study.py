@@ -10,7 +10,7 @@ import numpy as np
 
 import contbed as cb
 from contbed.closures.optics import SIGMA
-from contbed.packed_bed.probe import Probe
+from contbed.fem.probe import Probe
 from contbed.verify.exact_radiation import square_p1, square_transport
 
 HERE = Path(__file__).parent

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 import contbed as cb
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
 from contbed.verify.exact import finite_length
 
 CELLS = 50

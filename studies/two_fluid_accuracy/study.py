@@ -21,7 +21,7 @@ import numpy as np
 
 import contbed as cb
 from contbed.errors import SceneError
-from contbed.packed_bed.plan import plan
+from contbed.models import plan
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "two_fluid_speed"))

@@ -20,7 +20,7 @@ import numpy as np
 import scipy.sparse as sp
 
 import contbed as cb
-from contbed.packed_bed.plan import plan
+from contbed.models import plan
 from contbed.solvers.linear import Policy, Solver
 from contbed.solvers.ordering import nested_dissection
 from contbed.two_fluid.fv.grid import Grid

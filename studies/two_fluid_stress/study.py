@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from contbed.errors import ContbedError
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
 from contbed.two_fluid import plan as planning
 
 HERE = Path(__file__).parent

@@ -4,7 +4,7 @@ import tomllib
 from copy import deepcopy
 from pathlib import Path
 
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
 
 STUDY = Path(__file__).parents[2] / "studies" / "bubbling_bed_case1"
 QUIET = {"plots": False, "fields": False}

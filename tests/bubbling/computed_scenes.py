@@ -2,7 +2,7 @@
 
 from copy import deepcopy
 
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
 
 HOT = {
     "bubbling_bed": {"height": 0.6, "section": 1.0, "solids_fraction": 0.5},

@@ -2,7 +2,7 @@
 
 from copy import deepcopy
 
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
 
 COAL = {
     "species": "char",

@@ -9,8 +9,8 @@ from contbed import closures
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.errors import SceneError
+from contbed.loading import from_dict
 from contbed.materials import gas_mixture
-from contbed.scene.loading import from_dict
 from contbed.solvers.linear import Policy
 from contbed.solvers.newton import newton
 from contbed.verify.mms import Manufactured, observed_order

@@ -5,7 +5,7 @@ import pytest
 from bubbling_scenes import QUIET, case1, one, species
 
 import contbed as cb
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
 
 INERT = {"volume_fraction": 1.0, "diameter": 1e-3, "gas_coefficient": 100.0, "conductivity": 5.0}
 

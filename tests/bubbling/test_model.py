@@ -160,7 +160,7 @@ def test_plan_and_convergence_from_the_command_line(tmp_path, capsys):
 
 def test_other_scenes_do_not_pay():
     code = (
-        "import sys; import contbed as cb; from contbed.scene.loading import from_dict\n"
+        "import sys; import contbed as cb; from contbed.loading import from_dict\n"
         "cb.run(from_dict({'mesh': {'type': 'line', 'length': 1.0}, 'fluid': {'density': 1.0, 'heat_capacity': 1e3,"
         " 'conductivity': 0.05, 'viscosity': 2e-5}, 'solid': {'density': 2e3, 'heat_capacity': 900.0, 'conductivity':"
         " 1.0}, 'bed': {'porosity': 0.4, 'particle_diameter': 0.01}, 'flow': {'velocity': 0.3},"

@@ -147,7 +147,7 @@ def test_bad_scenes_are_explained(text):
 
 
 def test_all_mistakes_at_once_with_their_lines():
-    from contbed.scene.loading import loads
+    from contbed.loading import loads
 
     text = "[bubling_bed]\nheight = 1.0\n\n[gas]\ncapacity_flow = -1.0\ntemperature = '20 degC'\n[species]\n"
     with pytest.raises(SceneError) as error:

@@ -6,7 +6,7 @@ from computed_scenes import HOT, hot, tables
 
 import contbed as cb
 from contbed.errors import ConvergenceError, SceneError
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
 
 SAND = {"diameters": [1e-4, 2e-4, 5e-4, 1e-3], "feed": [0.1, 0.2, 0.4, 0.3]}
 

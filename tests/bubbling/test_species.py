@@ -11,7 +11,7 @@ from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.closures import reactions as r
 from contbed.errors import SceneError
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
 
 CLOSED = 1e-11  # of the throughput: rounding of exchange with walls; what is asked for is 1e-8
 

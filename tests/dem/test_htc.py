@@ -21,8 +21,8 @@ from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain
 from contbed.errors import SceneError
+from contbed.loading import loads
 from contbed.materials.constant import ConstantFluid
-from contbed.scene.loading import loads
 
 STUDY = Path(__file__).parents[2] / "studies/closure_transfer"
 AIR = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026)

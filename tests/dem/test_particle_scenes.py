@@ -12,7 +12,8 @@ import pytest
 import contbed as cb
 from contbed.closures.file import closure_of
 from contbed.errors import SceneError
-from contbed.scene.loading import loads, scene_hash
+from contbed.loading import loads
+from contbed.scene.identity import scene_hash
 from contbed.verify.converge import converge
 
 STUDIES = Path(__file__).parents[2] / "studies"
@@ -153,7 +154,7 @@ def test_mistakes_that_the_file_shows(folder):
 
 
 def test_what_does_not_apply_to_particles(tmp_path):
-    with pytest.raises(SceneError, match="no mesh to refine"):
+    with pytest.raises(SceneError, match=r"no \[mesh\] to refine"):
         converge(STUDIES / "lattices/sc.toml", 2)
     with pytest.raises(SceneError, match="nothing to restart"):
         cb.run(cb.load(STUDIES / "lattices/sc.toml"), restart=tmp_path)

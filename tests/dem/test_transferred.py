@@ -14,7 +14,8 @@ from contbed.closures.file import closure_of
 from contbed.dem import extract
 from contbed.errors import ClosureRangeError, SceneError
 from contbed.fem.dual import Dual
-from contbed.scene.loading import from_dict, loads, resolved, scene_hash
+from contbed.loading import from_dict, loads
+from contbed.scene.identity import resolved, scene_hash
 
 STUDY = Path(__file__).parents[2] / "studies/closure_transfer"
 RATIO = extract.RATIO

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from dolfinx_scenes import SCENES
 
+from contbed.loading import from_dict
 from contbed.runner import run
-from contbed.scene.loading import from_dict
 
 STOP = 25.0  # [s] of the run that is interrupted
 

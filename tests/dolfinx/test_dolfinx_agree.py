@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 from dolfinx_scenes import SCENES
 
+from contbed.loading import from_dict
 from contbed.runner import run
-from contbed.scene.loading import from_dict
 
 TOLERANCE = 1e-10
 

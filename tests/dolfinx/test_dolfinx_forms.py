@@ -15,10 +15,10 @@ from dolfinx_scenes import SCENES
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.developed_flow.problem import DevelopedProblem
 from contbed.fem.dolfinx import adopted
-from contbed.packed_bed.plan import plan as make_plan
+from contbed.loading import from_dict
+from contbed.models import plan as make_plan
 from contbed.result import Result
 from contbed.runner import _flow, _heat_problem, _radiation_problem
-from contbed.scene.loading import from_dict
 from contbed.solvers.linear import bordered, constrain, scaled
 
 TOLERANCE = 1e-12

@@ -97,8 +97,8 @@ def test_what_the_engine_lacks_is_named(tmp_path: Path, ranks: int) -> None:
 )
 def test_other_models_are_refused_by_name(study: str, what: str) -> None:
     from contbed.errors import EngineError
+    from contbed.loading import load
     from contbed.runner import run as solve
-    from contbed.scene.loading import load
 
     with pytest.raises(EngineError, match=what):
         solve(load(STUDIES / study), engine="dolfinx")

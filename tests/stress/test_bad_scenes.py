@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from contbed.errors import SceneError
+from contbed.loading import load, loads
 from contbed.packed_bed.scene import Scene
-from contbed.scene.loading import load, loads
 from contbed.scene.toml_lines import key_lines
 
 GOOD = """\

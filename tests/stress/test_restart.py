@@ -19,8 +19,8 @@ import pytest
 
 import contbed as cb
 from contbed.errors import SceneError
+from contbed.loading import loads
 from contbed.output.tables import read_table
-from contbed.scene.loading import loads
 
 SCENE = """\
 [mesh]

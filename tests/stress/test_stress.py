@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
 
 STUDY = Path(__file__).parents[2] / "studies" / "stress" / "study.py"
 spec = importlib.util.spec_from_file_location("stress_study", STUDY)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from contbed.mesh import mesh as meshing
-from contbed.packed_bed import scene as settings
+from contbed.scene.mesh import MeshLine, MeshRectangle
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.rheology import Closures, Rheology
 from contbed.two_fluid.simulation import Materials, Options, TwoFluid
@@ -13,13 +13,13 @@ from contbed.two_fluid.simulation import Materials, Options, TwoFluid
 
 def rectangle(length, height, cells, periodic=(), shape="quadrilateral", **mesh):
     """Grid of a rectangle of quadrilaterals, or of triangles."""
-    chosen = settings.MeshRectangle(type="rectangle", length=length, height=height, cells=cells, shape=shape, **mesh)
+    chosen = MeshRectangle(type="rectangle", length=length, height=height, cells=cells, shape=shape, **mesh)
     return grid.build(meshing.build(chosen), periodic)
 
 
 def line(length, cells, periodic=False):
     """Grid of a line along x, from left to right."""
-    mesh = meshing.build(settings.MeshLine(type="line", length=length, cells=cells))
+    mesh = meshing.build(MeshLine(type="line", length=length, cells=cells))
     return grid.build(mesh, [("left", "right")] if periodic else [])
 
 
@@ -74,7 +74,7 @@ def solids(bed):
 
 def shaken(shape, cells, amount=0.15, seed=1):
     """Grid of a unit square whose inner nodes are moved at random by a share of the cell size."""
-    mesh = meshing.build(settings.MeshRectangle(type="rectangle", length=1.0, height=1.0, cells=cells, shape=shape))
+    mesh = meshing.build(MeshRectangle(type="rectangle", length=1.0, height=1.0, cells=cells, shape=shape))
     p = mesh.skfem.p.copy()
     inner = ((p > 1e-9) & (p < 1 - 1e-9)).all(axis=0)
     p[:, inner] += amount / cells[0] * np.random.default_rng(seed).uniform(-1, 1, (2, inner.sum()))

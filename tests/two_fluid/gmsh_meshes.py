@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 
 from contbed.mesh import mesh as meshing
-from contbed.packed_bed import scene as settings
+from contbed.scene.mesh import MeshFile
 from contbed.two_fluid.boundary import symmetry
 from contbed.two_fluid.fv import grid
 
@@ -71,7 +71,7 @@ def mesh(kind, length, height, size):
     """The mesh of a kind."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "bed.geo").write_text(geometry(kind, length, height, size))
-        table = settings.MeshFile(
+        table = MeshFile(
             type="file",
             file="bed.geo",
             dimension=3 if kind in IN_3D else 2,

@@ -6,8 +6,8 @@ import pytest
 from changed_scenes import changed
 
 from contbed.errors import SceneError
-from contbed.packed_bed.plan import plan
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
+from contbed.models import plan
 
 GOOD = {
     "mesh": {"type": "rectangle", "length": 0.1, "height": 0.4, "cells": [4, 16]},

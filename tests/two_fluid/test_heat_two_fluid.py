@@ -14,8 +14,8 @@ import contbed as cb
 from contbed import closures as closure
 from contbed.closures.file import closure_of
 from contbed.errors import SceneError
-from contbed.packed_bed.plan import plan
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
+from contbed.models import plan
 from contbed.two_fluid import run as study
 from contbed.two_fluid.boundary import Inlet, Outlet, symmetry
 from contbed.two_fluid.heat import plan as heat_planning

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from gmsh_meshes import IN_3D, geometry
 
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
 from contbed.two_fluid import kernels_solid
 from contbed.two_fluid import plan as planning
 

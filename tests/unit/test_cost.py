@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from contbed.packed_bed.plan import plan
-from contbed.scene.loading import from_dict
+from contbed.loading import from_dict
+from contbed.models import plan
 from contbed.solvers.cost import LONG, RATES, advice
 from contbed.solvers.linear import Policy
 

@@ -11,11 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from contbed.errors import SceneError
-from contbed.mesh.mesh import build, equidistributed, graded, refine
-from contbed.packed_bed import scene as s
+from contbed.mesh.build import build
+from contbed.mesh.grading import equidistributed, graded
+from contbed.mesh.mesh import refine
+from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshLine, MeshRectangle
 
 LENGTH, RADIUS, WIDTH, HEIGHT = 0.37, 0.11, 0.13, 0.29
-LINE = s.MeshLine(type="line", length=LENGTH, cells=7)
+LINE = MeshLine(type="line", length=LENGTH, cells=7)
 PLANE = {"type": "rectangle", "length": LENGTH, "height": HEIGHT, "cells": (5, 3)}
 ROUND = {"type": "axisymmetric", "length": LENGTH, "radius": RADIUS, "cells": (3, 5)}
 BOX = {"type": "box", "length": LENGTH, "width": WIDTH, "height": HEIGHT, "cells": (2, 3, 4)}
@@ -32,12 +34,12 @@ BOX_SIZES = {
 }
 CASES = {
     "line": (LINE, LENGTH, {"left": 1.0, "right": 1.0}),
-    "quadrilateral": (s.MeshRectangle(**PLANE), LENGTH * HEIGHT, PLANE_SIZES),
-    "triangle": (s.MeshRectangle(**PLANE, shape="triangle"), LENGTH * HEIGHT, PLANE_SIZES),
-    "round": (s.MeshAxisymmetric(**ROUND), END * LENGTH, ROUND_SIZES),
-    "round_triangle": (s.MeshAxisymmetric(**ROUND, shape="triangle"), END * LENGTH, ROUND_SIZES),
-    "hexahedron": (s.MeshBox(**BOX), LENGTH * WIDTH * HEIGHT, BOX_SIZES),
-    "tetrahedron": (s.MeshBox(**BOX, shape="tetrahedron"), LENGTH * WIDTH * HEIGHT, BOX_SIZES),
+    "quadrilateral": (MeshRectangle(**PLANE), LENGTH * HEIGHT, PLANE_SIZES),
+    "triangle": (MeshRectangle(**PLANE, shape="triangle"), LENGTH * HEIGHT, PLANE_SIZES),
+    "round": (MeshAxisymmetric(**ROUND), END * LENGTH, ROUND_SIZES),
+    "round_triangle": (MeshAxisymmetric(**ROUND, shape="triangle"), END * LENGTH, ROUND_SIZES),
+    "hexahedron": (MeshBox(**BOX), LENGTH * WIDTH * HEIGHT, BOX_SIZES),
+    "tetrahedron": (MeshBox(**BOX, shape="tetrahedron"), LENGTH * WIDTH * HEIGHT, BOX_SIZES),
 }
 NORMALS = {
     "line": {"left": [-1], "right": [1]},
@@ -115,7 +117,7 @@ def test_refinement_keeps_regions_in_place(case):
 
 @pytest.mark.parametrize("table", [PLANE, ROUND])
 def test_no_triangle_has_two_exterior_sides(table):
-    kind = s.MeshRectangle if table is PLANE else s.MeshAxisymmetric
+    kind = MeshRectangle if table is PLANE else MeshAxisymmetric
     for cells in ((2, 2), (5, 3), (4, 7)):
         mesh = build(kind(**{**table, "cells": cells, "shape": "triangle"})).skfem
         exterior = mesh.f2t[1] == -1
@@ -123,27 +125,27 @@ def test_no_triangle_has_two_exterior_sides(table):
 
 
 def test_default_cells_are_nearly_square_and_never_few():
-    channel = build(s.MeshRectangle(type="rectangle", length=1.0, height=0.5)).skfem
+    channel = build(MeshRectangle(type="rectangle", length=1.0, height=0.5)).skfem
     assert channel.nelements == 40 * 20
-    flat = build(s.MeshRectangle(type="rectangle", length=1.0, height=1e-3)).skfem
+    flat = build(MeshRectangle(type="rectangle", length=1.0, height=1e-3)).skfem
     assert flat.nelements == 40 * 8
-    shaft = build(s.MeshAxisymmetric(type="axisymmetric", length=1.0, radius=0.25)).skfem
+    shaft = build(MeshAxisymmetric(type="axisymmetric", length=1.0, radius=0.25)).skfem
     assert shaft.nelements == 40 * 10
 
 
 def test_given_nodes_are_used_instead_of_cells():
     x = graded(LENGTH, [(0.0, 1e-3)])
-    automatic = build(s.MeshLine(type="line", length=LENGTH), [x])
+    automatic = build(MeshLine(type="line", length=LENGTH), [x])
     np.testing.assert_array_equal(np.sort(automatic.skfem.p[0]), x)
     assert build(LINE, [x]).skfem.nelements == len(x) - 1
     across = np.array([0.0, 0.05, RADIUS])
-    shaft = build(s.MeshAxisymmetric(type="axisymmetric", length=LENGTH, radius=RADIUS), [across, x])
+    shaft = build(MeshAxisymmetric(type="axisymmetric", length=LENGTH, radius=RADIUS), [across, x])
     assert shaft.skfem.nelements == 2 * (len(x) - 1)
     assert_partition(shaft)
 
 
 def test_refine_of_the_table_is_applied():
-    settings = s.MeshBox(**{**BOX, "refine": 1})
+    settings = MeshBox(**{**BOX, "refine": 1})
     assert build(settings).skfem.nelements == 8 * 24
 
 

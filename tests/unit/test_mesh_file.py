@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from contbed.errors import SceneError
-from contbed.mesh.mesh import build, refine
-from contbed.packed_bed.scene import MeshFile
+from contbed.mesh.build import build
+from contbed.mesh.mesh import refine
+from contbed.scene.mesh import MeshFile
 
 MESHES = Path(__file__).parents[2] / "meshes"
 SHIPPED = {
@@ -137,7 +138,7 @@ def test_size_and_scale(gmsh):
 
 def test_reading_a_mesh_needs_no_gmsh():
     code = (
-        "import sys; from contbed.mesh.mesh import build; from contbed.packed_bed.scene import MeshFile;"
+        "import sys; from contbed.mesh.build import build; from contbed.scene.mesh import MeshFile;"
         f"build(MeshFile(type='file', file='channel.msh'), base={str(MESHES)!r}); print('gmsh' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"

@@ -9,11 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from contbed import explain
 from contbed.closures.binding import is_phase, own_parameters, resolve_closure, resolve_dispersion
 from contbed.errors import SceneError
-from contbed.packed_bed.scene import Closure, Dispersion
-from contbed.scene import schema as reference
-from contbed.scene.loading import from_dict, load, loads, resolved, scene_hash
+from contbed.loading import from_dict, load, loads
+from contbed.packed_bed.scene import Dispersion
+from contbed.scene import schema
+from contbed.scene.identity import resolved, scene_hash
+from contbed.scene.tables import Closure
 from contbed.scene.toml_lines import dotted, key_lines, parse_key
 
 FLOW = """\
@@ -225,15 +228,15 @@ def test_the_schema_knows_units():
         "mesh.type": None,
         "no.such": None,
     }.items():
-        assert reference.unit(parse_key(key)) == unit, key
+        assert explain.unit(parse_key(key)) == unit, key
 
 
 def test_every_key_of_the_schema_explains_itself():
-    for table in reference.tables():
-        assert f"[{table}]" in reference.explain(table)
-        for node in reference.at(tuple(table.split("."))):
-            for key in reference.keys(node):
-                assert reference.explain(f"{table}.{key}")
+    for table in explain.tables():
+        assert f"[{table}]" in explain.explain(table)
+        for node in explain.at(tuple(table.split("."))):
+            for key in schema.keys(node):
+                assert explain.explain(f"{table}.{key}")
 
 
 def test_text_and_file_give_the_same(tmp_path):

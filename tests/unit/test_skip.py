@@ -1,6 +1,5 @@
 """What a scene leaves out costs nothing: no import, no unknown, no block of a matrix, no step."""
 
-import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -10,9 +9,9 @@ import numpy as np
 import pytest
 
 import contbed as cb
+from contbed.loading import from_dict
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
-from contbed.scene.loading import from_dict
 
 PACKAGE = Path(cb.__file__).parent
 
@@ -50,10 +49,7 @@ def modules(code: str) -> set[str]:
 
 def after_run(scene: dict[str, Any], out: Path | None = None) -> set[str]:
     place = None if out is None else str(out)
-    code = (
-        "import contbed as cb\nfrom contbed.scene.loading import from_dict\n"
-        f"cb.run(from_dict({scene!r}), out={place!r})"
-    )
+    code = f"import contbed as cb\nfrom contbed.loading import from_dict\ncb.run(from_dict({scene!r}), out={place!r})"
     return modules(code)
 
 
@@ -215,61 +211,3 @@ def test_no_heat_table_has_no_temperatures():
     result = cb.run(from_dict(values))
     assert set(result.plan.unknowns()) == {"flow"}
     assert not any("T_" in name for name in [*result.profiles, *result.nodal, *result.qoi])
-
-
-def imports(path: Path) -> set[str]:
-    """Modules that a file imports anywhere, at its top or inside functions."""
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            found |= {f"{node.module}.{alias.name}" for alias in node.names}
-    return found
-
-
-def folder(name: str) -> list[Path]:
-    return sorted((PACKAGE / name).glob("*.py"))
-
-
-def own(names: set[str]) -> set[str]:
-    return {name.split(".")[1] for name in names if name.startswith("contbed.")}
-
-
-def test_closures_know_nobody():
-    for path in folder("closures"):
-        assert own(imports(path)) <= {"closures", "errors"}, path
-
-
-def test_models_know_their_vocabulary_only():
-    # discrete ordinates are swept by a method of their own, which needs banded and sparse algebra
-    algebra = {"ordinates.py": {"scipy"}}
-    for path in PACKAGE.glob("*/equations/*.py"):
-        assert own(imports(path)) <= {"packed_bed", "radiation", "bubbling_bed", "errors", "closures"}, path
-        outside = {name.split(".")[0] for name in imports(path)} - set(sys.stdlib_module_names)
-        assert outside <= {"numpy", "contbed"} | algebra.get(path.name, set()), path
-
-
-def test_engines_and_solvers_know_no_scene():
-    above = {"settings", "scene", "planning", "runner", "cli", "closures", "models", "materials", "medium"}
-    for path in [*folder("fem"), *folder("solvers")]:
-        assert not own(imports(path)) & above, path
-
-
-def test_outputs_know_no_physics():
-    for path in folder("output"):
-        assert own(imports(path)) <= {"output", "errors", "fields", "engine"}, path
-
-
-def test_nothing_imports_dem_or_two_fluid_but_a_plan():
-    for path in PACKAGE.rglob("*.py"):
-        inside = path.relative_to(PACKAGE).parts[0]
-        if inside not in ("dem", "two_fluid"):
-            # at the top of a file; a run may import what its plan names when it gets there
-            top = {
-                name
-                for node in ast.parse(path.read_text(encoding="utf-8")).body
-                if isinstance(node, ast.ImportFrom | ast.Import)
-                for name in ([node.module or ""] if isinstance(node, ast.ImportFrom) else [a.name for a in node.names])
-            }
-            assert not any(name.startswith(("contbed.dem", "contbed.two_fluid")) for name in top), path

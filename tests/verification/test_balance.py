@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.packed_bed.probe import Probe
-from contbed.scene.loading import from_dict
+from contbed.fem.probe import Probe
+from contbed.loading import from_dict
 from contbed.verify.exact import finite_length
 
 CLOSED, EQUAL = 1e-10, 1e-9

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from contbed.loading import loads
+from contbed.models import plan
 from contbed.output.tables import read_table
-from contbed.packed_bed.plan import plan
-from contbed.scene.loading import loads
 from contbed.verify.converge import converge, exact_profile
 
 STUDY = Path(__file__).parents[2] / "studies" / "pivem_2012" / "slip_0.50.toml"

@@ -13,12 +13,12 @@ from test_balance import scene as bed
 import contbed as cb
 from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
+from contbed.fem.probe import Probe
+from contbed.loading import from_dict
+from contbed.models import plan
 from contbed.output.progress import Progress
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
-from contbed.packed_bed.plan import plan
-from contbed.packed_bed.probe import Probe
-from contbed.scene.loading import from_dict
 from contbed.solvers.linear import Policy
 from contbed.solvers.timestep import march
 from contbed.verify.exact_conduction_radiation import conduction_diffusion

@@ -11,9 +11,9 @@ import pytest
 import contbed as cb
 from contbed.closures.optics import SIGMA
 from contbed.errors import SceneError
+from contbed.loading import from_dict
 from contbed.radiation.equations.ordinates import Wall, solve_ordinates
 from contbed.radiation.rosseland import estimate
-from contbed.scene.loading import from_dict
 from contbed.verify.exact_conduction_radiation import conduction_diffusion
 from contbed.verify.exact_radiation import P1, TWO_FLUX, equilibrium_flux, isothermal_body
 

@@ -8,7 +8,7 @@ import pytest
 import contbed as cb
 from contbed.closures.optics import SIGMA, emissivity_immersed, radiation_emissivity_half_space
 from contbed.errors import SceneError
-from contbed.scene.loading import loads
+from contbed.loading import loads
 
 SCENE = """
 [mesh]

@@ -10,7 +10,7 @@ from contbed.bubbling_bed.chemistry import scene as t
 from contbed.closures.reactions import LAWS
 from contbed.closures.reactions_solid import CHAR_LAWS
 from contbed.errors import SceneError
-from contbed.packed_bed.checks import Mistakes, See
+from contbed.scene.checking import Mistakes, See
 
 SUM = 2e-3  # by which shares of an analysis, printed with three digits, may miss one
 HOT = 0.5  # relative distance of a heating value from the correlation that is a mistake

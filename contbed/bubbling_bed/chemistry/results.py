@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.balance import Balance
 from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.chemistry.problem import Chemistry
@@ -71,7 +72,7 @@ def profiles(chemistry: Chemistry, values: dict[str, Any]) -> dict[str, Any]:
     return out
 
 
-def findings(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None:
+def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None:
     """Balances, named results and warnings."""
     part, data, scene = chemistry.part, chemistry.data, problem.plan.scene
     entering, leaving, drained, fed = _streams(problem, chemistry, state)
@@ -139,14 +140,7 @@ def _elements(chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, f
             for streams in ((entering, fed), (leaving, drained))
         )
         if brought > 0:
-            result.balances[element] = {
-                "in": brought,
-                "out": taken,
-                "source": 0.0,
-                "stored": 0.0,
-                "relative_residual": (brought - taken) / brought,
-                "unit": "mol/s",
-            }
+            result.balances[element] = Balance(brought, taken, "mol/s", scale=brought).as_dict()
 
 
 def heating_value(name: str) -> float:

@@ -12,26 +12,25 @@ from pydantic import Field
 
 from contbed.closures.reactions import LAWS
 from contbed.closures.reactions_solid import CHAR_LAWS
-from contbed.packed_bed import scene as s
-from contbed.scene.quantities import unit
+from contbed.scene.quantities import Density, Length, Number, Position, Table, Temperature, unit
 
 Mass = Annotated[float, *unit("kg/s"), Field(gt=0)]
-MassFraction = Annotated[s.Number, Field(ge=0, le=1)]
+MassFraction = Annotated[Number, Field(ge=0, le=1)]
 HeatingValue = Annotated[float, *unit("J/kg"), Field(gt=0)]
 Seconds = Annotated[float, *unit("s"), Field(gt=0)]
-Factor = Annotated[s.Number, Field(gt=0)]
+Factor = Annotated[Number, Field(gt=0)]
 
 
-class SolidsFeed(s.Table):
+class SolidsFeed(Table):
     """Particles that enter around a height, Gaussian."""
 
     mass_flow: Mass = Field(description="as received")
-    temperature: s.Temperature
-    height: Annotated[s.Position, Field(ge=0)]
-    width: s.Length = Field(description="standard deviation; what it puts beyond the ends enters inside")
+    temperature: Temperature
+    height: Annotated[Position, Field(ge=0)]
+    width: Length = Field(description="standard deviation; what it puts beyond the ends enters inside")
 
 
-class Ultimate(s.Table):
+class Ultimate(Table):
     """Mass fractions of the dry fuel; with ash they sum to one."""
 
     C: MassFraction
@@ -41,48 +40,48 @@ class Ultimate(s.Table):
     S: MassFraction = 0.0
 
 
-class Fuel(s.Table):
+class Fuel(Table):
     """A solid fuel that becomes one of the species of particles."""
 
     species: str = Field(description="the [species.NAME] that it is")
     feed: SolidsFeed
-    moisture: Annotated[s.Number, Field(ge=0, lt=1)] = Field(0.0, description="mass fraction as received")
-    ash: Annotated[s.Number, Field(ge=0, lt=1)] = Field(0.0, description="mass fraction of the dry fuel")
-    volatile_matter: Annotated[s.Number, Field(ge=0, lt=1)] = Field(
+    moisture: Annotated[Number, Field(ge=0, lt=1)] = Field(0.0, description="mass fraction as received")
+    ash: Annotated[Number, Field(ge=0, lt=1)] = Field(0.0, description="mass fraction of the dry fuel")
+    volatile_matter: Annotated[Number, Field(ge=0, lt=1)] = Field(
         description="mass fraction of the dry, ash-free fuel; the rest is fixed carbon"
     )
     ultimate: Ultimate
     heating_value: HeatingValue | None = Field(
         None, description="higher, of the dry fuel; absent: by Channiwala and Parikh from the analysis"
     )
-    char_density: s.Density = Field(800.0, description="of unburnt char")
-    char_diameter: s.Length | None = Field(None, description="of unburnt char; absent: that of the species")
+    char_density: Density = Field(800.0, description="of unburnt char")
+    char_diameter: Length | None = Field(None, description="of unburnt char; absent: that of the species")
     char_model: Literal["shrinking", "density"] = Field("shrinking", description="what burning does to a particle")
-    sherwood: Annotated[s.Number, Field(gt=0)] = Field(1.5, description="of char in the emulsion")
+    sherwood: Annotated[Number, Field(gt=0)] = Field(1.5, description="of char in the emulsion")
 
 
-class Limestone(s.Table):
+class Limestone(Table):
     """Limestone that becomes one of the species of particles."""
 
     species: str = Field(description="the [species.NAME] that it is")
     feed: SolidsFeed
-    purity: Annotated[s.Number, Field(gt=0, le=1)] = Field(1.0, description="mass fraction of CaCO3; the rest is inert")
+    purity: Annotated[Number, Field(gt=0, le=1)] = Field(1.0, description="mass fraction of CaCO3; the rest is inert")
 
 
-class Drain(s.Table):
+class Drain(Table):
     """Bed material that leaves at one end with what char and limestone it holds."""
 
     time: Seconds = Field(description="residence time of the bed, its solids over what is drained")
     end: Literal["top", "bottom"] = "top"
 
 
-class Timed(s.Table):
+class Timed(Table):
     """A release of first order."""
 
     time: Seconds = Field(description="mean time in a particle")
 
 
-class Reaction(s.Table):
+class Reaction(Table):
     """A reaction with a rate law."""
 
     law: str | None = Field(None, description="rate law by name; absent: the first of the list")
@@ -97,22 +96,20 @@ class CharCombustion(Reaction):
     )
 
 
-class Calcination(s.Table):
+class Calcination(Table):
     """CaCO3 to CaO and back."""
 
     factor: Factor = 1.0
 
 
-class Sulphation(s.Table):
+class Sulphation(Table):
     """CaO with SO2 and O2 to CaSO4."""
 
     factor: Factor = 1.0
-    maximum_conversion: Annotated[s.Number, Field(gt=0, le=1)] = Field(
-        0.4, description="of CaO, when its pores are full"
-    )
+    maximum_conversion: Annotated[Number, Field(gt=0, le=1)] = Field(0.4, description="of CaO, when its pores are full")
 
 
-class Reactions(s.Table):
+class Reactions(Table):
     """Reactions that run."""
 
     mixing_time: Annotated[float, *unit("s"), Field(ge=0)] = Field(

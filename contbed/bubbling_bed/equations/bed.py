@@ -53,7 +53,7 @@ import numpy as np
 from contbed.bubbling_bed.equations import flow as bubbling_flow
 from contbed.closures.enclosure import exchange_equilibrium, exchange_pairwise, irradiation_equilibrium
 from contbed.closures.optics import marshak
-from contbed.packed_bed.equations.two_energy import tau
+from contbed.fem.stabilisation import tau
 from contbed.radiation.equations import p1 as radiation
 
 

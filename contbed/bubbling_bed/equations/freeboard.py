@@ -35,7 +35,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.closures.optics import SIGMA, marshak
-from contbed.packed_bed.equations.two_energy import tau
+from contbed.fem.stabilisation import tau
 from contbed.radiation.equations import p1 as radiation
 
 CLEAR = 1e-3  # optical depth of a freeboard without particles

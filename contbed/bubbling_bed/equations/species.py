@@ -30,7 +30,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.packed_bed.equations.two_energy import tau
+from contbed.fem.stabilisation import tau
 
 HEAT = 4e5  # [J/mol]
 Pointwise = Any

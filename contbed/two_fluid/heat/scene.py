@@ -6,39 +6,39 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from contbed.packed_bed import scene as s
-from contbed.scene.quantities import Table, unit
+from contbed.scene.quantities import Conductivity, HeatCapacity, HeatFlux, Pressure, Table, Temperature, unit
+from contbed.scene.tables import Named, NonNegativeOrClosure
 
 
 class Heat(Table):
     """Temperatures of gas and particles; without this table they stay and nothing is computed."""
 
-    heat_capacity_gas: s.HeatCapacity
-    heat_capacity_solid: s.HeatCapacity
+    heat_capacity_gas: HeatCapacity
+    heat_capacity_solid: HeatCapacity
     conductivity_gas: Annotated[float, *unit("W/m/K"), Field(gt=0)] = Field(description="of the gas itself")
-    conductivity_solid: s.Conductivity | None = Field(None, description="of a particle; for conductivity_bed")
-    nusselt: s.NonNegativeOrClosure = Field("nusselt_gunn", description="exchange, Nu = h diameter/conductivity_gas")
-    conductivity_bed: s.Named | None = Field(
+    conductivity_solid: Conductivity | None = Field(None, description="of a particle; for conductivity_bed")
+    nusselt: NonNegativeOrClosure = Field("nusselt_gunn", description="exchange, Nu = h diameter/conductivity_gas")
+    conductivity_bed: Named | None = Field(
         None, description="of the bed at rest; the gas has (1 - sqrt(eps_s)) conductivity_gas of it, particles the rest"
     )
-    effective_gas: s.Conductivity = Field(0.0, description="conductivity of the gas; its fraction of it conducts")
-    effective_solid: s.Conductivity = Field(0.0, description="conductivity of the particles; their fraction conducts")
+    effective_gas: Conductivity = Field(0.0, description="conductivity of the gas; its fraction of it conducts")
+    effective_solid: Conductivity = Field(0.0, description="conductivity of the particles; their fraction conducts")
     density: Literal["constant", "ideal_gas"] = Field(
         "constant", description='"ideal_gas": gas.density is that at T_reference and pressure'
     )
-    T_reference: s.Temperature | None = Field(None, description="absent: initial.T_gas")
-    pressure: s.Pressure = Field(101325.0, description="outside of the outlet, or in a closed bed at the start")
+    T_reference: Temperature | None = Field(None, description="absent: initial.T_gas")
+    pressure: Pressure = Field(101325.0, description="outside of the outlet, or in a closed bed at the start")
 
 
 class Temperatures(Table):
     """Of both phases, where there is [heat]."""
 
-    T_gas: s.Temperature | None = None
-    T_solid: s.Temperature | None = Field(None, description="absent: as the gas")
+    T_gas: Temperature | None = None
+    T_solid: Temperature | None = Field(None, description="absent: as the gas")
 
 
 class HeatOfWall(Table):
     """What a wall does, where there is [heat]; adiabatic otherwise."""
 
-    T: s.Temperature | None = Field(None, description="heat is conducted to the wall at this temperature")
-    heat_flux: s.HeatFlux | None = Field(None, description="into the bed; the phases share it by their fractions")
+    T: Temperature | None = Field(None, description="heat is conducted to the wall at this temperature")
+    heat_flux: HeatFlux | None = Field(None, description="into the bed; the phases share it by their fractions")

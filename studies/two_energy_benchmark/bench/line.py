@@ -17,7 +17,7 @@ import contbed
 
 def solve_scene(**changes: float) -> None:
     """Time contbed on the slip row with some settings replaced."""
-    from contbed.scene.loading import load
+    from contbed.loading import load
 
     scene = load(LINE, {name.replace("__", "."): value for name, value in changes.items()})
     seconds, result = timed(lambda: contbed.run(scene))

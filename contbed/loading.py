@@ -2,73 +2,43 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from copy import deepcopy
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from contbed.errors import SceneError
-from contbed.models import KINDS, find
-from contbed.packed_bed.checks import mistakes
-from contbed.packed_bed.scene import Scene, SceneBase, Table
-from contbed.scene import schema as reference
+from contbed.models import MODELS, kind_of
+from contbed.scene import schema
+from contbed.scene.checking import mistakes
+from contbed.scene.names import near_names, nearest
+from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse, parse_key, read
 
 _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
 
-def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Scene:
+def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> SceneBase:
     """The scene of a file. `overrides` such as {"mesh.refine": 2} replace values before anything is checked.
 
-    A table names the kind of scene: [two_fluid] a `two_fluid.settings.TwoFluidScene`, [fully_developed] a
-    `two_fluid.developed_settings.DevelopedScene`, [bubbling_bed] a
-    `bubbling.settings.BubblingScene`, [particles] and [gas] a `dem.gas_settings.GasScene`, [particles] or [lattice] a
-    `dem.settings.ParticleScene`.
+    The tables name the kind of scene; see `contbed.models.MODELS`.
     """
     return _build(*read(path), overrides or {})
 
 
 def loads(
     text: str, name: str = "scene.toml", overrides: Mapping[str, Any] | None = None, base: str | Path = "."
-) -> Scene:
+) -> SceneBase:
     """The scene of a TOML text; `name` stands in messages and a mesh file is looked for in `base`."""
     return _build(*parse(text, name, Path(base).absolute()), overrides or {})
 
 
-def from_dict(values: Mapping[str, Any], name: str = "scene", base: str | Path = ".") -> Scene:
+def from_dict(values: Mapping[str, Any], name: str = "scene", base: str | Path = ".") -> SceneBase:
     """The scene of plain nested dicts, as `resolved` returns them."""
     return _build(deepcopy(dict(values)), Origin(name, Path(base).absolute()), {})
-
-
-def resolved(scene: SceneBase) -> dict[str, Any]:
-    """All values in SI, defaults included, as plain JSON data. What is absent is left out."""
-    return scene.model_dump(mode="json", exclude_none=True)
-
-
-def scene_hash(scene: SceneBase) -> str:
-    """A hash of what a run depends on: the values and the content of the files they name, not the title."""
-    values = {key: value for key, value in resolved(scene).items() if key != "title"}
-    digest = hashlib.sha256(json.dumps(values, sort_keys=True).encode())
-    for file in _files(scene):
-        digest.update((scene.origin.base / file).read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def _files(part: Any) -> Iterator[str]:
-    """The files that the tables of a scene name: a mesh, closures, particles."""
-    if isinstance(part, Mapping):
-        for item in part.values():
-            yield from _files(item)
-    elif isinstance(part, Table):
-        if isinstance(file := getattr(part, "file", None), str):
-            yield file
-        for name in type(part).model_fields:
-            yield from _files(getattr(part, name))
 
 
 def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any]) -> Any:
@@ -78,7 +48,8 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
         fluid.setdefault("model", "constant")
     if not values:
         raise SceneError(f"{origin.name}:1: the scene is empty; it needs [mesh], [fluid], [bed] and [flow]")
-    model, checks = _kind(values)
+    kind = kind_of(values)
+    model, checks = MODELS[kind].scene, MODELS[kind].find("checks", "CHECKS")
     parts, broken = _validate(model, values, problems)
     problems += mistakes(parts, broken, origin, checks)
     if problems:
@@ -111,28 +82,6 @@ def _override(
     return Origin(origin.name, origin.base, origin.lines, tuple(paths))
 
 
-def _kind(values: Mapping[str, Any]) -> tuple[Any, Any]:
-    """The model of this kind of scene and its checks, None for the usual ones."""
-    if (name := _kind_name(values)) is None:
-        return Scene, None
-    kind = KINDS[name]
-    return find(kind.settings), find(kind.checks)
-
-
-def _kind_name(values: Mapping[str, Any]) -> str | None:
-    """The kind that the tables of a scene show, None for a packed bed."""
-    for name in ("two_fluid", "fully_developed"):
-        if name in values:
-            return name
-    if any(_near(name, ["bubbling_bed"]) for name in values):
-        return "bubbling_bed"
-    if "particles" in values and "gas" in values:
-        return "particles_gas"
-    if {"particles", "lattice"} & set(values) or ("mesh" not in values and "conduction" in values):
-        return "particles"
-    return None
-
-
 def _validate(
     model: Any, values: dict[str, Any], problems: list[tuple[KeyPath, str]]
 ) -> tuple[dict[str, Any], set[str]]:
@@ -145,10 +94,10 @@ def _validate(
     except ValidationError as invalid:
         errors = invalid.errors(include_url=False)
     for error in errors:
-        path, text = _translate(error, values, reference.schema(model.kind))
+        path, text = _translate(error, values, schema.of(model))
         problems.append((path, text))
         # A misspelt table is not an absent one: what it breaks is not told twice.
-        broken.update({str(path[0]), *_near(str(path[0]), list(model.model_fields))})
+        broken.update({str(path[0]), *near_names(str(path[0]), list(model.model_fields))})
     for name, field in model.model_fields.items():
         if name in broken:
             continue
@@ -166,11 +115,11 @@ def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str,
     kind, context = error["type"], error.get("ctx", {})
     found = _value(values, path)
     if kind == "extra_forbidden":
-        known = reference.keys(_locate(error["loc"][:-1], root)[1])
+        known = schema.keys(_locate(error["loc"][:-1], root)[1])
         return path, f"unknown key; {nearest(str(path[-1]), known)}"
     if kind == "missing":
         table = node.get("type") == "object" or "$ref" in node or "discriminator" in node
-        needs = reference.allowed(node)
+        needs = schema.allowed(node)
         return path, f"this table is missing; it is {needs}" if table else f"missing; allowed: {needs}"
     if kind in ("union_tag_not_found", "union_tag_invalid") and "discriminator" in node:
         selector = node["discriminator"]["propertyName"]
@@ -180,14 +129,14 @@ def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str,
         tag = found.get(selector) if isinstance(found, dict) else None
         return (*path, selector), f"unknown choice; {nearest(str(tag), known)}"
     if kind in ("literal_error", "enum"):
-        return path, f"unknown choice; {nearest(str(found), reference.choices(node))}"
+        return path, f"unknown choice; {nearest(str(found), schema.choices(node))}"
     if kind in _LIMITS:
-        return path, f"out of range; allowed: {reference.allowed(node)}"
+        return path, f"out of range; allowed: {schema.allowed(node)}"
     if kind == "value_error":
         return path, str(context["error"])
     if kind == "finite_number":
-        return path, f"not a finite number; allowed: {reference.allowed(node)}"
-    return path, f"wrong kind of value; allowed: {reference.allowed(node)}"
+        return path, f"not a finite number; allowed: {schema.allowed(node)}"
+    return path, f"wrong kind of value; allowed: {schema.allowed(node)}"
 
 
 def _locate(loc: tuple[Any, ...], root: dict[str, Any]) -> tuple[KeyPath, dict[str, Any]]:
@@ -197,7 +146,7 @@ def _locate(loc: tuple[Any, ...], root: dict[str, Any]) -> tuple[KeyPath, dict[s
     steps = list(loc)
     while steps:
         step = steps.pop(0)
-        members = reference.options(node)
+        members = schema.options(node)
         if len(members) > 1:
             # Each further step looks into the members, so only the tag itself is left out.
             mapping = node.get("discriminator", {}).get("mapping")
@@ -206,23 +155,12 @@ def _locate(loc: tuple[Any, ...], root: dict[str, Any]) -> tuple[KeyPath, dict[s
             else:
                 wanted = {"number": "number", "name": "string", "list": "array"}.get(step, "object")
                 fits = [m for m in members if m.get("type") == wanted]
-                named = [m for m in fits if reference.is_closure(m) == (step == "parameters")]
+                named = [m for m in fits if schema.is_closure(m) == (step == "parameters")]
                 node = (named or fits or members)[0]
             continue
         path += (step,)
-        node = next(iter(reference.children(node, step)), {})
+        node = next(iter(schema.children(node, step)), {})
     return path, node
-
-
-def nearest(name: str, known: list[Any]) -> str:
-    """What is allowed in place of a name that is not known, and which of it was probably meant."""
-    allowed = f"allowed: {', '.join(str(item) if isinstance(item, str) else json.dumps(item) for item in known)}"
-    near = _near(name, known)
-    return f"{allowed}; did you mean '{near[0]}'?" if near else allowed
-
-
-def _near(name: str, known: list[Any]) -> list[str]:
-    return get_close_matches(name.lower(), [item for item in known if isinstance(item, str)], n=1, cutoff=0.6)
 
 
 def _value(values: Any, path: KeyPath) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -49,21 +50,22 @@ class Probe:
         return np.einsum("nka,an->kn", inverse, slopes)[axis]
 
 
-def axis_points(mesh: Mesh, positions: Any | None = None) -> tuple[Any, Any]:
+def axis_points(mesh: Mesh, wanted: Sequence[float] = ()) -> tuple[Any, Any]:
     """Positions along the bed axis [m] and the points (dim, n) on its centre line.
 
-    A line is sampled densely in each cell; other meshes at 401 equal steps. Cells of a bed that is not straight are
-    met where the centre line of its bounding box is inside.
+    Positions are those that are `wanted`, in ascending order. Without any, a line is sampled densely in each cell and
+    other meshes at 401 equal steps. Cells of a bed that is not straight are met where the centre line of its bounding
+    box is inside.
     """
     grid = mesh.skfem
-    if positions is None:
+    positions: Any = np.unique(wanted)
+    if not len(wanted):
         if grid.dim() == 1:
             nodes = np.unique(grid.p[0])
             fractions = np.arange(SAMPLES) / SAMPLES
             positions = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * fractions).ravel(), nodes[-1])
         else:
             positions = np.linspace(grid.p[mesh.axis].min(), grid.p[mesh.axis].max(), 401)
-    positions = np.asarray(positions, dtype=float)
     points = np.empty((grid.dim(), len(positions)))
     for k in range(grid.dim()):
         low, high = grid.p[k].min(), grid.p[k].max()

@@ -1,0 +1,67 @@
+"""Run of a bubbling bed: its steady state, height and sizes that settle with it, branches, other steady states."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed.bubbling_bed.problem import BubblingProblem
+from contbed.bubbling_bed.results import fill
+from contbed.errors import ConvergenceError
+from contbed.result import Result, timed
+
+COLD, HOT = 400.0, 2000.0  # temperatures from which other steady states are looked for [K]
+APART = 1.0  # difference of temperatures of two steady states [K]
+
+
+@timed("heat")
+def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
+    """Solve and fill the result; steady and quick, so that `folder`, `quiet` and `start` have no use."""
+    problem = BubblingProblem(plan)
+    state, history = problem.solve()
+    result.history += history
+    if plan.scene.computed:
+        from contbed.bubbling_bed.settling import settle, unsettled
+
+        if unsettled(plan.scene):
+            problem, state = settle(problem, state, result)
+            plan = result.plan = problem.plan  # type: ignore[assignment]
+    fill(plan, problem, state, result)
+    scene = plan.scene
+    if scene.continuation is not None:
+        from contbed.bubbling_bed.branch import follow
+
+        follow(problem, state, result)
+    if any(item.release is not None and item.release.activation for item in (scene.gas, *scene.present.values())):
+        result.qoi["steady_states_found"] = _steady_states(problem, state, result)
+
+
+def _steady_states(problem: BubblingProblem, state: Any, result: Result) -> int:
+    """Number of states, with those that a cold and a hot guess lead to: release that grows with T allows several."""
+    found = [state]
+    for guess in (COLD, HOT):
+        try:
+            other, _ = problem.solve(guess)
+        except ConvergenceError:
+            result.warnings.append(f"no steady state was found from a uniform {guess:g} K")
+            continue
+        if all(_distance(problem, other, known) > APART for known in found):
+            here, there = (
+                np.mean([problem.system.part(each, f"T_{name}") for name in problem.c.species])
+                for each in (state, other)
+            )
+            result.warnings.append(
+                f"this is the {'ignited' if here > there else 'extinguished'} one of several steady states: its "
+                f"particles are at {here:.6g} K on average, those of another at {there:.6g} K; solver.guess = {guess:g}"
+                " leads there"
+            )
+            found.append(other)
+    return len(found)
+
+
+def _distance(problem: BubblingProblem, a: Any, b: Any) -> float:
+    """Largest difference of a temperature [K]."""
+    names = problem.c.streams
+    return max(float(np.abs(problem.system.part(a, name) - problem.system.part(b, name)).max()) for name in names)

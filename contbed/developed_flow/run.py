@@ -1,0 +1,114 @@
+"""Run of a fully developed flow: a solution, nodes moved to its kinks, other solutions for the same flows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed.developed_flow.problem import TYPICAL, DevelopedProblem
+from contbed.developed_flow.results import fill
+from contbed.result import Result, timed
+from contbed.solvers.branch import trace
+from contbed.solvers.linear import constrain
+
+Array = Any
+ALIGNED = 3  # rounds that move a node to where gas and particles are equally fast
+NEAR = 1e-3  # share of a cell within which it is there
+APART = 1e-4  # relative difference of granular temperatures at the centre of two solutions
+MEANT = 0.1  # within which a solution is the one that was asked for
+SPAN, POINTS = 1.5, 60  # factor on the velocity both ways, and solutions on the way, where others are looked for
+
+
+@timed("flow")
+def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
+    """Solve and fill the result; steady and quick, so that `folder`, `quiet` and `start` have no use."""
+    meant = plan.scene.fully_developed.theta_centre
+    problem = DevelopedProblem(plan)
+    state, history = problem.solve(meant or TYPICAL)
+    result.history += history
+    problem, state = aligned(problem, state)
+    if problem.particles and plan.scene.solver.branches:
+        state = _nearest(problem, state, meant, result)
+        problem, state = aligned(problem, state)
+    result.plan = problem.plan  # type: ignore[assignment]
+    fill(problem, state, result)
+    if problem.particles and meant is not None and abs(result.qoi["theta_centre"] / meant - 1.0) > MEANT:
+        where = plan.scene.origin.at(("fully_developed", "theta_centre"))
+        more = "" if plan.scene.solver.branches else "; solver.branches = true looks for others"
+        found = result.qoi["theta_centre"]
+        result.warnings.append(f"{where}: theta at the centre is {found:.4g} m2/s2, not near {meant:g}{more}")
+
+
+def aligned(problem: DevelopedProblem, state: Array) -> tuple[DevelopedProblem, Array]:
+    """The solution on a mesh with a node wherever gas and particles are equally fast: drag has a kink there."""
+    for _ in range(ALIGNED if problem.particles else 0):
+        nodes = np.sort(problem.plan.mesh.skfem.p[0])
+        moved = nodes.copy()
+        for place in _crossings(problem, state):
+            k = 1 + int(np.argmin(np.abs(nodes[1:-1] - place)))
+            if abs(nodes[k] - place) > NEAR * (nodes[k + 1] - nodes[k - 1]):
+                moved[k] = place
+        if np.array_equal(moved, nodes):
+            break
+        problem = DevelopedProblem(problem.plan.on(moved))
+        state, _ = problem.solve_from(state)
+    return problem, state
+
+
+def _crossings(problem: DevelopedProblem, state: Array) -> Array:
+    order = np.argsort(problem.r)
+    r, slip = problem.r[order], (problem.system.part(state, "u_gas") - problem.system.part(state, "u_solid"))[order]
+    k = np.flatnonzero(slip[:-1] * slip[1:] < 0)
+    return r[k] + (r[k + 1] - r[k]) * slip[k] / (slip[k] - slip[k + 1])
+
+
+def _nearest(problem: DevelopedProblem, state: Array, meant: float | None, result: Result) -> Array:
+    """Of all solutions found, in branches.csv, the one that is meant; without a word on it the one at hand."""
+    found = [state, *others(problem, state, result)]
+    found.sort(key=lambda each: _centre(problem, each))
+    result.qoi["solutions_found"] = len(found)
+    columns = {
+        "theta_centre [m2/s2]": [_centre(problem, each) for each in found],
+        "pressure_gradient [Pa/m]": [problem.system.part(each, "gradient")[0] for each in found],
+    }
+    result.tables["branches"] = {header: np.array(column, dtype=float) for header, column in columns.items()}
+    if meant is None:
+        return state
+    return min(found, key=lambda each: abs(np.log(_centre(problem, each) / meant)))
+
+
+def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Array]:
+    """Other solutions for the same flows, where the branch over the velocity comes back to it after its folds."""
+    velocity, policy = problem.c.velocity, problem.plan.policy
+
+    def assemble(x: Array, value: float, jacobian: bool) -> tuple[Array, Any]:
+        residual, matrix = problem.having(velocity=float(value)).steady(x, jacobian)
+        residual[problem.fixed] = 0.0
+        return residual, constrain(matrix, problem.fixed) if jacobian else None
+
+    found = [state]
+    for stop, back in ((velocity / SPAN, velocity * SPAN), (velocity * SPAN, velocity / SPAN)):
+        branch = trace(
+            assemble, state, velocity, stop, policy, weights=problem.weights, size=velocity, points=POINTS, back=back
+        )
+        if not branch.complete:
+            end = branch.parameter[-1]
+            result.warnings.append(f"the branch over the velocity is followed to {end:.4g} m/s, not to {stop:.4g}")
+        values, states = list(branch.parameter), list(branch.states)
+        for place, value, turn in reversed(branch.folds):
+            values.insert(place, value)
+            states.insert(place, turn)
+        ahead = np.array(values) - velocity
+        for k in np.flatnonzero(ahead[:-1] * ahead[1:] < 0):
+            share = ahead[k] / (ahead[k] - ahead[k + 1])
+            other, _ = problem.solve_from((1.0 - share) * states[k] + share * states[k + 1])
+            if all(abs(_centre(problem, other) / _centre(problem, known) - 1.0) > APART for known in found):
+                found.append(other)
+    return found[1:]
+
+
+def _centre(problem: DevelopedProblem, state: Array) -> float:
+    """Granular temperature at the centre [m2/s2]."""
+    return float(problem.system.part(state, "root")[np.argmin(problem.r)] ** 2)

@@ -1,0 +1,219 @@
+"""Run of a packed or moving bed: flow, then steady or transient heat, or fronts along characteristics."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from contbed.balance import Balance
+from contbed.packed_bed.plan import Plan
+from contbed.result import Result, outside
+
+NOTICED = 1e-2  # share of the heat above 0 K in streams and bed below which rounding of temperatures blurs a balance
+OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
+
+
+def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
+    """Solve and fill the result; a steady plan may be refined on the way.
+
+    Parameters
+    ----------
+    folder : where checkpoints go; None for none
+    start : arrays and numbers of a checkpoint to go on from
+
+    Raises
+    ------
+    ConvergenceError : Newton or the time steps fail
+    """
+    scene = plan.scene
+    if plan.fronts:
+        with result.timed("heat"):
+            _track_fronts(plan, result)
+        return
+    for attempt in range(plan.adaptations + 1):
+        flow = None
+        if not plan.plug:
+            with result.timed("flow"):
+                flow = _flow(plan, result)
+        if scene.heat is None:
+            return
+        problem = _heat_problem(plan, flow, result)
+        if scene.time is not None:
+            _transient(plan, problem, result, folder, quiet, start)
+            return
+        error = _steady(plan, problem, result, last=attempt == plan.adaptations)
+        if error is None:
+            return
+        plan = result.plan = plan.refined(error)
+        result.adaptations += 1
+
+
+def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:
+    from contbed.packed_bed.heat import HeatProblem
+    from contbed.packed_bed.heat_coefficients import Motion
+
+    with result.timed("heat setup"):
+        motion = Motion(plan.velocity, plan.velocity_solid, flow)
+        problem = HeatProblem(plan.solved, plan.mesh, plan.medium, motion, plan.section)
+    result.warnings += [text for text in problem.idle if text not in result.warnings]
+    return problem
+
+
+def _flow(plan: Plan, result: Result) -> Any:
+    from contbed.packed_bed.flow import coefficients, solve_flow
+
+    scene, options = plan.scene, plan.scene.solver
+    c = coefficients(scene, plan.medium, plan.velocity, plan.velocity_solid)
+    flow = solve_flow(
+        plan.mesh,
+        c,
+        plan.velocity,
+        plan.conditions,
+        plan.policy,
+        tolerance=options.newton_tolerance,
+        iterations=options.newton_iterations,
+    )
+    result.history += flow.history
+    outflow = {name: flow.outflow(name) for name in plan.mesh.boundaries}
+    result.balances["fluid volume"] = Balance.of_fluxes((-v for v in outflow.values()), "m3/s").as_dict()
+    result.nodal |= {"u": (flow.system.fields["u"][0], flow.velocity), "p": (flow.system.fields["p"][0], flow.pressure)}
+    from contbed.packed_bed.results import flow_findings
+
+    flow_findings(plan, flow, result)
+    return flow
+
+
+def _heat_balance(fluxes: Any, reactions: Any, source: float, stored: float, unit: str, held: float) -> dict[str, Any]:
+    """Balance of heat through boundaries and into prescribed temperatures; `held` is what streams and bed hold."""
+    parts = [value for flux in fluxes.values() for value in flux.values()] + list(reactions.values())
+    return Balance.of_fluxes(parts, unit, source, stored, NOTICED * held).as_dict()
+
+
+def _steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, dict[str, Any]]:
+    """Heat through boundaries, heat conducted in by prescribed temperatures, and their balance."""
+    fluxes, reactions = problem.fluxes(state), problem.reactions(residual)
+    balance = _heat_balance(fluxes, reactions, problem.source(), 0.0, "W", problem.throughput())
+    return fluxes, reactions, balance
+
+
+def _steady(plan: Plan, problem: Any, result: Result, last: bool) -> Any | None:
+    """Solve and report; or, on a mesh that may still be refined and should be, return the error of each cell."""
+    from contbed.packed_bed.results import steady_findings
+
+    with result.timed("heat"):
+        state, history = problem.solve(plan.policy)
+        result.history += history
+        residual, _ = problem.steady(state, False)
+        fluxes, reactions, balance = _steady_balance(problem, state, residual)
+        if abs(balance["relative_residual"]) > 0.1 * plan.scene.solver.balance_tolerance:
+            state, residual = problem.refined(state, plan.policy)
+            fluxes, reactions, balance = _steady_balance(problem, state, residual)
+    with result.timed("results"):
+        if plan.adaptations:
+            error = problem.estimated_error(state)
+            if not last and error.max() > plan.scene.solver.tolerance:
+                return error
+            result.qoi["estimated_error"] = float(error.max())
+        result.balances["energy"] = balance
+        steady_findings(plan, problem, state, fluxes, reactions, result)
+        _check_state(plan, problem, [state], result)
+    return None
+
+
+def _transient(
+    plan: Plan,
+    problem: Any,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Any, Any] | None,
+) -> None:
+    from contbed.output import checkpoint
+    from contbed.output.progress import Progress
+    from contbed.packed_bed.results import transient_findings
+    from contbed.packed_bed.transient import History, integrated_fluxes, run_transient
+    from contbed.scene.identity import scene_hash
+
+    scene = plan.scene
+    assert scene.time is not None
+    label = scene_hash(scene)
+    history = History(problem.begin(plan.policy)) if start is None else History.unpack(*start)
+
+    def save(arrays: dict[str, Any], meta: dict[str, Any]) -> None:
+        assert folder is not None
+        checkpoint.save(folder, arrays, meta | {"scene_hash": label})
+
+    try:
+        with result.timed("heat"), Progress(scene.time.end, "s", quiet) as progress:
+            run_transient(
+                problem, history, plan.policy, advance=progress.advance_to, save=save if folder is not None else None
+            )
+    finally:
+        with result.timed("results"):
+            if history.steps:
+                fluxes, reactions = integrated_fluxes(problem, history), problem.reaction_sums(history.reaction)
+                source = problem.source() * history.time
+                held = problem.throughput() * history.time + problem.capacity()
+                result.balances["energy"] = _heat_balance(fluxes, reactions, source, history.gain, "J", held)
+            transient_findings(plan, problem, history, result)
+            if history.snapshots:
+                problem.steady(history.snapshots[-1], False)  # closures as used at the last output
+            _check_state(plan, problem, history.snapshots, result)
+        if folder is not None:
+            save(*history.pack())
+
+
+def _track_fronts(plan: Plan, result: Result) -> None:
+    from contbed.packed_bed.equations.fronts import track
+    from contbed.packed_bed.results import front_findings
+
+    scene, medium = plan.scene, plan.medium
+    time, bed = scene.time, scene.bed
+    assert time is not None
+    u = float(plan.velocity[0])
+    times = sorted({*time.times, time.end})
+    snapshots, sums = track(
+        scene.mesh.length,  # type: ignore[union-attr]
+        plan.mesh.skfem.nelements,
+        abs(u) / bed.porosity,
+        bed.porosity * medium.fluid.density(300.0) * medium.fluid.heat_capacity(300.0),
+        (1.0 - bed.porosity) * medium.solid.density(300.0) * medium.solid.heat_capacity(300.0),
+        float(medium.exchange(medium.T_fluid_in, lambda density: abs(u))),
+        medium.T_fluid_in,
+        (time.initial_fluid, time.initial_solid),
+        times,
+    )
+    result.closures = [use.to_dict() for use in medium.ranges()]
+    sums = {name: value * plan.section for name, value in sums.items()}
+    result.balances["energy"] = Balance(sums["in"], sums["out"], "J", stored=sums["stored"]).as_dict()
+    front_findings(plan, snapshots, u < 0, result)
+
+
+def _check_state(plan: Plan, problem: Any, states: list[Any], result: Result) -> None:
+    """Closure ranges at the last state, material ranges and bounds of theta over all states; nothing is clipped."""
+    if not states:
+        return
+    result.closures = [use.to_dict() for use in plan.medium.ranges()]
+    result.warnings += [outside(closure) for closure in result.closures if closure["share_outside"] > 0]
+    for phase in ("fluid", "solid"):
+        material = getattr(plan.medium, phase)
+        values = problem.system.part(states[-1], f"T_{phase}")
+        if (share := material.share_outside(values)) > 0:
+            low, high = material.T_range
+            result.warnings.append(
+                f"{material.name}: {share:.1%} of the points are outside {low:.6g} to {high:.6g} K, used "
+                f"{values.min():.6g} to {values.max():.6g} K"
+            )
+    low, high = problem.T_span
+    has_heat = problem.source() or any(
+        table.flux for b in plan.scene.boundary.values() for table in (b.fluid, b.solid) if table is not None
+    )
+    if has_heat or high <= low:
+        return
+    both = [problem.system.part(state, name) for state in states for name in ("T_fluid", "T_solid")]
+    beyond = max(max(float(T.max()) - high, low - float(T.min())) for T in both) / (high - low)
+    result.qoi["theta_overshoot"] = max(beyond, 0.0)
+    if beyond > OVERSHOOT:
+        result.warnings.append(
+            f"theta leaves [0, 1] by {beyond:.2g}: a layer is not resolved; refine the mesh or leave out mesh.cells"
+        )

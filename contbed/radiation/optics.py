@@ -1,0 +1,77 @@
+"""Optics of a bed or a medium, from its particles or given directly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contbed.closures import optics as closures
+from contbed.closures.sizes import SizeDistribution
+from contbed.radiation.equations.p1 import emitted
+from contbed.radiation.scene import Radiating, RadiatingSpecies
+
+
+@dataclass(frozen=True)
+class Optics:
+    """Absorption by species at the solid's temperature and by species of given temperature, scattering, D.
+
+    `active` and `passive` are K_a [1/m], `emission` is 4 sum K_a sigma T^4 of the latter [W/m3], `diffusion` D [m].
+    """
+
+    active: float
+    passive: float
+    emission: float
+    scattering: float
+    diffusion: float
+
+    @property
+    def absorption(self) -> float:
+        """All K_a [1/m]."""
+        return self.active + self.passive
+
+    @property
+    def extinction(self) -> float:
+        """beta [1/m]."""
+        return self.absorption + self.scattering
+
+
+def optics(scene: Radiating) -> Optics:
+    """Coefficients of a scene, from its particles or given directly."""
+    table = scene.radiation
+    assert table is not None
+    if table.absorption is not None or table.scattering is not None:
+        temperatures = [table.temperature]
+        found = closures.Optics(
+            np.array([table.absorption or 0.0]), np.array([table.scattering or 0.0]), table.anisotropy
+        )
+    else:
+        species = dict(table.species) or {
+            "bed": RadiatingSpecies(
+                volume_fraction=1.0 - scene.bed.porosity,
+                diameter=scene.bed.particle_diameter,
+                emissivity=table.emissivity,
+                temperature=table.temperature,
+            )
+        }
+        temperatures = [item.temperature for item in species.values()]
+        particles = [
+            closures.Species(name, item.volume_fraction, _size(item), item.emissivity) for name, item in species.items()
+        ]
+        found = closures.optics(particles, table.correction, table.anisotropy)
+    given = [(float(k), T) for k, T in zip(found.absorption, temperatures, strict=True) if T is not None]
+    passive = sum(k for k, _ in given)
+    return Optics(
+        active=float(found.absorption_total) - passive,
+        passive=passive,
+        emission=sum(k * emitted(T) for k, T in given),
+        scattering=float(found.scattering_total),
+        diffusion=float(found.diffusion("two_flux" if table.level == "two_flux" else "p1")),
+    )
+
+
+def _size(item: RadiatingSpecies) -> float | SizeDistribution:
+    if item.diameter is not None:
+        return item.diameter
+    assert item.sieves is not None
+    return SizeDistribution.from_sieves(item.sieves.apertures, item.sieves.mass_fractions)

@@ -1,0 +1,5 @@
+"""Pictures of a radiating medium: profiles along it, and fields of a plane one."""
+
+from contbed.output.plots import plot_profiles_and_fields as plot
+
+__all__ = ["plot"]

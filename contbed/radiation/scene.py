@@ -1,0 +1,142 @@
+"""Tables of a scene that radiates: optics by particles or given, walls, tubes; and a medium that merely radiates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, Protocol
+
+from pydantic import Field, model_validator
+
+from contbed.scene.mesh import Mesh
+from contbed.scene.quantities import (
+    Conductivity,
+    Emissivity,
+    Extinction,
+    Fraction,
+    Irradiance,
+    Length,
+    NonNegative,
+    Number,
+    Switch,
+    Table,
+    Temperature,
+    Whole,
+)
+from contbed.scene.tables import Output, Packing, SceneBase, Solver
+
+
+class Sieves(Table):
+    """A sieve analysis: apertures from fine to coarse and the mass between neighbours."""
+
+    apertures: Annotated[tuple[Length, ...], Field(min_length=2)]
+    mass_fractions: Annotated[tuple[NonNegative, ...], Field(min_length=1)]
+
+
+class RadiatingSpecies(Table):
+    """Particles of one material and their share in the optics of the bed."""
+
+    volume_fraction: Fraction
+    diameter: Length | None = Field(None, description="Sauter mean, or of equal spheres")
+    sieves: Sieves | None = Field(None, description="instead of `diameter`")
+    emissivity: Emissivity
+    temperature: Temperature | None = Field(None, description="prescribed; absent: the temperature that is solved for")
+
+    @model_validator(mode="after")
+    def _one_size(self) -> RadiatingSpecies:
+        if (self.diameter is None) == (self.sieves is None):
+            raise ValueError("give one of diameter, sieves")
+        return self
+
+
+class Radiation(Table):
+    """Gray radiation between the particles. With [heat] its particles are those of the [bed]; alone it is a medium that
+    conducts, is held at a temperature, or is in radiative equilibrium.
+    """
+
+    level: Literal["p1", "two_flux", "rosseland", "ordinates"] = Field(
+        "p1", description="rosseland: thick beds, as a conductivity; ordinates: one dimension, nearly exact"
+    )
+    allow_rosseland: Switch = Field(
+        False, description="with conduction: rosseland instead of p1 or two_flux where its error is estimated below 1 %"
+    )
+    emissivity: Emissivity | None = Field(None, description="of the particles of the [bed]")
+    species: dict[str, RadiatingSpecies] = Field(default_factory=dict, description="instead of `emissivity`")
+    absorption: Extinction | None = Field(None, description="given directly instead of by particles")
+    scattering: Extinction | None = None
+    correction: Literal["close_packed", "independent"] = Field(
+        "close_packed", description="extinction over the voidage, or the limit of points far apart"
+    )
+    anisotropy: Annotated[Number, Field(ge=-1, le=1)] = Field(0.0, description="mean cosine of scattering")
+    ordinates: Annotated[Whole, Field(ge=1, le=64)] = Field(4, description="directions in each hemisphere")
+    conductivity: Conductivity | None = Field(None, description="of the medium, without [heat]")
+    temperature: Temperature | None = Field(None, description="of the medium, without [heat]")
+
+
+class RadiationCondition(Table):
+    """A gray wall at a temperature, or an opening through which a radiosity enters."""
+
+    emissivity: Emissivity = 1.0
+    temperature: Temperature | None = None
+    radiosity: Irradiance | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> RadiationCondition:
+        if (self.temperature is None) == (self.radiosity is None):
+            raise ValueError("give one of temperature, radiosity")
+        return self
+
+
+class Tubes(Table):
+    """Tubes immersed in a region, as the radiation sees them."""
+
+    area: Extinction = Field(description="tube surface per bed volume")
+    emissivity: Emissivity
+    temperature: Temperature
+
+
+class Radiating(Protocol):
+    """A scene as the radiation sees it: a packed bed with [radiation], or a medium that merely radiates."""
+
+    @property
+    def mesh(self) -> Any: ...
+
+    @property
+    def radiation(self) -> Any: ...
+
+    @property
+    def bed(self) -> Any: ...
+
+    @property
+    def heat(self) -> Any: ...
+
+    @property
+    def boundary(self) -> Any: ...
+
+    @property
+    def region(self) -> Any: ...
+
+    @property
+    def solver(self) -> Any: ...
+
+
+class RadiatingBoundary(Table):
+    """Condition on one named boundary of a medium that merely radiates."""
+
+    radiation: RadiationCondition | None = Field(None, description="absent: a mirror")
+
+
+class RadiationScene(SceneBase):
+    """A medium that radiates by itself, without flow and without phases."""
+
+    kind: ClassVar[str] = "radiation"
+    # what only a bed with two phases has
+    heat: ClassVar[None] = None
+    time: ClassVar[None] = None
+    region: ClassVar[Mapping[str, Any]] = {}
+
+    mesh: Mesh
+    radiation: Radiation
+    bed: Packing | None = Field(None, description="needed where the optics follow from particles")
+    boundary: dict[str, RadiatingBoundary] = Field(default_factory=dict)
+    solver: Solver = Solver()
+    output: Output = Output()

@@ -1,0 +1,34 @@
+"""Runs the checks of a scene: what is wrong with it although every single value is right.
+
+A check is a generator over the tables that its parameters name, and yields (key path, what is wrong). It is left out
+when the schema has rejected one of these tables, or when one is absent that its parameter does not allow to be None.
+`see` says where the other one of two contradicting keys stands; `origin` knows the file and its folder.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+from contbed.scene.toml_lines import KeyPath, Origin, parse_key
+
+Mistakes = Iterator[tuple[KeyPath, str]]
+See = Callable[[str], str]
+Check = Callable[..., Mistakes]
+
+
+def mistakes(
+    parts: Mapping[str, Any], broken: set[str], origin: Origin, checks: Iterable[Check]
+) -> list[tuple[KeyPath, str]]:
+    """All mistakes of all checks; `parts` has the valid tables, None for an absent one, `broken` names the others."""
+    available = {**parts, "origin": origin, "see": lambda key: f"{key} ({origin.at(parse_key(key))})"}
+    found: list[tuple[KeyPath, str]] = []
+    for check in checks:
+        needs = inspect.signature(check).parameters
+        if needs.keys() & broken:
+            continue
+        given = {name: available[name] for name in needs}
+        if all(value is not None or "None" in str(needs[name].annotation) for name, value in given.items()):
+            found += check(**given)
+    return found

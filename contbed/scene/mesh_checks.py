@@ -1,0 +1,58 @@
+"""What can be wrong with the mesh of a scene, and with what names its sides and places."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from typing import Any
+
+from contbed.scene.checking import Mistakes, See
+from contbed.scene.mesh import REGION, Mesh, MeshAxisymmetric, MeshFile
+from contbed.scene.tables import Output
+from contbed.scene.toml_lines import Origin
+
+
+def names_exist(mesh: Mesh, boundary: Mapping[str, Any], region: Mapping[str, Any]) -> Mistakes:
+    if isinstance(mesh, MeshFile):
+        return
+    known = [name for pair in mesh.sides for name in pair if name != "axis"]
+    for name in boundary:
+        if name == "axis" and isinstance(mesh, MeshAxisymmetric):
+            yield ("boundary", name), "the axis is a line of symmetry and takes no condition; remove this table"
+        elif name not in known:
+            text = f"a mesh of type '{mesh.type}' has no such boundary; it has {', '.join(known)}"
+            near = get_close_matches(name.lower(), known, n=1)
+            yield ("boundary", name), text + (f"; did you mean '{near[0]}'?" if near else "")
+    for name in region:
+        if name != REGION:
+            yield ("region", name), f"a mesh of type '{mesh.type}' has one region, '{REGION}'"
+
+
+def mesh_file_exists(mesh: Mesh, see: See, origin: Origin) -> Mistakes:
+    if not isinstance(mesh, MeshFile):
+        return
+    path = origin.base / mesh.file
+    suffix = path.suffix.lower()
+    if suffix not in (".geo", ".msh"):
+        yield ("mesh", "file"), "is neither a gmsh geometry (.geo) nor a gmsh mesh (.msh)"
+    elif "\0" in mesh.file or not path.is_file():
+        yield ("mesh", "file"), f"no such file; looked for {path.absolute()}"
+    if suffix == ".msh" and mesh.size is not None:
+        yield ("mesh", "size"), f"is for a .geo; a .msh has its cells already; see {see('mesh.file')}"
+    if mesh.axisymmetric and mesh.dimension != 2:
+        yield ("mesh", "axisymmetric"), f"an axisymmetric mesh has 2 dimensions; see {see('mesh.dimension')}"
+
+
+def positions_lie_in_the_bed(mesh: Mesh, output: Output, see: See) -> Mistakes:
+    if isinstance(mesh, MeshFile):
+        return
+    for index, position in enumerate(output.positions):
+        if not 0 <= position <= mesh.length:
+            yield (
+                ("output", "positions", index),
+                f"outside of the bed, 0 to {mesh.length:g} m; see {see('mesh.length')}",
+            )
+
+
+def boundaries_exist(mesh: Mesh, boundary: Mapping[str, Any]) -> Mistakes:
+    yield from names_exist(mesh, boundary, {})

@@ -1,0 +1,144 @@
+"""Tables that scenes of several physics share: fluids, solids, closures by name, numerics, output.
+
+Absent keys take the default that stands here, once. Values are in SI behind `quantities`.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import ConfigDict, Discriminator, Field, PrivateAttr, Tag
+
+from contbed.scene.quantities import (
+    ClosureFile,
+    Conductivity,
+    Density,
+    FiniteFloat,
+    Fraction,
+    HeatCapacity,
+    Length,
+    NonNegative,
+    Number,
+    Order,
+    Permeability,
+    Position,
+    Positive,
+    Pressure,
+    Switch,
+    Table,
+    Temperature,
+    Viscosity,
+    WallCoefficient,
+    Whole,
+    form,
+)
+from contbed.scene.toml_lines import Origin
+
+
+class FluidConstant(Table):
+    """A fluid with constant properties."""
+
+    model: Literal["constant"]
+    density: Density
+    viscosity: Viscosity
+    heat_capacity: HeatCapacity | None = Field(None, description="needed with a [heat] table")
+    conductivity: Conductivity | None = Field(None, description="needed with a [heat] table")
+
+
+class FluidCantera(Table):
+    """An ideal-gas mixture with the polynomials of a Cantera mechanism."""
+
+    model: Literal["cantera"]
+    composition: str = Field(description='mole fractions, "N2:0.79, O2:0.21"')
+    pressure: Pressure = 101325.0
+    mechanism: str = "gri30.yaml"
+
+
+class FluidCoolProp(Table):
+    """A real fluid at constant pressure from CoolProp."""
+
+    model: Literal["coolprop"]
+    name: str
+    pressure: Pressure = 101325.0
+    T_range: tuple[Temperature, Temperature] = Field(description="temperatures to tabulate, one phase only")
+
+
+Fluid = Annotated[FluidConstant | FluidCantera | FluidCoolProp, Field(discriminator="model")]
+
+Polynomial = Annotated[tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=12)]
+
+
+class Solid(Table):
+    """The particles' material: numbers, or polynomials a0 + a1 T + a2 T^2 ... with T in K."""
+
+    density: Density
+    heat_capacity: Annotated[Annotated[HeatCapacity, Tag("number")] | Polynomial, Discriminator(form)]
+    conductivity: Annotated[Annotated[Conductivity, Tag("number")] | Polynomial, Discriminator(form)]
+
+
+class Closure(Table):
+    """A closure by name; further keys are the closure's own parameters."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    name: str
+
+
+Named = Annotated[str, Tag("name")] | Annotated[Closure, Tag("parameters")]
+NamedOrFile = Named | Annotated[ClosureFile, Tag("file")]
+PermeabilityOrClosure = Annotated[Annotated[Permeability, Tag("number")] | NamedOrFile, Discriminator(form)]
+NonNegativeOrClosure = Annotated[Annotated[NonNegative, Tag("number")] | NamedOrFile, Discriminator(form)]
+ConductivityOrClosure = Annotated[Annotated[Conductivity, Tag("number")] | NamedOrFile, Discriminator(form)]
+NumberOrClosure = Annotated[Annotated[Number, Tag("number")] | NamedOrFile, Discriminator(form)]
+WallCoefficientOrClosure = Annotated[Annotated[WallCoefficient, Tag("number")] | NamedOrFile, Discriminator(form)]
+
+
+class Packing(Table):
+    """Particles that fill a bed."""
+
+    porosity: Fraction
+    particle_diameter: Length
+    shape: Literal["spheres", "rods"] = Field(
+        "spheres", description="specific surface 6 (1-eps)/d for spheres, 4 (1-eps)/d for rods"
+    )
+
+
+class Solver(Table):
+    """Numerics; the defaults suit nearly all scenes."""
+
+    degree: Order = Field(2, description="polynomial degree of the temperatures")
+    stabilisation: Switch = Field(True, description="residual-based SUPG")
+    tolerance: Fraction = Field(1e-5, description="target error of theta for automatic meshes")
+    adapt: Annotated[Whole, Field(ge=0, le=10)] | None = Field(
+        None, description="refinements where the error estimate of a steady run exceeds `tolerance`; absent: automatic"
+    )
+    reduce: Switch = Field(True, description="solve a plug-flow scene with adiabatic walls in one dimension")
+    newton_tolerance: Fraction = 1e-10
+    newton_iterations: Whole = Field(30, ge=1, le=1000)
+    balance_tolerance: Positive = 1e-10
+    strict: Switch = Field(False, description="a closure out of its range is an error")
+    memory_GB: Positive | None = Field(
+        None, description="refuse a factorisation predicted above this; 60 % of the free memory if absent"
+    )
+
+
+class Output(Table):
+    """What a run writes besides summary.json."""
+
+    positions: tuple[Position, ...] = Field((), description="profile positions along the axis; automatic if empty")
+    fields: Switch = True
+    plots: Switch = True
+
+
+class SceneBase(Table):
+    """What scenes of all kinds have in common."""
+
+    kind: ClassVar[str]
+
+    title: str = ""
+
+    _origin: Origin = PrivateAttr(default_factory=Origin)
+
+    @property
+    def origin(self) -> Origin:
+        """Where the values come from: a name for messages, the lines of the keys, the folder of the file."""
+        return self._origin
