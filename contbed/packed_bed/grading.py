@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from contbed.mesh.grading import GRADING_ERROR, equidistributed, graded, scale_for, widened
+from contbed.mesh.grading import GRADING_ERROR, Layers, equidistributed, graded, scale_for, widened
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
-from contbed.radiation.grading import radiation_layers
 from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 
 FRONT_CELLS = 4000  # cells of a bed with tracked fronts
@@ -24,7 +23,7 @@ def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: boo
         if fronts:
             return [np.linspace(0.0, mesh.length, FRONT_CELLS + 1)]
         layers = axial_layers(scene, medium, float(velocity[0]), float(solid[0]), mesh.length)
-        layers += radiation_layers(scene, _conductivity(scene, medium), 0, mesh.length)
+        layers += _radiation_layers(scene, medium, 0, mesh.length)
         if mesh.cells is None:
             coarse = mesh.length / (400 if scene.time is not None else 40)
             return [
@@ -42,7 +41,7 @@ def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction
     axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
     assert not isinstance(mesh, MeshFile | MeshLine)
     extent = mesh.extents[direction]
-    layers = widened(radiation_layers(scene, _conductivity(scene, medium), direction, extent), extent)
+    layers = widened(_radiation_layers(scene, medium, direction, extent), extent)
     if direction == axis and scene.heat is not None:
         layers += axial_layers(scene, medium, float(velocity[axis]), float(solid[axis]), extent)
     for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):
@@ -64,12 +63,16 @@ def _wall_layers(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> t
     return (permeability / scene.bed.porosity) ** 0.5, (scene.bed.porosity * both) ** -0.5
 
 
-def _conductivity(scene: s.Scene, medium: Medium) -> float:
-    """Conductivity of the solid [W/m/K] with which radiation competes."""
-    return float(medium.conductivity("solid", medium.T_fluid_in)) if scene.radiation is not None else 0.0
+def _radiation_layers(scene: s.Scene, medium: Medium, direction: int, extent: float) -> Layers:
+    """Layers in which radiation adapts to the walls of a bed; it competes with the conductivity of the solid."""
+    if scene.radiation is None:
+        return []
+    from contbed.radiation.grading import radiation_layers
+
+    return radiation_layers(scene, float(medium.conductivity("solid", medium.T_fluid_in)), direction, extent)
 
 
-def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> list[tuple[float, float]]:
+def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> Layers:
     """Positions and widths of the exchange and conduction layers at both ends of a bed, from the closed-form rates."""
     T = medium.T_fluid_in
     scale = medium.mass_flux_scale()

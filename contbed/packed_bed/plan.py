@@ -22,7 +22,6 @@ from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.inlets import role, velocity_vector
 from contbed.packed_bed.medium import Medium
-from contbed.radiation.plan import level_name
 from contbed.scene.mesh import Mesh as MeshSettings
 from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshFile, MeshLine, MeshRectangle
 from contbed.solvers.cost import advice
@@ -205,6 +204,8 @@ def _how_radiation(scene: s.Scene, thick: str) -> tuple[str, str]:
     if table.level == "rosseland":
         how = "Rosseland limit: a conductivity of the solid"
     else:
+        from contbed.radiation.plan import level_name
+
         how = f"{level_name(table)}, coupled to the solid"
     return "radiation", f"{how}; {thick}" if thick else how
 

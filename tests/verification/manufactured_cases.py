@@ -134,7 +134,7 @@ class Heat:
         phases = {}
         for name, u, k in (("fluid", velocity, self.conductivity), ("solid", solid, 2 * self.conductivity)):
             speed = np.sqrt(o.dot(u, u))
-            tau = two_energy.tau(speed, k, 3.0, 1.0, where.h, self.degree)
+            tau = stabilisation.tau(speed, k, 3.0, 1.0, where.h, self.degree)
             phases[name] = two_energy.Phase(
                 mass_flux=u,
                 divergence=o.div(u) if self.computed and name == "fluid" else None,

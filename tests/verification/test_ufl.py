@@ -92,7 +92,7 @@ def heat_coefficients(o: Any, velocity: Any, materials: Any, *, uniform: bool, s
     for name, material, u, fraction in (("fluid", fluid, velocity, POROSITY), ("solid", solid, velocity_solid, 0.6)):
         flux = u * float(material.density(T_ref))
         capacity, k = float(material.heat_capacity(T_ref)), float(material.conductivity(T_ref))
-        tau = two_energy.tau(np.sqrt(o.dot(flux, flux)) * capacity, k, 40.0, capacity, o.h, 2)
+        tau = stabilisation.tau(np.sqrt(o.dot(flux, flux)) * capacity, k, 40.0, capacity, o.h, 2)
         phases[name] = two_energy.Phase(
             mass_flux=flux,
             divergence=None if uniform or name == "solid" else o.div(velocity) * density,
