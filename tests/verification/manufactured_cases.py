@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import skfem
 
+from contbed.fem import stabilisation
 from contbed.fem.dual import Components
 from contbed.fem.skfem import Ops, System
 from contbed.packed_bed.equations import porous_flow, two_energy
