@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contbed.mesh import mesh as meshing
+from contbed.mesh import build as meshing
 from contbed.scene.mesh import MeshLine, MeshRectangle
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.rheology import Closures, Rheology

@@ -4,7 +4,7 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-from contbed.mesh import mesh as meshing
+from contbed.mesh import build as meshing
 from contbed.scene.mesh import MeshFile
 from contbed.two_fluid.boundary import symmetry
 from contbed.two_fluid.fv import grid

@@ -10,7 +10,7 @@ from test_core_exact import wen_yu
 
 import contbed as cb
 from contbed.errors import SceneError
-from contbed.mesh import mesh as meshing
+from contbed.mesh import build as meshing
 from contbed.scene.mesh import MeshAxisymmetric
 from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
 from contbed.two_fluid.fv import grid
