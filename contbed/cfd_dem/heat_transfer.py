@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contbed.dem import heat, heat_impact
 from contbed.dem.heat_pair import IMPACT, STATIC, correction
-from contbed.dem.particles import E_EFF, pair_table
+from contbed.dem.particles import pair_table
 from contbed.dem.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class Solid:
         i, j, speed = contacts.i[fresh], contacts.j[fresh], contacts.impact_speed[fresh]
         age = simulation.time - contacts.since[fresh]
         R, m = simulation.radius, simulation.mass
-        modulus = pair_table(simulation.materials)[simulation.kind[i], simulation.kind[j], E_EFF]
+        modulus = pair_table(simulation.materials)["youngs_modulus"][simulation.kind[i], simulation.kind[j]]
         impact = heat_impact.hertz_impact(R[i] * R[j] / (R[i] + R[j]), m[i] * m[j] / (m[i] + m[j]), modulus, speed)
         hits = heat_impact.colliding(age, impact.duration)
         density = np.array([material.density for material in simulation.materials])[simulation.kind]

@@ -18,6 +18,7 @@ damping: Tsuji, Tanaka, Ishida (1992), Powder Technology 71, 239.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -31,27 +32,65 @@ RAYLEIGH_SHARE = 0.2  # of the time that a surface wave needs around the smalles
 STEPS_PER_IMPACT = 20.0  # up to 2.3e-3 error of the largest overlap
 DURATION = 2.868265699195  # t_c of a Hertz impact in units of (m*^2 / (R* E*^2 v))^(1/5)
 
-XI, SINCE, SPEED = 0, 3, 4  # columns of a history: tangential spring (3), step of first touch or -1, impact speed
-HISTORY = 5
+
+class Vector(NamedTuple):
+    """Components along x, y and z."""
+
+    x: float
+    y: float
+    z: float
+
+
+class ContactConstants(NamedTuple):
+    """Effective radius [m] and mass [kg] of a contact, then its columns of the table of pairs of materials."""
+
+    radius: float
+    mass: float
+    youngs_modulus: float
+    shear_modulus: float
+    damping_normal: float
+    damping_tangential: float
+    sliding_friction: float
+
+
+class ContactForce(NamedTuple):
+    """Force on i [N] and its normal part, the tangential spring [m] after the step and the normal speed [m/s]."""
+
+    force: Vector
+    normal_force: float
+    spring: Vector
+    normal_speed: float
 
 
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def contact_law(nx, ny, nz, overlap, vx, vy, vz, sx, sy, sz, r_eff, m_eff, e_eff, g_eff, damp_n, damp_t, slide, dt):
-    """Force on i (3) [N], its normal part, tangential spring (3) [m] and normal speed [m/s] of a closed contact.
+def contact_law(normal, overlap, velocity, spring, contact, dt):
+    """Hertz-Mindlin force of a closed contact with history and dashpots (see the top of this file).
 
-    (nx, ny, nz) unit normal from j to i; (vx, vy, vz) velocity of i against j at the contact [m/s]; (sx, sy, sz) the
-    spring before; `r_eff`, `m_eff` effective radius [m] and mass [kg]; the others are columns of the pair table.
     Without branches, so that loops over contacts turn into vector instructions.
+
+    Parameters
+    ----------
+    normal : unit `Vector` from j to i
+    overlap : [m]
+    velocity : `Vector` of i against j at the contact [m/s]
+    spring : `Vector` of the tangential displacement before the step [m]
+    contact : `ContactConstants`
+    dt : time step [s]
+
+    Returns
+    -------
+    ContactForce
     """
-    vn = vx * nx + vy * ny + vz * nz
-    ux, uy, uz = vx - vn * nx, vy - vn * ny, vz - vn * nz
-    a = np.sqrt(r_eff * overlap)
-    root = np.sqrt(m_eff * a)
-    normal = 4.0 / 3.0 * e_eff * a * overlap - damp_n * root * vn
-    limit = slide * max(normal, 0.0)
-    kt, ct = 8.0 * g_eff * a, damp_t * root
-    out = sx * nx + sy * ny + sz * nz
-    sx, sy, sz = sx - out * nx + dt * ux, sy - out * ny + dt * uy, sz - out * nz + dt * uz
+    nx, ny, nz = normal.x, normal.y, normal.z
+    vn = velocity.x * nx + velocity.y * ny + velocity.z * nz
+    ux, uy, uz = velocity.x - vn * nx, velocity.y - vn * ny, velocity.z - vn * nz
+    a = np.sqrt(contact.radius * overlap)
+    root = np.sqrt(contact.mass * a)
+    load = 4.0 / 3.0 * contact.youngs_modulus * a * overlap - contact.damping_normal * root * vn
+    limit = contact.sliding_friction * max(load, 0.0)
+    kt, ct = 8.0 * contact.shear_modulus * a, contact.damping_tangential * root
+    out = spring.x * nx + spring.y * ny + spring.z * nz
+    sx, sy, sz = spring.x - out * nx + dt * ux, spring.y - out * ny + dt * uy, spring.z - out * nz + dt * uz
     spring2 = kt * kt * (sx * sx + sy * sy + sz * sz)
     slips = spring2 > limit * limit
     shrink = limit / np.sqrt(spring2) if slips else 1.0
@@ -60,19 +99,24 @@ def contact_law(nx, ny, nz, overlap, vx, vy, vz, sx, sy, sz, r_eff, m_eff, e_eff
     tx, ty, tz = -kt * sx - ct * ux, -kt * sy - ct * uy, -kt * sz - ct * uz
     force2 = tx * tx + ty * ty + tz * tz
     cut = limit / np.sqrt(force2) if force2 > limit * limit else 1.0
-    return normal * nx + cut * tx, normal * ny + cut * ty, normal * nz + cut * tz, normal, sx, sy, sz, vn
+    force = Vector(load * nx + cut * tx, load * ny + cut * ty, load * nz + cut * tz)
+    return ContactForce(force, load, Vector(sx, sy, sz), vn)
 
 
 @njit(error_model="numpy", fastmath=set(FAST))
-def rolling_torque(nx, ny, nz, wx, wy, wz, r_eff, i_eff, friction, normal, dt):
-    """Torque on i [N m] against the rolling part of the relative spin (wx, wy, wz), for a normal force [N]."""
-    along = wx * nx + wy * ny + wz * nz
-    wx, wy, wz = wx - along * nx, wy - along * ny, wz - along * nz
+def rolling_torque(normal, spin, radius, inertia, friction, normal_force, dt):
+    """Torque on i [N m] against the rolling part of the relative spin [rad/s], a `Vector`.
+
+    Constant directional torque mu_r R* F_n, bounded as said at the top of this file. `normal` is a unit `Vector`,
+    `radius` [m] and `inertia` [kg m2] are effective ones, `friction` is mu_r [-], `normal_force` [N].
+    """
+    along = spin.x * normal.x + spin.y * normal.y + spin.z * normal.z
+    wx, wy, wz = spin.x - along * normal.x, spin.y - along * normal.y, spin.z - along * normal.z
     rate = np.sqrt(wx * wx + wy * wy + wz * wz)
-    if rate == 0.0 or normal <= 0.0:
-        return 0.0, 0.0, 0.0
-    brake = min(friction * r_eff * normal / rate, i_eff / (ROLLING_STEPS * dt))
-    return -brake * wx, -brake * wy, -brake * wz
+    if rate == 0.0 or normal_force <= 0.0:
+        return Vector(0.0, 0.0, 0.0)
+    brake = min(friction * radius * normal_force / rate, inertia / (ROLLING_STEPS * dt))
+    return Vector(-brake * wx, -brake * wy, -brake * wz)
 
 
 def hertz_impact(mass: float, radius: float, modulus: float, speed: float) -> tuple[float, float]:

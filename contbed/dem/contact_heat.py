@@ -17,13 +17,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from contbed.dem.contact import SINCE, SPEED
 from contbed.dem.heat_impact import DURATION5, conductance_of, impact_of
+from contbed.dem.kernel_arrays import HEAT_PAIR, Table
 from contbed.dem.neighbours import BITS, MASK
-from contbed.dem.particles import E_EFF, Material
+from contbed.dem.particles import Material
 from contbed.errors import SceneError
-
-STATIC, REST, RATIO, FOURIER, EFFUSE = range(5)  # columns of a heat table
 
 
 @dataclass(frozen=True)
@@ -45,21 +43,17 @@ class ContactHeat:
         """Heat capacity of each material [J/kg/K]."""
         return self._each(self.heat_capacity, materials, "heat_capacity")
 
-    def table(self, materials: Sequence[Material]) -> NDArray[np.float64]:
-        """Constants of every pair of materials, shape (m, m, 5).
-
-        Columns: 4 c/(1/k_i + 1/k_j) [W/m/K]; c^3; the smaller rho c over the larger; k/(rho c) of the smaller [m2/s];
-        1/((rho c k)_i^(-1/2) + (rho c k)_j^(-1/2)) [W s^0.5/m2/K].
-        """
+    def table(self, materials: Sequence[Material]) -> Table:
+        """Constants of every pair of materials, shape (m, m), columns as in `kernel_arrays.HEAT_PAIR`."""
         k = self._each(self.conductivity, materials, "conductivity")
         C = np.array([material.density for material in materials]) * self.capacities(materials)
         lean = np.where(np.less_equal.outer(C, C), k[:, None], k[None, :])
-        table = np.empty((len(materials), len(materials), 5))
-        table[..., STATIC] = 4.0 * self.static / np.add.outer(1.0 / k, 1.0 / k)
-        table[..., REST] = self.impact**3
-        table[..., RATIO] = np.minimum.outer(C, C) / np.maximum.outer(C, C)
-        table[..., FOURIER] = lean / np.minimum.outer(C, C)
-        table[..., EFFUSE] = 1.0 / np.add.outer((C * k) ** -0.5, (C * k) ** -0.5)
+        table = np.empty((len(materials), len(materials)), HEAT_PAIR)
+        table["at_rest"] = 4.0 * self.static / np.add.outer(1.0 / k, 1.0 / k)
+        table["impact"] = self.impact**3
+        table["capacity_ratio"] = np.minimum.outer(C, C) / np.maximum.outer(C, C)
+        table["diffusivity"] = lean / np.minimum.outer(C, C)
+        table["effusivity"] = 1.0 / np.add.outer((C * k) ** -0.5, (C * k) ** -0.5)
         return table
 
     @staticmethod
@@ -71,36 +65,39 @@ class ContactHeat:
 
 
 @njit(error_model="numpy")
-def contact_heat(
-    x, T, source, per_capacity, radius, mass, kind, table, heat_table, image, start, mates, past, now, dt, gained
-):
-    """Advance T by a step `dt`; contacts have the histories of step number `now`. `gained` is room for n numbers."""
-    gained[:] = source
+def contact_heat(position, heat, spheres, pairs, neighbours, image, now, dt):
+    """Advance the temperatures by explicit Euler over a step `dt` [s]; histories are those of step number `now`.
+
+    Batchelor and O'Brien (Eq. 6) for contacts at rest, Zhou, Yu and Horio (Eq. 7) for impacts.
+    """
+    x, T, gained, radius, mass, kind = position, heat.T, heat.gained, spheres.radius, spheres.mass, spheres.material
+    start, entry, history = neighbours.start, neighbours.entry, neighbours.history
+    gained[:] = heat.source
     for i in range(len(x)):
         for k in range(start[i], start[i + 1]):
-            if past[k, SINCE] < 0.0:
+            if history[k].first_step < 0.0:
                 continue
-            j = mates[k] & MASK
-            shift = mates[k] >> BITS
+            j = entry[k] & MASK
+            shift = entry[k] >> BITS
             far2 = 0.0
             for a in range(3):
                 far2 += (x[i, a] - x[j, a] - image[shift, a]) ** 2
             overlap = max(radius[i] + radius[j] - np.sqrt(far2), 0.0)
             r_eff = radius[i] * radius[j] / (radius[i] + radius[j])
-            pair = heat_table[kind[i], kind[j]]
-            G = pair[STATIC] * np.sqrt(r_eff * overlap)
+            pair = heat.pairs[kind[i], kind[j]]
+            G = pair.at_rest * np.sqrt(r_eff * overlap)
             share = 0.0
-            age, speed = now - past[k, SINCE], past[k, SPEED]
+            age, speed = now - history[k].first_step, history[k].impact_speed
             if speed > 0.0:
                 m_eff = mass[i] * mass[j] / (mass[i] + mass[j])
-                modulus = table[kind[i], kind[j], E_EFF]
+                modulus = pairs[kind[i], kind[j]].youngs_modulus
                 if speed * (age * dt) ** 5 < DURATION5 * m_eff**2 / (r_eff * modulus**2):
                     _, duration, area = impact_of(r_eff, m_eff, modulus, speed)
                     share = min(duration / dt - age, 1.0)
-                    hit = conductance_of(duration, area, pair[FOURIER], pair[RATIO], pair[EFFUSE])
-                    G = share * pair[REST] * hit + (1.0 - share) * G
+                    hit = conductance_of(duration, area, pair.diffusivity, pair.capacity_ratio, pair.effusivity)
+                    G = share * pair.impact * hit + (1.0 - share) * G
             flow = G * (T[j] - T[i])
             gained[i] += flow
             gained[j] -= flow
     for i in range(len(x)):
-        T[i] += dt * gained[i] * per_capacity[i]
+        T[i] += dt * gained[i] * heat.inverse_capacity[i]

@@ -9,32 +9,61 @@ from __future__ import annotations
 
 import zlib
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from contbed.dem import contact, forces, heat_impact, neighbours, particles
+from contbed.dem import contact, forces, heat_impact, kernel_arrays, neighbours
 from contbed.dem import contact_heat as conduction
 from contbed.dem.contact_heat import contact_heat
-from contbed.dem.forces import pair_forces, wall_forces, workspace
-from contbed.dem.neighbours import carry_over, half_list, shifts, wall_list, wrap
+from contbed.dem.forces import empty_block, pair_forces, wall_forces
+from contbed.dem.kernel_arrays import Neighbours, Walls
+from contbed.dem.neighbours import carry_over, half_list, image_shifts, wall_list, wrap
 
 OK, TOO_FAST, LOST, BEYOND_WALL = range(4)  # how an interval ends
 
 
+class HalfStep(NamedTuple):
+    """Velocities between two steps, and what turns forces and torques into accelerations: 1/m (n,) and 1/I (n,)."""
+
+    velocity: NDArray[np.float64]
+    spin: NDArray[np.float64]
+    inverse_mass: NDArray[np.float64]
+    inverse_inertia: NDArray[np.float64]
+
+
+class Outcome(NamedTuple):
+    """How an interval ended: status, the particle to blame or -1, completed steps; list, walls and `moved` as they are."""
+
+    status: int
+    particle: int
+    done: int
+    moved: float
+    neighbours: Neighbours
+    walls: Walls
+
+
 @njit(error_model="numpy")
-def _advance(x, v, w, vh, wh, f, q, per_mass, per_inertia, force, gravity, dt, fresh, limit2):
-    """Finish the last step, unless `fresh`, and begin the next; largest speed squared, a particle above it or -1."""
-    half, worst, top = 0.5 * dt, -1, 0.0
+def _advance(state, half, force, gravity, dt, fresh, limit2):
+    """Velocity Verlet: finish the last step, unless `fresh`, and begin the next one.
+
+    Returns the largest speed squared and a particle above the limit or -1. `force` [N] is the external one, which is
+    what the next sum of forces starts from.
+    """
+    x, v, w, f, q = state
+    vh, wh = half.velocity, half.spin
+    h, worst, top = 0.5 * dt, -1, 0.0
     for i in range(len(x)):
         speed2 = 0.0
         for a in range(3):
-            rate, spin = f[i, a] * per_mass[i] + gravity[a], q[i, a] * per_inertia[i]
-            vi = v[i, a] if fresh else vh[i, a] + half * rate
-            wi = w[i, a] if fresh else wh[i, a] + half * spin
-            u, s = vi + half * rate, wi + half * spin
+            rate, turn = f[i, a] * half.inverse_mass[i] + gravity[a], q[i, a] * half.inverse_inertia[i]
+            vi = v[i, a] if fresh else vh[i, a] + h * rate
+            wi = w[i, a] if fresh else wh[i, a] + h * turn
+            u, s = vi + h * rate, wi + h * turn
             vh[i, a], wh[i, a] = u, s
-            v[i, a], w[i, a] = u + half * rate, s + half * spin
+            v[i, a], w[i, a] = u + h * rate, s + h * turn
             x[i, a] += dt * u
             speed2 += u * u
             f[i, a], q[i, a] = force[i, a], 0.0
@@ -45,16 +74,17 @@ def _advance(x, v, w, vh, wh, f, q, per_mass, per_inertia, force, gravity, dt, f
 
 
 @njit(error_model="numpy")
-def _finish(v, w, vh, wh, f, q, per_mass, per_inertia, gravity, dt):
+def _finish(state, half, gravity, dt):
     """The second half kick of the last step, in strict arithmetic as in `_advance`."""
+    _, v, w, f, q = state
     for i in range(len(v)):
         for a in range(3):
-            v[i, a] = vh[i, a] + 0.5 * dt * (f[i, a] * per_mass[i] + gravity[a])
-            w[i, a] = wh[i, a] + 0.5 * dt * (q[i, a] * per_inertia[i])
+            v[i, a] = half.velocity[i, a] + 0.5 * dt * (f[i, a] * half.inverse_mass[i] + gravity[a])
+            w[i, a] = half.spin[i, a] + 0.5 * dt * (q[i, a] * half.inverse_inertia[i])
 
 
 @njit(error_model="numpy")
-def _moved(x, x0):
+def _largest_move(x, x0):
     """Largest distance from the positions at which the list was made [m]."""
     top = 0.0
     for i in range(len(x)):
@@ -63,100 +93,42 @@ def _moved(x, x0):
 
 
 @njit
-def _steps(
-    x,
-    v,
-    w,
-    f,
-    q,
-    x0,
-    start,
-    mates,
-    past,
-    near,
-    wall_past,
-    radius,
-    mass,
-    inertia,
-    kind,
-    table,
-    walls,
-    wall_kind,
-    lower,
-    upper,
-    periodic,
-    gravity,
-    force,
-    uniform,
-    dt,
-    skin,
-    limit,
-    reach,
-    first,
-    steps,
-    rebuild,
-    T,
-    source,
-    per_capacity,
-    heat_table,
-):
-    vh, wh, per_mass, per_inertia = np.empty_like(v), np.empty_like(w), 1.0 / mass, 1.0 / inertia
-    image = shifts(lower, upper, periodic)
-    block, rows = workspace()
-    gained = np.empty_like(T)
-    status, culprit, done = OK, -1, 0
-    for step in range(steps):
-        fastest2, culprit = _advance(
-            x, v, w, vh, wh, f, q, per_mass, per_inertia, force, gravity, dt, step == 0, limit * limit
-        )
+def _steps(state, spheres, pairs, walls, box, neighbours, heat, interval):
+    half = HalfStep(np.empty_like(state.velocity), np.empty_like(state.spin), 1.0 / spheres.mass, 1.0 / spheres.inertia)
+    image, block, x = image_shifts(box), empty_block(), state.position
+    dt, skin, limit2 = interval.time_step, interval.skin, interval.speed_limit * interval.speed_limit
+    status, culprit, done, moved, stale = OK, -1, 0, interval.moved, interval.stale
+    for step in range(interval.steps):
+        fastest2, culprit = _advance(state, half, interval.force, interval.gravity, dt, step == 0, limit2)
         if culprit >= 0:
             status = TOO_FAST
             break
-        reach += np.sqrt(fastest2) * dt
-        if reach > 0.5 * skin:
-            reach = _moved(x, x0)
-        if rebuild or reach > 0.5 * skin:
-            culprit = wrap(x, lower, upper, periodic)
+        moved += np.sqrt(fastest2) * dt
+        if moved > 0.5 * skin:
+            moved = _largest_move(x, neighbours.listed)
+        if stale or moved > 0.5 * skin:
+            culprit = wrap(x, box)
             if culprit >= 0:
                 status = LOST
                 break
-            near, culprit = wall_list(x, radius, walls, skin)
+            near, culprit = wall_list(x, spheres.radius, walls.surface, skin)
+            walls = Walls(walls.surface, near, walls.history)
             if culprit >= 0:
                 status = BEYOND_WALL
                 break
-            new_start, new_mates = half_list(x, radius, lower, upper, periodic, skin)
-            past = carry_over(start, mates, past, new_start, new_mates)
-            start, mates = new_start, new_mates
-            x0[:] = x
-            reach, rebuild = 0.0, False
-        now = float(first + step + 1)
-        pair_forces(
-            x, v, w, f, q, radius, mass, inertia, kind, uniform, table, image, start, mates, past, now, dt, block, rows
-        )
-        wall_forces(x, v, w, f, q, radius, mass, inertia, kind, table, walls, wall_kind, near, wall_past, now, dt)
-        if len(T):
-            contact_heat(
-                x,
-                T,
-                source,
-                per_capacity,
-                radius,
-                mass,
-                kind,
-                table,
-                heat_table,
-                image,
-                start,
-                mates,
-                past,
-                now,
-                dt,
-                gained,
-            )
+            start, entry = half_list(x, spheres.radius, box, skin)
+            neighbours.listed[:] = x
+            neighbours = Neighbours(start, entry, carry_over(neighbours, start, entry), neighbours.listed)
+            moved, stale = 0.0, False
+        now = float(interval.first + step + 1)
+        pair_forces(state, spheres, pairs, neighbours, image, now, dt, block)
+        wall_forces(state, spheres, pairs, walls, now, dt)
+        if len(heat.T):
+            contact_heat(x, heat, spheres, pairs, neighbours, image, now, dt)
         done += 1
-    if status == OK and steps > 0:
-        _finish(v, w, vh, wh, f, q, per_mass, per_inertia, gravity, dt)
-    return status, culprit, done, reach, start, mates, past, near
+    if status == OK and interval.steps > 0:
+        _finish(state, half, interval.gravity, dt)
+    return Outcome(status, culprit, done, moved, neighbours, walls)
 
 
 def _compiled(stamp: int):
@@ -170,7 +142,9 @@ def _compiled(stamp: int):
 
 
 def _content() -> int:
-    files = (Path(str(module.__file__)) for module in (contact, conduction, forces, heat_impact, neighbours, particles))
+    files = (
+        Path(str(module.__file__)) for module in (contact, conduction, forces, heat_impact, kernel_arrays, neighbours)
+    )
     return zlib.crc32(b"".join(file.read_bytes() for file in files))
 
 

@@ -1,7 +1,10 @@
-"""Neighbours: a half list of pairs (i < j) from a grid of cells, one skin wide, and the histories that move with it.
+"""Verlet list with a skin from linked cells, every pair once (i < j), and the contact histories that move with it.
 
-Row i of the list is `mates[start[i]:start[i + 1]]`. An entry holds the index of j and, above it, which periodic image
-of j is meant. Positions are wrapped into the periodic sides only when the list is made: images stay valid in between.
+Row i of the list is `entry[start[i]:start[i + 1]]`. An entry holds the index of j in its lower BITS and, above them,
+which periodic image of j is meant. Positions are wrapped into the periodic sides only when the list is made: images
+stay valid in between.
+
+Source: Allen and Tildesley (2017), Computer Simulation of Liquids, sections 5.3.1 (Verlet list) and 5.3.2 (cells).
 """
 
 from __future__ import annotations
@@ -9,15 +12,16 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from contbed.dem.contact import HISTORY, SINCE
+from contbed.dem.kernel_arrays import HISTORY, NEAR_WALL
 
 BITS = 26  # of an entry for the index of j; the image is above
 MASK = (1 << BITS) - 1
 
 
 @njit(cache=True)
-def shifts(lower, upper, periodic):
+def image_shifts(box):
     """Vectors (27, 3) [m] to be added to j, by number of the image; 0 is j itself."""
+    lower, upper, periodic = box.lower, box.upper, box.periodic
     table = np.zeros((27, 3))
     for image in range(27):
         digit = image
@@ -31,8 +35,9 @@ def shifts(lower, upper, periodic):
 
 
 @njit
-def wrap(x, lower, upper, periodic):
+def wrap(x, box):
     """Bring positions into the periodic sides; index of a particle outside the other sides, or -1."""
+    lower, upper, periodic = box.lower, box.upper, box.periodic
     lost = -1
     for i in range(len(x)):
         for axis in range(3):
@@ -45,8 +50,9 @@ def wrap(x, lower, upper, periodic):
 
 
 @njit
-def _grid(x, lower, upper, periodic, width):
+def _grid(x, box, width):
     """Origin, size and number of the cells; not many more cells than particles."""
+    lower, upper, periodic = box.lower, box.upper, box.periodic
     origin, size = np.empty(3), np.empty(3)
     count = np.ones(3, np.int64)
     extent = np.empty(3)
@@ -67,10 +73,10 @@ def _grid(x, lower, upper, periodic, width):
 
 
 @njit(cache=True)
-def half_list(x, radius, lower, upper, periodic, skin):
-    """Rows of the half list, `start` and `mates`: pairs whose surfaces are closer than `skin` [m]."""
-    n = len(x)
-    origin, size, count = _grid(x, lower, upper, periodic, 2.0 * radius.max() + skin)
+def half_list(x, radius, box, skin):
+    """Rows of the Verlet list, `start` and `entry`: pairs whose surfaces are closer than `skin` [m]."""
+    n, periodic = len(x), box.periodic
+    origin, size, count = _grid(x, box, 2.0 * radius.max() + skin)
     cell = np.empty((n, 3), np.int64)
     first = np.zeros(count[0] * count[1] * count[2] + 1, np.int64)
     for i in range(n):
@@ -84,9 +90,9 @@ def half_list(x, radius, lower, upper, periodic, skin):
         home = (cell[i, 0] * count[1] + cell[i, 1]) * count[2] + cell[i, 2]
         member[filled[home]] = i
         filled[home] += 1
-    table = shifts(lower, upper, periodic)
+    table = image_shifts(box)
     start = np.zeros(n + 1, np.int64)
-    mates = np.empty(8 * n + 64, np.int32)
+    entry = np.empty(8 * n + 64, np.int32)
     total = 0
     at = np.empty(3, np.int64)
     for i in range(n):
@@ -116,35 +122,43 @@ def half_list(x, radius, lower, upper, periodic, skin):
                 dz = x[i, 2] - x[j, 2] - table[image, 2]
                 reach = radius[i] + radius[j] + skin
                 if dx * dx + dy * dy + dz * dz < reach * reach:
-                    if total == len(mates):
+                    if total == len(entry):
                         longer = np.empty(2 * total, np.int32)
-                        longer[:total] = mates
-                        mates = longer
-                    mates[total] = j | (image << BITS)
+                        longer[:total] = entry
+                        entry = longer
+                    entry[total] = j | (image << BITS)
                     total += 1
         start[i + 1] = total
-    return start, mates[:total].copy()
+    return start, entry[:total].copy()
+
+
+@njit(error_model="numpy", forceinline=True)
+def open_contact(history):
+    """Forget the history of a contact that has opened."""
+    history.spring_x, history.spring_y, history.spring_z = 0.0, 0.0, 0.0
+    history.first_step, history.impact_speed = -1.0, 0.0
 
 
 @njit
-def carry_over(start, mates, past, new_start, new_mates):
-    """Histories of the closed contacts of one list, in the rows of a new one."""
-    new = np.zeros((len(new_mates), HISTORY))
-    new[:, SINCE] = -1.0
+def carry_over(old, start, entry):
+    """Histories of the closed contacts of an old list, in the rows of a new one."""
+    new = np.empty(len(entry), HISTORY)
+    for k in range(len(entry)):
+        open_contact(new[k])
     for i in range(len(start) - 1):
-        for k in range(start[i], start[i + 1]):
-            if past[k, SINCE] >= 0.0:
-                for m in range(new_start[i], new_start[i + 1]):
-                    if new_mates[m] & MASK == mates[k] & MASK:
-                        new[m] = past[k]
+        for k in range(old.start[i], old.start[i + 1]):
+            if old.history[k].first_step >= 0.0:
+                for m in range(start[i], start[i + 1]):
+                    if entry[m] & MASK == old.entry[k] & MASK:
+                        new[m] = old.history[k]
                         break
     return new
 
 
 @njit
 def wall_list(x, radius, walls, skin):
-    """Rows (particle, wall) of those closer than `skin` [m], and a particle beyond a wall or -1."""
-    found = np.empty((len(x) * len(walls), 2), np.int32)
+    """Particles closer to walls than `skin` [m], and a particle beyond a wall or -1."""
+    found = np.empty(len(x) * len(walls), NEAR_WALL)
     total, lost = 0, -1
     for i in range(len(x)):
         for w in range(len(walls)):
@@ -152,7 +166,7 @@ def wall_list(x, radius, walls, skin):
             if not gap > 0.0:
                 lost = i
             if gap < radius[i] + skin:
-                found[total, 0], found[total, 1] = i, w
+                found[total].particle, found[total].wall = i, w
                 total += 1
     return found[:total].copy(), lost
 
@@ -161,18 +175,18 @@ def wall_list(x, radius, walls, skin):
 def wall_distance(x, y, z, wall):
     """Distance [m] of a point from a wall, positive in the bed, and the unit normal into the bed.
 
-    `wall` holds kind (0 plane, 1 bed inside a cylinder, -1 bed outside), point (3), direction (3), radius.
+    `wall` is a row of `kernel_arrays.WALL`.
     """
-    dx, dy, dz = x - wall[1], y - wall[2], z - wall[3]
-    along = dx * wall[4] + dy * wall[5] + dz * wall[6]
-    if wall[0] == 0.0:
-        return along, wall[4], wall[5], wall[6]
-    dx, dy, dz = dx - along * wall[4], dy - along * wall[5], dz - along * wall[6]
+    dx, dy, dz = x - wall.x, y - wall.y, z - wall.z
+    along = dx * wall.unit_x + dy * wall.unit_y + dz * wall.unit_z
+    if wall.curvature == 0.0:
+        return along, wall.unit_x, wall.unit_y, wall.unit_z
+    dx, dy, dz = dx - along * wall.unit_x, dy - along * wall.unit_y, dz - along * wall.unit_z
     off = np.sqrt(dx * dx + dy * dy + dz * dz)
     if off == 0.0:
-        return wall[0] * wall[7], 0.0, 0.0, 0.0
-    side = -wall[0] / off
-    return wall[0] * (wall[7] - off), side * dx, side * dy, side * dz
+        return wall.curvature * wall.radius, 0.0, 0.0, 0.0
+    side = -wall.curvature / off
+    return wall.curvature * (wall.radius - off), side * dx, side * dy, side * dz
 
 
 @njit(cache=True)

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from contbed.dem.kernel_arrays import PAIR, Table
 from contbed.errors import SceneError
-
-E_EFF, G_EFF, DAMP_N, DAMP_T, SLIDE, ROLL = range(6)  # columns of a pair table
 
 
 @dataclass(frozen=True)
@@ -69,10 +68,9 @@ def damping_ratio(restitution: ArrayLike) -> NDArray[np.float64]:
     return log / np.hypot(log, np.pi) + 0.0
 
 
-def pair_table(materials: Sequence[Material]) -> NDArray[np.float64]:
-    """Constants of every pair of materials, shape (m, m, 6).
+def pair_table(materials: Sequence[Material]) -> Table:
+    """Constants of every pair of materials, shape (m, m), columns as in `kernel_arrays.PAIR`.
 
-    Columns: E* [Pa], G* [Pa], factors of normal and tangential damping [Pa^0.5], sliding and rolling friction [-].
     1/E* = sum (1 - nu^2)/E, 1/G* = sum (2 - nu)/G. Restitution and friction of a pair are geometric means.
     """
     column = {
@@ -80,14 +78,15 @@ def pair_table(materials: Sequence[Material]) -> NDArray[np.float64]:
         for name in ("youngs_modulus", "shear_modulus", "poisson_ratio", "restitution", "sliding_friction")
     }
     rolling = np.array([material.rolling_friction for material in materials])
-    soft = (1.0 - column["poisson_ratio"] ** 2) / column["youngs_modulus"]
-    slack = (2.0 - column["poisson_ratio"]) / column["shear_modulus"]
-    e_eff, g_eff = 1.0 / np.add.outer(soft, soft), 1.0 / np.add.outer(slack, slack)
+    compliance = (1.0 - column["poisson_ratio"] ** 2) / column["youngs_modulus"]
+    shear_compliance = (2.0 - column["poisson_ratio"]) / column["shear_modulus"]
     damping = 2.0 * np.sqrt(5.0 / 6.0) * damping_ratio(_mean(column["restitution"]))
-    table = np.empty((len(materials), len(materials), 6))
-    table[..., E_EFF], table[..., G_EFF] = e_eff, g_eff
-    table[..., DAMP_N], table[..., DAMP_T] = damping * np.sqrt(2.0 * e_eff), damping * np.sqrt(8.0 * g_eff)
-    table[..., SLIDE], table[..., ROLL] = _mean(column["sliding_friction"]), _mean(rolling)
+    table = np.empty((len(materials), len(materials)), PAIR)
+    table["youngs_modulus"] = 1.0 / np.add.outer(compliance, compliance)
+    table["shear_modulus"] = 1.0 / np.add.outer(shear_compliance, shear_compliance)
+    table["damping_normal"] = damping * np.sqrt(2.0 * table["youngs_modulus"])
+    table["damping_tangential"] = damping * np.sqrt(8.0 * table["shear_modulus"])
+    table["sliding_friction"], table["rolling_friction"] = _mean(column["sliding_friction"]), _mean(rolling)
     return table
 
 

@@ -9,21 +9,41 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contbed.dem import loop
-from contbed.dem.contact import HISTORY, SINCE, SPEED, largest_safe_step, require_safe_step
+from contbed.dem.contact import largest_safe_step, require_safe_step
 from contbed.dem.contact_heat import ContactHeat
-from contbed.dem.neighbours import BITS, MASK, half_list, shifts, wall_gaps
+from contbed.dem.interrupts import deferred_interrupt
+from contbed.dem.kernel_arrays import (
+    HEAT_PAIR,
+    HISTORY,
+    NEAR_WALL,
+    Array,
+    Box,
+    Heat,
+    Indices,
+    Interval,
+    Neighbours,
+    Spheres,
+    State,
+    Walls,
+    as_numbers,
+    as_table,
+    blank_history,
+)
+from contbed.dem.neighbours import BITS, MASK, half_list, image_shifts, wall_gaps
 from contbed.dem.particles import Material, Particles, pair_table
-from contbed.dem.walls import Domain, Wall, wall_rows
+from contbed.dem.walls import Domain, Wall, wall_table
 from contbed.errors import ConvergenceError, SceneError
 from contbed.output.progress import Progress
 
 LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start
 STRIDE = 0.1  # of the smallest radius: nothing may move farther in one step
 SKIN = 0.1  # of the smallest radius, unless given
+CHUNK = 2_000_000  # steps times particles of one call of the kernel, about 0.2 s, so that Ctrl-C is heard
 _STATE = (
     "position", "velocity", "spin", "force",
-    "_load", "_torque", "_listed", "_start", "_mates", "_past", "_near", "_wall_past", "T",
+    "_load", "_torque", "_listed", "_start", "_entry", "T",
 )  # fmt: skip
+_TABLES = {"_history": HISTORY, "_near": NEAR_WALL, "_wall_history": HISTORY}
 
 
 @dataclass(frozen=True)
@@ -100,17 +120,17 @@ class Simulation:
         self.position, self.velocity = particles.position.copy(), particles.velocity.copy()
         self.spin, self.force = particles.spin.copy(), np.zeros((n, 3))
         self.gravity = np.array(gravity, dtype=np.float64)
-        self._table, self._walls = pair_table(materials), wall_rows(walls)
-        self._wall_kind = np.array([wall.material for wall in walls], dtype=np.int64)
-        self._sides = (np.array(domain.lower), np.array(domain.upper), np.array(domain.periodic))
+        self._pairs, self._walls = pair_table(materials), wall_table(walls)
+        self._box = Box(np.array(domain.lower), np.array(domain.upper), np.array(domain.periodic))
         self._load, self._torque, self._listed = np.zeros((n, 3)), np.zeros((n, 3)), self.position.copy()
-        self._wall_past = _blank(len(walls), n)
-        self._near = np.zeros((0, 2), np.int32)
-        self._warm(heat, T)
-        self._reach, self._stale = 0.0, True
+        self._wall_history = blank_history(len(walls), n)
+        self._near = np.zeros(0, NEAR_WALL)
+        self._set_temperatures(heat, T)
+        self._moved, self._stale = 0.0, True
         self._require_inside()
-        self._start, self._mates = half_list(self.position, self.radius, *self._sides, self.skin)
-        self._past = _blank(len(self._mates))
+        with deferred_interrupt():
+            self._start, self._entry = half_list(self.position, self.radius, self._box, self.skin)
+        self._history = blank_history(len(self._entry))
         self._require_apart(largest_overlap)
 
     @property
@@ -147,7 +167,7 @@ class Simulation:
         with Progress(steps * self.time_step, "s", quiet=quiet) as progress:
             done = 0
             while done < steps:
-                self._interval(min(interval, steps - done))
+                self._advance(min(interval, steps - done))
                 done += min(interval, steps - done)
                 progress.advance_to(done * self.time_step)
                 if on_interval is not None and on_interval(self):
@@ -156,7 +176,8 @@ class Simulation:
     def state(self) -> dict[str, NDArray]:
         """All that moves, as arrays for a checkpoint."""
         arrays = {name.lstrip("_"): np.array(getattr(self, name)) for name in _STATE}
-        numbers = (self._reach, self._stale, self.steps_done, self.time_step)
+        arrays |= {name.lstrip("_"): as_numbers(getattr(self, name)).copy() for name in _TABLES}
+        numbers = (self._moved, self._stale, self.steps_done, self.time_step)
         return arrays | {"numbers": np.array(numbers, dtype=np.float64)}
 
     def restore(self, state: Mapping[str, NDArray]) -> None:
@@ -166,108 +187,122 @@ class Simulation:
         ------
         SceneError : the arrays belong to another simulation
         """
-        missing = {*(name.lstrip("_") for name in _STATE), "numbers"} - set(state)
+        missing = {*(name.lstrip("_") for name in (*_STATE, *_TABLES)), "numbers"} - set(state)
         if missing:
             raise SceneError(f"dem: the checkpoint lacks {', '.join(sorted(missing))}")
-        for name in ("position", "wall_past"):
-            found, wanted = np.shape(state[name]), self.state()[name].shape
+        own = self.state()
+        for name in ("position", "wall_history"):
+            found, wanted = np.shape(state[name]), own[name].shape
             if found != wanted:
                 raise SceneError(f"dem: checkpoint of another simulation: {name} has shape {found}, expected {wanted}")
-        reach, stale, steps, time_step = (float(value) for value in state["numbers"])
+        moved, stale, steps, time_step = (float(value) for value in state["numbers"])
         if time_step != self.time_step:
             raise SceneError(f"dem: the checkpoint has time step {time_step:g} s, expected {self.time_step:g} s")
         for name in _STATE:
             setattr(self, name, np.array(state[name.lstrip("_")], order="C"))
-        self._reach, self._stale, self.steps_done = reach, bool(stale), int(steps)
+        for name, columns in _TABLES.items():
+            setattr(self, name, as_table(np.array(state[name.lstrip("_")], order="C"), columns))
+        self._moved, self._stale, self.steps_done = moved, bool(stale), int(steps)
 
     def contacts(self) -> Contacts:
         """Closed contacts of pairs as they are now."""
-        i, j, gap, normal, entry = self._pairs()
+        i, j, gap, normal = self._listed_pairs()
         closed = gap < 0.0
-        past = self._past[entry[closed]]
-        since = np.where(past[:, SINCE] < 0.0, float(self.steps_done), past[:, SINCE])
-        return Contacts(i[closed], j[closed], -gap[closed], normal[closed], since * self.time_step, past[:, SPEED])
+        history = self._history[closed]
+        since = np.where(history["first_step"] < 0.0, float(self.steps_done), history["first_step"])
+        return Contacts(
+            i[closed], j[closed], -gap[closed], normal[closed], since * self.time_step, history["impact_speed"]
+        )
 
-    def _pairs(self) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
-        entry = np.arange(len(self._mates))
-        i, j = np.repeat(np.arange(len(self.position)), np.diff(self._start)), (self._mates & MASK).astype(np.int64)
-        apart = self.position[i] - self.position[j] - shifts(*self._sides)[self._mates >> BITS]
+    def _listed_pairs(self) -> tuple[Indices, Indices, Array, Array]:
+        """Of every entry of the list: particles i and j, gap [m] and unit normal from j to i."""
+        i = np.repeat(np.arange(len(self.position)), np.diff(self._start))
+        j = (self._entry & MASK).astype(np.int64)
+        with deferred_interrupt():
+            images = image_shifts(self._box)
+        apart = self.position[i] - self.position[j] - images[self._entry >> BITS]
         distance = np.linalg.norm(apart, axis=1)
         gap = distance - self.radius[i] - self.radius[j]
         with np.errstate(invalid="ignore", divide="ignore"):
-            return i, j, gap, apart / distance[:, None], entry
+            return i, j, gap, apart / distance[:, None]
 
-    def _interval(self, steps: int) -> None:
+    def _advance(self, steps: int) -> None:
+        """Steps of one interval; if it fails, the simulation is back at its start."""
         before = self.state()
-        status, culprit, done, self._reach, self._start, self._mates, self._past, self._near = loop.run_steps(
-            self.position,
-            self.velocity,
-            self.spin,
-            self._load,
-            self._torque,
-            self._listed,
-            self._start,
-            self._mates,
-            self._past,
-            self._near,
-            self._wall_past,
-            self.radius,
-            self.mass,
-            self.inertia,
-            self.kind,
-            self._table,
-            self._walls,
-            self._wall_kind,
-            *self._sides,
-            self.gravity,
+        longest = max(1, CHUNK // len(self.position))
+        done = 0
+        while done < steps:
+            part = min(longest, steps - done)
+            failure = self._call_kernel(part)
+            if failure is not None:
+                self.restore(before)
+                raise ConvergenceError(failure, state=before)
+            done += part
+
+    def _call_kernel(self, steps: int) -> str | None:
+        """Steps in compiled code; what went wrong, or None."""
+        state = State(self.position, self.velocity, self.spin, self._load, self._torque)
+        with deferred_interrupt():
+            found = loop.run_steps(
+                state,
+                Spheres(self.radius, self.mass, self.inertia, self.kind, self._equal),
+                self._pairs,
+                Walls(self._walls, self._near, self._wall_history),
+                self._box,
+                Neighbours(self._start, self._entry, self._history, self._listed),
+                self._heat(),
+                self._interval(steps),
+            )
+            self._start, self._entry, self._history, self._listed = found.neighbours
+            self._near, self._moved = found.walls.near, found.moved
+            if found.status == loop.OK:
+                self.steps_done += steps
+                self._stale = False
+        if found.status != loop.OK:
+            i, time = found.particle, (self.steps_done + found.done + 1) * self.time_step
+            return _description(found.status, i, self.position[i], self.velocity[i], time)
+        if not np.isfinite(self.T).all():
+            i = int((~np.isfinite(self.T)).argmax())
+            return (
+                f"dem: temperature of particle {i} is not a number; a heat source, or a heat "
+                "capacity too small for the time step"
+            )
+        return None
+
+    def _heat(self) -> Heat:
+        source = np.ascontiguousarray(self.heat_source, np.float64)
+        return Heat(self.T, source, 1.0 / self.heat_capacity, self._heat_pairs, np.empty_like(self.T))
+
+    def _interval(self, steps: int) -> Interval:
+        return Interval(
             np.ascontiguousarray(self.force, np.float64),
-            self._uniform,
+            self.gravity,
             self.time_step,
-            self.skin,
-            STRIDE * float(self.radius.min()) / self.time_step,
-            self._reach,
             self.steps_done,
             steps,
+            self.skin,
+            self._moved,
             self._stale,
-            self.T,
-            np.ascontiguousarray(self.heat_source, np.float64),
-            1.0 / self.heat_capacity,
-            self._heat_table,
+            STRIDE * float(self.radius.min()) / self.time_step,
         )
-        if status == loop.OK and not np.isfinite(self.T).all():
-            culprit = int((~np.isfinite(self.T)).argmax())
-            self.restore(before)
-            raise ConvergenceError(
-                f"dem: temperature of particle {culprit} is not a number; a heat source, or a heat "
-                "capacity too small for the time step",
-                state=before,
-            )
-        if status == loop.OK:
-            self.steps_done += steps
-            self._stale = False
-            return
-        where, speed = self.position[culprit].copy(), float(np.linalg.norm(self.velocity[culprit]))
-        self.restore(before)
-        time = (self.steps_done + done + 1) * self.time_step
-        raise ConvergenceError(_obituary(status, culprit, where, speed, time), state=before)
 
-    def _warm(self, heat: ContactHeat | None, T: ArrayLike | None) -> None:
+    def _set_temperatures(self, heat: ContactHeat | None, T: ArrayLike | None) -> None:
         if (heat is None) != (T is None):
             raise SceneError("dem: give both heat and T, or neither")
         n = 0 if heat is None else len(self.position)
         self.T, self.heat_source = np.empty(n), np.zeros(n)
-        self.heat_capacity, self._heat_table = np.ones(n), np.zeros((0, 0, 5))
+        self.heat_capacity, self._heat_pairs = np.ones(n), np.zeros((0, 0), HEAT_PAIR)
         if heat is not None and T is not None:
             self.T[:] = T
             self.heat_capacity = self.mass * heat.capacities(self.materials)[self.kind]
-            self._heat_table = heat.table(self.materials)
+            self._heat_pairs = heat.table(self.materials)
 
     @property
-    def _uniform(self) -> bool:
+    def _equal(self) -> bool:
         return bool(np.ptp(self.radius) == 0.0 and np.ptp(self.kind) == 0)
 
     def _require_inside(self) -> None:
-        lower, upper, periodic = self._sides
+        lower, upper, periodic = self._box
         outside = ((self.position < lower) | (self.position > upper)) & ~periodic
         if outside.any():
             index = int(outside.any(axis=1).argmax())
@@ -278,7 +313,7 @@ class Simulation:
         self.position -= turns * lengths
 
     def _require_apart(self, largest: float) -> None:
-        i, j, gap, _, _ = self._pairs()
+        i, j, gap, _ = self._listed_pairs()
         deep = -gap / np.minimum(self.radius[i], self.radius[j])
         if len(deep) and deep.max() > largest:
             k = int(deep.argmax())
@@ -286,26 +321,23 @@ class Simulation:
                 f"dem: particles {i[k]} and {j[k]} overlap by {-gap[k]:.4g} m at the start, {deep[k]:.2g} of the "
                 f"smaller radius; at most {largest:g} is accepted; move them apart or settle them with dem.packing"
             )
-        gaps = wall_gaps(self.position, self._walls) / self.radius
+        with deferred_interrupt():
+            gaps = wall_gaps(self.position, self._walls) / self.radius
         if gaps.size and gaps.min() < 1.0 - largest:
             number, k = divmod(int(gaps.argmin()), len(self.position))
             where = "is beyond" if gaps.min() < 0.0 else "overlaps"
             raise SceneError(f"dem: particle {k} at {_place(self.position[k])} {where} wall {number} at the start")
 
 
-def _blank(*shape: int) -> NDArray[np.float64]:
-    past = np.zeros((*shape, HISTORY))
-    past[..., SINCE] = -1.0
-    return past
-
-
-def _place(point: NDArray) -> str:
+def _place(point: Array) -> str:
     return "(" + ", ".join(f"{value:.6g}" for value in point) + ") m"
 
 
-def _obituary(status: int, particle: int, where: NDArray, speed: float, time: float) -> str:
+def _description(status: int, particle: int, where: Array, velocity: Array, time: float) -> str:
+    """What happened to a particle at `time` [s]."""
     what = {
-        loop.TOO_FAST: f"moves at {speed:.4g} m/s, more than {STRIDE:g} of the smallest radius in a step",
+        loop.TOO_FAST: f"moves at {float(np.linalg.norm(velocity)):.4g} m/s, more than {STRIDE:g} of the smallest radius "
+        "in a step",
         loop.LOST: "left the domain",
         loop.BEYOND_WALL: "was pushed through a wall",
     }[status]

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contbed.dem.kernel_arrays import WALL, Table
 from contbed.errors import SceneError
 
 Vector = tuple[float, float, float]
@@ -22,8 +22,9 @@ class Plane:
     normal: Vector
     material: int = 0
 
-    def row(self) -> list[float]:
-        return [0.0, *self.point, *_unit(self.normal, "plane: normal"), 0.0]
+    def row(self) -> tuple[float, ...]:
+        """A row of `kernel_arrays.WALL`."""
+        return 0.0, *self.point, *_unit(self.normal, "plane: normal"), 0.0, self.material
 
 
 @dataclass(frozen=True)
@@ -35,8 +36,10 @@ class Cylinder:
     radius: float
     material: int = 0
 
-    def row(self) -> list[float]:
-        return [1.0, *self.point, *_unit(self.axis, "cylinder: axis"), _positive(self.radius, "cylinder: radius")]
+    def row(self) -> tuple[float, ...]:
+        """A row of `kernel_arrays.WALL`."""
+        axis = _unit(self.axis, "cylinder: axis")
+        return 1.0, *self.point, *axis, _positive(self.radius, "cylinder: radius"), self.material
 
 
 @dataclass(frozen=True)
@@ -48,8 +51,10 @@ class Tube:
     radius: float
     material: int = 0
 
-    def row(self) -> list[float]:
-        return [-1.0, *self.point, *_unit(self.axis, "tube: axis"), _positive(self.radius, "tube: radius")]
+    def row(self) -> tuple[float, ...]:
+        """A row of `kernel_arrays.WALL`."""
+        axis = _unit(self.axis, "tube: axis")
+        return -1.0, *self.point, *axis, _positive(self.radius, "tube: radius"), self.material
 
 
 Wall = Plane | Cylinder | Tube
@@ -95,9 +100,9 @@ def box(domain: Domain, material: int = 0, open_top: bool = True) -> list[Plane]
     return planes
 
 
-def wall_rows(walls: Sequence[Wall]) -> NDArray[np.float64]:
-    """Walls as the kernel reads them, shape (w, 8)."""
-    return np.array([wall.row() for wall in walls], dtype=np.float64).reshape(len(walls), 8)
+def wall_table(walls: Sequence[Wall]) -> Table:
+    """Walls as the kernels read them, shape (w,), columns as in `kernel_arrays.WALL`."""
+    return np.array([wall.row() for wall in walls], dtype=WALL)
 
 
 def _unit(direction: Vector, name: str) -> list[float]:

@@ -21,7 +21,7 @@ import numpy as np
 from contbed.dem import heat, heat_pair, network
 from contbed.dem.contact import hertz_impact
 from contbed.dem.packing import pack
-from contbed.dem.particles import E_EFF, Material, Particles, pair_table
+from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain, box
 
@@ -162,7 +162,7 @@ def accuracy() -> list[dict]:
         for restitution in (1.0, 0.9):
             material = Material(restitution=restitution)
             mass = 2.0 / 3.0 * np.pi * radius**3 * material.density
-            duration, deepest = hertz_impact(mass, radius / 2, pair_table([material])[0, 0, E_EFF], speed)
+            duration, deepest = hertz_impact(mass, radius / 2, pair_table([material])["youngs_modulus"][0, 0], speed)
             worst_speed, worst_overlap = 0.0, 0.0
             for phase in np.linspace(0.0, 1.0, 8, endpoint=False):  # where in a step the spheres meet
                 gap = (1.0 + phase) * speed * duration / steps

@@ -10,7 +10,7 @@ import pytest
 from contbed.dem import heat_impact, heat_pair
 from contbed.dem.contact import hertz_impact
 from contbed.dem.contact_heat import ContactHeat
-from contbed.dem.particles import E_EFF, Material, Particles, pair_table
+from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain, Plane
 from contbed.errors import ConvergenceError, SceneError
@@ -24,7 +24,7 @@ GLASS_HEAT = ContactHeat(0.84, 840.0)
 def impact(axis, steps, materials=(SMOOTH, SMOOTH), heat=GLASS_HEAT, speed=SPEED):
     """Simulation of two spheres about to meet, T 400 and 300 K, and Hertz's impact."""
     mass = 4 / 3 * np.pi * RADIUS**3 * np.array([material.density for material in materials])
-    m, modulus = mass.prod() / mass.sum(), pair_table(materials)[0, 1, E_EFF]
+    m, modulus = mass.prod() / mass.sum(), pair_table(materials)["youngs_modulus"][0, 1]
     dt = hertz_impact(m, RADIUS / 2, modulus, speed)[0] / steps
     position, velocity = np.zeros((2, 3)), np.zeros((2, 3))
     position[1, axis], velocity[0, axis] = 2 * RADIUS + 1.3 * speed * dt, speed

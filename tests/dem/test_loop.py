@@ -8,8 +8,9 @@ shifted runs differ by round-off that collisions amplify; they are compared over
 import numpy as np
 import pytest
 
-from contbed.dem import loop
-from contbed.dem.particles import Material, Particles
+from contbed.dem import neighbours
+from contbed.dem.kernel_arrays import Box
+from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Cylinder, Domain, Plane, Tube, box
 from contbed.errors import ConvergenceError, SceneError
@@ -41,15 +42,16 @@ def momenta(simulation):
 def test_energy_of_smooth_elastic_spheres():
     smooth = Material(restitution=1.0, sliding_friction=0.0)
     simulation = Simulation(gas(), [smooth], box(CLOSED, open_top=False), CLOSED, gravity=(0, 0, 0), time_step=1e-6)
+    modulus = pair_table([smooth])["youngs_modulus"][0, 0]
     before = simulation.kinetic_energy
     energies = []
     for _ in range(5):
         simulation.run(20_000)
         stored = 0.0
         for delta in simulation.contacts().overlap:
-            stored += 8 / 15 * simulation._table[0, 0, 0] * np.sqrt(RADIUS / 2) * delta**2.5
-        for delta in RADIUS - loop.neighbours.wall_gaps(simulation.position, simulation._walls).ravel():
-            stored += 8 / 15 * 2 * simulation._table[0, 0, 0] / 2 * np.sqrt(RADIUS) * max(delta, 0.0) ** 2.5
+            stored += 8 / 15 * modulus * np.sqrt(RADIUS / 2) * delta**2.5
+        for delta in RADIUS - neighbours.wall_gaps(simulation.position, simulation._walls).ravel():
+            stored += 8 / 15 * 2 * modulus / 2 * np.sqrt(RADIUS) * max(delta, 0.0) ** 2.5
         energies.append(simulation.kinetic_energy + stored)
     assert energies == pytest.approx([before] * 5, rel=1e-4)
 
@@ -125,13 +127,13 @@ def test_half_list_finds_every_pair():
     for periodic in (AROUND, CLOSED):
         sides = np.array(periodic.lower), np.array(periodic.upper), np.array(periodic.periodic)
         x, radius = rng.uniform(0, SIDE, (300, 3)), rng.uniform(0.3, 1.0, 300) * RADIUS
-        start, mates = loop.neighbours.half_list(x, radius, *sides, 2e-4)
+        start, entry = neighbours.half_list(x, radius, Box(*sides), 2e-4)
         apart = x[:, None] - x[None]
         apart -= np.where(sides[2], SIDE * np.rint(apart / SIDE), 0.0)
         near = np.linalg.norm(apart, axis=-1) < radius[:, None] + radius + 2e-4
         expected = {(i, j) for i, j in np.argwhere(near).tolist() if i < j}
         rows = np.repeat(np.arange(300), np.diff(start))
-        assert sorted(expected) == sorted(zip(rows.tolist(), (mates & loop.neighbours.MASK).tolist(), strict=True))
+        assert sorted(expected) == sorted(zip(rows.tolist(), (entry & neighbours.MASK).tolist(), strict=True))
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -156,9 +158,9 @@ def test_two_materials_in_contact_with_a_wall_of_a_third():
     simulation = Simulation(particles, [soft, hard, slick], [Plane((0, 0, 0), (0, 0, 1), 2)], time_step=2e-6)
     simulation.run(100_000)
     weight = simulation.mass * 9.81
-    overlap = simulation.contacts().overlap[0]
-    force = 4 / 3 * simulation._table[0, 1, 0] * np.sqrt(RADIUS / 2) * overlap**1.5
-    floor = 4 / 3 * simulation._table[0, 2, 0] * np.sqrt(RADIUS) * (RADIUS - simulation.position[0, 2]) ** 1.5
+    overlap, modulus = simulation.contacts().overlap[0], pair_table([soft, hard, slick])["youngs_modulus"]
+    force = 4 / 3 * modulus[0, 1] * np.sqrt(RADIUS / 2) * overlap**1.5
+    floor = 4 / 3 * modulus[0, 2] * np.sqrt(RADIUS) * (RADIUS - simulation.position[0, 2]) ** 1.5
     assert force == pytest.approx(weight[1], rel=1e-3)
     assert floor == pytest.approx(weight.sum(), rel=1e-3)
 

@@ -11,7 +11,7 @@ import pytest
 from contbed.dem import heat, network
 from contbed.dem.heat_pair import IMPACT, STATIC, correction
 from contbed.dem.packing import pack
-from contbed.dem.particles import Material, Particles
+from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.statistics import solid_share
 from contbed.dem.walls import Domain, Plane, Tube
@@ -43,7 +43,7 @@ def test_forces_carry_the_weight(bed):
         Particles(bed.position, bed.radius), [bed.material], bed.walls, bed.domain, time_step=1e-5, largest_overlap=0.1
     )
     simulation.run(10_000)
-    modulus = simulation._table[0, 0, 0]
+    modulus = pair_table(simulation.materials)["youngs_modulus"][0, 0]
     pressed = np.maximum(bed.radius - simulation.position[:, 2], 0.0)
     floor = (4 / 3 * modulus * np.sqrt(bed.radius) * pressed**1.5).sum()
     assert floor == pytest.approx(simulation.mass.sum() * 9.81, rel=1e-2)
