@@ -29,8 +29,8 @@ HISTORY = _columns("spring_x", "spring_y", "spring_z", "first_step", "impact_spe
 # of a pair of materials in `contact_heat`: 4 c/(1/k_i + 1/k_j) [W/m/K]; c^3 of impacts [-]; the smaller rho c over the
 # larger [-]; k/(rho c) of the smaller [m2/s]; 1/((rho c k)_i^(-1/2) + (rho c k)_j^(-1/2)) [W s^0.5/m2/K]
 HEAT_PAIR = _columns("at_rest", "impact", "capacity_ratio", "diffusivity", "effusivity")
-# `curvature` 0 of a plane, 1 of a cylinder around the bed, -1 of a tube in it; a point [m] of the plane or axis; the unit
-# normal into the bed or unit direction of the axis; radius [m] and index of the material
+# `curvature` 0 of a plane, 1 of a cylinder around the bed, -1 of a tube in it; a point [m] of the plane or axis; the
+# unit normal into the bed or unit direction of the axis; radius [m] and index of the material
 WALL = np.dtype(
     [
         *((name, np.float64) for name in ("curvature", "x", "y", "z", "unit_x", "unit_y", "unit_z", "radius")),

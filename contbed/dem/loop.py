@@ -35,7 +35,7 @@ class HalfStep(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """How an interval ended: status, the particle to blame or -1, completed steps; list, walls and `moved` as they are."""
+    """How an interval ended: status, the particle to blame or -1, steps completed, and what has changed."""
 
     status: int
     particle: int

@@ -335,9 +335,9 @@ def _place(point: Array) -> str:
 
 def _description(status: int, particle: int, where: Array, velocity: Array, time: float) -> str:
     """What happened to a particle at `time` [s]."""
+    speed = float(np.linalg.norm(velocity))
     what = {
-        loop.TOO_FAST: f"moves at {float(np.linalg.norm(velocity)):.4g} m/s, more than {STRIDE:g} of the smallest radius "
-        "in a step",
+        loop.TOO_FAST: f"moves at {speed:.4g} m/s, more than {STRIDE:g} of the smallest radius in a step",
         loop.LOST: "left the domain",
         loop.BEYOND_WALL: "was pushed through a wall",
     }[status]
