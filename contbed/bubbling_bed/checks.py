@@ -8,8 +8,9 @@ from types import SimpleNamespace
 
 from contbed.bubbling_bed import scene as b
 from contbed.bubbling_bed.chemistry import checks as chemistry_checks
-from contbed.bubbling_bed.coefficients import mixture, named, uses
-from contbed.closures.binding import resolve_closure
+from contbed.bubbling_bed.closures import gives, is_bubbling, uses
+from contbed.bubbling_bed.coefficients import mixture
+from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.tables import Output
@@ -107,7 +108,7 @@ def coefficients_fit_the_gas(
             yield path, f"a closure needs the properties of the gas: give a number, or gas.mass_flow; {which}"
         elif named(spec):
             try:
-                resolve_closure(spec, kind, origin.base)
+                bind(spec, kind, gives(path, kind, is_bubbling(bubbles)), origin.base)
             except SceneError as error:
                 yield path, str(error)
     if bubbles is not None and computed == (bubbles.capacity_flow is not None):

@@ -7,7 +7,7 @@ the mixture of particles: density by volume, heat capacity by mass, diameter and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache, partial
 from types import SimpleNamespace
 from typing import Any
@@ -15,21 +15,16 @@ from typing import Any
 import numpy as np
 
 from contbed.bubbling_bed import scene as b
+from contbed.bubbling_bed.closures import Coefficient, is_bubbling, uses
 from contbed.bubbling_bed.equations import bed as model
 from contbed.bubbling_bed.equations import flow as bubbling_flow
-from contbed.closures import registry
-from contbed.closures.binding import resolve_closure
 from contbed.closures.bubbles import GRAVITY
 from contbed.closures.reactions_solid import diffusion_in_nitrogen
 from contbed.materials.common import integrated, polynomial
-from contbed.scene.quantities import ClosureFile
-from contbed.scene.tables import Closure
-from contbed.scene.toml_lines import KeyPath, dotted
+from contbed.scene.toml_lines import KeyPath
 
 SMOOTHED = 1e-3  # share of u_mf over which the excess of gas bends to zero where there is none
 STEPS = 200  # of the march that gives a first guess of the bubbles
-
-Use = tuple[KeyPath, Any, str]
 
 
 @cache
@@ -38,70 +33,6 @@ def mixture(composition: str, pressure: float, mechanism: str) -> Any:
     from contbed.materials import gas_mixture
 
     return gas_mixture(composition, pressure, mechanism)
-
-
-def named(spec: Any) -> bool:
-    """Whether a coefficient is a closure instead of a number."""
-    return isinstance(spec, (str, Closure, ClosureFile))
-
-
-def uses(scene: Any) -> Iterator[Use]:
-    """Where the scene may name a closure, what stands there, and of which kind it is; `scene` has the tables."""
-    bed, bubbles = scene.bubbling_bed, scene.bubbles
-    yield ("bubbling_bed", "minimum_fluidization"), bed.minimum_fluidization, "minimum_fluidization"
-    if bed.expansion is not None:
-        yield ("bubbling_bed", "expansion"), bed.expansion, "expansion"
-    if bed.conductivity is not None:
-        yield ("bubbling_bed", "conductivity"), bed.conductivity, "conductivity"
-    if bubbles is not None:
-        for key, kind in (
-            ("fraction", "bubble_fraction"),
-            ("exchange", "bubble_heat"),
-            ("gas_exchange", "gas_exchange"),
-            ("size", "bubble_growth"),
-            ("start", "bubble_start"),
-            ("rise", "bubble_rise"),
-            ("emulsion_gas", "emulsion_gas"),
-        ):
-            yield ("bubbles", key), getattr(bubbles, key), kind
-    for name, item in scene.species.items():
-        yield ("species", name, "gas_coefficient"), item.gas_coefficient, "nusselt"
-        yield ("species", name, "conductivity"), item.conductivity, "solids_mixing"
-        for other, value in item.exchange.items():
-            yield ("species", name, "exchange", other), value, "solid_exchange"
-    for key, table in (("tubes", scene.tubes), ("walls", scene.walls)):
-        if table is not None:
-            yield (key, "coefficient"), table.coefficient, "bed_tube"
-    if scene.freeboard is not None and scene.freeboard.height is not None:
-        for key, kind in (
-            ("ejection", "ejection"),
-            ("decay", "decay"),
-            ("terminal_velocity", "terminal_velocity"),
-            ("elutriation", "elutriation"),
-            ("gas_coefficient", "nusselt"),
-        ):
-            yield ("freeboard", key), getattr(scene.freeboard, key), kind
-
-
-class Wired:
-    """One coefficient: a number, or a closure that takes from a state what it asks for."""
-
-    def __init__(self, path: KeyPath, spec: Any, kind: str, base: Any):
-        self.path = dotted(path)
-        self.value = None if named(spec) else spec
-        if self.value is None:
-            self.function, self.parameters = resolve_closure(spec, kind, base)
-            sheet = self.function.sheet  # type: ignore[attr-defined]
-            self.wanted = [name for name in (*sheet.arguments, *sheet.options) if name not in self.parameters]
-
-    def __call__(self, state: dict[str, Any], ranges: list[Any] | None) -> Any:
-        if self.value is not None:
-            return self.value
-        arguments = {name: state[name] for name in self.wanted if name in state} | self.parameters
-        if ranges is not None:
-            plain = {name: getattr(value, "value", value) for name, value in arguments.items()}
-            ranges.append({**registry.usage(self.function, **plain).to_dict(), "used_by": self.path})
-        return self.function(**arguments)
 
 
 class Computed:
@@ -114,7 +45,10 @@ class Computed:
         self.flow = float(scene.gas.mass_flow or 0.0)
         bed, present = scene.bubbling_bed, scene.present
         base = scene.origin.base
-        self.wired = {path: Wired(path, spec, kind, base) for path, spec, kind in uses(scene)}
+        self.bubbling = is_bubbling(scene.bubbles)
+        self.coefficients = {
+            path: Coefficient(path, spec, kind, self.bubbling, base) for path, spec, kind in uses(scene)
+        }
         self.section, self.solids = bed.section, bed.solids_fraction
         self.eps = 1.0 - bed.solids_fraction
         self.D_bed = float(np.sqrt(4.0 * bed.section / np.pi))
@@ -133,8 +67,7 @@ class Computed:
         )
         self.rho_solid = sum(self.share[name] * self.density[name] for name in self.names)
         self.k_solid = self._by_surface({name: item.thermal_conductivity for name, item in present.items()})
-        self.bubbling = scene.bubbles is not None and scene.bubbles.fraction != 0
-        self.grows = self.bubbling and self.wired["bubbles", "size"].value is None
+        self.grows = self.bubbling and self.coefficients["bubbles", "size"].value is None
         self.chemistry = self._chemistry() if scene.reactions is not None else None
         self.above = None
         if scene.freeboard is not None and scene.freeboard.height is not None:
@@ -210,7 +143,7 @@ class Computed:
             "Ar": self.d_p**3 * rho * (self.rho_solid - rho) * GRAVITY / mu**2,
         }
         found = self._call(("bubbling_bed", "minimum_fluidization"), state)
-        given = self.wired["bubbling_bed", "minimum_fluidization"].value is not None
+        given = self.coefficients["bubbling_bed", "minimum_fluidization"].value is not None
         state["u_mf"] = found if given else found * mu / (rho * self.d_p)
         if not self.bubbling:
             state["u"] = state["u_e"] = flow / (rho * self.section)
@@ -231,7 +164,7 @@ class Computed:
         return flow - rho * A * (1.0 - state["delta"]) * state["u_e"]
 
     def _call(self, path: KeyPath, state: dict[str, Any]) -> Any:
-        return self.wired[path](state, self.ranges)
+        return self.coefficients[path](state, self.ranges)
 
     def __call__(self, u: Any, o: Any) -> model.Local:
         """The coefficients at the points of a domain."""
@@ -244,7 +177,7 @@ class Computed:
         flows, slopes, crossing, unknown = {"T_emulsion": flow}, {"T_emulsion": 0.0}, None, None
         heat = 1e3 * gases["emulsion"].heat_capacity(scene.solver.guess)  # a kg of gas heated by 1000 K
         if self.bubbling:
-            d_b = u.d_bubble if self.grows else self.wired["bubbles", "size"].value
+            d_b = u.d_bubble if self.grows else self.coefficients["bubbles", "size"].value
             target = self.bubbles(state, gases["bubble"].density(u.T_bubble), flow, u.flow_bubble, d_b)
             growth = self._call(("bubbles", "size"), state) if self.grows else None
             start = self._call(("bubbles", "start"), state) if self.grows else None
@@ -309,16 +242,16 @@ class Computed:
     def _to_gas(self, name: str, state: dict[str, Any]) -> Any:
         d_p = self.scene.species[name].diameter
         Re = state["rho_gas"] * state["u_e"] * d_p / state["mu"]
-        wired = self.wired["species", name, "gas_coefficient"]
-        found = wired(state | {"Re": Re, "d_p": d_p}, self.ranges)
-        return self.surface[name] * (found if wired.value is not None else found * state["k_gas"] / d_p)
+        coefficient = self.coefficients["species", name, "gas_coefficient"]
+        found = coefficient(state | {"Re": Re, "d_p": d_p}, self.ranges)
+        return self.surface[name] * (found if coefficient.value is not None else found * state["k_gas"] / d_p)
 
     def _mixing(self, name: str, state: dict[str, Any]) -> Any:
         """Section times conductivity of a species [W m/K]."""
-        wired = self.wired["species", name, "conductivity"]
-        found = wired(state, self.ranges)
+        coefficient = self.coefficients["species", name, "conductivity"]
+        found = coefficient(state, self.ranges)
         emulsion = self.section * (1.0 - state.get("delta", 0.0)) * self.share[name]
-        if wired.value is None:
+        if coefficient.value is None:
             content = self.density[name] * self.heat_capacity(name, state["T"])
             mixing = emulsion * self.solids * content * found
         else:
@@ -334,7 +267,7 @@ class Computed:
                 if other not in self.names:
                     continue
                 pair = state | self._of_pair(name, 1, state) | self._of_pair(other, 2, state)
-                out[name, other] = self.wired["species", name, "exchange", other](pair, self.ranges)
+                out[name, other] = self.coefficients["species", name, "exchange", other](pair, self.ranges)
         return out
 
     def _of_pair(self, name: str, k: int, state: dict[str, Any]) -> dict[str, Any]:
@@ -348,7 +281,7 @@ class Computed:
         }
 
     def _contact(self, key: str, state: dict[str, Any]) -> Any:
-        return self.wired[key, "coefficient"](state | {"eps": state["eps_bed"]}, self.ranges)
+        return self.coefficients[key, "coefficient"](state | {"eps": state["eps_bed"]}, self.ranges)
 
     def surface_state(self, T: float) -> dict[str, Any]:
         """What closures see at the surface of a bed of one temperature."""
@@ -365,7 +298,7 @@ class Computed:
         flow = self.flow
         heights = np.linspace(0.0, float(np.max(z)), STEPS + 1)
         steps, sizes, bubbles = np.diff(heights), [], []
-        d_b: Any = 0.01 * self.D_bed if self.grows else self.wired["bubbles", "size"].value
+        d_b: Any = 0.01 * self.D_bed if self.grows else self.coefficients["bubbles", "size"].value
         flow_bubble: Any = 0.5 * flow
         for k in range(STEPS + 1):
             state, gases = self.state(u, flow)

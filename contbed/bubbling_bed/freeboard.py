@@ -18,7 +18,7 @@ class Above:
 
     def __init__(self, scene: Any, computed: Any):
         self.scene, self.computed, self.table = scene, computed, scene.freeboard
-        self.called = computed.wired
+        self.coefficients = computed.coefficients
         names = computed.names
         total = sum(computed.share[name] * computed.density[name] for name in names)
         self.shares = {name: computed.share[name] * computed.density[name] / total for name in names}
@@ -111,7 +111,7 @@ class Above:
         return out
 
     def _call(self, key: str, state: dict[str, Any]) -> Any:
-        return self.called["freeboard", key](state, self.computed.ranges)
+        return self.coefficients["freeboard", key](state, self.computed.ranges)
 
     def here(self, u: Any, o: Any) -> model.Here:
         """Coefficients at the points of a domain."""
@@ -123,7 +123,7 @@ class Above:
             for part, rate in zip(shares, self._rates(state, name), strict=True):
                 carried = carried + share * part * rate
         mixed = state | {"d_p": computed.d_p, "Re": state["rho_gas"] * state["u_gas"] * computed.d_p / state["mu"]}
-        nusselt = self.called["freeboard", "gas_coefficient"]
+        nusselt = self.coefficients["freeboard", "gas_coefficient"]
         exchange = nusselt(mixed, computed.ranges)
         if nusselt.value is None:
             exchange = exchange * state["k_gas"] / computed.d_p

@@ -11,7 +11,8 @@ from scipy.integrate import trapezoid
 from contbed.balance import Balance
 from contbed.bubbling_bed.plan import BubblingPlan
 from contbed.bubbling_bed.problem import BubblingProblem
-from contbed.closures import optics, registry
+from contbed.closures import optics
+from contbed.closures.ranges import usage
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Probe, axis_points
 from contbed.result import Result
@@ -61,7 +62,7 @@ def fill(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Resul
     if chemistry is not None:
         chemistry_results.fill(problem, chemistry, state, result)
     if plan.albedo is not None:
-        use = registry.usage(optics.radiation_emissivity_half_space, albedo=plan.albedo)
+        use = usage(optics.radiation_emissivity_half_space, albedo=plan.albedo)
         result.closures.append(use.to_dict())
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from contbed.cfd_dem import scene as g
-from contbed.closures.binding import resolve_closure
+from contbed.cfd_dem.closures import GIVES
+from contbed.closures.binding import bind
 from contbed.dem.dumps import is_dump
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
@@ -35,9 +36,9 @@ def fluid_is_complete(fluid: FluidConstant | FluidCantera) -> Mistakes:
 
 
 def closures_exist(gas: g.GasFlow, origin: Origin) -> Mistakes:
-    for kind in ("drag", "nusselt"):
+    for kind, gives in GIVES.items():
         try:
-            resolve_closure(getattr(gas, kind), kind, origin.base)
+            bind(getattr(gas, kind), kind, gives, origin.base)
         except SceneError as error:
             yield ("gas", kind), str(error)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +12,11 @@ from numpy.typing import NDArray
 
 from contbed.balance import Balance
 from contbed.cfd_dem import scene as g
+from contbed.cfd_dem.closures import bound
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
 from contbed.cfd_dem.heat_transfer import Average, Solid, bed_nusselt
-from contbed.closures import usage
-from contbed.closures.binding import own_parameters, resolve_closure
 from contbed.dem import dumps, extract
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
@@ -142,11 +140,12 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
     )
     solid = Solid(table.conductivity, table.heat_capacity, table.modulus_real, table.exponents)
     T = None if scene.heat is None else scene.heat.T
+    closures = bound(scene)
     flow = Gas(
         plan.grid,
         _fluid(scene),
-        _law(scene, "drag"),
-        _law(scene, "nusselt"),
+        closures["drag"],
+        closures["nusselt"],
         T or gas.T,
         T is None,
         simulation.gravity,
@@ -234,14 +233,11 @@ def _findings(plan: GasPlan, bed: Bed, history: History, result: Result) -> None
     rows = np.array(history.rows)
     late = rows[:, 0] >= scene.time.average_from * (1.0 - 1e-9)
     result.qoi |= {"pressure_drop [Pa]": float(rows[late, 1].mean()), "height [m]": float(rows[late, 2].mean())}
+    closures = bound(scene)
     around = {"Re": average.Re, "Pr": average.Pr, "eps": average.eps}
     d_p, mu = 2.0 * plan.particles.radius, float(np.mean(bed.gas.fluid.viscosity(bed.gas.T)))
     for kind, known in (("drag", around | {"d_p": d_p, "mu": mu}), ("nusselt", around)):
-        law = _law(scene, kind)
-        function: Any = getattr(law, "func", law)
-        options = getattr(law, "keywords", {})
-        use = usage(function, **{name: known[name] for name in function.sheet.arguments if name in known}, **options)
-        result.closures.append(use.to_dict())
+        result.closures.append(closures[kind].use(**known).to_dict())
 
 
 def _balance(parts: Mapping[str, float], unit: str, floor: float) -> dict[str, Any]:
@@ -314,11 +310,6 @@ def _resume(bed: Bed, history: History, arrays: Mapping[str, Any]) -> None:
     count, average.coordination, average.Pr = arrays["numbers"].tolist()
     average.count, average.Re, average.eps = int(count), arrays["Re"], arrays["eps"]
     average.mean = {name[5:]: value for name, value in arrays.items() if name.startswith("mean_")}
-
-
-def _law(scene: g.GasScene, kind: str) -> Callable[..., Any]:
-    function, parameters = resolve_closure(getattr(scene.gas, kind), kind, scene.origin.base)
-    return partial(function, **own_parameters(function, parameters)) if parameters else function
 
 
 def _fluid(scene: g.GasScene) -> Any:

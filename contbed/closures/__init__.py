@@ -28,15 +28,15 @@ from __future__ import annotations
 
 from typing import Any
 
+from contbed.closures.ranges import RangeUse as RangeUse
+from contbed.closures.ranges import usage as usage
 from contbed.closures.registry import DispersionPair as DispersionPair
-from contbed.closures.registry import RangeUse as RangeUse
 from contbed.closures.registry import closure as closure
 from contbed.closures.registry import data_sheet as data_sheet
 from contbed.closures.registry import dispersion_pair as dispersion_pair
 from contbed.closures.registry import get as get
 from contbed.closures.registry import names as names
 from contbed.closures.registry import sheet as sheet
-from contbed.closures.registry import usage as usage
 from contbed.closures.sheet import Sheet as Sheet
 
 _TOOLS = tuple(name for name in globals() if not name.startswith("_") and name not in ("annotations", "Any"))

@@ -1,75 +1,104 @@
-"""Which closure a scene means: the kind's prefix may be left out, further keys are the closure's own parameters."""
+"""Closures bound to the places of a scene that name them: name -> function -> arguments -> value -> range use.
+
+A scene names a closure by a text, "gunn" or "nusselt_gunn", by a table with parameters, {name = "power", a = 1.1,
+b = 0.6}, or by a file, {file = "closure.toml"}. `bind` resolves it once. Every physics states which arguments it gives
+at a place; what the closure needs besides has to stand in the scene.
+"""
 
 from __future__ import annotations
 
-import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, TypeGuard, TypeVar
 
-from contbed.closures import registry
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.closures import ranges, registry
+from contbed.closures.sheet import Sheet
 from contbed.errors import SceneError
 from contbed.scene.quantities import ClosureFile
 from contbed.scene.tables import Closure
 
 PHASE = "conductivity_phase"
-# Arguments that a model knows and passes by itself, by kind; all others without a default come from the scene.
-_STREAM = frozenset({"Re", "Pr", "Pe", "eps", "T", "d_p", "D_bed", "k_fluid"})
-_PACKING = frozenset({"d_p", "eps"})
-# of a bubbling bed, at one height
-_BUBBLING = frozenset({
-    "Ar", "Pr", "Re", "eps", "eps_mf", "T", "p", "d_p", "D_bed", "sphericity", "rho_gas", "mu", "cp_gas", "k_gas",
-    "molar_mass", "D_gas", "rho_solid", "cp_solid", "k_solid", "u", "u_mf", "u_excess", "u_b", "u_t", "u_gas", "d_b",
-    "delta", "slip", "f_1", "f_2", "d_1", "d_2", "rho_1", "rho_2", "cp_1", "cp_2", "k_1", "k_2",
-})  # fmt: skip
-SUPPLIED = {
-    "nusselt": _STREAM,
-    "dispersion": _STREAM,
-    "wall": _STREAM | {"k_stagnant"},
-    "conductivity": frozenset({"k_fluid", "k_solid", "eps", "T", "d_p"}),
-    "tortuosity": frozenset({"k_fluid", "k_solid", "eps"}),
-    "drag": frozenset({"Re", "eps", "d_p", "mu"}),
-    **dict.fromkeys(
-        (
-            "minimum_fluidization",
-            "bubble_size",
-            "bubble_start",
-            "bubble_growth",
-            "bubble_rise",
-            "bubble_fraction",
-            "emulsion_gas",
-            "bubble_heat",
-            "gas_exchange",
-            "solids_mixing",
-            "solid_exchange",
-            "bed_tube",
-            "terminal_velocity",
-            "expansion",
-            "ejection",
-            "decay",
-            "elutriation",
-        ),
-        _BUBBLING,
-    ),
-    "permeability": _PACKING,
-    "forchheimer": _PACKING,
-    **dict.fromkeys(
-        (
-            "radial_distribution",
-            "granular_pressure",
-            "granular_viscosity",
-            "granular_bulk_viscosity",
-            "granular_conductivity",
-            "granular_dissipation",
-            "granular_friction",
-        ),
-        frozenset({"eps_s", "eps_max", "g0", "e"}),
-    ),
-    "granular_friction_viscosity": frozenset({"p_friction", "angle", "shear_rate"}),
-}
 
 Function = Callable[..., Any]
+Spec = str | Closure | ClosureFile
+State = TypeVar("State")
+
+
+class BoundClosure:
+    """A closure with its own parameters, and the arguments that it takes from what a model knows.
+
+    Called with keywords, it takes those that it needs, keeps them as its last arguments, and leaves out all others.
+    """
+
+    def __init__(self, function: Function, parameters: Mapping[str, Any], gives: Iterable[str]):
+        self.function = function
+        self.sheet: Sheet = function.sheet  # type: ignore[attr-defined]
+        accepted = (*self.sheet.arguments, *self.sheet.options)
+        given = set(gives)
+        self.parameters = {key: value for key, value in parameters.items() if key in accepted}
+        self.takes = tuple(key for key in accepted if key in given and key not in self.parameters)
+        self._last: dict[str, Any] | None = None
+        self._record = ranges.RangeRecord(self.sheet)
+
+    @property
+    def name(self) -> str:
+        """Name of the closure."""
+        return self.sheet.name
+
+    def __call__(self, **known: Any) -> Any:
+        """The value at a state of which `known` holds at least what the closure takes."""
+        self._last = {key: known[key] for key in self.takes} | self.parameters
+        return self.function(**self._last)
+
+    def at(self, gives: Mapping[str, Callable[[State], Any]], state: State) -> Any:
+        """The value at a state of a model that gives its arguments as functions of the state."""
+        return self(**{key: gives[key](state) for key in self.takes})
+
+    def use(self, **known: Any) -> ranges.RangeUse:
+        """Used ranges: those recorded; without a record those of `known` or, if that is empty, of the last call."""
+        if not self._record.empty:
+            return self._record.use()
+        return ranges.usage(self.function, **self._plain(known))
+
+    def record(self, **known: Any) -> None:
+        """Add `known` or, if that is empty, the arguments of the last call to the record of used ranges."""
+        if known or self._last is not None:
+            self._record.add({**self.sheet.options, **self._plain(known)})
+
+    def state(self) -> NDArray[np.float64]:
+        """The record of used ranges for a checkpoint: lowest, highest, points outside, points of each range."""
+        return self._record.rows.copy()
+
+    def restore(self, state: NDArray[np.float64]) -> None:
+        """Go on with the record of used ranges of a checkpoint."""
+        self._record.rows[:] = state
+
+    def _plain(self, known: Mapping[str, Any]) -> dict[str, Any]:
+        """Arguments without derivatives."""
+        arguments = {key: known[key] for key in self.takes} | self.parameters if known else self._last
+        assert arguments is not None
+        return {key: getattr(value, "value", value) for key, value in arguments.items()}
+
+
+class BoundDispersion(NamedTuple):
+    """The two closures of one correlation of dispersion, along and across the flow."""
+
+    axial: BoundClosure
+    transverse: BoundClosure
+
+    @property
+    def takes(self) -> tuple[str, ...]:
+        """The arguments that one of them takes."""
+        return self.axial.takes + self.transverse.takes
+
+
+def named(spec: object) -> TypeGuard[Spec]:
+    """Whether a value of a scene names a closure."""
+    return isinstance(spec, str | Closure | ClosureFile)
 
 
 def is_phase(spec: object) -> bool:
@@ -78,35 +107,36 @@ def is_phase(spec: object) -> bool:
     return name in (PHASE, "phase")
 
 
-def resolve_closure(
-    spec: str | Closure | ClosureFile, kind: str, base: Path = Path()
-) -> tuple[Function, dict[str, Any]]:
-    """The function that a scene names, "gunn" or "nusselt_gunn", and the parameters set beside the name.
+def bind(spec: Spec, kind: str, gives: Iterable[str], base: Path = Path()) -> BoundClosure:
+    """The closure that a scene names, where a model gives the arguments `gives`.
 
     A closure's file is looked for in `base`, the folder of the scene.
+
+    Raises
+    ------
+    SceneError : no such closure or file; a parameter is unknown or out of its bounds; an argument is missing
     """
     if isinstance(spec, ClosureFile):
         from contbed.closures.file import closure_of
 
-        return closure_of(spec.file, base, kind), {}
+        function: Function = closure_of(spec.file, base, kind)
+        given = set(gives)
+        if missing := [key for key in function.sheet.arguments if key not in given]:  # type: ignore[attr-defined]
+            raise SceneError(f"{spec.file} needs {', '.join(missing)}; given here: {', '.join(sorted(given))}")
+        return BoundClosure(function, {}, gives)
     name, parameters = _split(spec)
     function = registry.get(_full_name(name, kind, registry.names(kind)), kind)
-    _check(name, parameters, [function])
-    return function, parameters
+    _check(name, parameters, [function], gives)
+    return BoundClosure(function, parameters, gives)
 
 
-def resolve_dispersion(spec: str | Closure) -> tuple[Function, Function, dict[str, Any]]:
-    """The axial and the transverse function of a dispersion closure, and the parameters set beside the name."""
+def bind_dispersion(spec: str | Closure, gives: Iterable[str]) -> BoundDispersion:
+    """The axial and the transverse closure of the dispersion that a scene names; raises what `bind` raises."""
     name, parameters = _split(spec)
     stems = [known.removesuffix("_axial") for known in registry.names("dispersion") if known.endswith("_axial")]
     pair = registry.dispersion_pair(_full_name(name, "dispersion", stems))
-    _check(name, parameters, [pair.axial, pair.transverse])
-    return pair.axial, pair.transverse, parameters
-
-
-def own_parameters(function: Function, parameters: dict[str, Any]) -> dict[str, Any]:
-    """Those of the parameters that this function takes; the two of a dispersion pair may differ."""
-    return {key: value for key, value in parameters.items() if key in inspect.signature(function).parameters}
+    _check(name, parameters, list(pair), gives)
+    return BoundDispersion(*(BoundClosure(function, parameters, gives) for function in pair))
 
 
 def _split(spec: str | Closure) -> tuple[str, dict[str, Any]]:
@@ -121,20 +151,26 @@ def _full_name(name: str, kind: str, known: tuple[str, ...] | list[str]) -> str:
     return prefixed if prefixed in known or not name.startswith(f"{kind}_") else name
 
 
-def _check(name: str, parameters: dict[str, Any], functions: list[Function]) -> None:
-    sheets = [function.sheet for function in functions]  # type: ignore[attr-defined]
-    supplied = SUPPLIED[sheets[0].kind]
+def _check(name: str, parameters: Mapping[str, Any], functions: list[Function], gives: Iterable[str]) -> None:
+    sheets: list[Sheet] = [function.sheet for function in functions]  # type: ignore[attr-defined]
     options = {key: value for sheet in sheets for key, value in sheet.options.items()}
+    bounds = {key: interval for sheet in sheets for key, interval in sheet.bounds.items()}
     arguments = dict.fromkeys(argument for sheet in sheets for argument in sheet.arguments)
     for key, value in parameters.items():
         if key not in options and key not in arguments:
-            known = ", ".join([*(key for key in arguments if key not in supplied), *options]) or "none"
+            known = ", ".join([*(key for key in arguments if key not in set(gives)), *options]) or "none"
             raise SceneError(f"closure {name!r} has no parameter {key!r}; its parameters: {known}")
         if isinstance(options.get(key), str):
             if not isinstance(value, str):
                 raise SceneError(f"parameter {key!r} of closure {name!r} is a text, found {value!r}")
         elif isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             raise SceneError(f"parameter {key!r} of closure {name!r} is a finite number in SI, found {value!r}")
-    if missing := [key for key in arguments if key not in supplied and key not in parameters]:
+        elif key in bounds and value not in bounds[key]:
+            raise SceneError(f"parameter {key!r} of closure {name!r} is in {bounds[key].text}, found {value!r}")
+    given = set(gives)
+    if missing := [key for key in arguments if key not in given and key not in parameters]:
         example = ", ".join(f"{key} = ..." for key in missing)
-        raise SceneError(f'closure {name!r} needs {", ".join(missing)}: {{name = "{name}", {example}}}')
+        raise SceneError(
+            f'closure {name!r} needs {", ".join(missing)}: {{name = "{name}", {example}}}; '
+            f"given here: {', '.join(sorted(given)) or 'nothing'}"
+        )

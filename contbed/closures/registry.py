@@ -6,23 +6,19 @@ A closure stays a plain function. The decorator only hangs a data sheet on it an
     def nusselt_author(Re, Pr): ...
 
 A range belongs to an argument, or to the ratio of two arguments ("k_solid/k_fluid"); both bounds are inclusive.
-Nothing is checked while a closure is evaluated: `usage` compares the declared with the used range afterwards.
+Nothing is checked while a closure is evaluated: `ranges.usage` compares the declared with the used range afterwards.
 """
 
 from __future__ import annotations
 
 import inspect
-import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias, TypeVar
-
-import numpy as np
 
 from contbed.closures.sheet import Docstring, Interval, Sheet, assembled
 from contbed.errors import SceneError
@@ -31,46 +27,6 @@ Value: TypeAlias = Any  # a number, an array or a dual number
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-@dataclass(frozen=True)
-class ArgumentUse:
-    """Declared and used range of one argument; `share_outside` is the share of points beyond the bounds or nan."""
-
-    declared: tuple[float, float]
-    used: tuple[float, float]
-    share_outside: float
-
-
-@dataclass(frozen=True)
-class RangeUse:
-    """How one run used one closure."""
-
-    sheet: Sheet
-    arguments: Mapping[str, ArgumentUse]
-
-    @property
-    def share_outside(self) -> float:
-        """The largest share of points that lie outside the range of any one argument."""
-        return max((use.share_outside for use in self.arguments.values()), default=0.0)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain JSON data; a missing bound is None because JSON knows neither inf nor nan."""
-        return {
-            "name": self.sheet.name,
-            "kind": self.sheet.kind,
-            "source": self.sheet.source,
-            "share_outside": self.share_outside,
-            "ranges": {
-                name: {
-                    "declared": [_finite(bound) for bound in use.declared],
-                    "used": [_finite(bound) for bound in use.used],
-                    "share_outside": use.share_outside,
-                }
-                for name, use in self.arguments.items()
-            },
-        }
-
-
-_ROUNDING = 1e-9  # relative excess of a value over a bound that is no more than rounding
 _register: dict[str, Callable[..., Any]] = {}
 
 
@@ -181,23 +137,6 @@ def data_sheet(name: str) -> str:
     return "\n".join([*head, "", facts.text, ""])
 
 
-def usage(function: Callable[..., Any] | str, **arguments: Any) -> RangeUse:
-    """Compare the arguments of a call, numbers or arrays that broadcast, with the declared ranges."""
-    if isinstance(function, str):
-        function = get(function)
-    facts: Sheet = function.sheet  # type: ignore[attr-defined]
-    bound = inspect.signature(function).bind(**arguments)
-    bound.apply_defaults()
-    uses = {}
-    for key, declared in facts.ranges.items():
-        top, _, bottom = key.partition("/")
-        values = np.asarray(bound.arguments[top], dtype=float)
-        if bottom:
-            values = values / np.asarray(bound.arguments[bottom], dtype=float)
-        uses[key] = _argument_use(values, declared)
-    return RangeUse(sheet=facts, arguments=MappingProxyType(uses))
-
-
 def unknown(name: str, known: Iterable[str], kind: str | None = None) -> SceneError:
     """The error for a name that is not among the known ones: the nearest come first, else all are listed."""
     known = list(known)
@@ -210,16 +149,3 @@ def unknown(name: str, known: Iterable[str], kind: str | None = None) -> SceneEr
 def _sheet(name: str) -> Sheet:
     found: Sheet = _register[name].sheet  # type: ignore[attr-defined]
     return found
-
-
-def _argument_use(values: np.ndarray, declared: tuple[float, float]) -> ArgumentUse:
-    if values.size == 0:
-        return ArgumentUse(declared, (math.nan, math.nan), 0.0)
-    low, high = declared
-    # Written as "not inside" so that nan counts as outside. Rounding of a value at a bound is inside.
-    outside = ~((values >= low - _ROUNDING * abs(low)) & (values <= high + _ROUNDING * abs(high)))
-    return ArgumentUse(declared, (float(values.min()), float(values.max())), float(outside.mean()))
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

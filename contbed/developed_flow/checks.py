@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-from contbed.closures.binding import resolve_closure
+from contbed.closures.binding import bind
 from contbed.developed_flow import scene as d
+from contbed.developed_flow.closures import GIVES, KINDS
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.toml_lines import Origin
 
-KINDS = {
-    "drag": "drag",
-    "radial_distribution": "radial_distribution",
-    "pressure": "granular_pressure",
-    "viscosity": "granular_viscosity",
-    "conductivity": "granular_conductivity",
-    "dissipation": "granular_dissipation",
-}
 ROOM = 5.0  # least number of particles between centre and wall
 
 
 def closures_exist(fully_developed: d.FullyDeveloped, origin: Origin) -> Mistakes:
     for key, kind in KINDS.items():
         try:
-            resolve_closure(getattr(fully_developed, key), kind, origin.base)
+            bind(getattr(fully_developed, key), kind, GIVES[kind], origin.base)
         except SceneError as error:
             yield ("fully_developed", key), str(error)
 

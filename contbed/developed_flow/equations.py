@@ -26,23 +26,23 @@ Good values: particles of 0.1-1 mm in 10-100 mm, specularity 0.01-0.5, U_g 3-20 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from contbed.closures.binding import BoundClosure
 
 ITERATIONS = 60  # of Newton's method for the fraction
 ROUNDING = 1e-13  # of the logarithm of its pressure
 IMAGINARY = 1e-30  # part of the fraction whose image is the derivative
 STILL = 1e-12  # [m2/s2] added to the square of the slip, whose root has no derivative at 0
 
-Law = tuple[Callable[..., Any], Mapping[str, Any]]
-
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Gas, particles, flow and wall in SI; `laws` holds closure and own parameters by kind."""
+    """Gas, particles, flow and wall in SI; `closures` holds bound closures by kind."""
 
     rho_gas: float
     mu_gas: float
@@ -55,18 +55,15 @@ class Coefficients:
     solid_flux: float  # G_s [kg/m2/s]
     specularity: float
     wall_restitution: float
-    laws: Mapping[str, Law]
+    closures: Mapping[str, BoundClosure]
 
-    def given(self, kind: str, **state: Any) -> dict[str, Any]:
-        """The arguments of a closure at a state."""
-        function, own = self.laws[kind]
-        known = {"e": self.restitution, "eps_max": self.eps_max, "d_p": self.d_p, "mu": self.mu_gas, **state}
-        names = function.sheet.arguments  # type: ignore[attr-defined]
-        return {name: known[name] for name in names if name not in own} | dict(own)
+    def given(self, **state: Any) -> dict[str, Any]:
+        """The arguments of closures at a state."""
+        return {"e": self.restitution, "eps_max": self.eps_max, "d_p": self.d_p, "mu": self.mu_gas, **state}
 
     def call(self, kind: str, **state: Any) -> Any:
         """A closure at a state."""
-        return self.laws[kind][0](**self.given(kind, **state))
+        return self.closures[kind](**self.given(**state))
 
     def relative_pressure(self, eps_s: Any) -> Any:
         """Pressure of the particles over rho_s theta."""

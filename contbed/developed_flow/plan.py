@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import skfem
 
-from contbed.closures.binding import resolve_closure
 from contbed.developed_flow import scene as d
-from contbed.developed_flow.checks import KINDS
+from contbed.developed_flow.closures import bound
 from contbed.developed_flow.equations import Coefficients
 from contbed.mesh.mesh import Mesh
 from contbed.models import described
@@ -72,7 +71,6 @@ def plan(scene: d.DevelopedScene) -> DevelopedPlan:
 def coefficients(scene: d.DevelopedScene) -> Coefficients:
     """What the equations need."""
     table, gas, solid, wall = scene.fully_developed, scene.gas, scene.solid, scene.wall
-    laws = {kind: resolve_closure(getattr(table, key), kind, scene.origin.base) for key, kind in KINDS.items()}
     return Coefficients(
         rho_gas=gas.density,
         mu_gas=gas.viscosity,
@@ -85,7 +83,7 @@ def coefficients(scene: d.DevelopedScene) -> Coefficients:
         solid_flux=table.solid_flux,
         specularity=wall.specularity,
         wall_restitution=wall.restitution,
-        laws=laws,
+        closures=bound(scene),
     )
 
 

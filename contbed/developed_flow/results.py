@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from contbed.balance import Balance
-from contbed.closures import usage
 from contbed.developed_flow import equations as model
 from contbed.developed_flow.problem import DevelopedProblem
 from contbed.result import Result
@@ -46,8 +45,8 @@ def fill(problem: DevelopedProblem, state: Array, result: Result) -> None:
         result.qoi["pressure_solid_Pa"] = float(values["pressure"][0])
         result.qoi["eps_solid_mean"] = _mean(problem, state, lambda u, o: model.local(u, c).eps_s)
         known = {"eps_s": at.eps_s, "g0": at.g0, "eps": 1.0 - at.eps_s, "Re": at.Re}
-        for kind, (function, _) in c.laws.items():
-            result.closures.append(usage(function, **c.given(kind, **known)).to_dict())
+        for closure in c.closures.values():
+            result.closures.append(closure.use(**c.given(**known)).to_dict())
     result.profiles |= columns
     result.balances |= balances(problem, state)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
 
-from contbed.closures.binding import is_phase, resolve_closure, resolve_dispersion
+from contbed.closures.binding import is_phase, named
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
+from contbed.packed_bed.closures import bound, places
 from contbed.packed_bed.inlets import enters, role, velocity_vector
 from contbed.radiation.checks import (
     particles_have_a_size_and_fit_together,
@@ -228,42 +228,19 @@ def a_steady_temperature_is_determined(
 
 
 def closures_exist(mesh: Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries, origin: Origin) -> Mistakes:
-    uses: list[tuple[KeyPath, Any, str]] = [
-        (("bed", "permeability"), bed.permeability, "permeability"),
-        (("bed", "forchheimer"), bed.forchheimer, "forchheimer"),
-    ]
-    if heat is not None:
-        uses += [
-            (("heat", "nusselt"), heat.nusselt, "nusselt"),
-            (("heat", "conductivity_fluid"), heat.conductivity_fluid, "conductivity"),
-            (("heat", "conductivity_solid"), heat.conductivity_solid, "conductivity"),
-            (("heat", "tortuosity"), heat.tortuosity, "tortuosity"),
-            (("heat", "dispersion"), heat.dispersion, "dispersion"),
-        ]
-    for name, conditions in boundary.items():
-        for phase in PHASES:
-            condition = getattr(conditions, phase)
-            if condition is not None:
-                uses.append((("boundary", name, phase, "coefficient"), condition.coefficient, "wall"))
-    for path, spec, kind in uses:
-        if not isinstance(spec, (str, Closure, ClosureFile)):
+    for path, spec, kind in places(bed, heat, boundary):
+        if not named(spec):
             continue
         if kind == "conductivity" and is_phase(spec):
             if isinstance(spec, Closure) and spec.model_extra:
                 yield path, f"{spec.name} has no parameters"
             continue
         try:
-            functions: tuple[Callable[..., Any], ...]
-            if kind == "dispersion" and not isinstance(spec, ClosureFile):
-                functions = resolve_dispersion(spec)[:2]
-            else:
-                functions = resolve_closure(spec, kind, origin.base)[:1]
+            found = bound(spec, kind, origin.base)
         except SceneError as error:
             yield path, str(error)
             continue
-        given = spec.model_extra or {} if isinstance(spec, Closure) else {}
-        asks = any("D_bed" in function.sheet.arguments for function in functions)  # type: ignore[attr-defined]
-        if asks and "D_bed" not in given and isinstance(mesh, MeshLine) and not isinstance(spec, ClosureFile):
+        if isinstance(mesh, MeshLine) and "D_bed" in found.takes and not isinstance(spec, ClosureFile):
             name = spec if isinstance(spec, str) else spec.name
             yield path, f'needs the diameter of the bed, which a line does not tell: {{name = "{name}", D_bed = ...}}'
 

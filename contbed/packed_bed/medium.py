@@ -6,19 +6,20 @@ numbers and a problem with constant properties stays linear by itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 
-from contbed.closures import optics, registry
-from contbed.closures.binding import is_phase, own_parameters, resolve_closure, resolve_dispersion
+from contbed.closures import optics
+from contbed.closures.binding import BoundClosure, is_phase, named
+from contbed.closures.ranges import RangeUse
 from contbed.materials import ConstantFluid, Solid, gas_mixture, real_fluid
 from contbed.materials.pointwise import pointwise
 from contbed.packed_bed import scene as s
-from contbed.scene.quantities import ClosureFile
-from contbed.scene.tables import Closure, FluidCantera, FluidConstant, FluidCoolProp
+from contbed.packed_bed.closures import GIVES, At, all_bound
+from contbed.scene.tables import FluidCantera, FluidConstant, FluidCoolProp
 
 _AREA = {"spheres": 6.0, "rods": 4.0}
 
@@ -36,7 +37,8 @@ def fluid_of(settings: FluidConstant | FluidCantera | FluidCoolProp) -> Any:
 @dataclass(frozen=True)
 class Medium:
     """Materials, packing and closures. Velocities are superficial; `T_fluid_in` fixes the density of the mass flux.
-    `rosseland` is the diffusion coefficient D [m] where radiation is a conductivity, else None.
+    `rosseland` is the diffusion coefficient D [m] where radiation is a conductivity, else None. `closures` holds bound
+    closures by kind and name, `used` those that were evaluated, in the order of their first use.
     """
 
     scene: s.Scene
@@ -45,7 +47,9 @@ class Medium:
     T_fluid_in: float
     bed_diameter: float
     rosseland: float | None = None
-    uses: dict[str, Any] = field(default_factory=dict)
+    closures: Mapping[tuple[str, Any], Any] = field(default_factory=dict)
+    used: list[BoundClosure] = field(default_factory=list)
+    tables: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, scene: s.Scene, T_fluid_in: float, bed_diameter: float) -> Medium:
@@ -58,6 +62,7 @@ class Medium:
             T_fluid_in,
             bed_diameter,
             _rosseland(scene),
+            all_bound(scene),
         )
 
     @property
@@ -74,11 +79,10 @@ class Medium:
         return self.fluid.constant and (self.solid is None or self.solid.constant)
 
     def _radiating(self) -> bool:
-        heat = self.scene.heat
-        specs = () if heat is None else (heat.conductivity_fluid, heat.conductivity_solid)
-        named = [spec for spec in specs if _named(spec) and not is_phase(spec)]
-        closures: list[Any] = [resolve_closure(spec, "conductivity", self.scene.origin.base)[0] for spec in named]
-        return any("T" in closure.sheet.arguments for closure in closures)
+        """Whether a conductivity depends on temperature by itself."""
+        return any(
+            kind == "conductivity" and "T" in closure.sheet.arguments for (kind, _), closure in self.closures.items()
+        )
 
     @property
     def area(self) -> float:
@@ -88,11 +92,7 @@ class Medium:
 
     def packing(self, kind: str) -> float:
         """Permeability [m2] or Forchheimer coefficient [1] of the bed."""
-        bed = self.scene.bed
-        spec = getattr(bed, kind)
-        if isinstance(spec, int | float):
-            return float(spec)
-        return float(self.evaluate(spec, kind, eps=bed.porosity, d_p=bed.particle_diameter))
+        return float(self._value(getattr(self.scene.bed, kind), kind))
 
     def mass_flux_scale(self) -> float:
         """Density that turns superficial velocity into mass flux [kg/m3]."""
@@ -115,33 +115,16 @@ class Medium:
 
     def exchange(self, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
         """Volumetric exchange coefficient h a [W/m3/K]."""
-        bed, heat = self.scene.bed, self.heat
-        nusselt = heat.nusselt
-        if _named(nusselt):
-            nusselt = self.evaluate(nusselt, "nusselt", **self._state(T_fluid, speed))
+        bed, nusselt = self.scene.bed, self._value(self.heat.nusselt, "nusselt", T_fluid, speed)
         return nusselt * self.fluid.conductivity(T_fluid) * (self.area / bed.particle_diameter)
 
     def wall(self, spec: Any, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
         """Wall coefficient [W/m2/K]."""
-        if not _named(spec):
-            return spec
-        return self.evaluate(spec, "wall", **self._state(T_fluid, speed), k_stagnant=self._stagnant(T_fluid))
+        return self._value(spec, "wall", T_fluid, speed)
 
-    def _stagnant(self, T: Any) -> Any:
+    def stagnant(self, T: Any) -> Any:
+        """Conductivity of both phases without flow [W/m/K]."""
         return self.conductivity_fluid(T) + self.conductivity_solid(T)
-
-    def _state(self, T: Any, speed: Callable[[Any], Any]) -> dict[str, Any]:
-        Re, Pr = self.reynolds(T, speed), self.prandtl(T)
-        return {
-            "Re": Re,
-            "Pr": Pr,
-            "Pe": Re * Pr,
-            "eps": self.scene.bed.porosity,
-            "T": T,
-            "d_p": self.scene.bed.particle_diameter,
-            "D_bed": self.bed_diameter,
-            "k_fluid": self.fluid.conductivity(T),
-        }
 
     def conductivity(self, phase: str, T: Any) -> Any:
         """Effective conductivity of one phase without dispersion, the tortuosity's share included [W/m/K]."""
@@ -157,32 +140,23 @@ class Medium:
         spec = self.heat.conductivity_fluid
         if is_phase(spec):
             return self.scene.bed.porosity * self.fluid.conductivity(T)
-        return self._conductivity(spec, T)
+        return self._value(spec, "conductivity", T)
 
     def conductivity_solid(self, T: Any) -> Any:
         """Conductivity of the solid phase, without tortuosity [W/m/K]."""
         spec = self.heat.conductivity_solid
         if is_phase(spec):
             return (1.0 - self.scene.bed.porosity) * self.solid.conductivity(T)
-        return self._conductivity(spec, T)
-
-    def _conductivity(self, spec: Any, T: Any) -> Any:
-        if not _named(spec):
-            return spec
-        return self.evaluate(spec, "conductivity", **self._pair(T), T=T, d_p=self.scene.bed.particle_diameter)
-
-    def _pair(self, T: Any) -> dict[str, Any]:
-        eps = self.scene.bed.porosity
-        return {"k_fluid": self.fluid.conductivity(T), "k_solid": self.solid.conductivity(T), "eps": eps}
+        return self._value(spec, "conductivity", T)
 
     def tortuosity(self, T: Any) -> tuple[Any, Any, Any] | None:
         """Additions to the conductivities of fluid and solid and the cross conductivity [W/m/K] (Nakayama 2001)."""
         spec = self.heat.tortuosity
         if spec is None:
             return None
-        pair = self._pair(T)
-        G: Any = self.evaluate(spec, "tortuosity", **pair) if _named(spec) else spec
-        k_fluid, ratio = pair["k_fluid"], pair["k_solid"] / pair["k_fluid"]
+        G: Any = self._value(spec, "tortuosity", T)
+        k_fluid = self.fluid.conductivity(T)
+        ratio = self.solid.conductivity(T) / k_fluid
         return G * k_fluid, G * k_fluid * ratio**2, -G * k_fluid * ratio
 
     @property
@@ -203,9 +177,8 @@ class Medium:
             return None
         if isinstance(spec, s.Dispersion):
             return spec.axial, spec.transverse
-        axial, transverse, parameters = resolve_dispersion(spec)
-        state = self._state(T, speed)
-        return self._call(axial, parameters, state), self._call(transverse, parameters, state)
+        axial, transverse = self.closures["dispersion", spec]
+        return self._at(axial, "dispersion", T, speed), self._at(transverse, "dispersion", T, speed)
 
     def content_fluid(self, T: Any) -> Any:
         """Heat content of the fluid per bed volume [J/m3], the integral of eps rho c_p over temperature."""
@@ -216,37 +189,31 @@ class Medium:
         return pointwise(lambda t: eps * integral(t), lambda t: eps * slope(t), T)
 
     def _content_table(self) -> tuple[Any, Any]:
-        if "content" not in self.uses:
+        if "content" not in self.tables:
             low, high = self.fluid.T_range
             series = np.polynomial.Chebyshev.interpolate(
                 lambda t: self.fluid.density(t) * self.fluid.heat_capacity(t), 120, [max(low, 1.0), min(high, 6000.0)]
             )
-            self.uses["content"] = (series.integ(), series)
-        return self.uses["content"]
+            self.tables["content"] = (series.integ(), series)
+        return self.tables["content"]
 
     def content_solid(self, T: Any) -> Any:
         """Heat content of the solid per bed volume [J/m3]."""
         return (1.0 - self.scene.bed.porosity) * self.solid.density(T) * self.solid.enthalpy(T)
 
-    def evaluate(self, spec: Any, kind: str, **available: Any) -> Any:
-        """Value of a closure that takes what it needs from `available`."""
-        function, parameters = resolve_closure(spec, kind, self.scene.origin.base)
-        return self._call(function, parameters, available)
+    def ranges(self) -> list[RangeUse]:
+        """How each closure was used in its last evaluation, or in the states that are recorded."""
+        return [closure.use() for closure in self.used]
 
-    def _call(self, function: Any, parameters: dict[str, Any], available: dict[str, Any]) -> Any:
-        sheet = function.sheet
-        arguments = {name: available[name] for name in sheet.arguments if name not in parameters}
-        arguments |= own_parameters(function, parameters)
-        self.uses[sheet.name] = (function, arguments)
-        return function(**arguments)
+    def _value(self, spec: Any, kind: str, T: Any = None, speed: Callable[[Any], Any] | None = None) -> Any:
+        """A number of the scene, or the value of the closure that it names."""
+        return self._at(self.closures[kind, spec], kind, T, speed) if named(spec) else spec
 
-    def ranges(self) -> list[registry.RangeUse]:
-        """How each closure was used in its last evaluation."""
-        return [
-            registry.usage(function, **{name: getattr(value, "value", value) for name, value in arguments.items()})
-            for key, (function, arguments) in self.uses.items()
-            if key != "content"
-        ]
+    def _at(self, closure: Any, kind: str, T: Any = None, speed: Callable[[Any], Any] | None = None) -> Any:
+        """Value of a closure at a state."""
+        if closure not in self.used:
+            self.used.append(closure)
+        return closure.at(GIVES[kind], At(self, T, speed))
 
 
 def _rosseland(scene: s.Scene) -> float | None:
@@ -255,7 +222,3 @@ def _rosseland(scene: s.Scene) -> float | None:
     from contbed.radiation import problem as radiation_problem
 
     return radiation_problem.optics(scene).diffusion
-
-
-def _named(spec: Any) -> TypeGuard[str | Closure | ClosureFile]:
-    return isinstance(spec, str | Closure | ClosureFile)

@@ -2,30 +2,13 @@
 
 from __future__ import annotations
 
-from contbed.closures.binding import resolve_closure
+from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
 from contbed.scene import mesh as meshes
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.toml_lines import Origin
 from contbed.two_fluid import scene as t
-
-KINDS = {
-    "drag": "drag",
-    "radial_distribution": "radial_distribution",
-    "pressure": "granular_pressure",
-    "viscosity": "granular_viscosity",
-    "bulk_viscosity": "granular_bulk_viscosity",
-    "conductivity": "granular_conductivity",
-    "dissipation": "granular_dissipation",
-    "friction": "granular_friction",
-    "friction_viscosity": "granular_friction_viscosity",
-}
-HEAT_KINDS = {"nusselt": "nusselt", "conductivity_bed": "conductivity"}
-HEAT_ARGUMENTS = {
-    "nusselt": {"Re", "Pr", "eps", "T", "d_p", "k_fluid"},
-    "conductivity": {"k_fluid", "k_solid", "eps", "T", "d_p"},
-}
-ABSENT = "none"
+from contbed.two_fluid.closures import ABSENT, GIVES, HEAT_KINDS, KINDS
 
 
 def mesh_has_cells(mesh: meshes.Mesh, origin: Origin) -> Mistakes:
@@ -44,7 +27,7 @@ def closures_exist(two_fluid: t.TwoFluid, origin: Origin) -> Mistakes:
                 yield ("two_fluid", key), 'cannot be "none"; without collisions: pressure = "granular_pressure_dilute"'
             continue
         try:
-            resolve_closure(chosen, kind, origin.base)
+            bind(chosen, kind, GIVES[kind], origin.base)
         except SceneError as error:
             yield ("two_fluid", key), str(error)
 
@@ -139,16 +122,12 @@ def heat_is_complete(
 def closures_of_heat_exist(heat: t.Heat | None, origin: Origin) -> Mistakes:
     for key, kind in HEAT_KINDS.items() if heat is not None else ():
         chosen = getattr(heat, key)
-        if chosen is None or isinstance(chosen, float):
+        if not named(chosen):
             continue
         try:
-            function, own = resolve_closure(chosen, kind, origin.base)
+            bind(chosen, kind, GIVES[kind], origin.base)
         except SceneError as error:
             yield ("heat", key), str(error)
-            continue
-        missing = set(function.sheet.arguments) - HEAT_ARGUMENTS[kind] - set(own)  # type: ignore[attr-defined]
-        if missing:
-            yield ("heat", key), f"needs {', '.join(sorted(missing))}, which a two-fluid model does not know"
     if heat is None:
         return
     if heat.conductivity_bed is not None:

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from contbed.closures.binding import resolve_closure
 from contbed.errors import SceneError
 from contbed.mesh.build import build
 from contbed.mesh.mesh import Mesh
 from contbed.models import described
 from contbed.scene.mesh import MeshFile
 from contbed.two_fluid import boundary, pressure, probes
-from contbed.two_fluid import closures as laws
+from contbed.two_fluid import closure_kernels as laws
 from contbed.two_fluid import scene as t
-from contbed.two_fluid.checks import ABSENT, KINDS
+from contbed.two_fluid.closures import ABSENT, bound
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.simulation import Materials, Options, TwoFluid
 
@@ -60,13 +58,13 @@ class TwoFluidPlan:
         materials = Materials(
             scene.gas.density, scene.gas.viscosity, solid.density, solid.diameter, solid.packing, tuple(gravity)
         )
-        made = laws.make(materials, _particles(scene), *_names(scene))
+        made = laws.make(materials, _particles(scene), bound(scene))
         bed = TwoFluid(self.grid, materials, made.closures, conditions(scene, self.grid), _options(scene))
         if scene.heat is not None:
             from contbed.two_fluid.heat import equations as heat
             from contbed.two_fluid.heat import plan as heat_planning
 
-            bed.heat = heat.Heat(bed, heat_planning.physics(scene), heat_planning.thermal(parts(scene)))
+            bed.heat = heat.Heat(bed, heat_planning.physics(scene, made.bound), heat_planning.thermal(parts(scene)))
         bed.start(**initial(scene, self.grid))
         return bed, made
 
@@ -197,22 +195,6 @@ def _condition(part: Any) -> boundary.Condition:
     if isinstance(part, t.Inlet):
         return boundary.Inlet(part.velocity, part.eps_s, part.solid_flux or 0.0, part.solid_velocity or 0.0, part.theta)
     return boundary.Outlet(part.pressure) if isinstance(part, t.Outlet) else boundary.symmetry()
-
-
-def closure_functions(scene: t.TwoFluidScene) -> dict[str, tuple[Callable, dict[str, Any]] | None]:
-    """Function and own parameters by kind, None for what is absent."""
-    found: dict[str, tuple[Callable, dict[str, Any]] | None] = {}
-    for key, kind in KINDS.items():
-        chosen = getattr(scene.two_fluid, key)
-        found[kind] = None if chosen == ABSENT else resolve_closure(chosen, kind, scene.origin.base)
-    return found
-
-
-def _names(scene: t.TwoFluidScene) -> tuple[dict[str, str | None], dict[str, float]]:
-    found = closure_functions(scene)
-    drag = found["drag"]
-    names = {kind: None if pair is None else pair[0].__name__ for kind, pair in found.items()}
-    return names, {} if drag is None else drag[1]
 
 
 def _particles(scene: t.TwoFluidScene) -> laws.Particles:

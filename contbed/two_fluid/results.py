@@ -11,6 +11,7 @@ from contbed.balance import Balance
 from contbed.two_fluid import momentum_budget as weight
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages, along, spectrum
+from contbed.two_fluid.closures import SCANT
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.simulation import TwoFluid
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 COLUMNS = ("t [s]", "pressure_drop [Pa]", "solids [kg]", "centre_of_solids [m]", "u_solid_max [m/s]",
            "theta_mean [m2/s2]", "eps_s_max [1]", "dt [s]")  # fmt: skip
 WITH_HEAT = ("T_gas_mean [K]", "T_solid_mean [K]", "T_gas_max [K]", "T_solid_max [K]", "p0 [Pa]")
-SCANT = 1e-6  # fraction of particles below which their speed says nothing
+
 BINS = 200  # along the bed at most
 WALL_BINS = 64  # across it
 ROUND = 0.95  # cosine between the wall's normal and the radius, all around, of a bed that counts as round
@@ -179,31 +180,6 @@ def _layers(position: np.ndarray, corners: np.ndarray) -> int:
     span = max(float(np.ptp(position)), 1e-300)
     places = len(np.unique(np.round((position - position.min()) / span, 3)))
     return min(places, 1 + round(span / float(np.median(np.ptp(corners, axis=-1)))))
-
-
-def arguments(bed: TwoFluid, scene: t.TwoFluidScene) -> dict[str, np.ndarray | float]:
-    """What closures were given in the last state, where there are particles."""
-    there = bed.eps_s > SCANT
-    if not there.any():
-        there[:] = True
-    s = bed.eps_s[there]
-    m = bed.materials
-    slip = np.linalg.norm(bed.u_gas - bed.u_solid, axis=1)[there]
-    g0 = bed.rheology.g0[there]
-    slip *= np.broadcast_to(bed.dense, there.shape)[there]
-    return {
-        "eps_s": s,
-        "eps": 1.0 - s,
-        "Re": (1.0 - s) * m.rho_gas * slip * m.d_p / m.mu_gas,
-        "d_p": m.d_p,
-        "mu": m.mu_gas,
-        "g0": g0,
-        "e": scene.solid.restitution,
-        "eps_max": m.eps_max,
-        "p_friction": bed.rheology.p_friction[there],
-        "angle": scene.solid.friction.angle,
-        "shear_rate": bed.shear_rate()[there] if bed.closures.sheared else 0.0,
-    }
 
 
 def results(

@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from contbed.closures import usage
 from contbed.result import Result, timed
 from contbed.two_fluid import (
-    closures as laws,
+    closure_kernels as laws,
 )
 from contbed.two_fluid import (
     momentum_budget as weight,
@@ -28,6 +27,7 @@ from contbed.two_fluid import (
 )
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages
+from contbed.two_fluid.closures import known
 from contbed.two_fluid.simulation import TwoFluid
 
 ROWS = 200  # in profiles.csv unless the scene says how often
@@ -39,6 +39,7 @@ class Run:
     def __init__(self, plan: planning.TwoFluidPlan):
         self.plan, self.scene = plan, plan.scene
         self.bed, self.laws = plan.bed()
+        self.closures = {kind: closure for kind, closure in self.laws.bound.items() if closure is not None}
         time = self.scene.time
         self.kept = findings.kept(self.bed)
         inlets = (getattr(part, "until", None) for part in self.scene.boundary.values())
@@ -55,6 +56,9 @@ class Run:
     def take_row(self) -> None:
         """One row of profiles.csv."""
         self.rows.append(findings.row(self.bed) + probes.row(self.bed, self.plan.probes))
+        given = known(self.bed, self.scene)
+        for closure in self.closures.values():
+            closure.record(**given)
 
     def end_pulses(self) -> bool:
         """Impose what follows the inlets whose time is over; whether there were any."""
@@ -82,6 +86,7 @@ class Run:
         plain = {name: value for name, value in state.items() if not isinstance(value, np.ndarray)}
         arrays = {name: value for name, value in state.items() if isinstance(value, np.ndarray)}
         arrays |= {"rows": np.array(self.rows), "counts": self.laws.counts, "kept": np.array(list(self.kept.values()))}
+        arrays |= {f"ranges_{kind}": closure.state() for kind, closure in self.closures.items()}
         if self.averages is not None:
             arrays |= self.averages.arrays()
         return arrays, {"state": json.dumps(plain), "files": json.dumps(self.files)}
@@ -93,6 +98,8 @@ class Run:
         self.laws.counts[:] = arrays["counts"]
         self.kept = dict(zip(self.kept, np.asarray(arrays["kept"]).tolist(), strict=True))
         self.files = [(float(time), str(name)) for time, name in json.loads(meta["files"])]
+        for kind, closure in self.closures.items():
+            closure.restore(arrays[f"ranges_{kind}"])
         if self.averages is not None:
             self.averages.resume(dict(arrays))
         self.end_pulses()
@@ -160,7 +167,7 @@ def _fields(run: Run, folder: Path) -> None:
 
 def _fill(run: Run, result: Result) -> None:
     """Profiles, tables, balances, closures and qoi."""
-    scene, bed = run.scene, run.bed
+    bed = run.bed
     headers = [*findings.columns(bed), *probes.columns(bed, run.plan.probes)]
     result.profiles |= dict(zip(headers, np.array(run.rows).T.copy(), strict=True))
     result.balances |= findings.balances(bed, run.kept)
@@ -169,16 +176,4 @@ def _fill(run: Run, result: Result) -> None:
     for name, number in [*bed.counters.items(), *zip(laws.COUNTED, run.laws.counts.tolist(), strict=True)]:
         if number:
             result.qoi[name] = int(number)
-    known = findings.arguments(bed, scene)
-    used = list(planning.closure_functions(scene).values())
-    if scene.heat is not None:
-        from contbed.two_fluid.heat import plan as heat_planning
-
-        known = heat_planning.arguments(bed, scene, known)
-        used += heat_planning.closure_functions(scene).values()
-    for pair in used:
-        if pair is not None:
-            function: Any = pair[0]
-            facts = function.sheet
-            given = {name: known[name] for name in facts.arguments}
-            result.closures.append(usage(function, **given, **pair[1]).to_dict())
+    result.closures += [closure.use().to_dict() for closure in run.closures.values()]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.closures import registry
+from contbed.closures import usage
 from contbed.closures.file import closure_of
 from contbed.dem import extract
 from contbed.errors import ClosureRangeError, SceneError
@@ -263,7 +263,7 @@ def test_a_number_where_a_file_belongs(folder):
 
 
 def test_registry_reads_its_use(etc):
-    use = registry.usage(etc.closure(), k_fluid=1.0, k_solid=np.array([10.0, 5000.0]), eps=0.4)
+    use = usage(etc.closure(), k_fluid=1.0, k_solid=np.array([10.0, 5000.0]), eps=0.4)
     assert use.share_outside == 0.5
 
 

@@ -9,8 +9,8 @@ import pytest
 from scipy.optimize import brentq
 
 from contbed import closures
+from contbed.closures.compiled import compiled
 from contbed.closures.granular_transport import share_drag, share_free_path
-from contbed.two_fluid import closures as laws
 
 SEED = {"rho_s": 2550.0, "d_p": 150e-6, "rho": 1.2, "mu": 1.8e-5}
 TAGHIPOUR = {"rho_s": 2500.0, "d_p": 275e-6, "rho": 1.225, "mu": 1.7894e-5}
@@ -174,6 +174,6 @@ def test_compiled_functions_are_those_of_numpy(name):
     known = {"Re": 40.0, "eps": 1 - s, "d_p": 1e-3, "mu": 1.8e-5, "eps_s": s, "eps_max": 0.6, "g0": 1.0 + s, "e": 0.9}
     names = function.sheet.arguments
     options = tuple(function.sheet.options.values())
-    kernel = laws.compiled(function)
+    kernel = compiled(function)
     one = [kernel(*(np.broadcast_to(known[k], s.shape)[i] for k in names), *options) for i in range(len(s))]
     np.testing.assert_allclose(one, function(*(known[k] for k in names)), rtol=1e-13)

@@ -18,6 +18,7 @@ from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.two_fluid import run as study
 from contbed.two_fluid.boundary import Inlet, Outlet, symmetry
+from contbed.two_fluid.closures import bound
 from contbed.two_fluid.heat import plan as heat_planning
 from contbed.two_fluid.heat.equations import Heat, Physics, Thermal
 from contbed.two_fluid.simulation import Options
@@ -313,7 +314,8 @@ def test_coefficient_of_a_closure_file_and_of_a_number():
     s, slip, T = np.array([0.5]), np.array([1.5]), np.array([300.0])
     found = {}
     for key, nusselt in (("file", {"file": "nusselt.toml"}), ("number", 7.0), ("name", "gunn")):
-        made = heat_planning.physics(from_dict(scene({"heat.nusselt": nusselt}), base=folder))
+        chosen = from_dict(scene({"heat.nusselt": nusselt}), base=folder)
+        made = heat_planning.physics(chosen, bound(chosen))
         found[key] = made.coefficient(s, slip, 0.5, T)[0] * 3e-3 / 0.026
     Re, Pr = 0.5 * 1.18 * 0.5 * 1.5 * 3e-3 / 1.8e-5, 1010.0 * 1.8e-5 / 0.026
     assert found["number"] == pytest.approx(7.0)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from contbed import explain
-from contbed.closures.binding import is_phase, own_parameters, resolve_closure, resolve_dispersion
+from contbed.closures.binding import bind, bind_dispersion, is_phase
 from contbed.errors import SceneError
 from contbed.loading import from_dict, load, loads
 from contbed.packed_bed.scene import Dispersion
@@ -201,16 +201,17 @@ def test_dotted_keys():
 
 
 def test_closures_are_found_with_and_without_their_kind():
+    known = {"Re": 10.0, "Pr": 0.7, "eps": 0.4}
     for spec in ("gunn", "nusselt_gunn", Closure(name="gunn", exponent_Pr=0.33)):
-        function, parameters = resolve_closure(spec, "nusselt")
-        assert function.__name__ == "nusselt_gunn"
-        assert math.isfinite(function(Re=10.0, Pr=0.7, eps=0.4, **parameters))
-    axial, transverse, parameters = resolve_dispersion(Closure(name="vdi", D_bed=0.1))
-    assert (axial.__name__, transverse.__name__) == ("dispersion_vdi_axial", "dispersion_vdi_transverse")
-    assert own_parameters(axial, parameters) == {}
-    assert own_parameters(transverse, parameters) == {"D_bed": 0.1}
+        closure = bind(spec, "nusselt", known)
+        assert closure.name == "nusselt_gunn"
+        assert math.isfinite(closure(**known))
+    axial, transverse = bind_dispersion(Closure(name="vdi", D_bed=0.1), ("Pe", "k_fluid", "d_p"))
+    assert (axial.name, transverse.name) == ("dispersion_vdi_axial", "dispersion_vdi_transverse")
+    assert axial.parameters == {}
+    assert transverse.parameters == {"D_bed": 0.1}
     with pytest.raises(SceneError, match="of kind 'wall'"):
-        resolve_closure("wall_li_finlayson", "nusselt")
+        bind("wall_li_finlayson", "nusselt", known)
     assert is_phase("phase") and is_phase(Closure(name="conductivity_phase")) and not is_phase("hsu")
 
 

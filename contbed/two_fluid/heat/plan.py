@@ -2,49 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from contbed.closures.binding import resolve_closure
 from contbed.two_fluid import scene as t
-from contbed.two_fluid.checks import HEAT_KINDS, conducts
+from contbed.two_fluid.checks import conducts
+from contbed.two_fluid.closures import Bound, constants
 from contbed.two_fluid.heat.equations import FIELDS, Physics, Thermal
-from contbed.two_fluid.simulation import TwoFluid
 
 
-def closure_functions(scene: t.TwoFluidScene) -> dict[str, tuple[Callable, dict[str, Any]]]:
-    """Function and own parameters of the closures that [heat] names, by key."""
-    table = scene.heat
-    chosen = {} if table is None else {key: getattr(table, key) for key in HEAT_KINDS}
-    return {
-        key: resolve_closure(value, HEAT_KINDS[key], scene.origin.base)
-        for key, value in chosen.items()
-        if value is not None and not isinstance(value, float)
-    }
-
-
-def physics(scene: t.TwoFluidScene) -> Physics:
+def physics(scene: t.TwoFluidScene, closures: Bound) -> Physics:
     """Heat capacities and closures of a scene with [heat]."""
     table, gas, d_p = scene.heat, scene.gas, scene.solid.diameter
     assert table is not None
-    k, found = table.conductivity_gas, closure_functions(scene)
-    constants = {
-        "d_p": d_p,
-        "k_fluid": k,
-        "k_solid": table.conductivity_solid,
-        "Pr": table.heat_capacity_gas * gas.viscosity / k,
-    }
+    k, given = table.conductivity_gas, constants(scene)
+    nusselt, bed_conductivity = closures.get("nusselt"), closures.get("conductivity")
 
     def coefficient(eps_s: np.ndarray, slip: np.ndarray, dense: Any, T: np.ndarray) -> np.ndarray:
-        if "nusselt" not in found:
+        if nusselt is None:
             return np.full_like(eps_s, k / d_p * float(table.nusselt))  # type: ignore[arg-type]
         Re = (1.0 - eps_s) * gas.density * dense * slip * d_p / gas.viscosity
-        return k / d_p * evaluate(found["nusselt"], {"Re": Re, "eps": 1.0 - eps_s, "T": T, **constants})
+        return k / d_p * nusselt(Re=Re, eps=1.0 - eps_s, T=T, **given)
 
     def of_bed(eps_s: np.ndarray, T_gas: np.ndarray, T_solid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        whole = evaluate(found["conductivity_bed"], {"eps": 1.0 - eps_s, "T": T_solid, **constants})
+        assert bed_conductivity is not None
+        whole = bed_conductivity(eps=1.0 - eps_s, T=T_solid, **given)
         part = k * (1.0 - np.sqrt(eps_s))
         return part, whole - part
 
@@ -61,12 +45,6 @@ def physics(scene: t.TwoFluidScene) -> Physics:
         table.T_reference or scene.initial.T_gas or np.nan,
         table.pressure,
     )
-
-
-def evaluate(pair: tuple[Callable, dict[str, Any]], known: Mapping[str, Any]) -> Any:
-    """A closure and its own parameters, with what it takes of `known`."""
-    function: Any = pair[0]
-    return function(**{name: known[name] for name in function.sheet.arguments if name in known}, **pair[1])
 
 
 def initial(scene: t.TwoFluidScene, height: np.ndarray) -> dict[str, np.ndarray]:
@@ -95,16 +73,3 @@ def described(table: t.Heat) -> str:
     """One line for the plan."""
     density = "ideal gas" if table.density == "ideal_gas" else "constant density"
     return f"exchange {table.nusselt}, {'with' if conducts(table) else 'without'} conduction, {density}"
-
-
-def arguments(bed: TwoFluid, scene: t.TwoFluidScene, known: Mapping[str, Any]) -> dict[str, Any]:
-    """What the closures of heat were given in the last state, from the arguments `known` of those of flow."""
-    table, heat = scene.heat, bed.heat
-    assert table is not None and heat is not None
-    return {
-        **known,
-        "k_fluid": table.conductivity_gas,
-        "k_solid": table.conductivity_solid,
-        "T": heat.T_solid,
-        "Pr": table.heat_capacity_gas * scene.gas.viscosity / table.conductivity_gas,
-    }

@@ -1,0 +1,17 @@
+"""Closures of particles in a gas, and the arguments that the gas around each particle gives them."""
+
+from __future__ import annotations
+
+from contbed.cfd_dem import scene as g
+from contbed.closures.binding import BoundClosure, bind
+
+GIVES: dict[str, frozenset[str]] = {
+    "drag": frozenset({"Re", "eps", "d_p", "mu"}),
+    "nusselt": frozenset({"Re", "Pr", "eps"}),
+}
+"""The arguments that closures of each kind can have."""
+
+
+def bound(scene: g.GasScene) -> dict[str, BoundClosure]:
+    """The closures of a scene by kind."""
+    return {kind: bind(getattr(scene.gas, kind), kind, gives, scene.origin.base) for kind, gives in GIVES.items()}

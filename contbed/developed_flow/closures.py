@@ -1,0 +1,28 @@
+"""Closures of a fully developed flow: their keys in a scene, and the arguments that the flow gives them."""
+
+from __future__ import annotations
+
+from contbed.closures.binding import BoundClosure, bind
+from contbed.developed_flow import scene as d
+
+KINDS = {
+    "drag": "drag",
+    "radial_distribution": "radial_distribution",
+    "pressure": "granular_pressure",
+    "viscosity": "granular_viscosity",
+    "conductivity": "granular_conductivity",
+    "dissipation": "granular_dissipation",
+}
+_THEORY = frozenset({"eps_s", "eps_max", "e", "g0"})
+GIVES: dict[str, frozenset[str]] = {
+    "drag": frozenset({"Re", "eps", "d_p", "mu"}),
+    "radial_distribution": _THEORY - {"g0"},
+    **dict.fromkeys(tuple(KINDS.values())[2:], _THEORY),
+}
+"""The arguments that closures of each kind can have."""
+
+
+def bound(scene: d.DevelopedScene) -> dict[str, BoundClosure]:
+    """The closures of a scene by kind."""
+    table, base = scene.fully_developed, scene.origin.base
+    return {kind: bind(getattr(table, key), kind, GIVES[kind], base) for key, kind in KINDS.items()}
