@@ -25,7 +25,7 @@ def compiled(function: Function) -> Function:
     known = function.__globals__
     called = {name: compiled(known[name]) for name in function.__code__.co_names if hasattr(known.get(name), "sheet")}
     plain = FunctionType(function.__code__, known | called, function.__name__, function.__defaults__)
-    return njit(plain, error_model="numpy")  # type: ignore[no-any-return]
+    return njit(plain, error_model="numpy")
 
 
 def own_values(closure: BoundClosure | None) -> tuple[float, ...]:

@@ -18,7 +18,7 @@ class At(NamedTuple):
 
     medium: Any
     T: Any
-    speed: Callable[[Any], Any]
+    speed: Any
 
     @property
     def Re(self) -> Any:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,11 +108,12 @@ def _drag(closure: BoundClosure | None) -> Callable[..., None]:
 
 
 # what the two functions below call: `kernel` puts closures in the place of these names
-beta = contact = pressure = viscosity = bulk = conductivity = dissipation = by_drag = by_path = share_drag
+beta: Any = None
+contact = pressure = viscosity = bulk = conductivity = dissipation = by_drag = by_path = beta
 packs = True
 
 
-def _drag_in_cells(eps_s, slip, gas, own, out):
+def _drag_in_cells(eps_s: Any, slip: Any, gas: Any, own: Any, out: Any) -> None:
     rho, mu, d_p = gas
     for i in range(len(eps_s)):
         s = max(eps_s[i], DILUTEST)
@@ -126,7 +128,9 @@ def _granular(theory: tuple[BoundClosure | None, ...]) -> Callable[..., None]:
     return kernel(_granular_in_cells, faces | {"by_drag": share_drag, "by_path": share_free_path}, packs=packs)
 
 
-def _granular_in_cells(eps_s, theta, K, constants, own, table, counts, out):
+def _granular_in_cells(
+    eps_s: Any, theta: Any, K: Any, constants: Any, own: Any, table: Any, counts: Any, out: Any
+) -> None:
     rho, d_p, eps_max, e, path, first = constants
     eta, spacing = 0.5 * (1.0 + e), (eps_max - first) / (ENTRIES - 1)
     dilute_mu, dilute_k = 5.0 / 96.0 * ROOT_PI, 75.0 * ROOT_PI / (48.0 * eta * (41.0 - 33.0 * eta))
