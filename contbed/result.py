@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from contbed import models
+from contbed.fields import unit_of
 
 
 @dataclass
@@ -52,6 +53,7 @@ class Result:
             "skipped": [{"what": what, "why": why} for what, why in self.plan.skipped],
             "warnings": self.warnings,
             "qoi": self.qoi,
+            "units": {key: unit_of(key) or "1" for key in self.qoi},
             "adaptations": self.adaptations,
             "newton": self.history,
             **({"engine": self.engine} if self.engine else {}),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,9 +17,6 @@ from contbed.output.files import atomic
 from contbed.output.summary import write_json
 from contbed.scene.toml_lines import parse_key
 from contbed.sweep.study import Study
-
-# units that end the name of a result, T_fluid_out_K
-_ENDINGS = {"K": "K", "W": "W", "J": "J", "m": "m", "s": "s", "Pa": "Pa", "kg": "kg", "Pa_m": "Pa/m", "W_m2": "W/m2"}
 
 
 @dataclass(frozen=True)
@@ -69,12 +67,9 @@ def result(key: str) -> Quantity:
     >>> [result(key).header for key in ("T_fluid_out_K", "k_eff [W/m/K]", "u_max", "porosity")]
     ['T_fluid_out [K]', 'k_eff [W/m/K]', 'u_max [m/s]', 'porosity [-]']
     """
-    if " [" in key:
-        return Quantity(key, name_of(key), key[key.index(" [") + 2 : -1])
-    for ending in sorted(_ENDINGS, key=len, reverse=True):
-        if key.endswith(f"_{ending}"):
-            return Quantity(key, key.removesuffix(f"_{ending}"), _ENDINGS[ending])
-    return Quantity(key, key, unit_of(key) or "1")
+    unit = unit_of(key) or "1"
+    ending = re.sub(r"\W+", "_", unit)
+    return Quantity(key, name_of(key).removesuffix(f"_{ending}").removesuffix(f"_{unit}"), unit)
 
 
 def write(out: Path, study: Study, rows: list[Row]) -> None:
