@@ -59,20 +59,12 @@ def listing(folder: Path) -> str:
 
 def at(path: KeyPath) -> list[schema.Node]:
     """The nodes of a key path in all kinds of scenes; several if the table has several types, none if it is unknown."""
-    nodes = _schemas()
-    for key in path:
-        nodes = [child for node in nodes for child in schema.children(node, key)]
-    return nodes
+    return [node for root in _schemas() for node in schema.at(root, path)]
 
 
 def unit(path: KeyPath) -> str | None:
     """The SI unit of a key; None if it has none or is not a number."""
-    for node in at(path):
-        for option in [node, *schema.options(node)]:
-            item = next(iter(option.get("prefixItems", [])), option.get("items", option))
-            if found := option.get("unit") or item.get("unit"):
-                return str(found)
-    return None
+    return next((found for root in _schemas() if (found := schema.unit(root, path))), None)
 
 
 def tables() -> list[str]:

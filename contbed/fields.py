@@ -100,6 +100,8 @@ _FIELDS = (
     Field("volatiles_per_height", r"m_\mathrm{v}", "kg/m", "mass of volatiles held per height"),
     # branches of steady states
     Field("point", "n", "1", "number of a point on a branch of steady states"),
+    Field("NAME_convection", "Q", "W", "heat that leaves the particles to a surface by convection"),
+    Field("NAME_radiation", "Q", "W", "heat that leaves the particles to a surface by radiation"),
     Field("turns", "k", "1", "number of folds passed on the way to a point"),
 )
 

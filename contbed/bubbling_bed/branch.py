@@ -11,6 +11,7 @@ from contbed.bubbling_bed import scene as b
 from contbed.bubbling_bed.plan import coefficients
 from contbed.bubbling_bed.problem import TYPICAL, BubblingProblem
 from contbed.result import Result
+from contbed.scene import schema
 from contbed.scene.toml_lines import parse_key
 from contbed.solvers.branch import Branch, trace
 
@@ -81,11 +82,12 @@ def columns(problem: BubblingProblem, family: Family, branch: Branch) -> dict[st
     turns = [index + k for k, (index, _, _) in enumerate(branch.folds)]
     for place, (_, p, x) in zip(turns, branch.folds, strict=True):
         points.insert(place, (p, x))
+    unit = schema.unit(schema.of(type(problem.plan.scene)), parse_key(family.key)) or "1"
     rows = []
     for k, (p, x) in enumerate(points):
         at = family.at(p)
         state = at._state(x)
-        row = {"point [1]": float(k), f"{family.key} [1]": p, "turns [1]": float(sum(turn < k for turn in turns))}
+        row = {"point [1]": float(k), f"{family.key} [{unit}]": p, "turns [1]": float(sum(turn < k for turn in turns))}
         row |= {f"T_{name} [K]": mean(at, state, f"T_{name}") for name in at.c.species}
         row |= {f"{name.removesuffix('_W')} [W]": value for name, value in at.duties(state).items()}
         rows.append(row)

@@ -49,7 +49,7 @@ def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -
                     linestyle="--" if turn % 2 else "-",
                     label=name_of(header).removeprefix("T_") if turn == 0 else None,
                 )
-        axes.set(xlabel=name_of(headers[1]), ylabel="mean temperature [K]")
+        axes.set(xlabel=headers[1].removesuffix(" [1]"), ylabel="mean temperature [K]")
         figure.legend(loc="outside lower center", ncols=5)
 
 

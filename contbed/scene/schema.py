@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
-from contbed.scene.toml_lines import dotted
+from contbed.scene.toml_lines import KeyPath, dotted
 
 Node = dict[str, Any]
 _BOUNDS = {
@@ -67,6 +67,24 @@ def children(node: Node, key: str | int) -> list[Node]:
         elif isinstance(option.get("additionalProperties"), dict):
             found.append(option["additionalProperties"])
     return found
+
+
+def at(root: Node, path: KeyPath) -> list[Node]:
+    """The nodes of a key path; several if a table on the way has several types, none if it is unknown."""
+    nodes = [root]
+    for key in path:
+        nodes = [child for node in nodes for child in children(node, key)]
+    return nodes
+
+
+def unit(root: Node, path: KeyPath) -> str | None:
+    """The SI unit of a key; None if it has none or is not a number."""
+    for node in at(root, path):
+        for option in [node, *options(node)]:
+            item = next(iter(option.get("prefixItems", [])), option.get("items", option))
+            if found := option.get("unit") or item.get("unit"):
+                return str(found)
+    return None
 
 
 def keys(node: Node) -> list[str]:
