@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from contbed.two_fluid import momentum_budget as weight
-from contbed.two_fluid.simulation import TwoFluid
+from contbed.two_fluid import momentum_budget
+from contbed.two_fluid.simulation import Simulation
 
 HALVES = 2
 
@@ -29,29 +29,32 @@ class Averages:
     sums: dict[str, np.ndarray] = field(default_factory=dict)
     momentum: float = 0.0
 
-    def add(self, bed: TwoFluid) -> None:
+    def add(self, bed: Simulation) -> None:
         """Take the last step of the bed into account."""
-        before, self.momentum = self.momentum, weight.momentum(bed)
-        if bed.time <= self.start:
+        before, self.momentum = self.momentum, momentum_budget.momentum(bed)
+        if bed.state.time <= self.start:
             return
-        half = min(int(HALVES * (bed.time - self.start) / (self.end - self.start)), HALVES - 1)
-        s = bed.eps_s[:, None]
+        half = min(int(HALVES * (bed.state.time - self.start) / (self.end - self.start)), HALVES - 1)
+        s = bed.state.eps_s[:, None]
         now = {
-            "eps_s": bed.eps_s,
-            "theta": bed.eps_s * bed.theta,
-            "p": bed.p,
-            "u_gas": (1.0 - s) * bed.u_gas,
-            "u_solid": s * bed.u_solid,
-            "square": s * bed.u_solid**2,
-            "forces": weight.forces(bed, before),
+            "eps_s": bed.state.eps_s,
+            "theta": bed.state.eps_s * bed.state.theta,
+            "p": bed.state.p,
+            "u_gas": (1.0 - s) * bed.state.u_gas,
+            "u_solid": s * bed.state.u_solid,
+            "square": s * bed.state.u_solid**2,
+            "forces": momentum_budget.forces(bed, before),
         }
-        if bed.heat is not None:
-            now |= {"T_gas": (1.0 - bed.eps_s) * bed.heat.T_gas, "T_solid": bed.eps_s * bed.heat.T_solid}
-        self.weight[half] += bed.dt
+        if bed.state.energy is not None:
+            now |= {
+                "T_gas": (1.0 - bed.state.eps_s) * bed.state.energy.T_gas,
+                "T_solid": bed.state.eps_s * bed.state.energy.T_solid,
+            }
+        self.weight[half] += bed.state.dt
         for name, value in now.items():
             if name not in self.sums:
                 self.sums[name] = np.zeros((HALVES, *value.shape))
-            self.sums[name][half] += bed.dt * value
+            self.sums[name][half] += bed.state.dt * value
 
     def means(self, half: int | None = None) -> dict[str, np.ndarray]:
         """Fields of averages: eps_s, p, phase-weighted velocities, temperatures, theta and theta_total; of all or of
@@ -77,7 +80,7 @@ class Averages:
         }
 
     def forces(self) -> np.ndarray:
-        """Means of `weight.forces` [N]."""
+        """Means of `momentum_budget.forces` [N]."""
         return self.sums["forces"].sum(axis=0) / self.weight.sum()
 
     def drift(self) -> float:

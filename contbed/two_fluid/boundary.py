@@ -1,4 +1,4 @@
-"""What happens at the boundaries: walls, symmetry, inlets, pressure outlets, given fields.
+"""Boundary conditions: walls, symmetry, inlets, pressure outlets, given fields.
 
 Solids cross only inlets, outlets and given fields. A distributor is an `Inlet` without solids: its superficial velocity
 is the flux of gas, and eps_s = 0 there, so that it is not divided by the porosity; solids slip along it.
@@ -13,9 +13,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from contbed.errors import SceneError
-from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.compiled import SMALLEST, Array, Indices, kernel
+from contbed.two_fluid.fv.grid import Geometry, Grid
 
-WALL, GIVEN, OUTLET = 0, 1, 2
+WALL, GIVEN, OUTLET = 0, 1, 2  # kinds of condition on a face
+IN_PLANE = 1e-9  # share of its speed with which a wall may move along its normal: rounding
 
 
 @dataclass(frozen=True)
@@ -58,10 +60,10 @@ class Outlet:
 class Given:
     """Fields given as functions of the position (n, dim): intrinsic velocities (n, dim) [m/s], eps_s, theta."""
 
-    u_gas: Callable[[np.ndarray], np.ndarray]
-    u_solid: Callable[[np.ndarray], np.ndarray]
-    eps_s: Callable[[np.ndarray], np.ndarray]
-    theta: Callable[[np.ndarray], np.ndarray]
+    u_gas: Callable[[Array], Array]
+    u_solid: Callable[[Array], Array]
+    eps_s: Callable[[Array], Array]
+    theta: Callable[[Array], Array]
 
 
 Condition = Wall | Inlet | Outlet | Given
@@ -77,11 +79,11 @@ class Side(NamedTuple):
     slip : 1 free slip, 0 none; -1 Johnson and Jackson
     """
 
-    kind: np.ndarray
-    flux: np.ndarray
-    u: np.ndarray
-    pores: np.ndarray
-    slip: np.ndarray
+    kind: Indices
+    flux: Array
+    u: Array
+    pores: Array
+    slip: Array
 
 
 class Edge(NamedTuple):
@@ -89,11 +91,11 @@ class Edge(NamedTuple):
 
     gas: Side
     solid: Side
-    eps_s: np.ndarray
-    theta: np.ndarray
-    p: np.ndarray
-    specularity: np.ndarray
-    restitution: np.ndarray
+    eps_s: Array
+    theta: Array
+    p: Array
+    specularity: Array
+    restitution: Array
 
 
 def assemble(grid: Grid, conditions: Mapping[str, Condition], rho_solid: float) -> Edge:
@@ -112,7 +114,7 @@ def assemble(grid: Grid, conditions: Mapping[str, Condition], rho_solid: float) 
             problems.append(f"boundary.{name}: solids enter with eps_s = {c.eps_s}; give 0 < eps_s < 1")
         if isinstance(c, Wall) and c.velocity:
             speed = grid.geometry.normal[grid.boundaries[name]][:, : len(c.velocity)] @ np.array(c.velocity)
-            if np.abs(speed).max() > 1e-9 * np.abs(c.velocity).max():
+            if np.abs(speed).max() > IN_PLANE * np.abs(c.velocity).max():
                 problems.append(f"boundary.{name}: a wall moves in its own plane only, found velocity {c.velocity}")
     if problems:
         raise SceneError(problems)
@@ -128,7 +130,7 @@ def assemble(grid: Grid, conditions: Mapping[str, Condition], rho_solid: float) 
     return edge
 
 
-def _fill(edge: Edge, at: np.ndarray, c: Condition, normal: np.ndarray, position: np.ndarray, rho_solid: float) -> None:
+def _fill(edge: Edge, at: Indices, c: Condition, normal: Array, position: Array, rho_solid: float) -> None:
     gas, solid = edge.gas, edge.solid
     if isinstance(c, Wall):
         velocity = np.zeros(normal.shape[1])
@@ -153,3 +155,56 @@ def _fill(edge: Edge, at: np.ndarray, c: Condition, normal: np.ndarray, position
         edge.eps_s[at], edge.theta[at] = c.eps_s(position), c.theta(position)
         gas.flux[at] = (1 - edge.eps_s[at]) * (gas.u[at] * normal).sum(axis=1)
         solid.flux[at] = edge.eps_s[at] * (solid.u[at] * normal).sum(axis=1)
+
+
+@kernel
+def boundary_velocity(g: Geometry, side: Side, slip: Array, u: Array, eps: Array, out: Array) -> None:
+    """Velocity `out` (nb, dim) of a phase at the boundary: what walls leave of that u (nc, dim) of cells, or given.
+
+    `slip` (nb,) is the share of the tangential velocity that a wall leaves, `eps` (nc,) the fraction of the phase.
+    """
+    ni, dim = len(g.right), len(g.axes)
+    for b in range(len(side.kind)):
+        f = ni + b
+        c = g.left[f]
+        if side.kind[b] == WALL:
+            away = 0.0
+            for k in range(dim):
+                away += (u[c, k] - side.u[b, k]) * g.normal[f, k]
+            for k in range(dim):
+                along = u[c, k] - side.u[b, k] - away * g.normal[f, k]
+                out[b, k] = side.u[b, k] + slip[b] * along
+        elif side.kind[b] == GIVEN:
+            for k in range(dim):
+                out[b, k] = side.flux[b] / eps[c] * g.normal[f, k] if side.pores[b] > 0 else side.u[b, k]
+        else:
+            for k in range(dim):
+                out[b, k] = u[c, k]
+
+
+class Particles(NamedTuple):
+    """Particles in the cells: density [kg/m3], packing limit, fraction, granular temperature, radial distribution."""
+
+    rho: float
+    eps_max: float
+    eps_s: Array
+    theta: Array
+    g0: Array
+
+
+@kernel
+def wall_slip(g: Geometry, edge: Edge, particles: Particles, mu: Array, slip: Array) -> None:
+    """Share `slip` (nb,) of the cell's tangential velocity that particles keep at the wall.
+
+    Partial slip of Johnson and Jackson (1987, J. Fluid Mech. 176, 67-93): the collisional shear
+    (pi/6) sqrt(3) specularity rho_s eps_s g0 sqrt(theta) u/eps_max equals mu (u_cell - u)/distance.
+    """
+    ni = len(g.right)
+    for b in range(len(slip)):
+        slip[b] = edge.solid.slip[b]
+        if slip[b] < 0.0:
+            c = g.left[ni + b]
+            agitation = np.pi * np.sqrt(3.0 * particles.theta[c]) * edge.specularity[b] * particles.rho
+            collisions = agitation * particles.eps_s[c] * particles.g0[c] / (6.0 * particles.eps_max)
+            viscous = mu[c] / g.distance[ni + b]
+            slip[b] = viscous / (viscous + collisions + SMALLEST) if collisions > 0.0 else 1.0

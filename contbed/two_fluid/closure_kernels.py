@@ -18,8 +18,8 @@ from contbed.closures.binding import BoundClosure
 from contbed.closures.compiled import face, kernel, own_values
 from contbed.closures.granular_transport import share_drag, share_free_path
 from contbed.two_fluid.closures import GIVES, Bound
+from contbed.two_fluid.model import Materials
 from contbed.two_fluid.rheology import Closures, Rheology
-from contbed.two_fluid.step import Materials
 
 Array = NDArray[np.float64]
 

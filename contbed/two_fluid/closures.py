@@ -11,7 +11,7 @@ from contbed.closures.binding import BoundClosure, bind, named
 from contbed.two_fluid import scene as t
 
 if TYPE_CHECKING:
-    from contbed.two_fluid.simulation import TwoFluid
+    from contbed.two_fluid.simulation import Simulation
 
 ABSENT = "none"
 KINDS = {
@@ -82,23 +82,28 @@ def constants(scene: t.TwoFluidScene) -> dict[str, Any]:
     return found
 
 
-def known(bed: TwoFluid, scene: t.TwoFluidScene) -> dict[str, Any]:
+def known(bed: Simulation, scene: t.TwoFluidScene) -> dict[str, Any]:
     """Arguments of closures at the present state, where there are particles."""
-    there = bed.eps_s > SCANT
+    from contbed.two_fluid.properties import density_ratio
+    from contbed.two_fluid.stress import shear_rate
+
+    there = bed.state.eps_s > SCANT
     if not there.any():
         there[:] = True
-    s, m = bed.eps_s[there], bed.materials
-    slip = np.linalg.norm(bed.u_gas - bed.u_solid, axis=1)[there]
-    slip *= np.broadcast_to(bed.dense, there.shape)[there]
+    s, m = bed.state.eps_s[there], bed.model.materials
+    slip = np.linalg.norm(bed.state.u_gas - bed.state.u_solid, axis=1)[there]
+    slip *= np.broadcast_to(density_ratio(bed.state.energy), there.shape)[there]
     found = {
         "eps_s": s,
         "eps": 1.0 - s,
         "Re": (1.0 - s) * m.rho_gas * slip * m.d_p / m.mu_gas,
-        "g0": bed.rheology.g0[there],
-        "p_friction": bed.rheology.p_friction[there],
-        "shear_rate": bed.shear_rate()[there] if bed.closures.sheared else 0.0,
+        "g0": bed.state.properties.rheology.g0[there],
+        "p_friction": bed.state.properties.rheology.p_friction[there],
+        "shear_rate": shear_rate(bed.state.u_solid, bed.state.eps_s, bed.model)[there]
+        if bed.model.closures.sheared
+        else 0.0,
         **constants(scene),
     }
-    if bed.heat is not None:
-        found["T"] = bed.heat.T_solid[there]
+    if bed.state.energy is not None:
+        found["T"] = bed.state.energy.T_solid[there]
     return found

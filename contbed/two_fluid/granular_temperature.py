@@ -2,97 +2,250 @@
 
     3/2 rho_s (d(eps_s theta)/dt + div(F theta)) = -p_s div u_s + P + div(k grad theta) - gamma - 3 beta theta
 
-F [m/s] is the volume flux of the solids that the step moves, P [W/m3] the work of shear without that of friction, which
-does not agitate particles. Convection is explicit and limited, the rest implicit but for the heat of compression: near
-packing it makes sound up to six times as stiff as at constant theta, and binds the step there. "algebraic" balances
-production and dissipation, and neither moves nor conducts (Syamlal, Rogers and O'Brien 1993, MFIX Documentation:
-Theory Guide, DOE/METC-94/1004).
+F [m/s] is the volume flux of the solids that the step moves, P [W/m3] the shear production without that of friction,
+which does not agitate particles. Convection is explicit and limited, the rest implicit but for the heat of compression:
+near packing it makes sound up to six times as stiff as at constant theta, and binds the step there. "algebraic"
+balances production and dissipation, and neither moves nor conducts (Syamlal, Rogers and O'Brien 1993, MFIX
+Documentation: Theory Guide, DOE/METC-94/1004).
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 
 from contbed.two_fluid import boundary
-from contbed.two_fluid import kernels_faces as kf
-from contbed.two_fluid import kernels_solid as ks
-from contbed.two_fluid.fv import gradient as kc
+from contbed.two_fluid.boundary import WALL, Edge, Particles
+from contbed.two_fluid.cell_velocities import FaceVelocities, divergence_solid
+from contbed.two_fluid.compiled import SMALLEST, UNDERFLOW, Array, Flags, kernel
+from contbed.two_fluid.continuity import Moved
+from contbed.two_fluid.fv.gradient import NO_PARTICLES, gradient
+from contbed.two_fluid.fv.grid import Geometry
+from contbed.two_fluid.fv.reconstruction import Reconstruction, convect, predictor_half_step
+from contbed.two_fluid.implicit import solve_system
+from contbed.two_fluid.linear.cg import System, empty_system
+from contbed.two_fluid.model import Model
+from contbed.two_fluid.momentum import Predicted
+from contbed.two_fluid.packing import FAINT
+from contbed.two_fluid.state import Counters, Properties, State
+from contbed.two_fluid.timing import phase
 
-if TYPE_CHECKING:
-    from contbed.two_fluid.step import Stepper
-
-UNDERFLOW = 1e-60  # [m2/s2] that counts as none
-
-
-def step(bed: Stepper, dt: float) -> None:
-    """Sets `bed.theta` [m2/s2] after `dt` [s], its `lag_theta` and the rate `adiabatic` [1/s]."""
-    r = bed.rheology
-    divergence = np.empty_like(bed.theta)
-    kf.expansion(bed.grid.geometry, bed.faces, bed.eps_s, bed.u_solid, divergence)
-    made = bed.work / bed.grid.geometry.volume * r.mu / (r.mu + bed.mu_friction + 1e-300) + bed.sources.theta
-    if bed.options.theta == "algebraic":
-        bed.theta = _balanced(bed, made, divergence)
-    else:
-        _transport(bed, dt, made, divergence)
+SMALLEST_ROOT = 1e-150  # [m/s] whose square is not subnormal
 
 
-def _transport(bed: Stepper, dt: float, made: np.ndarray, divergence: np.ndarray) -> None:
+class Granular(NamedTuple):
+    """theta (nc,) [m2/s2] after a step, its rate (nc, 1) [m2/s3] without convection, and 1 over the longest stable step
+    with the heat of compression [1/s].
+    """
+
+    theta: Array
+    rate: Array
+    compression_rate: float
+    counters: Counters
+
+
+class GranularTerms(NamedTuple):
+    """Terms of granular energy (nc,): (dissipation + 3 beta theta)/theta [W s2/m5], p_solid/theta [kg/m3], divergence
+    of the solids [1/s] and source [W/m3].
+    """
+
+    sink: Array
+    pressure: Array
+    divergence: Array
+    source: Array
+
+
+@kernel
+def conduct(g: Geometry, k: Array, values: Array, given: Array, grad: Array, out: Array, coef: Array) -> None:
+    """Add the conducted k grad values . n area [W] of all faces to `out` (nc, 1), set its links `coef` (nf, 1).
+
+    k (nc,) is taken by harmonic means. `given` (nb,) are boundary values, not a number where nothing is conducted;
+    `grad` (nc, 1, dim) corrects on skewed grids.
+    """
+    ni = len(g.right)
+    for f in range(len(g.left)):
+        left = g.left[f]
+        coef[f, 0] = 0.0
+        if f < ni:
+            right = g.right[f]
+            mean = 2.0 * k[left] * k[right] / (k[left] + k[right] + SMALLEST)
+            coef[f, 0] = mean * g.area[f] / g.distance[f]
+            rate = coef[f, 0] * (values[right] - values[left])
+            if g.skewed:
+                for d in range(len(g.axes)):
+                    both = g.weight[f] * grad[left, 0, d] + (1.0 - g.weight[f]) * grad[right, 0, d]
+                    rate += mean * g.area[f] * g.non_orthogonal[f, d] * both
+            out[left, 0] += rate
+            out[right, 0] -= rate
+        elif not np.isnan(given[f - ni]):
+            coef[f, 0] = k[left] * g.area[f] / g.distance[f]
+            out[left, 0] += coef[f, 0] * (given[f - ni] - values[left])
+            if g.skewed:
+                for d in range(len(g.axes)):
+                    out[left, 0] += k[left] * g.area[f] * g.non_orthogonal[f, d] * grad[left, 0, d]
+
+
+@kernel
+def assemble_theta(
+    g: Geometry,
+    edge: Edge,
+    dt: float,
+    particles: Particles,
+    terms: GranularTerms,
+    slip: Array,
+    u: Array,
+    system: System,
+) -> None:
+    """Complete the system for the change of theta, whose right-hand side holds what is convected and conducted [W].
+
+    Sinks are implicit, sources explicit (Patankar 1980, Numerical Heat Transfer and Fluid Flow). Walls produce and
+    dissipate by Johnson and Jackson (1987, J. Fluid Mech. 176, 67-93) with `slip` (nb,) and the velocity u (nc, dim).
+    """
+    content, rhs, solid = system.content, system.rhs, edge.solid
+    s, old, source, sink = particles.eps_s, particles.theta, terms.source, terms.sink
+    ni = len(g.right)
+    for c in range(len(s)):
+        compress = terms.pressure[c] * terms.divergence[c]
+        rhs[c, 0] += g.volume[c] * (source[c] - (sink[c] + compress) * old[c])
+        mass = 1.5 * particles.rho * (s[c] + NO_PARTICLES) / dt
+        content[c, 0] = g.volume[c] * (mass + sink[c] + max(0.0, compress))
+        if source[c] < 0.0:
+            content[c, 0] -= g.volume[c] * source[c] / (old[c] + SMALLEST)
+    for b in range(len(slip)):
+        if solid.slip[b] >= 0.0 or solid.kind[b] != WALL:
+            continue
+        f = ni + b
+        c = g.left[f]
+        agitation = g.area[f] * np.pi * np.sqrt(3.0) * particles.rho * s[c] * particles.g0[c] * np.sqrt(old[c])
+        common = agitation / particles.eps_max
+        slide = away = 0.0
+        for k in range(len(g.axes)):
+            away += (u[c, k] - solid.u[b, k]) * g.normal[f, k]
+        for k in range(len(g.axes)):
+            slide += (slip[b] * (u[c, k] - solid.u[b, k] - away * g.normal[f, k])) ** 2
+        loss = common * (1.0 - edge.restitution[b] ** 2) / 4.0
+        rhs[c, 0] += common * edge.specularity[b] * slide / 6.0 - loss * old[c]
+        content[c, 0] += loss
+
+
+@kernel
+def max_compression_rate(
+    g: Geometry, particles: Particles, theta: Array, pressure: Array, sink: Array, drag: Array
+) -> float:
+    """Largest 1/dt [1/s] at which the part of sound that warmer particles make grows.
+
+    The step follows a compression by its heat, and that by the velocity that it drives, so that
+    K dt^2 < (2 + d dt)(2 + b dt) with the rates K of both, d of dissipation and b of drag.
+    theta (nc,) : new granular temperature; pressure (nc,) : p_solid/(rho_s theta); sink (nc,) as in `GranularTerms`
+    """
+    s, rho_s = particles.eps_s, particles.rho
+    links, fastest = np.zeros(len(s)), 0.0
+    for f in range(len(g.right)):
+        link = g.area[f] / g.distance[f]
+        links[g.left[f]] += link
+        links[g.right[f]] += link
+    for c in range(len(s)):
+        if s[c] > FAINT:
+            both = 4.0 / 3.0 * theta[c] * (pressure[c] / s[c]) ** 2 * links[c] / g.volume[c]
+            d, b = sink[c] / (1.5 * rho_s * s[c]), drag[c] / rho_s
+            fastest = max(fastest, 0.25 * (np.sqrt((d - b) ** 2 + 4.0 * both) - d - b))
+    return fastest
+
+
+@kernel
+def mark_negative(g: Geometry, dt: float, s: Array, old: Array, rhs: Array, first_order: Flags) -> bool:
+    """Mark the cells where convection alone would make theta negative, and their neighbours; return whether any was not
+    marked before.
+    """
+    found = False
+    for f in range(len(g.left)):
+        left = g.left[f]
+        right = g.right[f] if f < len(g.right) else left
+        for c, other in ((left, right), (right, left)):
+            if s[c] * g.volume[c] * old[c] + dt * rhs[c, 0] < 0.0 and not (first_order[c] and first_order[other]):
+                first_order[c] = first_order[other] = True
+                found = True
+    return found
+
+
+@phase("granular temperature")
+def advance(
+    state: State,
+    moved: Moved,
+    solid: Predicted,
+    faces: FaceVelocities,
+    u_solid: Array,
+    properties: Properties,
+    dt: float,
+    model: Model,
+) -> Granular:
+    """Granular temperature after `dt` [s], by the option of the model."""
+    memory = state.memory
+    if model.options.theta == "frozen":
+        return Granular(state.theta, memory.rate_theta, memory.compression_rate, moved.counters)
+    g, r = model.grid.geometry, properties.rheology
+    divergence = np.empty_like(state.theta)
+    divergence_solid(g, faces, moved.eps_s, u_solid, divergence)
+    kinetic_share = solid.shear_production / g.volume * r.mu / (r.mu + properties.mu_friction + SMALLEST)
+    production = kinetic_share + model.sources.theta
+    if model.options.theta == "algebraic":
+        theta = _balanced(state.theta, moved.eps_s, production, divergence, properties, model)
+        return Granular(theta, memory.rate_theta, memory.compression_rate, moved.counters)
+    rho_s = model.materials.rho_solid
+    sink = r.dissipation * np.sqrt(state.theta) + 3.0 * properties.drag * moved.eps_s
+    terms = GranularTerms(sink, rho_s * r.pressure, divergence, production)
+    return _transport(state, moved, terms, solid.slip, u_solid, properties, dt, model)
+
+
+def _transport(
+    state: State,
+    moved: Moved,
+    terms: GranularTerms,
+    slip: Array,
+    u_solid: Array,
+    properties: Properties,
+    dt: float,
+    model: Model,
+) -> Granular:
     """Convected with the solids flux, conducted, produced, dissipated."""
-    g, edge, r, s, rho_s = bed.grid.geometry, bed.edge, bed.rheology, bed.eps_s, bed.rho[1]
-    old = bed.theta
-    sink = r.dissipation * np.sqrt(old) + 3.0 * bed.drag * s
-    column = old.reshape(-1, 1)
-    given = np.where(edge.solid.kind == boundary.GIVEN, edge.theta, old[bed.near]).reshape(-1, 1)
-    grad, ahead = np.empty((len(s), 1, bed.grid.dimension)), np.empty_like(column)
-    kc.gradient(g, column, given, grad)
-    kc.half_ahead(dt, column, grad, bed.u_solid, bed.lag_theta, ahead)
-    low = bed.drained.copy()
+    g, edge, r, s = model.grid.geometry, model.edge, properties.rheology, moved.eps_s
+    rho_s, old, counters = model.materials.rho_solid, state.theta, moved.counters
+    column, entering = old.reshape(-1, 1), edge.solid.kind == boundary.GIVEN
+    given = np.where(entering, edge.theta, old[model.boundary_cells]).reshape(-1, 1)
+    grad, half_step = np.empty((len(s), 1, model.grid.dimension)), np.empty_like(column)
+    gradient(g, column, given, grad)
+    predictor_half_step(dt, column, grad, u_solid, state.memory.rate_theta, half_step)
+    system, first_order = empty_system(g, 1), moved.drained.copy()
+    rhs = system.rhs
     while True:
-        rhs = np.zeros_like(column)
-        kc.convect(g, bed.moved, column, grad, ahead, given, bed.options.limited, low, rhs)
-        if not ks.starved(g, dt, s, old, rhs, low):
+        rhs[:] = 0.0
+        convect(g, moved.flux, Reconstruction(column, grad, half_step, given, first_order, model.options.limited), rhs)
+        if not mark_negative(g, dt, s, old, rhs, first_order):
             break
-    bed.counters["theta_upwind_cells"] += int(low.sum()) - int(bed.drained.sum())
-    carried = rhs / ((s + ks.EMPTY) * g.volume)[:, None]
+    counters = counters.add(theta_upwind_cells=int(first_order.sum()) - int(moved.drained.sum()))
+    convected = rhs / ((s + NO_PARTICLES) * g.volume)[:, None]
     rhs *= 1.5 * rho_s
-    coef, content = np.empty((len(g.left), 1)), np.empty_like(column)
-    ks.conduct(g, edge.solid, edge, r.conductivity, old, grad, bed.grid.skewed, rhs, coef)
-    ks.theta_system(
-        g,
-        edge,
-        edge.solid,
-        bed.slip,
-        dt,
-        rho_s,
-        bed.materials.eps_max,
-        s,
-        old,
-        r.g0,
-        sink,
-        rho_s * r.pressure,
-        divergence,
-        made,
-        bed.u_solid,
-        rhs,
-        content,
-    )
-    bed.theta = old + bed.solve(coef, np.zeros_like(column), content, rhs, "theta")[:, 0]
-    if (low := bed.theta < UNDERFLOW).any():
-        bed.counters["theta_clipped_cells"] += int((bed.theta < 0.0).sum())
-        bed.theta[low] = 0.0
-    bed.lag_theta = (bed.theta.reshape(-1, 1) - column) / dt - carried
-    bed.adiabatic = ks.adiabatic(g, rho_s, s, bed.theta, r.pressure, sink, bed.drag)
+    conduct(g, r.conductivity, old, np.where(entering, edge.theta, np.nan), grad, rhs, system.coef)
+    particles = Particles(rho_s, model.materials.eps_max, s, old, r.g0)
+    assemble_theta(g, edge, dt, particles, terms, slip, u_solid, system)
+    theta = old + solve_system(state, "theta", system, model)[:, 0]
+    if (low := theta < UNDERFLOW).any():
+        counters = counters.add(theta_clipped_cells=int((theta < 0.0).sum()))
+        theta[low] = 0.0
+    rate = (theta.reshape(-1, 1) - column) / dt - convected
+    compression = max_compression_rate(g, particles, theta, r.pressure, terms.sink, properties.drag)
+    return Granular(theta, rate, compression, counters)
 
 
-def _balanced(bed: Stepper, made: np.ndarray, divergence: np.ndarray) -> np.ndarray:
+def _balanced(
+    theta: Array, s: Array, production: Array, divergence: Array, properties: Properties, model: Model
+) -> Array:
     """Granular temperature at which production balances dissipation, a quadratic for its square root. Compression
     is left aside: few particles would need theta as 1/eps_s^2 to lose what it gives.
     """
-    r, s, rho_s = bed.rheology, bed.eps_s, bed.rho[1]
-    root = np.sqrt(bed.theta)
-    factor = np.where(root > 0, np.maximum(made, 0.0) / np.maximum(root, 1e-150), 0.0)
-    linear = rho_s * r.pressure * np.maximum(divergence, 0.0) + 3.0 * bed.drag * s
-    y = 2.0 * factor / (linear + np.sqrt(linear**2 + 4.0 * r.dissipation * factor) + 1e-300)
+    r, root = properties.rheology, np.sqrt(theta)
+    factor = np.where(root > 0, np.maximum(production, 0.0) / np.maximum(root, SMALLEST_ROOT), 0.0)
+    linear = model.materials.rho_solid * r.pressure * np.maximum(divergence, 0.0) + 3.0 * properties.drag * s
+    y: Array = 2.0 * factor / (linear + np.sqrt(linear**2 + 4.0 * r.dissipation * factor) + SMALLEST)
     return y**2

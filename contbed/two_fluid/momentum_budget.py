@@ -12,44 +12,49 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.two_fluid.boundary import OUTLET
-from contbed.two_fluid.fv import gradient as kc
-from contbed.two_fluid.simulation import TwoFluid
+from contbed.two_fluid.boundary import OUTLET, boundary_velocity
+from contbed.two_fluid.compiled import Array
+from contbed.two_fluid.properties import density_ratio
+from contbed.two_fluid.simulation import Simulation
 
 SHARES = ("pressure", "particles", "walls", "inflow", "change")
 
 
-def momentum(bed: TwoFluid) -> float:
+def momentum(bed: Simulation) -> float:
     """Upward momentum of both phases [kg m/s]; in a plane per metre of depth, on a line per square metre."""
-    s, rho_g, rho_s = bed.eps_s, bed.rho[0] * bed.dense, bed.rho[1]
-    density = np.stack((rho_g * (1.0 - s), rho_s * s)) * bed.grid.geometry.volume
-    return float(density[0] @ bed.u_gas[:, -1] + density[1] @ bed.u_solid[:, -1])
+    state, materials = bed.state, bed.model.materials
+    s, rho_g, rho_s = state.eps_s, materials.rho_gas * density_ratio(state.energy), materials.rho_solid
+    density = np.stack((rho_g * (1.0 - s), rho_s * s)) * bed.model.grid.geometry.volume
+    return float(density[0] @ state.u_gas[:, -1] + density[1] @ state.u_solid[:, -1])
 
 
-def forces(bed: TwoFluid, before: float) -> np.ndarray:
+def forces(bed: Simulation, before: float) -> Array:
     """The SHARES and the weight [N] in the last step; `before` it the momentum was that."""
-    g, first, edge, s = bed.grid.geometry, bed.grid.interior, bed.edge, bed.eps_s
-    near, area, n = g.left[first:], g.area[first:], g.normal[first:, -1]
-    rho_g, rho_s = bed.rho[0] * bed.dense, bed.rho[1]
-    outlet = edge.gas.kind == OUTLET
-    pressure = np.where(outlet, edge.p, bed.p[near])
-    particles = rho_s * bed.rheology.pressure * bed.theta + bed.rheology.p_friction
-    pushed = np.where(outlet, 0.0, particles[near])
+    state, model = bed.state, bed.model
+    g, first, edge, s = model.grid.geometry, model.grid.interior, model.edge, state.eps_s
+    cells, area, n = model.boundary_cells, g.area[first:], g.normal[first:, -1]
+    rho_g, rho_s = model.materials.rho_gas * density_ratio(state.energy), model.materials.rho_solid
+    outlet, rheology = edge.gas.kind == OUTLET, state.properties.rheology
+    pressure = np.where(outlet, edge.p, state.p[cells])
+    particles = rho_s * rheology.pressure * state.theta + rheology.p_friction
+    on_walls = np.where(outlet, 0.0, particles[cells])
     density = rho_g * (1.0 - s) + rho_s * s
     beyond = area * n * np.where(outlet, 0.0, g.arm_left[first:, -1])
-    weight = -bed.gravity[-1] * (density @ g.volume - density[near] @ beyond)
-    solid = bed.moved[first:]
-    fluxes = (bed.flux_total[first:] - solid) * np.broadcast_to(rho_g, s.shape)[near], solid * rho_s
+    weight = -model.gravity[-1] * (density @ g.volume - density[cells] @ beyond)
+    solid = state.fluxes.moved[first:]
+    fluxes = (state.fluxes.total[first:] - solid) * np.broadcast_to(rho_g, s.shape)[cells], solid * rho_s
     inflow = 0.0
-    for side, u, eps, flux in zip((edge.gas, edge.solid), (bed.u_gas, bed.u_solid), (1.0 - s, s), fluxes, strict=True):
+    sides, velocities, fractions = (edge.gas, edge.solid), (state.u_gas, state.u_solid), (1.0 - s, s)
+    for side, u, eps, flux in zip(sides, velocities, fractions, fluxes, strict=True):
         given = np.empty_like(side.u)
-        kc.edge_velocity(g, side, np.abs(side.slip), u, eps, given)
+        boundary_velocity(g, side, np.abs(side.slip), u, eps, given)
         inflow -= float(flux @ given[:, -1])
-    change = (momentum(bed) - before) / bed.dt
-    return np.array([-area * n @ pressure, -area * n @ pushed, bed.pull.sum(), inflow, change, weight])
+    change = (momentum(bed) - before) / state.dt
+    walls = state.wall_force_gas + state.wall_force_solid
+    return np.array([-area * n @ pressure, -area * n @ on_walls, walls, inflow, change, weight])
 
 
-def shares(mean: np.ndarray) -> dict[str, float]:
+def shares(mean: Array) -> dict[str, float]:
     """The SHARES of averaged `forces`, and what is missing, over the weight."""
     *parts, weight = mean
     *carriers, change = parts

@@ -12,12 +12,13 @@ from contbed.mesh.build import build
 from contbed.mesh.mesh import Mesh
 from contbed.models import described
 from contbed.scene.mesh import MeshFile
-from contbed.two_fluid import boundary, pressure, probes
-from contbed.two_fluid import closure_kernels as laws
+from contbed.two_fluid import boundary, closure_kernels, probes
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, bound
 from contbed.two_fluid.fv import grid
-from contbed.two_fluid.simulation import Materials, Options, TwoFluid
+from contbed.two_fluid.linear.pressure_solver import uses_elimination
+from contbed.two_fluid.model import Materials, Options, build_model
+from contbed.two_fluid.simulation import Simulation
 
 STEP_COST = (5e-7, 1.2e-6, 3e-6)  # s of CPU per cell and step in 1-D, 2-D and 3-D, of beds of some 10 000 cells
 
@@ -49,8 +50,8 @@ class TwoFluidPlan:
         flow = {"flow": cells * (2 + theta + 2 * self.grid.dimension)}
         return flow if self.scene.heat is None else flow | {"heat": 2 * cells}
 
-    def bed(self) -> tuple[TwoFluid, laws.Laws]:
-        """The bed at its start, and its laws."""
+    def bed(self) -> tuple[Simulation, closure_kernels.Laws]:
+        """The bed at its start, and its closure_kernels."""
         scene = self.scene
         gravity = np.zeros(self.grid.dimension)
         gravity[-1] = -scene.two_fluid.gravity
@@ -58,13 +59,16 @@ class TwoFluidPlan:
         materials = Materials(
             scene.gas.density, scene.gas.viscosity, solid.density, solid.diameter, solid.packing, tuple(gravity)
         )
-        made = laws.make(materials, _particles(scene), bound(scene))
-        bed = TwoFluid(self.grid, materials, made.closures, conditions(scene, self.grid), _options(scene))
+        made = closure_kernels.make(materials, _particles(scene), bound(scene))
+        heat = None
         if scene.heat is not None:
-            from contbed.two_fluid.heat import equations as heat
             from contbed.two_fluid.heat import plan as heat_planning
+            from contbed.two_fluid.heat.model import build_heat
 
-            bed.heat = heat.Heat(bed, heat_planning.physics(scene, made.bound), heat_planning.thermal(parts(scene)))
+            thermal = heat_planning.thermal(parts(scene))
+            heat = build_heat(self.grid, heat_planning.physics(scene, made.bound), thermal)
+        boundaries = conditions(scene, self.grid)
+        bed = Simulation(build_model(self.grid, materials, made.closures, boundaries, _options(scene), heat))
         bed.start(**initial(scene, self.grid))
         return bed, made
 
@@ -90,7 +94,7 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
     table = scene.two_fluid
     cost = STEP_COST[cells.dimension - 1] * len(cells.cells)
     built = [("cells", f"{len(cells.cells)}, about {cost * 1e3:.2g} ms a step")]
-    how = "elimination" if pressure.direct(cells) else "conjugate gradients with multigrid"
+    how = "elimination" if uses_elimination(cells) else "conjugate gradients with multigrid"
     built.append(("pressure", f"{how}, band of {cells.bandwidth} cells"))
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
@@ -197,9 +201,9 @@ def _condition(part: Any) -> boundary.Condition:
     return boundary.Outlet(part.pressure) if isinstance(part, t.Outlet) else boundary.symmetry()
 
 
-def _particles(scene: t.TwoFluidScene) -> laws.Particles:
+def _particles(scene: t.TwoFluidScene) -> closure_kernels.Particles:
     table, friction = scene.two_fluid, scene.solid.friction
-    return laws.Particles(
+    return closure_kernels.Particles(
         scene.solid.restitution,
         friction.start,
         friction.strength,

@@ -1,43 +1,211 @@
-"""The symmetric equation of pressure, sum of coef (p - p_neighbour) = rhs, solved by policy.
-
-In the order of the grid the matrix of a slender bed is a band, which elimination solves faster than any iteration
-converges while it is narrow: its cost for each cell grows with the square of the band, that of multigrid does not grow.
-Where no boundary fixes the pressure, it is 0 in the first cell.
-"""
+"""Pressure projection: face velocities without the pressure, the pressure equation, corrected fluxes."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from contbed.errors import ConvergenceError
-from contbed.two_fluid.fv.grid import Grid
-from contbed.two_fluid.linear.elimination import Elimination
-from contbed.two_fluid.linear.multigrid import Multigrid
+from contbed.two_fluid import boundary
+from contbed.two_fluid.boundary import OUTLET, Edge
+from contbed.two_fluid.cell_velocities import FaceVelocities
+from contbed.two_fluid.compiled import Array, Flags, kernel
+from contbed.two_fluid.face_velocities import (
+    Cells,
+    FaceFractions,
+    FaceGradients,
+    FacePredictor,
+    Velocities,
+    damp_buoyancy_waves,
+    predict_on_faces,
+    reconstruct_fractions,
+)
+from contbed.two_fluid.fv.gradient import gradient, gradient_rest_potential, gradient_solid
+from contbed.two_fluid.fv.grid import Geometry
+from contbed.two_fluid.fv.reconstruction import Reconstruction, divergence, predictor_half_step
+from contbed.two_fluid.model import Model
+from contbed.two_fluid.properties import density_ratio
+from contbed.two_fluid.state import Energy, Fluxes, ForceGradients, Properties, State
+from contbed.two_fluid.timing import phase
 
-WIDEST = 250  # band up to which elimination is faster, measured in 2-D and 3-D: studies/two_fluid_scaling
+
+class Projection(NamedTuple):
+    """What the pressure equation gives.
+
+    p (nc,) [Pa]; faces : velocities of both phases; fluxes : `moved` is still that of the last step
+    cells, velocities, gradients : what acted in cells and on faces
+    rate_eps_s (nc, 1) [1/s] : rate of change of eps_s without convection, for the next step
+    """
+
+    p: Array
+    faces: FaceVelocities
+    fluxes: Fluxes
+    cells: Cells
+    velocities: Velocities
+    gradients: FaceGradients
+    rate_eps_s: Array
 
 
-def direct(grid: Grid) -> bool:
-    """Whether the equation is solved by elimination."""
-    return grid.bandwidth <= WIDEST
+@kernel
+def assemble_pressure(
+    g: Geometry, edge: Edge, fractions: FaceFractions, predictor: FacePredictor, coef: Array, rhs: Array
+) -> None:
+    """Assemble sum of coef (nf,) (p - p_neighbour) = rhs (nc,) from the sum of both fluxes; `rhs` holds the sources."""
+    ni, gas, solid = len(g.right), edge.gas, edge.solid
+    for f in range(len(g.left)):
+        left = g.left[f]
+        if f >= ni and gas.kind[f - ni] != OUTLET:
+            coef[f] = 0.0
+            rhs[left] -= g.area[f] * (gas.flux[f - ni] + solid.flux[f - ni])
+            continue
+        eps_g, eps_s = fractions.gas[f], fractions.solid[f]
+        flux = g.area[f] * (eps_g * predictor.star_gas[f] + eps_s * predictor.star_solid[f])
+        mobility = eps_g * predictor.mobility_gas[f] + eps_s * predictor.mobility_solid[f]
+        coef[f] = g.area[f] * mobility / g.distance[f]
+        rhs[left] -= flux
+        if f < ni:
+            rhs[g.right[f]] += flux
+        else:
+            rhs[left] += coef[f] * edge.p[f - ni]
 
 
-class Pressure:
-    """Solver for one grid; `floating` where no outlet fixes the pressure. `iterations` of the last solution."""
+@kernel
+def correct_fluxes(
+    g: Geometry,
+    edge: Edge,
+    p: Array,
+    fractions: FaceFractions,
+    predictor: FacePredictor,
+    faces: FaceVelocities,
+    fluxes: Fluxes,
+) -> None:
+    """Set the velocities of `faces` with the pressure p (nc,), and the `fluxes` but for `moved`."""
+    ni = len(g.right)
+    outflow_gas, outflow_solid = fluxes.outflow_gas, fluxes.outflow_solid
+    outflow_gas[:] = 0.0
+    outflow_solid[:] = 0.0
+    for f in range(len(g.left)):
+        left = g.left[f]
+        area = g.area[f]
+        drop = ((p[g.right[f]] if f < ni else edge.p[f - ni]) - p[left]) / g.distance[f]
+        u_g = predictor.star_gas[f] - predictor.mobility_gas[f] * drop
+        u_s = predictor.star_solid[f] - predictor.mobility_solid[f] * drop
+        fluxes.solid[f] = area * fractions.solid[f] * u_s
+        fluxes.total[f] = area * (fractions.gas[f] * u_g + fractions.solid[f] * u_s)
+        if f >= ni:
+            if edge.gas.kind[f - ni] == OUTLET:
+                if u_s < 0.0:
+                    # no particles come back: as at a wall
+                    fluxes.solid[f] = u_s = faces.h_solid[f] = 0.0
+            else:
+                fluxes.total[f] = area * (edge.gas.flux[f - ni] + edge.solid.flux[f - ni])
+        faces.gas[f], faces.solid[f] = u_g, u_s
+        out_g, out_s = area * u_g, area * u_s
+        outflow_gas[left] += max(0.0, out_g)
+        outflow_solid[left] += max(0.0, out_s)
+        if f < ni:
+            right = g.right[f]
+            outflow_gas[right] -= min(0.0, out_g)
+            outflow_solid[right] -= min(0.0, out_s)
+    for c in range(len(g.volume)):
+        outflow_gas[c] /= g.volume[c]
+        outflow_solid[c] /= g.volume[c]
 
-    def __init__(self, grid: Grid, floating: bool):
-        self.geometry, self.floating, self.iterations = grid.geometry, floating, 0
-        self.by: Elimination | Multigrid = Elimination(grid) if direct(grid) else Multigrid(grid)
 
-    def solve(self, coef: np.ndarray, rhs: np.ndarray, guess: np.ndarray) -> np.ndarray:
-        """Pressure (nc,) [Pa]; `guess` is where iterations start."""
-        if isinstance(self.by, Elimination):
-            p = rhs.copy()
-            if not self.by.solve(self.geometry, coef, self.floating, p):
-                raise ConvergenceError("the equation of pressure is singular: a fluid region without inlet or outlet?")
-            return p
-        p = guess.copy()
-        self.iterations = self.by.solve(coef, self.floating, rhs, p)
-        if self.iterations < 0:
-            raise ConvergenceError("the equation of pressure does not converge: a part without inlet or outlet?")
-        return p
+@phase("pressure")
+def project(
+    state: State,
+    eps_s: Array,
+    rate_eps_s: Array,
+    predicted: tuple[Array, Array, Array, Array],
+    properties: Properties,
+    energy: Energy | None,
+    dt: float,
+    model: Model,
+) -> Projection:
+    """Forces, drag and pressure on faces.
+
+    predicted : H (nc, dim) of gas and solids, and the gradients (nc, dim, dim) of both velocities before
+    """
+    g, edge, materials = model.grid.geometry, model.edge, model.materials
+    h_gas, h_solid, grad_gas, grad_solid = predicted
+    kinetic = properties.rheology.pressure * state.theta
+    forces, resting = state.memory.gradients, model.no_cells
+    if g.skewed:
+        forces, resting = force_gradients(state.p, kinetic, properties, forces, model)
+        grad_gas = grad_gas + level_gradient(h_gas - state.u_gas, None, model)
+        grad_solid = grad_solid + level_gradient(h_solid - state.u_solid, eps_s, model)
+    rho_gas = materials.rho_gas * density_ratio(energy) * np.ones(len(eps_s))
+    friction = properties.rheology.h
+    cells = Cells(rho_gas, eps_s, properties.drag, kinetic, friction, state.p, resting, materials.rho_solid)
+    velocities = Velocities(h_gas, h_solid, state.u_gas, state.u_solid)
+    gradients = FaceGradients(grad_gas, grad_solid, forces, state.memory.face_residual)
+    nf = len(g.left)
+    predictor = FacePredictor(*(np.empty(nf) for _ in FacePredictor._fields))
+    predict_on_faces(g, edge, dt, model.gravity, cells, velocities, gradients, predictor)
+
+    field = _half_step_fraction(state, eps_s, rate_eps_s, dt, model)
+    fractions = FaceFractions(np.empty(nf), np.empty(nf))
+    reconstruct_fractions(g, edge, field, predictor, fractions)
+    if model.closed:
+        damp_buoyancy_waves(g, dt, model.gravity, cells, fractions, predictor)
+
+    coef, rhs = np.empty(nf), g.volume * (model.sources.solid + model.sources.gas)
+    if energy is not None:
+        rhs += g.volume * energy.expansion
+    assemble_pressure(g, edge, fractions, predictor, coef, rhs)
+    p = model.pressure_solver.solve(coef, rhs, state.p)
+    faces = FaceVelocities(np.empty(nf), np.empty(nf), predictor.h_gas, predictor.h_solid, fractions.solid)
+    fluxes = Fluxes(np.empty(nf), np.empty(nf), state.fluxes.moved, np.empty_like(p), np.empty_like(p))
+    correct_fluxes(g, edge, p, fractions, predictor, faces, fluxes)
+    if model.closed:
+        # layers follow buoyancy within a step: on what faces carried its waves would grow, for N dt of about 1
+        rate_eps_s = rate_eps_s - 2.0 / dt * field.half_step
+    else:
+        net, carried = np.empty_like(p), np.empty_like(p)
+        divergence(g, faces.solid * g.area, fractions.solid, eps_s, net, carried)
+        rate_eps_s = -(carried / g.volume)[:, None]
+    return Projection(p, faces, fluxes, cells, velocities, gradients, rate_eps_s)
+
+
+def _half_step_fraction(state: State, eps_s: Array, rate: Array, dt: float, model: Model) -> Reconstruction:
+    """Solids fraction with its gradient and its change in half a step."""
+    g, edge = model.grid.geometry, model.edge
+    column, nb = eps_s.reshape(-1, 1), len(model.boundary_cells)
+    grad, half_step = np.empty((len(eps_s), 1, model.grid.dimension)), np.empty((len(eps_s), 1))
+    given = np.where(edge.solid.kind == boundary.GIVEN, edge.eps_s, eps_s[model.boundary_cells]).reshape(nb, 1)
+    gradient(g, column, given, grad)
+    predictor_half_step(dt, column, grad, state.u_solid, rate, half_step)
+    return Reconstruction(column, grad, half_step, given, model.no_cells, model.options.limited)
+
+
+def level_gradient(u: Array, eps_s: Array | None, model: Model) -> Array:
+    """Gradient (nc, dim, dim) of a cell vector (nc, dim) level at the boundaries; of the solids with `eps_s`."""
+    out, g, given = np.empty((*u.shape, u.shape[1])), model.grid.geometry, u[model.boundary_cells]
+    if eps_s is None:
+        gradient(g, u, given, out)
+    else:
+        gradient_solid(g, eps_s, u, given, out)
+    return out
+
+
+def force_gradients(
+    p: Array, kinetic: Array, properties: Properties, last: ForceGradients, model: Model
+) -> tuple[ForceGradients, Flags]:
+    """Gradients of p [Pa], kinetic pressure and rest potential [m2/s2], for skewed grids; and the cells that rest.
+
+    The `last` gradients extend p and kinetic pressure to the walls.
+    """
+    g, edge, cells = model.grid.geometry, model.edge, model.boundary_cells
+    arm = g.arm_left[model.grid.interior :]
+    values, slopes = np.stack((p, kinetic), axis=1), np.stack((last.p, last.kinetic), axis=1)
+    given = values[cells] + np.einsum("bkd,bd->bk", slopes[cells], arm)
+    outlet = edge.gas.kind == boundary.OUTLET
+    given[outlet, 0] = edge.p[outlet]
+    grad, rest = np.empty((*values.shape, arm.shape[1])), np.empty((len(values), 1, arm.shape[1]))
+    resting = np.zeros(len(p), dtype=np.bool_)
+    gradient(g, values, given, grad)
+    potential = properties.rheology.h
+    gradient_rest_potential(g, potential, p / model.materials.rho_solid, model.gravity, rest, resting)
+    parts = (np.ascontiguousarray(part) for part in (grad[:, 0], grad[:, 1], rest[:, 0]))
+    return ForceGradients(*parts), resting

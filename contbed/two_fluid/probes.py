@@ -9,7 +9,7 @@ import numpy as np
 from contbed.errors import SceneError
 from contbed.mesh.mesh import Mesh
 from contbed.two_fluid.fv.grid import Grid
-from contbed.two_fluid.simulation import TwoFluid
+from contbed.two_fluid.simulation import Simulation
 
 FIELDS = ("eps_s [1]", "u_gas [m/s]", "u_solid [m/s]", "theta [m2/s2]", "p [Pa]")
 WITH_HEAT = ("T_gas [K]", "T_solid [K]")
@@ -39,15 +39,15 @@ def cells(mesh: Mesh, grid: Grid, points: Mapping[str, Sequence[float]]) -> dict
     return found
 
 
-def columns(bed: TwoFluid, probes: Mapping[str, int]) -> list[str]:
+def columns(bed: Simulation, probes: Mapping[str, int]) -> list[str]:
     """Headers: the name of the probe before that of the field; velocities along the last axis."""
-    names = FIELDS if bed.heat is None else (*FIELDS, *WITH_HEAT)
+    names = FIELDS if bed.state.energy is None else (*FIELDS, *WITH_HEAT)
     return [f"{probe} {name}" for probe in probes for name in names]
 
 
-def row(bed: TwoFluid, probes: Mapping[str, int]) -> list[float]:
+def row(bed: Simulation, probes: Mapping[str, int]) -> list[float]:
     """Values under the `columns`."""
-    fields = [bed.eps_s, bed.u_gas[:, -1], bed.u_solid[:, -1], bed.theta, bed.p]
-    if bed.heat is not None:
-        fields += [bed.heat.T_gas, bed.heat.T_solid]
+    fields = [bed.state.eps_s, bed.state.u_gas[:, -1], bed.state.u_solid[:, -1], bed.state.theta, bed.state.p]
+    if bed.state.energy is not None:
+        fields += [bed.state.energy.T_gas, bed.state.energy.T_solid]
     return [float(field[cell]) for cell in probes.values() for field in fields]

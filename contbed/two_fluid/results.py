@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed.balance import Balance
-from contbed.two_fluid import momentum_budget as weight
+from contbed.two_fluid import momentum_budget
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages, along, spectrum
 from contbed.two_fluid.closures import SCANT
 from contbed.two_fluid.fv.grid import Grid
-from contbed.two_fluid.simulation import TwoFluid
+from contbed.two_fluid.simulation import Simulation
 
 if TYPE_CHECKING:
-    from contbed.two_fluid.heat.equations import Heat
+    from contbed.two_fluid.state import Energy
 
 COLUMNS = ("t [s]", "pressure_drop [Pa]", "solids [kg]", "centre_of_solids [m]", "u_solid_max [m/s]",
            "theta_mean [m2/s2]", "eps_s_max [1]", "dt [s]")  # fmt: skip
@@ -28,80 +28,83 @@ ROUND = 0.95  # cosine between the wall's normal and the radius, all around, of 
 SPECTRUM = 64  # samples from which a spectrum is taken
 
 
-def held(bed: TwoFluid) -> float:
+def held(bed: Simulation) -> float:
     """Mass of the particles [kg]; in a plane per metre of depth, on a line per square metre."""
-    return float(bed.materials.rho_solid * (bed.eps_s @ bed.grid.geometry.volume))
+    return float(bed.model.materials.rho_solid * (bed.state.eps_s @ bed.model.grid.geometry.volume))
 
 
-def kept(bed: TwoFluid) -> dict[str, float]:
+def kept(bed: Simulation) -> dict[str, float]:
     """What has a balance: mass of the particles; with heat also mass of the gas [kg] and heat [J]."""
     solids = {"solids": held(bed)}
-    if bed.heat is None:
+    if bed.state.energy is None:
         return solids
-    return solids | {"gas": float(bed.heat.mass @ bed.grid.geometry.volume), "heat": bed.heat.stored()}
+    from contbed.two_fluid.heat.equations import stored_heat
+
+    gas = float(bed.state.energy.mass @ bed.model.grid.geometry.volume)
+    return solids | {"gas": gas, "heat": stored_heat(bed.state, bed.model)}
 
 
-def columns(bed: TwoFluid) -> tuple[str, ...]:
+def columns(bed: Simulation) -> tuple[str, ...]:
     """Headers of the rows over time."""
-    return COLUMNS if bed.heat is None else (*COLUMNS, *WITH_HEAT[: 4 + bed.heat.ideal])
+    return COLUMNS if bed.model.heat is None else (*COLUMNS, *WITH_HEAT[: 4 + bed.model.heat.ideal])
 
 
-def row(bed: TwoFluid) -> list[float]:
+def row(bed: Simulation) -> list[float]:
     """One row under the `columns`."""
-    s, volume, height = bed.eps_s, bed.grid.geometry.volume, bed.grid.centres[:, -1]
+    s, volume, height = bed.state.eps_s, bed.model.grid.geometry.volume, bed.model.grid.centres[:, -1]
     mass = s * volume
     total = max(float(mass.sum()), 1e-300)
-    warm = [] if bed.heat is None else _temperatures(bed, bed.heat)
+    warm = [] if bed.state.energy is None else _temperatures(bed, bed.state.energy)
     return [
-        bed.time,
+        bed.state.time,
         pressure_at(bed, -1) - pressure_at(bed, 1),
         held(bed),
         float(mass @ height) / total,
         fastest(bed),
-        float(mass @ bed.theta) / total,
+        float(mass @ bed.state.theta) / total,
         float(s.max()),
-        bed.dt,
+        bed.state.dt,
         *warm,
     ]
 
 
-def _temperatures(bed: TwoFluid, heat: Heat) -> list[float]:
+def _temperatures(bed: Simulation, heat: Energy) -> list[float]:
     """Means by mass, and the hottest gas and particles."""
-    volume = bed.grid.geometry.volume
-    gas, solid = heat.mass * volume, bed.eps_s * volume
-    hottest = float(np.max(heat.T_solid, where=bed.eps_s > SCANT, initial=0.0))
+    volume = bed.model.grid.geometry.volume
+    gas, solid = heat.mass * volume, bed.state.eps_s * volume
+    hottest = float(np.max(heat.T_solid, where=bed.state.eps_s > SCANT, initial=0.0))
     return [
         float(gas @ heat.T_gas / gas.sum()),
         float(solid @ heat.T_solid / max(solid.sum(), 1e-300)),
         float(heat.T_gas.max()),
         hottest,
-        *([heat.p0] if heat.ideal else []),
+        *([heat.p0] if bed.model.heat is not None and bed.model.heat.ideal else []),
     ]
 
 
-def pressure_at(bed: TwoFluid, side: int) -> float:
+def pressure_at(bed: Simulation, side: int) -> float:
     """Mean pressure [Pa] of the cells that touch the bottom (side -1) or the top (1); 0 where these are periodic."""
-    g, first = bed.grid.geometry, bed.grid.interior
-    height = side * bed.grid.middles[first:, -1]
-    near = height.max(initial=-np.inf) - 1e-6 * np.ptp(bed.grid.centres[:, -1])
+    g, first = bed.model.grid.geometry, bed.model.grid.interior
+    height = side * bed.model.grid.middles[first:, -1]
+    near = height.max(initial=-np.inf) - 1e-6 * np.ptp(bed.model.grid.centres[:, -1])
     end = first + np.flatnonzero((height >= near) & (side * g.normal[first:, -1] > 0.5))
-    return float(g.area[end] @ bed.p[g.left[end]] / g.area[end].sum()) if len(end) else 0.0
+    return float(g.area[end] @ bed.state.p[g.left[end]] / g.area[end].sum()) if len(end) else 0.0
 
 
-def fastest(bed: TwoFluid) -> float:
+def fastest(bed: Simulation) -> float:
     """Largest speed of particles [m/s]."""
-    speed = np.linalg.norm(bed.u_solid, axis=1)
-    return float(np.max(speed, where=bed.eps_s > SCANT, initial=0.0))
+    speed = np.linalg.norm(bed.state.u_solid, axis=1)
+    return float(np.max(speed, where=bed.state.eps_s > SCANT, initial=0.0))
 
 
-def balances(bed: TwoFluid, start: dict[str, float]) -> dict[str, dict[str, Any]]:
+def balances(bed: Simulation, start: dict[str, float]) -> dict[str, dict[str, Any]]:
     """What came in, went out and stayed of what is `kept`."""
-    rho, account, now = bed.materials.rho_solid, bed.account, kept(bed)
-    found = {"solids": _balance(rho * account["solid_in"], rho * account["solid_out"], 0.0, start, now, "solids")}
-    if bed.heat is not None:
-        a = bed.heat.account
-        found["gas"] = _balance(a["gas_in"], a["gas_out"], 0.0, start, now, "gas")
-        found["heat"] = _balance(a["heat_in"], a["heat_out"], a["walls"], start, now, "heat")
+    rho, account, now = bed.model.materials.rho_solid, bed.state.account, kept(bed)
+    found = {"solids": _balance(rho * account.solid_in, rho * account.solid_out, 0.0, start, now, "solids")}
+    if bed.state.energy is not None:
+        a = bed.state.energy.account
+        found["gas"] = _balance(a.gas_in, a.gas_out, 0.0, start, now, "gas")
+        found["heat"] = _balance(a.heat_in, a.heat_out, a.walls, start, now, "heat")
     return found
 
 
@@ -113,14 +116,14 @@ def _balance(
 
 
 def tables(
-    plan: Any, bed: TwoFluid, averages: Averages | None, rows: dict[str, np.ndarray]
+    plan: Any, bed: Simulation, averages: Averages | None, rows: dict[str, np.ndarray]
 ) -> dict[str, dict[str, Any]]:
     """axial.csv and, where there is a lateral direction, lateral.csv: averages, or the last state without them; with
     averages also spectrum.csv, the power of the pressure drop by frequency.
     """
     averaged = averages is not None and averages.weight.sum() > 0
-    fields = averages.means() if averaged else bed.fields()  # type: ignore[union-attr]
-    volume, centres = bed.grid.geometry.volume, bed.grid.centres
+    fields = averages.means() if averaged else bed.state.fields()  # type: ignore[union-attr]
+    volume, centres = bed.model.grid.geometry.volume, bed.model.grid.centres
     s = fields["eps_s"]
     values = {
         "eps_s [1]": s,
@@ -140,14 +143,14 @@ def tables(
     height = centres[:, -1]
     place, columns = along(height, volume, values, weights, min(BINS, _layers(height, corners[..., -1])))
     found = {"axial": {"height [m]": place, **columns}}
-    if bed.grid.dimension > 1:
+    if bed.model.grid.dimension > 1:
         window = plan.scene.output.window
         inside = np.full(len(volume), True)
         if window is not None:
             inside = (height >= window.start) & (height <= window.end)
         pick = {name: value[inside] for name, value in values.items()}
         lean = {name: value[inside] for name, value in weights.items()}
-        name, lateral = across(bed.grid)
+        name, lateral = across(bed.model.grid)
         x = lateral(centres[inside])
         bins = min(WALL_BINS, _layers(x, lateral(corners)))
         place, columns = along(x, volume[inside], pick, lean, bins)
@@ -184,7 +187,7 @@ def _layers(position: np.ndarray, corners: np.ndarray) -> int:
 
 def results(
     plan: Any,
-    bed: TwoFluid,
+    bed: Simulation,
     start: dict[str, float],
     averages: Averages | None,
     rows: dict[str, np.ndarray],
@@ -194,8 +197,8 @@ def results(
     scene: t.TwoFluidScene = plan.scene
     last = row(bed)
     found: dict[str, Any] = {
-        "time [s]": bed.time,
-        "steps": bed.steps,
+        "time [s]": bed.state.time,
+        "steps": bed.state.steps,
         "mass_drift_relative": balances(bed, start)["solids"]["relative_residual"],
         "max_velocity": last[4],
         "theta_final": last[5],
@@ -204,11 +207,11 @@ def results(
         "slip_velocity": _slip(bed),
     }
     found |= dict(zip(WITH_HEAT, last[len(COLUMNS) :], strict=False))
-    section = bed.grid.geometry.volume.sum() / np.ptp(plan.mesh.skfem.p[-1])
+    section = bed.model.grid.geometry.volume.sum() / np.ptp(plan.mesh.skfem.p[-1])
     found["weight_of_solids"] = float(scene.two_fluid.gravity * last[2] / section)
     shear = _shear(scene, plan)
     if shear:
-        found["theta_over_s2d2"] = last[5] / (shear * bed.materials.d_p) ** 2
+        found["theta_over_s2d2"] = last[5] / (shear * bed.model.materials.d_p) ** 2
     found |= _fronts(scene, bed)
     if averages is not None and averages.weight.sum() > 0:
         late = rows["t [s]"] >= averages.start
@@ -216,20 +219,20 @@ def results(
         found["averaged [s]"] = float(averages.weight.sum())
         found["difference_of_halves"] = averages.drift()
         if found["weight_of_solids"] > 0.0:
-            found |= weight.shares(averages.forces())
+            found |= momentum_budget.shares(averages.forces())
     if "spectrum" in tables:
         frequency, power = tables["spectrum"].values()
         found["dominant_frequency [Hz]"] = float(frequency[np.argmax(power)])
     return found
 
 
-def _slip(bed: TwoFluid) -> float:
+def _slip(bed: Simulation) -> float:
     """Mean velocity of the gas past the particles in the middle fifth of the height [m/s]."""
-    height = bed.grid.centres[:, -1]
+    height = bed.model.grid.centres[:, -1]
     low, span = height.min(), np.ptp(height)
-    middle = (np.abs(height - low - 0.5 * span) <= 0.1 * span) & (bed.eps_s > 1e-12)
-    mass = (bed.eps_s * bed.grid.geometry.volume)[middle]
-    past = (bed.u_gas - bed.u_solid)[middle, -1]
+    middle = (np.abs(height - low - 0.5 * span) <= 0.1 * span) & (bed.state.eps_s > 1e-12)
+    mass = (bed.state.eps_s * bed.model.grid.geometry.volume)[middle]
+    past = (bed.state.u_gas - bed.state.u_solid)[middle, -1]
     return float(mass @ past / mass.sum()) if middle.any() else 0.0
 
 
@@ -241,12 +244,12 @@ def _shear(scene: t.TwoFluidScene, plan: Any) -> float:
     return abs(scene.initial.shear)
 
 
-def _fronts(scene: t.TwoFluidScene, bed: TwoFluid) -> dict[str, Any]:
+def _fronts(scene: t.TwoFluidScene, bed: Simulation) -> dict[str, Any]:
     """Fronts on a line: of settling from a uniform start, or of a jump in the start that runs at c = sqrt(theta)."""
-    if bed.grid.dimension > 1:
+    if bed.model.grid.dimension > 1:
         return {}
-    order = np.argsort(bed.grid.centres[:, 0])
-    x, s = bed.grid.centres[order, 0], bed.eps_s[order]
+    order = np.argsort(bed.model.grid.centres[:, 0])
+    x, s = bed.model.grid.centres[order, 0], bed.state.eps_s[order]
     start = scene.initial
     if not start.layer and start.eps_s > 0 and scene.two_fluid.gravity > 0:
         densest = 0.5 * (start.eps_s + scene.solid.packing)
@@ -257,7 +260,7 @@ def _fronts(scene: t.TwoFluidScene, bed: TwoFluid) -> dict[str, Any]:
     if scene.two_fluid.granular_temperature == "frozen" and len(start.layer) == 1 and start.theta > 0:
         jump, c = start.layer[0].end, start.theta**0.5
         right = s[-1]
-        way = c * bed.time
+        way = c * bed.state.time
         # between the tail of the fan and the shock the state is uniform; its middle third is read
         between = (x > jump - 0.1 * way) & (x < jump + 0.3 * way)
         star = float(np.median(s[between])) if between.any() else float("nan")

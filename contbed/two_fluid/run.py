@@ -10,25 +10,13 @@ from typing import Any
 import numpy as np
 
 from contbed.result import Result, timed
-from contbed.two_fluid import (
-    closure_kernels as laws,
-)
-from contbed.two_fluid import (
-    momentum_budget as weight,
-)
-from contbed.two_fluid import (
-    plan as planning,
-)
-from contbed.two_fluid import (
-    probes,
-)
-from contbed.two_fluid import (
-    results as findings,
-)
+from contbed.two_fluid import closure_kernels, momentum_budget, probes
+from contbed.two_fluid import plan as planning
+from contbed.two_fluid import results as findings
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages
 from contbed.two_fluid.closures import known
-from contbed.two_fluid.simulation import TwoFluid
+from contbed.two_fluid.simulation import Simulation
 
 ROWS = 200  # in profiles.csv unless the scene says how often
 
@@ -47,7 +35,7 @@ class Run:
         self.ended = 0
         self.averages = None
         if time.average_from is not None:
-            self.averages = Averages(time.average_from, time.end, momentum=weight.momentum(self.bed))
+            self.averages = Averages(time.average_from, time.end, momentum=momentum_budget.momentum(self.bed))
         self.rows: list[list[float]] = []
         self.files: list[tuple[float, str]] = []
         self.interval = time.sample or time.end / ROWS
@@ -62,27 +50,27 @@ class Run:
 
     def end_pulses(self) -> bool:
         """Impose what follows the inlets whose time is over; whether there were any."""
-        bed, ended = self.bed, sum(end <= self.bed.time for end in self.ends)
+        bed, ended = self.bed, sum(end <= self.bed.state.time for end in self.ends)
         if ended == self.ended:
             return False
         self.ended = ended
-        bed.impose(planning.conditions(self.scene, bed.grid, bed.time))
-        if bed.heat is not None:
+        bed.impose(planning.conditions(self.scene, bed.model.grid, bed.state.time))
+        if bed.model.heat is not None:
             from contbed.two_fluid.heat import plan as heat_planning
 
-            bed.heat.impose(heat_planning.thermal(planning.parts(self.scene, bed.time)))
+            bed.impose_heat(heat_planning.thermal(planning.parts(self.scene, bed.state.time)))
         return True
 
-    def after_step(self, bed: TwoFluid) -> None:
+    def after_step(self, bed: Simulation) -> None:
         """What every step adds to."""
         if self.end_pulses():
-            bed.settle_fluxes(bed.dt)
+            bed.find_fluxes(bed.state.dt)
         if self.averages is not None:
             self.averages.add(bed)
 
     def arrays(self) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
         """Arrays and numbers for a checkpoint."""
-        state = self.bed.state()
+        state = self.bed.saved()
         plain = {name: value for name, value in state.items() if not isinstance(value, np.ndarray)}
         arrays = {name: value for name, value in state.items() if isinstance(value, np.ndarray)}
         arrays |= {"rows": np.array(self.rows), "counts": self.laws.counts, "kept": np.array(list(self.kept.values()))}
@@ -123,12 +111,12 @@ def run(
     try:
         with Progress(scene.time.end, quiet=quiet) as progress:
 
-            def after(bed: TwoFluid) -> None:
+            def after(bed: Simulation) -> None:
                 run.after_step(bed)
-                progress.advance_to(bed.time, f"step {bed.dt:.2g} s")
+                progress.advance_to(bed.state.time, f"step {bed.state.dt:.2g} s")
 
-            for stop in stops[stops > run.bed.time * (1.0 + 1e-12)]:
-                for time in (*(end for end in run.ends if run.bed.time < end < stop), stop):
+            for stop in stops[stops > run.bed.state.time * (1.0 + 1e-12)]:
+                for time in (*(end for end in run.ends if run.bed.state.time < end < stop), stop):
                     run.bed.advance(time, after)
                 run.take_row()
                 if folder is not None:
@@ -146,7 +134,8 @@ def _keep(run: Run, folder: Path, label: str) -> None:
     arrays, meta = run.arrays()
     checkpoint.save(folder, arrays, {"scene_hash": label, **meta})
     every = run.scene.time.fields
-    if run.scene.output.fields and every is not None and run.bed.time >= (len(run.files) + 1) * every * (1.0 - 1e-9):
+    next_time = np.inf if every is None else (len(run.files) + 1) * every * (1.0 - 1e-9)
+    if run.scene.output.fields and run.bed.state.time >= next_time:
         _fields(run, folder)
 
 
@@ -154,26 +143,28 @@ def _fields(run: Run, folder: Path) -> None:
     from contbed.output.vtu import write_series
     from contbed.two_fluid.files import write_cells
 
-    if run.files and run.files[-1][0] == run.bed.time:
+    if run.files and run.files[-1][0] == run.bed.state.time:
         return
     means = run.averages.means() if run.averages is not None and run.averages.weight.sum() > 0 else {}
     name = f"fields_{len(run.files):04d}.vtu"
-    fields = run.bed.fields()
+    fields = run.bed.state.fields()
     fields |= {f"{key}_mean": value for key, value in means.items()}
     write_cells(folder / name, run.plan.mesh.skfem, run.plan.grid.cells, fields)
-    run.files.append((run.bed.time, name))
+    run.files.append((run.bed.state.time, name))
     write_series(folder / "fields.pvd", run.files)
 
 
 def _fill(run: Run, result: Result) -> None:
-    """Profiles, tables, balances, closures and qoi."""
+    """Profiles, tables, balances, closures, qoi, and the wall time of each phase of the steps."""
     bed = run.bed
+    result.timings |= {f"flow: {name}": seconds for name, seconds in bed.model.timer.seconds.items()}
     headers = [*findings.columns(bed), *probes.columns(bed, run.plan.probes)]
     result.profiles |= dict(zip(headers, np.array(run.rows).T.copy(), strict=True))
     result.balances |= findings.balances(bed, run.kept)
     result.tables |= findings.tables(run.plan, bed, run.averages, result.profiles)
     result.qoi |= findings.results(run.plan, bed, run.kept, run.averages, result.profiles, result.tables)
-    for name, number in [*bed.counters.items(), *zip(laws.COUNTED, run.laws.counts.tolist(), strict=True)]:
+    counted = zip(closure_kernels.COUNTED, run.laws.counts.tolist(), strict=True)
+    for name, number in [*bed.state.counters._asdict().items(), *counted]:
         if number:
             result.qoi[name] = int(number)
     result.closures += [closure.use().to_dict() for closure in run.closures.values()]

@@ -1,180 +1,196 @@
-"""The two-fluid model with kinetic theory of granular flow: start, time, account, restart.
-
-    d eps_s/dt + div(eps_s u_s) = 0,   eps_g = 1 - eps_s,   div(eps_g u_g + eps_s u_s) = 0
-    eps_g rho_g D u_g/dt = -eps_g grad p + div tau_g - beta (u_g - u_s) + eps_g rho_g g
-    eps_s rho_s D u_s/dt = -eps_s grad p - grad p_s + div tau_s + beta (u_g - u_s) + eps_s rho_s g
-    3/2 rho_s eps_s D theta/dt = -p_s div u_s + tau_s : grad u_s + div(k grad theta) - gamma - 3 beta theta
-
-with p_s = rho_s eps_s theta (1 + 2 (1 + e) eps_s g0) and friction near packing (Gidaspow 1994, Multiphase Flow and
-Fluidization, Academic Press). The step is in step.py, the mesh in grid.py, the boundaries in boundary.py.
-"""
+"""A two-fluid bed in time: start, choice of the step, order in time, account."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contbed.two_fluid.boundary import Condition, assemble
+from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv import limiter
-from contbed.two_fluid.step import CROSSED, FIELDS, PASSES, Materials, Options, Sources, Stepper
+from contbed.two_fluid.model import Model
+from contbed.two_fluid.momentum import MAX_SUBCYCLES, SUBCYCLE_COURANT
+from contbed.two_fluid.state import Account, State, check_finite, flatten, rebuild, zero_state
+from contbed.two_fluid.step import initial_fluxes, step
 
-__all__ = ["FIELDS", "Materials", "Options", "Sources", "TwoFluid"]
+if TYPE_CHECKING:
+    from contbed.two_fluid.heat.model import Thermal
 
-_MEMORY = ("lag_g", "lag_s", "lag_eps", "lag_theta", "force_g", "force_s", "drag", "stiffness", "grad_p", "own",
-           "outflow")  # fmt: skip
-_FLUXES = ("flux_solid", "flux_total")
-_SCALARS = ("time", "dt", "wanted", "adiabatic")
-HEATED = 0.7  # of the step at which compression and its heat would grow; measured on random fields, they do from 0.72
+COMPRESSION_LIMIT = 0.7  # of the step at which compression and its heat would grow; on random fields, from 0.72 on
+SEEN = 1e-6  # [-] solids fraction above which particles bind the step
+ROUNDING = 1e-9  # share of a step by which a number of steps, or a time, may be off
 
 
-class TwoFluid(Stepper):
-    """State and time of one bed.
-
-    Parameters
-    ----------
-    grid : cells and faces
-    materials, closures : of gas and particles
-    boundaries : condition of each named boundary
-    options : how to step
+class Simulation:
+    """A model and its state, which each step replaces.
 
     Attributes
     ----------
-    eps_s, theta, p (nc,), u_gas, u_solid (nc, dim) : fields in the order of the grid, set by `start`
-    time, dt, steps : now, the last step, and their number; wanted : the step that the last one was cut from
-    account : volumes [m3] of solids and gas that came in and went out
-    counters : how often a limiter or guard acted
+    model : what does not change in time; boundary conditions may be imposed anew
+    state : now
     """
 
-    def __init__(self, *arguments: Any, **named: Any):
-        super().__init__(*arguments, **named)
-        self.dt = self.wanted = 0.0
-        self.account = {"solid_in": 0.0, "solid_out": 0.0, "gas_in": 0.0, "gas_out": 0.0}
+    def __init__(self, model: Model):
+        self.model, self.state = model, zero_state(model.grid)
+        if model.heat is not None:
+            from contbed.two_fluid.heat.equations import initial_energy
+
+            self.state = replace(self.state, energy=initial_energy(self.state, model.heat, model))
 
     def start(self, **fields: Any) -> None:
         """Set fields (arrays or numbers) and find the fluxes that belong to them."""
-        known = self.fields()
-        for name, value in fields.items():
-            known[name][...] = value
-        if self.heat is not None:
-            self.heat.start()
-        self.settle_fluxes(self.options.dt or self.options.dt_first)
+        known = self.state.fields()
+        full = {name: np.array(np.broadcast_to(value, known[name].shape), float) for name, value in fields.items()}
+        heated = {name: full.pop(name) for name in ("T_gas", "T_solid") if name in full}
+        self.state = replace(self.state, **full)
+        if self.state.energy is not None and self.model.heat is not None:
+            from contbed.two_fluid.heat.equations import with_temperatures
+
+            energy = with_temperatures(self.state.energy, self.state.eps_s, heated, self.model.heat, self.model)
+            self.state = replace(self.state, energy=energy)
+        self.find_fluxes(self.model.options.dt or self.model.options.dt_first)
+
+    def find_fluxes(self, dt: float) -> None:
+        """Find fluxes and pressure that belong to the fields, as after a step of `dt` [s] without convection."""
+        self.state = initial_fluxes(self.state, dt, self.model)
 
     def impose(self, conditions: Mapping[str, Condition]) -> None:
-        """Other conditions from now on."""
-        self.edge = assemble(self.grid, conditions, self.materials.rho_solid)
+        """Other boundary conditions from now on."""
+        edge = assemble(self.model.grid, conditions, self.model.materials.rho_solid)
+        self.model = replace(self.model, edge=edge)
 
-    def state(self) -> dict[str, Any]:
-        """Everything that the next step depends on."""
-        kept: dict[str, Any] = {name: getattr(self, name).copy() for name in (*FIELDS, *_FLUXES, *_MEMORY)}
-        scalars = {name: getattr(self, name) for name in (*_SCALARS, "steps")}
-        if self.heat is not None:
-            kept |= self.heat.state()
-        return kept | scalars | {"counters": dict(self.counters), "account": dict(self.account)}
+    def impose_heat(self, conditions: Mapping[str, Thermal]) -> None:
+        """Other conditions of heat from now on."""
+        from contbed.two_fluid.heat.model import build_heat
 
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Go back to a `state`, bit for bit."""
-        for name in (*FIELDS, *_FLUXES, *_MEMORY):
-            setattr(self, name, np.array(state[name]))
-        for name in _SCALARS:
-            setattr(self, name, float(state[name]))
-        self.steps = int(state["steps"])
-        self.counters, self.account = dict(state["counters"]), dict(state["account"])
-        if self.heat is not None:
-            self.heat.restore(state)
+        assert self.model.heat is not None
+        heat = build_heat(self.model.grid, self.model.heat.physics, conditions)
+        self.model = replace(self.model, heat=heat)
 
-    def advance(self, end: float, callback: Callable[[TwoFluid], None] | None = None) -> None:
-        """Step until `end` [s]; `callback` sees the state after each step.
+    def saved(self) -> dict[str, Any]:
+        """Arrays and numbers of the state by name, for a checkpoint."""
+        return flatten(self.state)
+
+    def restore(self, saved: Mapping[str, Any]) -> None:
+        """Go back to a `saved` state, bit for bit."""
+        self.state = rebuild(self.state, saved)
+
+    def advance(self, end: float, callback: Callable[[Simulation], None] | None = None) -> None:
+        """Step until `end` [s]; `callback` sees the bed after each step.
 
         Raises
         ------
         ConvergenceError : a field is not finite; says where
         """
-        while self.time < end:
-            left = end - self.time
+        while self.state.time < end:
+            left = end - self.state.time
             # equal steps to the end: a bed at rest feels each change of the step
             wanted = self.next_step()
-            dt = left / np.ceil(left / wanted * (1.0 - 1e-9))
+            dt = left / np.ceil(left / wanted * (1.0 - ROUNDING))
             self.step(dt)
-            self.wanted = wanted
-            if end - self.time < 1e-9 * dt:
-                self.time = end
+            now = end if end - self.state.time < ROUNDING * dt else self.state.time
+            self.state = replace(self.state, dt_wanted=wanted, time=now)
             if callback is not None:
                 callback(self)
 
     def next_step(self) -> float:
-        """Length of the next step [s] by the Courant number of the particles, cells with few of them left aside, and
-        by the passes of the gas, which carries its temperature in one; and by the heat of compression.
+        """Length of the next step [s].
+
+        By the Courant number of the particles, cells with few of them left aside; by the subcycles of the gas, which
+        carries its temperature in one; by the heat of compression; and by the growth from step to step.
         """
-        o = self.options
+        o, state = self.model.options, self.state
         if o.dt is not None:
             return o.dt
-        gas = float(np.max(self.outflow[:, 0], initial=0.0))
-        solid = float(np.max(self.outflow[:, 1], where=self.eps_s > 1e-6, initial=0.0))
-        rate = max(
-            solid / o.courant, gas / (PASSES * CROSSED if self.heat is None else o.courant), self.adiabatic / HEATED
-        )
+        gas = float(np.max(state.fluxes.outflow_gas, initial=0.0))
+        solid = float(np.max(state.fluxes.outflow_solid, where=state.eps_s > SEEN, initial=0.0))
+        courant_gas = MAX_SUBCYCLES * SUBCYCLE_COURANT if state.energy is None else o.courant
+        rate = max(solid / o.courant, gas / courant_gas, state.memory.compression_rate / COMPRESSION_LIMIT)
         longest = min(o.dt_max, 1.0 / rate if rate > 0 else np.inf)
-        return min(longest, self.wanted * o.growth if self.wanted > 0 else o.dt_first)
+        return min(longest, state.dt_wanted * o.growth if state.dt_wanted > 0 else o.dt_first)
 
     def step(self, dt: float) -> None:
         """One step of `dt` [s]."""
-        if self.options.order == 1:
-            total = self.flux_total.copy()
-            self.substep(dt)
-            self._book(dt, self.moved, total)
-        else:
-            self._extrapolated(dt)
-        self.time += dt
-        self.dt = self.wanted = dt
-        self.steps += 1
-        self.check_finite()
+        new, total = first_order(self.state, dt, self.model)
+        if self.model.options.order == 2:
+            new, total = second_order(self.state, new, total, dt, self.model)
+        account = book(self.state.account, dt, new.fluxes.moved, total, self.model)
+        time, steps = self.state.time + dt, self.state.steps + 1
+        self.state = replace(new, account=account, time=time, dt=dt, dt_wanted=dt, steps=steps)
+        check_finite(self.state, self.model.grid)
 
-    def _extrapolated(self, dt: float) -> None:
-        """Twice two half steps less one step: second order in time. Fluxes are extrapolated and limited, so that
-        fractions stay conserved and within bounds. Where a limit acts or a cell packs, time has no second order, and
-        what extrapolation adds can grow from step to step: then the half steps stay as they are.
-        """
-        before, old, acted = self.state(), self.eps_s, self._acted()
-        self.substep(dt)
-        whole = {name: getattr(self, name) for name in (*FIELDS, *_FLUXES)}
-        first, counters = self.moved, self.counters
-        self.restore(before)
-        self.counters = counters
-        moved, total = np.zeros_like(first), np.zeros_like(first)
-        for _ in range(2):
-            total += 0.5 * self.flux_total
-            self.substep(0.5 * dt)
-            moved += 0.5 * self.moved
-        if self._acted() > acted:
-            self.counters["first_order_steps"] += 1
-            self.moved = moved
-            self._book(dt, moved, total)
-            return
-        self.moved = 2.0 * moved - first
-        total = 2.0 * total - before["flux_total"]
-        new = np.empty_like(old)
-        g, highest = self.grid.geometry, self.materials.eps_max
-        touched, rounds = limiter.limit(g, dt, old, self.sources.solid, highest, self.moved, new, self.drained)
-        self.counters["limited_faces"] += int(touched)
-        self.counters["limiter_rounds"] += int(rounds)
-        self._book(dt, self.moved, total)
-        for name in (*FIELDS[1:], *_FLUXES):
-            value = 2.0 * getattr(self, name) - whole[name]
-            if name == "theta" and (below := value < 0.0).any():
-                self.counters["theta_clipped_cells"] += int(below.sum())
-                value[below] = self.theta[below]
-            setattr(self, name, value)
-        self.eps_s = new
 
-    def _acted(self) -> int:
-        """How often a limit has acted or a cell packed."""
-        return self.counters["limited_faces"] + self.counters["packing_rounds"]
+def first_order(state: State, dt: float, model: Model) -> tuple[State, Array]:
+    """State after one step, and the total flux (nf,) [m3/s] in it."""
+    return step(state, dt, model), state.fluxes.total
 
-    def _book(self, dt: float, moved: np.ndarray, total: np.ndarray) -> None:
-        """What crossed the boundary in this step."""
-        solid = moved[self.grid.interior :]
-        for name, rate in (("solid", solid), ("gas", total[self.grid.interior :] - solid)):
-            self.account[f"{name}_out"] += dt * float(np.sum(rate, where=rate > 0))
-            self.account[f"{name}_in"] -= dt * float(np.sum(rate, where=rate < 0))
+
+def second_order(state: State, whole: State, first: Array, dt: float, model: Model) -> tuple[State, Array]:
+    """Twice two half steps less one step (Richardson extrapolation): second order in time.
+
+    Fluxes are extrapolated and limited, so that fractions stay conserved and within bounds. Where a limit acts or a
+    cell packs, time has no second order, and what extrapolation adds can grow from step to step: then the half steps
+    stay as they are.
+
+    Parameters
+    ----------
+    state : at the start; whole : after one step
+    first : total flux (nf,) [m3/s] in the one step
+
+    Returns
+    -------
+    state, total flux (nf,) [m3/s] in the step
+    """
+    acted = _limited(state)
+    middle = step(replace(state, counters=whole.counters), 0.5 * dt, model)
+    end = step(middle, 0.5 * dt, model)
+    moved = 0.5 * middle.fluxes.moved + 0.5 * end.fluxes.moved
+    total = 0.5 * state.fluxes.total + 0.5 * middle.fluxes.total
+    if _limited(end) > acted:
+        counters = end.counters.add(first_order_steps=1)
+        return replace(end, counters=counters, fluxes=end.fluxes._replace(moved=moved)), total
+    moved = 2.0 * moved - whole.fluxes.moved
+    eps_s, drained = np.empty_like(state.eps_s), np.empty(len(state.eps_s), dtype=np.bool_)
+    g, highest, source = model.grid.geometry, model.materials.eps_max, model.sources.solid
+    touched, rounds = limiter.limit(g, dt, state.eps_s, source, highest, moved, eps_s, drained)
+    counters = end.counters.add(limited_faces=int(touched), limiter_rounds=int(rounds))
+    theta = 2.0 * end.theta - whole.theta
+    if (below := theta < 0.0).any():
+        counters = counters.add(theta_clipped_cells=int(below.sum()))
+        theta[below] = end.theta[below]
+    fluxes = end.fluxes._replace(
+        moved=moved,
+        solid=2.0 * end.fluxes.solid - whole.fluxes.solid,
+        total=2.0 * end.fluxes.total - whole.fluxes.total,
+    )
+    new = replace(
+        end,
+        eps_s=eps_s,
+        u_gas=2.0 * end.u_gas - whole.u_gas,
+        u_solid=2.0 * end.u_solid - whole.u_solid,
+        theta=theta,
+        p=2.0 * end.p - whole.p,
+        fluxes=fluxes,
+        counters=counters,
+    )
+    return new, 2.0 * total - first
+
+
+def _limited(state: State) -> int:
+    """How often a limit has acted or a cell packed."""
+    return state.counters.limited_faces + state.counters.packing_rounds
+
+
+def book(account: Account, dt: float, solid: Array, total: Array, model: Model) -> Account:
+    """Add the volumes that crossed the boundary with the solids flux and the total flux (nf,) [m3/s]."""
+    solid, total = solid[model.grid.interior :], total[model.grid.interior :]
+    gas = total - solid
+    return Account(
+        account.solid_in - dt * float(np.sum(solid, where=solid < 0)),
+        account.solid_out + dt * float(np.sum(solid, where=solid > 0)),
+        account.gas_in - dt * float(np.sum(gas, where=gas < 0)),
+        account.gas_out + dt * float(np.sum(gas, where=gas > 0)),
+    )

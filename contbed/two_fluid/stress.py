@@ -1,35 +1,65 @@
-"""Kernels of the viscous stress of a phase; `g` is the Geometry of grid.py, fields are (nc, dim)."""
+"""Viscous stress of a phase, mu (grad u + grad u^T) + (bulk - 2/3 mu) div u I; `g` is the Geometry of grid.py."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from contbed.two_fluid.boundary import OUTLET, WALL
-from contbed.two_fluid.compiled import kernel
-from contbed.two_fluid.fv.gradient import heard
+from contbed.two_fluid import boundary
+from contbed.two_fluid.boundary import OUTLET, WALL, Side
+from contbed.two_fluid.compiled import SMALLEST, Array, kernel
+from contbed.two_fluid.fv.gradient import gradient_solid, neighbour_weight
+from contbed.two_fluid.fv.grid import Geometry
+from contbed.two_fluid.linear.cg import System
+from contbed.two_fluid.model import Model
+
+
+class Fluid(NamedTuple):
+    """Fraction of a phase, its viscosity and bulk viscosity [Pa s], each (nc,)."""
+
+    eps: Array
+    mu: Array
+    bulk: Array
+
+
+class Motion(NamedTuple):
+    """Velocity of a phase (nc, dim), its gradient (nc, dim, dim), its boundary values (nb, dim), and the share (nb,) of
+    the tangential velocity that walls leave.
+    """
+
+    u: Array
+    gradient: Array
+    edge: Array
+    slip: Array
 
 
 @kernel
-def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
-    """Adds the force of the full stress mu (grad u + grad u^T) + (bulk - 2/3 mu) div u I on each cell to `out` [N].
+def add_stress(g: Geometry, side: Side, fluid: Fluid, motion: Motion, system: System, work: Array) -> None:
+    """Add the force [N] of the stress on each cell to the right-hand side, and its links to the coefficients.
 
-    `coef` (nf, m) gets the part of it that goes with the jump of each component across a face, for the implicit
-    solution. At the face mu and bulk are harmonic means: where there are no particles no stress passes. By how much the
-    linear mean of mu is larger only rubs, with the jump of the velocity: so the loose top of a bed rests on the bed. A
-    wall takes the shear that `slip` leaves and the normal stress; an outlet takes none. `work` (nc,) gets the work [W]
-    of the stress on the velocities in each cell, which the mean motion loses, but for what rubs.
+    The links are the part that goes with the jump of each component across a face. At the face mu and bulk are harmonic
+    means: where there are no particles no stress passes. The excess of the linear mean of mu over the harmonic one acts
+    on the jump of the velocity alone: so the loose top of a bed rests on the bed. A wall takes the shear that `slip`
+    leaves and the normal stress; an outlet takes none. `work` (nc,) gets the work [W] of the stress on the velocities
+    in each cell, which the mean motion loses (shear production), without that of the excess.
     """
     ni, dim = len(g.right), len(g.axes)
+    mu, bulk, eps = fluid.mu, fluid.bulk, fluid.eps
+    u, grad, edge, slip = motion.u, motion.gradient, motion.edge, motion.slip
+    out, coef = system.rhs, system.coef
     local = np.empty((dim, dim))
     for f in range(len(g.left)):
         left = g.left[f]
         if f < ni:
             right = g.right[f]
-            m = 2.0 * mu[left] * mu[right] / (mu[left] + mu[right] + 1e-300)
-            lam = 2.0 * bulk[left] * bulk[right] / (bulk[left] + bulk[right] + 1e-300)
-            w, area, near = g.share[f], g.area[f], 1.0 / g.distance[f]
-            rub = w * mu[left] + (1.0 - w) * mu[right] - m
-            rub *= min(heard(eps[left], eps[right]), heard(eps[right], eps[left])) * near
+            m = 2.0 * mu[left] * mu[right] / (mu[left] + mu[right] + SMALLEST)
+            lam = 2.0 * bulk[left] * bulk[right] / (bulk[left] + bulk[right] + SMALLEST)
+            w, area, inverse_distance = g.weight[f], g.area[f], 1.0 / g.distance[f]
+            excess = w * mu[left] + (1.0 - w) * mu[right] - m
+            excess *= (
+                min(neighbour_weight(eps[left], eps[right]), neighbour_weight(eps[right], eps[left])) * inverse_distance
+            )
             divergence = 0.0
             for k in range(dim):
                 missing = u[right, k] - u[left, k]
@@ -37,7 +67,7 @@ def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
                     local[k, d] = w * grad[left, k, d] + (1.0 - w) * grad[right, k, d]
                     missing -= local[k, d] * (g.arm_left[f, d] - g.arm_right[f, d])
                 for d in range(dim):
-                    local[k, d] += missing * near * g.normal[f, d]
+                    local[k, d] += missing * inverse_distance * g.normal[f, d]
                 divergence += local[k, k]
             if g.radius[left] > 0.0:
                 divergence += (w * u[left, 0] + (1.0 - w) * u[right, 0]) / (g.radius[left] + g.arm_left[f, 0])
@@ -51,11 +81,11 @@ def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
                     middle += local[k, d] * g.skew[f, d]
                 lost_left += area * traction * (middle - here)
                 lost_right += area * traction * (there - middle)
-                pull = area * (traction + rub * (there - here))
-                out[left, k] += pull
-                out[right, k] -= pull
-                # twice what rubs: a loose cell that follows a stiff one feeds back through its explicit shear
-                coef[f, k] = area * (near * (m + (m / 3.0 + lam) * n * n) + 2.0 * rub)
+                force = area * (traction + excess * (there - here))
+                out[left, k] += force
+                out[right, k] -= force
+                # twice the excess: a loose cell that follows a stiff one feeds back through its explicit shear
+                coef[f, k] = area * (inverse_distance * (m + (m / 3.0 + lam) * n * n) + 2.0 * excess)
             work[left] += lost_left
             work[right] += lost_right
             continue
@@ -72,9 +102,9 @@ def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
             for k in range(dim):
                 n = g.normal[f, k]
                 along = u[left, k] - side.u[b, k] - away * n
-                pull = scale * (m * (1.0 - slip[b]) * along + (4.0 / 3.0 * m + lam) * away * n)
-                out[left, k] -= pull
-                work[left] += pull * ((1.0 - slip[b]) * along + away * n)
+                force = scale * (m * (1.0 - slip[b]) * along + (4.0 / 3.0 * m + lam) * away * n)
+                out[left, k] -= force
+                work[left] += force * ((1.0 - slip[b]) * along + away * n)
                 coef[f, k] = scale * (m * (1.0 - slip[b]) * (1.0 - n * n) + (4.0 / 3.0 * m + lam) * n * n)
         else:
             divergence = 0.0
@@ -97,8 +127,10 @@ def stress(g, side, slip, eps, mu, bulk, u, grad, edge, out, coef, work):
 
 
 @kernel
-def hoop_stress(g, mu, bulk, u, grad, out, diagonal, work):
-    """The stress around the axis, which pulls inwards: adds its force to `out` and its part in u_r to `diagonal`."""
+def add_hoop_stress(g: Geometry, fluid: Fluid, motion: Motion, system: System, work: Array) -> None:
+    """Add the force of the stress around the axis, which pulls inwards, and its links to the given u_r = 0 there."""
+    mu, bulk, u, grad = fluid.mu, fluid.bulk, motion.u, motion.gradient
+    out, diagonal = system.rhs, system.links
     for c in range(u.shape[0]):
         r = g.radius[c]
         divergence = grad[c, 0, 0] + grad[c, 1, 1] + u[c, 0] / r
@@ -106,3 +138,17 @@ def hoop_stress(g, mu, bulk, u, grad, out, diagonal, work):
         out[c, 0] -= g.volume[c] * ring / r
         work[c] += g.volume[c] * ring * u[c, 0] / r
         diagonal[c, 0] += g.volume[c] * (4.0 / 3.0 * mu[c] + bulk[c]) / r**2
+
+
+def shear_rate(u_solid: Array, eps_s: Array, model: Model) -> Array:
+    """Square root (nc,) of the second invariant of the particles' strain rate [1/s]; partial-slip walls slip."""
+    g, u, side = model.grid.geometry, u_solid, model.edge.solid
+    given, grad = np.empty_like(side.u), np.empty((*u.shape, u.shape[1]))
+    boundary.boundary_velocity(g, side, np.abs(side.slip), u, eps_s, given)
+    gradient_solid(g, eps_s, u, given, grad)
+    ring = u[:, 0] / g.radius if model.grid.axisymmetric else np.zeros(len(u))
+    strain = 0.5 * (grad + grad.transpose(0, 2, 1))
+    trace = np.einsum("cii->c", strain) + ring
+    square = np.einsum("cij,cij->c", strain, strain) + ring**2
+    rate: Array = np.sqrt(0.5 * np.maximum(square - trace**2 / 3.0, 0.0))
+    return rate

@@ -96,11 +96,11 @@ def frames() -> None:
     bed, _ = plan.bed()
     figure, axes = plt.subplots(1, 6, figsize=(9, 4.6), layout="constrained", sharey=True)
     nx, nz = plan.scene.mesh.cells
-    x, z = (np.unique(values.round(9)) for values in bed.grid.centres.T)
+    x, z = (np.unique(values.round(9)) for values in bed.model.grid.centres.T)
     for second, panel in enumerate(axes, start=1):
         bed.advance(float(second))
-        place = np.lexsort(bed.grid.centres.T.round(9))
-        eps_s = bed.eps_s[place].reshape(nz, nx)
+        place = np.lexsort(bed.model.grid.centres.T.round(9))
+        eps_s = bed.state.eps_s[place].reshape(nz, nx)
         shades = panel.pcolormesh(100 * x, 100 * z, eps_s, vmin=0.0, vmax=0.63, cmap="cividis")
         panel.set(aspect="equal", title=f"{second} s", xlabel="x [cm]", ylim=(0, 85))
     axes[0].set_ylabel("height [cm]")

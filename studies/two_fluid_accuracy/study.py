@@ -79,8 +79,8 @@ class Problem:
         began: list[float] = []
         bed.advance(scene.time.end, lambda bed: began or began.append(time.process_time()))
         cpu = time.process_time() - began[0]
-        rows = np.argsort(np.round(bed.grid.centres[:, 1] / scene.mesh.height, 9), kind="stable")
-        return cpu, bed.steps, bed.eps_s[rows].reshape(cells, WIDTH).mean(axis=1)
+        rows = np.argsort(np.round(bed.model.grid.centres[:, 1] / scene.mesh.height, 9), kind="stable")
+        return cpu, bed.state.steps, bed.state.eps_s[rows].reshape(cells, WIDTH).mean(axis=1)
 
     def peer(self, cells: int, courant: float) -> tuple[float, float, np.ndarray]:
         end = self.scene(cells, 0.5).time.end

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import csv
 import time
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
@@ -26,7 +27,7 @@ from contbed.solvers.ordering import nested_dissection
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.linear.elimination import Elimination
 from contbed.two_fluid.linear.multigrid import Multigrid
-from contbed.two_fluid.pressure import Pressure
+from contbed.two_fluid.linear.pressure_solver import PressureSolver
 
 HERE = Path(__file__).parent
 SIZES = {
@@ -40,7 +41,7 @@ COLUMNS = ("case", "cells", "band", "us_per_cell_step", "pressure_share", "polic
            "sparse_direct_ms", "multigrid_ms")  # fmt: skip
 
 
-class Watched(Pressure):
+class Watched(PressureSolver):
     """The solver of the model, with the time that it takes and its last equation."""
 
     def solve(self, coef, rhs, guess):
@@ -72,8 +73,8 @@ def timed(work, times=3) -> float:
 def measure(case: str, cells: tuple[int, ...]) -> dict[str, object]:
     """One row."""
     bed, _ = plan(cb.load(HERE / f"{case}.toml", {"mesh.cells": list(cells)})).bed()
-    grid, watched = bed.grid, Watched(bed.grid, bed.pressure.floating)
-    bed.pressure = watched
+    grid, watched = bed.model.grid, Watched(bed.model.grid, bed.model.pressure_solver.floating)
+    bed.model = replace(bed.model, pressure_solver=watched)
     steps, solutions = [], []
     for _ in range(STEPS):
         begin = time.process_time()

@@ -49,7 +49,7 @@ def own(scene: Path, changes: dict, end: float) -> dict[str, float]:
         bed.advance(until)
         cpu = time.process_time() - start
     drift = findings.balances(bed, {"solids": held})["solids"]["relative_residual"]
-    return {"cpu_s": cpu, "steps": bed.steps, "mass_drift": drift}
+    return {"cpu_s": cpu, "steps": bed.state.steps, "mass_drift": drift}
 
 
 def main() -> None:

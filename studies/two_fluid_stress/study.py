@@ -194,8 +194,8 @@ def cases():
 
 def start(case, bed):
     """Random fields."""
-    random, cells = np.random.default_rng(1), bed.eps_s.shape
-    velocity = (*cells, bed.grid.dimension)
+    random, cells = np.random.default_rng(1), bed.state.eps_s.shape
+    velocity = (*cells, bed.model.grid.dimension)
     bed.start(
         eps_s=random.uniform(0.0, 0.6, cells),
         theta=random.uniform(0.0, 1.0, cells),
@@ -206,8 +206,8 @@ def start(case, bed):
 
 def solids(bed):
     """Volume of particles that are here or went out, less what came in [m3], and the volume that it is a part of."""
-    here, account = float(bed.eps_s @ bed.grid.geometry.volume), bed.account
-    return here + account["solid_out"] - account["solid_in"], here + account["solid_out"]
+    here, account = float(bed.state.eps_s @ bed.model.grid.geometry.volume), bed.state.account
+    return here + account.solid_out - account.solid_in, here + account.solid_out
 
 
 class Failed(Exception):
@@ -221,12 +221,12 @@ class Watch:
         self.low, self.high, self.cold, self.hot, self.fast, self.steps = np.inf, -np.inf, np.inf, 0.0, 0.0, 0
 
     def __call__(self, bed):
-        dense = bed.eps_s > DENSE
-        self.low, self.high = min(self.low, bed.eps_s.min()), max(self.high, bed.eps_s.max())
-        self.cold = min(self.cold, bed.theta.min())
-        self.hot = max(self.hot, bed.theta.max(where=dense, initial=0.0))
+        dense = bed.state.eps_s > DENSE
+        self.low, self.high = min(self.low, bed.state.eps_s.min()), max(self.high, bed.state.eps_s.max())
+        self.cold = min(self.cold, bed.state.theta.min())
+        self.hot = max(self.hot, bed.state.theta.max(where=dense, initial=0.0))
         self.fast = max(self.fast, speed(bed))
-        if bed.steps > STEPS:
+        if bed.state.steps > STEPS:
             raise Failed(f"{STEPS} steps")
         if self.fast > SPEED:
             raise Failed(f"{self.fast:.0f} m/s")
@@ -234,7 +234,7 @@ class Watch:
 
 def speed(bed):
     """Largest speed of particles, where there are some."""
-    return float(np.sqrt((bed.u_solid**2).sum(axis=1)).max(where=bed.eps_s > DENSE, initial=0.0))
+    return float(np.sqrt((bed.state.u_solid**2).sum(axis=1)).max(where=bed.state.eps_s > DENSE, initial=0.0))
 
 
 def run(case):
@@ -249,22 +249,22 @@ def run(case):
         if case.then is not None:
             bed.advance(0.5 * case.end, watch)
             after = from_dict(merged(merged(BASE, case.then), {"time": {"end": case.end}}))
-            bed.impose(planning.conditions(after, bed.grid))
-            bed.settle_fluxes(bed.dt)
+            bed.impose(planning.conditions(after, bed.model.grid))
+            bed.find_fluxes(bed.state.dt)
         bed.advance(case.end, watch)
     except (ContbedError, Failed, RuntimeWarning, FloatingPointError, ZeroDivisionError) as error:
         remark = str(error)
     if case.group == "rest" and speed(bed) > REST:
         remark = "moves"
     now, scale = solids(bed)
-    mass, packing = abs(now - before) / max(scale, 1e-300), bed.materials.eps_max
+    mass, packing = abs(now - before) / max(scale, 1e-300), bed.model.materials.eps_max
     passed = not remark and watch.low >= 0.0 and watch.high <= packing and watch.cold >= 0.0 and mass <= 1e-12
     return [
         case.group,
         case.name,
         passed,
-        f"{bed.time:.3g}",
-        bed.steps,
+        f"{bed.state.time:.3g}",
+        bed.state.steps,
         f"{watch.low:.3g}",
         f"{watch.high:.6f}",
         f"{packing - watch.high:.2g}",

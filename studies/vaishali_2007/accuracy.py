@@ -63,7 +63,7 @@ def own(cells: str, courant: float) -> Iterator[Block]:
     plan = cb.plan(scene(cells, courant))
     chosen = plan.scene
     bed = plan.bed()[0]
-    (x, height), volume = bed.grid.centres.T, bed.grid.geometry.volume
+    (x, height), volume = bed.model.grid.centres.T, bed.model.grid.geometry.volume
     low, high = window(chosen)
     inside = (height > low) & (height < high)
     averages = Averages(begin, end) if cells == FINE else None
@@ -74,13 +74,13 @@ def own(cells: str, courant: float) -> Iterator[Block]:
         def after(bed, total=total):
             if averages is not None:
                 averages.add(bed)
-            total += bed.dt * np.array([bed.eps_s, bed.u_solid[:, 1]])
+            total += bed.state.dt * np.array([bed.state.eps_s, bed.state.u_solid[:, 1]])
 
-        steps, clock = bed.steps, time.process_time()
+        steps, clock = bed.state.steps, time.process_time()
         bed.advance(stop, after)
         cpu, sums = time.process_time() - clock, dict(zip(QUANTITIES, total[:, inside], strict=True))
         means = along(x[inside], volume[inside], sums, {}, numbers(cells)[0])[1]
-        yield bed.steps - steps, cpu, np.array([means[name] for name in QUANTITIES]) / BLOCK
+        yield bed.state.steps - steps, cpu, np.array([means[name] for name in QUANTITIES]) / BLOCK
     if averages is not None:
         lateral = tables(plan, bed, averages, {"t [s]": np.zeros(0)})["lateral"]
         write(HERE / "ff_wenyu_fine_lateral.csv", list(lateral), zip(*lateral.values(), strict=True))

@@ -7,8 +7,9 @@ import numpy as np
 from contbed.mesh import build as meshing
 from contbed.scene.mesh import MeshLine, MeshRectangle
 from contbed.two_fluid.fv import grid
+from contbed.two_fluid.model import Materials, Options, build_model
 from contbed.two_fluid.rheology import Closures, Rheology
-from contbed.two_fluid.simulation import Materials, Options, TwoFluid
+from contbed.two_fluid.simulation import Simulation
 
 
 def rectangle(length, height, cells, periodic=(), shape="quadrilateral", **mesh):
@@ -61,15 +62,16 @@ def closures(
     return Closures(exchange, granular, lambda p, _: rubbing * p)
 
 
-def bed(on, laws, boundaries, gravity=(0.0, 0.0), options=None, **materials):
+def bed(on, laws, boundaries, gravity=(0.0, 0.0), options=None, heat=None, **materials):
     """A bed with air and glass unless told otherwise."""
     values = {"rho_gas": 1.2, "mu_gas": 1.8e-5, "rho_solid": 2500.0, "d_p": 275e-6, "eps_max": 0.63} | materials
-    return TwoFluid(on, Materials(**values, gravity=gravity), laws, boundaries, options or Options())
+    model = build_model(on, Materials(**values, gravity=gravity), laws, boundaries, options or Options(), heat)
+    return Simulation(model)
 
 
 def solids(bed):
     """Volume of the solids [m3]."""
-    return float(bed.eps_s @ bed.grid.geometry.volume)
+    return float(bed.state.eps_s @ bed.model.grid.geometry.volume)
 
 
 def shaken(shape, cells, amount=0.15, seed=1):

@@ -6,7 +6,7 @@ from core_closures import bed, closures, rectangle
 from gmsh_meshes import unstructured
 
 from contbed.two_fluid.boundary import Given
-from contbed.two_fluid.simulation import Options
+from contbed.two_fluid.model import Options
 
 RHO_GAS, RHO_SOLID, MU_GAS, K = 1.0, 3.0, 0.02, 2.0
 MU, BULK, CONDUCTIVITY, GAMMA = 0.05, 0.03, 0.04, 0.5
@@ -95,19 +95,20 @@ def errors(cells, shape, limited):
     materials = {"rho_gas": RHO_GAS, "mu_gas": MU_GAS, "rho_solid": RHO_SOLID}
     b = bed(grid, laws, dict.fromkeys(grid.boundaries, given), options=Options(limited=limited, dt=dt), **materials)
     for source, flux in (
-        (b.sources.solid, lambda x: eps_s(x)[:, None] * u_solid(x)),
-        (b.sources.gas, lambda x: (1 - eps_s(x))[:, None] * u_gas(x)),
+        (b.model.sources.solid, lambda x: eps_s(x)[:, None] * u_solid(x)),
+        (b.model.sources.gas, lambda x: (1 - eps_s(x))[:, None] * u_gas(x)),
     ):
         through = (flux(grid.middles) * g.normal).sum(axis=1) * g.area
         np.add.at(source, g.left, through)
         np.subtract.at(source, g.right, through[: grid.interior])
         source /= g.volume
-    b.sources.force_gas[:], b.sources.force_solid[:], b.sources.theta[:] = sources(x)
+    b.model.sources.force_gas[:], b.model.sources.force_solid[:], b.model.sources.theta[:] = sources(x)
     exact = {"eps_s": eps_s(x), "u_gas": u_gas(x), "u_solid": u_solid(x), "theta": theta(x), "p": p(x)}
     b.start(**exact)
     b.advance(0.2)
-    b.p += g.volume @ (exact["p"] - b.p)
-    difference = [(getattr(b, name) - exact[name]).reshape(len(x), -1) for name in NAMES]
+    found = b.state.fields()
+    found["p"] = found["p"] + g.volume @ (exact["p"] - found["p"])
+    difference = [(found[name] - exact[name]).reshape(len(x), -1) for name in NAMES]
     return np.array([np.sqrt(g.volume @ (d**2).sum(axis=1)) for d in difference])
 
 

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +21,9 @@ from contbed.two_fluid import run as study
 from contbed.two_fluid.boundary import Inlet, Outlet, symmetry
 from contbed.two_fluid.closures import bound
 from contbed.two_fluid.heat import plan as heat_planning
-from contbed.two_fluid.heat.equations import Heat, Physics, Thermal
-from contbed.two_fluid.simulation import Options
+from contbed.two_fluid.heat.equations import density_times_T, stored_heat
+from contbed.two_fluid.heat.model import Physics, Thermal, build_heat
+from contbed.two_fluid.model import Options
 from contbed.verify.exact_packed_bed import schumann
 
 SLIP = symmetry()
@@ -34,17 +36,21 @@ def heated(on, sides, thermal=None, h=60.0, laws=None, conductivity=None, ideal=
     def conduct(eps_s, *_):
         return conductivity[0] * (1 - eps_s), conductivity[1] * eps_s
 
-    made = bed(on, laws or closures(), sides, options=options, **materials)
     density = "ideal_gas" if ideal else "constant"
     physics = Physics(CP_GAS, CP_SOLID, lambda s, *_: np.full_like(s, h), conductivity and conduct, density, 300.0)
-    made.heat = Heat(made, physics, thermal or {})
-    return made
+    heat = build_heat(on, physics, thermal or {})
+    return bed(on, laws or closures(), sides, options=options, heat=heat, **materials)
+
+
+def stored(b):
+    """Heat [J] in a bed."""
+    return stored_heat(b.state, b.model)
 
 
 def open_heat(made, start):
     """Heat that is not accounted for, over what the bed held at the start and took in."""
-    a = made.heat.account
-    return (made.heat.stored() - start - a["heat_in"] + a["heat_out"] - a["walls"]) / (start + a["heat_in"])
+    a = made.state.energy.account
+    return (stored(made) - start - a.heat_in + a.heat_out - a.walls) / (start + a.heat_in)
 
 
 @pytest.mark.parametrize("dt", [0.05, 1e-3])
@@ -59,8 +65,8 @@ def test_closed_suspension_is_exact_at_any_step(dt):
     H = 6 * h * s / 275e-6
     rate = np.array([[-1, 1], [1, -1]]) * H / np.array([[1.2 * (1 - s) * CP_GAS], [2500 * s * CP_SOLID]])
     exact = expm(0.1 * rate) @ [300.0, 500.0]
-    np.testing.assert_allclose(b.heat.T_gas, exact[0], rtol=1e-12)
-    np.testing.assert_allclose(b.heat.T_solid, exact[1], rtol=1e-12)
+    np.testing.assert_allclose(b.state.energy.T_gas, exact[0], rtol=1e-12)
+    np.testing.assert_allclose(b.state.energy.T_solid, exact[1], rtol=1e-12)
 
 
 def test_gas_that_warms_in_a_closed_box():
@@ -68,15 +74,15 @@ def test_gas_that_warms_in_a_closed_box():
     s, R = 0.1, 101325.0 / (1.2 * 300.0)
     b = heated(line(0.1, 4, True), {}, h=500.0, ideal=True, options=Options(dt=0.01), gravity=(0.0,))
     b.start(eps_s=s, T_gas=300.0, T_solid=500.0)
-    start = b.heat.stored()
+    start = stored(b)
     b.advance(1.0)
     gas, solid = 1.2 * (1 - s) * (CP_GAS - R), 2500 * s * CP_SOLID
     T = (gas * 300.0 + solid * 500.0) / (gas + solid)
-    np.testing.assert_allclose(b.heat.T_gas, T, rtol=1e-12)
-    np.testing.assert_allclose(b.heat.T_solid, T, rtol=1e-12)
-    assert b.heat.p0 == pytest.approx(101325.0 * T / 300.0, rel=1e-12)
+    np.testing.assert_allclose(b.state.energy.T_gas, T, rtol=1e-12)
+    np.testing.assert_allclose(b.state.energy.T_solid, T, rtol=1e-12)
+    assert b.state.energy.p0 == pytest.approx(101325.0 * T / 300.0, rel=1e-12)
     assert abs(open_heat(b, start)) < 1e-14
-    assert np.abs(b.u_gas).max() < 1e-10
+    assert np.abs(b.state.u_gas).max() < 1e-10
 
 
 def drag(eps_s, slip):
@@ -108,20 +114,21 @@ def bubbling(shape, ideal):
 @pytest.mark.parametrize("shape", ["quadrilateral", "triangle"])
 def test_moving_bed_keeps_heat_and_gas(shape, ideal):
     b = bubbling(shape, ideal)
-    volume = b.grid.geometry.volume
-    heat, gas = b.heat.stored(), b.heat.mass @ volume
+    volume = b.model.grid.geometry.volume
+    heat, gas = stored(b), b.state.energy.mass @ volume
     for _ in range(300):
         b.step(b.next_step())
     assert abs(open_heat(b, heat)) < 1e-12
-    a = b.heat.account
-    assert abs(b.heat.mass @ volume - gas - a["gas_in"] + a["gas_out"]) < 1e-12 * (gas + a["gas_in"])
+    a = b.state.energy.account
+    assert abs(b.state.energy.mass @ volume - gas - a.gas_in + a.gas_out) < 1e-12 * (gas + a.gas_in)
     # mass, temperature and volume fit: what a step leaves open is second order in it
-    filled = b.heat.mass * b.heat.T_gas / b.heat.rho_T if ideal else b.heat.mass / 1.2
-    np.testing.assert_allclose(filled, 1 - b.eps_s, atol=2e-3 if ideal else 1e-12)
+    energy, rho_T = b.state.energy, density_times_T(b.state.energy.p0, b.model.heat, b.model)
+    filled = energy.mass * energy.T_gas / rho_T if ideal else energy.mass / 1.2
+    np.testing.assert_allclose(filled, 1 - b.state.eps_s, atol=2e-3 if ideal else 1e-12)
     beyond = 0.01 * 300.0 if shape == "triangle" else 1e-9  # the limiter knows no value upstream of a triangle
-    for T in (b.heat.T_gas, b.heat.T_solid):
+    for T in (b.state.energy.T_gas, b.state.energy.T_solid):
         assert 300.0 - beyond < T.min() < T.max() < 600.0 + beyond
-    assert np.abs(b.u_solid).max() > 0.05
+    assert np.abs(b.state.u_solid).max() > 0.05
 
 
 def test_isothermal_beds_know_nothing_of_heat():
@@ -142,27 +149,28 @@ def test_isothermal_beds_know_nothing_of_heat():
 
 def test_constant_density_leaves_the_flow_alone():
     with_heat, without = bubbling("quadrilateral", False), bubbling("quadrilateral", False)
-    without.heat = None
+    isothermal = replace(without.state, energy=None)
+    without.model, without.state = replace(without.model, heat=None), isothermal
     for b in (with_heat, without):
         for _ in range(20):
             b.step(b.next_step())
-    for name, field in without.fields().items():
-        assert np.array_equal(field, getattr(with_heat, name)), name
+    for name, field in without.state.fields().items():
+        assert np.array_equal(field, getattr(with_heat.state, name)), name
 
 
 def test_heat_is_symmetric():
     b = bubbling("quadrilateral", True)
-    x, z = b.grid.centres.T
-    b.heat.impose({"bottom": Thermal(T_gas=600.0), "left": Thermal(wall=400.0), "right": Thermal(wall=400.0)})
+    x, z = b.model.grid.centres.T
+    b.impose_heat({"bottom": Thermal(T_gas=600.0), "left": Thermal(wall=400.0), "right": Thermal(wall=400.0)})
     b.start(eps_s=np.where(z < 0.04, 0.5 + 0.02 * np.cos(300 * (x - 0.02)), 0.0))
     x, z = np.rint(1e4 * x), np.rint(1e4 * z)
     order, mirror = np.lexsort((x, z)), np.lexsort((400 - x, z))
     for _ in range(100):
         b.step(b.next_step())
     # the iterations of the flow end at 1e-9; what has no particles has no temperature of theirs
-    there = b.eps_s[order] > 1e-20
-    np.testing.assert_allclose(b.heat.T_gas[order], b.heat.T_gas[mirror], rtol=1e-6)
-    np.testing.assert_allclose(b.heat.T_solid[order][there], b.heat.T_solid[mirror][there], rtol=1e-6)
+    there = b.state.eps_s[order] > 1e-20
+    np.testing.assert_allclose(b.state.energy.T_gas[order], b.state.energy.T_gas[mirror], rtol=1e-6)
+    np.testing.assert_allclose(b.state.energy.T_solid[order][there], b.state.energy.T_solid[mirror][there], rtol=1e-6)
 
 
 @pytest.mark.parametrize(("shape", "phase"), [("quadrilateral", 0), ("triangle", 1)])
@@ -177,9 +185,9 @@ def test_conduction_in_one_phase(shape, phase):
     wave = np.cos(np.pi * grid.centres[:, 0] / length)
     b.start(eps_s=s, T_gas=300.0 + 10 * wave, T_solid=300.0 + 10 * wave)
     b.advance(end)
-    left = (b.heat.T_gas, b.heat.T_solid)[phase] - 300.0
+    left = (b.state.energy.T_gas, b.state.energy.T_solid)[phase] - 300.0
     np.testing.assert_allclose(left, 10 * wave * np.exp(-0.5), atol=0.02 if shape == "quadrilateral" else 0.05)
-    assert abs(b.heat.account["walls"]) < 1e-12 * b.heat.stored()
+    assert abs(b.state.energy.account.walls) < 1e-12 * stored(b)
 
 
 def test_walls_at_two_temperatures():
@@ -196,7 +204,7 @@ def test_walls_at_two_temperatures():
     b.start(eps_s=0.4, T_gas=300.0, T_solid=350.0)
     for _ in range(20):
         b.step(1e4)
-    for T in (b.heat.T_gas, b.heat.T_solid):
+    for T in (b.state.energy.T_gas, b.state.energy.T_solid):
         np.testing.assert_allclose(T, 300.0 + 1e3 * grid.centres[:, 0], rtol=1e-9)
 
 
@@ -214,8 +222,15 @@ def schumann_error(cells):
     b.start(eps_s=s, u_gas=u, T_gas=300.0, T_solid=300.0)
     b.advance(4.0 * length / u)
     H = 6 * h * s / 275e-6
-    gas, solid = schumann(b.grid.centres[:, 0], b.time, u, H / ((1 - s) * 1.2 * CP_GAS), H / (s * 2500 * CP_SOLID))
-    return max(np.abs(b.heat.T_gas - 300 - 10 * gas).max(), np.abs(b.heat.T_solid - 300 - 10 * solid).max()) / 10
+    gas, solid = schumann(
+        b.model.grid.centres[:, 0], b.state.time, u, H / ((1 - s) * 1.2 * CP_GAS), H / (s * 2500 * CP_SOLID)
+    )
+    return (
+        max(
+            np.abs(b.state.energy.T_gas - 300 - 10 * gas).max(), np.abs(b.state.energy.T_solid - 300 - 10 * solid).max()
+        )
+        / 10
+    )
 
 
 def test_hot_front_in_a_bed_at_rest():
@@ -238,11 +253,11 @@ def test_ideal_gas_that_warms_flows_faster():
     )
     b.start(eps_s=0.01, u_gas=0.5 / 0.99, T_gas=300.0, T_solid=600.0)
     b.advance(1.0)
-    rise = 600.0 - b.heat.T_gas
-    assert b.heat.T_gas.max() > 450.0 and (np.diff(rise[np.argsort(b.grid.centres[:, 0])]) < 0).all()
-    flux = b.flux_total - b.moved
-    out = b.grid.boundaries["right"]
-    end = b.heat.T_gas[b.grid.geometry.left[out]]
+    rise = 600.0 - b.state.energy.T_gas
+    assert b.state.energy.T_gas.max() > 450.0 and (np.diff(rise[np.argsort(b.model.grid.centres[:, 0])]) < 0).all()
+    flux = b.state.fluxes.total - b.state.fluxes.moved
+    out = b.model.grid.boundaries["right"]
+    end = b.state.energy.T_gas[b.model.grid.geometry.left[out]]
     np.testing.assert_allclose(flux[out], 0.5 * end / 300.0, rtol=1e-7)
 
 
@@ -327,10 +342,10 @@ def test_a_pulse_brings_what_was_given_and_ends():
     run = study.Run(plan(from_dict(scene())))
     run.bed.advance(0.011, run.after_step)
     given = 0.011 * (1.18 * 1.5 * 0.048 + 1.18 * 300.0 / 700.0 * 30.0 * 0.012)
-    assert run.bed.heat.account["gas_in"] == pytest.approx(given, rel=1e-12)
-    jet = run.bed.grid.boundaries["jet"]
-    np.testing.assert_allclose(run.bed.flux_total[jet], -1.5 * run.bed.grid.geometry.area[jet])
-    np.testing.assert_allclose(run.bed.heat.enters[0, jet - run.bed.grid.interior], 300.0)
+    assert run.bed.state.energy.account.gas_in == pytest.approx(given, rel=1e-12)
+    jet = run.bed.model.grid.boundaries["jet"]
+    np.testing.assert_allclose(run.bed.state.fluxes.total[jet], -1.5 * run.bed.model.grid.geometry.area[jet])
+    np.testing.assert_allclose(run.bed.model.heat.T_gas[jet - run.bed.model.grid.interior], 300.0)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from contbed.mesh import build as meshing
 from contbed.scene.mesh import MeshAxisymmetric
 from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
 from contbed.two_fluid.fv import grid
-from contbed.two_fluid.simulation import Options
+from contbed.two_fluid.model import Options
 
 LENGTH, HEIGHT = 0.06, 0.12
 SLIP = symmetry()
@@ -58,9 +58,9 @@ def test_uniform_suspension_hangs_in_the_gas(on):
     b = bed(on, closures(drag), sides(on, SLIP, **ends), gravity(on), rho_gas=rho, mu_gas=mu)
     b.start(eps_s=s, u_gas=upwards(on, u), p=p)
     advance(b, 50)
-    assert np.abs(b.u_solid).max() < 1e-10
-    np.testing.assert_allclose(b.u_gas, upwards(on, u), atol=1e-10)
-    np.testing.assert_allclose(b.p, p, rtol=1e-9)
+    assert np.abs(b.state.u_solid).max() < 1e-10
+    np.testing.assert_allclose(b.state.u_gas, upwards(on, u), atol=1e-10)
+    np.testing.assert_allclose(b.state.p, p, rtol=1e-9)
 
 
 def test_column_of_gas_rests(on):
@@ -68,15 +68,15 @@ def test_column_of_gas_rests(on):
     b = bed(on, closures(100.0), sides(on, Wall(), top=Outlet()), gravity(on))
     b.start(p=p)
     advance(b, 20)
-    assert np.abs(b.u_gas).max() < 1e-13
-    np.testing.assert_allclose(b.p, p, atol=1e-12)
+    assert np.abs(b.state.u_gas).max() < 1e-13
+    np.testing.assert_allclose(b.state.p, p, atol=1e-12)
 
 
 def test_uniform_flow_stays_uniform(on):
     b = bed(on, closures(), sides(on, SLIP, bottom=Inlet(1.0), top=Outlet()), gravity(on, 0.0))
     b.start(u_gas=upwards(on, 1.0))
     advance(b, 20)
-    np.testing.assert_allclose(b.u_gas, upwards(on, 1.0), atol=1e-13)
+    np.testing.assert_allclose(b.state.u_gas, upwards(on, 1.0), atol=1e-13)
 
 
 def test_noise_fades(on):
@@ -88,9 +88,9 @@ def test_noise_fades(on):
     uniform = upwards(on, 0.5)
     b.start(u_gas=uniform + 0.02 * np.random.default_rng(1).standard_normal(uniform.shape))
     advance(b, 10)
-    before = np.abs(b.u_gas - uniform).max()
+    before = np.abs(b.state.u_gas - uniform).max()
     advance(b, 100)
-    assert np.abs(b.u_gas - uniform).max() < 0.5 * before
+    assert np.abs(b.state.u_gas - uniform).max() < 0.5 * before
 
 
 def test_homogeneous_cooling(on):
@@ -102,8 +102,8 @@ def test_homogeneous_cooling(on):
     b.start(eps_s=s, theta=1e-2)
     b.advance(end)
     rate = 8 * (1 - e**2) * s * g0 / (d_p * np.sqrt(np.pi))
-    np.testing.assert_allclose(b.theta, 1e-2 / (1 + rate * 0.1 * end / 2) ** 2, rtol=1e-2)
-    assert np.ptp(b.theta) < 1e-7 * b.theta.mean() and np.abs(b.u_solid).max() < 1e-10
+    np.testing.assert_allclose(b.state.theta, 1e-2 / (1 + rate * 0.1 * end / 2) ** 2, rtol=1e-2)
+    assert np.ptp(b.state.theta) < 1e-7 * b.state.theta.mean() and np.abs(b.state.u_solid).max() < 1e-10
 
 
 # ---------------------------------------------------------------------- mass and momentum
@@ -120,13 +120,13 @@ def test_solids_are_kept_between_johnson_jackson_walls(on):
     before = solids(b)
     for _ in range(60):
         b.step(b.next_step())
-        assert b.eps_s.min() >= 0 and b.eps_s.max() <= 0.63 and b.theta.min() >= 0
-    came = b.account["solid_in"] - b.account["solid_out"]
+        assert b.state.eps_s.min() >= 0 and b.state.eps_s.max() <= 0.63 and b.state.theta.min() >= 0
+    came = b.state.account.solid_in - b.state.account.solid_out
     assert solids(b) == pytest.approx(before + came, rel=1e-12)
     left = np.zeros(len(on.cells))
-    np.add.at(left, on.geometry.left, b.flux_total)
-    np.subtract.at(left, on.geometry.right, b.flux_total[: on.interior])
-    assert np.abs(left).max() < 1e-12 * np.abs(b.flux_total).max()
+    np.add.at(left, on.geometry.left, b.state.fluxes.total)
+    np.subtract.at(left, on.geometry.right, b.state.fluxes.total[: on.interior])
+    assert np.abs(left).max() < 1e-12 * np.abs(b.state.fluxes.total).max()
 
 
 def momentum_lost(on, drag=100.0):
@@ -139,12 +139,12 @@ def momentum_lost(on, drag=100.0):
     b.start(eps_s=0.2 + 0.02 * np.sin(x[:, 0]), u_gas=u, u_solid=u, theta=1e-4)
 
     def momentum():
-        s = b.eps_s[:, None]
-        return volume @ (1.2 * (1 - s) * b.u_gas + 2500 * s * b.u_solid)
+        s = b.state.eps_s[:, None]
+        return volume @ (1.2 * (1 - s) * b.state.u_gas + 2500 * s * b.state.u_solid)
 
     before = momentum()
     b.advance(0.01)
-    return np.abs(momentum() - before).max() / (2500 * solids(b) * np.abs(b.u_solid).max())
+    return np.abs(momentum() - before).max() / (2500 * solids(b) * np.abs(b.state.u_solid).max())
 
 
 PAIRS = [("left", "right"), ("bottom", "top")]
@@ -175,11 +175,11 @@ def test_gas_flow_in_a_pipe_is_parabolic(shape):
         on = grid.build(meshing.build(pipe), [("bottom", "top")])
         exact = upwards(on, 1 - (on.centres[:, 0] / R) ** 2)
         b = bed(on, closures(), sides(on, Wall()), (0.0, 0.0), rho_gas=1.0, mu_gas=mu)
-        b.sources.force_gas[:, 1] = 4 * mu / R**2
+        b.model.sources.force_gas[:, 1] = 4 * mu / R**2
         b.start(u_gas=exact)
         for _ in range(50):
             b.step(1e-4)
-        errors.append(np.sqrt(on.geometry.volume @ ((b.u_gas - exact) ** 2).sum(axis=1)))
+        errors.append(np.sqrt(on.geometry.volume @ ((b.state.u_gas - exact) ** 2).sum(axis=1)))
     assert np.log2(errors[0] / errors[1]) > 1.8 and np.log2(errors[1] / errors[2]) > 1.8, errors
 
 

@@ -7,7 +7,7 @@ from gmsh_meshes import unstructured
 from test_core_exact import WALLS, fluidized
 
 from contbed.errors import ConvergenceError
-from contbed.two_fluid import pressure
+from contbed.two_fluid.linear import pressure_solver
 from contbed.two_fluid.linear.elimination import Elimination
 from contbed.two_fluid.linear.multigrid import Multigrid
 
@@ -71,31 +71,31 @@ def test_exact_guess_needs_no_iteration():
 def test_bed_by_multigrid(monkeypatch):
     """The same bed with either solver; the flux of both phases has no divergence to 1e-10, a restart gives the same."""
     one = fluidized(WALLS[2], noise=0.01)
-    monkeypatch.setattr(pressure, "WIDEST", 0)
+    monkeypatch.setattr(pressure_solver, "WIDEST_BAND", 0)
     two = fluidized(WALLS[2], noise=0.01)
     for _ in range(30):
         one.step(one.next_step())
         two.step(two.next_step())
-    assert two.pressure.iterations > 0
-    np.testing.assert_allclose(two.eps_s, one.eps_s, atol=1e-8)
-    np.testing.assert_allclose(two.p, one.p, atol=1e-5)
-    g = two.grid.geometry
-    left = np.zeros(len(two.p))
-    np.add.at(left, g.left, two.flux_total)
-    np.subtract.at(left, g.right, two.flux_total[: two.grid.interior])
-    assert np.abs(left).max() < 1e-10 * np.abs(two.flux_total).max()
-    kept = two.state()
+    assert two.model.pressure_solver.iterations > 0
+    np.testing.assert_allclose(two.state.eps_s, one.state.eps_s, atol=1e-8)
+    np.testing.assert_allclose(two.state.p, one.state.p, atol=1e-5)
+    g = two.model.grid.geometry
+    left = np.zeros(len(two.state.p))
+    np.add.at(left, g.left, two.state.fluxes.total)
+    np.subtract.at(left, g.right, two.state.fluxes.total[: two.model.grid.interior])
+    assert np.abs(left).max() < 1e-10 * np.abs(two.state.fluxes.total).max()
+    saved = two.saved()
     two.step(1e-4)
     three = fluidized(WALLS[2])
-    three.restore(kept)
+    three.restore(saved)
     three.step(1e-4)
-    assert np.array_equal(two.p, three.p)
+    assert np.array_equal(two.state.p, three.state.p)
 
 
 def test_pressure_that_cannot_be_found(monkeypatch):
-    monkeypatch.setattr(pressure, "WIDEST", 0)
+    monkeypatch.setattr(pressure_solver, "WIDEST_BAND", 0)
     on = rectangle(0.28, 1.0, (14, 50))
     coef, rhs = system(on)
     coef[3] = np.nan
     with pytest.raises(ConvergenceError, match="does not converge"):
-        pressure.Pressure(on, False).solve(coef, rhs, np.zeros_like(rhs))
+        pressure_solver.PressureSolver(on, False).solve(coef, rhs, np.zeros_like(rhs))

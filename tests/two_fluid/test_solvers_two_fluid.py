@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from core_closures import line, rectangle
 
-from contbed.two_fluid.linear import cg as kl
+from contbed.two_fluid.linear.cg import System, solve
 from contbed.two_fluid.linear.elimination import Elimination
 
 GRIDS = {
@@ -59,7 +59,7 @@ def test_implicit_exchange(name):
     coef = 10.0 ** rng.uniform(-4, 2, (len(g.left), 2)) * (grid.middles[:, :1] > grid.centres[:, 0].mean())
     content, rhs = rng.uniform(1, 2, (count, 2)), rng.normal(size=(count, 2))
     x = np.empty_like(rhs)
-    assert kl.solve(g, coef, np.zeros_like(x), content, rhs, 0.0, 1e-12, 500, x) > 0
+    assert solve(g, System(coef, np.zeros_like(x), content, rhs), 0.0, 1e-12, 500, x) > 0
     for k in range(2):
         np.testing.assert_allclose(
             x[:, k], np.linalg.solve(matrix(grid, coef[:, k], content[:, k]), rhs[:, k]), atol=1e-9
@@ -67,7 +67,7 @@ def test_implicit_exchange(name):
 
     coef[ni:] = 0.0
     links = np.zeros_like(x)
-    kl.solve(g, coef, links, content, rhs, 0.1, 1e-12, 500, x)
+    solve(g, System(coef, links, content, rhs), 0.1, 1e-12, 500, x)
     np.testing.assert_allclose((content * x).sum(axis=0), rhs.sum(axis=0), atol=1e-9)
     stiff = (links > 0.1 * content).any(axis=1)
     beside = np.zeros(count, dtype=bool)

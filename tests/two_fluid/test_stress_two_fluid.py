@@ -5,8 +5,8 @@ import pytest
 from gmsh_meshes import IN_3D, geometry
 
 from contbed.loading import from_dict
-from contbed.two_fluid import kernels_solid
 from contbed.two_fluid import plan as planning
+from contbed.two_fluid.packing import FrictionTable, frictional_pressure
 
 WALL = {"type": "wall"}
 THROWN = {"layer": [{"start": 0.1, "end": 0.2, "eps_s": 0.55, "u_solid": -1.0, "u_gas": -1.0}]}
@@ -38,7 +38,7 @@ def build(
 
 def solids(bed):
     """Volume of the particles here and of those that left."""
-    return bed.eps_s @ bed.grid.geometry.volume + bed.account["solid_out"]
+    return bed.state.eps_s @ bed.model.grid.geometry.volume + bed.state.account.solid_out
 
 
 def watched(bed, end):
@@ -46,14 +46,14 @@ def watched(bed, end):
     before, dense, fast = solids(bed), [], []
 
     def look(bed):
-        assert bed.eps_s.min() >= 0.0
-        assert bed.theta.min() >= 0.0
-        dense.append(bed.eps_s.max())
-        fast.append(np.linalg.norm(bed.u_solid, axis=1).max(where=bed.eps_s > 1e-6, initial=0.0))
+        assert bed.state.eps_s.min() >= 0.0
+        assert bed.state.theta.min() >= 0.0
+        dense.append(bed.state.eps_s.max())
+        fast.append(np.linalg.norm(bed.state.u_solid, axis=1).max(where=bed.state.eps_s > 1e-6, initial=0.0))
 
     bed.advance(end, look)
     assert solids(bed) == pytest.approx(before, rel=1e-12)
-    assert max(dense) <= bed.materials.eps_max
+    assert max(dense) <= bed.model.materials.eps_max
     return max(dense), max(fast)
 
 
@@ -80,7 +80,7 @@ def test_slug_thrown_on_a_wall_packs_and_stays(courant, order):
 )
 def test_random_fields_calm_down(changes):
     bed = build(bottom={"type": "inlet", "velocity": 0.2}, **changes)
-    random, cells = np.random.default_rng(1), len(bed.eps_s)
+    random, cells = np.random.default_rng(1), len(bed.state.eps_s)
     bed.start(
         eps_s=random.uniform(0.0, 0.6, cells),
         theta=random.uniform(0.0, 1.0, cells),
@@ -102,8 +102,8 @@ def test_level_bed_on_triangles_calms_down(size, most, tmp_path):
     layer = {"layer": [{"end": 0.12, "eps_s": 0.58}], "theta": 1e-4}
     bed = build(initial=layer, cells=(9, 27), shape="triangle", mesh=mesh)
     bed.advance(4.0)
-    speed = np.linalg.norm(bed.u_solid, axis=1)
-    assert speed.max(where=bed.eps_s > 1e-2, initial=0.0) < most
+    speed = np.linalg.norm(bed.state.u_solid, axis=1)
+    assert speed.max(where=bed.state.eps_s > 1e-2, initial=0.0) < most
 
 
 @pytest.mark.parametrize(("kind", "size"), [("triangles", 0.004), ("tetrahedra", 0.008)])
@@ -123,13 +123,13 @@ def test_glass_settles_in_water(kind, size, tmp_path):
     scene["boundary"] = dict.fromkeys(names, WALL | {"gas": "slip", "solid": "slip"})
     bed = planning.plan(from_dict(scene)).bed()[0]
     watched(bed, 6.0)
-    volume, upper = bed.grid.geometry.volume, bed.grid.centres[:, -1] > 0.05
-    front = 0.1 - 0.1 * (volume * (0.1 - bed.eps_s))[upper].sum() / (0.1 * volume.sum())
+    volume, upper = bed.model.grid.geometry.volume, bed.model.grid.centres[:, -1] > 0.05
+    front = 0.1 - 0.1 * (volume * (0.1 - bed.state.eps_s))[upper].sum() / (0.1 * volume.sum())
     assert front == pytest.approx(0.1 - 4.60966e-3 * 6.0, rel=0.01)
 
 
 def test_table_of_friction_is_pressure_and_slope():
-    packing = (0.5, 0.01, np.array([0.0, 1.0, 4.0]))
+    table = FrictionTable(0.5, 0.01, np.array([0.0, 1.0, 4.0]))
     known = [(0.4, (0.0, 0.0)), (0.505, (0.5, 100.0)), (0.515, (2.5, 300.0)), (0.6, (4.0, 300.0))]
     for s, pair in known:
-        assert kernels_solid.friction(packing, s) == pytest.approx(pair, rel=1e-9)
+        assert frictional_pressure(table, s) == pytest.approx(pair, rel=1e-9)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from core_closures import bed, closures, line, rectangle
 
-from contbed.two_fluid import momentum_budget as weight
+from contbed.two_fluid import momentum_budget
 from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
-from contbed.two_fluid.simulation import Options
+from contbed.two_fluid.model import Options
 
 SLIP = symmetry()
 LOOSE, STRENGTH = 0.5, 200.0  # fraction above which particles rub, p = rho_s STRENGTH (eps_s - LOOSE)^2
@@ -19,13 +19,13 @@ def carried(cells, velocity):
     sides = {"left": Inlet(velocity) if velocity else symmetry(), "right": Outlet()}
     laws = closures(1e4, pressure=1.0, viscosity=1.0, dissipation=1e5, friction=STRENGTH, eps_friction=LOOSE)
     b = bed(line(0.2, cells), laws, sides, (-9.81,), Options(dt_max=4e-3))
-    x = b.grid.centres[:, 0]
+    x = b.model.grid.centres[:, 0]
     b.start(eps_s=np.where(x < 0.1, 0.52, 0.0), theta=1e-6)
     b.advance(5.0)
     order = np.argsort(x)
-    s = b.eps_s[order]
+    s = b.state.eps_s[order]
     rubbing = int((s > LOOSE).sum())
-    s, p, h = s[:rubbing], b.p[order][:rubbing], b.rheology.h[order][:rubbing]
+    s, p, h = s[:rubbing], b.state.p[order][:rubbing], b.state.properties.rheology.h[order][:rubbing]
     mean = 0.5 * (s[1:] + s[:-1])
     weight = 9.81 * 0.2 / cells * (2500 * mean + 1.2 * (1 - mean)).sum()
     drop = p[0] - p[-1]
@@ -48,9 +48,9 @@ def test_gas_carries_its_part():
 
 def measured(b):
     """Shares of the weight in one more step."""
-    before = weight.momentum(b)
+    before = momentum_budget.momentum(b)
     b.step(b.next_step())
-    return weight.shares(weight.forces(b, before))
+    return momentum_budget.shares(momentum_budget.forces(b, before))
 
 
 def test_pressure_carries_a_uniform_suspension():
@@ -58,7 +58,7 @@ def test_pressure_carries_a_uniform_suspension():
     drag = (s * 2500 + (1 - s) * 1.2 - 1.2) * 9.81 * (1 - s) / s / u  # K u = (1 - s) (rho_s - rho_g) g
     sides = {"left": SLIP, "right": SLIP, "bottom": Inlet((1 - s) * u), "top": Outlet()}
     b = bed(rectangle(0.1, 0.2, (5, 10)), closures(drag), sides, (0.0, -9.81), rho_gas=1.2)
-    z, density = b.grid.centres[:, 1], s * 2500 + (1 - s) * 1.2
+    z, density = b.model.grid.centres[:, 1], s * 2500 + (1 - s) * 1.2
     b.start(eps_s=s, u_gas=np.stack((0 * z, 0 * z + u), axis=1), p=(0.2 - z) * density * 9.81)
     found = measured(b)
     assert found["weight_pressure"] == pytest.approx(1.0, abs=1e-9)

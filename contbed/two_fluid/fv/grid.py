@@ -19,46 +19,47 @@ from skfem.quadrature import get_quadrature
 from contbed.errors import SceneError
 from contbed.mesh.mesh import Mesh
 
-AT_ONCE = 20_000  # cells whose maps are in memory
+CELLS_AT_ONCE = 20_000  # cells whose maps are in memory
 
 
 class Geometry(NamedTuple):
     """What the kernels need, for nf faces of which ni are interior, and nc cells.
 
     left (nf,), right (ni,) : cells of a face
-    area (nf,) [m, m2], flat (nf,) : size of a face with and without the weight 2 pi r
+    area (nf,) [m, m2], face_size (nf,) : size of a face with and without the weight 2 pi r
     normal (nf, dim), distance (nf,) : n, and d.n for the vector d from the left centre to the right one or to the face
-    cross (nf, dim) : n - d/(d.n), the part of the normal that the two centres do not see
-    share (ni,) : weight of the left value in an interpolation to the face
-    skew (ni, dim) : from the point that `share` interpolates to, to the middle of the face
+    non_orthogonal (nf, dim) : n - d/(d.n), the part of the normal that a difference of the two centres misses
+    weight (ni,) : of the left value in a linear interpolation to the face
+    skew (ni, dim) : from the point that `weight` interpolates to, to the middle of the face
     arm_left (nf, dim), arm_right (ni, dim) : from the centre to the middle of the face
     slope_left (nf, dim), slope_right (ni, dim) : weights of the jump right - left in the least-squares gradients
-    spread (nc, dim, dim) : makes gradients of the sums over a cell and its neighbours where the grid is `wide`
-    volume (nc,) [m, m2, m3], inverse (nc, dim, dim) : of the sum of flat n n over the faces of a cell
+    gradient_inverse (nc, dim, dim) : makes gradients of the sums over a cell and its neighbours on `skewed` grids
+    volume (nc,) [m, m2, m3]
+    moment_inverse (nc, dim, dim) : inverse of the sum of face_size n n over the faces of a cell
     radius (nc,) : r of the centre, 0 where the grid is not axisymmetric
-    wide : whether gradients take the faces of neighbours, too, as on skewed grids: what the few of one flat
-        tetrahedron give is noise
+    skewed : whether any face needs corrections by `non_orthogonal` or `skew`; then gradients take the faces of
+        neighbours, too, as what the few of one flat tetrahedron give is noise
     axes : dim zeros; a tuple, so that its length is known to the compiler
     """
 
     left: np.ndarray
     right: np.ndarray
     area: np.ndarray
-    flat: np.ndarray
+    face_size: np.ndarray
     normal: np.ndarray
     distance: np.ndarray
-    cross: np.ndarray
-    share: np.ndarray
+    non_orthogonal: np.ndarray
+    weight: np.ndarray
     skew: np.ndarray
     arm_left: np.ndarray
     arm_right: np.ndarray
     slope_left: np.ndarray
     slope_right: np.ndarray
-    spread: np.ndarray
+    gradient_inverse: np.ndarray
     volume: np.ndarray
-    inverse: np.ndarray
+    moment_inverse: np.ndarray
     radius: np.ndarray
-    wide: bool
+    skewed: bool
     axes: tuple[int, ...]
 
 
@@ -70,7 +71,6 @@ class Grid:
     centres (nc, dim), middles (nf, dim) : of cells and faces [m]
     boundaries : faces of each named boundary that is not periodic
     regions : cells of each named region
-    skewed : whether any face needs the corrections by `cross` or `skew`
     bandwidth : largest distance of neighbours in the numbering
     """
 
@@ -81,13 +81,17 @@ class Grid:
     boundaries: dict[str, np.ndarray]
     regions: dict[str, np.ndarray]
     axisymmetric: bool
-    skewed: bool
     bandwidth: int
 
     @property
     def dimension(self) -> int:
         """1, 2 or 3."""
         return self.centres.shape[1]
+
+    @property
+    def skewed(self) -> bool:
+        """Whether any face needs corrections for skewness or non-orthogonality."""
+        return self.geometry.skewed
 
     @property
     def interior(self) -> int:
@@ -185,7 +189,6 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
         {name: np.sort(f[f >= 0]) for name, f in named.items() if (f >= 0).any()},
         {name: np.sort(rank[c]) for name, c in old.subdomains.items()},
         mesh.axisymmetric,
-        bool(skewed),
         int((right - left[:ni]).max(initial=0)),
     )
 
@@ -197,7 +200,7 @@ def _middles(count: int, reference: type, place: Callable, determinant: Callable
     # order 4 is exact: a trilinear map has a determinant of degree 2 in each direction, and the place adds one
     points, weights = get_quadrature(reference, 4)
     sizes, middles = [], []
-    for part in np.array_split(np.arange(count), count // AT_ONCE + 1):
+    for part in np.array_split(np.arange(count), count // CELLS_AT_ONCE + 1):
         dx = np.abs(determinant(points, part)) * weights
         sizes.append(dx.sum(axis=1))
         middles.append((place(points, part) * dx).sum(axis=2).T / sizes[-1][:, None])
@@ -245,7 +248,7 @@ def _pairs(mesh: Mesh, periodic: Sequence[tuple[str, str]], middles: np.ndarray)
 
 
 def _slopes(d: np.ndarray, left: np.ndarray, right: np.ndarray, count: int, wide: bool) -> tuple[np.ndarray, ...]:
-    """`slope_left`, `slope_right`, `spread` of least-squares gradients with weights 1/d2, exact for linear fields."""
+    """`slope_left`, `slope_right`, `gradient_inverse` of least-squares gradients with weights 1/d2."""
     ni = len(right)
     weighted = d / (d * d).sum(axis=1)[:, None]
     own = np.zeros((count, d.shape[1], d.shape[1]))

@@ -13,18 +13,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.two_fluid.compiled import kernel
+from contbed.two_fluid.compiled import UNDERFLOW, Array, Flags, kernel
+from contbed.two_fluid.fv.grid import Geometry
 
-ROUNDS = 50
-SAFE, SAFER = 1.0 - 1e-12, 1.0 - 2e-12  # leave room for rounding
-NOTABLE = 1e-9  # change of eps_s above which a limited flux is counted
-UNDERFLOW = 1e-60  # a fraction whose products are no longer numbers counts as none
-KEPT = 0.75  # share of its particles that a cell keeps in a step, or else counts as drained
+MAX_ROUNDS = 50  # of the limiter before each inflow shrinks to the room of its cell
+SAFE, SAFER = 1.0 - 1e-12, 1.0 - 2e-12  # share of a content that may leave: room for rounding
+NOTABLE = 1e-9  # [-] change of eps_s from which on a limited flux is counted
+DRAINED = 0.75  # share of its particles that a cell keeps in a step, or else counts as drained
 
 
 @kernel
-def fill(g, dt, s, source, flux, gain, loss, out):
-    """out = eps_s after the step with the volume flux `flux` [m3/s] and the source [1/s]; gain, loss of the cells."""
+def _fill(g: Geometry, dt: float, s: Array, source: Array, flux: Array, gain: Array, loss: Array, out: Array) -> None:
+    """Set out = eps_s after the step with the volume flux [m3/s] and the source [1/s]; gain and loss of the cells."""
     ni = len(g.right)
     for c in range(len(s)):
         gain[c] = max(0.0, source[c]) * g.volume[c]
@@ -44,16 +44,18 @@ def fill(g, dt, s, source, flux, gain, loss, out):
 
 
 @kernel
-def limit(g, dt, s, source, highest, flux, out, drained):
-    """Limits `flux` in place, leaves eps_s after the step in `out` and marks `drained` cells; returns the numbers of
+def limit(
+    g: Geometry, dt: float, s: Array, source: Array, highest: float, flux: Array, out: Array, drained: Flags
+) -> tuple[int, int]:
+    """Limit `flux` in place, leave eps_s after the step in `out` and mark `drained` cells; return the numbers of
     faces limited and of rounds.
     """
     count, nf, ni = len(s), len(g.left), len(g.right)
     touched = np.zeros(nf, dtype=np.bool_)
     gain, loss, into, away = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
-    for turn in range(ROUNDS + 2):
-        fill(g, dt, s, source, flux, gain, loss, out)
-        last = turn >= ROUNDS
+    for turn in range(MAX_ROUNDS + 2):
+        _fill(g, dt, s, source, flux, gain, loss, out)
+        last = turn >= MAX_ROUNDS
         right = True
         for c in range(count):
             into[c] = away[c] = 1.0
@@ -78,5 +80,5 @@ def limit(g, dt, s, source, highest, flux, out, drained):
     for c in range(count):
         if out[c] < UNDERFLOW:
             out[c] = 0.0
-        drained[c] = out[c] < KEPT * s[c]
+        drained[c] = out[c] < DRAINED * s[c]
     return touched.sum(), turn

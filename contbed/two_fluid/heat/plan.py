@@ -10,7 +10,9 @@ import numpy as np
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.checks import conducts
 from contbed.two_fluid.closures import Bound, constants
-from contbed.two_fluid.heat.equations import FIELDS, Physics, Thermal
+from contbed.two_fluid.heat.model import Physics, Thermal
+
+FIELDS = ("T_gas", "T_solid")
 
 
 def physics(scene: t.TwoFluidScene, closures: Bound) -> Physics:

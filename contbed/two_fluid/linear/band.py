@@ -7,18 +7,20 @@ vectors without further checks.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from contbed.two_fluid.compiled import summing
+from contbed.two_fluid.compiled import Array, summing
 
-COLUMNS, TILE, STRIDE = 8, 16, 8208
+COLUMNS, TILE, STRIDE = 8, 16, 8208  # of a panel: columns in it, rows that are taken at once, rows of a column
 MARGIN, WIDEST = COLUMNS + TILE, STRIDE - COLUMNS - TILE
 _ZERO, _COLUMNS, _TILE, _STRIDE = (np.uint64(number) for number in (0, COLUMNS, TILE, STRIDE))
 
 
 @summing
-def factor(band, width, panel):
-    """Puts the factor in place of the matrix; False if that is not positive. `n` is a multiple of COLUMNS, and the
+def factor(band: Array, width: int, panel: Array) -> bool:
+    """Put the factor in place of the matrix; False if that is not positive. `n` is a multiple of COLUMNS, and the
     `panel` (COLUMNS*STRIDE,) is zero when first used.
     """
     numbers, long = band.reshape(band.size), band.shape[1]
@@ -39,8 +41,8 @@ def factor(band, width, panel):
 
 
 @summing
-def subtract(numbers, at, panel, row, length):
-    """Takes from the `numbers` of a column what the columns in the panel, one below the other, contribute."""
+def subtract(numbers: Array, at: Any, panel: Array, row: Any, length: Any) -> None:
+    """Take from the `numbers` of a column what the columns in the panel, one below the other, contribute."""
     for tile in range(_ZERO, length, _TILE):
         for i in range(_TILE):
             total = 0.0

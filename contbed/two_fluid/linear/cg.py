@@ -2,27 +2,52 @@
 
 Most cells exchange little in a step: there the exchange, already in rhs as it is at the start of the step, need not be
 solved for. Only stiff cells and their neighbours are, as one smaller system; a link between two cells is solved for in
-both or in none, so that what one cell loses the other one gets.
+both or in none, so that what one cell loses the other one gets. The method is conjugate gradients with the inverse
+diagonal as preconditioner (Hestenes and Stiefel 1952, J. Res. Natl. Bur. Stand. 49, 409-436).
 """
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
-from contbed.two_fluid.compiled import kernel, summing
+from contbed.two_fluid.compiled import Array, kernel, summing
+from contbed.two_fluid.fv.grid import Geometry
 
-QUIET, BESIDE, STIFF = 0, 1, 2
+QUIET, BESIDE, STIFF = 0, 1, 2  # cells that are not solved for, that lie beside a stiff one, that are
+EXPLICIT_SHARE = 0.1  # exchange of a cell in a step over its content up to which it is not solved for
+
+
+class System(NamedTuple):
+    """One system for m unknowns in each cell.
+
+    coef (nf, m) : links of faces; those of boundary faces couple with given values
+    links (nc, m) : further links of cells to given values; `solve` adds those of their faces
+    content (nc, m) : diagonal
+    rhs (nc, m) : right-hand side
+    """
+
+    coef: Array
+    links: Array
+    content: Array
+    rhs: Array
+
+
+def empty_system(g: Geometry, components: int) -> System:
+    """A system without links of cells; the rest is not set."""
+    size = (len(g.volume), components)
+    return System(np.empty((len(g.left), components)), np.zeros(size), np.empty(size), np.empty(size))
 
 
 @kernel
-def solve(g, coef, links, content, rhs, explicit, tolerance, most, x):
-    """Solves for `x` (nc, m); returns the most iterations that a component took, -1 if too many.
+def solve(g: Geometry, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
+    """Solve for `x` (nc, m); return the most iterations that a component took, -1 if too many.
 
-    coef (nf, m) : links of faces; those of boundary faces couple with given values
-    links (nc, m) : further links of cells to given values; gets those of their faces
     explicit : links of a cell over its content above which it is stiff
     tolerance : of the residual, relative in the norm of the inverse diagonal
     """
+    coef, links, content, rhs = system.coef, system.links, system.content, system.rhs
     ni, count = len(g.right), len(content)
     for f in range(len(g.left)):
         for k in range(coef.shape[1]):
@@ -38,7 +63,7 @@ def solve(g, coef, links, content, rhs, explicit, tolerance, most, x):
                 found = True
     if not found:
         return 0
-    rank, cells, column, face = rows(g, state)
+    rank, cells, column, face = _rows(g, state)
     longest = 0
     for k in range(coef.shape[1]):
         scale, target = np.empty(len(cells)), np.empty(len(cells))
@@ -58,7 +83,7 @@ def solve(g, coef, links, content, rhs, explicit, tolerance, most, x):
             for j in range(column.shape[1]):
                 if column[i, j] != i:
                     values[i, j] = coef[face[i, j], k] * scale[i] * scale[column[i, j]]
-        iterations = conjugate(g.axes, column, values, target, tolerance, most)
+        iterations = _conjugate_gradients(g.axes, column, values, target, tolerance, most)
         if iterations < 0:
             return -1
         longest = max(longest, iterations)
@@ -68,7 +93,7 @@ def solve(g, coef, links, content, rhs, explicit, tolerance, most, x):
 
 
 @kernel
-def rows(g, state):
+def _rows(g: Geometry, state: Any) -> tuple[Any, Any, Any, Any]:
     """The system of the STIFF cells and their neighbours: the number of each cell in it, -1 where it has none; the cell
     of each number; for each row the numbers of its neighbours and their faces, its own number in place of a missing
     one.
@@ -97,8 +122,8 @@ def rows(g, state):
 
 
 @summing
-def product(axes, column, values, p, q):
-    """q = p - values times the neighbours; returns p . q."""
+def _product(axes: tuple[int, ...], column: Any, values: Array, p: Array, q: Array) -> float:
+    """Set q = p - values times the neighbours; return p . q."""
     total = 0.0
     for i in range(len(p)):
         row = p[i]
@@ -110,8 +135,8 @@ def product(axes, column, values, p, q):
 
 
 @summing
-def advance(alpha, p, q, x, r):
-    """x + alpha p and r - alpha q in place; returns r . r."""
+def _advance(alpha: float, p: Array, q: Array, x: Array, r: Array) -> float:
+    """Set x + alpha p and r - alpha q in place; return r . r."""
     total = 0.0
     for i in range(len(p)):
         x[i] += alpha * p[i]
@@ -121,13 +146,15 @@ def advance(alpha, p, q, x, r):
 
 
 @kernel
-def conjugate(axes, column, values, x, tolerance, most):
-    """Conjugate gradients for a matrix with a diagonal of ones; `x` holds the right-hand side, and gets the solution.
+def _conjugate_gradients(
+    axes: tuple[int, ...], column: Any, values: Array, x: Array, tolerance: float, most: int
+) -> int:
+    """Solve with a matrix that has a diagonal of ones; `x` holds the right-hand side, and gets the solution.
 
-    Returns the iterations, -1 if too many.
+    Return the number of iterations, -1 if too many.
     """
     r, p, q = np.empty_like(x), np.empty_like(x), np.empty_like(x)
-    product(axes, column, values, x, q)
+    _product(axes, column, values, x, q)
     first = rho = 0.0
     for i in range(len(x)):
         r[i] = p[i] = x[i] - q[i]
@@ -137,7 +164,7 @@ def conjugate(axes, column, values, x, tolerance, most):
         if rho <= tolerance**2 * first:
             return iteration
         before = rho
-        rho = advance(rho / product(axes, column, values, p, q), p, q, x, r)
+        rho = _advance(rho / _product(axes, column, values, p, q), p, q, x, r)
         for i in range(len(p)):
             p[i] = r[i] + rho / before * p[i]
     return -1 if rho > tolerance**2 * first else most

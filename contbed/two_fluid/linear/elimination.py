@@ -6,63 +6,81 @@ become linked. On quadrilaterals that is every other cell, and the rest is a ban
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import lapack
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from contbed.errors import SceneError
-from contbed.two_fluid.compiled import kernel
+from contbed.two_fluid.compiled import Array, Flags, Indices, kernel
 from contbed.two_fluid.fv.grid import Geometry, Grid, neighbours
-from contbed.two_fluid.linear import band as kb
+from contbed.two_fluid.linear import band
+
+
+class Order(NamedTuple):
+    """In which order cells are eliminated.
+
+    first (ne,) : cells that go first; start (ne + 1,), beside, faces : their neighbours and the faces between them
+    place (nc,) : of the other cells in the band
+    """
+
+    first: Indices
+    start: Indices
+    beside: Indices
+    faces: Indices
+    place: Indices
 
 
 class Elimination:
-    """Elimination on one grid; a SceneError where neighbours are too far from each other in any order.
+    """Elimination on one grid, with its workspace.
 
-    gone (ne,) : cells that go first; start (ne + 1,), beside, faces : their neighbours and the faces between them
-    kept (nb,) : the other cells in the order of the band; place (nc,) : of a cell in the band; width : of the band
+    order : of the cells; rest (nb,) : the cells of the band in its order; width : of the band
+    factor, panel, diagonal : workspace
+
+    Raises
+    ------
+    SceneError : neighbours are too far from each other in any order
     """
 
     def __init__(self, grid: Grid):
         count = len(grid.cells)
         start, beside, faces = neighbours(grid)
-        first = _independent(start, beside)
-        self.gone, rest = np.flatnonzero(first), np.flatnonzero(~first)
-        mine = np.repeat(first, np.diff(start))
-        self.start = np.concatenate(([0], np.cumsum(np.diff(start)[first])))
-        self.beside, self.faces = beside[mine], faces[mine]
+        independent = _independent(start, beside)
+        first, rest = np.flatnonzero(independent), np.flatnonzero(~independent)
+        mine = np.repeat(independent, np.diff(start))
+        starts = np.concatenate(([0], np.cumsum(np.diff(start)[independent])))
 
         links = sp.csr_matrix((np.ones(len(beside)), beside, start), (count, count))
-        graph = links[rest][:, rest] + links[rest][:, self.gone] @ links[self.gone][:, rest]
-        self.kept = rest[reverse_cuthill_mckee(graph.tocsr(), symmetric_mode=True)]
-        self.place = np.zeros(count, dtype=np.int64)
-        self.place[self.kept] = np.arange(len(self.kept))
+        graph = links[rest][:, rest] + links[rest][:, first] @ links[first][:, rest]
+        self.rest = rest[reverse_cuthill_mckee(graph.tocsr(), symmetric_mode=True)]
+        place = np.zeros(count, dtype=np.int64)
+        place[self.rest] = np.arange(len(self.rest))
+        self.order = Order(first, starts, beside[mine], faces[mine], place)
         rows, columns = graph.nonzero()
-        self.width = int(np.abs(self.place[rest[rows]] - self.place[rest[columns]]).max(initial=0))
-        if self.width > kb.WIDEST:
+        self.width = int(np.abs(place[rest[rows]] - place[rest[columns]]).max(initial=0))
+        if self.width > band.WIDEST:
             raise SceneError(f"mesh: a band of {self.width} cells, too wide for direct elimination; use fewer cells")
-        rows = -(-len(self.kept) // kb.COLUMNS) * kb.COLUMNS
-        self.band, self.diagonal = np.empty((rows, self.width + 1 + kb.MARGIN)), np.empty(count)
-        self.panel = np.zeros(kb.COLUMNS * kb.STRIDE)
+        long = -(-len(self.rest) // band.COLUMNS) * band.COLUMNS
+        self.factor, self.diagonal = np.empty((long, self.width + 1 + band.MARGIN)), np.empty(count)
+        self.panel = np.zeros(band.COLUMNS * band.STRIDE)
 
-    def solve(self, g: Geometry, coef: np.ndarray, floating: bool, x: np.ndarray) -> bool:
-        """Puts the solution in `x`, which holds the right-hand side; the diagonal of the first cell counts twice where
+    def solve(self, g: Geometry, coef: Array, floating: bool, x: Array) -> bool:
+        """Put the solution in `x`, which holds the right-hand side; the diagonal of the first cell counts twice where
         the system is `floating`. False if the system is singular.
         """
-        _eliminate(
-            g, coef, floating, self.gone, self.start, self.beside, self.faces, self.place, self.diagonal, self.band, x
-        )
-        if not kb.factor(self.band, self.width, self.panel):
+        _eliminate(g, coef, floating, self.order, self.diagonal, self.factor, x)
+        if not band.factor(self.factor, self.width, self.panel):
             return False
-        x[self.kept] = lapack.dpbtrs(self.band[: len(self.kept)].T, x[self.kept], lower=1)[0]
-        _substitute(coef, self.gone, self.start, self.beside, self.faces, self.diagonal, x)
+        x[self.rest] = lapack.dpbtrs(self.factor[: len(self.rest)].T, x[self.rest], lower=1)[0]
+        _substitute(coef, self.order, self.diagonal, x)
         return True
 
 
 @kernel
-def _independent(start, beside):
-    """Marks cells none of which is a neighbour of another, as many as come first; the last cell is left."""
+def _independent(start: Indices, beside: Indices) -> Flags:
+    """Mark cells none of which is a neighbour of another, as many as come first; the last cell is left."""
     count = len(start) - 1
     chosen, taken = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
     for c in range(count - 1):
@@ -74,16 +92,20 @@ def _independent(start, beside):
 
 
 @kernel
-def _eliminate(g, coef, floating, gone, start, beside, faces, place, diagonal, band, x):
-    """The band that is left without the cells `gone`, with ones to fill its last block, and its right-hand side."""
-    ni = len(g.right)
+def _eliminate(
+    g: Geometry, coef: Array, floating: bool, order: Order, diagonal: Array, matrix: Array, x: Array
+) -> None:
+    """The band `matrix` that is left without the first cells, with ones to fill its last block, and its right-hand side
+    `x` (Gaussian elimination).
+    """
+    ni, place, beside, faces = len(g.right), order.place, order.beside, order.faces
     diagonal[:] = 0.0
-    band[:] = 0.0
-    for row in range(len(diagonal) - len(gone), len(band)):
-        band[row, 0] = 1.0
+    matrix[:] = 0.0
+    for row in range(len(diagonal) - len(order.first), len(matrix)):
+        matrix[row, 0] = 1.0
     first = np.zeros(len(diagonal), dtype=np.bool_)
-    for e in range(len(gone)):
-        first[gone[e]] = True
+    for e in range(len(order.first)):
+        first[order.first[e]] = True
     for f in range(len(g.left)):
         left = g.left[f]
         if f >= ni:
@@ -94,26 +116,27 @@ def _eliminate(g, coef, floating, gone, start, beside, faces, place, diagonal, b
             diagonal[right] += coef[f]
             if not (first[left] or first[right]):
                 a, b = place[left], place[right]
-                band[min(a, b), abs(a - b)] -= coef[f]
+                matrix[min(a, b), abs(a - b)] -= coef[f]
     if floating:
         diagonal[0] *= 2.0
     for c in range(len(diagonal)):
         if not first[c]:
-            band[place[c], 0] += diagonal[c]
-    for e in range(len(gone)):
-        c = gone[e]
-        for j in range(start[e], start[e + 1]):
+            matrix[place[c], 0] += diagonal[c]
+    for e in range(len(order.first)):
+        c = order.first[e]
+        for j in range(order.start[e], order.start[e + 1]):
             share = coef[faces[j]] / diagonal[c]
             x[beside[j]] += share * x[c]
-            for k in range(j, start[e + 1]):
+            for k in range(j, order.start[e + 1]):
                 a, b = place[beside[j]], place[beside[k]]
-                band[min(a, b), abs(a - b)] -= share * coef[faces[k]] * (2.0 if a == b and j != k else 1.0)
+                matrix[min(a, b), abs(a - b)] -= share * coef[faces[k]] * (2.0 if a == b and j != k else 1.0)
 
 
 @kernel
-def _substitute(coef, gone, start, beside, faces, diagonal, x):
-    """The values of the cells `gone` from those of their neighbours."""
-    for e in range(len(gone)):
-        for j in range(start[e], start[e + 1]):
-            x[gone[e]] += coef[faces[j]] * x[beside[j]]
-        x[gone[e]] /= diagonal[gone[e]]
+def _substitute(coef: Array, order: Order, diagonal: Array, x: Array) -> None:
+    """The values of the first cells from those of their neighbours."""
+    for e in range(len(order.first)):
+        c = order.first[e]
+        for j in range(order.start[e], order.start[e + 1]):
+            x[c] += coef[order.faces[j]] * x[order.beside[j]]
+        x[c] /= diagonal[c]

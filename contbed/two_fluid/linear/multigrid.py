@@ -9,17 +9,31 @@ from the coefficients alone: nothing is kept from step to step.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from contbed.two_fluid.compiled import kernel
+from contbed.two_fluid.compiled import Array, Indices, kernel
 from contbed.two_fluid.fv.grid import Grid, neighbours
 
-COARSEST = 60  # cells that are solved directly
-WEAK = 0.25  # share of the strongest link of a cell below which it is not joined along a link
-ENOUGH = 0.25  # residual after one step on a coarse level that makes the second one needless
-TOLERANCE = 1e-11  # of the largest right-hand side
-ROUNDING = 1e-16  # of the largest term
-MOST = 100  # iterations
+COARSEST = 60  # cells of a level that is solved directly
+STRONG_CONNECTION = 0.25  # share of the strongest link of a cell from which on it is joined along a link (Notay 2010)
+SECOND_STEP = 0.25  # residual after one step on a coarse level above which there is a second one (Notay 2010)
+TOLERANCE = 1e-11  # residual over the largest right-hand side; what is left of the divergence of the flux
+ROUNDING = 1e-16  # residual over the largest term, where the right-hand side is zero
+MAX_ITERATIONS = 100  # of one system
+
+
+class Level(NamedTuple):
+    """A system: neighbours `beside` and links `value` of a cell from start[c] to start[c + 1], its diagonal, and its
+    number on the next level.
+    """
+
+    start: Indices
+    beside: Indices
+    value: Array
+    diagonal: Array
+    group: Indices
 
 
 class Multigrid:
@@ -27,21 +41,21 @@ class Multigrid:
 
     def __init__(self, grid: Grid):
         self.start, self.beside, self.faces = neighbours(grid)
-        self.near = grid.geometry.left[grid.interior :]
+        self.boundary_cells = grid.geometry.left[grid.interior :]
 
-    def solve(self, coef: np.ndarray, floating: bool, rhs: np.ndarray, x: np.ndarray) -> int:
-        """Puts the solution in `x`, which holds a guess; the diagonal of the first cell counts twice where the system
-        is `floating`. Returns the number of iterations, -1 where they do not converge.
+    def solve(self, coef: Array, floating: bool, rhs: Array, x: Array) -> int:
+        """Put the solution in `x`, which holds a guess; the diagonal of the first cell counts twice where the system
+        is `floating`. Return the number of iterations, -1 where they do not converge.
         """
         value, rest = coef[self.faces], np.zeros(len(x))
-        np.add.at(rest, self.near, coef[len(coef) - len(self.near) :])
+        np.add.at(rest, self.boundary_cells, coef[len(coef) - len(self.boundary_cells) :])
         if floating:
             rest[0] += rest[0] + value[self.start[0] : self.start[1]].sum()
         return _solve(self.start, self.beside, value, rest, rhs, x) if np.isfinite(coef.sum() + rhs.sum()) else -1
 
 
 @kernel
-def _pairs(start, beside, value):
+def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]:
     """Number of the pair of each cell, and of pairs; a cell without a strong link to a free one is alone."""
     count = len(start) - 1
     group, found = np.full(count, -1), 0
@@ -54,14 +68,16 @@ def _pairs(start, beside, value):
             if group[beside[j]] < 0 and value[j] > best:
                 best, partner = value[j], beside[j]
         group[c] = found
-        if best >= WEAK * strongest and partner >= 0:
+        if best >= STRONG_CONNECTION * strongest and partner >= 0:
             group[partner] = found
         found += 1
     return group, found
 
 
 @kernel
-def _joined(start, beside, value, rest, group, found):
+def _joined(
+    start: Indices, beside: Indices, value: Array, rest: Array, group: Indices, found: int
+) -> tuple[Indices, Indices, Array, Array]:
     """The coarse system of groups."""
     count = len(group)
     members, first = np.empty(count, dtype=np.int64), np.zeros(found + 1, dtype=np.int64)
@@ -94,8 +110,9 @@ def _joined(start, beside, value, rest, group, found):
 
 
 @kernel
-def _product(level, x, out):
-    start, beside, value, diagonal = level[0], level[1], level[2], level[3]
+def _product(level: Level, x: Array, out: Array) -> None:
+    """Matrix of a level times x."""
+    start, beside, value, diagonal = level.start, level.beside, level.value, level.diagonal
     for c in range(len(x)):
         total = diagonal[c] * x[c]
         for j in range(start[c], start[c + 1]):
@@ -104,9 +121,9 @@ def _product(level, x, out):
 
 
 @kernel
-def _sweep(level, b, x, backwards):
+def _sweep(level: Level, b: Array, x: Array, backwards: bool) -> None:
     """Gauss-Seidel over all cells."""
-    start, beside, value, diagonal = level[0], level[1], level[2], level[3]
+    start, beside, value, diagonal = level.start, level.beside, level.value, level.diagonal
     for i in range(len(x)):
         c = len(x) - 1 - i if backwards else i
         total = b[c]
@@ -116,7 +133,15 @@ def _sweep(level, b, x, backwards):
 
 
 @kernel
-def _cycle(levels, inverse, b, x, first, along, q):
+def _cycle(
+    levels: list[Level],
+    inverse: Array,
+    b: list[Array],
+    x: list[Array],
+    first: list[Array],
+    along: list[Array],
+    q: list[Array],
+) -> None:
     """Approximate solution x[0] for b[0]; each list holds one vector for each level.
 
     A level sweeps, goes `down` and corrects; below the first level the answer is a step of conjugate gradients along
@@ -129,7 +154,7 @@ def _cycle(levels, inverse, b, x, first, along, q):
             x[at][:] = 0.0
             _sweep(levels[at], b[at], x[at], False)
             _product(levels[at], x[at], q[at])
-            group, at = levels[at][4], at + 1
+            group, at = levels[at].group, at + 1
             b[at][:] = 0.0
             for c in range(len(group)):
                 b[at][group[c]] += b[at - 1][c] - q[at - 1][c]
@@ -149,21 +174,21 @@ def _cycle(levels, inverse, b, x, first, along, q):
                 if rho[at] > 0.0:
                     first[at][:], along[at][:] = x[at], q[at]
                     b[at][:] -= slope / rho[at] * q[at]
-                    if np.dot(b[at], b[at]) > ENOUGH**2 * size:
+                    if np.dot(b[at], b[at]) > SECOND_STEP**2 * size:
                         again[at] = down = True
                         continue
                     x[at][:] *= slope / rho[at]
         if at == 0:
             return
-        group, at, down = levels[at - 1][4], at - 1, False
+        group, at, down = levels[at - 1].group, at - 1, False
         for c in range(len(group)):
             x[at][c] += x[at + 1][group[c]]
         _sweep(levels[at], b[at], x[at], True)
 
 
 @kernel
-def _levels(start, beside, value, rest):
-    """(start, beside, value, diagonal, number of each cell on the next level) of all levels; the last is not joined."""
+def _levels(start: Indices, beside: Indices, value: Array, rest: Array) -> list[Level]:
+    """All levels, each with half or a quarter of the cells of the one before; the cells of the last are not joined."""
     levels = []
     while True:
         diagonal = rest.copy()
@@ -171,32 +196,32 @@ def _levels(start, beside, value, rest):
             for j in range(start[c], start[c + 1]):
                 diagonal[c] += value[j]
         if len(rest) <= COARSEST:
-            levels.append((start, beside, value, diagonal, np.zeros(0, dtype=np.int64)))
+            levels.append(Level(start, beside, value, diagonal, np.zeros(0, dtype=np.int64)))
             return levels
         group, found = _pairs(start, beside, value)
         middle = _joined(start, beside, value, rest, group, found)
         pair, found = _pairs(middle[0], middle[1], middle[2])
-        levels.append((start, beside, value, diagonal, pair[group]))
+        levels.append(Level(start, beside, value, diagonal, pair[group]))
         start, beside, value, rest = _joined(middle[0], middle[1], middle[2], middle[3], pair, found)
 
 
 @kernel
-def _solve(start, beside, value, rest, rhs, x):
+def _solve(start: Indices, beside: Indices, value: Array, rest: Array, rhs: Array, x: Array) -> int:
     """Solution in `x`; the number of iterations, -1 if too many."""
     levels = _levels(start, beside, value, rest)
-    start, beside, value, diagonal, _ = levels[-1]
+    start, beside, value, diagonal = levels[-1].start, levels[-1].beside, levels[-1].value, levels[-1].diagonal
     matrix = np.diag(diagonal)
     for c in range(len(diagonal)):
         for j in range(start[c], start[c + 1]):
             matrix[c, beside[j]] -= value[j]
     inverse = np.linalg.inv(matrix)
-    b, z, first, along, q = [[np.empty(len(level[3])) for level in levels] for _ in range(5)]
+    b, z, first, along, q = [[np.empty(len(level.diagonal)) for level in levels] for _ in range(5)]
 
-    least = TOLERANCE * np.max(np.abs(rhs)) + ROUNDING * np.max(np.abs(levels[0][3] * x))
+    least = TOLERANCE * np.max(np.abs(rhs)) + ROUNDING * np.max(np.abs(levels[0].diagonal * x))
     p, product, before, rho = np.zeros(len(x)), np.empty(len(x)), np.empty(len(x)), 1.0
     _product(levels[0], x, product)
     r = rhs - product
-    for iteration in range(MOST):
+    for iteration in range(MAX_ITERATIONS):
         if np.max(np.abs(r)) <= least:
             return iteration
         b[0][:] = r

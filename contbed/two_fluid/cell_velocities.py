@@ -1,0 +1,185 @@
+"""Cell velocities from the normal velocities of faces, by least squares; the reverse of the interpolation to faces."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contbed.two_fluid.boundary import OUTLET, Edge
+from contbed.two_fluid.compiled import UNDERFLOW, Array, kernel
+from contbed.two_fluid.face_velocities import Cells, Velocities
+from contbed.two_fluid.fv.gradient import FEW_PARTICLES, NO_PARTICLES
+from contbed.two_fluid.fv.grid import Geometry
+
+SILENT = 1e-4  # weight of a face below which it has no say in the velocity of a cell's particles
+LEAST_WEIGHT = 1e-12  # of all faces in the moment: along directions that no face gives, particles keep H
+
+
+class FaceVelocities(NamedTuple):
+    """Normal velocities (nf,) [m/s] of both phases with the pressure, normal H, and the solids fraction."""
+
+    gas: Array
+    solid: Array
+    h_gas: Array
+    h_solid: Array
+    eps_s: Array
+
+
+class Gathered(NamedTuple):
+    """Cell vectors (nc, dim) [m/s] from the face velocities and from the normal H of both phases."""
+
+    gas: Array
+    solid: Array
+    h_gas: Array
+    h_solid: Array
+
+
+@kernel
+def face_weight(there: float, here: float) -> float:
+    """Weight of a face with the solids fraction `there` for a cell with `here`: less where few particles reach it."""
+    return min(1.0, (there + NO_PARTICLES) / (FEW_PARTICLES * here + NO_PARTICLES))
+
+
+@kernel
+def gather_gas(
+    g: Geometry, faces: FaceVelocities, grad_new: Array, grad_h: Array, corrected: bool, out: Gathered
+) -> None:
+    """Cell vectors of the gas from the normal u and H of the faces by least squares.
+
+    Exact for linear fields where they are `corrected` with the gradients (nc, dim, dim) of both.
+    """
+    ni, dim = len(g.right), len(g.axes)
+    new, old = out.gas, out.h_gas
+    new[:] = 0.0
+    old[:] = 0.0
+    for f in range(len(g.left)):
+        for side in range(2 if f < ni else 1):
+            c = g.left[f] if side == 0 else g.right[f]
+            u, h = faces.gas[f], faces.h_gas[f]
+            if corrected:
+                for k in range(dim):
+                    for d in range(dim):
+                        arm = g.normal[f, k] * (g.arm_left[f, d] if side == 0 else g.arm_right[f, d])
+                        u -= grad_new[c, k, d] * arm
+                        h -= grad_h[c, k, d] * arm
+            for k in range(dim):
+                n = g.face_size[f] * g.normal[f, k]
+                new[c, k] += n * u
+                old[c, k] += n * h
+    first, second = np.empty(dim), np.empty(dim)
+    for c in range(len(g.volume)):
+        for k in range(dim):
+            first[k] = second[k] = 0.0
+            for d in range(dim):
+                first[k] += g.moment_inverse[c, k, d] * new[c, d]
+                second[k] += g.moment_inverse[c, k, d] * old[c, d]
+        for k in range(dim):
+            new[c, k], old[c, k] = first[k], second[k]
+
+
+@kernel
+def gather_solid(
+    g: Geometry, faces: FaceVelocities, s: Array, grad_new: Array, grad_h: Array, corrected: bool, out: Gathered
+) -> None:
+    """The same for the particles; a face that few of a cell's particles reach has little weight in their velocity."""
+    ni, dim = len(g.right), len(g.axes)
+    new, old = out.solid, out.h_solid
+    moment = np.zeros((len(s), dim, dim))
+    new[:] = 0.0
+    old[:] = 0.0
+    for f in range(len(g.left)):
+        for side in range(2 if f < ni else 1):
+            c = g.left[f] if side == 0 else g.right[f]
+            share = face_weight(faces.eps_s[f], s[c])
+            weight = g.face_size[f] * share if share > SILENT else 0.0
+            u, h = faces.solid[f], faces.h_solid[f]
+            if corrected:
+                for k in range(dim):
+                    for d in range(dim):
+                        arm = g.normal[f, k] * (g.arm_left[f, d] if side == 0 else g.arm_right[f, d])
+                        u -= grad_new[c, k, d] * arm
+                        h -= grad_h[c, k, d] * arm
+            for k in range(dim):
+                n = weight * g.normal[f, k]
+                new[c, k] += n * u
+                old[c, k] += n * h
+                for d in range(k, dim):
+                    moment[c, k, d] += (weight + LEAST_WEIGHT * g.face_size[f]) * g.normal[f, k] * g.normal[f, d]
+    for c in range(len(g.volume)):
+        # Cholesky's decomposition without roots: the moment is small, symmetric and positive
+        for i in range(dim):
+            for j in range(i + 1, dim):
+                factor = moment[c, i, j] / moment[c, i, i]
+                for k in range(j, dim):
+                    moment[c, j, k] -= factor * moment[c, i, k]
+                new[c, j] -= factor * new[c, i]
+                old[c, j] -= factor * old[c, i]
+        for i in range(dim - 1, -1, -1):
+            for k in range(i + 1, dim):
+                new[c, i] -= moment[c, i, k] * new[c, k]
+                old[c, i] -= moment[c, i, k] * old[c, k]
+            new[c, i] /= moment[c, i, i]
+            old[c, i] /= moment[c, i, i]
+
+
+@kernel
+def divergence_solid(g: Geometry, faces: FaceVelocities, s: Array, u: Array, out: Array) -> None:
+    """Divergence (nc,) [1/s] of the velocity of the solids, without faces that few of a cell's particles reach."""
+    ni, dim = len(g.right), len(g.axes)
+    for c in range(len(s)):
+        out[c] = u[c, 0] / g.radius[c] if g.radius[c] > 0.0 else 0.0
+    for f in range(len(g.left)):
+        for side in range(2 if f < ni else 1):
+            c = g.left[f] if side == 0 else g.right[f]
+            weight = face_weight(faces.eps_s[f], s[c]) * g.area[f] / g.volume[c]
+            speed = faces.solid[f]
+            for k in range(dim):
+                speed -= u[c, k] * g.normal[f, k]
+            out[c] += weight * speed if side == 0 else -weight * speed
+
+
+@kernel
+def face_residual(g: Geometry, edge: Edge, face: Array, u: Array, grad: Array, out: Array) -> None:
+    """The part `out` (nf,) [m/s] of the normal gas velocity on interior faces and outlets that cells do not give back.
+
+    u (nc, dim) are the gathered velocities, `grad` (nc, dim, dim) their gradients, used on skewed grids.
+    """
+    ni, dim = len(g.right), len(g.axes)
+    for f in range(len(g.left)):
+        out[f] = 0.0
+        left = g.left[f]
+        if f >= ni and edge.gas.kind[f - ni] != OUTLET:
+            continue
+        right, w = (g.right[f], g.weight[f]) if f < ni else (left, 1.0)
+        out[f] = face[f]
+        for k in range(dim):
+            out[f] -= g.normal[f, k] * (w * u[left, k] + (1.0 - w) * u[right, k])
+            if g.skewed and f < ni:
+                for d in range(dim):
+                    along = g.normal[f, k] * g.skew[f, d]
+                    out[f] -= along * (w * grad[left, k, d] + (1.0 - w) * grad[right, k, d])
+
+
+@kernel
+def add_unseen_velocity(
+    dt: float, cells: Cells, velocities: Velocities, gathered: Gathered, force_gas: Array, force_solid: Array
+) -> None:
+    """Add to the gathered velocities, in place, what gathering the normal H leaves of H, after drag.
+
+    The rests of the phases damp without moving each other: in a bed at rest gas that speeds up towards the surface
+    would lift particles. The forces (nc, dim) [m/s2] are the changes from H over the step.
+    """
+    new_g, new_s, h_g, h_s = gathered.gas, gathered.solid, velocities.h_gas, velocities.h_solid
+    s = cells.eps_s
+    for c in range(len(s)):
+        a_s = dt * cells.drag[c] / cells.rho_solid
+        a_g = dt * cells.drag[c] * s[c] / ((1.0 - s[c]) * cells.rho_gas[c])
+        damp_g, damp_s = 1.0 / (1.0 + a_g), (1.0 + a_g) / (1.0 + a_g + a_s)
+        for k in range(h_g.shape[1]):
+            rest_g = damp_g * (h_g[c, k] - gathered.h_gas[c, k])
+            rest_s = damp_s * (h_s[c, k] - gathered.h_solid[c, k])
+            new_g[c, k] = new_g[c, k] + rest_g if abs(new_g[c, k] + rest_g) > UNDERFLOW else 0.0
+            new_s[c, k] = new_s[c, k] + rest_s if abs(new_s[c, k] + rest_s) > UNDERFLOW else 0.0
+            force_gas[c, k] = (new_g[c, k] - h_g[c, k]) / dt
+            force_solid[c, k] = (new_s[c, k] - h_s[c, k]) / dt

@@ -1,0 +1,66 @@
+"""Continuity of the solids: one limited volume flux that everything after it uses.
+
+The flux of the last pressure equation is corrected by the implicit solids pressure, so that a bed that packs resists
+within the step, and limited so that 0 <= eps_s <= eps_max. The flux of the gas is the rest of the total flux.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contbed.two_fluid.compiled import Array, Flags
+from contbed.two_fluid.fv import limiter
+from contbed.two_fluid.implicit import solve_system
+from contbed.two_fluid.linear.cg import empty_system
+from contbed.two_fluid.model import Model
+from contbed.two_fluid.packing import FrictionTable, Solids, add_compaction_flux, assemble_compaction, move_tangents
+from contbed.two_fluid.state import Counters, State
+from contbed.two_fluid.timing import phase
+
+MAX_TANGENTS = 8  # rounds of a step in which tangents of friction move
+
+
+class Moved(NamedTuple):
+    """The solids after a step.
+
+    eps_s (nc,), rate_eps_s (nc, 1) [1/s] : new fraction; memory of its rate plus the change over the step
+    flux, flux_gas (nf,) [m3/s] : volume fluxes of solids and gas in the step
+    compaction_velocity (nf,) [m/s] : what the particles keep of the motion by their pressure
+    drained (nc,) : cells that lost most of their particles; they give their own values to their faces
+    """
+
+    eps_s: Array
+    rate_eps_s: Array
+    flux: Array
+    flux_gas: Array
+    compaction_velocity: Array
+    drained: Flags
+    counters: Counters
+
+
+@phase("continuity")
+def advance(state: State, dt: float, model: Model) -> Moved:
+    """Move the solids by `dt` [s]."""
+    g, old, source = model.grid.geometry, state.eps_s, model.sources.solid
+    table = FrictionTable(*model.closures.packing)
+    solids = Solids(old, state.properties.drag, state.properties.rheology.stiffness, model.materials.rho_solid)
+    system, flux, counters = empty_system(g, 1), state.fluxes.solid.copy(), state.counters
+    assemble_compaction(g, dt, solids, flux, source, system)
+    # everywhere: beside a front, the faint trace that it sends ahead keeps nearly empty cells smooth
+    y = solve_system(state, "eps_s", system, model, explicit=0.0)
+    links, shift = system.links, np.zeros(len(old))
+    for _ in range(MAX_TANGENTS):
+        if not move_tangents(g, table, solids, links, y, system, shift):
+            break
+        counters = counters.add(packing_rounds=1)
+        y = solve_system(state, "eps_s", system._replace(links=np.zeros_like(links)), model, explicit=0.0)
+    velocity = np.empty_like(flux)
+    add_compaction_flux(g, dt, system, y, flux, velocity)
+    new, drained = np.empty_like(old), np.zeros(len(old), dtype=np.bool_)
+    touched, rounds = limiter.limit(g, dt, old, source, model.materials.eps_max, flux, new, drained)
+    if touched:
+        counters = counters.add(limited_faces=int(touched), limited_steps=1, limiter_rounds=int(rounds))
+    rate = state.memory.rate_eps_s + (new - old).reshape(-1, 1) / dt
+    return Moved(new, rate, flux, state.fluxes.total - flux, velocity, drained, counters)

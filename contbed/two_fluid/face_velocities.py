@@ -1,0 +1,261 @@
+"""Velocities of both phases on faces: forces, implicit drag, fractions by upwinding.
+
+With intrinsic velocities, K = beta/eps_s, a_g = dt beta/(eps_g rho_g) and a_s = dt K/rho_s, the normal velocities on
+a face obey
+
+    (1 + a_g) u_g - a_g u_s = H_g + dt (g - grad p/rho_g)
+    (1 + a_s) u_s - a_s u_g = H_s + dt (g - grad p/rho_s - grad P/eps_s - grad h)
+
+where H are the velocities after convection and stress, rho_s P is the kinetic and collisional pressure of the particles
+and h(eps_s) = integral of d p_friction/(rho_s eps_s): a bed at rest has h + z g constant, on any mesh. Both equations
+are solved together on each face (partial elimination of drag, Spalding 1980, in Numerical Computation of Multi-Phase
+Fluid Flow, PCH). The interpolation of H less its memory on faces is a Rhie-Chow type correction (Rhie and Chow 1983,
+AIAA J. 21, 1525-1532).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from contbed.two_fluid.boundary import GIVEN, OUTLET, Edge
+from contbed.two_fluid.compiled import SMALLEST, Array, Flags, kernel
+from contbed.two_fluid.fv.gradient import neighbour_weight
+from contbed.two_fluid.fv.grid import Geometry
+from contbed.two_fluid.fv.reconstruction import Reconstruction, face_value
+from contbed.two_fluid.state import ForceGradients
+
+WAVE_RESOLVED = 0.05  # (N dt)^2 of a buoyancy wave of frequency N up to which the step follows it
+
+
+class Cells(NamedTuple):
+    """What acts in the cells (nc,).
+
+    rho_gas [kg/m3], eps_s, drag K = beta/eps_s [kg/m3/s], kinetic P [m2/s2], friction h [m2/s2], p [Pa]
+    resting : whether particles rest in or beside a cell
+    rho_solid [kg/m3]
+    """
+
+    rho_gas: Array
+    eps_s: Array
+    drag: Array
+    kinetic: Array
+    friction: Array
+    p: Array
+    resting: Flags
+    rho_solid: float
+
+
+class Velocities(NamedTuple):
+    """H (nc, dim) of both phases after convection and stress, and the velocities (nc, dim) before [m/s]."""
+
+    h_gas: Array
+    h_solid: Array
+    old_gas: Array
+    old_solid: Array
+
+
+class FaceGradients(NamedTuple):
+    """What faces see beside two cell values: gradients (nc, dim, dim) of H and of the forces, used on skewed grids, and
+    the memory (nf,) [m/s] of the gas velocity that cell velocities did not give back.
+    """
+
+    h_gas: Array
+    h_solid: Array
+    forces: ForceGradients
+    residual: Array
+
+
+class FacePredictor(NamedTuple):
+    """Normal velocities (nf,) [m/s] without the pressure, with the last pressure, and without any force; mobilities.
+
+    star_gas, star_solid : without the pressure gradient; mobility_gas, mobility_solid [m3 s/kg] : what it takes off
+    upwind_gas, upwind_solid : with the last pressure, which choose the cell that fractions come from
+    h_gas, h_solid : normal H
+    """
+
+    star_gas: Array
+    star_solid: Array
+    mobility_gas: Array
+    mobility_solid: Array
+    upwind_gas: Array
+    upwind_solid: Array
+    h_gas: Array
+    h_solid: Array
+
+
+class FaceFractions(NamedTuple):
+    """Fractions (nf,) of gas and solids that the flux carries."""
+
+    gas: Array
+    solid: Array
+
+
+@kernel
+def eliminate_drag(first: float, second: float, a_g: float, a_s: float) -> tuple[float, float]:
+    """Both velocities, or temperatures, after implicit exchange with the coefficients a."""
+    scale = 1.0 / (1.0 + a_g + a_s)
+    return scale * ((1.0 + a_s) * first + a_g * second), scale * (a_s * first + (1.0 + a_g) * second)
+
+
+@kernel
+def predict_on_faces(
+    g: Geometry,
+    edge: Edge,
+    dt: float,
+    gravity: Array,
+    cells: Cells,
+    velocities: Velocities,
+    gradients: FaceGradients,
+    out: FacePredictor,
+) -> None:
+    """Set the face velocities `out` without the pressure gradient.
+
+    The memory of a face is kept while the gas crosses a cell, longer where drag holds it, or p would be noise that
+    grows as the steps become small.
+    """
+    s, drag, kinetic, friction, p = cells.eps_s, cells.drag, cells.kinetic, cells.friction, cells.p
+    h_g, h_s = velocities.h_gas, velocities.h_solid
+    grad_p, grad_kinetic, grad_rest = gradients.forces.p, gradients.forces.kinetic, gradients.forces.rest
+    rho_s = cells.rho_solid
+    gas, solid = edge.gas, edge.solid
+    ni, dim = len(g.right), len(g.axes)
+    for f in range(len(g.left)):
+        left = g.left[f]
+        rho_g = cells.rho_gas[left]
+        b = f - ni
+        hg = hs = weight = cross_p = cross_kinetic = cross_rest = cross_solid = 0.0
+        if b < 0:
+            right = g.right[f]
+            w = g.weight[f]
+            for k in range(dim):
+                n = g.normal[f, k]
+                hg += n * (w * h_g[left, k] + (1.0 - w) * h_g[right, k])
+                hs += n * (w * h_s[left, k] + (1.0 - w) * h_s[right, k])
+                weight += n * gravity[k]
+            if g.skewed:
+                for d in range(dim):
+                    for k in range(dim):
+                        along = g.normal[f, k] * g.skew[f, d]
+                        hg += along * (w * gradients.h_gas[left, k, d] + (1.0 - w) * gradients.h_gas[right, k, d])
+                        hs += along * (w * gradients.h_solid[left, k, d] + (1.0 - w) * gradients.h_solid[right, k, d])
+                    cross = g.non_orthogonal[f, d]
+                    cross_p += cross * (w * grad_p[left, d] + (1.0 - w) * grad_p[right, d])
+                    cross_kinetic += cross * (w * grad_kinetic[left, d] + (1.0 - w) * grad_kinetic[right, d])
+                    cross_rest += cross * (w * grad_rest[left, d] + (1.0 - w) * grad_rest[right, d])
+                # the gradients of cells around must not push where there are no particles
+                most = (kinetic[left] + kinetic[right]) / g.distance[f]
+                cross_kinetic = min(max(cross_kinetic, -most), most)
+                cross_solid = cross_p / rho_s
+                if cells.resting[left] or cells.resting[right]:
+                    # between two centres the forces have a potential, and particles come to rest where it is level
+                    most = 2.0 * min(friction[left], friction[right]) / g.distance[f]
+                    cross_solid = min(max(cross_rest, -most), most)
+                    for k in range(dim):
+                        cross_solid += g.non_orthogonal[f, k] * gravity[k]
+            rho_g += (1.0 - w) * (cells.rho_gas[right] - rho_g)
+            mean = w * s[left] + (1.0 - w) * s[right]
+            k_face = w * drag[left] + (1.0 - w) * drag[right]
+            # with this mean the force of P on both cells together is its jump, as momentum needs
+            opposite_mean = (1.0 - w) * s[left] + w * s[right] + SMALLEST
+            steep = (kinetic[right] - kinetic[left]) / g.distance[f] + cross_kinetic
+            force = weight - steep / opposite_mean - (friction[right] - friction[left]) / g.distance[f]
+            drop = (p[right] - p[left]) / g.distance[f]
+        elif gas.kind[b] == OUTLET:
+            for k in range(dim):
+                hg += g.normal[f, k] * h_g[left, k]
+                hs += g.normal[f, k] * h_s[left, k]
+                weight += g.normal[f, k] * gravity[k]
+                if g.skewed:
+                    cross_p += g.non_orthogonal[f, k] * grad_p[left, k]
+            cross_solid = cross_p / rho_s
+            mean, k_face, force = s[left], drag[left], weight
+            drop = (edge.p[b] - p[left]) / g.distance[f]
+        else:
+            eps = edge.eps_s[b] if solid.kind[b] == GIVEN else s[left]
+            out.h_gas[f] = out.star_gas[f] = gas.flux[b] / (1.0 - eps)
+            out.h_solid[f] = out.star_solid[f] = solid.flux[b] / eps if solid.flux[b] != 0.0 else 0.0
+            out.mobility_gas[f] = out.mobility_solid[f] = 0.0
+            # where velocities are given, the force is the one that keeps them so; at a wall there is none
+            for k in range(dim):
+                if gas.kind[b] == GIVEN:
+                    out.h_gas[f] += g.normal[f, k] * (h_g[left, k] - velocities.old_gas[left, k])
+                if solid.kind[b] == GIVEN:
+                    out.h_solid[f] += g.normal[f, k] * (h_s[left, k] - velocities.old_solid[left, k])
+            continue
+        a_s = dt * k_face / rho_s
+        # particles that stay, with none to come after them, do not hold the gas
+        upwind = s[left] if hs + dt * force >= 0.0 or b >= 0 else s[g.right[f]]
+        a_g = dt * k_face * mean * neighbour_weight(upwind, mean) / ((1.0 - mean) * rho_g)
+        hg += (1.0 + a_g) / (1.0 + a_g + dt * abs(hg) / g.distance[f]) * gradients.residual[f]
+        scale = dt / (1.0 + a_g + a_s)
+        move_g = scale * ((1.0 + a_s) / rho_g + a_g / rho_s)
+        move_s = scale * (a_s / rho_g + (1.0 + a_g) / rho_s)
+        u_g, u_s = eliminate_drag(hg + dt * (weight - cross_p / rho_g), hs + dt * (force - cross_solid), a_g, a_s)
+        out.star_gas[f], out.star_solid[f], out.mobility_gas[f], out.mobility_solid[f] = u_g, u_s, move_g, move_s
+        out.upwind_gas[f], out.upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
+        out.h_gas[f], out.h_solid[f] = hg, hs
+
+
+@kernel
+def reconstruct_fractions(
+    g: Geometry, edge: Edge, field: Reconstruction, predictor: FacePredictor, out: FaceFractions
+) -> None:
+    """Set the fractions `out` of both phases on faces, each from the cell that its velocity comes from."""
+    ni, s = len(g.right), field.values
+    gas, solid = edge.gas, edge.solid
+    for f in range(len(g.left)):
+        left = g.left[f]
+        if f < ni:
+            out.gas[f] = 1.0 - face_value(g, f, predictor.upwind_gas[f] >= 0.0, field)
+            forward = predictor.upwind_solid[f] >= 0.0
+            out.solid[f] = max(0.0, face_value(g, f, forward, field))
+            if field.limited:
+                # an empty cell gives nothing, whatever its slope is on a skewed mesh
+                out.solid[f] = min(out.solid[f], 2.0 * (s[left, 0] if forward else s[g.right[f], 0]))
+            continue
+        b = f - ni
+        if gas.kind[b] == OUTLET:
+            # gas may come back, without particles
+            out.gas[f] = 1.0 - s[left, 0] if predictor.upwind_gas[f] > 0.0 else 1.0
+            out.solid[f] = s[left, 0] if predictor.upwind_solid[f] > 0.0 else 0.0
+        else:
+            eps = edge.eps_s[b] if solid.kind[b] == GIVEN else s[left, 0]
+            out.gas[f] = 1.0 - eps
+            if solid.flux[b] > 0.0:
+                # what leaves has the fraction of the cell
+                part = field.half_step[left, 0]
+                for d in range(len(g.axes)):
+                    part += field.gradient[left, 0, d] * g.arm_left[f, d]
+                jump = eps - s[left, 0]
+                eps = s[left, 0] + (min(max(part, min(0.0, jump)), max(0.0, jump)) if field.limited else part)
+            out.solid[f] = eps
+
+
+@kernel
+def damp_buoyancy_waves(
+    g: Geometry, dt: float, gravity: Array, cells: Cells, fractions: FaceFractions, out: FacePredictor
+) -> None:
+    """Reduce the volume flux where lighter lies on denser in a closed vessel.
+
+    Gravity acts on the layers as the volume flux will have moved them, as far as a step does not resolve their buoyancy
+    wave. Explicit, a wave of frequency N grows where N dt > 1.
+    """
+    s, rho_s = cells.eps_s, cells.rho_solid
+    for f in range(len(g.right)):
+        left, right, w = g.left[f], g.right[f], g.weight[f]
+        weight = 0.0
+        for k in range(len(g.axes)):
+            weight += g.normal[f, k] * gravity[k]
+        gas = w * cells.rho_gas[left] + (1.0 - w) * cells.rho_gas[right]
+        mean = w * s[left] + (1.0 - w) * s[right]
+        steep = dt * dt * weight * (rho_s - gas) * (s[right] - s[left]) / g.distance[f]
+        least = WAVE_RESOLVED * (gas + mean * (rho_s - gas))
+        if steep > least:
+            # both phases are slowed alike
+            slower = 1.0 - least / steep
+            flux = slower * (fractions.gas[f] * out.star_gas[f] + fractions.solid[f] * out.star_solid[f])
+            mobility = slower * (fractions.gas[f] * out.mobility_gas[f] + fractions.solid[f] * out.mobility_solid[f])
+            out.star_gas[f] -= flux
+            out.star_solid[f] -= flux
+            out.mobility_gas[f] -= mobility
+            out.mobility_solid[f] -= mobility

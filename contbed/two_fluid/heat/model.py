@@ -1,0 +1,76 @@
+"""What heat needs of gas, particles and boundaries."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from contbed.two_fluid.compiled import Array
+from contbed.two_fluid.fv.grid import Grid
+
+
+@dataclass(frozen=True)
+class Physics:
+    """What gas and particles are.
+
+    cp_gas, cp_solid [J/kg/K] : heat capacities
+    coefficient : h [W/m2/K] of a particle from eps_s, slip speed [m/s], density of the gas over the usual one, T_gas
+    conductivity : (k_g, k_s) [W/m/K] (nc,) from eps_s and the temperatures; None where nothing is conducted
+    density : "constant", or that of an "ideal_gas" which is the usual one at T_reference [K] and `pressure` [Pa]
+    """
+
+    cp_gas: float
+    cp_solid: float
+    coefficient: Callable[[Array, Array, Any, Array], Array]
+    conductivity: Callable[[Array, Array, Array], tuple[Array, Array]] | None = None
+    density: Literal["constant", "ideal_gas"] = "constant"
+    T_reference: float = 293.15
+    pressure: float = 101325.0
+
+
+@dataclass(frozen=True)
+class Thermal:
+    """Heat at a boundary: temperatures [K] of gas and solids that enter, of a wall, or the flux [W/m2] into the bed,
+    which the phases share by their fractions. What is not given is adiabatic; what comes back through an outlet has the
+    temperature of the cell.
+    """
+
+    T_gas: float | None = None
+    T_solid: float | None = None
+    wall: float | None = None
+    flux: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class HeatModel:
+    """Physics and conditions on boundary faces (nb,): temperatures [K] of gas and solids that enter and of walls, not a
+    number where there is none, and the flux [W/m2] into the bed.
+    """
+
+    physics: Physics
+    T_gas: Array
+    T_solid: Array
+    wall: Array
+    flux: Array
+
+    @property
+    def ideal(self) -> bool:
+        """Whether the gas is an ideal gas."""
+        return self.physics.density == "ideal_gas"
+
+
+def build_heat(grid: Grid, physics: Physics, conditions: Mapping[str, Thermal]) -> HeatModel:
+    """Model of heat with conditions by boundary name; boundaries without one are adiabatic."""
+    nb = len(grid.geometry.left) - grid.interior
+    T_gas, T_solid, wall = (np.full(nb, np.nan) for _ in range(3))
+    flux = np.zeros(nb)
+    for name, c in conditions.items():
+        at = grid.boundaries[name] - grid.interior
+        for values, given in ((T_gas, c.T_gas), (T_solid, c.T_solid), (wall, c.wall)):
+            if given is not None:
+                values[at] = given
+        flux[at] = c.flux
+    return HeatModel(physics, T_gas, T_solid, wall, flux)

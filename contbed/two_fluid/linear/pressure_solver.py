@@ -1,0 +1,42 @@
+"""The symmetric pressure equation, sum of coef (p - p_neighbour) = rhs, by elimination or by multigrid.
+
+In the order of the grid the matrix of a slender bed is a band, which elimination solves faster than any iteration
+converges while it is narrow: its cost for each cell grows with the square of the band, that of multigrid does not grow.
+Where no boundary fixes the pressure, it is 0 in the first cell.
+"""
+
+from __future__ import annotations
+
+from contbed.errors import ConvergenceError
+from contbed.two_fluid.compiled import Array
+from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.linear.elimination import Elimination
+from contbed.two_fluid.linear.multigrid import Multigrid
+
+WIDEST_BAND = 250  # cells, up to which elimination is faster, measured in 2-D and 3-D: studies/two_fluid_scaling
+
+
+def uses_elimination(grid: Grid) -> bool:
+    """Whether the equation is solved by elimination."""
+    return grid.bandwidth <= WIDEST_BAND
+
+
+class PressureSolver:
+    """Solver for one grid; `floating` where no outlet fixes the pressure. `iterations` of the last solution."""
+
+    def __init__(self, grid: Grid, floating: bool):
+        self.geometry, self.floating, self.iterations = grid.geometry, floating, 0
+        self.method: Elimination | Multigrid = Elimination(grid) if uses_elimination(grid) else Multigrid(grid)
+
+    def solve(self, coef: Array, rhs: Array, guess: Array) -> Array:
+        """Pressure (nc,) [Pa]; `guess` is where iterations start."""
+        if isinstance(self.method, Elimination):
+            p = rhs.copy()
+            if not self.method.solve(self.geometry, coef, self.floating, p):
+                raise ConvergenceError("the equation of pressure is singular: a fluid region without inlet or outlet?")
+            return p
+        p = guess.copy()
+        self.iterations = self.method.solve(coef, self.floating, rhs, p)
+        if self.iterations < 0:
+            raise ConvergenceError("the equation of pressure does not converge: a part without inlet or outlet?")
+        return p

@@ -1,0 +1,200 @@
+"""Momentum of both phases: convection and stress before the pressure projection, cell velocities after it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contbed.two_fluid import boundary
+from contbed.two_fluid.boundary import Particles, Side, boundary_velocity, wall_slip
+from contbed.two_fluid.cell_velocities import Gathered, add_unseen_velocity, face_residual, gather_gas, gather_solid
+from contbed.two_fluid.compiled import Array, Flags, kernel
+from contbed.two_fluid.continuity import Moved
+from contbed.two_fluid.fv.gradient import NO_PARTICLES, gradient, gradient_solid
+from contbed.two_fluid.fv.reconstruction import Reconstruction, convect, predictor_half_step
+from contbed.two_fluid.implicit import solve_system
+from contbed.two_fluid.linear.cg import empty_system
+from contbed.two_fluid.model import Model
+from contbed.two_fluid.packing import add_compaction_velocity
+from contbed.two_fluid.pressure import Projection, level_gradient
+from contbed.two_fluid.properties import density_ratio
+from contbed.two_fluid.state import Energy, Properties, State
+from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress, add_stress
+from contbed.two_fluid.timing import phase
+
+MAX_SUBCYCLES = 4  # of the convection of the gas in a step; more would cost more than shorter steps
+SUBCYCLE_COURANT = 0.9  # share of a cell that the gas crosses in a subcycle
+
+
+class Phase(NamedTuple):
+    """One phase before its momentum is advanced.
+
+    name : of its velocity
+    rho [kg/m3], rho_ratio : density, and the density of the cells over it
+    fluid : fraction and viscosities; flux (nf,) [m3/s]; subcycles : of convection
+    side, slip : conditions at the boundary, and the share of the tangential velocity that walls leave
+    u, rate, force, source (nc, dim) : velocity, its rate without convection, accelerations of the last step and given
+    first_order (nc,) : cells that give their own value to all faces
+    """
+
+    name: str
+    rho: float
+    rho_ratio: float | Array
+    fluid: Fluid
+    flux: Array
+    subcycles: int
+    side: Side
+    slip: Array
+    u: Array
+    rate: Array
+    force: Array
+    source: Array
+    first_order: Flags
+
+
+class Predicted(NamedTuple):
+    """One phase after convection and stress.
+
+    h, gradient : velocity (nc, dim) without forces, gradient (nc, dim, dim) of the velocity before
+    convected (nc, dim) [m/s2] : rate of change by convection
+    shear_production (nc,) [W] : work of the stress that the mean motion loses
+    slip (nb,) : share of the tangential velocity that walls leave
+    wall_force [N] : of the walls along the last axis
+    """
+
+    h: Array
+    gradient: Array
+    convected: Array
+    shear_production: Array
+    slip: Array
+    wall_force: float
+
+
+class Velocity(NamedTuple):
+    """Cell velocities (nc, dim) [m/s] of both phases, their accelerations by forces, and the memory of faces."""
+
+    gas: Array
+    solid: Array
+    force_gas: Array
+    force_solid: Array
+    face_residual: Array
+
+
+@kernel
+def add_forces(dt: float, rho: float, mass: Array, source: Array, force: Array, rhs: Array, content: Array) -> None:
+    """Turn what is convected, `rhs` (nc, m) [m3/s times u], into forces with the accelerations `source` and `force`.
+
+    mass (nc,) : of the phase over the step [kg/s], which each component gets as its `content`
+    """
+    for c in range(rhs.shape[0]):
+        for k in range(rhs.shape[1]):
+            content[c, k] = mass[c]
+            rhs[c, k] = rho * rhs[c, k] + dt * mass[c] * (source[c, k] + force[c, k])
+
+
+@phase("momentum")
+def predict(
+    state: State, moved: Moved, gas_flux: Array, properties: Properties, energy: Energy | None, dt: float, model: Model
+) -> tuple[Predicted, Predicted]:
+    """Gas and solids after convection and stress, without pressure, drag and gravity."""
+    materials, edge, r, eps_s = model.materials, model.edge, properties.rheology, moved.eps_s
+    mu_solid, slip = r.mu + properties.mu_friction, np.empty(len(model.boundary_cells))
+    particles = Particles(materials.rho_solid, materials.eps_max, eps_s, state.theta, r.g0)
+    wall_slip(model.grid.geometry, edge, particles, mu_solid, slip)
+    crossed = dt * state.fluxes.outflow_gas.max() / SUBCYCLE_COURANT
+    gas = Phase(
+        "u_gas",
+        materials.rho_gas,
+        density_ratio(energy),
+        Fluid(1.0 - eps_s, model.gas_viscosity, model.gas_bulk_viscosity),
+        gas_flux,
+        max(1, int(np.ceil(crossed * (1.0 - 1e-9)))),
+        edge.gas,
+        edge.gas.slip,
+        state.u_gas,
+        state.memory.rate_gas,
+        state.memory.force_gas,
+        model.sources.force_gas,
+        model.no_cells,
+    )
+    solid = Phase(
+        "u_solid",
+        materials.rho_solid,
+        1.0,
+        Fluid(eps_s, mu_solid, r.bulk),
+        moved.flux,
+        1,
+        edge.solid,
+        slip,
+        state.u_solid,
+        state.memory.rate_solid,
+        state.memory.force_solid,
+        model.sources.force_solid,
+        moved.drained,
+    )
+    predicted_gas, predicted_solid = _advance(gas, state, dt, model), _advance(solid, state, dt, model)
+    add_compaction_velocity(model.grid.geometry, moved.compaction_velocity, materials.eps_max, eps_s, predicted_solid.h)
+    return predicted_gas, predicted_solid
+
+
+def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
+    """Convection (MUSCL, sub-cycled) and implicit stress of one phase."""
+    g, u, side, eps = model.grid.geometry, one.u, one.side, one.fluid.eps
+    given, grad, half_step = np.empty_like(side.u), np.empty((*u.shape, u.shape[1])), np.empty_like(u)
+    boundary_velocity(g, side, one.slip, u, eps, given)
+    if one.name == "u_gas":
+        gradient(g, u, given, grad)
+    else:
+        gradient_solid(g, eps, u, given, grad)
+    system = empty_system(g, u.shape[1])
+    rhs = system.rhs
+    rhs[:] = 0.0
+    # a cell without the phase keeps its velocity
+    volume = ((eps * one.rho_ratio + NO_PARTICLES) * g.volume)[:, None]
+    now, slopes, part = u, grad, dt / one.subcycles
+    for k in range(one.subcycles):
+        if k > 0:
+            # the last forces go along, so that a steady flow stays as it is
+            now = u + part * (rhs / volume + k * (one.source + one.force))
+            slopes = np.empty_like(grad)
+            gradient(g, now, given, slopes)
+        predictor_half_step(part, now, slopes, now, one.rate, half_step)
+        field = Reconstruction(now, slopes, half_step, given, one.first_order, model.options.limited)
+        convect(g, one.flux, field, rhs)
+    rhs /= one.subcycles
+    convected = rhs / volume
+    # with the last forces the change vanishes in a steady state, which the implicit part then leaves alone
+    add_forces(dt, one.rho, one.rho / dt * volume[:, 0], one.source, one.force, rhs, system.content)
+    work, motion = np.zeros(len(eps)), Motion(u, grad, given, one.slip)
+    add_stress(g, side, one.fluid, motion, system, work)
+    if model.grid.axisymmetric:
+        add_hoop_stress(g, one.fluid, motion, system, work)
+    change = solve_system(state, one.name, system, model)
+    at_walls = side.u - (u + change)[model.boundary_cells]
+    walls = side.kind == boundary.WALL
+    wall_force = float(np.sum(system.coef[model.grid.interior :, -1] * at_walls[:, -1], where=walls))
+    return Predicted(u + change - dt * one.force, grad, convected, work, one.slip, wall_force)
+
+
+@phase("reconstruction")
+def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
+    """Cell velocities from those of the faces, with what the faces do not see of the cells."""
+    g, faces, cells, velocities = model.grid.geometry, projection.faces, projection.cells, projection.velocities
+    h_gas, h_solid, s = velocities.h_gas, velocities.h_solid, cells.eps_s
+    grad_gas, grad_solid = projection.gradients.h_gas, projection.gradients.h_solid
+    gathered = Gathered(*(np.empty_like(h_gas) for _ in Gathered._fields))
+    gather_gas(g, faces, grad_gas, grad_gas, False, gathered)
+    gather_solid(g, faces, s, grad_solid, grad_solid, False, gathered)
+    force_gas, force_solid, residual = np.empty_like(h_gas), np.empty_like(h_solid), np.empty(len(g.left))
+    if g.skewed:
+        # once more, with the gradients of H and of what became of it
+        add_unseen_velocity(dt, cells, velocities, gathered, force_gas, force_solid)
+        change_gas = level_gradient(gathered.gas - h_gas, None, model)
+        change_solid = level_gradient(gathered.solid - h_solid, s, model)
+        gather_gas(g, faces, grad_gas + change_gas, grad_gas, True, gathered)
+        gather_solid(g, faces, s, grad_solid + change_solid, grad_solid, True, gathered)
+        grad_gas = grad_gas + level_gradient(gathered.gas - h_gas, None, model)
+    face_residual(g, model.edge, faces.gas, gathered.gas, grad_gas, residual)
+    add_unseen_velocity(dt, cells, velocities, gathered, force_gas, force_solid)
+    return Velocity(gathered.gas, gathered.solid, force_gas, force_solid, residual)

@@ -1,0 +1,44 @@
+"""Closures at a state: drag, and what the particles' stress and granular temperature need."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contbed.two_fluid.compiled import Array, kernel
+from contbed.two_fluid.model import Model
+from contbed.two_fluid.state import Energy, Properties, State
+from contbed.two_fluid.stress import shear_rate
+from contbed.two_fluid.timing import phase
+
+RARE = 1e-8  # [-] solids fraction below which particles exchange nothing with other cells but by moving
+
+
+@kernel
+def slip_speed(u_gas: Array, u_solid: Array, out: Array) -> None:
+    """|u_gas - u_solid| (nc,) of each cell [m/s]."""
+    for c in range(len(out)):
+        total = 0.0
+        for k in range(u_gas.shape[1]):
+            total += (u_gas[c, k] - u_solid[c, k]) ** 2
+        out[c] = np.sqrt(total)
+
+
+def density_ratio(energy: Energy | None) -> float | Array:
+    """Density of the gas over the usual one."""
+    return 1.0 if energy is None else energy.rho_ratio
+
+
+@phase("closures")
+def evaluate_closures(state: State, eps_s: Array, energy: Energy | None, model: Model) -> Properties:
+    """Closures at the new fraction and temperatures, and the other fields of the state."""
+    speed = np.empty_like(eps_s)
+    slip_speed(state.u_gas, state.u_solid, speed)
+    # the slip acts through a Reynolds number with the density of `materials`
+    drag = model.closures.drag(eps_s, speed * density_ratio(energy))
+    r = model.closures.granular(eps_s, state.theta, drag)
+    # the few particles of a nearly empty cell do not push, shear or conduct
+    share = eps_s / (eps_s + RARE)
+    faded = {name: getattr(r, name) * share for name in ("pressure", "mu", "bulk", "conductivity")}
+    r = r._replace(**faded)
+    rate = shear_rate(state.u_solid, eps_s, model) if model.closures.sheared else eps_s
+    return Properties(drag, r, model.closures.friction(r.p_friction, rate))
