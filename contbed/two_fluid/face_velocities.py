@@ -15,7 +15,7 @@ AIAA J. 21, 1525-1532).
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from contbed.two_fluid.boundary import GIVEN, OUTLET, Edge
 from contbed.two_fluid.compiled import SMALLEST, Array, Flags, kernel
@@ -23,6 +23,8 @@ from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.reconstruction import Reconstruction, face_value
 from contbed.two_fluid.state import ForceGradients
+
+Value = TypeVar("Value", float, Array)
 
 WAVE_RESOLVED = 0.05  # (N dt)^2 of a buoyancy wave of frequency N up to which the step follows it
 
@@ -91,7 +93,7 @@ class FaceFractions(NamedTuple):
 
 
 @kernel
-def eliminate_drag(first: float, second: float, a_g: float, a_s: float) -> tuple[float, float]:
+def eliminate_drag(first: Value, second: Value, a_g: Value, a_s: Value) -> tuple[Value, Value]:
     """Both velocities, or temperatures, after implicit exchange with the coefficients a."""
     scale = 1.0 / (1.0 + a_g + a_s)
     return scale * ((1.0 + a_s) * first + a_g * second), scale * (a_s * first + (1.0 + a_g) * second)

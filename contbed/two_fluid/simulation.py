@@ -42,14 +42,11 @@ class Simulation:
 
     def start(self, **fields: Any) -> None:
         """Set fields (arrays or numbers) and find the fluxes that belong to them."""
-        known = self.state.fields()
-        full = {name: np.array(np.broadcast_to(value, known[name].shape), float) for name, value in fields.items()}
-        heated = {name: full.pop(name) for name in ("T_gas", "T_solid") if name in full}
-        self.state = replace(self.state, **full)
+        self.state = self.state.with_fields(fields)
         if self.state.energy is not None and self.model.heat is not None:
-            from contbed.two_fluid.heat.equations import with_temperatures
+            from contbed.two_fluid.heat.equations import fill_with_gas
 
-            energy = with_temperatures(self.state.energy, self.state.eps_s, heated, self.model.heat, self.model)
+            energy = fill_with_gas(self.state.energy, self.state.eps_s, self.model.heat, self.model)
             self.state = replace(self.state, energy=energy)
         self.find_fluxes(self.model.options.dt or self.model.options.dt_first)
 

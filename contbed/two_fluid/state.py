@@ -6,7 +6,7 @@ All arrays are in the order of the grid, for nc cells, nf faces and dim directio
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -169,6 +169,14 @@ class State:
         """Fields by name."""
         found = {"eps_s": self.eps_s, "u_gas": self.u_gas, "u_solid": self.u_solid, "theta": self.theta, "p": self.p}
         return found if self.energy is None else found | {"T_gas": self.energy.T_gas, "T_solid": self.energy.T_solid}
+
+    def with_fields(self, given: Mapping[str, Any]) -> State:
+        """The same state with other fields, arrays or numbers by name."""
+        known = self.fields()
+        new = known | {name: np.array(np.broadcast_to(v, known[name].shape), float) for name, v in given.items()}
+        energy = None if self.energy is None else replace(self.energy, T_gas=new["T_gas"], T_solid=new["T_solid"])
+        eps_s, u_gas, u_solid, theta, p = (new[name] for name in ("eps_s", "u_gas", "u_solid", "theta", "p"))
+        return replace(self, eps_s=eps_s, u_gas=u_gas, u_solid=u_solid, theta=theta, p=p, energy=energy)
 
 
 def zero_state(grid: Grid) -> State:

@@ -23,7 +23,6 @@ fluxes of faces alone, so both close to rounding.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -72,18 +71,22 @@ def closed_volume(heat: HeatModel, model: Model) -> bool:
 
 def initial_energy(state: State, heat: HeatModel, model: Model) -> Energy:
     """Temperatures at their reference."""
-    nc, T, rates = len(state.eps_s), heat.physics.T_reference, (np.zeros((len(state.eps_s), 1)) for _ in range(2))
+    nc, T = len(state.eps_s), heat.physics.T_reference
     start = Energy(
-        np.full(nc, T), np.full(nc, T), np.empty(nc), *rates, np.ones(nc), np.zeros(nc), heat.physics.pressure
+        T_gas=np.full(nc, T),
+        T_solid=np.full(nc, T),
+        mass=np.empty(nc),
+        rate_gas=np.zeros((nc, 1)),
+        rate_solid=np.zeros((nc, 1)),
+        rho_ratio=np.ones(nc),
+        expansion=np.zeros(nc),
+        p0=heat.physics.pressure,
     )
-    return with_temperatures(start, state.eps_s, {}, heat, model)
+    return fill_with_gas(start, state.eps_s, heat, model)
 
 
-def with_temperatures(
-    energy: Energy, eps_s: Array, fields: Mapping[str, Array], heat: HeatModel, model: Model
-) -> Energy:
-    """Energy with other temperatures, T_gas or T_solid, and the mass of the gas that belongs to them."""
-    energy = replace(energy, **fields)
+def fill_with_gas(energy: Energy, eps_s: Array, heat: HeatModel, model: Model) -> Energy:
+    """The same temperatures with the mass of the gas that belongs to them."""
     rho = density_times_T(energy.p0, heat, model) / energy.T_gas if heat.ideal else model.materials.rho_gas
     mass = (1.0 - eps_s) * rho
     return replace(energy, mass=mass, rho_ratio=_density_ratio(mass, eps_s, heat, model))

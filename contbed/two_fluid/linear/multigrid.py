@@ -9,9 +9,10 @@ from the coefficients alone: nothing is kept from step to step.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contbed.two_fluid.compiled import Array, Indices, kernel
 from contbed.two_fluid.fv.grid import Grid, neighbours
@@ -135,7 +136,7 @@ def _sweep(level: Level, b: Array, x: Array, backwards: bool) -> None:
 @kernel
 def _cycle(
     levels: list[Level],
-    inverse: Array,
+    inverse: NDArray[np.floating[Any]],
     b: list[Array],
     x: list[Array],
     first: list[Array],
