@@ -124,9 +124,9 @@ MODELS: dict[str, Model] = {
         },
     ),
     "particles_gas": Model(
-        "cfd_dem", "GasScene", lambda values: "particles" in values and "gas" in values, {"particles_gas": "gas"}, "run"
+        "cfd_dem", "GasScene", lambda values: "particles" in values and "gas" in values, {"particles_gas": "gas"}
     ),
-    "particles": Model("dem", "ParticleScene", _is_particles, {"particles": "network"}, "run"),
+    "particles": Model("dem", "ParticleScene", _is_particles, {"particles": "network"}),
     "radiation": Model(
         "radiation", "RadiationScene", _only_radiates, {"radiation": "equations.p1", "ordinates": "equations.ordinates"}
     ),

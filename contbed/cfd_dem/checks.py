@@ -68,6 +68,23 @@ def closure_is_of_a_fixed_bed(closure: g.NusseltClosure | None, particles: g.Gas
         yield ("closure",), f"a Nusselt number is fitted to a bed at rest; set {see('particles.fixed')} = true"
 
 
+def file_can_be_used(particles: g.GasParticles, gas: g.GasFlow, origin: Origin) -> Mistakes:
+    """The file is read and its particles are set up as for a run, so that both say the same."""
+    if particles.file is None or particles.count is not None or "\0" in particles.file:
+        return
+    path = origin.base / particles.file
+    if not path.is_file() or (particles.radius is None and not is_dump(path)):
+        return
+    from contbed.cfd_dem.plan import read, require_room, simulation_of
+
+    found = read(particles, origin.base)
+    require_room(particles, gas, found, origin)
+    try:
+        simulation_of(particles, gas, found)
+    except SceneError as error:
+        yield ("particles", "file"), str(error)
+
+
 CHECKS = (
     one_source,
     fluid_is_complete,
@@ -76,4 +93,5 @@ CHECKS = (
     jet_is_told_apart,
     times_are_in_order,
     closure_is_of_a_fixed_bed,
+    file_can_be_used,
 )

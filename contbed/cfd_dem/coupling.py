@@ -6,8 +6,8 @@ the room that they leave, and gives the next force; the gas feels exactly its op
 
     m_i c dT_i/dt = h_i A_i (T - T_i) + sum over j of G_ij (T_j - T_i) + Q_i
 
-with the conductances G_ij of `htc.Solid`, found anew every `heat_interval`, and radiation Q_i to the surroundings
-(`heat.radiation`), which does not keep the energy of the assembly: what it adds is counted in `balance`.
+with the conductances G_ij of `conduction.Solid`, found anew every `heat_interval`, and radiation Q_i to the
+surroundings (`heat.radiation`), which does not keep the energy of the assembly: what it adds is counted in `balance`.
 
     gas = Gas(grid, air, drag_di_felice, nusselt_gunn)
     gas.inlet(1.45, 300.0, slot=(0.098, 0.112), slot_velocity=17.55 / air.density(700.0), slot_T=700.0)
@@ -25,16 +25,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.gas import Gas, Motion
-from contbed.cfd_dem.heat_transfer import Solid
 from contbed.dem import heat
+from contbed.dem.interrupts import deferred_interrupt
 from contbed.dem.simulation import Simulation
 from contbed.errors import SceneError
 from contbed.output.progress import Progress
 
 Array = NDArray[np.float64]
 
-COURANT = 0.5
+COURANT = 0.5  # largest share of a cell that the gas crosses in a step; convection is explicit
 
 
 class Bed:
@@ -153,8 +154,9 @@ class Bed:
             pairs = heat.Pairs(*(np.array(state[f"pair_{name}"]) for name in ("i", "j", "vector")))  # type: ignore[arg-type]
             self._network = pairs, np.array(state["pair_G"])
 
+    @deferred_interrupt()
     def _advance(self, longest: float) -> None:
-        """One step of the gas and the steps of the particles in it."""
+        """One step of the gas and the steps of the particles in it; an interrupt waits for its end."""
         gas, simulation = self.gas, self.simulation
         if self._start is None:
             gas.start(self.motion)
@@ -172,9 +174,9 @@ class Bed:
         self.above += int((simulation.position[:, 2] > self._top).sum())
         self.force, self.received = gas.step(dt, self.motion)
         if self.T is not None:
-            self._warm(dt)
+            self._heat_up(dt)
 
-    def _warm(self, dt: float) -> None:
+    def _heat_up(self, dt: float) -> None:
         """Temperatures of the particles after dt [s]."""
         T, heat_rate = self.T, self.received
         assert T is not None

@@ -37,9 +37,9 @@ from contbed.errors import ConvergenceError, SceneError
 
 Array = NDArray[np.float64]
 
-LEAST = 0.2  # porosity below which a cell or a face is counted and raised to it
-STEPS = 4000  # of conjugate gradients at most
-NEWTON = 3  # iterations from enthalpy to temperature, from that of the step before
+MIN_POROSITY = 0.2  # of a cell or a face; lower ones, of overlapping spheres on small cells, are counted and raised
+MAX_ITERATIONS = 4000  # of conjugate gradients; beds take 10 to 100
+NEWTON_ITERATIONS = 3  # from enthalpy to temperature, from that of the step before: below 1e-12 for a step of 100 K
 _STATE = ("u", "q", "p", "eps", "mass", "heat", "T", "inlet_mass", "inlet_T")
 
 
@@ -87,7 +87,7 @@ class Gas:
 
     Attributes: intrinsic and superficial velocity `u`, `q` (f,) [m/s]; `p` [Pa], `T` [K], `eps`, `mass` [kg] and `heat`
     [J] of the cells; `given` (f,) force on the particles [N]; `sums` of mass and heat that entered and left and heat
-    gained from the particles; `counts` of steps, iterations, porosities below LEAST.
+    gained from the particles; `counts` of steps, iterations, porosities below MIN_POROSITY.
     """
 
     def __init__(
@@ -215,12 +215,7 @@ class Gas:
                 rho,
                 self._on_faces(self._on_cells(self.fluid.viscosity)),
                 self.gravity,
-                grid.size,
-                grid.cell_face,
-                grid.face_cell,
-                grid.face_next,
-                grid.face_axis,
-                grid.active,
+                grid.tables,
                 self.no_slip,
             )
         )
@@ -231,22 +226,14 @@ class Gas:
         source = (self.mass / self.density - eps * self.open_volume) / dt + self._expansion() * gained
         source -= kernels.divergence(self._area * eps_face * loose, grid.cell_face)
         self.p, iterations, error = kernels.pressure(
-            self.p,
-            conductance,
-            source,
-            grid.cell_face,
-            grid.face_cell,
-            grid.open_cells,
-            grid.count[2],
-            self.tolerance,
-            STEPS,
+            self.p, conductance, source, grid.tables, self.tolerance, MAX_ITERATIONS
         )
         if not error <= self.tolerance:
             raise ConvergenceError(
                 f"gas: pressure found to {error:.2g} after {iterations} iterations, "
                 f"{self.tolerance:.2g} is wanted; shorten the step"
             )
-        slope = kernels.slopes(self.p, grid.size, grid.face_cell, grid.face_axis, grid.face_kind, grid.active)
+        slope = kernels.slopes(self.p, grid.tables)
         self.u = loose - slope / resistance
         self.eps, self.q = eps, eps_face * self.u
         self._transport(dt, gained)
@@ -290,9 +277,9 @@ class Gas:
         return self._raised(1.0 - np.divide(solid, volume, out=1.0 - own, where=volume > 0.0))
 
     def _raised(self, eps: Array) -> Array:
-        low = eps < LEAST
+        low = eps < MIN_POROSITY
         self.counts["raised"] += int(low.sum())
-        return np.where(low, LEAST, eps)
+        return np.where(low, MIN_POROSITY, eps)
 
     def _local(self, where: Any, share: Array, eps: Array, slip: Array, d_p: Array) -> Local:
         def at(of: Callable[[Array], Any]) -> Any:
@@ -322,7 +309,7 @@ class Gas:
         exchange = self.convection(local, 2.0 * bed.radius) * 4.0 * np.pi * bed.radius**2
         own, from_bed = (kernels.scatter(where, share, value, grid.cells) for value in (exchange, exchange * bed.T))
         flux = self._on_faces(self.density) * self.q * self._area
-        upwind = kernels.limited(self.T, self.inlet_T, flux, grid.cell_face, grid.face_cell, grid.face_axis)
+        upwind = kernels.limited(self.T, self.inlet_T, flux, grid.tables)
         carried = kernels.divergence(flux * upwind, grid.cell_face) - self.T * kernels.divergence(flux, grid.cell_face)
         conducted = self._conduction(eps_face)
         held = np.where(grid.open_cells, self.mass, 1.0) * c / dt
@@ -343,7 +330,7 @@ class Gas:
     def _transport(self, dt: float, gained: Array) -> None:
         """Mass and enthalpy of the cells by their fluxes, then temperature."""
         grid = self.grid
-        upwind = kernels.limited(self.T, self.inlet_T, self.q, grid.cell_face, grid.face_cell, grid.face_axis)
+        upwind = kernels.limited(self.T, self.inlet_T, self.q, grid.tables)
         mass = self.fluid.density(upwind) * self.q * self._area
         self._count(dt, "mass", mass)
         self.mass = self.mass - dt * kernels.divergence(mass, grid.cell_face)
@@ -353,7 +340,7 @@ class Gas:
         self._count(dt, "heat", heat)
         self.heat = self.heat + dt * (gained - kernels.divergence(heat, grid.cell_face))
         wanted = self.heat / np.where(grid.open_cells, self.mass, 1.0) + self._base
-        for _ in range(NEWTON):
+        for _ in range(NEWTON_ITERATIONS):
             miss = np.where(grid.open_cells, wanted - self.fluid.enthalpy(self.T), 0.0)
             self.T = self.T + miss / self.fluid.heat_capacity(self.T)
             if self.fluid.constant:

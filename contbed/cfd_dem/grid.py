@@ -14,6 +14,7 @@ particle has trilinear weights, over the faces on which a velocity is solved for
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -25,6 +26,20 @@ Array = NDArray[np.float64]
 
 INNER, INLET, OUTLET, WALL = range(4)  # what a face is
 SAMPLES = 4  # points along each axis of a cell for the volumes of faces; exact without blocked cells
+
+
+class Tables(NamedTuple):
+    """A grid as kernels read it: the tables of `Grid`, `size` (3,) [m] of a cell, `height` of a column in cells."""
+
+    size: Array
+    cell_face: NDArray[np.int64]
+    face_cell: NDArray[np.int64]
+    face_next: NDArray[np.int64]
+    face_axis: NDArray[np.int64]
+    face_kind: NDArray[np.int64]
+    active: NDArray[np.bool_]
+    open_cells: NDArray[np.bool_]
+    height: int
 
 
 @dataclass(frozen=True)
@@ -51,6 +66,7 @@ class Grid:
     face_volume: Array = field(init=False, repr=False)
     face_first: NDArray[np.int64] = field(init=False, repr=False)
     open_cells: NDArray[np.bool_] = field(init=False, repr=False)
+    tables: Tables = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         lower, size = np.array(self.lower, dtype=float), np.array(self.size, dtype=float)
@@ -63,6 +79,9 @@ class Grid:
             object.__setattr__(self, name, value)
         self._connect()
         object.__setattr__(self, "face_volume", self._volumes())
+        names = (name for name in Tables._fields if name != "height")
+        tables = {name: np.ascontiguousarray(getattr(self, name)) for name in names}
+        object.__setattr__(self, "tables", Tables(height=int(self.count[2]), **tables))
 
     @property
     def cells(self) -> int:

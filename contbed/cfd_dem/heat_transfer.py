@@ -1,95 +1,23 @@
 """Heat transfer coefficients of particles, by mechanism.
 
 h_i = (h_convection A_i + sum over j of G_ij)/A_i: what particle i loses per area and kelvin when it is hotter than a
-bed and a gas of one temperature. Contacts younger than the duration of an impact conduct as impacts (Eq. 7 of Zhou,
-Hou and Yu 2011), older ones as contacts at rest (Eq. 6); the fluid between particles carries heat by Eq. 5, radiation
-by Eqs. 8-9 at small differences of temperature. All of it is corrected for particles that are softer than real ones.
+bed and a gas of one temperature. Conduction is that of `conduction`, radiation that of Eqs. 8-9 of Zhou, Hou and Yu
+2011 at small differences of temperature.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.dem import heat, heat_impact
-from contbed.dem.heat_pair import IMPACT, STATIC, correction
-from contbed.dem.particles import pair_table
-from contbed.dem.simulation import Simulation
-
-if TYPE_CHECKING:
-    from contbed.cfd_dem.coupling import Bed
-    from contbed.cfd_dem.gas import Local
+from contbed.cfd_dem.conduction import Solid
+from contbed.cfd_dem.coupling import Bed
+from contbed.dem import heat
+from contbed.dem.interrupts import deferred_interrupt
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Solid:
-    """How particles conduct to each other.
-
-    Parameters
-    ----------
-    conductivity [W/m/K]
-    heat_capacity [J/kg/K]
-    modulus [Pa] : Young's modulus of the real material; None, or that of the simulation, for no correction
-    exponents : of the correction of contacts at rest and of impacts; (1/5, 1/5) as in the paper
-    """
-
-    conductivity: float
-    heat_capacity: float = 840.0
-    modulus: float | None = None
-    exponents: tuple[float, float] = (STATIC, IMPACT)
-
-    def exchange(self, simulation: Simulation, around: Local) -> tuple[heat.Pairs, dict[str, Array]]:
-        """Pairs of particles within 1.5 diameters and their conductances [W/K].
-
-        Mechanisms: `contact` and `impact` through closed contacts, `fluid_touching`, `fluid_apart` through the gas.
-        """
-        x, radius = simulation.position, simulation.radius
-        equal = np.ptp(radius) == 0.0
-        box = tuple(np.array(corner, dtype=float) for corner in (simulation.domain.lower, simulation.domain.upper))
-        pairs = heat.near_pairs(x, heat.VIEW * 2.0 * float(radius.max()), box, simulation.domain.periodic)  # type: ignore[arg-type]
-        if self.conductivity == 0.0:
-            return pairs, {}
-        soft = simulation.materials[0].youngs_modulus
-        static, hit = (correction(soft, self.modulus or soft, exponent) for exponent in self.exponents)
-        how = heat.Conduction(self.conductivity, float(around.k.mean()), around.eps, float(static))
-        parts = heat.conductances(pairs, radius[0] if equal else radius, how)
-        return pairs, self._impacts(simulation, pairs, parts, float(hit))
-
-    def _impacts(
-        self, simulation: Simulation, pairs: heat.Pairs, parts: dict[str, Array], factor: float
-    ) -> dict[str, Array]:
-        """Contacts younger than an impact lasts are impacts."""
-        contacts = simulation.contacts()
-        n = len(simulation.position)
-        parts = parts | {"impact": np.zeros(len(pairs.i))}
-        fresh = contacts.impact_speed > 0.0
-        if not fresh.any():
-            return parts
-        i, j, speed = contacts.i[fresh], contacts.j[fresh], contacts.impact_speed[fresh]
-        age = simulation.time - contacts.since[fresh]
-        R, m = simulation.radius, simulation.mass
-        modulus = pair_table(simulation.materials)["youngs_modulus"][simulation.kind[i], simulation.kind[j]]
-        impact = heat_impact.hertz_impact(R[i] * R[j] / (R[i] + R[j]), m[i] * m[j] / (m[i] + m[j]), modulus, speed)
-        hits = heat_impact.colliding(age, impact.duration)
-        density = np.array([material.density for material in simulation.materials])[simulation.kind]
-        store = density * self.heat_capacity
-        k = self.conductivity
-        G = heat_impact.impact_conductance(impact, (k, k), (store[i], store[j]), factor)
-        # of the pairs, those that collide; the small index comes first in both
-        key = np.minimum(pairs.i, pairs.j) * n + np.maximum(pairs.i, pairs.j)
-        order = np.argsort(key, kind="stable")
-        wanted = (np.minimum(i, j) * n + np.maximum(i, j))[hits]
-        found = np.minimum(np.searchsorted(key[order], wanted), len(key) - 1)
-        where = order[found]
-        same = key[where] == wanted
-        contact, hit = parts["contact"].copy(), parts["impact"]
-        hit[where[same]], contact[where[same]] = G[hits][same], 0.0
-        return parts | {"contact": contact}
 
 
 def coefficients(bed: Bed, solid: Solid, emissivity: float = 0.0, T: float = 300.0) -> dict[str, Array]:
@@ -121,7 +49,21 @@ class Average:
         self.eps: Array = np.zeros(0)
         self.Pr = 0.0
 
+    def state(self) -> dict[str, Array]:
+        """The averages as arrays for a checkpoint."""
+        arrays = {f"mean_{name}": value for name, value in self.mean.items()}
+        numbers = np.array([self.count, self.coordination, self.Pr])
+        return arrays | {"numbers": numbers, "Re": self.Re, "eps": self.eps}
+
+    def restore(self, state: Mapping[str, Array]) -> None:
+        """Continue from the arrays of `state`."""
+        count, self.coordination, self.Pr = state["numbers"].tolist()
+        self.count, self.Re, self.eps = int(count), state["Re"], state["eps"]
+        self.mean = {name[5:]: value for name, value in state.items() if name.startswith("mean_")}
+
+    @deferred_interrupt()
     def __call__(self, bed: Bed) -> None:
+        """Take the bed as it is now into the average."""
         found = coefficients(bed, self.solid, self.emissivity, self.T)
         around, z = bed.gas.around(bed.motion), 2.0 * len(bed.simulation.contacts()) / len(bed.simulation.position)
         old = self.count / (self.count + 1.0)

@@ -1,6 +1,6 @@
 """Compiled parts of the gas: sums over the particles' shares, momentum on faces, pressure by conjugate gradients.
 
-Every kernel runs over the tables of `gas_grid.Grid`; arrays are of cells (c,), faces (f,) or particles (n,).
+Kernels run over the tables of a `grid.Grid`; arrays are of cells (c,), faces (f,) or particles (n,).
 """
 
 from __future__ import annotations
@@ -69,8 +69,12 @@ def face_means(cell, face_cell):
 
 
 @njit(cache=True)
-def limited(T, T_inlet, flux, cell_face, face_cell, face_axis):
-    """Upwind temperatures on faces, of second order by van Leer's limiter; `T_inlet` (f,) beyond the inlet."""
+def limited(T, T_inlet, flux, tables):
+    """Upwind temperatures on faces, second order (MUSCL) with the limiter of van Leer (1974).
+
+    `T_inlet` (f,) [K] are those beyond the inlet, nan elsewhere; `flux` (f,) gives the direction.
+    """
+    cell_face, face_cell, face_axis = tables.cell_face, tables.face_cell, tables.face_axis
     out = T_inlet.copy()
     for f in range(len(face_cell)):
         up, down = (face_cell[f, 0], face_cell[f, 1]) if flux[f] >= 0.0 else (face_cell[f, 1], face_cell[f, 0])
@@ -106,11 +110,20 @@ def divergence(flux, cell_face):
 
 
 @njit(cache=True)
-def momentum(u, mass, eps, rho, mu, weight, size, cell_face, face_cell, face_next, face_axis, active, no_slip):
-    """Convection (upwind), viscous stress and weight on faces [N/m3 of gas].
+def momentum(u, mass, eps, rho, mu, gravity, tables, no_slip):
+    """Convection (first-order upwind), viscous stress and weight on staggered faces [N/m3 of gas].
 
-    `u` intrinsic velocity, `mass` flux eps rho u [kg/m2/s], `weight` (3,) gravity [m/s2].
+    Parameters
+    ----------
+    u : intrinsic velocity (f,) [m/s]
+    mass : flux eps rho u (f,) [kg/m2/s]
+    eps, rho, mu : porosity [-], density [kg/m3] and viscosity [Pa s] on faces (f,)
+    gravity : (3,) [m/s2]
+    tables : `grid.Tables`
+    no_slip : whether the gas sticks to the sides
     """
+    cell_face, face_cell, face_next, size = tables.cell_face, tables.face_cell, tables.face_next, tables.size
+    face_axis, active = tables.face_axis, tables.active
     out = np.zeros(len(u))
     for f in range(len(u)):
         if not active[f]:
@@ -139,17 +152,18 @@ def momentum(u, mass, eps, rho, mu, weight, size, cell_face, face_cell, face_nex
             if inward > 0.0:
                 convected += inward * (other - u[f]) / size[b]
             stress += mu[f] * (other - u[f]) / (size[b] * distance)
-        out[f] = convected / eps[f] + stress + rho[f] * weight[a]
+        out[f] = convected / eps[f] + stress + rho[f] * gravity[a]
     return out
 
 
 @njit(cache=True)
-def pressure(p, conductance, source, cell_face, face_cell, opened, height, tolerance, most):
+def pressure(p, conductance, source, tables, tolerance, most):
     """Solve sum over faces of conductance (p - p_beyond) = source, with p = 0 beyond outlets, from the guess `p`.
 
-    Conjugate gradients; the columns of `height` cells, solved exactly, are the preconditioner. Returns p, iterations,
-    residual relative to the source.
+    Conjugate gradients, preconditioned by the columns of cells, which are solved exactly (line Jacobi). Returns p,
+    iterations, and the residual relative to the source.
     """
+    cell_face, face_cell, opened, height = tables.cell_face, tables.face_cell, tables.open_cells, tables.height
     n = len(cell_face)
     pivot, link = np.empty(n), np.zeros(n)
     for c in range(n):
@@ -211,8 +225,10 @@ def _apply(p, conductance, cell_face, face_cell):
 
 
 @njit(cache=True)
-def slopes(p, size, face_cell, face_axis, face_kind, active):
+def slopes(p, tables):
     """Pressure gradient on the faces on which velocities are solved for [Pa/m]; p = 0 at the outlet face."""
+    size, face_cell, face_axis = tables.size, tables.face_cell, tables.face_axis
+    face_kind, active = tables.face_kind, tables.active
     out = np.zeros(len(face_cell))
     for f in range(len(face_cell)):
         if not active[f]:

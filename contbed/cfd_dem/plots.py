@@ -1,13 +1,45 @@
-"""Picture of particles in a gas: pressure drop, height and temperatures over time."""
+"""Picture of particles in a gas: pressure drop, height, coordination and temperatures over time."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
-from contbed.dem.plots import history_plot
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.fields import FIELDS, name_of
+from contbed.output.plots import styled_figure
 from contbed.result import Result
 
 
 def plot(result: Result, folder: Path) -> None:
     """Write profiles.png."""
     history_plot(folder / "profiles.png", result.profiles, result.plan.scene.title)
+
+
+def history_plot(path: Path | str, columns: Mapping[str, NDArray[np.float64]], title: str = "") -> None:
+    """Pressure drop, height, coordination and temperatures over time, one below the other.
+
+    Parameters
+    ----------
+    path : PNG file
+    columns : values by header, as in profiles.csv, time first
+    title : text above the picture
+    """
+    values = {name_of(key): column for key, column in columns.items()}
+    t = values.pop("t")
+    groups = [[name] for name in values if not name.startswith("T_")]
+    if "T_solid" in values:
+        groups.append(["T_fluid", "T_solid"])
+    with styled_figure(path, 0.8 + 1.6 * len(groups), title) as figure:
+        panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, group in zip(panels, groups, strict=True):
+            for name, colour in zip(group, ("#0072B2", "#D55E00"), strict=False):
+                axes.plot(t, values[name], color=colour, label=FIELDS[name].label)
+            axes.set_ylabel(FIELDS[group[0]].label)
+            axes.margins(x=0)
+            if len(group) > 1:
+                axes.set_ylabel("$T$ [K]")
+                axes.legend()
+        panels[-1].set_xlabel(FIELDS["t"].label)

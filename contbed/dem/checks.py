@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from contbed.dem import dumps
 from contbed.dem import scene as p
+from contbed.dem.particle_files import FileParticles, missing_step, read_particles
+from contbed.dem.plan import porosity_of
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.toml_lines import Origin
 
@@ -22,11 +27,6 @@ def lattice_has_no_layers(lattice: p.Lattice | None, layers: p.Layers | None, se
 def contact_is_small(lattice: p.Lattice | None, see: See) -> Mistakes:
     if lattice is not None and lattice.contact_radius >= lattice.radius:
         yield ("lattice", "contact_radius"), f"is not below the radius; see {see('lattice.radius')}"
-
-
-def file_exists(particles: p.Particles | None, origin: Origin) -> Mistakes:
-    if particles is not None and ("\0" in particles.file or not (origin.base / particles.file).is_file()):
-        yield ("particles", "file"), f"no such file; looked for {(origin.base / particles.file).absolute()}"
 
 
 def layers_are_apart(layers: p.Layers | None, see: See) -> Mistakes:
@@ -56,12 +56,65 @@ def closure_has_points(closure: p.Closure | None, see: See) -> Mistakes:
         )
 
 
+def columns_have_no_radiation(conduction: p.Conduction, radiation: p.Radiation | None, see: See) -> Mistakes:
+    if conduction.paths == "columns" and radiation is not None:
+        yield (
+            ("conduction", "paths"),
+            f"columns are for equal particles without [radiation]; use cones; see {see('radiation')}",
+        )
+
+
+def file_can_be_used(
+    particles: p.Particles | None, layers: p.Layers | None, conduction: p.Conduction, origin: Origin
+) -> Mistakes:
+    """The file is read as for a run, so that both say the same."""
+    if particles is None:
+        return
+    path = origin.base / particles.file
+    if "\0" in particles.file or not path.is_file():
+        yield ("particles", "file"), f"no such file; looked for {path.absolute()}"
+        return
+    if particles.step is not None and dumps.is_dump(path):
+        frames = dumps.read_dump(path)
+        if particles.step not in [frame.step for frame in frames]:
+            yield ("particles", "step"), missing_step(frames)
+            return
+    if particles.radius is None and not dumps.is_dump(path):
+        yield ("particles", "radius"), f"missing; {particles.file} has none"
+        return
+    found = read_particles(path, particles.radius, particles.step)
+    yield from _fits(found, particles, layers, conduction)
+
+
+def _fits(found: FileParticles, particles: p.Particles, layers: p.Layers | None, conduction: p.Conduction) -> Mistakes:
+    """Whether the other tables suit the particles of the file."""
+    if conduction.paths == "columns" and np.ptp(found.radius) > 0:
+        yield ("conduction", "paths"), "columns are for equal particles without [radiation]; use cones"
+    if layers is None:
+        if not all(found.periodic):
+            yield (
+                ("layers",),
+                f"this table is missing; the box of {particles.file} is not periodic on all sides",
+            )
+        return
+    hot, cold = found.x[:, 2] < layers.bottom, found.x[:, 2] > layers.top
+    if not hot.any() or not cold.any():
+        yield (
+            ("layers", "top" if hot.any() else "bottom"),
+            f"layers of {hot.sum()} hot and {cold.sum()} cold particles; each needs particles of its own; "
+            f"centres are from {found.x[:, 2].min():.4g} to {found.x[:, 2].max():.4g} m",
+        )
+    elif conduction.porosity is None and not 0.0 < (eps := porosity_of(layers, *found[:2], found.box)) < 1.0:
+        yield ("layers", "area"), f"gives a porosity of {eps:.3g} between the layers; it must lie in (0, 1)"
+
+
 CHECKS = (
     one_source,
     lattice_has_no_layers,
     contact_is_small,
-    file_exists,
     layers_are_apart,
     fluid_is_there,
     closure_has_points,
+    columns_have_no_radiation,
+    file_can_be_used,
 )

@@ -27,7 +27,8 @@ class Frame:
     """Particles at one time step, in the order of their ids if the dump has them.
 
     `low`, `high` are the corners of the box, `periodic` its closed axes, `T` None without a column of temperatures.
-    Lengths are in the unit of the dump; the programs' SI is metres.
+    Lengths are in the unit of the dump; the programs' SI is metres. `lines` holds the line of each particle in the
+    file, `line_count` that of their number and `line_box` that of the first bounds.
     """
 
     step: int
@@ -38,6 +39,41 @@ class Frame:
     high: Array
     periodic: tuple[bool, ...]
     columns: dict[str, Array]
+    lines: NDArray[np.int64]
+    line_count: int
+    line_box: int
+
+    def require_usable(self, path: Path | str) -> None:
+        """Refuse a frame of which no assembly can be made.
+
+        Raises
+        ------
+        SceneError : with file and line: no particles, an id twice, a box without volume, particles outside of it
+        """
+        at = f"step {self.step}"
+        if not len(self.x):
+            raise SceneError(f"{path}:{self.line_count}: {at} has no particles")
+        for axis, name in enumerate("xyz"):
+            if not self.low[axis] < self.high[axis]:
+                raise SceneError(
+                    f"{path}:{self.line_box + axis}: the box of {at} has no volume: {name} from {self.low[axis]:g} to "
+                    f"{self.high[axis]:g}"
+                )
+        if "id" in self.columns:
+            ids = self.columns["id"]
+            if (twice := ids[1:] == ids[:-1]).any():
+                k = int(twice.argmax()) + 1
+                raise SceneError(f"{path}:{self.lines[k]}: id {ids[k]:.0f} occurs twice in {at}")
+        # centres may leave a side that is not periodic by rounding, or until a shrinking box is measured again
+        beyond = np.maximum(self.low - self.x, self.x - self.high) > self.radius[:, None]
+        beyond &= ~np.array(self.periodic)
+        if beyond.any():
+            k = int(beyond.any(axis=1).argmax())
+            axis = int(beyond[k].argmax())
+            raise SceneError(
+                f"{path}:{self.lines[k]}: a particle of {at} is outside of the box: {'xyz'[axis]} = "
+                f"{self.x[k, axis]:g}, the box from {self.low[axis]:g} to {self.high[axis]:g}"
+            )
 
 
 def read_dump(path: Path | str) -> list[Frame]:
@@ -55,6 +91,8 @@ def read_dump(path: Path | str) -> list[Frame]:
         frames.append(_frame(line, lines))
     if not frames:
         raise SceneError(f"{path}:1: no frame in this dump")
+    if not lines.ended:
+        raise lines.error("truncated: the last line has no end; if it is complete, end it with a line break")
     return frames
 
 
@@ -83,11 +121,13 @@ class _Lines:
         self.path, self.number = path, 0
         try:
             with gzip.open(path, "rt") if path.suffix == ".gz" else open(path, encoding="utf-8") as file:
-                self.lines = file.read().splitlines()
+                text = file.read()
         except FileNotFoundError:
             raise SceneError(f"{path}:1: no such file") from None
         except (OSError, EOFError, UnicodeDecodeError) as error:
             raise SceneError(f"{path}:1: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+
+        self.lines, self.ended = text.splitlines(), text.endswith("\n")
 
     def next_or_none(self) -> str | None:
         if self.number >= len(self.lines):
@@ -127,14 +167,16 @@ def _frame(line: str, lines: _Lines) -> Frame:
     if line.strip() != "ITEM: TIMESTEP":
         raise lines.error(f"no text dump of LIGGGHTS or LAMMPS: expected 'ITEM: TIMESTEP', found {line[:60]!r}")
     step = int(lines.numbers(lines.next("the step"), 1)[0])
-    count, box, names, first = -1, None, None, 0
+    count, box, names, first, line_count, line_box = -1, None, None, 0, 0, 0
     while names is None:
         line = lines.next("an ITEM")
         if _skip_optional(line, lines):
             continue
         if line.startswith("ITEM: NUMBER OF ATOMS"):
             count = int(lines.numbers(lines.next("the number of particles"), 1)[0])
+            line_count = lines.number
         elif line.startswith("ITEM: BOX BOUNDS"):
+            line_box = lines.number + 1
             box = _box(line, lines)
         elif line.startswith("ITEM: ATOMS"):
             names = line.split()[2:]
@@ -147,7 +189,14 @@ def _frame(line: str, lines: _Lines) -> Frame:
     columns = dict(zip(names, _rows(lines, have, names), strict=True))
     if have < count:
         raise SceneError(f"{lines.path}:{len(lines.lines)}: truncated: step {step} has {have} of {count} particles")
-    return _particles(step, columns, box, lines)
+    where = first + 1 + np.arange(have)
+    order = np.argsort(columns["id"], kind="stable") if "id" in columns else np.arange(have)
+    columns = {name: column[order] for name, column in columns.items()}
+    x, radius = _positions(columns, box, lines), _radii(columns, lines)
+    if not (np.isfinite(x).all() and np.isfinite(radius).all() and (radius > 0).all()):
+        raise lines.error(f"step {step}: a position or radius is not a finite number, or a radius is not above 0")
+    T = next((columns[name] for name in _TEMPERATURES if name in columns), None)
+    return Frame(step, x, radius, T, *box, columns, where[order], line_count, line_box)
 
 
 def _rows(lines: _Lines, have: int, names: list[str]) -> Array:
@@ -179,27 +228,18 @@ def _box(line: str, lines: _Lines) -> tuple[Array, Array, tuple[bool, ...]]:
     return bounds[:, 0], bounds[:, 1], tuple(kind == "pp" for kind in kinds)
 
 
-def _particles(
-    step: int, columns: dict[str, Array], box: tuple[Array, Array, tuple[bool, ...]], lines: _Lines
-) -> Frame:
-    low, high, periodic = box
-    if "id" in columns:
-        order = np.argsort(columns["id"], kind="stable")
-        columns = {name: column[order] for name, column in columns.items()}
+def _positions(columns: dict[str, Array], box: tuple[Array, Array, tuple[bool, ...]], lines: _Lines) -> Array:
+    low, high, _ = box
     for names, scaled in ((("x", "y", "z"), False), (("xu", "yu", "zu"), False), (("xs", "ys", "zs"), True)):
         if all(name in columns for name in names):
             x = np.stack([columns[name] for name in names], axis=1)
-            x = low + x * (high - low) if scaled else x
-            break
-    else:
-        raise lines.error(f"no positions: the columns are {' '.join(columns)}; dump x y z")
+            return low + x * (high - low) if scaled else x
+    raise lines.error(f"no positions: the columns are {' '.join(columns)}; dump x y z")
+
+
+def _radii(columns: dict[str, Array], lines: _Lines) -> Array:
     if "radius" in columns:
-        radius = columns["radius"]
-    elif "diameter" in columns:
-        radius = 0.5 * columns["diameter"]
-    else:
-        raise lines.error(f"no radius: the columns are {' '.join(columns)}; dump radius or diameter")
-    if not (np.isfinite(x).all() and np.isfinite(radius).all() and (radius > 0).all()):
-        raise lines.error(f"step {step}: a position or radius is not a finite number, or a radius is not above 0")
-    T = next((columns[name] for name in _TEMPERATURES if name in columns), None)
-    return Frame(step, x, radius, T, low, high, periodic, columns)
+        return columns["radius"]
+    if "diameter" in columns:
+        return 0.5 * columns["diameter"]
+    raise lines.error(f"no radius: the columns are {' '.join(columns)}; dump radius or diameter")

@@ -46,6 +46,11 @@ class Layers:
     imbalance: float
     isolated: int
 
+    @property
+    def mean(self) -> float:
+        """Effective conductivity along the heat flux [W/m/K]."""
+        return self.conductivity
+
 
 @dataclass(frozen=True)
 class Cell:
@@ -53,6 +58,11 @@ class Cell:
 
     conductivity: Array
     parts: dict[str, Array]
+
+    @property
+    def mean(self) -> float:
+        """Effective conductivity, the mean of the axes [W/m/K]."""
+        return float(np.trace(self.conductivity)) / 3.0
 
 
 def between_layers(

@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 
 import contbed as cb
+from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
-from contbed.cfd_dem.heat_transfer import Solid, bed_nusselt
+from contbed.cfd_dem.heat_transfer import bed_nusselt
 from contbed.closures import drag_di_felice, nusselt_gunn, nusselt_power
 from contbed.dem import extract
 from contbed.dem.heat_pair import STATIC, correction

@@ -13,10 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
+from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
-from contbed.cfd_dem.heat_transfer import Average, Solid
+from contbed.cfd_dem.heat_transfer import Average
 from contbed.closures import drag_di_felice, drag_gidaspow, nusselt_power
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles

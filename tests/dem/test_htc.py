@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.cfd_dem import run as gas_study
+from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
-from contbed.cfd_dem.heat_transfer import Average, Solid, coefficients
+from contbed.cfd_dem.heat_transfer import Average, coefficients
+from contbed.cfd_dem.history import History
 from contbed.closures import drag_di_felice, nusselt_power
 from contbed.dem import heat_impact
 from contbed.dem.heat_pair import correction
@@ -187,20 +188,20 @@ def test_an_interrupted_scene_continues_bit_for_bit(tmp_path, monkeypatch):
     scene = loads(STIRRED)
     whole = cb.run(scene)
     assert abs(whole.balances["energy"]["relative_residual"]) < 1e-10
-    assert whole.qoi["T_fluid_max_K"] < 600.0
-    row, calls = gas_study._row, []
+    assert whole.qoi["T_fluid_max [K]"] < 600.0
+    record, calls = History.record, []
 
     def once(*arguments):
         calls.append(1)
         if len(calls) == 4:
             raise KeyboardInterrupt
-        row(*arguments)
+        record(*arguments)
 
-    monkeypatch.setattr(gas_study, "_row", once)
+    monkeypatch.setattr(History, "record", once)
     with pytest.raises(KeyboardInterrupt):
         cb.run(scene, out=tmp_path)
     assert json.loads((tmp_path / "summary.json").read_text())["status"] == "interrupted"
-    monkeypatch.setattr(gas_study, "_row", row)
+    monkeypatch.setattr(History, "record", record)
     again = cb.run(scene, restart=tmp_path)
     assert again.qoi == whole.qoi
     for name, column in whole.profiles.items():

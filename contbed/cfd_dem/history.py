@@ -1,0 +1,76 @@
+"""What a run records on its way, and continues after a restart: rows over time, averages, files of particles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.cfd_dem.coupling import Bed
+from contbed.cfd_dem.heat_transfer import Average
+from contbed.dem.particle_files import write_particles
+from contbed.dem.statistics import surface
+from contbed.fields import header
+
+Array = NDArray[np.float64]
+
+ISOTHERMAL = ("t", "pressure_drop", "height", "coordination")  # columns of profiles.csv
+WITH_HEAT = (*ISOTHERMAL, "T_fluid", "T_solid")
+
+
+@dataclass
+class History:
+    """Rows of profiles.csv, averages, and the times [s] at which files of particles were written."""
+
+    average: Average
+    rows: list[list[float]] = field(default_factory=list)
+    file_times: list[float] = field(default_factory=list)
+
+    def record(self, bed: Bed) -> None:
+        """Add a row for the bed as it is now."""
+        simulation = bed.simulation
+        contacts = 2.0 * len(simulation.contacts()) / len(simulation.position)
+        row = [bed.time, bed.gas.pressure_drop, surface(simulation.position, simulation.radius), contacts]
+        if bed.T is not None:
+            held = bed.gas.mass.sum()
+            row += [float(bed.gas.mass @ bed.gas.T / held), float(bed.T.mean())]
+        self.rows.append(row)
+
+    @property
+    def columns(self) -> dict[str, Array]:
+        """Columns of profiles.csv by header; none before the first row."""
+        if not self.rows:
+            return {}
+        names = WITH_HEAT if len(self.rows[0]) == len(WITH_HEAT) else ISOTHERMAL
+        return {header(name): column for name, column in zip(names, np.array(self.rows).T.copy(), strict=True)}
+
+    def write_particles(self, folder: Path, bed: Bed) -> None:
+        """Write the particles as they are now, once for each time, and the list of all files in the folder."""
+        from contbed.output.vtu import write_series
+
+        if bed.time not in self.file_times:
+            simulation = bed.simulation
+            columns = {"radius": simulation.radius, "velocity": simulation.velocity, "force": bed.force}
+            if bed.T is not None:
+                columns["T_solid"] = bed.T
+            write_particles(folder / _name(len(self.file_times)), simulation.position, columns)
+            self.file_times.append(bed.time)
+        # a restart into another folder leaves the earlier files where they are
+        files = [(time, _name(k)) for k, time in enumerate(self.file_times) if (folder / _name(k)).is_file()]
+        write_series(folder / "particles.pvd", files)
+
+    def state(self) -> dict[str, Array]:
+        """All of it as arrays for a checkpoint."""
+        return self.average.state() | {"rows": np.array(self.rows), "file_times": np.array(self.file_times)}
+
+    def restore(self, state: Mapping[str, Array]) -> None:
+        """Continue from the arrays of `state`."""
+        self.average.restore(state)
+        self.rows, self.file_times = state["rows"].tolist(), state["file_times"].tolist()
+
+
+def _name(number: int) -> str:
+    return f"particles_{number:04d}.vtu"

@@ -1,0 +1,166 @@
+"""What a run of particles in a gas builds: the particles at the start, their box and the grid of the gas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed.cfd_dem.grid import Grid
+from contbed.cfd_dem.scene import GasFlow, GasParticles, GasScene
+from contbed.dem.packing import pack
+from contbed.dem.particle_files import read_particles
+from contbed.dem.particles import Material, Particles
+from contbed.dem.simulation import Simulation
+from contbed.dem.walls import INFINITE, Domain, box
+from contbed.errors import SceneError
+from contbed.models import described
+from contbed.scene.toml_lines import Origin
+
+GRAVITY = 9.81  # m/s2
+IMPACT_SPEED = 0.3  # m/s, of which the time step of the particles resolves impacts
+
+
+@dataclass(frozen=True)
+class GasPlan:
+    """The particles at the start, their box and the grid of the gas."""
+
+    scene: GasScene
+    particles: Particles
+    grid: Grid
+    built: tuple[tuple[str, str], ...]
+    skipped: tuple[tuple[str, str], ...]
+    mesh: None = None
+    without_weak_form: str = "scenes of kind particles_gas"
+    steps: bool = True
+
+    @property
+    def policy(self) -> Any:
+        """How linear systems are solved."""
+        from contbed.solvers.linear import Policy
+
+        return Policy(3, None)
+
+    def unknowns(self) -> dict[str, int]:
+        """Number of unknowns: coordinates of particles, velocities and pressures of the gas, temperatures."""
+        moving = 0 if self.scene.particles.fixed else 6 * len(self.particles)
+        heat = len(self.particles) + self.grid.cells if self.scene.heat is not None else 0
+        return {"particles": moving, "gas": int(self.grid.active.sum()) + self.grid.cells, "heat": heat}
+
+    def __str__(self) -> str:
+        return described(self)
+
+
+def plan(scene: GasScene) -> GasPlan:
+    """Settle or read the particles and lay the grid.
+
+    Raises
+    ------
+    SceneError : the file of particles cannot be used, or particles are outside of the box
+    ConvergenceError : the bed does not settle
+    """
+    table = scene.particles
+    particles = read(table, scene.origin.base) if table.file is not None else _settle(table)
+    require_room(table, scene.gas, particles, scene.origin)
+    grid = _grid(scene, particles)
+    built = [
+        ("particles", f"{len(particles)}, {'fixed' if table.fixed else 'moving'}"),
+        ("gas", " x ".join(str(n) for n in grid.count) + " cells"),
+    ]
+    skipped: list[tuple[str, str]] = []
+    for there, what, how, why in (
+        (scene.heat is not None, "energy", "gas and particles", "no [heat] table: one temperature"),
+        (table.emissivity > 0.0, "radiation", "to the neighbours", "particles.emissivity is 0"),
+        (scene.closure is not None, "closure file", "power of Re", "no [closure] table"),
+    ):
+        (built if there else skipped).append((what, how if there else why))
+    return GasPlan(scene, particles, grid, tuple(built), tuple(skipped))
+
+
+def material_of(table: GasParticles) -> Material:
+    """The material of the simulated particles."""
+    return Material(
+        table.density,
+        table.modulus,
+        table.poisson_ratio,
+        table.restitution,
+        table.sliding_friction,
+        table.rolling_friction,
+    )
+
+
+def simulation_of(table: GasParticles, gas: GasFlow, particles: Particles) -> Simulation:
+    """The particles in their box.
+
+    Raises
+    ------
+    SceneError : they overlap each other or a wall
+    """
+    domain = _domain(table)
+    return Simulation(
+        particles,
+        [material_of(table)],
+        box(domain),
+        domain,
+        impact_speed=IMPACT_SPEED,
+        gravity=(0.0, 0.0, -GRAVITY if gas.gravity else 0.0),
+    )
+
+
+def _domain(table: GasParticles) -> Domain:
+    return Domain((0.0, 0.0, 0.0), (*table.width, INFINITE), (table.periodic, table.periodic, False))
+
+
+def _grid(scene: GasScene, particles: Particles) -> Grid:
+    """Cells of about the asked size that fill the box."""
+    diameter = 2.0 * float(particles.radius.max())
+    wide, high = (scale * diameter for scale in scene.gas.cell)
+    lengths = (*scene.particles.width, scene.gas.height)
+    nx, ny, nz = (max(1, round(length / size)) for length, size in zip(lengths, (wide, wide, high), strict=True))
+    return Grid(np.zeros(3), np.array(lengths) / (nx, ny, nz), (nx, ny, nz), (scene.particles.periodic,) * 2)
+
+
+def _settle(table: GasParticles) -> Particles:
+    assert table.radius is not None
+    packing = pack(
+        table.width,
+        radius=table.radius,
+        count=table.count,
+        seed=table.seed,
+        material=material_of(table),
+        periodic=(table.periodic, table.periodic),
+    )
+    return Particles(packing.position, packing.radius)
+
+
+def read(table: GasParticles, base: Path) -> Particles:
+    """Particles of the file, which is looked for in `base`: at rest if the scene or the file says so.
+
+    Their positions count from the lower corner of the box of a dump.
+    """
+    assert table.file is not None
+    found = read_particles(base / table.file, table.radius)
+    if found.low is None:
+        return Particles(found.x, found.radius)
+    velocity = 0.0 if table.fixed or found.velocity is None else found.velocity
+    return Particles(found.x - found.low, found.radius, velocity=velocity)
+
+
+def require_room(table: GasParticles, gas: GasFlow, particles: Particles, origin: Origin) -> None:
+    """Refuse particles whose centres are outside of the box.
+
+    Raises
+    ------
+    SceneError : names the key that is too small and its line
+    """
+    room = (*table.width, gas.height)
+    for axis, key in enumerate(("particles.width", "particles.width", "gas.height")):
+        centre = particles.position[:, axis]
+        if centre.min() < 0.0 or centre.max() > room[axis]:
+            where = origin.at(tuple(key.split(".")))
+            raise SceneError(
+                f"{where}: {key}: centres from {centre.min():.4g} to {centre.max():.4g} m in {'xyz'[axis]}, "
+                f"the box from 0 to {room[axis]:.4g} m"
+            )

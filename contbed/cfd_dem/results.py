@@ -1,0 +1,83 @@
+"""What a run of particles in a gas found: profiles over time, coefficients by mechanism, balances, closure ranges."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from contbed.balance import Balance
+from contbed.cfd_dem.closures import bound
+from contbed.cfd_dem.coupling import Bed
+from contbed.cfd_dem.history import History
+from contbed.cfd_dem.plan import GRAVITY, GasPlan
+from contbed.result import Result
+
+PERCENTILES = (5, 50, 95)  # of the coefficients of single particles
+
+
+def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
+    """Fill the result with what is known at the end of a run, complete or not."""
+    result.profiles |= history.columns
+    result.balances["gas"] = _balance(bed.mass_balance(), "kg", float(bed.gas.mass.sum()))
+    if bed.T is not None and (heat := bed.balance()):
+        result.balances["energy"] = _balance(heat, "J", abs(bed.gas.sums["gained"]))
+        result.qoi |= {
+            "T_solid_mean [K]": float(bed.T.mean()),
+            "T_fluid_max [K]": float(bed.gas.T.max()),
+            "radiation_not_balanced [J]": bed.radiated,
+        }
+    result.qoi |= {
+        "time [s]": bed.time,
+        "bed_weight [Pa]": float(bed.simulation.mass.sum()) * GRAVITY / float(np.prod(plan.scene.particles.width)),
+        "above_grid": bed.above,
+        "porosities_raised": bed.gas.counts["raised"],
+    }
+    for what, number in (
+        ("particles above the grid of the gas", bed.above),
+        ("porosities below 0.2, raised", bed.gas.counts["raised"]),
+    ):
+        if number:
+            result.warnings.append(f"{number} times {what}")
+    if history.average.count:
+        _fill_averages(result, plan, bed, history)
+
+
+def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
+    average = history.average
+    total = average.total
+    result.qoi |= {f"h_{name} [W/m2/K]": value for name, value in average.bed_means().items()}
+    result.qoi |= {
+        "h_total [W/m2/K]": float(total.mean()),
+        "coordination": average.coordination,
+        "porosity": float(average.eps.mean()),
+        "samples": average.count,
+    }
+    conduction = total - average.mean["convection"] - average.mean.get("radiation", 0.0)
+    for name, values in (("convection", average.mean["convection"]), ("conduction", conduction), ("total", total)):
+        result.qoi[f"h_{name}_percentiles [W/m2/K]"] = np.percentile(values, PERCENTILES).tolist()
+    columns = history.columns
+    late = columns["t [s]"] >= plan.scene.time.average_from * (1.0 - 1e-9)
+    for name in ("pressure_drop [Pa]", "height [m]"):
+        result.qoi[name] = float(columns[name][late].mean())
+    _fill_ranges(result, plan, bed, history)
+
+
+def _fill_ranges(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
+    """Compare the averages at every particle with the ranges that drag and heat transfer are declared for."""
+    average = history.average
+    known = {
+        "Re": average.Re,
+        "Pr": average.Pr,
+        "eps": average.eps,
+        "d_p": 2.0 * plan.particles.radius,
+        "mu": float(np.mean(bed.gas.fluid.viscosity(bed.gas.T))),
+    }
+    for closure in bound(plan.scene).values():
+        result.closures.append(closure.use(**known).to_dict())
+
+
+def _balance(parts: Mapping[str, float], unit: str, floor: float) -> dict[str, Any]:
+    """Balance of the parts in, out, source and stored, against the largest of them and `floor`."""
+    return Balance(parts["in"], parts["out"], unit, parts["source"], parts["stored"], floor=floor).as_dict()

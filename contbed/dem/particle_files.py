@@ -1,0 +1,99 @@
+"""Particles of files: those that a scene names, and points of a VTU file for ParaView's glyphs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.dem import dumps
+from contbed.errors import SceneError
+from contbed.output.files import atomic
+
+Array = NDArray[np.float64]
+
+
+class FileParticles(NamedTuple):
+    """Spheres of a file: centres (n, 3) [m], radii (n,) [m], velocities (n, 3) [m/s] or None.
+
+    `low`, `high` [m] are the corners of the box and `periodic` its closed axes; None and open for a table of positions.
+    Centres are inside of the periodic sides.
+    """
+
+    x: Array
+    radius: Array
+    velocity: Array | None = None
+    low: Array | None = None
+    high: Array | None = None
+    periodic: tuple[bool, ...] = (False, False, False)
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Corners of the box, of a table of positions that of the spheres [m]."""
+        if self.low is not None and self.high is not None:
+            return self.low, self.high
+        return (self.x - self.radius[:, None]).min(axis=0), (self.x + self.radius[:, None]).max(axis=0)
+
+
+def read_particles(path: Path, radius: float | None = None, step: int | None = None) -> FileParticles:
+    """Particles of a dump, or of a table of positions.
+
+    Parameters
+    ----------
+    path : dump of LIGGGHTS or LAMMPS, or a table x,y,z; .gz is unpacked
+    radius : of all spheres [m]; None: as the dump says
+    step : of a dump; None: the last one
+
+    Raises
+    ------
+    SceneError : with file and line, where the file cannot be used
+    """
+    try:
+        stamp = path.stat()
+    except OSError:
+        raise SceneError(f"{path}:1: no such file") from None
+    return _read(path, radius, step, (stamp.st_mtime_ns, stamp.st_size))
+
+
+@lru_cache(maxsize=2)
+def _read(path: Path, radius: float | None, step: int | None, stamp: tuple[int, int]) -> FileParticles:
+    """Kept, because the checks of a scene and its plan need the same file; `stamp` changes with it."""
+    if not dumps.is_dump(path):
+        x = dumps.read_positions(path)
+        if radius is None:
+            raise SceneError(f"{path}:1: no radius; set particles.radius")
+        return FileParticles(x, np.full(len(x), radius))
+    frames = dumps.read_dump(path)
+    frame = frames[-1] if step is None else next((frame for frame in frames if frame.step == step), None)
+    if frame is None:
+        raise SceneError(f"{path}:1: step {step} is {missing_step(frames)}")
+    frame.require_usable(path)
+    speeds = [frame.columns.get(name) for name in ("vx", "vy", "vz")]
+    known = [speed for speed in speeds if speed is not None]
+    velocity = np.stack(known, axis=1) if len(known) == 3 else None
+    radii = frame.radius if radius is None else np.full(len(frame.x), radius)
+    return FileParticles(_wrapped(frame), radii, velocity, frame.low, frame.high, frame.periodic)
+
+
+def _wrapped(frame: dumps.Frame) -> Array:
+    """Centres brought into the periodic sides; those that are inside stay as they are."""
+    turns = np.floor((frame.x - frame.low) / (frame.high - frame.low))
+    return np.where((turns != 0.0) & np.array(frame.periodic), frame.x - turns * (frame.high - frame.low), frame.x)
+
+
+def missing_step(frames: list[dumps.Frame]) -> str:
+    """What to say where a dump lacks a step."""
+    return f"not in the dump; it has {', '.join(str(frame.step) for frame in frames)}"
+
+
+def write_particles(path: Path | str, x: Array, columns: Mapping[str, Array]) -> None:
+    """Write centres (n, 3) and columns of shape (n,) or (n, 3)."""
+    import meshio
+
+    grid = meshio.Mesh(x, [("vertex", np.arange(len(x))[:, None])], dict(columns))
+    with atomic(path) as temporary:
+        meshio.write(temporary, grid, file_format="vtu")
