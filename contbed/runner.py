@@ -44,9 +44,9 @@ def run(
     SceneError, ConvergenceError, ClosureRangeError, BalanceError : after what was found has been written to `out`
     """
     if engine != "skfem":
-        from contbed.fem.ranks import lead
+        from contbed.fem.ranks import run_on_root
 
-        return lead(lambda: _run(scene, out, quiet, restart, engine))
+        return run_on_root(lambda: _run(scene, out, quiet, restart, engine))
     return _run(scene, out, quiet, restart, engine)
 
 
@@ -55,9 +55,9 @@ def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | P
     folder = Path(out) if out is not None else Path(restart) if restart is not None else None
     plan: Any = models.plan(scene)
     if engine != "skfem":
-        from contbed.fem.dolfinx import adopted
+        from contbed.fem.dolfinx import on_dolfinx
 
-        plan = adopted(plan)
+        plan = on_dolfinx(plan)
     result = Result(plan)
     result.timings["plan"] = clock.perf_counter() - start
     checkpoint = None if restart is None else _checkpoint(scene, plan, Path(restart))
@@ -77,9 +77,9 @@ def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | P
             _keep_last(scene, error, folder)
     result.timings["total"] = clock.perf_counter() - start
     if engine != "skfem":
-        from contbed.fem.dolfinx import account
+        from contbed.fem.dolfinx import engine_usage
 
-        result.engine = account()
+        result.engine = engine_usage()
     if folder is not None:
         with result.timed("output"):
             result.write(folder)

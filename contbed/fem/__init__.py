@@ -1,4 +1,4 @@
-"""Evaluates weak forms: `dual` values, `skfem` assembly, `dolfinx` for MPI by a `tape` or at points."""
+"""Evaluation and assembly of weak forms: by `skfem` on one process, or by `dolfinx` under MPI."""
 
 from __future__ import annotations
 
@@ -15,8 +15,10 @@ ENGINES = ("skfem", "dolfinx")
 def system(
     mesh: Mesh, fields: Mapping[str, tuple[int, int]], order: int, section: float = 1.0, pointwise: bool = False
 ) -> Any:
-    """Named unknowns on a mesh, by the engine of the mesh; see `engine.skfem.System`. Forms of many closures or with
-    unknowns without a place are `pointwise`: evaluated by dual numbers on each engine.
+    """Return named unknowns on a mesh for the engine of that mesh; see `fem.skfem.System`.
+
+    With `pointwise`, both engines evaluate forms at quadrature points by dual numbers. Forms that call many closures,
+    or that have unknowns of degree 0 (one number for the whole mesh), need it.
     """
     if mesh.engine == "dolfinx" and pointwise:
         from contbed.fem.dolfinx_points import System
@@ -27,17 +29,17 @@ def system(
     return System(mesh.skfem, fields, order, axisymmetric=mesh.axisymmetric, section=section)
 
 
-def shared(mesh: Mesh, matrix: Any) -> Any:
-    """A matrix of SciPy for the solvers of a mesh's engine."""
+def engine_matrix(mesh: Mesh, matrix: Any) -> Any:
+    """Return a SciPy matrix in the form that the linear solvers of the mesh's engine take."""
     if mesh.engine == "dolfinx":
-        from contbed.fem.petsc import given
+        from contbed.fem.petsc import distribute
 
-        return given(matrix)
+        return distribute(matrix)
     return matrix
 
 
 def policy(mesh: Mesh, limit_GB: float | None) -> Policy:
-    """How linear systems on a mesh are solved, by its engine."""
+    """Return how linear systems on a mesh are solved by its engine, within `limit_GB` of memory."""
     if mesh.engine == "dolfinx":
         from contbed.fem.petsc import PetscPolicy
 

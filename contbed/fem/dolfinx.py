@@ -1,12 +1,12 @@
-"""The engine for more than one processor: forms compiled by FFCx, assembled by DOLFINx, solved by PETSc under MPI.
+"""Engine for MPI: forms compiled by FFCx, assembled by DOLFINx and solved by PETSc.
 
-`System` has the interface of `engine.skfem.System`, so problems do not know which engine they have. It records each
-form once (`engine.tape`); every rank turns the recording into UFL on its part of the mesh and compiles it. The leader
-keeps vectors and known values in the numbering of its mesh; ranks get their share of a state and return that of a
-residual. Jacobians stay distributed (`engine.petsc`).
+`System` has the interface of `fem.skfem.System`, so problems do not know which engine they use. It records each form
+once (`fem.tape`); every rank turns the recording into UFL on its part of the mesh and compiles it. The root rank keeps
+vectors and known values in the numbering of its mesh; the other ranks get their part of a state and return their part
+of a residual. Jacobians stay distributed (`fem.petsc`).
 
-Integrals over boundaries are assembled by the leader with `engine.skfem` and added: their share of the work vanishes as
-meshes grow, and tables need quadrature points on facets, for which DOLFINx has no elements.
+Integrals over boundaries are assembled by the root rank with `fem.skfem` and added. Their share of the work vanishes as
+meshes grow, and property tables need quadrature points on facets, for which DOLFINx has no elements.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from skfem.refdom import RefHex, RefLine, RefQuad, RefTet, RefTri
 from contbed.errors import EngineError
 from contbed.fem import dolfinx_versions as versions
 from contbed.fem import skfem
-from contbed.fem.elements import Single, Space, lagrange
-from contbed.fem.petsc import Layout, Matrix, Piece
-from contbed.fem.ranks import Crew, crew
+from contbed.fem.elements import GlobalUnknown, Space, lagrange
+from contbed.fem.petsc import Layout, LocalMatrix, Matrix
+from contbed.fem.ranks import RankGroup, rank_group
 from contbed.fem.tape import Recording, Tape, integrand
 from contbed.solvers.linear import Policy
 
@@ -33,8 +33,8 @@ CUBES = ("quadrilateral", "hexahedron")
 CELLS = {RefLine: "interval", RefTri: "triangle", RefQuad: "quadrilateral", RefTet: "tetrahedron", RefHex: "hexahedron"}
 
 
-def adopted(plan: Any) -> Any:
-    """The plan with its mesh on this engine, for models in weak form.
+def on_dolfinx(plan: Any) -> Any:
+    """Return the plan with its mesh on this engine, for models in weak form.
 
     Raises
     ------
@@ -44,15 +44,15 @@ def adopted(plan: Any) -> Any:
     if lacking := plan.without_weak_form:
         raise EngineError(f"{scene.origin.name}: the engine dolfinx has no {lacking}; run it with --engine skfem")
     dolfinx, _ = versions.modules()
-    size = crew().comm.size
+    size = rank_group().comm.size
     how = f"DOLFINx {dolfinx.__version__} and PETSc on {size} rank{'s' if size > 1 else ''}"
     return replace(plan, mesh=replace(plan.mesh, engine="dolfinx"), built=(("engine", how), *plan.built))
 
 
-def account() -> dict[str, Any]:
-    """Ranks, iterations of each linear solution so far, and what each rank took: processor time [s], memory [GB]."""
-    all_ranks = crew()
-    taken = np.asarray(all_ranks.together(usage)).reshape(-1, 2)
+def engine_usage() -> dict[str, Any]:
+    """Return the ranks, the iterations of each linear solution, and time [s] and memory [GB] of each rank."""
+    all_ranks = rank_group()
+    taken = np.asarray(all_ranks.run_on_all(usage)).reshape(-1, 2)
     return {
         "name": "dolfinx",
         "ranks": all_ranks.comm.size,
@@ -64,7 +64,7 @@ def account() -> dict[str, Any]:
 
 @dataclass(eq=False)
 class Partition:
-    """How the cells of a mesh are dealt out: `order` names them rank after rank, `counts` of them to each."""
+    """Distribution of the cells of a mesh: `order` lists them rank after rank, `counts` of them on each rank."""
 
     mesh: Any
     key: int
@@ -72,83 +72,88 @@ class Partition:
     counts: Any
 
     @classmethod
-    def of(cls, all_ranks: Crew, mesh: Any) -> Partition:
-        """That of a mesh, made when it is first seen; the last one is kept."""
+    def of(cls, all_ranks: RankGroup, mesh: Any) -> Partition:
+        """Return the partition of a mesh; it is built at the first call, and the last one is kept."""
         kept = all_ranks.partition
         if kept is None or kept.mesh is not mesh:
             if kept is not None:
-                all_ranks.dropped.append(kept.key)
+                all_ranks.released.append(kept.key)
             refdom = mesh.elem.refdom
             if mesh.nelements < all_ranks.comm.size:
                 raise EngineError(
                     f"{all_ranks.comm.size} ranks for a mesh of {mesh.nelements} cells: each rank needs one; "
                     "start fewer ranks or refine the mesh"
                 )
-            key = all_ranks.new()
+            key = all_ranks.new_key()
             cells = mesh.t[_order(refdom, 1)].T.astype(np.int64)
-            order, counts = all_ranks.together(
+            order, counts = all_ranks.run_on_all(
                 make_mesh, key, CELLS[refdom], mesh.dim(), root=(cells, mesh.p.T.astype(float))
             )
-            all_ranks.partition = cls(mesh, key, order, counts)
-        return all_ranks.partition
+            all_ranks.partition = kept = cls(mesh, key, order, counts)
+        return kept
 
-    def shares(self, values: Any) -> tuple[Any, Any]:
-        """Values (ncells, n) in the order of the ranks, and the number of cells of each."""
+    def split(self, values: Any) -> tuple[Any, Any]:
+        """Return values (ncells, n) in the order of the ranks, and the number of cells of each rank."""
         return np.ascontiguousarray(values[self.order]), self.counts
 
 
 class System(skfem.System):
-    """Named unknowns on a mesh that all ranks share; see `engine.skfem.System`."""
+    """Named unknowns on a mesh that all ranks share; see `fem.skfem.System`."""
 
     def __init__(self, mesh: Any, fields: Mapping[str, tuple[int, int]], order: int, **measure: Any):
         super().__init__(mesh, fields, order, **measure)
-        self.crew = crew()
-        self.partition = Partition.of(self.crew, mesh)
+        self.ranks = rank_group()
+        self.partition = Partition.of(self.ranks, mesh)
         self.tape = Tape(self, self.cells)
-        self.key = self.crew.new()
+        self.key = self.ranks.new_key()
         self._compiled: dict[Any, _Compiled] = {}
-        self.along = {name: field for name, field in self.fields.items() if not isinstance(field[0], Single)}
-        self.layout = self._dealt()
+        self.nodal_fields = {
+            name: field for name, field in self.fields.items() if not isinstance(field[0], GlobalUnknown)
+        }
+        self.layout = self._distribute()
 
-    def _dealt(self) -> Layout:
-        """The unknowns, each with the rank that has its place."""
+    def _distribute(self) -> Layout:
+        """Distribute the unknowns: each belongs to the rank that owns its node."""
         numbers = [
-            self.partition.shares(_by_cell(self.fields[name][0]) + start)
+            self.partition.split(_by_cell(self.fields[name][0]) + start)
             for (name, _), start in self.offset.items()
-            if name in self.along
+            if name in self.nodal_fields
         ]
-        degrees = [(space.degree, count) for space, count in self.along.values()]
-        order, counts = self.crew.together(make_space, self.key, self.partition.key, degrees, root=numbers)
+        degrees = [(space.degree, count) for space, count in self.nodal_fields.values()]
+        order, counts = self.ranks.run_on_all(make_space, self.key, self.partition.key, degrees, root=numbers)
         return Layout(order, counts, self.size)
 
     def ordered(self, policy: Policy) -> Policy:
-        """PETSc finds an order of elimination by itself."""
+        """Return the policy unchanged: PETSc finds its own ordering."""
         return policy
 
     def known(self, where: Any, space: Any, values: Any) -> Any:
-        """A known finite-element field as coefficient on `where`."""
+        """Return a known finite-element field as coefficient on `where`."""
         return self.tape.known(space, values) if where is self.cells else super().known(where, space, values)
 
     def assemble(self, forms: Sequence[tuple[Any, Any, Any]], state: Any, jacobian: bool = True) -> tuple[Any, Any]:
-        """Residual and, if wanted, the distributed Jacobian of the sum of `(form, domain, coeffs)`."""
+        """Assemble the residual and, if wanted, the distributed Jacobian of the sum of `(form, domain, coeffs)`."""
         inside = [form for form in forms if form[1] is self.cells]
         edge = [form for form in forms if form[1] is not self.cells]
         self.tape.state = state
         compiled = self._compiled_of(inside)
         residual, outer = super().assemble(edge, state, jacobian and bool(edge)) if edge else (0.0, None)
         for indices in self.tape.renew(compiled.recording):
-            shares = self.partition.shares(compiled.recording.arrays[indices])
-            self.crew.together(set_array, compiled.key, indices, root=shares)
-        key = self.crew.new() if jacobian else None
+            shares = self.partition.split(compiled.recording.arrays[indices])
+            self.ranks.run_on_all(set_array, compiled.key, indices, root=shares)
+        key = self.ranks.new_key() if jacobian else None
         added = None if outer is None else self.layout.entries(outer)
-        parts = self.crew.together(assemble, compiled.key, key, root=(self.layout, state, added))
-        return self.layout.collected(parts) + residual, None if key is None else Matrix(self.crew, key, self.layout)
+        parts = self.ranks.run_on_all(assemble, compiled.key, key, root=(self.layout, state, added))
+        return self.layout.from_parts(parts) + residual, None if key is None else Matrix(self.ranks, key, self.layout)
 
     def _compiled_of(self, forms: Any) -> _Compiled:
-        """The recording of forms on all ranks; forms are told apart by identity, which keeping them protects."""
+        """Return the compiled recording of forms on all ranks.
+
+        Forms are identified by `id`; the recording keeps them alive, so that an `id` is not used again.
+        """
         signature = tuple((id(form), id(coeffs)) for form, _, coeffs in forms)
         if signature not in self._compiled:
-            if len(self.along) < len(self.fields):
+            if len(self.nodal_fields) < len(self.fields):
                 raise EngineError("forms with unknowns without a place are not compiled, use engine.dolfinx_points")
             whole = integrand(self.tape, forms)
             if whole is None:
@@ -158,17 +163,17 @@ class System(skfem.System):
 
     def __del__(self) -> None:
         if hasattr(self, "key"):
-            self.crew.dropped.append(self.key)
+            self.ranks.released.append(self.key)
 
 
 class _Compiled:
-    """A recording that all ranks hold as `key`."""
+    """A recording that all ranks hold as object `key`."""
 
     def __init__(self, system: System, recording: Recording, forms: Any):
-        self.crew, self.recording, self.forms, self.key = system.crew, recording, forms, system.crew.new()
+        self.ranks, self.recording, self.forms, self.key = system.ranks, recording, forms, system.ranks.new_key()
         partition = system.partition
-        known = [(partition.shares(field.values[_by_cell(field.space)])) for field in recording.known]
-        self.crew.together(
+        known = [(partition.split(field.values[_by_cell(field.space)])) for field in recording.known]
+        self.ranks.run_on_all(
             make_form,
             self.key,
             system.key,
@@ -176,15 +181,15 @@ class _Compiled:
             [array.shape[1] for array in recording.arrays],
             [field.space.degree for field in recording.known],
             measure_of(system),
-            root=([partition.shares(array) for array in recording.arrays], known),
+            root=([partition.split(array) for array in recording.arrays], known),
         )
 
     def __del__(self) -> None:
-        self.crew.dropped.append(self.key)
+        self.ranks.released.append(self.key)
 
 
 def measure_of(system: System) -> Any:
-    """The quadrature of a system and what lengths and areas stand for."""
+    """Return the quadrature of a system, and the cross-section [m2] or 2 pi r that its measure includes."""
     from skfem.quadrature import get_quadrature
 
     points, weights = get_quadrature(system.cells.refdom, system.order)
@@ -198,7 +203,7 @@ def measure_of(system: System) -> Any:
 
 
 def _order(refdom: Any, degree: int) -> Any:
-    """Our local node at each node of Basix's element; both share the reference cell."""
+    """Return our local node at each node of Basix's element; both use the same reference cell."""
     import basix
 
     cell = getattr(basix.CellType, CELLS[refdom])
@@ -209,15 +214,15 @@ def _order(refdom: Any, degree: int) -> Any:
 
 
 def _by_cell(space: Space) -> Any:
-    """Nodes of each cell (ncells, nb) in the order of Basix."""
+    """Return the nodes of each cell (ncells, nb) in the order of Basix."""
     return space.dofs[_order(space.element.refdom, space.degree)].T
 
 
 # What follows runs on all ranks.
 
 
-def usage(all_ranks: Crew, root: Any) -> Any:
-    """Processor time [s] and largest memory [GB] of each rank."""
+def usage(all_ranks: RankGroup, root: Any) -> Any:
+    """Return the processor time [s] and the largest memory [GB] of each rank."""
     import resource
 
     own = resource.getrusage(resource.RUSAGE_SELF)
@@ -225,8 +230,8 @@ def usage(all_ranks: Crew, root: Any) -> Any:
     return all_ranks.gather(mine, [2] * all_ranks.comm.size)
 
 
-def make_mesh(all_ranks: Crew, root: Any, key: int, cell: str, dim: int) -> Any:
-    """Deal a mesh out; returns the cells of each rank in turn and their number."""
+def make_mesh(all_ranks: RankGroup, root: Any, key: int, cell: str, dim: int) -> Any:
+    """Distribute a mesh; return the cells of each rank in turn and their number."""
     cells, points = root or (np.empty((0, 2**dim if cell in CUBES else dim + 1), np.int64), np.empty((0, dim)))
     mesh = versions.create_mesh(all_ranks.comm, cell, cells, points)
     owned = mesh.topology.index_map(dim).size_local
@@ -237,12 +242,12 @@ def make_mesh(all_ranks: Crew, root: Any, key: int, cell: str, dim: int) -> Any:
     found = np.asarray(mesh.geometry.input_global_indices)[versions.geometry_list(mesh)[:owned]]
     if not np.array_equal(given, found):
         raise EngineError("this version of DOLFINx renumbers the vertices of cells")
-    all_ranks.things[key] = SimpleNamespace(mesh=mesh, cell=cell, owned=owned, spaces={})
+    all_ranks.objects[key] = SimpleNamespace(mesh=mesh, cell=cell, owned=owned, spaces={})
     return order, counts
 
 
 def space_on(part: Any, what: Any) -> Any:
-    """A space on a mesh, made once: ("nodes", degree), ("cells",) or ("points", points, weights)."""
+    """Return a space on a mesh, built once: ("nodes", degree), ("cells",) or ("points", points, weights)."""
     kind, *data = what
     key = (kind, *(item if isinstance(item, int) else item.tobytes() for item in data))
     if key not in part.spaces:
@@ -256,11 +261,11 @@ def space_on(part: Any, what: Any) -> Any:
     return part.spaces[key]
 
 
-def make_space(all_ranks: Crew, root: Any, key: int, mesh: int, layout: list[tuple[int, int]]) -> Any:
-    """The unknowns of a system; returns their numbers rank after rank and how many each rank owns."""
+def make_space(all_ranks: RankGroup, root: Any, key: int, mesh: int, layout: list[tuple[int, int]]) -> Any:
+    """Build the space of a system; return its unknowns rank after rank and how many each rank owns."""
     from dolfinx import fem
 
-    part = all_ranks.things[mesh]
+    part = all_ranks.objects[mesh]
     size = sum(max(count, 1) for _, count in layout)
     degrees = {degree for degree, _ in layout}
     low = None
@@ -285,7 +290,7 @@ def make_space(all_ranks: Crew, root: Any, key: int, mesh: int, layout: list[tup
         mine = np.unique(np.concatenate([unknowns.ravel() for unknowns in lists[first : first + max(count, 1)]]))
         fields.append(mine[mine < owned].astype(np.int32))
         first += max(count, 1)
-    all_ranks.things[key] = SimpleNamespace(
+    all_ranks.objects[key] = SimpleNamespace(
         part=part, W=W, state=fem.Function(W), low=low, owned=owned, fields=fields, block=block, layout=layout
     )
     counts = all_ranks.comm.gather(owned)
@@ -293,7 +298,7 @@ def make_space(all_ranks: Crew, root: Any, key: int, mesh: int, layout: list[tup
 
 
 def unknowns_of_cells(part: Any, W: Any, layout: list[tuple[int, int]]) -> list[Any]:
-    """This rank's numbers of each scalar unknown in its cells, arrays (ncells, nb)."""
+    """Return the local numbers of each scalar unknown in the cells of this rank, arrays (ncells, nb)."""
     size = sum(max(count, 1) for _, count in layout)
     if W.dofmap.index_map_bs == size:
         blocks = versions.dof_list(W)[: part.owned]
@@ -306,7 +311,7 @@ def unknowns_of_cells(part: Any, W: Any, layout: list[tuple[int, int]]) -> list[
 
 
 def _vertices(part: Any, W: Any, size: int) -> Any:
-    """Linear interpolants of all unknowns: their function, and the block of `W` at each of its blocks."""
+    """Build the linear interpolants of all unknowns: their function, and the block of `W` at each vertex."""
     from dolfinx import fem
 
     space = versions.function_space(part.mesh, versions.lagrange(part.cell, 1, size))
@@ -317,31 +322,38 @@ def _vertices(part: Any, W: Any, size: int) -> Any:
 
 
 def make_form(
-    all_ranks: Crew, root: Any, key: int, space: int, entries: Any, widths: list[int], degrees: list[int], measure: Any
+    all_ranks: RankGroup,
+    root: Any,
+    key: int,
+    space: int,
+    entries: Any,
+    widths: list[int],
+    degrees: list[int],
+    measure: Any,
 ) -> None:
-    """A recording as UFL forms of residual and Jacobian, compiled when they are first assembled."""
+    """Build the UFL forms of residual and Jacobian from a recording; they are compiled at first use."""
     import ufl
     from dolfinx import fem
 
-    unknowns = all_ranks.things[space]
+    unknowns = all_ranks.objects[space]
     part = unknowns.part
     kinds = [("cells",) if width == 1 else ("points", measure.points, measure.weights) for width in widths]
     arrays = [fem.Function(space_on(part, kind)) for kind in kinds]
     known = [fem.Function(space_on(part, ("nodes", degree))) for degree in degrees]
-    all_ranks.things[key] = thing = SimpleNamespace(unknowns=unknowns, arrays=arrays, known=known, residual=None)
+    all_ranks.objects[key] = stored = SimpleNamespace(unknowns=unknowns, arrays=arrays, known=known, residual=None)
     for which in ("arrays", "known"):
-        for k in range(len(getattr(thing, which))):
+        for k in range(len(getattr(stored, which))):
             set_array(all_ranks, root[which == "known"][k] if root else None, key, k, which)
-    thing.form = integral(replay(entries, thing), part, measure)
-    thing.slopes = [ufl.derivative(thing.form, unknowns.state, ufl.TrialFunction(unknowns.W))]
+    stored.form = integral(replay(entries, stored), part, measure)
+    stored.slopes = [ufl.derivative(stored.form, unknowns.state, ufl.TrialFunction(unknowns.W))]
     if any(entry[0] == "unknown" and entry[2] == "low" for entry in entries) and unknowns.low is not None:
         low = unknowns.low
-        thing.slopes.append(ufl.derivative(thing.form, low.function, ufl.TrialFunction(low.space)))
-    thing.jacobians = None
+        stored.slopes.append(ufl.derivative(stored.form, low.function, ufl.TrialFunction(low.space)))
+    stored.jacobians = None
 
 
 def integral(integrand: Any, part: Any, measure: Any) -> Any:
-    """A form over all cells, see `measure_of`."""
+    """Return the integral of `integrand` over all cells; `measure` is that of `measure_of`."""
     import ufl
     from dolfinx import fem
 
@@ -353,7 +365,7 @@ def integral(integrand: Any, part: Any, measure: Any) -> Any:
 
 
 def slot(field: Any, kind: Any) -> Any:
-    """Value, gradient or second derivative of a field in UFL."""
+    """Return the value, the gradient or a second derivative of a field in UFL."""
     import ufl
 
     if kind == "v":
@@ -361,14 +373,14 @@ def slot(field: Any, kind: Any) -> Any:
     return ufl.grad(field)[kind[1]] if kind[0] == "g" else ufl.grad(ufl.grad(field))[kind[1], kind[2]]
 
 
-def replay(entries: Any, thing: Any) -> Any:
-    """The integrand of a recording in UFL."""
+def replay(entries: Any, stored: Any) -> Any:
+    """Return the integrand of a recording in UFL."""
     import ufl
     from dolfinx import fem
 
     from contbed.fem.ufl_forms import UFUNCS
 
-    unknowns, mesh = thing.unknowns, thing.unknowns.part.mesh
+    unknowns, mesh = stored.unknowns, stored.unknowns.part.mesh
     leaves = {"unknown": unknowns.state, "test": ufl.TestFunction(unknowns.W)}
     done: list[Any] = []
     literal = {entry[2] for entry in entries if entry[0] in ("power", "float_power")}
@@ -378,7 +390,7 @@ def replay(entries: Any, thing: Any) -> Any:
             plain = place in literal or operands[0] in (0.0, 1.0, -1.0)
             value = ufl.as_ufl(operands[0]) if plain else fem.Constant(mesh, operands[0])
         elif operation == "array":
-            value = thing.arrays[operands[0]]
+            value = stored.arrays[operands[0]]
         elif operation in leaves:
             component, kind = operands
             if kind == "low":
@@ -386,7 +398,7 @@ def replay(entries: Any, thing: Any) -> Any:
             else:
                 value = slot(leaves[operation][component], kind)
         elif operation == "known":
-            value = slot(thing.known[operands[0]], operands[1])
+            value = slot(stored.known[operands[0]], operands[1])
         elif operation == "x":
             value = ufl.SpatialCoordinate(mesh)[operands[0]]
         elif operation == "h":
@@ -399,52 +411,55 @@ def replay(entries: Any, thing: Any) -> Any:
     return done[-1]
 
 
-def set_array(all_ranks: Crew, root: Any, key: int, index: int, which: str = "arrays") -> None:
-    """New values of an array or a known field."""
-    thing = all_ranks.things[key]
-    function = getattr(thing, which)[index]
-    places = versions.dof_list(function.function_space)[: thing.unknowns.part.owned]
+def set_array(all_ranks: RankGroup, root: Any, key: int, index: int, which: str = "arrays") -> None:
+    """Set the values of an array or a known field."""
+    stored = all_ranks.objects[key]
+    function = getattr(stored, which)[index]
+    places = versions.dof_list(function.function_space)[: stored.unknowns.part.owned]
     values, counts = root or (None, None)
     function.x.array[places] = all_ranks.scatter(values, counts, places.shape[1], float)
 
 
-def assemble(all_ranks: Crew, root: Any, form: int, matrix: int | None) -> Any:
-    """Residual, gathered, and the Jacobian as thing number `matrix`."""
+def assemble(all_ranks: RankGroup, root: Any, form: int, matrix: int | None) -> Any:
+    """Assemble; return the gathered residual and store the Jacobian as object `matrix`."""
     from dolfinx.fem import petsc
     from petsc4py import PETSc
 
-    thing = all_ranks.things[form]
-    unknowns = thing.unknowns
+    stored = all_ranks.objects[form]
+    unknowns = stored.unknowns
     layout, state, added = root or (None, None, None)
     x = unknowns.state.x
-    x.array[: unknowns.owned] = Layout.spread(all_ranks, layout, state)
+    x.array[: unknowns.owned] = Layout.scatter(all_ranks, layout, state)
     x.scatter_forward()
     if (low := unknowns.low) is not None:
         low.function.x.array[:] = x.array.reshape(-1, low.size)[low.blocks].ravel()
-    if thing.residual is None:
-        thing.residual = versions.compiled(thing.form)
-    b = petsc.assemble_vector(thing.residual)
+    if stored.residual is None:
+        stored.residual = versions.compiled(stored.form)
+    b = petsc.assemble_vector(stored.residual)
     b.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
     mine = b.array.copy()
     b.destroy()
     if matrix is not None:
-        all_ranks.things[matrix] = Piece(_jacobian(thing, added), unknowns)
+        all_ranks.objects[matrix] = LocalMatrix(_jacobian(stored, added), unknowns)
     return all_ranks.gather(mine, layout and layout.counts)
 
 
-def _jacobian(thing: Any, added: Any) -> Any:
-    """The assembled derivative; that by linear interpolants goes to the columns of their vertices."""
+def _jacobian(stored: Any, added: Any) -> Any:
+    """Assemble the Jacobian.
+
+    The derivative with respect to linear interpolants is added to the columns of the vertices that they interpolate.
+    """
     from dolfinx.fem import petsc
     from petsc4py import PETSc
 
-    if thing.jacobians is None:
-        thing.jacobians = [versions.compiled(slope) for slope in thing.slopes]
-    first, *others = thing.jacobians
+    if stored.jacobians is None:
+        stored.jacobians = [versions.compiled(slope) for slope in stored.slopes]
+    first, *others = stored.jacobians
     A = petsc.create_matrix(first)
     petsc.assemble_matrix(A, first)
     rows, columns = A.getLGMap()
     for jacobian in others:
-        low = thing.unknowns.low
+        low = stored.unknowns.low
         places = columns.getBlockIndices()[low.blocks]
         A.setLGMap(rows, PETSc.LGMap().create(places, bsize=low.size, comm=A.comm))
         petsc.assemble_matrix(A, jacobian)

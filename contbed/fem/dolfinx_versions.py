@@ -1,4 +1,4 @@
-"""What differs between versions of DOLFINx, in one place.
+"""Differences between versions of DOLFINx, in one place.
 
 Run with 0.5.2 (Debian 12: UFL 2022.2, Basix 0.5, FFCx 0.5, PETSc 3.18). Written for 0.9 to 0.11 from their
 documentation and sources; of these only UFL 2026.1, Basix 0.11 and FFCx 0.11 were run (the element functions below and
@@ -27,7 +27,7 @@ HOW = "sudo apt-get install python3-dolfinx and a virtual environment with --sys
 
 
 def modules() -> tuple[Any, Any]:
-    """DOLFINx and PETSc, or what is wrong with them.
+    """Return DOLFINx and PETSc.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def modules() -> tuple[Any, Any]:
 
 
 def create_mesh(comm: Any, cell: str, cells: Any, points: Any) -> Any:
-    """A mesh of linear cells from arrays (ncells, nv) and (n, dim), each rank giving its share, which may be empty."""
+    """Build a mesh of linear cells from each rank's share of arrays (ncells, nv) and (n, dim); shares may be empty."""
     import ufl
     from dolfinx import mesh
 
@@ -71,7 +71,7 @@ def _no_ghosts() -> Any:
 
 
 def lagrange(cell: str, degree: int, ncomponents: int) -> Any:
-    """Element with equispaced nodes; a vector of `ncomponents`, or a scalar for 0."""
+    """Return the element with equispaced nodes: a vector of `ncomponents`, or a scalar for 0."""
     try:
         import basix.ufl
     except ImportError:
@@ -84,7 +84,7 @@ def lagrange(cell: str, degree: int, ncomponents: int) -> Any:
 
 
 def mixed(elements: list[Any]) -> Any:
-    """Element of several unknowns."""
+    """Return the element of several unknowns."""
     try:
         from basix.ufl import mixed_element
     except ImportError:
@@ -95,7 +95,7 @@ def mixed(elements: list[Any]) -> Any:
 
 
 def constants(cell: str) -> Any:
-    """Element of one value in each cell."""
+    """Return the element of one value in each cell."""
     try:
         import basix.ufl
     except ImportError:
@@ -106,7 +106,7 @@ def constants(cell: str) -> Any:
 
 
 def quadrature(cell: str, points: Any, weights: Any) -> Any:
-    """Element of one value at each quadrature point."""
+    """Return the element of one value at each quadrature point."""
     try:
         from basix.ufl import quadrature_element
     except ImportError:
@@ -115,7 +115,7 @@ def quadrature(cell: str, points: Any, weights: Any) -> Any:
 
 
 def _quadrature_of_05(cell: str, points: Any) -> Any:
-    """FFCx 0.5 knows its own rules only; the element is told the points instead."""
+    """Return a quadrature element of any points for FFCx 0.5, which knows its own rules only."""
     import hashlib
 
     import ufl
@@ -135,7 +135,7 @@ def _quadrature_of_05(cell: str, points: Any) -> Any:
 
 
 def function_space(mesh: Any, element: Any) -> Any:
-    """Finite-element space."""
+    """Return the finite-element space of an element on a mesh."""
     from dolfinx import fem
 
     make = fem.functionspace if hasattr(fem, "functionspace") else fem.FunctionSpace
@@ -144,7 +144,7 @@ def function_space(mesh: Any, element: Any) -> Any:
 
 
 def dof_list(space: Any) -> Any:
-    """Unknowns of each cell (ncells, n), not unrolled where the space has blocks."""
+    """Return the unknowns of each cell (ncells, n), not unrolled where the space has blocks."""
     found = space.dofmap.list
     if isinstance(found, np.ndarray):
         return found
@@ -153,7 +153,7 @@ def dof_list(space: Any) -> Any:
 
 
 def geometry_list(mesh: Any) -> Any:
-    """Geometry nodes of each cell (ncells, nv)."""
+    """Return the geometry nodes of each cell (ncells, nv)."""
     found = mesh.geometry.dofmap
     if isinstance(found, np.ndarray):
         return found
@@ -161,7 +161,7 @@ def geometry_list(mesh: Any) -> Any:
 
 
 def compiled(form: Any) -> Any:
-    """A form as machine code; another process that compiles the same one is waited for."""
+    """Compile a form; wait if another process is compiling the same one."""
     from dolfinx import fem
 
     options = {"timeout": 900}
@@ -172,7 +172,7 @@ def compiled(form: Any) -> Any:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Without what compilers tell each other."""
+    """Silence the messages of the form compilers."""
     before = logging.root.manager.disable
     logging.disable(logging.WARNING)
     try:

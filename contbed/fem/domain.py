@@ -1,4 +1,4 @@
-"""Quadrature on cells and facets of scikit-fem meshes, with all geometry kept apart from the reference tables."""
+"""Quadrature on cells and facets of scikit-fem meshes; geometry is kept apart from the reference tables."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from skfem.mesh import Mesh as SkfemMesh
 from skfem.quadrature import get_quadrature
 
 from contbed.fem.dual import Components
@@ -24,12 +25,12 @@ class Domain:
 
     def __init__(
         self,
-        mesh,
+        mesh: SkfemMesh,
         order: int,
         *,
         axisymmetric: bool = False,
         section: float = 1.0,
-        cells: NDArray | None = None,
+        cells: NDArray[np.int64] | None = None,
         facet: int | None = None,
     ):
         refdom = mesh.elem.refdom
@@ -73,18 +74,19 @@ class Domain:
         )
         self._tables: dict[Any, Array] = {}
 
-    def along(self, direction: Components) -> Array:
-        """Length of each cell along a unit vector (ncells, nq): 2 over the summed slopes of its vertex functions."""
+    def length_along(self, direction: Components) -> Array:
+        """Return the length of each cell along a unit vector (ncells, nq): 2 / sum |slope of vertex function|."""
         geometry = lagrange(self.refdom, 1)
         slopes = [geometry.table(self.X, a) for a in range(self.dim)]
         rate = [sum(direction[k] * self.inverse[a][k] for k in range(self.dim)) for a in range(self.dim)]
         total = sum(
             np.abs(sum(_plain(rate[a]) * slopes[a][n] for a in range(self.dim))) for n in range(geometry.nvertices)
         )
-        return 2.0 / np.maximum(total, 1e-150)  # where nothing moves a direction may vanish
+        length: Array = 2.0 / np.maximum(total, 1e-150)  # where nothing moves a direction may vanish
+        return length
 
     def table(self, space: Space, kind: Any) -> Array:
-        """Reference table of a slot: "v", ("g", a), ("h", a, b) or "low" (vertex interpolant): (nb, nq)."""
+        """Return the table (nb, nq) of a slot: "v", ("g", a), ("h", a, b) or "low" (vertex interpolant)."""
         key = (space.degree, kind)
         if key not in self._tables:
             if kind == "low":
@@ -96,7 +98,7 @@ class Domain:
         return self._tables[key]
 
     def pair_table(self, test: Space, test_kind: Any, trial: Space, trial_kind: Any) -> Array:
-        """Products of two reference tables: (nq, nb_test * nb_trial)."""
+        """Return the products of two reference tables: (nq, nb_test * nb_trial)."""
         key = (test.degree, test_kind, trial.degree, trial_kind)
         if key not in self._tables:
             a, b = self.table(test, test_kind), self.table(trial, trial_kind)
@@ -104,7 +106,7 @@ class Domain:
         return self._tables[key]
 
     def to_reference(self, slots: Mapping[Any, Any]) -> dict[Any, Any]:
-        """Coefficients of physical slots expressed on reference slots."""
+        """Return the coefficients of physical slots expressed on reference slots."""
         out: dict[Any, Any] = {}
 
         def add(kind: Any, term: Any) -> None:
@@ -144,11 +146,12 @@ def _facet_quadrature(refdom: Any, facet: int, order: int) -> tuple[Array, Array
 
 
 def _edges(refdom: Any) -> list[list[int]]:
-    return refdom.facets if refdom.dim() == 2 else refdom.edges
+    edges: list[list[int]] = refdom.facets if refdom.dim() == 2 else refdom.edges
+    return edges
 
 
 def _invert(J: Any) -> tuple[Array, Array]:
-    """Inverse and determinant of J[i, a] (first two axes), dimension 1 to 3."""
+    """Return the inverse and the determinant of J[i, a] (first two axes), dimension 1 to 3."""
     dim = len(J)
     if dim == 1:
         return 1.0 / J, J[0, 0]

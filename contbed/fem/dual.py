@@ -1,10 +1,10 @@
-"""Pointwise values that know their derivatives, and test functions, so that a form yields its exact Jacobian.
+"""Dual numbers and test functions at quadrature points, so that a form yields its exact Jacobian.
 
 A form is evaluated once at all quadrature points. An unknown enters as `Dual`: its value and, for each *slot* (value,
 gradient component, second derivative of one unknown), the derivative with respect to that slot. A test function enters
 as `Linear`: the coefficient of each of its slots. The result is one coefficient array for each pair (test slot, trial
 slot), which the assembly contracts with the basis tables. Both obey numpy's ufunc protocol: closures and materials are
-ordinary numpy functions and differentiate by themselves.
+ordinary numpy functions and are differentiated without further code.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _COMPARISONS = {np.less, np.less_equal, np.greater, np.greater_equal, np.equal, 
 
 
 def _combine(parts: list[tuple[dict[Slot, Array], Array]]) -> dict[Slot, Array]:
-    """Sum of `factor * tangents` over parts; a factor that is the number 1 costs nothing."""
+    """Return the sum of `factor * tangents` over parts; a factor that is the number 1 is not multiplied."""
     total: dict[Slot, Array] = {}
     for tangents, factor in parts:
         unit = isinstance(factor, float) and factor == 1.0
@@ -67,7 +67,7 @@ class Dual(NDArrayOperatorsMixin):
         self.tangents = tangents
 
     def apply(self, f: Callable[[Array], Array], derivative: Callable[[Array], Array]) -> Dual:
-        """A function given by its value and its derivative; tables enter a form here."""
+        """Apply a function given with its derivative; property tables enter a form this way."""
         return Dual(f(self.value), _combine([(self.tangents, derivative(self.value))]))
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:

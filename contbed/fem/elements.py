@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from skfem.assembly.dofs import Dofs
+from skfem.mesh import Mesh as SkfemMesh
 from skfem.refdom import RefHex, RefLine, RefQuad
 
 from contbed.errors import SceneError
@@ -24,7 +25,7 @@ _TENSOR = (RefQuad, RefHex)
 
 
 class Lagrange:
-    """Reference element: `nodes` (nb, dim) and the basis as polynomials."""
+    """Reference element: `nodes` (nb, dim) and the basis functions as polynomials."""
 
     def __init__(self, refdom: Any, degree: int):
         if refdom is RefHex and degree > 2:
@@ -61,7 +62,7 @@ class Lagrange:
         return [np.array(p) for p in points if self.refdom in (*_TENSOR, RefLine) or sum(p) < 1 - 1e-9]
 
     def _monomials(self, X: Array, order: tuple[int, ...]) -> Array:
-        """Derivative of `order` of each monomial at X (dim, nq): (nmonomials, nq)."""
+        """Return the derivative of `order` of each monomial at X (dim, nq): (nmonomials, nq)."""
         out = np.ones((len(self.powers), X.shape[1]))
         for axis, times in enumerate(order):
             power = self.powers[:, axis]
@@ -72,41 +73,42 @@ class Lagrange:
         return out
 
     def table(self, X: Array, *axes: int) -> Array:
-        """Basis functions differentiated along `axes` at reference points X (dim, nq): (nb, nq)."""
+        """Return basis functions differentiated along `axes` at reference points X (dim, nq): (nb, nq)."""
         order = tuple(axes.count(axis) for axis in range(self.dim))
         return self.coefficients.T @ self._monomials(X, order)
 
 
 @lru_cache(maxsize=64)
 def lagrange(refdom: Any, degree: int) -> Lagrange:
-    """The element, made once."""
+    """Return the Lagrange element of a cell shape; each is built once."""
     return Lagrange(refdom, degree)
 
 
-class Single:
-    """One number for the whole mesh, with the interface of `Space`."""
+class GlobalUnknown:
+    """One unknown for the whole mesh, with the interface of `Space`."""
 
     degree = 0
     size = 1
 
-    def __init__(self, mesh):
+    def __init__(self, mesh: SkfemMesh):
         self.mesh, self.element = mesh, self
         self.dofs = np.zeros((1, mesh.nelements), dtype=np.int32)
 
     def table(self, X: Array, *axes: int) -> Array:
-        """The constant one, or its derivatives along `axes`."""
+        """Return the constant 1 at reference points X (dim, nq), or its derivatives along `axes`: (1, nq)."""
         return np.full((1, X.shape[1]), 0.0 if axes else 1.0)
 
     @property
     def points(self) -> Array:
-        """A place for it (dim, 1)."""
-        return self.mesh.p[:, :1]
+        """The first vertex of the mesh (dim, 1), as coordinates for the unknown."""
+        point: Array = self.mesh.p[:, :1]
+        return point
 
 
 class Space:
     """Continuous piecewise polynomials on a scikit-fem mesh: `dofs` (nb, ncells), `size`, `points` (dim, size)."""
 
-    def __init__(self, mesh, degree: int):
+    def __init__(self, mesh: SkfemMesh, degree: int):
         self.mesh, self.degree = mesh, degree
         self.element = element = lagrange(mesh.elem.refdom, degree)
         three = element.dim == 3
@@ -140,7 +142,7 @@ class Space:
         return points
 
     def on_facets(self, facets: NDArray[np.int32]) -> NDArray[np.int64]:
-        """Nodes on the closure of these facets."""
+        """Return the nodes on these facets, on their edges and at their corners."""
         numbering, mesh = self._numbering, self.mesh
         parts = [numbering.nodal_dofs[:, np.unique(mesh.facets[:, facets])].ravel()]
         if mesh.dim() == 3 and numbering.edge_dofs.size:
@@ -150,7 +152,7 @@ class Space:
         return np.unique(np.concatenate(parts)).astype(np.int64)
 
     def _edges_of(self, facets: NDArray[np.int32]) -> NDArray[np.int64]:
-        """3-D: the edges in the closure of these facets."""
+        """Return the edges of these facets of a 3-D mesh."""
         mesh = self.mesh
         on = np.zeros(mesh.nvertices, dtype=bool)
         on[np.unique(mesh.facets[:, facets])] = True

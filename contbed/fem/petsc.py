@@ -1,7 +1,8 @@
-"""Distributed matrices, and their inverses by policy: MUMPS where its factors fit, else multigrid.
+"""Distributed PETSc matrices, and their solution by policy: MUMPS where its factors fit, else multigrid.
 
-At the leader a `Matrix` is a number that all ranks know; it offers what Newton's method, time steps and
-`solve.linear.Solver` do with a matrix of SciPy. Vectors come and go whole, in the leader's numbering.
+On the root rank a `Matrix` holds the number of an object that all ranks have. It offers what Newton's method, time
+steps and `solvers.linear.Solver` do with a SciPy matrix. Vectors are passed as a whole, in the numbering of the root
+rank.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import ConvergenceError
-from contbed.fem.ranks import Crew, crew
+from contbed.fem.ranks import RankGroup, rank_group
 from contbed.solvers.linear import Policy
 
 DIRECT_3D = 60_000
@@ -46,79 +47,79 @@ FACTORS = {
 
 
 class PetscPolicy(Policy):
-    """How PETSc solves; memory is that of all ranks."""
+    """Choice of the linear solver for PETSc; the memory limit is that of all ranks together."""
 
     def direct(self, size: int) -> bool:
-        """Whether systems of this size are factored by MUMPS."""
+        """Return whether systems of this size are factored by MUMPS."""
         return self.dimension < 3 or size <= DIRECT_3D
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Where unknowns are: `order` names those of each rank in turn, `counts` of them; `size` in all."""
+    """Distribution of unknowns: `order` lists those of each rank in turn, `counts` how many each has; `size` in all."""
 
     order: Any
     counts: Any
     size: int
 
     @staticmethod
-    def spread(all_ranks: Crew, layout: Layout | None, values: Any) -> Any:
-        """This rank's share of the leader's vector."""
+    def scatter(all_ranks: RankGroup, layout: Layout | None, values: Any) -> Any:
+        """Return the part of the root rank's vector that belongs to the calling rank."""
         if layout is None:
             return all_ranks.scatter(None, None, 1, float)[:, 0]
         return all_ranks.scatter(values[layout.order], layout.counts, 1, float)[:, 0]
 
-    def collected(self, parts: Any) -> Any:
-        """The vector whose shares were gathered."""
+    def from_parts(self, parts: Any) -> Any:
+        """Return the vector (size,) in the root rank's numbering from the gathered parts."""
         out = np.empty(self.size)
         out[self.order] = parts
         return out
 
-    def places(self) -> Any:
-        """PETSc's number of each unknown."""
+    def petsc_numbers(self) -> Any:
+        """Return PETSc's number of each unknown (size,)."""
         out = np.empty(self.size, dtype=np.int32)
         out[self.order] = np.arange(self.size, dtype=np.int32)
         return out
 
     def entries(self, matrix: Any) -> tuple[Any, Any, Any, Any]:
-        """Entries of a SciPy matrix in PETSc's numbers: row starts, columns, values, and the rows that have any."""
+        """Return the rows of a SciPy matrix in PETSc's numbers: row starts, columns, values, non-empty rows."""
         rows = matrix.tocsr()
-        places, filled = self.places(), np.flatnonzero(np.diff(rows.indptr))
+        places, filled = self.petsc_numbers(), np.flatnonzero(np.diff(rows.indptr))
         starts = np.append(0, np.cumsum(np.diff(rows.indptr)[filled])).astype(np.int32)
         return starts, places[rows.indices], rows.data, places[filled]
 
 
 @dataclass(eq=False)
-class Piece:
-    """This rank's piece of a matrix over the unknowns of a system."""
+class LocalMatrix:
+    """The rows of a distributed matrix on one rank, with the unknowns that they belong to."""
 
     A: Any
     unknowns: Any
 
     def destroy(self) -> None:
-        """Free it."""
+        """Free the PETSc matrix."""
         self.A.destroy()
 
 
 class Matrix:
-    """A distributed matrix, at the leader."""
+    """A distributed matrix as seen from the root rank."""
 
     __array_ufunc__ = None  # numbers of NumPy leave products to us
 
-    def __init__(self, all_ranks: Crew, key: int, layout: Layout):
-        self.crew, self.key, self.layout = all_ranks, key, layout
+    def __init__(self, all_ranks: RankGroup, key: int, layout: Layout):
+        self.ranks, self.key, self.layout = all_ranks, key, layout
         self.shape = (layout.size, layout.size)
 
     def __del__(self) -> None:
-        self.crew.dropped.append(self.key)
+        self.ranks.released.append(self.key)
 
     def _made(self, function: Callable[..., None], *arguments: Any, root: Any = None) -> Matrix:
-        key = self.crew.new()
-        self.crew.together(function, key, self.key, *arguments, root=root)
-        return Matrix(self.crew, key, self.layout)
+        key = self.ranks.new_key()
+        self.ranks.run_on_all(function, key, self.key, *arguments, root=root)
+        return Matrix(self.ranks, key, self.layout)
 
     def __matmul__(self, x: Any) -> Any:
-        return self.layout.collected(self.crew.together(multiply, self.key, False, root=(self.layout, x)))
+        return self.layout.from_parts(self.ranks.run_on_all(multiply, self.key, False, root=(self.layout, x)))
 
     def __abs__(self) -> Any:
         return _Absolute(self)
@@ -135,15 +136,15 @@ class Matrix:
         return self._made(combine, other.key, 1.0)
 
     def constrained(self, fixed: Any) -> Matrix:
-        """The matrix with the rows and columns of fixed unknowns replaced by the identity."""
-        return self._made(constrain, root=self.layout.places()[fixed]) if len(fixed) else self
+        """Return the matrix with rows and columns of fixed unknowns replaced by the identity."""
+        return self._made(constrain, root=self.layout.petsc_numbers()[fixed]) if len(fixed) else self
 
     def scaled(self, factors: Any) -> Matrix:
-        """The matrix with each column times a factor."""
+        """Return the matrix with each column multiplied by a factor."""
         return self._made(scale, root=(self.layout, factors))
 
     def bordered(self, column: Any, row: Any, corner: float) -> Matrix:
-        """The matrix with one more unknown and equation, behind those of the last rank."""
+        """Return the matrix with one more unknown and equation, placed last on the last rank."""
         layout = self.layout
         counts = [*layout.counts[:-1], layout.counts[-1] + 1]
         wider = Layout(np.append(layout.order, layout.size), counts, layout.size + 1)
@@ -152,37 +153,37 @@ class Matrix:
         return made
 
     def inverse(self, policy: Policy) -> Callable[[Any], Any]:
-        """Solutions for right-hand sides."""
+        """Return a function that solves for right-hand sides."""
         return _Inverse(self, policy)
 
 
 class _Absolute:
-    """The matrix of absolute values, for products only."""
+    """The matrix of absolute values; it can only be multiplied with a vector."""
 
     def __init__(self, matrix: Matrix):
         self.matrix = matrix
 
     def __matmul__(self, x: Any) -> Any:
         m = self.matrix
-        return m.layout.collected(m.crew.together(multiply, m.key, True, root=(m.layout, x)))
+        return m.layout.from_parts(m.ranks.run_on_all(multiply, m.key, True, root=(m.layout, x)))
 
 
 class _Inverse:
-    """Factors or a preconditioner with a Krylov method, at the leader."""
+    """A factorisation, or a preconditioned Krylov method, as seen from the root rank."""
 
     def __init__(self, matrix: Matrix, policy: Policy):
-        self.matrix, self.crew, self.key = matrix, matrix.crew, matrix.crew.new()
+        self.matrix, self.ranks, self.key = matrix, matrix.ranks, matrix.ranks.new_key()
         self.direct = policy.direct(matrix.layout.size)
-        self.crew.together(prepare, self.key, matrix.key, self.direct)
+        self.ranks.run_on_all(prepare, self.key, matrix.key, self.direct)
 
     def __del__(self) -> None:
-        self.crew.dropped.append(self.key)
+        self.ranks.released.append(self.key)
 
     def __call__(self, rhs: Any) -> Any:
-        """The solution; raises ConvergenceError where PETSc gives up."""
+        """Return the solution; raise ConvergenceError where PETSc does not converge."""
         layout = self.matrix.layout
-        parts, reason, iterations = self.crew.together(apply, self.key, root=(layout, rhs))
-        self.crew.iterations.append(iterations)
+        parts, reason, iterations = self.ranks.run_on_all(apply, self.key, root=(layout, rhs))
+        self.ranks.iterations.append(iterations)
         if reason < 0:
             how = (
                 "the factorisation failed: is a temperature or the pressure fixed anywhere?"
@@ -190,24 +191,24 @@ class _Inverse:
                 else (f"no convergence in {iterations} iterations")
             )
             raise ConvergenceError(f"linear solver of PETSc, reason {reason}: {how}")
-        return layout.collected(parts)
+        return layout.from_parts(parts)
 
 
-def given(matrix: Any) -> Matrix:
-    """A distributed copy of the leader's matrix of SciPy, its rows dealt out in turn."""
-    all_ranks, rows, size = crew(), matrix.tocsr(), matrix.shape[0]
+def distribute(matrix: Any) -> Matrix:
+    """Return a distributed copy of the root rank's SciPy matrix, with contiguous rows on each rank."""
+    all_ranks, rows, size = rank_group(), matrix.tocsr(), matrix.shape[0]
     ends = np.linspace(0, size, all_ranks.comm.size + 1).astype(int)
-    key, counts, entries = all_ranks.new(), np.diff(ends), np.diff(rows.indptr[ends])
+    key, counts, entries = all_ranks.new_key(), np.diff(ends), np.diff(rows.indptr[ends])
     lengths = np.diff(rows.indptr)
-    all_ranks.together(receive, key, root=((lengths, counts), (rows.indices, entries), (rows.data, entries)))
+    all_ranks.run_on_all(receive, key, root=((lengths, counts), (rows.indices, entries), (rows.data, entries)))
     return Matrix(all_ranks, key, Layout(np.arange(size), counts, size))
 
 
 # What follows runs on all ranks.
 
 
-def receive(all_ranks: Crew, root: Any, key: int) -> None:
-    """Thing `key` becomes a matrix of the leader's entries."""
+def receive(all_ranks: RankGroup, root: Any, key: int) -> None:
+    """Store the root rank's matrix as object `key`."""
     from petsc4py import PETSc
 
     parts = zip(root or [(None, None)] * 3, (np.int32, np.int32, float), strict=True)
@@ -215,15 +216,15 @@ def receive(all_ranks: Crew, root: Any, key: int) -> None:
     starts = np.append(0, np.cumsum(lengths)).astype(np.int32)
     local = (len(lengths), PETSc.DECIDE)
     A = PETSc.Mat().createAIJ((local, local), csr=(starts, columns, values), comm=all_ranks.comm)
-    all_ranks.things[key] = Piece(A, SimpleNamespace(fields=[None], block=1))
+    all_ranks.objects[key] = LocalMatrix(A, SimpleNamespace(fields=[None], block=1))
 
 
-def multiply(all_ranks: Crew, root: Any, key: int, absolute: bool) -> Any:
-    """Product with a vector."""
-    A = all_ranks.things[key].A
+def multiply(all_ranks: RankGroup, root: Any, key: int, absolute: bool) -> Any:
+    """Return the product of matrix `key`, or of its absolute values, with a vector."""
+    A = all_ranks.objects[key].A
     layout, x = root or (None, None)
     right, left = A.createVecs()
-    right.array[:] = Layout.spread(all_ranks, layout, x)
+    right.array[:] = Layout.scatter(all_ranks, layout, x)
     if absolute:
         from petsc4py import PETSc
 
@@ -235,47 +236,47 @@ def multiply(all_ranks: Crew, root: Any, key: int, absolute: bool) -> Any:
     return all_ranks.gather(left.array, layout and layout.counts)
 
 
-def combine(all_ranks: Crew, root: Any, key: int, first: int, second: int | None, factor: float) -> None:
-    """Thing `key` becomes factor * first (+ second)."""
+def combine(all_ranks: RankGroup, root: Any, key: int, first: int, second: int | None, factor: float) -> None:
+    """Store factor * first (+ second) as object `key`."""
     from petsc4py import PETSc
 
-    piece = all_ranks.things[first]
+    piece = all_ranks.objects[first]
     A = piece.A.copy()
     if factor != 1.0:
         A.scale(factor)
     if second is not None:
-        A.axpy(1.0, all_ranks.things[second].A, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-    all_ranks.things[key] = Piece(A, piece.unknowns)
+        A.axpy(1.0, all_ranks.objects[second].A, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+    all_ranks.objects[key] = LocalMatrix(A, piece.unknowns)
 
 
-def constrain(all_ranks: Crew, root: Any, key: int, first: int) -> None:
-    """Thing `key` becomes first with rows and columns `root` replaced by the identity."""
-    piece = all_ranks.things[first]
+def constrain(all_ranks: RankGroup, root: Any, key: int, first: int) -> None:
+    """Store matrix `first` with rows and columns `root` replaced by the identity as object `key`."""
+    piece = all_ranks.objects[first]
     A = piece.A.copy()
     A.zeroRowsColumns(np.empty(0, np.int32) if root is None else root.astype(np.int32), 1.0)
-    all_ranks.things[key] = Piece(A, piece.unknowns)
+    all_ranks.objects[key] = LocalMatrix(A, piece.unknowns)
 
 
-def scale(all_ranks: Crew, root: Any, key: int, first: int) -> None:
-    """Thing `key` becomes first with its columns times factors."""
-    piece = all_ranks.things[first]
+def scale(all_ranks: RankGroup, root: Any, key: int, first: int) -> None:
+    """Store matrix `first` with its columns multiplied by factors as object `key`."""
+    piece = all_ranks.objects[first]
     A = piece.A.copy()
     right = A.createVecRight()
     layout, factors = root or (None, None)
-    right.array[:] = Layout.spread(all_ranks, layout, factors)
+    right.array[:] = Layout.scatter(all_ranks, layout, factors)
     A.diagonalScale(None, right)
-    all_ranks.things[key] = Piece(A, piece.unknowns)
+    all_ranks.objects[key] = LocalMatrix(A, piece.unknowns)
 
 
-def border(all_ranks: Crew, root: Any, key: int, first: int) -> None:
-    """Thing `key` becomes first with one more column and row."""
+def border(all_ranks: RankGroup, root: Any, key: int, first: int) -> None:
+    """Store matrix `first` with one more column and row as object `key`."""
     from petsc4py import PETSc
 
-    piece, comm = all_ranks.things[first], all_ranks.comm
+    piece, comm = all_ranks.objects[first], all_ranks.comm
     layout, column, row = root or (None, None, None)
     size = piece.A.getSize()[0]
     starts, columns, values = piece.A.getValuesCSR()
-    mine = Layout.spread(all_ranks, layout, column)
+    mine = Layout.scatter(all_ranks, layout, column)
     last = all_ranks.scatter(row, None if row is None else [0] * (comm.size - 1) + [size + 1], 1, float)[:, 0]
     columns = np.append(np.insert(columns, starts[1:], size), np.arange(len(last)))
     values = np.append(np.insert(values, starts[1:], mine), last)
@@ -285,14 +286,14 @@ def border(all_ranks: Crew, root: Any, key: int, first: int) -> None:
     local = len(starts) - 1
     csr = (starts.astype(np.int32), columns.astype(np.int32), values)
     A = PETSc.Mat().createAIJ(((local, PETSc.DECIDE), (local, PETSc.DECIDE)), csr=csr, comm=comm)
-    all_ranks.things[key] = Piece(A, piece.unknowns)
+    all_ranks.objects[key] = LocalMatrix(A, piece.unknowns)
 
 
-def prepare(all_ranks: Crew, root: Any, key: int, matrix: int, direct: bool) -> None:
-    """Thing `key` becomes a solver with a matrix."""
+def prepare(all_ranks: RankGroup, root: Any, key: int, matrix: int, direct: bool) -> None:
+    """Store a solver for a matrix as object `key`."""
     from petsc4py import PETSc
 
-    piece = all_ranks.things[matrix]
+    piece = all_ranks.objects[matrix]
     mixed = len(piece.unknowns.fields) > 1 and piece.unknowns.block == 1
     ksp = PETSc.KSP().create(piece.A.comm)
     ksp.setOperators(piece.A)
@@ -312,15 +313,15 @@ def prepare(all_ranks: Crew, root: Any, key: int, matrix: int, direct: bool) -> 
             part.setUp()
     for name in chosen:
         options.delValue(name)
-    all_ranks.things[key] = ksp
+    all_ranks.objects[key] = ksp
 
 
-def apply(all_ranks: Crew, root: Any, key: int) -> Any:
-    """Solution, reason and iterations."""
-    ksp = all_ranks.things[key]
+def apply(all_ranks: RankGroup, root: Any, key: int) -> Any:
+    """Solve with solver `key`; return the solution, PETSc's reason for stopping and the number of iterations."""
+    ksp = all_ranks.objects[key]
     layout, rhs = root or (None, None)
     x, b = ksp.getOperators()[0].createVecs()
-    b.array[:] = Layout.spread(all_ranks, layout, rhs)
+    b.array[:] = Layout.scatter(all_ranks, layout, rhs)
     ksp.solve(b, x)
     parts = all_ranks.gather(x.array, layout and layout.counts)
     return parts, ksp.getConvergedReason(), ksp.getIterationNumber()

@@ -15,7 +15,7 @@ SAMPLES = 12  # points in a cell of a line
 
 
 class Probe:
-    """Interpolation at points (dim, n) of a mesh; points outside are an error of the caller."""
+    """Interpolation at points (dim, n) of a mesh; the caller makes sure that all points lie inside."""
 
     def __init__(self, mesh: Mesh, points: Any):
         grid = mesh.skfem
@@ -33,12 +33,12 @@ class Probe:
             self.local = mapping.invF(points[:, :, None], tind=self.cells)[:, :, 0]
 
     def __call__(self, space: Space, values: Any) -> Any:
-        """Values (n,) of a nodal field (size,)."""
+        """Return the values (n,) of a nodal field (size,)."""
         table = space.element.table(self.local)
         return (table * values[space.dofs[:, self.cells]]).sum(axis=0)
 
     def slope(self, space: Space, values: Any, axis: int) -> Any:
-        """Derivative (n,) of a nodal field along a coordinate, one-sided between cells."""
+        """Return the derivative (n,) of a nodal field along a coordinate; one-sided between cells."""
         grid, element = space.mesh, space.element
         corners = grid.p[:, grid.t[:, self.cells]]
         geometry = lagrange(element.refdom, 1)
@@ -51,11 +51,10 @@ class Probe:
 
 
 def axis_points(mesh: Mesh, wanted: Sequence[float] = ()) -> tuple[Any, Any]:
-    """Positions along the bed axis [m] and the points (dim, n) on its centre line.
+    """Return positions along the bed axis [m] and the points (dim, n) on its centre line.
 
-    Positions are those that are `wanted`, in ascending order. Without any, a line is sampled densely in each cell and
-    other meshes at 401 equal steps. Cells of a bed that is not straight are met where the centre line of its bounding
-    box is inside.
+    Positions are those that are `wanted`, in ascending order. Without any, a line is sampled at `SAMPLES` points in
+    each cell and other meshes at 401 equally spaced points. The centre line is that of the bounding box of the mesh.
     """
     grid = mesh.skfem
     positions: Any = np.unique(wanted)

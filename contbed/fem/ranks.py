@@ -1,12 +1,13 @@
-"""One rank leads, the others follow: the program runs on the first, and what is distributed runs on all.
+"""Control of MPI ranks: the program runs on the root rank, distributed functions run on all ranks.
 
-The leader runs a scene as it would alone. Where work is distributed it says so with `Crew.together(function, ...)`: all
-ranks then run that function, which is one of a module and known everywhere by its name. Between calls the others sleep.
-No rank has to guess what another decides, so none waits for a message that never comes. An error that the leader meets
-by itself ends all ranks with its exit code; one inside a distributed function aborts all of them with a message.
+The root rank runs a scene as it would without MPI. For distributed work it calls `RankGroup.run_on_all(function, ...)`:
+all ranks then run that function, which belongs to a module and is known to all ranks by its name. Between calls the
+other ranks wait in `RankGroup.serve`. No rank has to guess what another one decides, so none waits for a message that
+never comes. An error that the root rank meets outside a distributed function ends all ranks with its exit code; an
+error inside a distributed function aborts all ranks with a message.
 
-The leader holds vectors in the numbering of the mesh as built, so results, checkpoints and restarts do not depend on
-the number of ranks. Matrices, their factors and preconditioners exist in pieces only.
+The root rank holds vectors in the numbering of the mesh as built, so results, checkpoints and restarts do not depend on
+the number of ranks. Matrices, their factors and preconditioners are distributed only.
 """
 
 from __future__ import annotations
@@ -17,71 +18,79 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contbed.errors import ContbedError
 from contbed.fem import dolfinx_versions
 
-NAP = 2e-4  # [s] between looks for work
-FAILED = 70  # exit code of an abort
+if TYPE_CHECKING:
+    from contbed.fem.dolfinx import Partition
+
+POLL_INTERVAL = 2e-4  # [s] between looks for work
+ABORT_EXIT_CODE = 70  # exit code of an abort
 
 
-class Crew:
-    """The ranks of a communicator and what they hold, by number: `things` of this rank."""
+class RankGroup:
+    """The ranks of a communicator.
+
+    `objects` are the distributed objects (meshes, spaces, forms, matrices, solvers) that this rank holds, by number.
+    Keys in `released` are deleted on all ranks at the next call of `run_on_all`.
+    """
 
     def __init__(self, comm: Any):
-        self.comm, self.leads = comm, comm.rank == 0
-        self.things: dict[int, Any] = {}
-        self.dropped: list[int] = []
-        self.partition: Any = None
+        self.comm, self.is_root = comm, comm.rank == 0
+        self.objects: dict[int, Any] = {}
+        self.released: list[int] = []
+        self.partition: Partition | None = None
         self.iterations: list[int] = []
         self.count = 0
 
-    def new(self) -> int:
-        """A number for a thing that all ranks will hold."""
+    def new_key(self) -> int:
+        """Return a new number for an object that all ranks will hold."""
         self.count += 1
         return self.count
 
-    def together(self, function: Callable[..., Any], *arguments: Any, root: Any = None) -> Any:
-        """Run `function(crew, root, *arguments)` on all ranks, called by the leader; `root` stays with the leader."""
+    def run_on_all(self, function: Callable[..., Any], *arguments: Any, root: Any = None) -> Any:
+        """Run `function(ranks, root, *arguments)` on all ranks; only the root rank calls this and has `root`."""
         with _uninterrupted():
-            dropped = self.dropped[:]
-            del self.dropped[: len(dropped)]
+            released = self.released[:]
+            del self.released[: len(released)]
             if self.comm.size > 1:
                 self._wake()
-                self.comm.bcast((function, arguments, dropped))
-            self._drop(dropped)
+                self.comm.bcast((function, arguments, released))
+            self._release(released)
             return self._do(function, root, arguments)
 
-    def follow(self) -> tuple[int, str]:
-        """Do what the leader says until it ends; its exit code and last words."""
+    def serve(self) -> tuple[int, str]:
+        """Run the functions that the root rank asks for until it ends; return its exit code and last message."""
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         while True:
             self._wake()
-            function, arguments, dropped = self.comm.bcast(None)
-            self._drop(dropped)
+            function, arguments, released = self.comm.bcast(None)
+            self._release(released)
             if function is None:
-                return arguments
+                code, words = arguments
+                return code, words
             self._do(function, None, arguments)
 
-    def dismiss(self, code: int, words: str) -> None:
-        """End the others."""
+    def end_others(self, code: int, words: str) -> None:
+        """End the other ranks with an exit code and a message."""
         if self.comm.size > 1:
             self._wake()
             self.comm.bcast((None, (code, words), []))
 
-    def _drop(self, keys: list[int]) -> None:
+    def _release(self, keys: list[int]) -> None:
         for key in keys:
-            thing = self.things.pop(key, None)
-            getattr(thing, "destroy", lambda: None)()
+            stored = self.objects.pop(key, None)
+            getattr(stored, "destroy", lambda: None)()
 
     def _wake(self) -> None:
-        """Meet the others here, without keeping a processor busy meanwhile."""
+        """Meet the other ranks at a barrier; sleep between checks so that no processor is kept busy."""
         request = self.comm.Ibarrier()
         while not request.Test():
-            time.sleep(NAP)
+            time.sleep(POLL_INTERVAL)
 
     def _do(self, function: Callable[..., Any], root: Any, arguments: tuple[Any, ...]) -> Any:
         try:
@@ -92,7 +101,7 @@ class Crew:
             self.abort(error)
 
     def abort(self, error: BaseException) -> None:
-        """Say what went wrong on this rank and end all of them."""
+        """Print what went wrong on this rank and end all ranks."""
         if not isinstance(error, ContbedError | MemoryError):
             traceback.print_exception(error)
         kind = "" if isinstance(error, ContbedError) else f"{type(error).__name__}: "
@@ -101,18 +110,18 @@ class Crew:
             file=sys.stderr,
             flush=True,
         )
-        self.comm.Abort(error.exit_code if isinstance(error, ContbedError) else FAILED)
+        self.comm.Abort(error.exit_code if isinstance(error, ContbedError) else ABORT_EXIT_CODE)
 
     def scatter(self, values: Any, counts: Any, width: int, dtype: Any) -> Any:
-        """The leader's rows (sum of counts, width), given to the ranks in turn; `counts` is known to the leader."""
+        """Distribute rows (sum of counts, width) of the root rank; only the root rank knows `values` and `counts`."""
         mine = np.empty((self.comm.scatter(counts), width), dtype=dtype)
         shares = None if counts is None else [np.ascontiguousarray(values, dtype), np.asarray(counts) * width]
         self.comm.Scatterv(shares, mine)
         return mine
 
     def gather(self, mine: Any, counts: Any) -> Any:
-        """All ranks' entries in turn, at the leader; None elsewhere."""
-        if not self.leads:
+        """Return the entries of all ranks in rank order on the root rank; None elsewhere."""
+        if not self.is_root:
             self.comm.Gatherv(np.ascontiguousarray(mine), None)
             return None
         out = np.empty(int(np.sum(counts)), dtype=mine.dtype)
@@ -120,41 +129,41 @@ class Crew:
         return out
 
 
-_crew: Crew | None = None
+_group: RankGroup | None = None
 
 
-def crew() -> Crew:
-    """All ranks that mpirun started; the same each time."""
-    global _crew
-    if _crew is None:
+def rank_group() -> RankGroup:
+    """Return the group of all ranks that mpirun started; there is one for each process."""
+    global _group
+    if _group is None:
         dolfinx_versions.modules()
         from mpi4py import MPI
 
-        _crew = Crew(MPI.COMM_WORLD)
-    return _crew
+        _group = RankGroup(MPI.COMM_WORLD)
+    return _group
 
 
-def lead(main: Callable[[], Any]) -> Any:
-    """Run `main` on the first rank with the others at its service; they return None or raise what ended the leader."""
-    all_ranks = crew()
+def run_on_root(main: Callable[[], Any]) -> Any:
+    """Run `main` on the root rank while the others serve it; they return None, or raise what ended the root rank."""
+    all_ranks = rank_group()
     all_ranks.iterations = []
-    if not all_ranks.leads:
-        code, words = all_ranks.follow()
+    if not all_ranks.is_root:
+        code, words = all_ranks.serve()
         if code:
-            raise FollowerError(words, code)
+            raise RootRankError(words, code)
         return None
     try:
         result = main()
     except BaseException as error:
         code = 130 if isinstance(error, KeyboardInterrupt) else getattr(error, "exit_code", 1)
-        all_ranks.dismiss(code, str(error) or type(error).__name__)
+        all_ranks.end_others(code, str(error) or type(error).__name__)
         raise
-    all_ranks.dismiss(0, "")
+    all_ranks.end_others(0, "")
     return result
 
 
-class FollowerError(ContbedError):
-    """What ended the leader, on the other ranks; `exit_code` is that of the leader's error."""
+class RootRankError(ContbedError):
+    """The error that ended the root rank, as raised on the other ranks with the same `exit_code`."""
 
     def __init__(self, message: str, exit_code: int):
         super().__init__(message)
@@ -163,7 +172,7 @@ class FollowerError(ContbedError):
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Hold an interrupt back until all ranks have finished what they do together."""
+    """Delay Ctrl-C until all ranks have finished a distributed function."""
     try:
         before = signal.getsignal(signal.SIGINT)
         seen: list[Any] = []

@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from skfem.mesh import Mesh as SkfemMesh
 
 from contbed.fem.domain import Domain
 from contbed.fem.dual import Components, Dual, Linear
-from contbed.fem.elements import Single, Space
+from contbed.fem.elements import GlobalUnknown, Space
 from contbed.solvers.linear import Policy
 from contbed.solvers.ordering import nested_dissection
 
@@ -37,12 +38,15 @@ class _Unknown(Dual):
         super().__init__(self.at("v"), {} if key is None else {(*key, "v"): 1.0})
 
     def at(self, kind: Any) -> Array:
-        """Value of one reference slot at all points; derivatives from differences, which loses no digits to offsets."""
+        """Return one reference slot at all points (ncells, nq).
+
+        Derivatives are taken from differences to the first node, so that a large offset costs no digits.
+        """
         local = self.local if kind in ("v", "low") else self.local - self.local[:, :1]
         return local @ self.where.table(self.space, kind)
 
     def slot(self, kind: Any) -> Dual:
-        """The value of a physical slot with its derivative to itself."""
+        """Return the value of a physical slot with its derivative with respect to itself."""
         value: Any = 0.0
         for reference, factor in self.where.to_reference({kind: 1.0}).items():
             value = value + factor * self.at(reference)
@@ -58,7 +62,7 @@ class _Test(Linear):
 
 
 class Ops:
-    """The vocabulary of forms on one domain; pointwise maths is numpy's."""
+    """The operators that a form may use on one domain; pointwise mathematics is numpy's."""
 
     def __init__(self, where: Domain):
         self._where = where
@@ -66,7 +70,7 @@ class Ops:
         self.axisymmetric = where.axisymmetric
 
     def grad(self, field: Any) -> Components:
-        """Gradient: a vector of a scalar field; rows are the gradients of the components of a vector field."""
+        """Return the gradient: a vector for a scalar field, a matrix with one row per component for a vector."""
         if isinstance(field, Components):
             return Components(self.grad(item) for item in field.items)
         if isinstance(field, _Test):
@@ -74,7 +78,7 @@ class Ops:
         return Components(field.slot(("g", k)) for k in range(self.dim))
 
     def div(self, field: Components) -> Any:
-        """Divergence of a vector field, hoop term included when axisymmetric."""
+        """Return the divergence of a vector field, with the hoop term when axisymmetric."""
         gradient = self.grad(field)
         total = gradient[0][0]
         for k in range(1, self.dim):
@@ -82,44 +86,44 @@ class Ops:
         return total + self.hoop(field) if self.axisymmetric else total
 
     def hoop(self, field: Components) -> Any:
-        """u_r / r when axisymmetric (the azimuthal entry of the gradient), else 0."""
+        """Return u_r / r when axisymmetric (the azimuthal entry of the gradient), else 0."""
         return field[0] / self.x[0] if self.axisymmetric else 0.0
 
     def hess(self, field: Any) -> Components:
-        """Second derivatives of a scalar field in the plane of the mesh."""
+        """Return the second derivatives of a scalar field in the plane of the mesh."""
         return Components(
             Components(field.slot(("h", *sorted((k, m)))) for m in range(self.dim)) for k in range(self.dim)
         )
 
     def laplacian(self, field: Any) -> Any:
-        """Laplacian of a scalar field, with its first-derivative term when axisymmetric."""
+        """Return the Laplacian of a scalar field, with its first-derivative term when axisymmetric."""
         total = _sum(field.slot(("h", k, k)) for k in range(self.dim))
         return total + field.slot(("g", 0)) / self.x[0] if self.axisymmetric else total
 
     def low(self, field: Any) -> Any:
-        """The piecewise linear interpolant of a scalar field at the vertices."""
+        """Return the piecewise linear interpolant of a scalar field at the vertices."""
         return field.slot("low")
 
     @staticmethod
     def dot(a: Components, b: Components) -> Any:
-        """Scalar product of two vectors."""
+        """Return the scalar product of two vectors."""
         return _sum(p * q for p, q in zip(a.items, b.items, strict=True))
 
     @classmethod
     def inner(cls, a: Any, b: Any) -> Any:
-        """Full contraction of two vectors or two matrices."""
+        """Return the full contraction of two vectors or two matrices."""
         if isinstance(a[0], Components):
             return _sum(cls.dot(p, q) for p, q in zip(a.items, b.items, strict=True))
         return cls.dot(a, b)
 
     @classmethod
     def mul(cls, a: Components, b: Components) -> Components:
-        """Matrix times vector."""
+        """Return the product of a matrix and a vector."""
         return Components(cls.dot(row, b) for row in a.items)
 
     @staticmethod
     def transpose(a: Components) -> Components:
-        """Transposed matrix."""
+        """Return the transposed matrix."""
         return Components(Components(row[k] for row in a.items) for k in range(len(a[0])))
 
 
@@ -139,14 +143,14 @@ class System:
     `measure` may hold `axisymmetric` and `section`, the cross-section [m2] that a line stands for.
     """
 
-    def __init__(self, mesh, fields: Mapping[str, tuple[int, int]], order: int, **measure: Any):
+    def __init__(self, mesh: SkfemMesh, fields: Mapping[str, tuple[int, int]], order: int, **measure: Any):
         self.mesh, self.order, self.measure = mesh, order, measure
         spaces: dict[int, Any] = {}
         self.fields: dict[str, tuple[Any, int]] = {}
         self.offset: dict[tuple[str, int], int] = {}
         size = 0
         for name, (degree, ncomponents) in fields.items():
-            space = spaces.setdefault(degree, Space(mesh, degree) if degree else Single(mesh))
+            space = spaces.setdefault(degree, Space(mesh, degree) if degree else GlobalUnknown(mesh))
             self.fields[name] = (space, ncomponents)
             for component in range(max(ncomponents, 1)):
                 self.offset[name, component] = size
@@ -158,7 +162,7 @@ class System:
         self._patterns: dict[Any, tuple[Array, Array, Array, int]] = {}
 
     def boundary(self, name: str) -> list[Domain]:
-        """Domains that together integrate over a named boundary."""
+        """Return the domains that together integrate over a named boundary."""
         if name not in self._facets:
             mesh, facets = self.mesh, self.mesh.boundaries[name]
             cells = mesh.f2t[0, facets]
@@ -169,12 +173,13 @@ class System:
             ]
         return self._facets[name]
 
-    def nodes(self, name: str, facets: NDArray, component: int = 0) -> NDArray[np.int64]:
-        """Global numbers of the nodes of a field on facets."""
-        return self.fields[name][0].on_facets(facets) + self.offset[name, component]
+    def nodes(self, name: str, facets: NDArray[np.int32], component: int = 0) -> NDArray[np.int64]:
+        """Return the global numbers of the nodes of a field on facets."""
+        numbers: NDArray[np.int64] = self.fields[name][0].on_facets(facets) + self.offset[name, component]
+        return numbers
 
     def ordered(self, policy: Policy) -> Policy:
-        """The policy with an order of elimination for this system; a line needs none."""
+        """Return the policy with a nested-dissection ordering for this system; a line needs none."""
         if self.mesh.dim() == 1:
             return policy
         if self._order is None:
@@ -186,7 +191,7 @@ class System:
         return replace(policy, order=self._order)
 
     def part(self, state: Array, name: str) -> Array:
-        """View of one field in a state: (size,) or (ncomponents, size)."""
+        """Return a view of one field in a state: (size,) or (ncomponents, size)."""
         space, ncomponents = self.fields[name]
         start = self.offset[name, 0]
         view = state[start : start + max(ncomponents, 1) * space.size]
@@ -211,14 +216,14 @@ class System:
         return SimpleNamespace(**out)
 
     def known(self, where: Domain, space: Space, values: Array) -> Any:
-        """A known finite-element field (values (size,) or (ncomponents, size)) as coefficient on `where`."""
+        """Return a known finite-element field, values (size,) or (ncomponents, size), as coefficient on `where`."""
         dofs = space.dofs[:, where.cells].T
         if values.ndim == 1:
             return _Unknown(where, space, values[dofs], None)
         return Components(_Unknown(where, space, row[dofs], None) for row in values)
 
     def integrate(self, expression: Callable[[Any, Any], Any], where: list[Domain], state: Array) -> float:
-        """Integral of `expression(unknowns, ops)` over domains."""
+        """Integrate `expression(unknowns, ops)` over domains."""
         total = 0.0
         for domain in where:
             value = expression(self._trial(domain, state, False), Ops(domain))
@@ -228,7 +233,7 @@ class System:
     def assemble(
         self, forms: Sequence[tuple[Form, Domain, Any]], state: Array, jacobian: bool = True
     ) -> tuple[Array, sp.csc_matrix | None]:
-        """Residual and, if wanted, Jacobian of the sum of `(form, domain, coeffs)`."""
+        """Assemble the residual and, if wanted, the Jacobian of the sum of `(form, domain, coeffs)`."""
         residual = np.zeros(self.size)
         blocks: list[tuple[Any, Array]] = []
         for form, where, coeffs in forms:
@@ -273,7 +278,7 @@ class System:
             blocks.append(((key, column, where), local))
 
     def _matrix(self, blocks: list[tuple[Any, Array]]) -> sp.csc_matrix:
-        """Sum element matrices; the pattern of one list of blocks is found once and kept."""
+        """Sum element matrices; the sparsity pattern of one list of blocks is found once and kept."""
         signature = tuple((key, column, id(where)) for (key, column, where), _ in blocks)
         if signature not in self._patterns:
             rows, columns = [], []
@@ -289,8 +294,8 @@ class System:
         return sp.csc_matrix((data, indices, indptr), shape=(self.size, self.size))
 
 
-def _pattern(rows: NDArray, columns: NDArray, size: int) -> tuple[Any, Any, Any, int]:
-    """Compressed-column structure of entries and the place of each entry in it."""
+def _pattern(rows: NDArray[np.int64], columns: NDArray[np.int64], size: int) -> tuple[Any, Any, Any, int]:
+    """Return the compressed-column structure of entries and the place of each entry in it."""
     keys = columns.astype(np.int64) * size + rows
     order = np.argsort(keys, kind="stable")
     new = np.empty(len(keys), dtype=bool)

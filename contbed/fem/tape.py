@@ -1,8 +1,8 @@
-"""Forms as data: what a form does to its unknowns is recorded once, and repeated wherever it is evaluated.
+"""Forms recorded as data: the operations of a form are recorded once and replayed where the form is compiled.
 
 A form over `ops` is run on `Recorded` values. Each remembers the operation that made it and its operands, down to the
 leaves: slots of unknowns, tests and known fields, coordinates, arrays at the quadrature points, numbers. A recorded
-form is a list of plain tuples that any process can turn into UFL (`engine.dolfinx`), so only one process needs the
+form is a list of plain tuples that any process can turn into UFL (`fem.dolfinx`), so only one process needs the
 models, the closures and the materials. Known values stay available as arrays, computed when they are asked for.
 """
 
@@ -25,7 +25,7 @@ ALLOWED = {*_UNARY, *_BINARY, *_COMPARISONS, *LOGICAL, np.power, np.float_power}
 
 
 class Recorded(Dual):
-    """A pointwise value that remembers how it was made. `operands` are Recorded, or the data of a leaf."""
+    """A pointwise value that remembers how it was made; `operands` are Recorded, or the data of a leaf."""
 
     __slots__ = ("on", "operands", "operation")
 
@@ -35,12 +35,12 @@ class Recorded(Dual):
     tangents: Any = property(lambda self: {})  # as a dual number it is a constant
 
     @property
-    def value(self) -> Any:  # type: ignore[override]
-        """The array that it stands for, unknowns taken from the last state."""
+    def value(self) -> Any:
+        """The array that this value stands for, with unknowns from the last state."""
         return self.on.value(self, {})
 
     def apply(self, f: Callable[[Any], Any], derivative: Callable[[Any], Any]) -> Recorded:
-        """A function known by its value and derivative; both are taken afresh at each assembly."""
+        """Record a function with its derivative; both are evaluated anew at each assembly."""
         return Recorded(self.on, "table", f, derivative, self)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
@@ -64,19 +64,19 @@ class Field(Recorded):
     __slots__ = ()
 
     def slot(self, kind: Any) -> Field:
-        """Another slot of the same field: "v", ("g", k), ("h", k, m) or "low"."""
+        """Return another slot of the same field: "v", ("g", k), ("h", k, m) or "low"."""
         return Field(self.on, self.operation, *self.operands[:-1], kind)
 
 
 @dataclass(eq=False)
 class KnownField:
-    """A finite-element field with given values (size,) on a space."""
+    """A finite-element field with known values (size,) on a space."""
 
     space: Any
     values: Any
 
     def __eq__(self, other: object) -> bool:
-        """Whether both are the same memory."""
+        """Return whether both fields use the same memory."""
         return isinstance(other, KnownField) and self._place == other._place
 
     __hash__ = None  # type: ignore[assignment]
@@ -88,9 +88,11 @@ class KnownField:
 
 @dataclass(frozen=True)
 class Recording:
-    """A form as data: `entries` are (operation, operands), with operands that are earlier entries by number or the data
-    of a leaf; arrays and known fields are kept beside them and named by number. `tables` are triples of array numbers
-    (value, derivative, argument) with the functions that renew them.
+    """A form as data: `entries` are tuples (operation, operands).
+
+    Operands are numbers of earlier entries, or the data of a leaf. Arrays and known fields are kept beside the entries
+    and referred to by number. `tables` holds (number of the first of three arrays, function, derivative, argument): the
+    three arrays are the value, the derivative and the argument of a property table, and the functions renew them.
     """
 
     entries: tuple[Any, ...]
@@ -101,7 +103,7 @@ class Recording:
 
 @dataclass(eq=False)
 class Tape:
-    """Records forms on one domain of a system whose last state gives values to the unknowns."""
+    """Recorder of forms on one domain of a system; the last state gives the values of the unknowns."""
 
     system: System
     where: Domain
@@ -112,7 +114,7 @@ class Tape:
         self.components = [*self.system.offset]
 
     def leaf(self, item: Any) -> Recorded:
-        """A number or an array as Recorded."""
+        """Return a number or an array as Recorded."""
         if isinstance(item, Recorded):
             return item
         if np.ndim(item) == 0:
@@ -120,7 +122,7 @@ class Tape:
         return Recorded(self, "array", np.asarray(item, dtype=float))
 
     def fields(self, operation: str) -> dict[str, Any]:
-        """All unknowns or tests by name."""
+        """Return all unknowns, or all tests, by name."""
         out: dict[str, Any] = {}
         for name, (_, ncomponents) in self.system.fields.items():
             parts = [Field(self, operation, (name, c), "v") for c in range(max(ncomponents, 1))]
@@ -128,13 +130,13 @@ class Tape:
         return out
 
     def known(self, space: Any, values: Any) -> Any:
-        """A known field as Recorded, a vector where it has components."""
+        """Return a known field as Recorded; a vector where it has components."""
         if values.ndim == 1:
             return Field(self, "known", KnownField(space, values), "v")
         return Components(self.known(space, row) for row in values)
 
     def value(self, item: Recorded, memory: dict[int, Any]) -> Any:
-        """Number or array of a recorded value."""
+        """Return the number or array of a recorded value."""
         if id(item) not in memory:
             memory[id(item)] = self._value(item, memory)
         return memory[id(item)]
@@ -162,7 +164,7 @@ class Tape:
         return getattr(np, operation)(*values)
 
     def record(self, integrand: Recorded) -> Recording:
-        """All that a value depends on, as data."""
+        """Record everything that a value depends on, as data."""
         entries: list[Any] = []
         numbers: dict[int, int] = {}
         out = Recording((), [], [], [])
@@ -206,7 +208,7 @@ class Tape:
         return Recording(tuple(entries), out.arrays, out.known, out.tables)
 
     def renew(self, recording: Recording) -> list[int]:
-        """Values and derivatives of all tables at the present state; returns the numbers of the arrays that change."""
+        """Evaluate all tables at the present state; return the numbers of the arrays that change."""
         memory: dict[int, Any] = {}
         for first, f, derivative, argument in recording.tables:
             T = self.value(argument, memory)
@@ -216,7 +218,7 @@ class Tape:
 
 
 class TapeOps(Ops):
-    """The vocabulary of forms on recorded values."""
+    """The operators of forms on recorded values."""
 
     def __init__(self, tape: Tape):
         super().__init__(tape.where)
@@ -225,7 +227,7 @@ class TapeOps(Ops):
 
 
 def _in_order(root: Recorded) -> list[Recorded]:
-    """All values below `root`, operands before what is made of them."""
+    """Return all values that `root` depends on, operands before the values made of them."""
     done: dict[int, Recorded] = {}
     stack = [root]
     while stack:
@@ -239,7 +241,7 @@ def _in_order(root: Recorded) -> list[Recorded]:
 
 
 def integrand(tape: Tape, forms: Any) -> Recorded | None:
-    """The sum of what `forms` (form, domain, coefficients) integrate over the domain of a tape."""
+    """Return the sum of what `forms` (form, domain, coefficients) integrate over the domain of a tape."""
     unknowns, tests = (SimpleNamespace(**tape.fields(what)) for what in ("unknown", "test"))
     total: Any = 0.0
     for form, where, coeffs in forms:

@@ -1,11 +1,11 @@
-"""The same forms in UFL, for FFCx and DOLFINx: pointwise values are UFL expressions behind numpy's ufunc protocol.
+"""Forms of the models in UFL, for FFCx and DOLFINx: pointwise values are UFL expressions behind numpy's ufunc protocol.
 
     problem = UflSystem("triangle", {"u": (2, 2), "p": (1, 0)})
     form = problem.form(porous_flow.residual, coefficients, order=5)          # a ufl.Form, one integral over cells
     matrix = ufl.derivative(form, problem.state)
 
-Forms, closures and materials run unchanged. Tables (CoolProp) have no expression: they enter as coefficients. Where
-`ops.low` is used, `state_low` holds the linear interpolants of all fields, that is, their values at the vertices.
+Forms, closures and materials run unchanged. Property tables (CoolProp) have no expression: they enter as coefficients.
+Where `ops.low` is used, `state_low` holds the linear interpolants of all fields, that is, their values at the vertices.
 """
 
 from __future__ import annotations
@@ -87,14 +87,14 @@ def _expression(item: Any) -> Any:
 
 
 def _components(expression: Any, first: int, count: int) -> Any:
-    """Entries `first`... of a vector expression as Components, or one entry where `count` is 0."""
+    """Return entries `first`... of a vector expression as Components, or one entry where `count` is 0."""
     if not count:
         return Pointwise(expression[first])
     return Components(Pointwise(expression[first + k]) for k in range(count))
 
 
 class UflOps(Ops):
-    """The vocabulary of forms on UFL expressions; products, divergence and hoop term are those of `Ops`."""
+    """The operators of forms on UFL expressions; products, divergence and hoop term are those of `Ops`."""
 
     def __init__(self, mesh: ufl.Mesh, axisymmetric: bool, low: Mapping[Any, Any]):
         self.dim, self.axisymmetric, self._low = mesh.geometric_dimension, axisymmetric, low
@@ -103,26 +103,27 @@ class UflOps(Ops):
         self.h = Pointwise(ufl.MaxCellEdgeLength(mesh))
 
     def grad(self, field: Any) -> Components:
-        """Gradient: a vector of a scalar field; rows are the gradients of the components of a vector field."""
+        """Return the gradient: a vector for a scalar field, a matrix with one row per component for a vector."""
         if isinstance(field, Components):
             return Components(self.grad(item) for item in field.items)
-        return _components(ufl.grad(field.expression), 0, self.dim)
+        gradient: Components = _components(ufl.grad(field.expression), 0, self.dim)
+        return gradient
 
     def hess(self, field: Pointwise) -> Components:
-        """Second derivatives of a scalar field in the plane of the mesh."""
+        """Return the second derivatives of a scalar field in the plane of the mesh."""
         return self.grad(self.grad(field))
 
     def laplacian(self, field: Pointwise) -> Any:
-        """Laplacian of a scalar field, with its first-derivative term when axisymmetric."""
+        """Return the Laplacian of a scalar field, with its first-derivative term when axisymmetric."""
         return self.div(self.grad(field))
 
     def low(self, field: Pointwise) -> Pointwise:
-        """The piecewise linear interpolant of an unknown."""
+        """Return the piecewise linear interpolant of an unknown."""
         return Pointwise(self._low[field.expression])
 
 
 class UflSystem:
-    """Named unknowns on one cell type, the counterpart of `engine.skfem.System`.
+    """Named unknowns on one cell type, the counterpart of `fem.skfem.System`.
 
     `fields` maps a name to (degree, ncomponents); ncomponents is 0 for a scalar. `state` and `state_low` are the
     coefficients of all unknowns and of their linear interpolants.
@@ -149,7 +150,7 @@ class UflSystem:
         return SimpleNamespace(**out)
 
     def known(self, degree: int, ncomponents: int) -> tuple[ufl.Coefficient, Any]:
-        """A known finite-element field: the UFL coefficient, and what a form sees of it."""
+        """Return a known finite-element field: the UFL coefficient, and what a form sees of it."""
         coefficient = ufl.Coefficient(ufl.FunctionSpace(self.mesh, lagrange(self.cell, degree, ncomponents)))
         if ncomponents:
             return coefficient, _components(coefficient, 0, ncomponents)
@@ -164,7 +165,7 @@ class UflSystem:
         rule: tuple[Any, Any] | None = None,
         facets: bool = False,
     ) -> ufl.Form:
-        """Integral of a form over cells or exterior facets, times 2 pi r when axisymmetric.
+        """Return the integral of a form over cells or exterior facets, times 2 pi r when axisymmetric.
 
         `order` is the degree of the quadrature; a `rule` of reference points (n, dim) and weights replaces it.
         """
@@ -175,4 +176,5 @@ class UflSystem:
         if rule is not None:
             metadata |= {"quadrature_rule": "custom", "quadrature_points": rule[0], "quadrature_weights": rule[1]}
         measure = ufl.ds if facets else ufl.dx
-        return integrand * measure(domain=self.mesh, metadata=metadata)
+        integral: ufl.Form = integrand * measure(domain=self.mesh, metadata=metadata)
+        return integral

@@ -11,7 +11,7 @@ import numpy as np
 
 from contbed.fem.dolfinx import Partition
 from contbed.fem.elements import Space
-from contbed.fem.ranks import Crew, crew
+from contbed.fem.ranks import RankGroup, rank_group
 from contbed.output.files import atomic
 from contbed.output.vtu import write_fields
 
@@ -19,8 +19,8 @@ WHOLE = 100_000  # cells up to which the first rank writes one file
 
 
 def write(path: Path, mesh: Any, nodal: Mapping[str, tuple[Space, Any]]) -> str:
-    """Write fields of the leader's mesh, see `output.vtu.write_fields`; returns the name of the file to open."""
-    all_ranks = crew()
+    """Write fields of the root rank's mesh, see `output.vtu.write_fields`; returns the name of the file to open."""
+    all_ranks = rank_group()
     if all_ranks.comm.size == 1 or mesh.nelements <= WHOLE:
         write_fields(path, mesh, nodal)
         return path.name
@@ -35,9 +35,9 @@ def write(path: Path, mesh: Any, nodal: Mapping[str, tuple[Space, Any]]) -> str:
     }
     corners = mesh.p[:, mesh.t].transpose(2, 0, 1).reshape(mesh.nelements, -1)
     by_cell = [row[space.dofs.T] for space, values in nodal.values() for row in np.atleast_2d(values)]
-    root = [partition.shares(table) for table in (mesh.t.T, corners, region, *by_cell)]
+    root = [partition.split(table) for table in (mesh.t.T, corners, region, *by_cell)]
     folder = path.parent.resolve()
-    all_ranks.together(write_piece, type(mesh), mesh.dim(), fields, names, str(folder), path.stem, root=root)
+    all_ranks.run_on_all(write_piece, type(mesh), mesh.dim(), fields, names, str(folder), path.stem, root=root)
     header = path.with_suffix(".pvtu")
     with atomic(header) as temporary:
         temporary.write_text(_header(fields, bool(names), path.stem, all_ranks.comm.size), encoding="utf-8")
@@ -75,7 +75,7 @@ def _piece(stem: str, rank: int) -> str:
 
 
 def write_piece(
-    all_ranks: Crew,
+    all_ranks: RankGroup,
     root: Any,
     kind: Any,
     dim: int,

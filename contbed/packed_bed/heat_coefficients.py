@@ -104,7 +104,7 @@ class HeatCoefficients:
         stabilisation = None
         if flux is not None and self.scene.solver.stabilisation:
             speed = np.sqrt(plain(Ops.dot(flux, flux)) + TINY)
-            h = where.along(Components(plain(part) / speed for part in flux.items))
+            h = where.length_along(Components(plain(part) / speed for part in flux.items))
             stagnant = conductivity(T_ref) + along
             stabilisation = plain(tau(speed * capacity, stagnant, exchange, capacity, h, self.scene.solver.degree))
         computed = phase == "fluid" and self.motion.flow is not None

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_matrix
 
-from contbed.fem import policy, shared
+from contbed.fem import engine_matrix, policy
 from contbed.fem.elements import Space
 from contbed.mesh.mesh import Mesh
 from contbed.radiation.equations import p1 as radiation
@@ -71,7 +71,7 @@ class OrdinatesProblem:
 
     def _inverse(self, matrix: Any) -> Any:
         """Solutions by all ranks; what rounding leaves the ordinates refine by themselves."""
-        solver = Solver(shared(self.mesh, matrix), policy(self.mesh, self.scene.solver.memory_GB))
+        solver = Solver(engine_matrix(self.mesh, matrix), policy(self.mesh, self.scene.solver.memory_GB))
         return lambda rhs: np.apply_along_axis(solver.approximate, 0, rhs)
 
     def _end(self, name: str, z: Any) -> int:
@@ -110,7 +110,7 @@ class OrdinatesProblem:
             return residual, None
         slope = 16.0 * radiation.SIGMA * state**3
         exchange = self.mass @ (K * (np.eye(len(state)) - 0.25 * K * self.response) * slope)
-        return residual, shared(self.mesh, csc_matrix(section * (self.stiffness + exchange)))
+        return residual, engine_matrix(self.mesh, csc_matrix(section * (self.stiffness + exchange)))
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
         """Newton from the mean of the given temperatures; without conduction one solution of the ordinates."""

@@ -21,9 +21,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from contbed.fem.domain import Domain
 from contbed.fem.dual import Components, Dual
 from contbed.fem.elements import lagrange
-from contbed.fem.skfem import Domain, System
+from contbed.fem.skfem import System
 from contbed.solvers.linear import Policy
 from contbed.solvers.newton import newton
 

@@ -107,7 +107,7 @@ def lose(out: Path, scene: str) -> None:
 
 
 def complain(out: Path, scene: str, key: str, value: str) -> None:
-    """All ranks meet the error that ended the leader, in a scene with one value changed."""
+    """All ranks meet the error that ended the root rank, in a scene with one value changed."""
     table = tables = deepcopy(SCENES[scene])
     *path, last = key.split(".")
     for step in path:

@@ -14,7 +14,7 @@ from dolfinx_scenes import SCENES
 
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.developed_flow.problem import DevelopedProblem
-from contbed.fem.dolfinx import adopted
+from contbed.fem.dolfinx import on_dolfinx
 from contbed.loading import from_dict
 from contbed.models import plan as make_plan
 from contbed.result import Result
@@ -31,7 +31,7 @@ POINTWISE = {"bubbling_bed": BubblingProblem, "fully_developed": DevelopedProble
 def problems(name: str):
     """The scene's problem on both engines, with the same velocities."""
     made = make_plan(from_dict(SCENES[name]))
-    one, other = made, adopted(made)
+    one, other = made, on_dolfinx(made)
     if made.scene.kind in POINTWISE:
         return POINTWISE[made.scene.kind](one), POINTWISE[made.scene.kind](other)
     if made.scene.heat is None:

@@ -127,9 +127,9 @@ def test_a_rank_that_fails_ends_all(scene: str) -> None:
         ("bubbling_frozen", "solver.balance_tolerance", "1e-30", "BalanceError", 5),
     ],
 )
-def test_all_ranks_meet_the_error_of_the_leader(results, scene, key, value, error: str, code: int) -> None:
+def test_all_ranks_meet_the_error_of_the_root_rank(results, scene, key, value, error: str, code: int) -> None:
     folder = results("complain", 2, scene, key, value)
     first, second = ((folder / f"rank{k}.txt").read_text() for k in range(2))
-    assert first.startswith(f"{error} {code} ") and second.startswith(f"FollowerError {code} ")
+    assert first.startswith(f"{error} {code} ") and second.startswith(f"RootRankError {code} ")
     assert first.split(" ", 2)[2] == second.split(" ", 2)[2]
     assert (folder / "summary.json").is_file() and (folder / "checkpoint.npz").is_file() == (code == 3)
