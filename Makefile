@@ -1,4 +1,4 @@
-# make heater: install and run the main example.   make test: install and test.   make test-dolfinx: the engine for MPI.
+# make heater: install and run the main example.   make gallery: list the studies.   make test: install and test.   make test-dolfinx: the engine for MPI.
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -9,10 +9,13 @@ SYSTEM := libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1 gcc libc
 VENV_DOLFINX ?= .venv-dolfinx
 SYSTEM_DOLFINX := python3-dolfinx mpi-default-bin python3-venv gcc libc6-dev python3-dev
 
-.PHONY: heater test test-slow test-dolfinx dolfinx system lint clean
+.PHONY: heater gallery test test-slow test-dolfinx dolfinx system lint clean
 
 heater: $(BIN)/contbed
 	$(BIN)/contbed run studies/moving_bed_heater/heater.toml --out results/heater
+
+gallery: $(VENV)/.test
+	$(BIN)/python -m studies
 
 test: system $(VENV)/.test
 	$(BIN)/python -m pytest -q -n auto

@@ -1,24 +1,31 @@
-"""Developed Brinkman-Forchheimer flow around a bed that slides along a channel, against the exact solution.
+"""Developed Brinkman-Forchheimer flow around a bed that slides along a channel, against the exact solution."""
 
-python studies/brinkman_forchheimer/study.py
-"""
+from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import contbed as cb
 from contbed.verify import exact
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
-SCENES = ("slip_0.00_darcy", "slip_0.00", "slip_0.50", "slip_0.95", "slip_-0.25")
-LABELS = ("$u_s = 0$, $c_F = 0$", "$u_s = 0$", "$u_s = 0.5\\, u_D$", "$u_s = 0.95\\, u_D$", "$u_s = -0.25\\, u_D$")
-COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7")
-ACROSS = (16, 24, 32, 48, 64, 96, 128)  # cells across the channel in the convergence plot
+SCENES = {
+    "slip_0.00_darcy": ("$u_s = 0$, $c_F = 0$", gallery.BLACK),
+    "slip_0.00": ("$u_s = 0$", gallery.BLUE),
+    "slip_0.50": (r"$u_s = 0.5\, u_D$", gallery.VERMILION),
+    "slip_0.95": (r"$u_s = 0.95\, u_D$", gallery.GREEN),
+    "slip_-0.25": (r"$u_s = -0.25\, u_D$", gallery.PURPLE),
+}
+ACROSS = (16, 24, 32, 48, 64, 96, 128)  # cells across the channel besides those of the scene
+ERRORS = {"error of u_max [1]": "the largest velocity", "error of dp/dx [1]": "the pressure gradient"}
+NOT_COMPARED = tuple(ERRORS)
 
 
-def reference(scene, y=0.0):
+def reference(scene: cb.Scene, y: Any = 0.0) -> Any:
     """Exact developed flow at the distance y [m] from a wall, from the values in the scene."""
     flow, fluid, bed = scene.flow, scene.fluid, scene.bed
     return exact.brinkman_forchheimer_channel(
@@ -34,7 +41,7 @@ def reference(scene, y=0.0):
     )
 
 
-def errors(scene, result):
+def errors(scene: cb.Scene, result: cb.Result) -> tuple[float, float]:
     """Relative errors of the largest velocity at the outlet and of the pressure gradient."""
     wanted = reference(scene)
     return (
@@ -43,59 +50,43 @@ def errors(scene, result):
     )
 
 
-def with_cells(scene, across):
+def with_cells(scene: cb.Scene, across: int) -> cb.Scene:
     """The scene with another number of cells across the channel."""
     mesh = scene.mesh.model_copy(update={"cells": (scene.mesh.cells[0], across)})
     return scene.model_copy(update={"mesh": mesh})
 
 
-def main():
-    scenes = {name: cb.load(HERE / f"{name}.toml") for name in SCENES}
-    lines = ["scene,u_s/u_D [1],c_F [1],cells across,u_max/u_D [1],P* [1],error of u_max [1],error of dp/dx [1]"]
-    history = {}
-    for name, scene in scenes.items():
+def compute() -> Tables:
+    """Every scene on coarser meshes and on its own."""
+    rows = []
+    for name in SCENES:
+        scene = cb.load(HERE / f"{name}.toml")
         fluid, u, height = scene.fluid, scene.flow.velocity, scene.mesh.height
-        for across in (*ACROSS, scene.mesh.cells[1]):
-            if across > scene.mesh.cells[1] or (name, across) in history:
-                continue
+        for across in sorted({*(n for n in ACROSS if n < scene.mesh.cells[1]), scene.mesh.cells[1]}):
             result = cb.run(with_cells(scene, across))
-            history[name, across] = errors(scene, result)
             gradient = result.qoi["pressure_gradient_Pa_m"] * height**2 / (fluid.viscosity * u)
-            numbers = f"{result.qoi['u_max_outlet'] / u:.11f},{gradient:.8f}"
-            u_max, dp = history[name, across]
-            case = f"{name},{scene.flow.velocity_solid / u:g},{scene.bed.forchheimer:g},{across}"
-            lines.append(f"{case},{numbers},{u_max:.1e},{dp:.1e}")
-        print(lines[-1])
-    (HERE / "results.csv").write_text("\n".join(lines) + "\n", encoding="ascii")
-    plot(scenes, history)
+            case = name, scene.flow.velocity_solid / u, scene.bed.forchheimer, across
+            rows.append((*case, result.qoi["u_max_outlet"] / u, gradient, *errors(scene, result)))
+    columns = {"scene": "", "u_s/u_D [1]": "g", "c_F [1]": "g", "cells across": "d"}
+    columns |= {"u_max/u_D [1]": ".11f", "P* [1]": ".8f", **dict.fromkeys(ERRORS, ".1e")}
+    return {"results": Table(columns, rows)}
 
 
-def plot(scenes, history):
-    plt.rcParams.update({"axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False})
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(12, 3.9), layout="constrained")
-    for (name, scene), label, colour in zip(scenes.items(), LABELS, COLOURS, strict=True):
+def plot(tables: Tables) -> dict[str, Any]:
+    """Exact profiles, and both errors over the number of cells."""
+    figure, (left, *others) = gallery.figure(1, 3)
+    for name, (text, colour) in SCENES.items():
+        scene = cb.load(HERE / f"{name}.toml")
         eta = np.linspace(0, 0.5, 501) ** 2 * 2
-        left.plot(eta, reference(scene, eta * scene.mesh.height).u / scene.flow.velocity, color=colour, label=label)
-        cells = [n for key, n in history if key == name]
-        for axes, part in ((middle, 0), (right, 1)):
-            axes.loglog(cells, [abs(history[name, n][part]) for n in cells], "o-", color=colour, markersize=4)
-    for axes, start in ((middle, 1e-5), (right, 1e-3)):
-        n = np.array([40, 160])
-        axes.loglog(n, start * (n[0] / n) ** 4, color="grey", linestyle=(0, (4, 2)))
-        axes.annotate(
-            "order 4", (n[1], start * 4**-4.0), color="grey", fontsize=9, xytext=(3, 3), textcoords="offset points"
-        )
+        left.plot(eta, reference(scene, eta * scene.mesh.height).u / scene.flow.velocity, color=colour, label=text)
+        found = tables["results"].where({"scene": name})
+        for axes, error in zip(others, ERRORS, strict=True):
+            axes.loglog(found["cells across"], np.abs(found[error]), "o-", color=colour)
+    for axes, what, start in zip(others, ERRORS.values(), (1e-5, 1e-3), strict=True):
+        gallery.order_line(axes, (40, 160), start, 4)
         axes.axhline(1e-8, color="grey", linewidth=0.8)
-        axes.set(xlabel="cells across the channel", xticks=[16, 32, 64, 128, 256], ylim=(1e-11, 1e-1))
-        axes.set_xticklabels(["16", "32", "64", "128", "256"])
-        axes.minorticks_off()
+        axes.set(xlabel="cells across the channel", ylim=(1e-11, 1e-1), title=f"relative error of {what}")
+        gallery.ticks(axes, x=(16, 32, 64, 128, 256))
     left.set(xlabel="y/H", ylabel="$u/u_D$", xlim=(0, 0.5), ylim=(0, 1.2), title="exact profiles")
-    left.legend(fontsize=9, loc="lower right")
-    middle.set(title="relative error of the largest velocity")
-    right.set(title="relative error of the pressure gradient")
-    figure.savefig(HERE / "convergence.png", dpi=200)
-    plt.close(figure)
-
-
-if __name__ == "__main__":
-    main()
+    left.legend(loc="lower right")
+    return {"convergence": figure}

@@ -3,20 +3,23 @@
 Unknown are the values of all fields at the Chebyshev-Lobatto points of each panel, and the distributor. Equations hold
 at inner points; fields of second order are continuous with their slopes where panels meet, gases are continuous.
 Only the numbers of a scene are shared with contbed.
-
-    python studies/bubbling_bed_case1/collocation.py        # about 10 s on one thread: reference.csv
 """
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import spsolve
 from scipy.special import erf
 
+from contbed import load
+from studies._gallery import Table, Tables
+
+HERE = Path(__file__).parent
+SCENES = ("none", "paper_closure", "two_flux", "p1")
 SIGMA = 5.670374419e-8
 PANELS = np.array([0.0, 0.6e-3, 1.5e-3, 3e-3, 6e-3, 12e-3, 25e-3, 50e-3, 100e-3])  # from each end [m]
 
@@ -234,21 +237,19 @@ class Collocation:
         return {name: float(value) for name, value in out.items()}
 
 
-def main():
-    """Write the named results of all scenes."""
-    from contbed import load
-
-    here = Path(__file__).parent
-    names = ("none", "paper_closure", "two_flux", "p1")
-    found = []
-    for name in names:
-        solver = Collocation(load(here / f"{name}.toml"), n=12)
-        found.append(solver.results(*solver.solve()))
-    with open(here / "reference.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["result", *names])
-        writer.writerows([key, *(f"{each[key]:.6f}" for each in found)] for key in found[0])
+def reference(name: str) -> dict[str, float]:
+    """Named results of a scene of this folder."""
+    solver = Collocation(load(HERE / f"{name}.toml"), n=12)
+    return solver.results(*solver.solve())
 
 
-if __name__ == "__main__":
-    main()
+def compute() -> Tables:
+    """The named results of all scenes."""
+    found = {name: reference(name) for name in SCENES}
+    rows = [(key, *(found[name][key] for name in SCENES)) for key in found[SCENES[0]]]
+    return {"reference": Table({"result": "", **dict.fromkeys(SCENES, ".6f")}, rows)}
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Nothing: study.py draws."""
+    return {}

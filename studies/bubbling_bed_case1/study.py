@@ -1,35 +1,33 @@
-"""The bubbling bed with frozen closures at four levels of radiation: table, errors against collocation, pictures.
-
-python studies/bubbling_bed_case1/study.py        # about 5 s: results.csv, profiles.png, convergence.png
-"""
+"""The bubbling bed with frozen closures at four levels of radiation, beside collocation."""
 
 from __future__ import annotations
 
-import csv
-import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 import contbed as cb
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 LEVELS = {
-    "none": ("no radiation", "#999999"),
-    "paper_closure": ("paper's closure", "#E69F00"),
-    "two_flux": ("two-flux", "#0072B2"),
-    "p1": ("P1", "#D55E00"),
+    "none": ("no radiation", gallery.GREY),
+    "paper_closure": ("paper's closure", gallery.ORANGE),
+    "two_flux": ("two-flux", gallery.BLUE),
+    "p1": ("P1", gallery.VERMILION),
 }
 CELLS = (8, 16, 32, 64, 128)
+DEGREES = {1: gallery.ORANGE, 2: gallery.GREEN, 3: gallery.BLUE}
+PANELS = {"T_char [K]": "char", "T_inert [K]": "inert", "T_bubble [K]": "bubble gas"}
+NOT_COMPARED = ("largest error of a temperature [K]",)
 
 
 def reference() -> dict[str, dict[str, float]]:
-    """Named results of each scene by collocation."""
-    with open(HERE / "reference.csv", newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    return {name: {row["result"]: float(row[name]) for row in rows} for name in LEVELS}
+    """Named results of each scene by collocation (collocation.py)."""
+    table = Table.read(HERE / "reference.csv")
+    return {level: dict(zip(table["result"], table[level], strict=True)) for level in LEVELS}
 
 
 def errors(qoi: dict[str, float], exact: dict[str, float]) -> tuple[float, float]:
@@ -38,68 +36,65 @@ def errors(qoi: dict[str, float], exact: dict[str, float]) -> tuple[float, float
     return kelvin, max(abs(qoi[name] / value - 1) for name, value in exact.items() if name.endswith("_W") and value)
 
 
-def main() -> None:
-    """Run the scenes, write the table and the pictures."""
-    exact, results, seconds = reference(), {}, {}
-    cb.run(cb.load(HERE / "p1.toml"))  # imports
-    for name in LEVELS:
-        start = time.perf_counter()
-        results[name] = cb.run(cb.load(HERE / f"{name}.toml"))
-        seconds[name] = time.perf_counter() - start
-        kelvin, share = errors(results[name].qoi, exact[name])
-        print(f"{name:14} {seconds[name]:.2f} s, largest error {kelvin:.1e} K, {share:.1e} of a duty")
-    with open(HERE / "results.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["result", *LEVELS])
-        for key in results["p1"].qoi:
-            writer.writerow([key, *(f"{results[name].qoi[key]:.9g}" for name in LEVELS)])
-    profiles(results)
-    convergence(exact["p1"])
+def compute() -> Tables:
+    """Named results and profiles of all scenes, and the errors of P1 over cells and degree."""
+    exact, results = reference(), {name: cb.run(cb.load(HERE / f"{name}.toml")) for name in LEVELS}
+    for name, result in results.items():
+        kelvin, share = errors(result.qoi, exact[name])
+        print(f"{name:14} largest error {kelvin:.1e} K, {share:.1e} of a duty")
+    rows = [[key, *(results[name].qoi[key] for name in LEVELS)] for key in results["p1"].qoi]
+    profiles: list[tuple[Any, ...]] = []
+    for name, result in results.items():
+        columns = result.profiles
+        G = columns.get("G [W/m2]", [None] * len(columns["z [m]"]))
+        profiles += [(name, *row) for row in zip(columns["z [m]"], *(columns[key] for key in PANELS), G, strict=True)]
+    places = {"level": "", "z [m]": ".5g", **dict.fromkeys(PANELS, ".7g"), "G [W/m2]": ".6g"}
+    return {
+        "results": Table({"result": "", **dict.fromkeys(LEVELS, ".9g")}, rows),
+        "profiles": Table(places, profiles[::3]),
+        "convergence": convergence(exact["p1"]),
+    }
 
 
-def profiles(results: dict[str, cb.Result]) -> None:
+def convergence(exact: dict[str, float]) -> Table:
+    """Largest error of a temperature over the number of cells, with P1 and each degree."""
+    rows = []
+    for degree in DEGREES:
+        for cells in CELLS:
+            scene = cb.load(HERE / "p1.toml", {"mesh.cells": cells, "solver.degree": degree})
+            rows.append((degree, cells, errors(cb.run(scene).qoi, exact)[0]))
+    return Table({"degree": "d", "cells": "d", NOT_COMPARED[0]: ".3e"}, rows)
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Temperatures over the height for all levels; errors over the number of cells."""
+    return {"profiles": plot_profiles(tables["profiles"]), "convergence": plot_errors(tables["convergence"])}
+
+
+def plot_profiles(profiles: Table) -> Any:
     """Temperatures over the height for all levels, and what happens in the lowest centimetre."""
-    figure = Figure(figsize=(11, 4.6), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.subplots(1, 4, width_ratios=[1, 1, 1, 1.1])
-    panels = (("T_char [K]", "char"), ("T_inert [K]", "inert"), ("T_bubble [K]", "bubble gas"))
-    for name, (label, colour) in LEVELS.items():
-        columns = results[name].profiles
-        for panel, (header, _) in zip(axes, panels, strict=False):
-            panel.plot(columns[header], columns["z [m]"], color=colour, label=label)
-        if "G [W/m2]" in columns:
-            axes[3].semilogy(1e-3 * columns["G [W/m2]"], 1e3 * np.maximum(columns["z [m]"], 1e-9), color=colour)
-    for panel, (_, what) in zip(axes, panels, strict=False):
+    figure, axes = gallery.figure(1, 4, size=(11, 4.6), width_ratios=[1, 1, 1, 1.1])
+    for name, (text, colour) in LEVELS.items():
+        found = profiles.where({"level": name})
+        for panel, header in zip(axes, PANELS, strict=False):
+            panel.plot(found[header], found["z [m]"], color=colour, label=text)
+        axes[3].semilogy(1e-3 * found["G [W/m2]"], 1e3 * np.maximum(found["z [m]"], 1e-9), color=colour)
+    for panel, what in zip(axes, PANELS.values(), strict=False):
         panel.set(title=what, xlabel="temperature [K]", ylim=(0, 0.6))
     axes[0].set_ylabel("height above the distributor [m]")
     axes[3].set(title="incident radiation", xlabel="$G$ [kW/m$^2$]", ylabel="height [mm]", ylim=(1e-2, 600))
-    for panel in axes:
-        panel.spines[["top", "right"]].set_visible(False)
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
-    figure.savefig(HERE / "profiles.png", dpi=130)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return figure
 
 
-def convergence(exact: dict[str, float]) -> None:
-    """Largest error of a temperature over the number of cells, with P1 and each degree."""
-    figure = Figure(figsize=(6, 4.4), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.subplots()
-    for degree, colour in ((1, "#E69F00"), (2, "#009E73"), (3, "#0072B2")):
-        found = []
-        for cells in CELLS:
-            scene = cb.load(HERE / "p1.toml", {"mesh.cells": cells, "solver.degree": degree})
-            found.append(errors(cb.run(scene).qoi, exact)[0])
-        axes.loglog(CELLS, found, "o-", color=colour, label=f"degree {degree}")
-        order = np.log2(found[-3] / found[-2])
-        print(f"degree {degree}: errors {', '.join(f'{error:.1e}' for error in found)} K, order {order:.2f}")
-    axes.set(xlabel="cells", ylabel="largest error of a temperature [K]", title="P1 against collocation")
-    axes.set_xticks(CELLS, [str(cells) for cells in CELLS])
-    axes.minorticks_off()
+def plot_errors(table: Table) -> Any:
+    """Largest error of a temperature over the number of cells."""
+    figure, axes = gallery.figure(1, 1, size=(6, 4.4))
+    for degree, colour in DEGREES.items():
+        found = table.where({"degree": degree})
+        axes.loglog(found["cells"], found[NOT_COMPARED[0]], "o-", color=colour, label=f"degree {degree}")
+    axes.set(xlabel="cells", ylabel=NOT_COMPARED[0], title="P1 against collocation")
+    gallery.ticks(axes, x=CELLS)
     axes.grid(which="major", linewidth=0.3)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False)
-    figure.savefig(HERE / "convergence.png", dpi=130)
-
-
-if __name__ == "__main__":
-    main()
+    axes.legend()
+    return figure

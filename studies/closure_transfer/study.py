@@ -1,13 +1,13 @@
-"""From packings to beds: conductivity and heat transfer coefficient of four packings, used beside the literature's.
+"""From packings to beds: conductivity and heat transfer coefficient of four packings, used beside the literature's."""
 
-python studies/closure_transfer/study.py
-"""
+from __future__ import annotations
 
-import csv
 import tempfile
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +25,8 @@ from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain
 from contbed.materials.constant import ConstantFluid
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 SCENE = HERE / "heated_wall.toml"
@@ -40,7 +42,7 @@ LAWS = {"Zhou, Yu, Zulli": partial(nusselt_power, a=1.2, b=0.5), "Gunn": nusselt
 EXCHANGE = ("wakao_kaguei", "gunn", "ranz_marshall")
 
 
-def packings():
+def packings() -> Iterator[extract.Packing]:
     """Beds of 2500 spheres with periodic sides, measured between z = 2 mm and 24 mm."""
     for seed in SEEDS:
         bed = pack(
@@ -55,14 +57,14 @@ def packings():
         yield extract.Packing(bed.position, R, bed.statistics["porosity_core"], 2e-3, 24e-3, WIDTH**2, box)
 
 
-def fit(beds, paths="cones"):
+def fit(beds: Sequence[extract.Packing], paths: str = "cones") -> Any:
     """k/k_fluid over k_solid/k_fluid from some beds together."""
     data = extract.conductivity_sweep(beds, RATIOS, K_FLUID, correction(SOFT, REAL, STATIC), paths)
     k = data.pop("k/k_fluid")
     return extract.fit_log_polynomial("conductivity", data, k, {extract.RATIO: "log"}, (3,))
 
 
-def exchange_points(bed, law):
+def exchange_points(bed: extract.Packing, law: Any) -> Any:
     """Re, Pr and mean Nu of the particles of a bed at rest, at all velocities and Prandtl numbers."""
     top = bed.x[:, 2].max() + R
     count = (4, 4, round(1.3 * top / (3 * R)))
@@ -78,18 +80,18 @@ def exchange_points(bed, law):
     return np.array(points).T
 
 
-def fit_exchange(beds, law):
+def fit_exchange(beds: Sequence[extract.Packing], law: Any) -> Any:
     """Nu = 2 + a Re^b Pr^(1/3) of some beds together."""
     return extract.fit_power(*np.concatenate([exchange_points(bed, law) for bed in beds], axis=1))
 
 
-def outlet(conductivity, scene=SCENE, **overrides):
+def outlet(conductivity: Any, scene: Path = SCENE, **overrides: Any) -> float:
     """Mean temperature of the gas at the outlet [K]."""
     changes = {"heat.conductivity_solid": conductivity, "output.plots": False, "output.fields": False, **overrides}
-    return cb.run(cb.load(scene, changes)).qoi["T_fluid_out_K"]
+    return float(cb.run(cb.load(scene, changes)).qoi["T_fluid_out_K"])
 
 
-def outlet_of(found, exchange=None, scene=SCENE):
+def outlet_of(found: Any, exchange: Any = None, scene: Path = SCENE) -> float:
     """The same with fits that are not kept."""
     with tempfile.TemporaryDirectory() as folder:
         files = {"conductivity": found} | ({} if exchange is None else {"exchange": exchange})
@@ -99,66 +101,71 @@ def outlet_of(found, exchange=None, scene=SCENE):
         return outlet({"file": str(Path(folder) / "conductivity.toml")}, scene, **more)
 
 
-def both(beds, conductivity):
+def reference() -> dict[str, float]:
+    """Outlet temperatures [K] with conductivities of the literature."""
+    return {name: outlet(name) for name in LITERATURE}
+
+
+def of_exchange(scene: Path) -> dict[str, float]:
+    """Outlet temperatures [K] with Zehner and Schluender's conductivity and each exchange of the literature."""
+    return {
+        f"zehner_schluender, {nusselt}": outlet("zehner_schluender", scene, **{"heat.nusselt": nusselt})
+        for nusselt in EXCHANGE
+    }
+
+
+def both(beds: Sequence[extract.Packing], conductivity: Any) -> Table:
     """Conductivity and exchange from the packings in a packed and a moving bed, beside those of the literature."""
     laws = {name: fit_exchange(beds, law) for name, law in LAWS.items()}
     fit_of = laws["Zhou, Yu, Zulli"]
     fit_of.write(HERE / "closures/nusselt.toml", {"scene": "closure_transfer/study.py", "seeds": str(SEEDS)})
     print("Nusselt", {name: law.content["parameters"] for name, law in laws.items()}, fit_of.content["residuals"])
     ours = {"heat.nusselt": {"file": "closures/nusselt.toml"}}
-    rows = []
+    rows: list[tuple[Any, ...]] = []
     for scene in (SCENE, PAIR):
-        file = {"file": "closures/conductivity.toml"}
-        base = outlet(file, scene, **ours)
+        base = outlet({"file": "closures/conductivity.toml"}, scene, **ours)
         single = [outlet_of(fit([bed]), fit_exchange([bed], LAWS["Zhou, Yu, Zulli"]), scene) for bed in beds]
         drawn = [
             outlet_of(replace(conductivity, content=k.content), replace(fit_of, content=Nu.content), scene)
             for k, Nu in zip(conductivity.samples(SAMPLES, seed=1), fit_of.samples(SAMPLES, seed=2), strict=True)
         ]
         rows.append((scene.stem, "packings", base, np.std(single, ddof=1), np.std(drawn)))
-        rows.append((scene.stem, "packings, Gunn at every particle", outlet_of(conductivity, laws["Gunn"], scene)))
-        for nusselt in EXCHANGE:
-            rows.append(
-                (
-                    scene.stem,
-                    f"zehner_schluender, {nusselt}",
-                    outlet("zehner_schluender", scene, **{"heat.nusselt": nusselt}),
-                )
-            )
-    with open(HERE / "outlet_both.csv", "w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["scene", "closures", "T_out [K]", "over packings [K]", "over parameters [K]"])
-        writer.writerows(
-            [name, what, *(f"{value:.4f}" for value in values), *[""] * (3 - len(values))]
-            for name, what, *values in rows
-        )
-    for name, what, *values in rows:
-        print(f"{name:12} {what:36}", *(f"{value:9.4f}" for value in values))
+        gunn = outlet_of(conductivity, laws["Gunn"], scene)
+        rows.append((scene.stem, "packings, Gunn at every particle", gunn, None, None))
+        rows += [(scene.stem, what, T, None, None) for what, T in of_exchange(scene).items()]
+    columns = {"scene": "", "closures": ""}
+    columns |= dict.fromkeys(("T_out [K]", "over packings [K]", "over parameters [K]"), ".4f")
+    return Table(columns, rows)
 
 
-def main():
+def compute() -> Tables:
+    """Fits of the packings, written as closure files, and outlet temperatures with them and with the literature."""
     beds = list(packings())
     whole = fit(beds)
     whole.write(HERE / "closures/conductivity.toml", {"scene": "closure_transfer/study.py", "seeds": str(SEEDS)})
     print("porosities", [round(bed.porosity, 4) for bed in beds], "residuals", whole.content["residuals"])
-    rows = [("packings, cones (Eq. 5)", outlet({"file": "closures/conductivity.toml"}))]
+    ours = outlet({"file": "closures/conductivity.toml"})
+    found = {"packings, cones (Eq. 5)": ours, "packings, columns": outlet_of(fit(beds, "columns")), **reference()}
     each = [outlet_of(fit([bed])) for bed in beds]
     drawn = [outlet_of(replace(whole, content=c.content)) for c in whole.samples(SAMPLES, seed=1)]
-    rows.append(("packings, columns", outlet_of(fit(beds, "columns"))))
-    rows += [(name, outlet(name)) for name in LITERATURE]
     mesh = outlet({"file": "closures/conductivity.toml"}, **{"mesh.cells": [48, 120]})
-    with open(HERE / "outlet.csv", "w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["conductivity", "T_out [K]", "difference [K]"])
-        writer.writerows((name, f"{T:.3f}", f"{T - rows[0][1]:.3f}") for name, T in rows)
-    for name, T in rows:
-        print(f"{name:28} {T:8.3f} K {T - rows[0][1]:+7.3f} K")
-    both(beds, whole)
-    print(
-        f"standard deviation over packings {np.std(each, ddof=1):.3f} K, over the parameters {np.std(drawn):.3f} K; "
-        f"finer mesh {mesh - rows[0][1]:+.4f} K"
-    )
+    print(f"deviation over packings {np.std(each, ddof=1):.3f} K, over the parameters {np.std(drawn):.3f} K")
+    print(f"finer mesh {mesh - ours:+.4f} K")
+    columns = {"conductivity": "", "T_out [K]": ".3f", "difference [K]": ".3f"}
+    rows = [(name, T, T - ours) for name, T in found.items()]
+    return {"outlet": Table(columns, rows), "outlet_both": both(beds, whole)}
 
 
-if __name__ == "__main__":
-    main()
+def plot(tables: Tables) -> dict[str, Any]:
+    """Outlet temperatures by conductivity, and by both closures in each scene."""
+    scenes = tables["outlet_both"].values("scene")
+    figure, panels = gallery.figure(1, 1 + len(scenes), size=(13, 3.6))
+    parts = [(tables["outlet"], "conductivity", "heated_wall, conductivity")]
+    parts += [(tables["outlet_both"].where({"scene": name}), "closures", f"{name}, both") for name in scenes]
+    for axes, (table, names, title) in zip(panels, parts, strict=True):
+        colours = [gallery.BLUE if name.startswith("packings") else gallery.GREY for name in table[names]]
+        axes.scatter(table["T_out [K]"], range(len(table)), color=colours)
+        axes.set_yticks(range(len(table)), table[names], fontsize=8)
+        axes.invert_yaxis()
+        axes.set(xlabel="gas at the outlet [K]", title=title)
+    return {"outlet": figure}

@@ -1,17 +1,18 @@
-"""Heat conduction with radiation between two black walls: each level beside exact transport.
+"""Heat conduction with radiation between two black walls: each level beside exact transport."""
 
-python studies/conduction_radiation/study.py
-"""
+from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import contbed as cb
 from contbed.closures.optics import SIGMA
 from contbed.verify.exact_conduction_radiation import conduction_diffusion, conduction_radiation
 from contbed.verify.exact_radiation import P1, TWO_FLUX
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 DIFFUSION = {"two_flux": TWO_FLUX, "p1": P1}
@@ -19,17 +20,22 @@ NUMBERS = ("0.01", "0.1", "1", "10")
 THICKNESSES = ("0.1", "1", "10")
 LEVELS = {"two-flux": ("two_flux", 1), "P1": ("p1", 1), "4 + 4 ordinates": ("ordinates", 4),
           "8 + 8 ordinates": ("ordinates", 8)}  # fmt: skip
-COLOURS = dict(zip(LEVELS, ("#d55e00", "#009e73", "#56b4e9", "#0072b2"), strict=True))
+COLOURS = dict(zip(LEVELS, (gallery.VERMILION, gallery.GREEN, gallery.SKY, gallery.BLUE), strict=True))
+DEPTHS = (1 - np.cos(np.linspace(0, np.pi, 61))) / 2  # optical depths of the temperatures
+DRAWN = tuple(name for name in LEVELS if name != "8 + 8 ordinates")  # of the temperatures
+AGAINST = ("two-flux against collocation", "P1 against collocation")
+TRANSPORT: dict[str, Any] = {"color": "black", "linewidth": 3, "alpha": 0.25}
+NOT_COMPARED = (*(f"error of {name}" for name in LEVELS), *AGAINST)
 
 
-def load(N, tau, level="p1", ordinates=4, theta_L=0.5):
+def load(N: str, tau: str, level: str = "p1", ordinates: int = 4, theta_L: float = 0.5) -> cb.Scene:
     """The scene of one conduction-radiation parameter and thickness, by another level, with a colder cold wall."""
     changes = {"radiation.level": level, "radiation.ordinates": ordinates}
     cold = {"boundary.right.radiation.temperature": 1000.0 * theta_L}
     return cb.load(HERE / f"N_{N}_tau_{tau}.toml", changes | cold)
 
 
-def parameters(scene):
+def parameters(scene: cb.Scene) -> tuple[float, float, float]:
     """tau, N and theta_L of a scene."""
     table, length = scene.radiation, scene.mesh.length
     hot, cold = (scene.boundary[name].radiation.temperature for name in ("left", "right"))
@@ -37,75 +43,75 @@ def parameters(scene):
     return table.absorption * length, N, cold / hot
 
 
-def exact(scene):
-    """Total flux over sigma T1^4 by transport, or the solution of the model at the level of the scene."""
+def reference(scene: cb.Scene) -> Any:
+    """Total flux over sigma T1^4, and profiles, by transport."""
     return conduction_radiation(*parameters(scene))
 
 
-def of_model(scene):
+def of_model(scene: cb.Scene) -> Any:
     """The solution of the two-flux or P1 equations by collocation."""
     return conduction_diffusion(*parameters(scene), DIFFUSION[scene.radiation.level])
 
 
-def found(result):
+def found(result: cb.Result) -> float:
     """Total flux over sigma T1^4."""
-    return result.qoi["flux_over_emissive_power"]
+    return float(result.qoi["flux_over_emissive_power"])
 
 
-def main():
-    rows = ["theta_L [1],N [1],tau [1],flux exact [1]," + ",".join(f"{name} [1],error" for name in LEVELS)]
-    rows[0] += ",two-flux against collocation,P1 against collocation"
-    errors, discretisation = {}, []
+def compute() -> Tables:
+    """Fluxes by every level beside transport, and temperatures of three cases."""
+    rows = []
     for theta_L in (0.5, 0.1):
         for tau in THICKNESSES:
             for N in NUMBERS:
-                reference = exact(load(N, tau, theta_L=theta_L)).total
-                row, against = [f"{theta_L:g},{N},{tau},{reference:.8f}"], []
-                for name, (level, ordinates) in LEVELS.items():
+                exact = reference(load(N, tau, theta_L=theta_L)).total
+                row, against = [theta_L, N, tau, exact], []
+                for level, ordinates in LEVELS.values():
                     scene = load(N, tau, level, ordinates, theta_L)
                     flux = found(cb.run(scene))
-                    errors[name, theta_L, tau, N] = flux / reference - 1
-                    row.append(f"{flux:.8f},{flux / reference - 1:.1e}")
+                    row += [flux, flux / exact - 1]
                     if level in DIFFUSION:
                         against.append(flux / of_model(scene).total - 1)
-                discretisation += against
-                rows.append(",".join([*row, *(f"{value:.1e}" for value in against)]))
-    (HERE / "results.csv").write_text("\n".join(rows) + "\n", encoding="ascii")
-    print(f"two-flux and P1 against collocation: {np.abs(discretisation).max():.1e}")
+                rows.append([*row, *against])
+    columns = {"theta_L [1]": "g", "N [1]": "", "tau [1]": "", "flux exact [1]": ".8f"}
     for name in LEVELS:
-        worst = max(abs(value) for (level, *_), value in errors.items() if level == name)
-        print(f"{name:16} against transport: {100 * worst:.3g} %")
-    plot(errors)
+        columns |= {f"{name} [1]": ".8f", f"error of {name}": ".1e"}
+    return {"results": Table(columns | dict.fromkeys(AGAINST, ".1e"), rows), "profiles": temperatures()}
 
 
-def plot(errors):
-    """Temperatures at tau = 1 by every level, and the error of the flux of each level."""
-    plt.rcParams.update({"axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False})
-    figure, panels = plt.subplots(1, 4, figsize=(14, 4), layout="constrained", width_ratios=(1.5, 1, 1, 1))
-    first, others = panels[0], panels[1:]
+def temperatures() -> Table:
+    """T/T1 over the depth at tau = 1 by every level and by transport."""
+    rows = []
     for N in NUMBERS[:3]:
-        reference = exact(load(N, "1"))
-        first.plot(reference.depth, reference.theta, "k", linewidth=3, alpha=0.25)
-        for name, (level, ordinates) in LEVELS.items():
-            if ordinates != 8:
-                profiles = cb.run(load(N, "1", level, ordinates)).profiles
-                first.plot(profiles["x [m]"] / 0.1, profiles["T_solid [K]"] / 1000, color=COLOURS[name], linewidth=1)
+        exact = reference(load(N, "1"))
+        curves = {"transport": (exact.depth, exact.theta)}
+        for name in DRAWN:
+            profiles = cb.run(load(N, "1", *LEVELS[name])).profiles
+            curves[name] = profiles["x [m]"] / 0.1, profiles["T_solid [K]"] / 1000
+        for name, (depth, theta) in curves.items():
+            rows += [(N, name, *row) for row in zip(DEPTHS, np.interp(DEPTHS, depth, theta), strict=True)]
+    return Table({"N [1]": "", "by": "", "optical depth [1]": ".5g", "T/T1 [1]": ".5g"}, rows)
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Temperatures at tau = 1 by every level, and the error of the flux of each level."""
+    figure, (first, *others) = gallery.figure(1, 4, size=(14, 4), width_ratios=(1.5, 1, 1, 1))
+    for N in NUMBERS[:3]:
+        for name in ("transport", *DRAWN):
+            p = tables["profiles"].where({"N [1]": N, "by": name})
+            how = {"color": COLOURS[name], "linewidth": 1} if name in COLOURS else TRANSPORT
+            first.plot(p["optical depth [1]"], p["T/T1 [1]"], **how)
     for N, at, height in (("1", 0.36, 0.73), ("0.1", 0.75, 0.70), ("0.01", 0.80, 0.80)):
         first.text(at, height, f"N = {N}", fontsize=9)
     first.set(xlabel="optical depth", ylabel=r"$T/T_1$", title=r"$\tau$ = 1, $T_2/T_1$ = 0.5", xlim=(0, 1))
-    first.plot([], [], "k", linewidth=3, alpha=0.25, label="transport")
-    for name in LEVELS:
-        first.plot([], [], color=COLOURS[name], label=name)
-    first.legend(loc="lower left", fontsize=9)
+    first.plot([], [], label="transport", **TRANSPORT)
+    for name, colour in COLOURS.items():
+        first.plot([], [], color=colour, label=name)
+    first.legend(loc="lower left")
     for axes, tau in zip(others, THICKNESSES, strict=True):
-        for name in LEVELS:
-            values = [abs(errors[name, 0.5, tau, N]) for N in NUMBERS]
-            axes.loglog([float(N) for N in NUMBERS], values, "o-", color=COLOURS[name], markersize=4)
+        rows = tables["results"].where({"theta_L [1]": 0.5, "tau [1]": tau})
+        for name, colour in COLOURS.items():
+            axes.loglog(rows["N [1]"], np.abs(rows[f"error of {name}"]), "o-", color=colour)
         axes.set(title=rf"$\tau$ = {tau}", xlabel="N", ylim=(1e-11, 1))
     others[0].set_ylabel("relative error of the flux")
-    figure.savefig(HERE / "conduction_radiation.png", dpi=150)
-    plt.close(figure)
-
-
-if __name__ == "__main__":
-    main()
+    return {"conduction_radiation": figure}

@@ -1,23 +1,19 @@
 """Element and energy closure, gas and carbon conversion of published gasifiers, with what is not published as bands.
 
-python study.py            five cases of cases.csv, one with bands: results.csv, gasifiers.png
-python study.py all        all 23 cases with complete inputs
+Five cases unless `cases` names others of the 23 with complete inputs.
 """
 
 from __future__ import annotations
 
-import csv
-import sys
-import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 import contbed as cb
 from contbed.errors import ContbedError
 from contbed.loading import from_dict
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 OMITTED = ("VTTP10", "VTTP15", "WSV-F")  # oxygen ratio recomputed from the flows is off the tabulated one by 12 to 24 %
@@ -41,12 +37,12 @@ PANELS = (
     ("T_emulsion_top_K", "gas above the bed [K]", 1.0),
 )  # fmt: skip
 ELEMENTS = ("C", "H", "O", "N", "S", "energy")
+NOT_COMPARED = (*(f"open_{name}" for name in ELEMENTS), "cpu_s")
 
 
-def cases() -> dict[str, dict[str, str]]:
-    """Rows with fuel, air and steam, by name."""
-    with (HERE / "cases.csv").open(encoding="utf-8") as file:
-        rows = {row["case"]: row for row in csv.DictReader(file)}
+def reference() -> dict[str, dict[str, str]]:
+    """Tabulated rows with fuel, air and steam, by name."""
+    rows = {row["case"]: row for row in Table.read(HERE / "cases.csv")}
     return {name: row for name, row in rows.items() if row["primary_air_Nm3_h"] and name not in OMITTED}
 
 
@@ -135,7 +131,7 @@ def scene(row: dict[str, str], height: float, char: float, hold: float, loss: fl
 
 def run(row: dict[str, str], **changes: float) -> dict[str, Any]:
     """Named results of a case, or why there are none."""
-    start = time.process_time()
+    start = gallery.user_time()
     values = BASE | changes
     out: dict[str, Any] = {"case": row["case"], "fuel": row["fuel"], **values}
     out["lambda_tabulated"] = float(row["lambda_O2"])
@@ -147,50 +143,31 @@ def run(row: dict[str, str], **changes: float) -> dict[str, Any]:
     out |= {
         f"open_{name}": abs(result.balances[name]["relative_residual"]) for name in ELEMENTS if name in result.balances
     }
-    return out | {"cpu_s": time.process_time() - start}
+    return out | {"cpu_s": gallery.user_time() - start}
 
 
-def main() -> None:
-    """All cases and bands."""
-    rows, found = cases(), []
-    chosen = tuple(rows) if sys.argv[1:] == ["all"] else CHOSEN
-    # a case as it stands comes before what its missing inputs do: the picture's dot is the first of them
-    wanted: list[tuple[str, dict[str, float]]] = [(name, {}) for name in chosen]
+def compute(cases: Sequence[str] = CHOSEN) -> Tables:
+    """Cases as they stand, then what the missing inputs do."""
+    rows = reference()
+    wanted: list[tuple[str, dict[str, float]]] = [(name, {}) for name in cases]
     wanted += [(name, {key: value}) for name in BANDED for key, band in BANDS.items() for value in band]
+    found = []
     for name, changes in wanted:
         found.append(run(rows[name], **changes))
         print(name, changes, found[-1]["status"], flush=True)
-        write(found)
-    picture(found)
+    return {"results": Table.of(found, ".6g")}
 
 
-def picture(found: list[dict[str, Any]]) -> None:
+def plot(tables: Tables) -> dict[str, Any]:
     """Gas, temperature and conversion of each case; vertical lines span what the missing inputs do."""
-    done = [item for item in found if item["status"] == "ok"]
-    order = list(dict.fromkeys(item["case"] for item in done))
-    figure = Figure(figsize=(9.0, 6.5), layout="constrained")
-    FigureCanvasAgg(figure)
-    for axes, (name, label, scale) in zip(figure.subplots(2, 3).ravel(), PANELS, strict=True):
+    done = tables["results"].where({"status": "ok"})
+    order = done.values("case")
+    figure, panels = gallery.figure(2, 3, size=(9.0, 6.5))
+    for axes, (name, label, scale) in zip(panels.ravel(), PANELS, strict=True):
         for place, case in enumerate(order):
-            values = [scale * item[name] for item in done if item["case"] == case]
-            axes.plot([place, place], [min(values), max(values)], color="#56B4E9", linewidth=6, alpha=0.6)
-            axes.plot(place, values[0], "o", color="#0072B2")
+            values = scale * done.where({"case": case})[name]
+            axes.plot([place, place], [values.min(), values.max()], color=gallery.SKY, linewidth=6, alpha=0.6)
+            axes.plot(place, values[0], "o", color=gallery.BLUE)
         axes.set(title=label, xticks=range(len(order)))
         axes.set_xticklabels(order, rotation=60, fontsize=8)
-    figure.savefig(HERE / "gasifiers.png", dpi=130)
-
-
-def write(found: list[dict[str, Any]]) -> None:
-    """The table."""
-    names = list(dict.fromkeys(key for item in found for key in item))
-    with (HERE / "results.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, names)
-        writer.writeheader()
-        writer.writerows(
-            {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in item.items()}
-            for item in found
-        )
-
-
-if __name__ == "__main__":
-    main()
+    return {"gasifiers": figure}

@@ -1,15 +1,10 @@
-"""Local heat transfer coefficient around a horizontal tube in a bubbling bed: Hou, Zhou and Yu 2010, Figs. 12 and 13.
+"""Local heat transfer coefficient around a horizontal tube in a bubbling bed: Hou, Zhou and Yu 2010, Figs. 12, 13."""
 
-python studies/hou_2010_tube/study.py run EXCESS FOLDER    # one excess velocity [m/s] into FOLDER/EXCESS.npz
-python studies/hou_2010_tube/study.py plot FOLDER          # sectors.csv, overall.csv and tube.png
-"""
+from __future__ import annotations
 
-import csv
-import sys
-import time
-from pathlib import Path
+from collections.abc import Sequence
+from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from contbed.cfd_dem.coupling import Bed
@@ -22,8 +17,9 @@ from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain, Tube, box
 from contbed.materials.constant import ConstantFluid
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
-HERE = Path(__file__).parent
 D, WIDTH, DEPTH, COUNT = 1.5e-3, 45e-3, 6e-3, 4000
 TUBE, HEIGHT = 7.7e-3, 22.5e-3  # radius of the tube, height of its axis [m]
 GLASS = Material(density=2600.0, youngs_modulus=2e6, restitution=0.9, sliding_friction=0.3)
@@ -31,17 +27,19 @@ AIR = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026)
 K_PARTICLE, E_REAL = 1.1, 5e10  # W/m/K, Pa
 SECTORS = 12
 START, END, EVERY = 0.1, 0.9, 2e-3  # s
-EXCESS = (0.1, 0.4, 0.8)  # m/s
+EXCESS = ("0.1", "0.4", "0.8")  # velocity over minimum fluidization [m/s]
+ANGLE = (np.arange(SECTORS) + 0.5) * 360.0 / SECTORS
+MECHANISMS = ("h [W/m2/K]", "contact", "gas in gaps", "convection", "contacts", "porosity")
 
 
-def minimum_velocity():
+def minimum_velocity() -> float:
     """Superficial velocity at which Ergun's pressure drop carries the bed at a porosity of 0.42 [m/s]."""
     eps, mu, rho = 0.42, 1.8e-5, 1.2
     a, b = 1.75 * rho * (1 - eps) / (eps**3 * D), 150 * mu * (1 - eps) ** 2 / (eps**3 * D**2)
     return (-b + np.sqrt(b**2 + 4 * a * (1 - eps) * (GLASS.density - rho) * 9.81)) / (2 * a)
 
 
-def bed(velocity):
+def bed(velocity: float) -> Bed:
     """Bed with the tube: spheres that overlap it are left out of a settled packing."""
     packing = pack((WIDTH, DEPTH), radius=D / 2, count=COUNT, periodic=(False, True), material=GLASS, at_rest=1e-3)
     x = packing.position
@@ -60,7 +58,13 @@ def bed(velocity):
     return Bed(simulation, gas, gas_step=2e-4)
 
 
-def around_tube(now):
+def reference(speed: Any) -> Any:
+    """The paper's coefficient of convection [W/m2/K], Nu = 0.023 Re^0.8 Pr^0.4 with the diameter of the tube."""
+    rho, mu, c_p, k = 1.2, 1.8e-5, 1005, 0.026
+    return 0.023 * (rho * speed * 2 * TUBE / mu) ** 0.8 * (mu * c_p / k) ** 0.4 * k / (2 * TUBE)
+
+
+def around_tube(now: Bed) -> Any:
     """By sector from below (0 deg) counterclockwise: conductances [W/K] by contact, through the gas and by convection,
     number of contacts, share of the ring of one diameter that is solid."""
     simulation, gas = now.simulation, now.gas
@@ -85,68 +89,50 @@ def around_tube(now):
     faces = gas.q[grid.cell_face[ring]]
     speed = np.sqrt(((0.5 * (faces[:, ::2] + faces[:, 1::2])) ** 2).sum(axis=1))
     way = np.degrees(np.arctan2(centre[ring, 0] - WIDTH / 2, HEIGHT - centre[ring, 2])) % 360.0
-    middles = (np.arange(SECTORS) + 0.5) * 360.0 / SECTORS
-    close = np.abs((way[None] - middles[:, None] + 180.0) % 360.0 - 180.0) < 30.0
+    close = np.abs((way[None] - ANGLE[:, None] + 180.0) % 360.0 - 180.0) < 30.0
     mean = (close * speed).sum(axis=1) / close.sum(axis=1)
-    h = 0.023 * (1.2 * mean * 2 * TUBE / 1.8e-5) ** 0.8 * (1.8e-5 * 1005 / 0.026) ** 0.4 * 0.026 / (2 * TUBE)
     inside = (gap > -D / 2) & (gap < D / 2)
     solid = np.bincount(sector[inside], np.full(inside.sum(), np.pi * D**3 / 6), SECTORS)
-    return np.array([*sums[:2], h, sums[2], solid])
+    return np.array([*sums[:2], reference(mean), sums[2], solid])
 
 
-def run(excess, folder):
-    start = time.process_time()
-    now = bed(minimum_velocity() + float(excess))
-    samples = []
-    now.run(START)
-    Path(folder).mkdir(parents=True, exist_ok=True)
-
-    def sample(bed):
-        samples.append(around_tube(bed))
-        if len(samples) % 10 == 0:  # what there is can be plotted
-            np.savez(Path(folder) / f"{excess}.npz", samples=samples)
-
-    now.run(END - START, EVERY, sample)
-    print(excess, f"{time.process_time() - start:.0f} CPU s, {len(now.simulation.position)} spheres", flush=True)
-
-
-def means(folder, excess):
+def means(excess: str) -> Any:
     """Mean coefficients [W/m2/K] of contact, gas in gaps and convection, contacts, porosity: (5, SECTORS)."""
-    found = np.load(Path(folder) / f"{excess}.npz")["samples"].mean(axis=0)
+    now, samples = bed(minimum_velocity() + float(excess)), []
+    now.run(START)
+    now.run(END - START, EVERY, lambda each: samples.append(around_tube(each)))
+    found = np.mean(samples, axis=0)
     area = 2.0 * np.pi * TUBE * DEPTH / SECTORS
     ring = np.pi * ((TUBE + D) ** 2 - TUBE**2) * DEPTH / SECTORS
     return np.array([found[0] / area, found[1] / area, found[2], found[3], 1.0 - found[4] / ring])
 
 
-def plot(folder):
-    angle = (np.arange(SECTORS) + 0.5) * 360.0 / SECTORS
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.3), layout="constrained")
+def compute(cases: Sequence[str] = EXCESS) -> Tables:
+    """Means by sector and around the tube for each excess velocity."""
     sectors, overall = [], []
-    for excess in EXCESS:
-        contact, fluid, convection, contacts, eps = means(folder, excess)
-        total = contact + fluid + convection
-        left.plot(angle, total, "o-", ms=4, label=f"{excess:g} m/s: mean {total.mean():.0f}")
-        right.plot(angle, eps, "o-", ms=4, label=f"{excess:g} m/s")
-        sectors += [(excess, *row) for row in zip(angle, total, contact, fluid, convection, contacts, eps, strict=True)]
-        overall.append((excess, *(v.mean() for v in (total, contact, fluid, convection)), contacts.sum(), eps.mean()))
-    left.set(xlabel="angle from the bottom of the tube, deg", ylabel="local coefficient, W/m2/K", ylim=(0, None))
-    right.set(xlabel="angle from the bottom of the tube, deg", ylabel="porosity within one diameter")
+    for excess in cases:
+        contact, fluid, convection, contacts, eps = means(excess)
+        columns = contact + fluid + convection, contact, fluid, convection
+        sectors += [(float(excess), *row) for row in zip(ANGLE, *columns, contacts, eps, strict=True)]
+        overall.append((float(excess), *(values.mean() for values in columns), contacts.sum(), eps.mean()))
+    head = ["excess velocity [m/s]"]
+    return {
+        "sectors": Table(dict.fromkeys([*head, "angle [deg]", *MECHANISMS], ".4g"), sectors),
+        "overall": Table(dict.fromkeys([*head, *MECHANISMS], ".4g"), overall),
+    }
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Local coefficient and porosity over the angle."""
+    figure, (left, right) = gallery.figure(1, 2, size=(11, 4.3))
+    for excess in tables["sectors"].values("excess velocity [m/s]"):
+        found = tables["sectors"].where({"excess velocity [m/s]": excess})
+        h, eps = found["h [W/m2/K]"], found["porosity"]
+        left.plot(found["angle [deg]"], h, "o-", label=f"{excess} m/s: mean {h.mean():.0f}")
+        right.plot(found["angle [deg]"], eps, "o-", label=f"{excess} m/s")
+    left.set(ylabel="local coefficient [W/m2/K]", ylim=(0, None))
+    right.set(ylabel="porosity within one diameter")
     for axes in (left, right):
-        axes.set_xticks(range(0, 361, 60))
-        axes.legend(title="excess velocity", fontsize=8)
-    figure.savefig(HERE / "tube.png", dpi=120)
-    names = ["h [W/m2/K]", "contact", "gas in gaps", "convection", "contacts", "porosity"]
-    for name, head, rows in (("sectors", ["angle [deg]"], sectors), ("overall", [], overall)):
-        with open(HERE / f"{name}.csv", "w", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(["excess velocity [m/s]", *head, *names])
-            writer.writerows([f"{value:.4g}" for value in row] for row in rows)
-    for row in overall:
-        print(*(f"{value:.4g}" for value in row))
-
-
-if __name__ == "__main__":
-    if sys.argv[1] == "run":
-        run(*sys.argv[2:4])
-    else:
-        plot(sys.argv[2])
+        axes.set(xlabel="angle from the bottom of the tube [deg]", xticks=range(0, 361, 60))
+        axes.legend(title="excess velocity")
+    return {"tube": figure}

@@ -1,55 +1,80 @@
-"""Two sweeps over the moving-bed heater: a map of its design, and what uncertain values leave open.
-
-python studies/moving_bed_design/study.py
-"""
+"""Two sweeps over the moving-bed heater: a map of its design, and what uncertain values leave open."""
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
-from contbed.output.tables import read_table
-from contbed.sweep.sweep import sweep
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 SILICA_IN = 973.15
 WITHIN = 10.0
+DIAMETER, VELOCITY = "bed.particle_diameter [m]", "flow.velocity_solid [m/s]"
+STEAM, SILICA, HOT = "T_fluid_out [K]", "T_solid_out [K]", "boundary.top.solid.fixed [K]"
+NOT_COMPARED = ("estimated_error [-]", "heat_bottom [W]", "heat_top [W]", "theta_overshoot [-]")
 
 
-def main() -> None:
-    """Run both sweeps, keep their tables and pictures, print what the README says."""
-    for name in ("map", "uncertainty"):
-        with TemporaryDirectory() as out:
-            sweep(HERE / "sweeps" / f"{name}.toml", out, quiet=False)
-            shutil.copy(Path(out) / "sweep.png", HERE / f"{name}.png")
-            columns(Path(out) / "table.csv", HERE / f"{name}.csv")
-    table = read_table(HERE / "map.csv")
-    for d in np.unique(table["bed.particle_diameter [m]"]):
-        close = (table["bed.particle_diameter [m]"] == d) & (SILICA_IN - table["T_fluid_out [K]"] < WITHIN)
-        slowest = np.abs(table["flow.velocity_solid [m/s]"][close]).min(initial=np.inf)
+def reference() -> float:
+    """Steam within WITHIN of the silica that enters [K]."""
+    return SILICA_IN - WITHIN
+
+
+def compute() -> Tables:
+    """Both sweeps; prints what the README says."""
+    tables = {name: gallery.swept(HERE / "sweeps" / f"{name}.toml")[0] for name in ("map", "uncertainty")}
+    told(tables)
+    return tables
+
+
+def told(tables: Tables) -> None:
+    """Print the slowest silica for each pebble size, and means, deviations and correlations."""
+    table = tables["map"]
+    for d in np.unique(table[DIAMETER]):
+        close = (table[DIAMETER] == d) & (table[STEAM] > reference())
+        slowest = np.abs(table[VELOCITY][close]).min(initial=np.inf)
         print(f"{1e3 * d:5.1f} mm: within {WITHIN:g} K from {1e3 * slowest:.2f} mm/s")
-    table = read_table(HERE / "uncertainty.csv")
-    steam, silica, hot = (table[n] for n in ("T_fluid_out [K]", "T_solid_out [K]", "boundary.top.solid.fixed [K]"))
-    print(
-        f"steam {steam.mean():.1f} K, deviation {steam.std(ddof=1):.1f} K, correlation with the silica's inlet "
-        f"{np.corrcoef(steam, hot)[0, 1]:.3f}"
-    )
+    steam, silica, hot, velocity = (tables["uncertainty"][name] for name in (STEAM, SILICA, HOT, VELOCITY))
+    for what, values, cause in (("steam", steam, hot), ("silica", silica, velocity)):
+        correlation = np.corrcoef(values, cause)[0, 1]
+        print(f"{what} {values.mean():.1f} K, deviation {values.std(ddof=1):.1f} K, correlation {correlation:.3f}")
     print(f"below the silica's inlet: mean {(hot - steam).mean():.1f} K, largest {(hot - steam).max():.1f} K")
-    velocity = table["flow.velocity_solid [m/s]"]
-    print(
-        f"silica leaves at {silica.mean():.0f} K, deviation {silica.std(ddof=1):.0f} K, correlation with its "
-        f"velocity {np.corrcoef(silica, velocity)[0, 1]:.3f}"
-    )
 
 
-def columns(source: Path, target: Path) -> None:
-    """Copy the columns of numbers: parameters and results, without the names of the runs."""
-    lines = [line.split(",")[:-3] for line in source.read_text(encoding="utf-8").splitlines()]
-    target.write_text("".join(",".join(line) + "\n" for line in lines), encoding="utf-8")
+def plot(tables: Tables) -> dict[str, Any]:
+    """Outlet temperatures over pebble size and velocity, and over the five uncertain values."""
+    return {"map": plot_map(tables["map"]), "uncertainty": plot_uncertainty(tables["uncertainty"])}
 
 
-if __name__ == "__main__":
-    main()
+def plot_map(table: Table) -> Any:
+    """Contours of both outlet temperatures; the line is where the steam comes within WITHIN of the silica."""
+    figure, panels = gallery.figure(1, 2, size=(9, 4), sharey=True)
+    x, y = (np.unique(table[name]) for name in (DIAMETER, VELOCITY))
+    place = np.searchsorted(y, table[VELOCITY]), np.searchsorted(x, table[DIAMETER])
+    for axes, (name, title) in zip(panels, ((STEAM, "steam"), (SILICA, "silica")), strict=True):
+        grid = np.full((len(y), len(x)), np.nan)
+        grid[place] = table[name]
+        filled = axes.contourf(1e3 * x, -1e3 * y, grid, levels=12, cmap="inferno")
+        figure.colorbar(filled, ax=axes, label=f"{title} at its outlet [K]")
+        axes.set(xscale="log", xlabel="pebbles [mm]")
+        gallery.ticks(axes, x=(4, 8, 16, 32))
+        if name == STEAM:
+            axes.contour(1e3 * x, -1e3 * y, grid, levels=[reference()], colors="white")
+    panels[0].set_ylabel("solid velocity [mm/s]")
+    return figure
+
+
+def plot_uncertainty(table: Table) -> Any:
+    """Both outlet temperatures over each uncertain value."""
+    names = table.columns[: table.columns.index(NOT_COMPARED[0])]
+    figure, panels = gallery.figure(2, len(names), size=(2.4 * len(names), 5), sharex="col", sharey="row")
+    for column, name in zip(panels.T, names, strict=True):
+        for axes, result, colour in zip(column, (STEAM, SILICA), (gallery.BLUE, gallery.VERMILION), strict=True):
+            axes.plot(table[name], table[result], ".", color=colour)
+        column[1].set_xlabel(name, fontsize=8)
+    panels[0, 0].set_ylabel("steam at its outlet [K]")
+    panels[1, 0].set_ylabel("silica at its outlet [K]")
+    return figure

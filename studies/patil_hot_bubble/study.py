@@ -1,18 +1,13 @@
-"""Hot gas injected into a bed at incipient fluidization: Patil, Peters and Kuipers, Figs 2-6.
+"""Hot gas injected into a bed at incipient fluidization: Patil, Peters and Kuipers, Figs 2-6."""
 
-python studies/patil_hot_bubble/study.py run CASE FOLDER     # one case into FOLDER/CASE.npz, e.g. 3mm_700
-python studies/patil_hot_bubble/study.py plot FOLDER         # bubble.csv and the pictures from the cases found there
-"""
+from __future__ import annotations
 
-import csv
-import sys
-import time
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
-from scipy.ndimage import label
 
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
@@ -23,6 +18,10 @@ from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain, box
 from contbed.materials import gas_mixture
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
+from studies._gallery.bubbles import draw_bubbles, equivalent_diameter, largest_bubble
+from studies._gallery.raw import raw
 
 HERE = Path(__file__).parent
 WIDTH, NOZZLE, DURATION = 0.21, 0.014, 0.18  # of the paper
@@ -35,6 +34,10 @@ OPEN = 0.8  # porosity above which a cell belongs to a bubble
 EVERY = 0.0125  # s
 SHOWN = (0.1, 0.2, 0.3, 0.4)  # s
 AIR = "N2:0.79, O2:0.21"
+CASES = ("half_2mm_300", "half_2mm_900", "half_3mm_300", "half_3mm_600", "half_3mm_900")
+COLUMNS = ("t [s]", "diameter [m]", "T_bubble [K]", "z_bubble [m]", "T_particle_max [K]")
+STYLES = {1: ":", 2: "--", 3: "-"}  # by diameter in mm
+PICTURED = ("half_3mm_900", "3mm_900")  # the last of them that was run is drawn in snapshots.png
 
 
 class Case:
@@ -43,7 +46,7 @@ class Case:
     All are four diameters deep with periodic sides; the paper's beds are 6 to 10 deep, between walls.
     """
 
-    def __init__(self, name):
+    def __init__(self, name: str):
         self.name = name
         size, T = name.removeprefix("half_").split("mm_")
         self.d, self.T, self.scale = 1e-3 * int(size), float(T), 0.5 if name.startswith("half_") else 1.0
@@ -52,7 +55,7 @@ class Case:
         self.count = round(COUNT * (3e-3 / self.d) ** 3 * self.depth / DEPTH * self.scale**2)
 
 
-def settled(case):
+def settled(case: Case) -> Any:
     """Bed of particles, with strong damping: what moves in it later is the gas's work."""
     damped = replace(GLASS, restitution=0.3)
     return pack(
@@ -66,7 +69,8 @@ def settled(case):
     )
 
 
-def coupled(case, packing):
+def coupled(case: Case, packing: Any) -> tuple[Bed, Callable[[bool], None]]:
+    """The bed, and what switches the jet on and off."""
     height = 2.0 * packing.statistics["height"]
     domain = Domain((0, 0, 0), (case.width, case.depth, np.inf), (False, True, False))
     spheres = Particles(packing.position, packing.radius)
@@ -92,116 +96,84 @@ def coupled(case, packing):
     )
 
 
-def bubble(gas):
-    """Diameter of a cylinder as large as the bubble in the bed [m], its mean gas temperature [K], its centre [m].
+def reference() -> dict[str, tuple[float, float]]:
+    """Temperature of the hottest particles that the paper names [K], for injection over twice the time."""
+    return {"T_particle_max [K]": (320.0, 370.0)}
 
-    The bubble is the largest connected region of columns through the depth with a porosity above OPEN that does not
-    belong to the freeboard.
-    """
+
+def bubble(gas: Gas) -> tuple[float, float, float]:
+    """Diameter of a cylinder as large as the bubble in the bed [m], its mean gas temperature [K], its centre [m]."""
     eps, T = (field.reshape(gas.grid.count) for field in (gas.eps, gas.T))
     mean = eps.mean(axis=1)
-    parts, number = label(mean > OPEN)
-    free = set(np.unique(parts[:, -1])) - {0}
-    sizes = [0 if k in free else int((parts == k).sum()) for k in range(1, number + 1)]
-    if not sizes or max(sizes) == 0:
+    inside = largest_bubble(mean, OPEN)
+    if inside is None:
         return 0.0, np.nan, np.nan
-    inside = parts == 1 + int(np.argmax(sizes))
-    area = inside.sum() * gas.grid.size[0] * gas.grid.size[2]
     weight = mean[inside]
     z = (np.nonzero(inside)[1] + 0.5) * gas.grid.size[2]
-    return np.sqrt(4.0 * area / np.pi), float((T.mean(axis=1)[inside] * weight).sum() / weight.sum()), float(z.mean())
+    diameter = equivalent_diameter(inside, gas.grid.size[0] * gas.grid.size[2])
+    return diameter, float((T.mean(axis=1)[inside] * weight).sum() / weight.sum()), float(z.mean())
 
 
-def run(name, folder):
+def run(name: str) -> list[tuple[float, ...]]:
+    """Bubble and hottest particle over time; particles and gas at some times are kept as raw fields."""
     case = Case(name)
     bed, inlet = coupled(case, settled(case))
-    start, rows, shots = time.process_time(), [], {}
+    start, rows, shots = gallery.user_time(), [], {}
 
-    def sample(now):
+    def sample(now: Bed) -> None:
         rows.append((now.time, *bubble(now.gas), float(now.T.max())))
         for t in SHOWN:
             if abs(now.time - case.scale * t) < 0.25 * EVERY * case.scale:
-                shots[f"x_{t}"], shots[f"particles_{t}"] = now.simulation.position[:, ::2].copy(), now.T.copy()
+                shots[f"x_{t}"] = now.simulation.position[:, ::2].copy()
                 shots[f"T_{t}"] = now.gas.T.reshape(now.gas.grid.count).mean(axis=1)
-                shots[f"eps_{t}"] = now.gas.eps.reshape(now.gas.grid.count).mean(axis=1)
 
     for on, seconds in ((True, DURATION), (False, END - DURATION)):
         inlet(on)
         bed.run(case.scale * seconds, EVERY * case.scale * 0.8, sample)
     balance = bed.balance()
     closed = balance["stored"] - balance["in"] + balance["out"] - balance["source"]
-    facts = {"particles": case.count, "cpu_s": time.process_time() - start}
-    facts |= {"heat_in_J": balance["in"], "heat_open_J": closed, "above": bed.above, "dt": bed.simulation.time_step}
-    print(name, {key: float(f"{value:.4g}") for key, value in facts.items()}, flush=True)
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    np.savez_compressed(
-        Path(folder) / f"{name}.npz", rows=rows, size=bed.gas.grid.size, facts=list(facts.values()), **shots
-    )
+    print(f"{name}: {case.count} particles, {gallery.user_time() - start:.0f} s of CPU, heat open by {closed:.1e} J")
+    folder = raw(HERE.name)
+    folder.mkdir(parents=True, exist_ok=True)
+    np.savez_compressed(folder / f"{name}.npz", size=bed.gas.grid.size, **shots)
+    return rows
 
 
-def found(folder):
-    """Cases that were run, in order of scale, diameter and temperature: name, (t, diameter, T, z, hottest particle)."""
-    names = sorted((path.stem for path in Path(folder).glob("*mm_*.npz")), key=lambda name: (len(name), name))
-    return {name: np.load(Path(folder) / f"{name}.npz") for name in names}
+def compute(cases: Sequence[str] = CASES) -> Tables:
+    """Bubble over time of each case; the committed rows of others are kept."""
+    rows = [(name, *row) for name in cases for row in run(name)]
+    table = Table({"case": "", **dict.fromkeys(COLUMNS, ".5g")}, rows)
+    return {"bubble": Table.read(HERE / "bubble.csv").updated(table, ["case"])}
 
 
-def curves(cases, path):
-    figure, axes = plt.subplots(1, 2, figsize=(11, 4.3), layout="constrained")
-    styles = {1: ":", 2: "--", 3: "-"}
-    for name, data in cases.items():
-        case = Case(name)
-        t, diameter, T, _, _ = data["rows"].T
-        shown = diameter > 0.0
-        how = {"ls": styles[round(1e3 * case.d)], "color": plt.get_cmap("inferno")((case.T - 250.0) / 800.0)}
-        label = f"{1e3 * case.d:g} mm, {case.T:g} K" + ("" if case.scale == 1.0 else ", half bed")
-        axes[0].plot(t[shown], 1e2 * diameter[shown], label=label, lw=2.5 if case.scale == 1.0 else 1.3, **how)
-        axes[1].plot(t[shown], T[shown], lw=2.5 if case.scale == 1.0 else 1.3, **how)
-    axes[0].set(xlabel="time, s", ylabel="diameter of the bubble, cm")
-    axes[1].set(xlabel="time, s", ylabel="mean gas temperature in the bubble, K")
-    axes[0].legend(fontsize=8)
-    figure.savefig(path, dpi=120)
+def plot(tables: Tables) -> dict[str, Any]:
+    """Diameter and temperature of the bubble; the gas at some times where the fields are."""
+    figure, axes = gallery.figure(1, 2, size=(11, 4.3))
+    curves = []
+    for name in tables["bubble"].values("case"):
+        case, found = Case(name), tables["bubble"].where({"case": name})
+        text = f"{1e3 * case.d:g} mm, {case.T:g} K" + ("" if case.scale == 1.0 else ", half bed")
+        how = {"ls": STYLES[round(1e3 * case.d)], "lw": 2.5 if case.scale == 1.0 else 1.3, "label": text}
+        colour = gallery.shades(1, "inferno", (case.T - 250.0) / 800.0)[0]
+        curves.append((*(found[column] for column in COLUMNS[:3]), {**how, "color": colour}))
+    draw_bubbles(axes, curves)
+    axes[0].legend()
+    figures = {"bubble": figure}
+    for name in PICTURED:
+        if (path := raw(HERE.name) / f"{name}.npz").exists():
+            figures["snapshots"] = plot_gas(Case(name), np.load(path))
+    return figures
 
 
-def snapshots(name, data, path):
-    case = Case(name)
+def plot_gas(case: Case, data: Any) -> Any:
+    """Temperature of the gas and particles at some times."""
     times = [t for t in SHOWN if f"T_{t}" in data]
-    figure, panels = plt.subplots(1, len(times), figsize=(2.6 * len(times), 7.0), layout="constrained", sharey=True)
+    figure, panels = gallery.figure(1, len(times), size=(2.6 * len(times), 7.0), sharey=True)
     for axes, t in zip(np.atleast_1d(panels), times, strict=True):
         field, x = data[f"T_{t}"], data[f"x_{t}"]
         extent = (0.0, 1e2 * case.width, 0.0, 1e2 * field.shape[1] * float(data["size"][2]))
         image = axes.imshow(field.T, origin="lower", extent=extent, cmap="inferno", vmin=T_BED)
         axes.plot(*(1e2 * x.T), ",", color="0.8", alpha=0.6)
-        axes.set(title=f"{case.scale * t:g} s", xlabel="cm")
-        figure.colorbar(image, ax=axes, orientation="horizontal", label="gas, K")
-    figure.savefig(path, dpi=110)
-
-
-def plot(folder):
-    cases = found(folder)
-    curves(cases, HERE / "bubble.png")
-    for name in ("half_3mm_900", "3mm_900"):
-        if name in cases:
-            snapshots(name, cases[name], HERE / "snapshots.png")
-    with open(HERE / "bubble.csv", "w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        names = ("diameter [m]", "T_bubble [K]", "z_bubble [m]", "T_particle_max [K]")
-        writer.writerow(("case", "t [s]", *names))
-        for name, data in cases.items():
-            writer.writerows((name, *(f"{value:.5g}" for value in row)) for row in data["rows"])
-    for name, data in cases.items():
-        t, diameter, T, _, hottest = data["rows"].T
-        scale = Case(name).scale
-        stop, late = (np.argmin(np.abs(t - scale * moment)) for moment in (DURATION, 0.3))
-        print(
-            name,
-            f"end of injection: {1e2 * diameter[stop]:.2f} cm, {T[stop]:.0f} K; at {scale * 0.3:g} s: "
-            f"{1e2 * diameter[late]:.2f} cm, {T[late]:.0f} K; early {T[np.isfinite(T)][0]:.0f} K; particles up to "
-            f"{hottest.max():.0f} K; largest {1e2 * np.nanmax(diameter):.2f} cm",
-        )
-
-
-if __name__ == "__main__":
-    if sys.argv[1] == "run":
-        run(*sys.argv[2:4])
-    else:
-        plot(sys.argv[2])
+        axes.set(title=f"{case.scale * t:g} s", xlabel="x [cm]")
+        figure.colorbar(image, ax=axes, orientation="horizontal", label="gas [K]")
+    return figure

@@ -1,22 +1,20 @@
-"""Hot gas injected into a bed at incipient fluidization: the two-fluid model beside particles (patil_hot_bubble).
+"""Hot gas injected into a bed at incipient fluidization: the two-fluid model beside particles (patil_hot_bubble)."""
 
-python studies/patil_hot_bubble_two_fluid/study.py run FOLDER [CASE ...]   # half_3mm_900, ...; else all of CASES
-python studies/patil_hot_bubble_two_fluid/study.py plot FOLDER             # results.csv, bubble.png, snapshots.png
-python studies/patil_hot_bubble_two_fluid/study.py bubble RUN              # size and temperature over time of one run
-"""
+from __future__ import annotations
 
-import csv
-import sys
-import time
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
-import matplotlib.pyplot as plt
 import meshio
 import numpy as np
-from scipy.ndimage import label
 
 import contbed as cb
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
+from studies._gallery.bubbles import draw_bubbles, equivalent_diameter, largest_bubble
+from studies._gallery.raw import raw
 
 HERE = Path(__file__).parent
 PARTICLES = HERE.parent / "patil_hot_bubble" / "bubble.csv"
@@ -24,11 +22,13 @@ CASES = ("half_2mm_300", "half_2mm_900", "half_3mm_300", "half_3mm_600", "half_3
 BACKGROUND = {1: 0.65, 2: 1.1, 3: 1.45}  # m/s by diameter in mm
 FLUX, DENSITY, T_BED = 17.55, 1.177, 300.0  # kg/m2/s of the jet, kg/m3 at T_BED
 OPEN = 0.8  # porosity above which a cell belongs to a bubble
-STOP, LATE, END = 0.09, 0.15, 0.225  # s, of the half bed
+STOP, LATE = 0.09, 0.15  # s, of the half bed
+PICTURED, MOMENTS = "half_3mm_900", (0.05, 0.09, 0.1, 0.15)  # case and times [s] of snapshots.png
+COLUMNS = ("t [s]", "diameter [m]", "T_bubble [K]", "T_particle_max [K]")
 EMULSION, DEPTH = 0.4, 0.14  # porosity at the start; depth of the bed [m]
 
 
-def scene(case):
+def scene(case: str) -> cb.Scene:
     """`half_3mm_900` with another diameter and temperature; `_fine` halves the cells."""
     size, T = case.removesuffix("_fine").removeprefix("half_").split("mm_")
     background, T = BACKGROUND[int(size)], float(T)
@@ -45,15 +45,14 @@ def scene(case):
     return cb.load(HERE / "half_3mm_900.toml", changes)
 
 
-def run(folder, cases):
-    for case in cases:
-        start = time.process_time()
-        result = cb.run(scene(case), Path(folder) / case)
-        closed = [f"{name} {balance['relative_residual']:.1e}" for name, balance in result.balances.items()]
-        print(case, f"{time.process_time() - start:.0f} s of CPU,", result.qoi["steps"], "steps,", *closed, flush=True)
+def run(case: str) -> None:
+    """Run a case; its fields are kept as raw ones."""
+    seconds, result = gallery.cpu(lambda: cb.run(scene(case), raw(HERE.name) / case), samples=1)
+    closed = [f"{name} {balance['relative_residual']:.1e}" for name, balance in result.balances.items()]
+    print(case, f"{seconds:.0f} s of CPU,", result.qoi["steps"], "steps,", *closed, flush=True)
 
 
-def field(mesh, name):
+def field(mesh: Any, name: str) -> tuple[Any, tuple[float, float]]:
     """A field of a rectangle, by column and row, and the size of its cells."""
     block = mesh.cells[0].data
     centre = mesh.points[block].mean(axis=1)
@@ -62,102 +61,95 @@ def field(mesh, name):
     return mesh.cell_data[name][0][order].reshape(len(x), len(z)), (x[1] - x[0], z[1] - z[0])
 
 
-def bubble(mesh):
-    """Diameter of a circle as large as the bubble [m], its mean gas temperature [K]: the largest connected region of
-    porosity above OPEN that does not belong to the freeboard.
-    """
+def bubble(mesh: Any) -> tuple[float, float]:
+    """Diameter of a circle as large as the bubble [m], its mean gas temperature [K]."""
     (eps_s, size), (T, _) = field(mesh, "eps_s"), field(mesh, "T_gas")
-    parts, number = label(eps_s < 1.0 - OPEN)
-    free = set(np.unique(parts[:, -1])) - {0}
-    sizes = [0 if k in free else int((parts == k).sum()) for k in range(1, number + 1)]
-    if not sizes or max(sizes) == 0:
+    inside = largest_bubble(1.0 - eps_s, OPEN)
+    if inside is None:
         return 0.0, np.nan
-    inside = parts == 1 + int(np.argmax(sizes))
     pores = 1.0 - eps_s[inside]
-    return np.sqrt(4.0 * inside.sum() * size[0] * size[1] / np.pi), float(T[inside] @ pores / pores.sum())
+    return equivalent_diameter(inside, size[0] * size[1]), float(T[inside] @ pores / pores.sum())
 
 
-def series(folder):
+def series(case: str) -> list[tuple[float, ...]]:
     """(t, diameter, T, hottest particles) of a run."""
-    times = np.loadtxt(folder / "profiles.csv", delimiter=",", skiprows=1)
-    with open(folder / "profiles.csv") as file:
-        names = file.readline().strip().split(",")
-    hottest = dict(zip(times[:, 0], times[:, names.index("T_solid_max [K]")], strict=True))
+    folder = raw(HERE.name) / case
+    profiles = Table.read(folder / "profiles.csv")
+    hottest = dict(zip(profiles[profiles.columns[0]], profiles["T_solid_max [K]"], strict=True))
     rows = []
     for part in ElementTree.parse(folder / "fields.pvd").iter("DataSet"):
-        t = float(part.get("timestep"))
-        mesh = meshio.read(folder / part.get("file"))
+        t = float(str(part.get("timestep")))
+        mesh = meshio.read(folder / str(part.get("file")))
         rows.append((t, *bubble(mesh), hottest[min(hottest, key=lambda at, t=t: abs(at - t))]))
-    return np.array(rows)
+    return rows
 
 
-def particles():
-    """The same columns of the particle study by case."""
-    found = {}
-    with open(PARTICLES) as file:
-        for row in csv.DictReader(file):
-            names = ("t [s]", "diameter [m]", "T_bubble [K]", "T_particle_max [K]")
-            found.setdefault(row["case"], []).append([float(row[name]) for name in names])
-    return {name: np.array(rows) for name, rows in found.items()}
+def reference() -> Table:
+    """The same of the particle study, by case."""
+    return Table.read(PARTICLES)
 
 
-def curves(found, discrete):
-    figure, axes = plt.subplots(1, 2, figsize=(11, 4.3), layout="constrained")
-    for name, rows in found.items():
+def compute(cases: Sequence[str] = CASES) -> Tables:
+    """Bubble over time of each case, and both models at two moments."""
+    for case in cases:
+        run(case)
+    found = Table(
+        {"case": "", **dict.fromkeys(COLUMNS, ".6g")}, [(case, *row) for case in cases for row in series(case)]
+    )
+    rows = []
+    for case in cases:
+        for model, table in (("two fluids", found), ("particles", reference())):
+            if len(mine := table.where({"case": case})):
+                rows.append((case, model, *moments(mine)))
+    head = [f"{name} at {t} s" for t in (STOP, LATE) for name in ("diameter [m]", "T_bubble [K]")]
+    columns = dict.fromkeys((*head, "largest diameter [m]", "T_particle_max [K]"), ".4g")
+    return {"results": Table({"case": "", "model": "", **columns}, rows), "bubble": found}
+
+
+def moments(table: Table) -> tuple[float, ...]:
+    """Diameter and temperature at STOP and LATE, the largest diameter, the hottest particle."""
+    t, diameter, T, hottest = (table[name] for name in COLUMNS)
+    stop, late = (int(np.argmin(np.abs(t - moment))) for moment in (STOP, LATE))
+    return diameter[stop], T[stop], diameter[late], T[late], diameter.max(), hottest.max()
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Diameter and temperature of the bubble by both models; the gas at some times where the fields are."""
+    figures = {}
+    if "bubble" in tables:
+        figures["bubble"] = plot_bubbles(tables["bubble"], reference())
+    if (raw(HERE.name) / PICTURED).exists():
+        figures["snapshots"] = plot_gas(raw(HERE.name) / PICTURED)
+    return figures
+
+
+def plot_bubbles(found: Table, discrete: Table) -> Any:
+    """Lines are two fluids, marks particles."""
+    figure, axes = gallery.figure(1, 2, size=(11, 4.3))
+    curves = []
+    for name in found.values("case"):
         size, T, *fine = name.split("_")[1:]
-        color = plt.get_cmap("inferno")((float(T) - 250.0) / 800.0)
-        style, wide = {"2mm": "--", "3mm": "-"}[size], 0.9 if fine else 1.8
-        dots = {"ls": "", "marker": "o+"[style == "--"], "ms": 4}
-        for data, mark, how in (
-            (rows, "two fluids", {"ls": style, "lw": wide}),
-            (discrete.get(name), "particles", dots),
-        ):
-            if data is None:
-                continue
-            shown, text = data[:, 1] > 0.0, ", ".join((size, f"{T} K", mark, *fine))
-            for panel, column, factor in ((axes[0], 1, 1e2), (axes[1], 2, 1.0)):
-                panel.plot(data[shown, 0], factor * data[shown, column], color=color, label=text, **how)
-    axes[0].set(xlabel="time, s", ylabel="diameter of the bubble, cm")
-    axes[1].set(xlabel="time, s", ylabel="mean gas temperature in the bubble, K")
+        colour = gallery.shades(1, "inferno", (float(T) - 250.0) / 800.0)[0]
+        line = {"ls": {"2mm": "--", "3mm": "-"}[size], "lw": 0.9 if fine else 1.8}
+        marks = {"ls": "", "marker": {"2mm": "+", "3mm": "o"}[size], "ms": 4}
+        for table, model, how in ((found, "two fluids", line), (discrete, "particles", marks)):
+            if len(mine := table.where({"case": name})):
+                text = ", ".join((size, f"{T} K", model, *fine))
+                curves.append((*(mine[column] for column in COLUMNS[:3]), {"color": colour, "label": text, **how}))
+    draw_bubbles(axes, curves)
     axes[0].legend(fontsize=6, ncols=2)
-    figure.savefig(HERE / "bubble.png", dpi=110)
+    return figure
 
 
-def snapshots(folder):
-    figure, panels = plt.subplots(1, 4, figsize=(10.4, 6.6), layout="constrained", sharey=True)
-    for axes, t in zip(panels, (0.05, 0.09, 0.1, 0.15), strict=True):
+def plot_gas(folder: Path) -> Any:
+    """Temperature of the gas with the outline of the bubble at some times."""
+    figure, panels = gallery.figure(1, len(MOMENTS), size=(10.4, 6.6), sharey=True)
+    for axes, t in zip(panels, MOMENTS, strict=True):
         mesh = meshio.read(folder / f"fields_{round(t / 0.005) - 1:04d}.vtu")
         (eps_s, size), (T, _) = field(mesh, "eps_s"), field(mesh, "T_gas")
         extent = (0.0, 1e2 * size[0] * T.shape[0], 0.0, 1e2 * size[1] * T.shape[1])
         image = axes.imshow(T.T, origin="lower", extent=extent, cmap="inferno", vmin=T_BED)
         axes.contour(eps_s.T, [1.0 - OPEN], colors="0.8", linewidths=0.8, extent=extent)
-        axes.set(title=f"{t:g} s", xlabel="cm")
-        figure.colorbar(image, ax=axes, orientation="horizontal", label="gas, K")
-    figure.savefig(HERE / "snapshots.png", dpi=100)
-
-
-def plot(folder):
-    found = {case: series(Path(folder) / case) for case in CASES if (Path(folder) / case / "profiles.csv").exists()}
-    discrete = particles()
-    curves(found, discrete)
-    snapshots(Path(folder) / "half_3mm_900")
-    with open(HERE / "results.csv", "w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        moments = [f"{name} at {t} s" for t in (STOP, LATE) for name in ("diameter [m]", "T_bubble [K]")]
-        writer.writerow(("case", "model", *moments, "largest diameter [m]", "T_particle_max [K]"))
-        for name in found:
-            for model, rows in (("two fluids", found[name]), ("particles", discrete.get(name))):
-                if rows is not None:
-                    at = [rows[np.argmin(np.abs(rows[:, 0] - t)), 1:3] for t in (STOP, LATE)]
-                    values = (*at[0], *at[1], rows[:, 1].max(), rows[:, 3].max())
-                    writer.writerow((name, model, *(f"{value:.4g}" for value in values)))
-
-
-if __name__ == "__main__":
-    if sys.argv[1] == "run":
-        run(sys.argv[2], sys.argv[3:] or CASES)
-    elif sys.argv[1] == "bubble":
-        for row in series(Path(sys.argv[2])):
-            print("{:.3f} s  {:.4f} m  {:.1f} K  particles up to {:.1f} K".format(*row))
-    else:
-        plot(sys.argv[2])
+        axes.set(title=f"{t:g} s", xlabel="x [cm]")
+        figure.colorbar(image, ax=axes, orientation="horizontal", label="gas [K]")
+    return figure

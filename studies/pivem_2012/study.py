@@ -1,16 +1,16 @@
-"""Every row of Table 3 of Pivem & de Lemos (2012): closed form, Figs. 3-6, readings of the paper, Brinkman flow.
+"""Every row of Table 3 of Pivem & de Lemos (2012): closed form, Figs. 3-6, readings of the paper, Brinkman flow."""
 
-python studies/pivem_2012/study.py
-"""
+from __future__ import annotations
 
-import csv
 from pathlib import Path
+from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import contbed as cb
 from contbed.verify import exact
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 LITERAL = {"area": 4.0, "exponent": 1.0, "from_properties": False, "wakao": False, "density": None, "viscosity": None}
@@ -26,6 +26,9 @@ READINGS = {
     "true solid velocity: superficial (1-phi) u_s": {"true_velocity": True},
 }
 SHOWN = ("conductivity_1_slip_0.0", "conductivity_1_slip_0.4", "slip_0.50")  # rows in readings.csv
+THETA = {"fluid": "theta_fluid [1]", "solid": "theta_solid [1]"}
+ERRORS = ("error_fluid [1]", "error_solid [1]", "error_equilibrium [1]", "error_length [1]")
+NOT_COMPARED = ERRORS
 BRINKMAN = ("slip_0.50", "slip_0.95", "darcy_9.365e-3")
 PANELS = (
     ("3a: $Re_D$", "Re_D", ("reynolds_10", "reynolds_50", "reynolds_100")),
@@ -42,13 +45,13 @@ PANELS = (
 )  # fmt: skip
 
 
-def table():
+def reference() -> dict[str, dict[str, float]]:
     """Rows of Table 3 by the name of their scene."""
-    with (HERE / "table3.csv").open(newline="", encoding="ascii") as file:
-        return {row.pop("scene"): {key: float(value) for key, value in row.items()} for row in csv.DictReader(file)}
+    printed = Table.read(HERE / "table3.csv")
+    return {name: printed.row(name) for name in printed.values("scene")}
 
 
-def coefficients(scene, **reading):
+def coefficients(scene: cb.Scene, **reading: Any) -> dict[str, float]:
     """Arguments of the exact solutions from the values in the scene, under one reading of the paper."""
     choice = {**LITERAL, "true_velocity": False, **reading}
     fluid, solid, eps, d = scene.fluid, scene.solid, scene.bed.porosity, scene.bed.particle_diameter
@@ -70,13 +73,13 @@ def coefficients(scene, **reading):
     }
 
 
-def equilibrium(scene, **reading):
+def equilibrium(scene: cb.Scene, **reading: Any) -> tuple[float, float]:
     """Equilibrium theta and the length [m] on which the difference of theta falls to 0.01."""
     rate, direction = exact.decay_rate(**coefficients(scene, **reading))
     return 1 / (1 - direction), np.log(100) / rate
 
 
-def errors(scene, result):
+def errors(scene: cb.Scene, result: cb.Result) -> tuple[float, ...]:
     """Differences from the closed form: theta of fluid and solid anywhere, equilibrium theta, relative length."""
     f, s = exact.semi_infinite(result.profiles["x [m]"], **coefficients(scene))
     theta, length = equilibrium(scene)
@@ -88,88 +91,99 @@ def errors(scene, result):
     )
 
 
-def write(name, rows):
-    (HERE / name).write_text("\n".join(rows) + "\n", encoding="ascii")
-
-
-def main():
-    scenes = {name: cb.load(HERE / f"{name}.toml") for name in table()}
+def compute() -> Tables:
+    """All rows beside the closed form, readings of the paper, and three rows with the flow of a channel."""
+    scenes = {name: cb.load(HERE / f"{name}.toml") for name in reference()}
     results = {name: cb.run(scene) for name, scene in scenes.items()}
-    rows = [
-        "scene,theta_equilibrium [1],mixing theta [1],equilibrium_length [m],"
-        "error_fluid [1],error_solid [1],error_equilibrium [1],error_length [1]"
-    ]
-    worst = 0.0
+    rows, profiles = [], []
     for name, result in results.items():
-        c, difference = coefficients(scenes[name]), errors(scenes[name], result)
-        worst = max(worst, *np.abs(difference))
+        c = coefficients(scenes[name])
         mixing = c["flux_solid"] / (c["flux_fluid"] + c["flux_solid"])
         found = result.qoi["theta_equilibrium"], mixing, result.qoi["equilibrium_length_m"]
-        rows.append(",".join([name, *(f"{v:.6f}" for v in found), *(f"{v:.1e}" for v in difference)]))
-    write("results.csv", rows)
-    print(f"{len(results)} rows, largest difference from the closed form {worst:.1e}")
-    rows = ["reading," + ",".join(f"{name}: theta_equilibrium [1],{name}: length [m]" for name in SHOWN)]
-    for label, reading in READINGS.items():
-        values = [value for name in SHOWN for value in equilibrium(scenes[name], **reading)]
-        rows.append(",".join([label, *(f"{value:.4f}" for value in values)]))
-    write("readings.csv", rows)
-    figures(results)
-    brinkman(results)
+        rows.append((name, *found, *errors(scenes[name], result)))
+        x = np.linspace(0, 1, 41) ** 2 * result.profiles["x [m]"][-1]
+        theta = (np.interp(x, result.profiles["x [m]"], result.profiles[key]) for key in THETA.values())
+        profiles += [(name, *row) for row in zip(x, *theta, strict=True)]
+    columns = {"scene": "", "theta_equilibrium [1]": ".6f", "mixing theta [1]": ".6f", "equilibrium_length [m]": ".6f"}
+    places = {"scene": "", "x [m]": ".5g"}
+    return {
+        "results": Table(columns | dict.fromkeys(ERRORS, ".1e"), rows),
+        "readings": readings(scenes),
+        "profiles": Table(places | dict.fromkeys(THETA.values(), ".5g"), profiles),
+        **brinkman(results),
+    }
 
 
-def style():
-    plt.rcParams.update({"axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False})
+def readings(scenes: dict[str, cb.Scene]) -> Table:
+    """Equilibrium and its length under each reading of the paper."""
+    columns = {"reading": ""}
+    columns |= {f"{name}: {what}": ".4f" for name in SHOWN for what in ("theta_equilibrium [1]", "length [m]")}
+    rows = [
+        (text, *(value for name in SHOWN for value in equilibrium(scenes[name], **reading)))
+        for text, reading in READINGS.items()
+    ]
+    return Table(columns, rows)
 
 
-def figures(results):
-    """Figs. 3 to 6 of the paper, up to 1.2 times the longest equilibrium length of each."""
-    style()
-    figure, panels = plt.subplots(2, 4, figsize=(13, 6), sharey=True, layout="constrained")
-    values = table()
+def brinkman(plug: dict[str, cb.Result]) -> Tables:
+    """Three rows in two dimensions with walls that hold the fluid."""
+    rows, profiles = [], []
+    for name in BRINKMAN:
+        scene = cb.load(HERE / "brinkman" / f"{name}.toml")
+        result, flat = cb.run(scene), plug[name]
+        keys = ("theta_equilibrium", "equilibrium_length_m", "T_fluid_out_K")
+        pairs = [value for key in keys for value in (result.qoi[key], flat.qoi[key])]
+        rows.append((name, result.qoi["u_max_outlet"] / scene.flow.velocity, *pairs))
+        x = np.linspace(0, scene.mesh.length, 109)
+        change = [
+            np.interp(x, result.profiles["x [m]"], result.profiles[key])
+            - np.interp(x, flat.profiles["x [m]"], flat.profiles[key])
+            for key in THETA.values()
+        ]
+        profiles += [(name, *row) for row in zip(x, *change, strict=True)]
+    columns = {"scene": "", "u_max/u_D at the outlet [1]": ".4f"}
+    for name in ("theta_equilibrium on the axis [1]", "equilibrium_length on the axis [m]", "T_fluid_out [K]"):
+        columns[name] = columns[f"plug {name[name.index('[') :]}"] = ".5g"
+    return {
+        "brinkman": Table(columns, rows),
+        "brinkman_profiles": Table({"scene": "", "x [m]": ".5g", **dict.fromkeys(THETA.values(), ".4g")}, profiles),
+    }
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Figs. 3 to 6 of the paper, and what the flow in the channel changes."""
+    return {"figures_3_to_6": plot_rows(tables), "brinkman": plot_brinkman(tables["brinkman_profiles"])}
+
+
+def plot_rows(tables: Tables) -> Any:
+    """Profiles of all rows, up to 1.2 times the longest equilibrium length of each figure."""
+    figure, panels = gallery.figure(2, 4, size=(13, 6), sharey=True)
+    values = reference()
     for axes, (title, key, names) in zip(panels.ravel(), PANELS, strict=True):
-        for name, colour in zip(names, plt.get_cmap("viridis")(np.linspace(0, 0.85, len(names))), strict=True):
-            p = results[name].profiles
+        for name, colour in zip(names, gallery.shades(len(names)), strict=True):
+            p = tables["profiles"].where({"scene": name})
             x = 1e3 * p["x [m]"]
             axes.plot(x, p["theta_solid [1]"], color=colour, label=f"{values[name][key]:g}")
             axes.plot(x, p["theta_fluid [1]"], color=colour, linestyle=(0, (4, 2)))
-        longest = max(results[name].qoi["equilibrium_length_m"] for name in names)
+        longest = max(tables["results"].row(name)["equilibrium_length [m]"] for name in names)
         axes.set(title=f"Fig. {title}", xlim=(0, 1.2e3 * longest), ylim=(0, 1.3), yticks=np.linspace(0, 1, 6))
-        axes.legend(loc="upper right", fontsize=8, ncols=len(names), handlelength=1, columnspacing=1)
+        axes.legend(loc="upper right", ncols=len(names), handlelength=1, columnspacing=1)
     for axes in panels[-1]:
         axes.set_xlabel("x [mm]")
     for axes in panels[:, 0]:
         axes.set_ylabel(r"$\theta_s$ (full), $\theta_f$ (dashed)")
-    figure.savefig(HERE / "figures_3_to_6.png", dpi=180)
-    plt.close(figure)
+    return figure
 
 
-def brinkman(plug):
-    """Three rows in two dimensions with walls that hold the fluid."""
-    rows = [
-        "scene,u_max/u_D at the outlet [1],theta_equilibrium on the axis [1],plug [1],"
-        "equilibrium_length on the axis [m],plug [m],T_fluid_out [K],plug [K]"
-    ]
-    style()
-    figure, panels = plt.subplots(1, 3, figsize=(12, 3.8), sharey=True, layout="constrained")
+def plot_brinkman(profiles: Table) -> Any:
+    """Temperatures on the axis of the channel minus those of plug flow."""
+    figure, panels = gallery.figure(1, 3, sharey=True)
     for axes, name in zip(panels, BRINKMAN, strict=True):
-        scene = cb.load(HERE / "brinkman" / f"{name}.toml")
-        result = cb.run(scene)
-        keys = ("theta_equilibrium", "equilibrium_length_m", "T_fluid_out_K")
-        pairs = [f"{result.qoi[key]:.5g},{plug[name].qoi[key]:.5g}" for key in keys]
-        rows.append(",".join([name, f"{result.qoi['u_max_outlet'] / scene.flow.velocity:.4f}", *pairs]))
-        x = result.profiles["x [m]"]
-        for phase, colour in (("fluid", "#0072B2"), ("solid", "#D55E00")):
-            column = f"theta_{phase} [1]"
-            in_plug = np.interp(x, plug[name].profiles["x [m]"], plug[name].profiles[column])
-            axes.plot(x, result.profiles[column] - in_plug, color=colour, label=phase)
+        found = profiles.where({"scene": name})
+        for (phase, key), colour in zip(THETA.items(), (gallery.BLUE, gallery.VERMILION), strict=True):
+            axes.plot(found["x [m]"], found[key], color=colour, label=phase)
         axes.axhline(0, color="black", linewidth=0.6)
-        axes.set(title=name, xlabel="x [m]", xlim=(0, scene.mesh.length))
+        axes.set(title=name, xlabel=gallery.label("x"), xlim=(0, found["x [m]"][-1]))
     panels[0].set_ylabel(r"$\theta$ on the axis minus plug flow")
     panels[0].legend()
-    write("brinkman.csv", rows)
-    figure.savefig(HERE / "brinkman.png", dpi=180)
-    plt.close(figure)
-
-
-if __name__ == "__main__":
-    main()
+    return figure

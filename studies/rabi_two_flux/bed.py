@@ -11,8 +11,6 @@ Along the height z of a bed of section A, bubble fraction delta, species m, emul
 E = sigma T^4, a_m = 4 kappa_m, f_m = kappa_m / sum kappa, w_m the share of the feed below z. "two_flux" has
 D = 1/(4 beta), "p1" D = 1/(3 beta). "closure" is eq. 34, G = 4 sum K_a,m E_m / K_a: nothing is left to transport, and
 what tubes and walls take is shared in proportion to K_a,m. The distributor's own temperature follows from its balance.
-
-    python studies/rabi_two_flux/bed.py        # writes bed.csv and bed.png
 """
 
 from __future__ import annotations
@@ -21,7 +19,6 @@ import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 
-import matplotlib.pyplot as plt
 import numpy as np
 import scipy.sparse as sp
 from scipy.special import ndtr
@@ -39,7 +36,6 @@ HERE = Path(__file__).parent
 NAMES = ("char", "limestone", "inert")
 SOLIDS, GASES = ("T_char", "T_limestone", "T_inert"), ("T_emulsion", "T_bubble")
 LEVELS = {"closure": None, "two_flux": 1 / 4, "p1": 1 / 3}  # D beta
-LABELS = {"closure": "eq. 34", "two_flux": "two-flux", "p1": "P1"}
 START = 1150.0  # [K]
 
 
@@ -257,90 +253,3 @@ def open_balance(level, found):
     if LEVELS[level] is None:
         return sum(species) / max(map(abs, species))
     return (sum(species) - sum(to)) / max(map(abs, (*species, *to)))
-
-
-def main() -> None:
-    """Solve at every level, write tables and the picture, print what differs."""
-    beds = {level: Bed(level) for level in LEVELS}
-    found = {level: bed.results(bed.solve()) for level, bed in beds.items()}
-    for level, one in found.items():
-        print(f"{level:9} open balance of radiation {open_balance(level, one):.1e}")
-    totals(found)
-    causes()
-    header, columns = ["z [m]"], [found["p1"].z]
-    for level, bed in beds.items():
-        one = found[level]
-        header += [f"{name} by {level} [K]" for name in (*SOLIDS, *GASES)] + [f"q by {level} [W/m2]"]
-        columns += [getattr(one, name) for name in (*SOLIDS, *GASES)] + [bed.flux(one)]
-    table = np.column_stack(columns)[::12]
-    np.savetxt(HERE / "bed.csv", table, "%.8g", ",", header=",".join(header), comments="")
-    plot(beds, found)
-
-
-def totals(found) -> None:
-    """Temperatures [K] and heat flows [kW] of each level."""
-    rows = ["quantity," + ",".join(LABELS.values())]
-
-    def row(name, value):
-        rows.append(f"{name}," + ",".join(f"{value(found[level]):.2f}" for level in LEVELS))
-
-    row("distributor [K]", lambda one: one.T_d)
-    for place, at in (("bottom", 0.0), ("10 mm", 0.01), ("middle", 0.3), ("top", 0.6)):
-        for name in NAMES:
-            row(f"{name} at {place} [K]", lambda one, n=name, at=at: np.interp(at, one.z, getattr(one, f"T_{n}")))
-    row("emulsion gas at top [K]", lambda one: one.T_emulsion[-1])
-    row("bubble gas at top [K]", lambda one: one.T_bubble[-1])
-    for name in ("tubes", "wall", "distributor", "top"):
-        row(f"radiation to {name} [kW]", lambda one, n=name: one.heat.get(n, 0.0) / 1e3)
-    (HERE / "bed_totals.csv").write_text("\n".join(rows) + "\n", encoding="ascii")
-    print("\n".join(rows))
-
-
-def causes() -> None:
-    """Inert in the middle [K]: eq. 34 minus P1 with all radiation, and with tubes and walls alone."""
-    for ends, label in ((True, "ends, tubes and walls"), (False, "tubes and walls")):
-        paper, full = (solved(level, ends=ends) for level in ("closure", "p1"))
-        T = [np.interp(0.3, one.z, one.T_inert) for one in (paper, full)]
-        print(f"{label}: eq. 34 minus P1 {T[0] - T[1]:.3f} K, distributor {paper.T_d - full.T_d:.3f} K")
-
-
-def plot(beds, found) -> None:
-    """Temperatures over the height, how far eq. 34 is from P1 there, and the radiative flux."""
-    plt.rcParams.update({"axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False})
-    figure, (height, apart, flux) = plt.subplots(1, 3, figsize=(13.5, 4.4), layout="constrained")
-    colours = dict(zip(SOLIDS, ("#d55e00", "#009e73", "#0072b2"), strict=True))
-    dashes = {"closure": ":", "two_flux": "--", "p1": "-"}
-    greys = {"closure": "#cc79a7", "two_flux": "#e69f00", "p1": "#222222"}
-    for level, one in found.items():
-        for name in SOLIDS:
-            height.plot(one.z, getattr(one, name), dashes[level], color=colours[name], linewidth=1.3)
-        flux.plot(1e3 * one.z, beds[level].flux(one) / 1e3, dashes[level], color=greys[level], label=LABELS[level])
-        height.plot([], [], f"k{dashes[level]}", label=LABELS[level])
-    height.set(xlabel="height [m]", ylabel="temperature [K]", xlim=(0, beds["p1"].H))
-    height.legend(loc="upper right")
-    for name, label in (("T_char", "char"), ("T_inert", "inert, limestone")):
-        value = np.interp(0.15, found["closure"].z, getattr(found["closure"], name))
-        height.annotate(label, (0.15, value), (0, 5), color=colours[name], textcoords="offset points")
-    for mixing, width in ((1.0, 1.8), (0.1, 1.4), (0.01, 1.0), (0.001, 0.7)):
-        paper, full = (solved(level, mixing=mixing) for level in ("closure", "p1"))
-        apart.plot(full.z, paper.T_inert - full.T_inert, color=colours["T_inert"], linewidth=width)
-        at = int(np.searchsorted(full.z, 0.3))
-        apart.annotate(
-            f"dispersion x {mixing:g}",
-            (0.3, (paper.T_inert - full.T_inert)[at]),
-            (0, 5 if mixing == 1 else -13),
-            ha="center",
-            textcoords="offset points",
-            color=colours["T_inert"],
-            fontsize=9,
-        )
-    apart.set(xlabel="height [m]", ylabel="inert: eq. 34 minus P1 [K]", xlim=(0, beds["p1"].H), ylim=(-4, None))
-    flux.set(xlabel="height [mm]", ylabel="radiative flux upwards [kW/m$^2$]", xlim=(0, 6), ylim=(-145, 5))
-    flux.set_title("at the distributor")
-    flux.legend(loc="lower right")
-    figure.savefig(HERE / "bed.png", dpi=140)
-    plt.close(figure)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,92 +1,76 @@
-"""A hot bed of three species at five levels of radiation: table, pictures, run times.
-
-python studies/rabi_two_flux_bed/study.py        # about 1 min: results.csv, profiles.png, packing.csv
-"""
+"""A hot bed of three species at five levels of radiation: temperatures, duties, run times."""
 
 from __future__ import annotations
 
-import csv
-import statistics
-import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 import contbed as cb
 from contbed.bubbling_bed.problem import BubblingProblem
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 LEVELS = {
-    "none": ("no radiation", "#999999"),
-    "pairwise": ("pairs of species", "#009E73"),
-    "paper": ("paper's closure", "#E69F00"),
-    "two_flux": ("two-flux", "#0072B2"),
-    "p1": ("P1", "#D55E00"),
+    "none": ("no radiation", gallery.GREY),
+    "pairwise": ("pairs of species", gallery.GREEN),
+    "paper": ("paper's closure", gallery.ORANGE),
+    "two_flux": ("two-flux", gallery.BLUE),
+    "p1": ("P1", gallery.VERMILION),
 }
-REPEATS = 5
+NOT_COMPARED = ("cpu_s",)
+SPECIES = ("char", "limestone", "inert")
 
 
-def cost(scene: cb.Scene) -> float:
-    """CPU seconds of one plan and solution, median."""
-    found = []
-    for _ in range(REPEATS):
-        start = time.process_time()
-        BubblingProblem(cb.plan(scene)).solve()
-        found.append(time.process_time() - start)
-    return statistics.median(found)
+def reference() -> cb.Result:
+    """The bed with P1, which the other levels are compared with."""
+    return cb.run(cb.load(HERE / "p1.toml"))
 
 
-def table(path: Path, results: dict[str, cb.Result], seconds: dict[str, float]) -> None:
+def table(results: dict[str, cb.Result]) -> Table:
     """Named results of all runs, one column for each."""
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["result", *results])
-        for key in next(iter(results.values())).qoi:
-            writer.writerow([key, *(f"{result.qoi[key]:.7g}" for result in results.values())])
-        if seconds:
-            writer.writerow(["cpu_s", *(f"{value:.2f}" for value in seconds.values())])
+    rows = [[key, *(each.qoi[key] for each in results.values())] for key in next(iter(results.values())).qoi]
+    return Table({"result": "", **dict.fromkeys(results, ".7g")}, rows)
 
 
-def main() -> None:
-    """Run the scenes, write the tables and the picture."""
-    results = {name: cb.run(cb.load(HERE / f"{name}.toml")) for name in LEVELS}
-    seconds = {name: cost(cb.load(HERE / f"{name}.toml")) for name in LEVELS}
-    table(HERE / "results.csv", results, seconds)
+def compute() -> Tables:
+    """All levels with their CPU; P1 with other corrections for the packing of particles."""
+    scenes = {name: cb.load(HERE / f"{name}.toml") for name in LEVELS}
+    results = {name: reference() if name == "p1" else cb.run(scene) for name, scene in scenes.items()}
+    times = gallery.in_turn(
+        {name: lambda s=scene: BubblingProblem(cb.plan(s)).solve() for name, scene in scenes.items()}
+    )
+    results_table = table(results)
+    results_table.rows.append(("cpu_s", *(f"{times[name].seconds:.2f}" for name in LEVELS)))
     p1 = {"independent": results["p1"]}
     p1["close_packed"] = cb.run(cb.load(HERE / "p1.toml", {"radiation.correction": "close_packed"}))
     p1["backward"] = cb.run(cb.load(HERE / "p1.toml", {"radiation.anisotropy": -4 / 9}))
-    table(HERE / "packing.csv", p1, {})
-    for name, result in results.items():
-        print(f"{name:10} {seconds[name]:.2f} s, balance {result.balances['energy']['relative_residual']:.1e}")
-    profiles(results)
+    rows = [
+        (name, *row)
+        for name, result in results.items()
+        for row in zip(*(result.profiles[key] for key in ("z [m]", *(f"T_{s} [K]" for s in SPECIES))), strict=True)
+    ]
+    columns = {"level": "", "z [m]": ".5g", **{f"T_{name} [K]": ".7g" for name in SPECIES}}
+    return {"results": results_table, "packing": table(p1), "profiles": Table(columns, rows[::8])}
 
 
-def profiles(results: dict[str, cb.Result]) -> None:
-    """Temperatures of the species over the height, and their difference to P1 near the distributor."""
-    figure = Figure(figsize=(11, 4.6), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.subplots(1, 4)
-    species = ("char", "limestone", "inert")
-    for name, (label, colour) in LEVELS.items():
-        columns = results[name].profiles
-        for panel, which in zip(axes, species, strict=False):
+def plot(tables: Tables) -> dict[str, Any]:
+    """Temperatures of the species over the height, and that of the inert less that with P1."""
+    figure, axes = gallery.figure(1, 4, size=(11, 4.6))
+    profiles = {name: tables["profiles"].where({"level": name}) for name in LEVELS}
+    for name, (text, colour) in LEVELS.items():
+        found = profiles[name]
+        for panel, which in zip(axes, SPECIES, strict=False):
             if name != "none":
-                panel.plot(columns[f"T_{which} [K]"], columns["z [m]"], color=colour, label=label)
+                panel.plot(found[f"T_{which} [K]"], found["z [m]"], color=colour, label=text)
         if name not in ("none", "p1"):
-            z, T = results["p1"].profiles["z [m]"], results["p1"].profiles["T_inert [K]"]
-            own = np.interp(z, columns["z [m]"], columns["T_inert [K]"])
-            axes[3].plot(own - T, z, color=colour)
-    for panel, which in zip(axes, species, strict=False):
+            z, T = profiles["p1"]["z [m]"], profiles["p1"]["T_inert [K]"]
+            axes[3].plot(np.interp(z, found["z [m]"], found["T_inert [K]"]) - T, z, color=colour)
+    for panel, which in zip(axes, SPECIES, strict=False):
         panel.set(title=which, xlabel="temperature [K]", ylim=(0, 0.9))
     axes[0].set_ylabel("height above the distributor [m]")
     axes[3].set(title="inert less that with P1", xlabel="difference [K]", ylim=(0, 0.9))
-    for panel in axes:
-        panel.spines[["top", "right"]].set_visible(False)
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
-    figure.savefig(HERE / "profiles.png", dpi=130)
-
-
-if __name__ == "__main__":
-    main()
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return {"profiles": figure}

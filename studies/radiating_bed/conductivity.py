@@ -2,19 +2,17 @@
 
 The bed of `bed.toml`, 0.5 m thick, between plates 10 K apart: P1 in the two-energy model, the same without radiation,
 and the closure with its radiation term in place of P1. The run time with and without radiation is measured beside it.
-
-    python studies/radiating_bed/conductivity.py     # conductivity.csv; 3 s
 """
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
-
-import numpy as np
+from typing import Any
 
 import contbed as cb
 from contbed.closures import conductivity_zehner_bauer_schluender, conductivity_zehner_schluender
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 LENGTH = 0.5
@@ -39,39 +37,34 @@ def scene(T: float, radiates: bool) -> cb.Scene:
 
 def conductivity(loaded: cb.Scene) -> float:
     """Heat flux times thickness over the difference of the plates [W/m/K]."""
-    return cb.run(loaded).qoi["heat_left_W"] * LENGTH / APART
+    return float(cb.run(loaded).qoi["heat_left_W"] * LENGTH / APART)
 
 
-def run_time(loaded: cb.Scene) -> float:
-    """Median user time of a run [s]."""
-    times = []
-    for _ in range(9):
-        start = time.process_time()
-        cb.run(loaded)
-        times.append(time.process_time() - start)
-    return float(np.median(times))
-
-
-def main() -> None:
-    """Write the table and print the cost ratio."""
-    bed, fluid, solid = scene(1000.0, True).bed, scene(1000.0, True).fluid, scene(1000.0, True).solid
+def reference(T: float) -> float:
+    """Rise of the conductivity [W/m/K] by the radiation term of the closure at a mean temperature [K]."""
+    loaded = scene(T, True)
+    bed, fluid, solid = loaded.bed, loaded.fluid, loaded.solid
     phases = {"k_fluid": fluid.conductivity, "k_solid": solid.conductivity, "eps": bed.porosity}
+    radiating = conductivity_zehner_bauer_schluender(**phases, T=T, d_p=bed.particle_diameter, emissivity=EMISSIVITY)
+    return float(radiating - conductivity_zehner_schluender(**phases))
+
+
+def compute() -> Tables:
+    """Rise of the conductivity over the mean temperature; prints the cost of radiation."""
     rows = []
     for celsius in CELSIUS:
         T = celsius + 273.15
-        rise = conductivity(scene(T, True)) - conductivity(scene(T, False))
-        radiating = conductivity_zehner_bauer_schluender(
-            **phases, T=T, d_p=bed.particle_diameter, emissivity=EMISSIVITY
-        )
-        predicted = float(radiating - conductivity_zehner_schluender(**phases))
-        rows.append((celsius, conductivity(scene(T, False)), rise, predicted, rise / predicted))
+        without, predicted = conductivity(scene(T, False)), reference(T)
+        rise = conductivity(scene(T, True)) - without
+        rows.append((celsius, without, rise, predicted, rise / predicted))
+    times = gallery.in_turn(
+        {str(radiates): lambda r=radiates: cb.run(scene(1748.15, r)) for radiates in (True, False)}, 9
+    )
+    print(f"run time with radiation over without: {times['True'].seconds / times['False'].seconds:.2f}")
     names = ["mean temperature [degC]", "k without radiation [W/m/K]", "rise by P1 [W/m/K]", "rise by ZBS [W/m/K]"]
-    header = ",".join([*names, "P1 over ZBS [1]"])
-    np.savetxt(HERE / "conductivity.csv", rows, "%.5g", ",", header=header, comments="")
-    print(header, *(",".join(f"{value:.4g}" for value in row) for row in rows), sep="\n")
-    ratio = run_time(scene(1748.15, True)) / run_time(scene(1748.15, False))
-    print(f"run time with radiation over without: {ratio:.2f}")
+    return {"conductivity": Table(dict.fromkeys([*names, "P1 over ZBS [1]"], ".5g"), rows)}
 
 
-if __name__ == "__main__":
-    main()
+def plot(tables: Tables) -> dict[str, Any]:
+    """Nothing: the README has the table."""
+    return {}

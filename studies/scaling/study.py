@@ -1,20 +1,24 @@
-"""Time, memory and iterations against unknowns and ranks: `python study.py [--skfem PYTHON] [--largest N]`.
+"""Time, memory and iterations against unknowns and ranks.
 
-Run with the Python of the DOLFINx environment; `--skfem` is that of the default engine if another. Each run is a
-process of its own with one thread a rank. Results go to scaling.csv, which is continued: finished runs are kept.
+Runs of DOLFINx take the environment of `make dolfinx`; runs that are in the table already are kept. Each run is a
+process of its own with one thread a rank. `cases` names scenes.
 """
 
 from __future__ import annotations
 
-import argparse
-import csv
 import json
 import os
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
+
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
+from studies._gallery.timing import ONE_THREAD
 
 HERE = Path(__file__).parent
 PLANE = [(42, 14), (73, 24), (133, 44), (232, 76), (420, 140)]
@@ -28,36 +32,38 @@ RUNS = (
 )
 COLUMNS = ("scene", "cells", "engine", "ranks", "unknowns", "cpu_s", "cpu_largest_s", "wall_s", "setup_s", "solve_s",
            "memory_GB", "memory_leader_GB", "iterations")  # fmt: skip
-ENVIRONMENT = {
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
+RUN = COLUMNS[:4]
+NOT_COMPARED = COLUMNS[5:]
+DOLFINX = HERE.parents[1] / ".venv-dolfinx" / "bin" / "python"
+STYLES = {
+    ("skfem", "1"): (gallery.BLACK, "o", "scikit-fem"),
+    ("dolfinx", "1"): (gallery.BLUE, "s", "DOLFINx, 1 rank"),
+    ("dolfinx", "2"): (gallery.VERMILION, "^", "DOLFINx, 2 ranks"),
+}
+TITLES = {"plane": "2-D: flow and heat, direct", "space": "3-D: heat, multigrid above 60 000"}
+ENVIRONMENT = ONE_THREAD | {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
 }
 
 
-def measured(scene: str, cells: tuple[int, ...], engine: str, ranks: int, python: str) -> dict[str, object]:
+def reference() -> Table:
+    """The committed runs of scikit-fem, the default engine, with which DOLFINx is compared."""
+    return Table.read(HERE / "scaling.csv").where({"engine": "skfem"})
+
+
+def measured(scene: str, cells: tuple[int, ...], engine: str, ranks: int) -> tuple[Any, ...]:
     """One run as a row of the table."""
+    size = f"mesh.cells={list(cells)}"
+    python = sys.executable if engine == "skfem" else str(DOLFINX)
     with tempfile.TemporaryDirectory() as out:
-        command = [
-            python,
-            "-m",
-            "contbed",
-            "run",
-            HERE / f"{scene}.toml",
-            "--quiet",
-            "--out",
-            out,
-            "--engine",
-            engine,
-            "--set",
-            f"mesh.cells={list(cells)}",
-        ]
+        command = [python, "-m", "contbed", "run", str(HERE / f"{scene}.toml"), "--quiet", "--out", out]
+        command += ["--engine", engine, "--set", size]
         if ranks > 1:
             command = ["mpirun", "-n", str(ranks), *command]
         start = time.perf_counter()
-        child = subprocess.Popen([str(part) for part in command], env=os.environ | ENVIRONMENT)
+        child = subprocess.Popen(command, env=os.environ | ENVIRONMENT)
         _, status, usage = os.wait4(child.pid, 0)
         wall = time.perf_counter() - start
         if status:
@@ -70,88 +76,51 @@ def measured(scene: str, cells: tuple[int, ...], engine: str, ranks: int, python
     }
     timings = summary["timings"]
     many = [k for k in taken["iterations"] if k > 1]
-    return dict(
-        zip(
-            COLUMNS,
-            (
-                scene,
-                "x".join(map(str, cells)),
-                engine,
-                ranks,
-                sum(summary["dofs"].values()),
-                round(sum(taken["cpu_s"]), 2),
-                round(max(taken["cpu_s"]), 2),
-                round(wall, 1),
-                round(timings["plan"] + timings.get("heat setup", 0.0), 2),
-                round(timings.get("flow", 0.0) + timings.get("heat", 0.0), 2),
-                round(sum(taken["memory_GB"]), 3),
-                round(taken["memory_GB"][0], 3),
-                max(many, default=""),
-            ),
-            strict=True,
-        )
+    return (
+        scene,
+        "x".join(map(str, cells)),
+        engine,
+        ranks,
+        sum(summary["dofs"].values()),
+        round(sum(taken["cpu_s"]), 2),
+        round(max(taken["cpu_s"]), 2),
+        round(wall, 1),
+        round(timings["plan"] + timings.get("heat setup", 0.0), 2),
+        round(timings.get("flow", 0.0) + timings.get("heat", 0.0), 2),
+        round(sum(taken["memory_GB"]), 3),
+        round(taken["memory_GB"][0], 3),
+        max(many, default=None),
     )
 
 
-def plot(rows: list[dict[str, str]]) -> None:
+def compute(cases: Sequence[str] = ("plane", "space", "flow_space")) -> Tables:
+    """All runs that are not in the table yet, small ones first."""
+    table = Table.read(HERE / "scaling.csv")
+    done = {row[:4] for row in table.rows}
+    for scene, cells, engine, ranks in sorted(RUNS, key=lambda run: run[1][0] * run[1][-1] ** (len(run[1]) - 1)):
+        name = scene, "x".join(map(str, cells)), engine, str(ranks)
+        if scene in cases and name not in done and (engine == "skfem" or DOLFINX.exists()):
+            row = measured(scene, cells, engine, ranks)
+            table = table.updated(Table(dict.fromkeys(COLUMNS, ""), [row]), RUN)
+            print(*row, flush=True)
+    return {"scaling": table}
+
+
+def plot(tables: Tables) -> dict[str, Any]:
     """Processor time and memory over unknowns, one panel for each scene."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    styles = {
-        ("skfem", "1"): ("k", "o", "scikit-fem"),
-        ("dolfinx", "1"): ("tab:blue", "s", "DOLFINx, 1 rank"),
-        ("dolfinx", "2"): ("tab:orange", "^", "DOLFINx, 2 ranks"),
-    }
-    titles = {"plane": "2-D: flow and heat, direct", "space": "3-D: heat, multigrid above 60 000"}
-    figure, axes = plt.subplots(2, 2, figsize=(9, 7), sharex="col", layout="constrained")
-    for k, (scene, title) in enumerate(titles.items()):
-        for (engine, ranks), (colour, marker, label) in styles.items():
-            found = sorted(
-                (int(row["unknowns"]), float(row["cpu_s"]), float(row["memory_GB"]))
-                for row in rows
-                if (row["scene"], row["engine"], row["ranks"]) == (scene, engine, ranks)
-            )
-            if found:
-                n, time, memory = zip(*found, strict=True)
-                axes[0, k].loglog(n, time, color=colour, marker=marker, label=label)
-                axes[1, k].loglog(n, memory, color=colour, marker=marker)
-        axes[0, k].set_title(title)
-        axes[1, k].set_xlabel("unknowns")
+    figure, axes = gallery.figure(2, 2, size=(9, 7), sharex="col")
+    for column, (scene, title) in zip(axes.T, TITLES.items(), strict=True):
+        for (engine, ranks), (colour, marker, text) in STYLES.items():
+            found = tables["scaling"].where({"scene": scene, "engine": engine, "ranks": ranks})
+            order = found["unknowns"].argsort()
+            n = found["unknowns"][order]
+            column[0].loglog(n, found["cpu_s"][order], color=colour, marker=marker, label=text)
+            column[1].loglog(n, found["memory_GB"][order], color=colour, marker=marker)
+        column[0].set_title(title)
+        column[1].set_xlabel("unknowns")
     axes[0, 0].set_ylabel("processor time of all ranks [s]")
     axes[1, 0].set_ylabel("memory of all ranks [GB]")
-    axes[0, 0].legend(frameon=False)
+    axes[0, 0].legend()
     for axis in axes.ravel():
         axis.grid(alpha=0.3)
-    figure.savefig(HERE / "scaling.png", dpi=120)
-
-
-def main() -> None:
-    """All runs that are not in the table yet, small ones first."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--skfem", default=sys.executable)
-    parser.add_argument("--largest", type=int, default=10**6, help="cells")
-    options = parser.parse_args()
-    table = HERE / "scaling.csv"
-    rows = list(csv.DictReader(table.open())) if table.is_file() else []
-    done = {(row["scene"], row["cells"], row["engine"], int(row["ranks"])) for row in rows}
-    for scene, cells, engine, ranks in sorted(RUNS, key=lambda run: run[1][0] * run[1][-1] ** (len(run[1]) - 1)):
-        count = 1
-        for n in cells:
-            count *= n
-        if (scene, "x".join(map(str, cells)), engine, ranks) in done or count > options.largest:
-            continue
-        python = options.skfem if engine == "skfem" else sys.executable
-        rows.append({k: str(v) for k, v in measured(scene, cells, engine, ranks, python).items()})
-        with table.open("w", newline="") as file:
-            writer = csv.DictWriter(file, COLUMNS)
-            writer.writeheader()
-            writer.writerows(rows)
-        print(*rows[-1].values(), flush=True)
-    plot(rows)
-
-
-if __name__ == "__main__":
-    main()
+    return {"scaling": figure}

@@ -1,16 +1,10 @@
-"""The hard corners of the steady two-energy equations: 50 graded cells against the exact solution of a finite bed.
-
-Writes stress.csv and stress.png beside this file, or into the folder given as argument.
-"""
+"""The hard corners of the steady two-energy equations: 50 graded cells against the exact solution of a finite bed."""
 
 from __future__ import annotations
 
-import csv
-import sys
 from collections.abc import Iterator
-from dataclasses import asdict, astuple, dataclass
+from dataclasses import astuple, dataclass, fields
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +12,8 @@ import numpy as np
 import contbed as cb
 from contbed.loading import from_dict
 from contbed.verify.exact import finite_length
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 CELLS = 50
 TOLERANCE = 1e-3  # of theta, error and overshoot
@@ -25,6 +21,7 @@ PECLET = (1e-3, 1e-1, 1e1, 1e3, 1e6)
 NTU = (1e-2, 1.0, 1e2, 1e4, 1e6)
 RATIO = (1.0, 1e2, 1e4)
 SLIP = (-2.0, -1.0, -0.25, 0.0, 0.5, 0.95)
+NOT_COMPARED = ("error", "overshoot")
 INSULATING = ("none", "fluid", "solid", "both")
 
 
@@ -84,62 +81,53 @@ def scene(case: Case) -> dict[str, Any]:
     }
 
 
+def reference(case: Case, x: Any) -> tuple[Any, Any]:
+    """Exact theta of fluid and solid of a finite bed at x."""
+    fluid, solid = finite_length(x, 1.0, **coefficients(case))
+    return fluid, solid
+
+
 def measure(case: Case) -> tuple[float, float]:
     """Largest error of theta in both phases and largest overshoot."""
     result = cb.run(from_dict(scene(case)))
     profiles = result.profiles
-    exact = finite_length(profiles["x [m]"], 1.0, **coefficients(case))
     found = profiles["theta_fluid [1]"], profiles["theta_solid [1]"]
+    exact = reference(case, profiles["x [m]"])
     error = max(float(np.abs(a - b).max()) for a, b in zip(found, exact, strict=True))
     return error, result.qoi["theta_overshoot"]
 
 
-def plot(rows: list[tuple[Case, float, float]], path: Path) -> None:
+def missed(table: Table) -> list[str]:
+    """Cases that are beyond the tolerance."""
+    worst = np.maximum(table["error"], table["overshoot"])
+    return [",".join(row) for row, value in zip(table.rows, worst, strict=True) if not value <= TOLERANCE]
+
+
+def compute() -> Tables:
+    """Error and overshoot of all cases; those that miss the tolerance are printed."""
+    columns = dict.fromkeys((field.name for field in fields(Case)), "") | {"error": ".2e", "overshoot": ".2e"}
+    table = Table(columns, [(*astuple(case), *measure(case)) for case in cases()])
+    print(
+        *missed(table), f"largest error {table['error'].max():.2e}, overshoot {table['overshoot'].max():.2e}", sep="\n"
+    )
+    return {"stress": table}
+
+
+def plot(tables: Tables) -> dict[str, Any]:
     """Worst error over conductivity ratio and insulation, by Peclet number and NTU, one panel for each slip."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, panels = plt.subplots(2, 3, figsize=(9.5, 6.0), sharex=True, sharey=True, layout="constrained")
-    for panel, slip in zip(panels.flat, SLIP, strict=True):
-        worst = np.array(
-            [
-                [max(e for c, e, _ in rows if (c.peclet, c.ntu, c.slip) == (peclet, ntu, slip)) for peclet in PECLET]
-                for ntu in NTU
-            ]
-        )
-        image = panel.imshow(np.log10(worst), origin="lower", cmap="viridis", vmin=-8, vmax=-3, aspect="auto")
-        for (i, j), value in np.ndenumerate(worst):
-            panel.text(
-                j, i, f"{value:.0e}", ha="center", va="center", fontsize=7, color="black" if value > 1e-5 else "white"
-            )
-        panel.set_title(rf"$C_\mathrm{{s}}/C_\mathrm{{f}}$ = {slip:g}", fontsize=10)
+    table = tables["stress"]
+    peclet, ntu, slip, error = (table[name] for name in ("peclet", "ntu", "slip", "error"))
+    figure, panels = gallery.figure(2, 3, size=(9.5, 6.0), sharex=True, sharey=True)
+    for panel, value in zip(panels.flat, SLIP, strict=True):
+        worst = np.array([[error[(peclet == p) & (ntu == n) & (slip == value)].max() for p in PECLET] for n in NTU])
+        image = panel.imshow(np.log10(worst), origin="lower", vmin=-8, vmax=-3, aspect="auto")
+        for (i, j), number in np.ndenumerate(worst):
+            how = {"ha": "center", "va": "center", "fontsize": 7, "color": "black" if number > 1e-5 else "white"}
+            panel.text(j, i, f"{number:.0e}", **how)
+        panel.set_title(rf"$C_\mathrm{{s}}/C_\mathrm{{f}}$ = {value:g}")
         panel.set_xticks(range(len(PECLET)), [f"{v:g}" for v in PECLET])
         panel.set_yticks(range(len(NTU)), [f"{v:g}" for v in NTU])
     figure.supxlabel("Peclet number of a uniform cell")
     figure.supylabel("NTU")
     figure.colorbar(image, ax=panels, label=r"$\log_{10}$ of the largest error of $\theta$")
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
-
-
-def main(out: Path) -> int:
-    """Run the table; 1 if a case misses the tolerance."""
-    rows = [(case, *measure(case)) for case in cases()]
-    out.mkdir(parents=True, exist_ok=True)
-    with open(out / "stress.csv", "w", newline="", encoding="ascii") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow([*asdict(rows[0][0]), "error", "overshoot"])
-        table.writerows([*astuple(case), f"{error:.2e}", f"{overshoot:.2e}"] for case, error, overshoot in rows)
-    plot(rows, out / "stress.png")
-    missed = [row for row in rows if not max(row[1:]) <= TOLERANCE]
-    for case, error, overshoot in missed:
-        print(f"{case}: error {error:.2e}, overshoot {overshoot:.2e}")
-    errors, overshoots = [row[1] for row in rows], [row[2] for row in rows]
-    print(f"{len(rows)} cases, largest error {max(errors):.2e}, largest overshoot {max(overshoots):.2e}")
-    return bool(missed)
-
-
-if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent))
+    return {"stress": figure}

@@ -1,21 +1,22 @@
 """What carries the bed in OpenFOAM's twoPhaseEulerFoam: its vertical momentum balance over the vessel.
 
-    python budget.py     three runs of 22 s on 28x100 cells, 11 minutes; writes budget.csv
-
-All over the weight of the particles, averaged from 2 s on, from states every 0.02 s: the pressure drop of the gas, the
-pressure of the particles on the floor, the walls' shear, and what is missing to weight and gain of momentum. The solver
-has no pressure of the particles: it pushes them by p'(eps_s) grad eps_s, with the mean of p' at a face. `made` is what
-these forces sum to beyond the pressure on the floor.
+Three runs of 22 s on 28x100 cells. All over the weight of the particles, averaged from 2 s on, from states every
+0.02 s: the pressure drop of the gas, the pressure of the particles on the floor, the walls' shear, and what is missing
+to weight and gain of momentum. The solver has no pressure of the particles: it pushes them by p'(eps_s) grad eps_s,
+with the mean of p' at a face. `made` is what these forces sum to beyond the pressure on the floor.
 """
 
 from __future__ import annotations
 
-import csv
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from study import FROM, HERE, heights, openfoam
+
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables, openfoam
+from studies.taghipour_bed.study import FROM, heights
 
 END, EVERY = 22.0, 0.02  # [s]
 RHO, GAS, G, PACKED, LOOSE, RESTITUTION = 2500.0, 1.2, 9.81, 0.63, 0.5, 0.9
@@ -71,15 +72,26 @@ def balance(case: openfoam.Case, folder: Path) -> list[float]:
     return [*shares, *heights(z, fractions.mean(axis=(0, 2))), *dense]
 
 
-def main() -> None:
-    rows = []
-    for name, case in CASES.items():
-        with tempfile.TemporaryDirectory() as folder:
-            openfoam.run(case, Path(folder))
-            rows.append([name, *(f"{value:.4g}" for value in balance(case, Path(folder)))])
-    with open(HERE / "budget.csv", "w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows((COLUMNS, *rows))
+def reference(name: str) -> list[float]:
+    """The balance of one case of the peer."""
+    with tempfile.TemporaryDirectory() as folder:
+        openfoam.run(CASES[name], Path(folder))
+        return balance(CASES[name], Path(folder))
 
 
-if __name__ == "__main__":
-    main()
+def compute() -> Tables:
+    """The three cases."""
+    return {"budget": Table(dict.fromkeys(COLUMNS, ".4g"), [(name, *reference(name)) for name in CASES])}
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """What carries the weight in each case."""
+    figure, axes = gallery.figure(size=(7, 3))
+    table = tables["budget"]
+    start = np.zeros(len(table))
+    for name, colour in zip(SHARES[:4], gallery.PALETTE, strict=False):
+        axes.barh(table["case"], table[name], left=start, color=colour, label=name)
+        start = start + table[name]
+    axes.set(xlabel="share of the weight", xlim=(0.8, 1.02))
+    axes.legend(ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    return {"budget": figure}

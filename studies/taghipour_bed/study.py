@@ -1,33 +1,30 @@
 """Expansion and pressure drop of Taghipour's bed, contbed beside OpenFOAM's twoPhaseEulerFoam.
 
-    python study.py [peer]     all scenes of this folder; "peer" runs OpenFOAM too (25 minutes)
-    python study.py frames     only the frames of bed_0.46.toml
-
-Writes results.csv: what gas and walls carry of the weight and what is missing (of the peer the pressure at its inlet,
-see budget.py), heights over that at rest by the lateral mean of eps_s and by the centre of the particles, drift of the
-inventory.
+What gas and walls carry of the weight and what is missing (of the peer the pressure at its inlet, see budget.py),
+heights over that at rest by the lateral mean of eps_s and by the centre of the particles, drift of the inventory.
 """
 
 from __future__ import annotations
 
-import csv
-import sys
 import tempfile
-import time
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.integrate import trapezoid
 
 import contbed as cb
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables, openfoam
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "two_fluid_speed"))
-import openfoam  # noqa: E402
-
 REST, FROM = 0.4, 2.0  # height at rest [m], start of the averages [s]
 COLUMNS = ("program", "case", "cells", "walls", "pressure_over_weight", "walls_over_weight", "missing",
            "H_0.3", "H_0.2", "H_centre", "mass_drift", "cpu_s")  # fmt: skip
+NOT_COMPARED = ("mass_drift", "cpu_s")
+SCENES = ("bed_0.38", "bed_0.46", "bed_0.46_fine", "bed_0.46_slip")
+FRAMES = "bed_0.46"  # scene that is drawn second by second
 PEERS = {
     "noslip 0.46": openfoam.Case("bed", 56, 200, 6.0, 0.46, "SyamlalOBrien", average_from=FROM),
     "slip 0.46": openfoam.Case("bed", 56, 200, 6.0, 0.46, "SyamlalOBrien", average_from=FROM, walls="slip"),
@@ -42,17 +39,16 @@ def heights(z: np.ndarray, eps_s: np.ndarray) -> list[float]:
     return [value / REST for value in (*tops, 2.0 * float(z @ eps_s / eps_s.sum()))]
 
 
-def own(path: Path) -> list:
-    scene = cb.load(path)
-    start = time.process_time()
-    result = cb.run(scene)
-    cpu = time.process_time() - start
+def own(name: str) -> list[Any]:
+    """One row of contbed."""
+    scene = cb.load(HERE / f"{name}.toml")
+    cpu, result = gallery.cpu(lambda: cb.run(scene), samples=1)
     axial = result.tables["axial"]
     shares = [result.qoi[f"weight_{name}"] for name in ("pressure", "walls", "missing")]
     cells = "x".join(str(n) for n in scene.mesh.cells)
     return [
         "contbed",
-        path.stem,
+        name,
         cells,
         scene.boundary["left"].solid,
         *shares,
@@ -62,7 +58,9 @@ def own(path: Path) -> list:
     ]
 
 
-def peer(name: str, case: openfoam.Case) -> list:
+def reference(name: str) -> list[Any]:
+    """One row of the peer."""
+    case = PEERS[name]
     with tempfile.TemporaryDirectory() as folder:
         found = openfoam.run(case, Path(folder))
         eps_s = openfoam.field(case, Path(folder), "alpha.particlesMean").mean(axis=1)
@@ -77,49 +75,47 @@ def peer(name: str, case: openfoam.Case) -> list:
         f"{case.nx}x{case.ny}",
         case.walls,
         share,
-        "",
-        "",
+        None,
+        None,
         *heights(z, eps_s),
         found["mass_drift_relative"],
         found["cpu_s"],
     ]
 
 
-def frames() -> None:
-    """Solid fraction of one run, second by second, in bed_0.46_frames.png."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    plan = cb.plan(cb.load(HERE / "bed_0.46.toml"))
+def frames() -> Table:
+    """eps_s of every cell, second by second."""
+    plan = cb.plan(cb.load(HERE / f"{FRAMES}.toml"))
     bed, _ = plan.bed()
-    figure, axes = plt.subplots(1, 6, figsize=(9, 4.6), layout="constrained", sharey=True)
     nx, nz = plan.scene.mesh.cells
-    x, z = (np.unique(values.round(9)) for values in bed.model.grid.centres.T)
-    for second, panel in enumerate(axes, start=1):
+    columns = {"x [m]": np.tile(np.unique(bed.model.grid.centres[:, 0].round(9)), nz)}
+    columns["z [m]"] = np.repeat(np.unique(bed.model.grid.centres[:, 1].round(9)), nx)
+    place = np.lexsort(bed.model.grid.centres.T.round(9))
+    for second in range(1, 7):
         bed.advance(float(second))
-        place = np.lexsort(bed.model.grid.centres.T.round(9))
-        eps_s = bed.state.eps_s[place].reshape(nz, nx)
+        columns[f"eps_s at {second} s [1]"] = bed.state.eps_s[place].round(3)
+    return Table.from_columns(columns, ".4g")
+
+
+def compute(cases: Sequence[str] = (*SCENES, *PEERS)) -> Tables:
+    """Scenes and cases of the peer; its committed rows are kept where it is not installed."""
+    new = [own(name) if name in SCENES else reference(name) for name in cases if name in SCENES or openfoam.available()]
+    rows = Table(dict.fromkeys(COLUMNS, ".4g"), new)
+    tables = {"results": Table.read(HERE / "results.csv").updated(rows, ["program", "case"])}
+    return tables | ({"frames": frames()} if FRAMES in cases else {})
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Solid fraction of one run, second by second."""
+    if "frames" not in tables:
+        return {}
+    table = tables["frames"]
+    x, z = (np.unique(table[name]) for name in ("x [m]", "z [m]"))
+    figure, axes = gallery.figure(1, 6, size=(9, 4.6), sharey=True)
+    for second, panel in enumerate(axes, start=1):
+        eps_s = table[f"eps_s at {second} s [1]"].reshape(len(z), len(x))
         shades = panel.pcolormesh(100 * x, 100 * z, eps_s, vmin=0.0, vmax=0.63, cmap="cividis")
         panel.set(aspect="equal", title=f"{second} s", xlabel="x [cm]", ylim=(0, 85))
     axes[0].set_ylabel("height [cm]")
     figure.colorbar(shades, ax=axes, label="eps_s [1]", shrink=0.7)
-    figure.savefig(HERE / "bed_0.46_frames.png", dpi=110)
-
-
-def main(with_peer: bool) -> None:
-    rows = [own(path) for path in sorted(HERE.glob("*.toml"))]
-    if with_peer:
-        rows += [peer(name, case) for name, case in PEERS.items()]
-    with open(HERE / "results.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows([f"{value:.4g}" if isinstance(value, float) else value for value in row] for row in rows)
-
-
-if __name__ == "__main__":
-    if "frames" in sys.argv[1:]:
-        frames()
-    else:
-        main("peer" in sys.argv[1:])
+    return {"bed_0.46_frames": figure}

@@ -1,43 +1,37 @@
 """Error against CPU, contbed beside OpenFOAM's twoPhaseEulerFoam, for two problems with exact solutions.
 
-    python study.py            both programs; the peer needs the Debian package `openfoam`
-
 Settling of glass in water and a Riemann problem of a granular gas, in columns 20 cells wide, over grids and Courant
-numbers. One process with one thread each; CPU of all steps but the first. Writes results.csv and the two figures.
+numbers. One process with one thread each; CPU of all steps but the first.
 """
 
 from __future__ import annotations
 
-import csv
-import sys
 import tempfile
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-import matplotlib
 import numpy as np
 
 import contbed as cb
 from contbed.errors import SceneError
 from contbed.models import plan
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables, openfoam
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "two_fluid_speed"))
-import openfoam  # noqa: E402
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-
 WIDTH = 20  # cells across
 POINTS = 100  # at which the exact profile of a cell is averaged
 OWN, PEER = (0.1, 0.25, 0.5, 0.9, 1.0), (0.2, 0.5, 1.0, 2.0, 5.0)  # Courant numbers
 ENOUGH = 2.0  # CPU [s] after which a run is not repeated
 REPEATS = 3
 CLOSED = {"type": "wall", "solid": "slip", "gas": "slip"}
+OURS = "contbed"
 COLUMNS = ("case", "program", "cells", "courant", "steps", "cpu_s", "error_L1", "lower_position", "upper_position",
            "lower_exact", "upper_exact")  # fmt: skip
+NOT_COMPARED = ("cpu_s",)
+Run = tuple[float, float, np.ndarray]  # CPU [s], steps and the profile of eps_s
 
 
 def settled(z: np.ndarray, t: float) -> np.ndarray:
@@ -72,17 +66,17 @@ class Problem:
         steps = {"time.courant": courant, "time.longest": 10.0, "time.first": self.first}
         return cb.load(path, {"mesh": mesh, "boundary": walls, "gas.density": self.fluid, **steps})
 
-    def own(self, cells: int, courant: float) -> tuple[float, float, np.ndarray]:
+    def own(self, cells: int, courant: float) -> Run:
         """CPU [s], steps and the profile of eps_s."""
         scene = self.scene(cells, courant)
         bed = plan(scene).bed()[0]
         began: list[float] = []
-        bed.advance(scene.time.end, lambda bed: began or began.append(time.process_time()))
-        cpu = time.process_time() - began[0]
+        bed.advance(scene.time.end, lambda bed: began or began.append(gallery.user_time()))
+        cpu = gallery.user_time() - began[0]
         rows = np.argsort(np.round(bed.model.grid.centres[:, 1] / scene.mesh.height, 9), kind="stable")
         return cpu, bed.state.steps, bed.state.eps_s[rows].reshape(cells, WIDTH).mean(axis=1)
 
-    def peer(self, cells: int, courant: float) -> tuple[float, float, np.ndarray]:
+    def peer(self, cells: int, courant: float) -> Run:
         end = self.scene(cells, 0.5).time.end
         case = openfoam.Case(
             self.name, WIDTH, cells, end, 0.0, courant=courant, dt=self.first, largest_dt=10.0, walls="slip"
@@ -97,7 +91,7 @@ class Problem:
         scene = self.scene(cells, 0.5)
         height, end = scene.mesh.height, scene.time.end
         fine = (np.arange(cells * POINTS) + 0.5) * height / (cells * POINTS)
-        profile = self.exact(fine, end)
+        profile = reference(self, fine, end)
         exact = profile.reshape(cells, POINTS).mean(axis=1)
         z = (np.arange(cells) + 0.5) * height / cells
         fronts = [front(*pair, level) for pair in ((z, eps_s), (fine, profile)) for level in self.levels]
@@ -116,7 +110,7 @@ PROBLEMS = (
 )
 
 
-def repeated(run: Callable, *arguments: float) -> tuple[float, float, np.ndarray]:
+def repeated(run: Callable[..., Run], *arguments: float) -> Run:
     """A run with its median CPU; one that takes long runs once."""
     found = [run(*arguments)]
     while len(found) < REPEATS and sum(cpu for cpu, *_ in found) < ENOUGH:
@@ -124,32 +118,18 @@ def repeated(run: Callable, *arguments: float) -> tuple[float, float, np.ndarray
     return float(np.median([cpu for cpu, *_ in found])), *found[-1][1:]
 
 
-def plot(problem: Problem, rows: list[list]) -> None:
-    figure, axes = plt.subplots(figsize=(9.0, 5.0), layout="constrained")
-    shades = plt.get_cmap("Blues")([0.5, 0.7, 0.95]), plt.get_cmap("Oranges")([0.5, 0.7, 0.9])
-    for program, colours, mark in zip(("contbed", openfoam.SOLVER), shades, "os", strict=True):
-        for cells, colour in zip(problem.grids, colours, strict=True):
-            mine = [row for row in rows if row[:3] == [problem.name, program, cells]]
-            if not mine:
-                continue
-            x, y = [row[5] for row in mine], [row[6] for row in mine]
-            axes.loglog(x, y, mark + "-", color=colour, label=f"{program}, {cells} cells")
-            for row in (mine[0], mine[-1]):
-                axes.annotate(f"{row[3]:g}", (row[5], row[6]), (4, 4), textcoords="offset points", fontsize=8)
-    axes.set_xlabel("CPU of the run [s]; numbers: Courant number")
-    axes.set_ylabel("L1 error of eps_s, relative [1]")
-    axes.set_title(problem.title)
-    axes.grid(True, which="both", alpha=0.3)
-    figure.legend(loc="outside right upper", fontsize=8)
-    figure.savefig(HERE / f"{problem.name}.png", dpi=120)
+def reference(problem: Problem, z: np.ndarray, t: float) -> np.ndarray:
+    """Exact eps_s of a problem at heights z [m] and time t [s]."""
+    return problem.exact(z, t)
 
 
-def main() -> None:
+def compute() -> Tables:
+    """Both programs over grids and Courant numbers; the committed rows of the peer are kept where it is missing."""
     try:
         PROBLEMS[0].scene(100, 1.01)
     except SceneError as refused:
         print(refused)
-    programs = {"contbed": ("own", OWN)} | ({openfoam.SOLVER: ("peer", PEER)} if openfoam.available() else {})
+    programs = {OURS: ("own", OWN)} | ({openfoam.SOLVER: ("peer", PEER)} if openfoam.available() else {})
     rows = []
     for problem in PROBLEMS:
         problem.own(20, 0.5)  # compiles
@@ -159,13 +139,32 @@ def main() -> None:
                     cpu, steps, eps_s = repeated(getattr(problem, run), cells, courant)
                     found = [courant, int(steps), cpu, *problem.measure(cells, eps_s)]
                     rows.append([problem.name, program, cells, *found])
-                    print(*(f"{v:.4g}" if isinstance(v, float) else v for v in rows[-1]), flush=True)
-        plot(problem, rows)
-    with open(HERE / "results.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows([f"{value:.5g}" if isinstance(value, float) else value for value in row] for row in rows)
+                    print(*rows[-1][:6], flush=True)
+    new = Table(dict.fromkeys(COLUMNS, ".5g") | {"steps": "d"}, rows)
+    return {"results": Table.read(HERE / "results.csv").updated(new, ["case", "program"])}
 
 
-if __name__ == "__main__":
-    main()
+def plot(tables: Tables) -> dict[str, Any]:
+    """Error over CPU, one figure for each problem."""
+    return {
+        problem.name: plot_problem(problem, tables["results"].where({"case": problem.name})) for problem in PROBLEMS
+    }
+
+
+def plot_problem(problem: Problem, table: Table) -> Any:
+    """Error over CPU of one problem; the numbers are Courant numbers."""
+    figure, axes = gallery.figure(size=(9.0, 5.0))
+    shades = gallery.shades(3, "Blues", 0.5, 0.95), gallery.shades(3, "Oranges", 0.5, 0.9)
+    for program, colours, mark in zip((OURS, openfoam.SOLVER), shades, "os", strict=True):
+        for cells, colour in zip(problem.grids, colours, strict=True):
+            mine = table.where({"program": program, "cells": cells})
+            x, y = mine["cpu_s"], mine["error_L1"]
+            axes.loglog(x, y, mark + "-", color=colour, label=f"{program}, {cells} cells")
+            for i in (0, -1):
+                gallery.label_line(axes, f"{mine['courant'][i]:g}", x[i], y[i], "black", (4, 4))
+    axes.set_xlabel("CPU of the run [s]; numbers: Courant number")
+    axes.set_ylabel("L1 error of eps_s, relative [1]")
+    axes.set_title(problem.title)
+    axes.grid(True, which="both", alpha=0.3)
+    figure.legend(loc="outside right upper")
+    return figure

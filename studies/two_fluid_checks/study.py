@@ -1,24 +1,28 @@
-"""Check cases of the two-fluid model: computed beside exact, with tolerance and time.
+"""Check cases of the two-fluid model: computed beside exact, with tolerance and time."""
 
-python studies/two_fluid_checks/study.py [NAME ...]
-"""
+from __future__ import annotations
 
-import csv
 import math
-import sys
-import time
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from scipy.optimize import brentq
 
 import contbed as cb
 from contbed import closures
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
-COLUMNS = ("case", "quantity", "computed", "exact", "deviation", "allowed", "passed", "CPU s")
+COLUMNS = dict.fromkeys(("case", "quantity", "computed", "exact", "deviation", "allowed", "passed"), "") | {
+    "CPU s": ".2g"
+}
+NOT_COMPARED = ("computed", "deviation", "CPU s")  # `passed` says whether computed is what it must be
 
 
-def cooled(scene):
+def cooled(scene: cb.Scene) -> float:
     """Granular temperature after collisions and drag have acted, closed form."""
     solid, start, gas = scene.solid, scene.initial, scene.gas
     s, t = start.eps_s, scene.time.end
@@ -33,19 +37,19 @@ def cooled(scene):
     return (root * fallen / (1 + b * root / a * (1 - fallen))) ** 2 if b else (root * fallen) ** 2
 
 
-def slip(scene):
+def slip(scene: cb.Scene) -> float:
     """Velocity of the gas past particles whose weight in the suspension it carries."""
     eps, gas, solid = 1 - scene.initial.eps_s, scene.gas, scene.solid
     law = closures.get(str(scene.two_fluid.drag), "drag")
 
-    def missing(u):
+    def missing(u: float) -> float:
         beta = law(eps * gas.density * u * solid.diameter / gas.viscosity, eps, solid.diameter, gas.viscosity)
         return beta * u - eps * (1 - eps) * (solid.density - gas.density) * scene.two_fluid.gravity
 
-    return brentq(missing, 1e-6, 10.0, xtol=1e-14)
+    return float(brentq(missing, 1e-6, 10.0, xtol=1e-14))
 
 
-def heated(scene):
+def heated(scene: cb.Scene) -> float:
     """Temperature of the gas that hot particles have warmed in a closed suspension."""
     gas, solid, start, heat = scene.gas, scene.solid, scene.initial, scene.heat
     s = start.eps_s
@@ -55,12 +59,12 @@ def heated(scene):
     return start.T_gas + (start.T_solid - start.T_gas) * cool / (warm + cool) * (1 - gap)
 
 
-def upper(scene):
+def upper(scene: cb.Scene) -> float:
     """Clear water above the particles."""
     return scene.mesh.length - 4.60966e-3 * scene.time.end
 
 
-def lower(scene):
+def lower(scene: cb.Scene) -> float:
     """Top of the sediment."""
     return 9.21932e-4 * scene.time.end
 
@@ -88,31 +92,43 @@ CASES = {
 }  # fmt: skip
 
 
-def rows(name):
-    """One row for each quantity of a case."""
+def reference(name: str) -> dict[str, float]:
+    """Exact values of a case by quantity."""
     scene = cb.load(HERE / f"{name}.toml")
-    start = time.process_time()
-    qoi = cb.run(scene).qoi
-    seconds = time.process_time() - start
-    for quantity, known, allowed in CASES[name]:
-        exact = known(scene) if callable(known) else known
-        deviation = abs(qoi[quantity] - exact) / (abs(exact) or 1.0)
-        yield name, quantity, qoi[quantity], exact, deviation, allowed, deviation <= allowed, seconds
+    return {quantity: known(scene) if callable(known) else known for quantity, known, _ in CASES[name]}
 
 
-def main(names):
-    found = []
-    print("{:18}{:24}{:>16}{:>16}{:>11}{:>10}  {:7}{:>7}".format(*COLUMNS))
-    for name in names:
-        for row in rows(name):
-            found.append(row)
-            print("{:18}{:24}{:16.9g}{:16.9g}{:11.2g}{:10.0e}  {!s:7}{:7.1f}".format(*row), flush=True)
-    if set(names) == set(CASES):
-        with (HERE / "results.csv").open("w", newline="") as file:
-            table = csv.writer(file)
-            table.writerow(COLUMNS)
-            table.writerows((*row[:7], f"{row[7]:.2g}") for row in found)
+def compute(cases: Sequence[str] = tuple(CASES)) -> Tables:
+    """One row for each quantity of a case."""
+    rows = []
+    for name in cases:
+        scene, exact = cb.load(HERE / f"{name}.toml"), reference(name)
+        seconds, result = gallery.cpu(lambda scene=scene: cb.run(scene), samples=1)
+        for quantity, _, allowed in CASES[name]:
+            value, known = result.qoi[quantity], exact[quantity]
+            deviation = abs(value - known) / (abs(known) or 1.0)
+            rows.append((name, quantity, value, known, deviation, allowed, deviation <= allowed, seconds))
+            print(
+                name,
+                quantity,
+                f"{value:.9g}, exact {known:.9g}, deviation {deviation:.2g}, allowed {allowed:g}",
+                flush=True,
+            )
+    table = Table(COLUMNS, rows)
+    if len(cases) < len(CASES):
+        table = Table.read(HERE / "results.csv").updated(table, ["case", "quantity"])
+    return {"results": table}
 
 
-if __name__ == "__main__":
-    main(sys.argv[1:] or list(CASES))
+def plot(tables: Tables) -> dict[str, Any]:
+    """Deviation of every quantity over what is allowed."""
+    table = tables["results"]
+    share = np.maximum(table["deviation"] / table["allowed"], 1e-9)
+    figure, axes = gallery.figure(size=(8, 6))
+    places = np.arange(len(table))[::-1]
+    axes.barh(places, share, left=1e-9, color=gallery.BLUE)
+    axes.axvline(1.0, color=gallery.VERMILION)
+    names = [f"{row['case']}, {row['quantity'].replace('_', ' ')}" for row in table]
+    axes.set_yticks(places, names, fontsize=8)
+    axes.set(xscale="log", xlim=(1e-9, 3), xlabel="deviation over what is allowed")
+    return {"deviations": figure}

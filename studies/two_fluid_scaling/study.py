@@ -1,7 +1,5 @@
 """CPU of a step of the two-fluid model over the number of cells, and of three solvers of its pressure.
 
-    python study.py            all sizes, writes results.csv and scaling.png
-
 Each size takes a few steps from the start of a bed in 2-D or 3-D and then solves the last equation of pressure by
 elimination, by the project's sparse factors in nested dissection and by multigrid. CPU of one process with one thread,
 medians; compilation is left out. Elimination and sparse
@@ -10,13 +8,11 @@ factors are left out where a solution would take more than some seconds.
 
 from __future__ import annotations
 
-import csv
-import time
 from dataclasses import replace
 from pathlib import Path
 from statistics import median
+from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import scipy.sparse as sp
 
@@ -28,6 +24,8 @@ from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.linear.elimination import Elimination
 from contbed.two_fluid.linear.multigrid import Multigrid
 from contbed.two_fluid.linear.pressure_solver import PressureSolver
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 SIZES = {
@@ -35,6 +33,7 @@ SIZES = {
     "box": [(12, 12, 36), (16, 16, 48), (20, 20, 60), (34, 34, 102), (54, 54, 162)],
 }
 STEPS, FIRST = 9, 4  # taken, and those of them that are left out
+NOT_COMPARED = ("us_per_cell_step", "pressure_share", "elimination_ms", "sparse_direct_ms", "multigrid_ms")
 DENSEST = 5e10  # cells times band^2 up to which elimination is tried
 FACTORED = {"bed": 600_000, "box": 40_000}  # cells up to which sparse factors are tried
 COLUMNS = ("case", "cells", "band", "us_per_cell_step", "pressure_share", "policy", "iterations", "elimination_ms",
@@ -45,9 +44,9 @@ class Watched(PressureSolver):
     """The solver of the model, with the time that it takes and its last equation."""
 
     def solve(self, coef, rhs, guess):
-        begin = time.process_time()
+        begin = gallery.user_time()
         p = super().solve(coef, rhs, guess)
-        self.seconds, self.last = time.process_time() - begin, (coef, rhs.copy(), guess)
+        self.seconds, self.last = gallery.user_time() - begin, (coef, rhs.copy(), guess)
         return p
 
 
@@ -60,14 +59,14 @@ def matrix(grid: Grid, coef: np.ndarray) -> sp.csc_matrix:
     return sp.csc_matrix(sp.diags(diagonal) + links + links.T)
 
 
-def timed(work, times=3) -> float:
-    """Median CPU [ms] of some work that takes milliseconds, or of one call where it takes seconds."""
-    spent: list[float] = []
-    while len(spent) < times and sum(spent) < 5.0:
-        begin = time.process_time()
-        work()
-        spent.append(time.process_time() - begin)
-    return 1e3 * median(spent)
+def reference(pressure: Watched, whole: sp.csc_matrix, order: Any) -> Any:
+    """The last equation solved by the project's sparse factors, with which the other solvers are compared."""
+    return Solver(whole, Policy(pressure.grid.dimension, None, order))(pressure.last[1])
+
+
+def milliseconds(work: Any) -> float:
+    """Median CPU of some work [ms]."""
+    return 1e3 * gallery.cpu(work, long=5.0).seconds
 
 
 def measure(case: str, cells: tuple[int, ...]) -> dict[str, object]:
@@ -77,9 +76,9 @@ def measure(case: str, cells: tuple[int, ...]) -> dict[str, object]:
     bed.model = replace(bed.model, pressure_solver=watched)
     steps, solutions = [], []
     for _ in range(STEPS):
-        begin = time.process_time()
+        begin = gallery.user_time()
         bed.step(bed.next_step())
-        steps.append(time.process_time() - begin)
+        steps.append(gallery.user_time() - begin)
         solutions.append(watched.seconds)
     coef, rhs, guess = watched.last
     count, width = len(grid.cells), grid.bandwidth
@@ -92,33 +91,44 @@ def measure(case: str, cells: tuple[int, ...]) -> dict[str, object]:
         "pressure_share": median(solutions[FIRST:]) / median(steps[FIRST:]),
         "policy": "elimination" if isinstance(watched.by, Elimination) else "multigrid",
         "iterations": iterative.solve(coef, watched.floating, rhs, guess.copy()),
-        "multigrid_ms": timed(lambda: iterative.solve(coef, watched.floating, rhs, guess.copy())),
+        "multigrid_ms": milliseconds(lambda: iterative.solve(coef, watched.floating, rhs, guess.copy())),
     }
     if count * width**2 < DENSEST:
         direct = Elimination(grid)
-        row["elimination_ms"] = timed(lambda: direct.solve(grid.geometry, coef, watched.floating, rhs.copy()))
+        row["elimination_ms"] = milliseconds(lambda: direct.solve(grid.geometry, coef, watched.floating, rhs.copy()))
     if count <= FACTORED[case]:
         pairs = np.stack((grid.geometry.left[: grid.interior], grid.geometry.right))
         order = nested_dissection(grid.middles[: grid.interior].T, [pairs], count)
         whole = matrix(grid, coef)
-        row["sparse_direct_ms"] = timed(lambda: Solver(whole, Policy(grid.dimension, None, order))(rhs))
+        row["sparse_direct_ms"] = milliseconds(lambda: reference(watched, whole, order))
     return row
 
 
-def picture(rows: list[dict[str, object]]) -> None:
+def compute() -> Tables:
+    """All sizes."""
+    rows = []
+    for case, sizes in SIZES.items():
+        measure(case, tuple(6 for _ in sizes[0]))  # compiles
+        for cells in sizes:
+            rows.append(measure(case, cells))
+            print({name: f"{v:.3g}" if isinstance(v, float) else v for name, v in rows[-1].items()}, flush=True)
+    whole = dict.fromkeys(("cells", "band", "iterations"), "d")
+    return {
+        "results": Table(dict.fromkeys(COLUMNS, ".3g") | whole, [[row.get(name) for name in COLUMNS] for row in rows])
+    }
+
+
+def plot(tables: Tables) -> dict[str, Any]:
     """Cost of a step and of the solvers."""
-    figure, panels = plt.subplots(1, 3, figsize=(10, 3.4), layout="constrained")
-    for case, colour in (("bed", "#0072B2"), ("box", "#D55E00")):
-        mine = [row for row in rows if row["case"] == case]
-        cells = [row["cells"] for row in mine]
-        label = "2-D" if case == "bed" else "3-D"
-        panels[0].semilogx(cells, [row["us_per_cell_step"] for row in mine], "o-", color=colour, label=label)
-        panels[1].semilogx(cells, [100 * row["pressure_share"] for row in mine], "o-", color=colour, label=label)
+    figure, panels = gallery.figure(1, 3, size=(10, 3.4))
+    for case, text, colour in (("bed", "2-D", gallery.BLUE), ("box", "3-D", gallery.VERMILION)):
+        mine = tables["results"].where({"case": case})
+        cells = mine["cells"]
+        panels[0].semilogx(cells, mine["us_per_cell_step"], "o-", color=colour, label=text)
+        panels[1].semilogx(cells, 100 * mine["pressure_share"], "o-", color=colour, label=text)
         for solver, style in (("elimination", "s-"), ("sparse_direct", "^:"), ("multigrid", "o--")):
-            known = [row for row in mine if f"{solver}_ms" in row]
-            name = f"{solver.replace('_', ' ')}, {label}"
-            each = [1e3 * row[f"{solver}_ms"] / row["cells"] for row in known]
-            panels[2].loglog([row["cells"] for row in known], each, style, color=colour, label=name, markersize=4)
+            name = f"{solver.replace('_', ' ')}, {text}"
+            panels[2].loglog(cells, 1e3 * mine[f"{solver}_ms"] / cells, style, color=colour, label=name)
     panels[0].set(ylabel="CPU of a step for each cell [us]", ylim=(0, None))
     panels[1].set(ylabel="share of the pressure [%]", ylim=(0, 100))
     panels[2].set_ylabel("CPU of a solution for each cell [us]")
@@ -127,22 +137,4 @@ def picture(rows: list[dict[str, object]]) -> None:
     for axes in panels:
         axes.set(xlabel="cells")
         axes.grid(alpha=0.3)
-    figure.savefig(HERE / "scaling.png", dpi=150)
-
-
-def main() -> None:
-    rows = []
-    for case, sizes in SIZES.items():
-        measure(case, tuple(6 for _ in sizes[0]))  # compiles
-        for cells in sizes:
-            rows.append(measure(case, cells))
-            print({name: f"{v:.3g}" if isinstance(v, float) else v for name, v in rows[-1].items()}, flush=True)
-    with (HERE / "results.csv").open("w", newline="") as file:
-        table = csv.DictWriter(file, COLUMNS)
-        table.writeheader()
-        table.writerows({name: f"{v:.3g}" if isinstance(v, float) else v for name, v in row.items()} for row in rows)
-    picture(rows)
-
-
-if __name__ == "__main__":
-    main()
+    return {"scaling": figure}

@@ -1,31 +1,31 @@
 """CPU of a simulated second of a riser and of a bubbling bed, contbed beside OpenFOAM's twoPhaseEulerFoam.
 
-    python study.py            both programs; the peer needs the Debian package `openfoam`
-
 Same mesh, closures, walls, initial state and largest Courant number; one process with one thread each. Compilation and
-the peer's meshing are left out. Writes results.csv.
+the peer's meshing are left out.
 """
 
 from __future__ import annotations
 
-import csv
-import sys
+import math
 import tempfile
-import time
 from pathlib import Path
+from typing import Any
 
-import openfoam
+import numpy as np
 
 import contbed as cb
 from contbed.two_fluid import results as findings
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables, openfoam
 
 HERE = Path(__file__).parent
 STUDIES = HERE.parent
 EMPTY = {"initial.eps_s": 0.0, "initial.u_gas": 0.0, "initial.u_solid": 0.0, "initial.noise": 0.0}
 COURANT = 0.5
-COLUMNS = ("case", "program", "courant", "simulated_s", "cpu_s", "steps", "ms_per_step", "cpu_per_s", "mass_drift")
-
-CASES = {
+OWN = "contbed"
+NOT_COMPARED = ("cpu_s", "steps", "ms_per_step", "cpu_per_s", "mass_drift")
+COLUMNS = dict.fromkeys(("case", "program", "courant", "simulated_s", *NOT_COMPARED), ".5g") | {"steps": "d"}
+CASES: dict[str, tuple[openfoam.Case, Path, dict[str, Any]]] = {
     "riser 15x350": (
         openfoam.Case("riser", 15, 350, 3.0, 3.2, solids=26.6, walls="jj"),
         STUDIES / "vaishali_2007" / "ff_wenyu.toml",
@@ -39,49 +39,52 @@ CASES = {
 }
 
 
-def own(scene: Path, changes: dict, end: float) -> dict[str, float]:
+def own(scene: Path, changes: dict[str, Any], end: float) -> dict[str, float]:
     """CPU of contbed's steps; a few before, so that everything is compiled."""
     for until in (1e-4, end):
         chosen = {**changes, "time.courant": COURANT, "time.end": until, "time.average_from": 0.0}
         bed, _ = cb.plan(cb.load(scene, chosen)).bed()
         held = findings.held(bed)
-        start = time.process_time()
+        start = gallery.user_time()
         bed.advance(until)
-        cpu = time.process_time() - start
+        cpu = gallery.user_time() - start
     drift = findings.balances(bed, {"solids": held})["solids"]["relative_residual"]
     return {"cpu_s": cpu, "steps": bed.state.steps, "mass_drift": drift}
 
 
-def main() -> None:
+def reference(case: openfoam.Case) -> dict[str, float]:
+    """The same of the peer."""
+    with tempfile.TemporaryDirectory() as folder:
+        found = openfoam.run(case, Path(folder))
+    # a riser that fills has nothing to compare its inventory with
+    return {**found, "mass_drift": math.nan if case.riser else found["mass_drift_relative"]}
+
+
+def compute() -> Tables:
+    """Both programs; the committed rows of the peer are kept where it is not installed."""
     rows = []
     for name, (case, scene, changes) in CASES.items():
-        done = {"contbed": own(scene, changes, case.end)}
+        done = {OWN: own(scene, changes, case.end)}
         if openfoam.available():
-            with tempfile.TemporaryDirectory() as folder:
-                peer = openfoam.run(case, Path(folder))
-            # a riser that fills has nothing to compare its inventory with
-            drift = float("nan") if case.riser else peer["mass_drift_relative"]
-            done["twoPhaseEulerFoam"] = {**peer, "mass_drift": drift}
+            done[openfoam.SOLVER] = reference(case)
         for program, r in done.items():
+            cpu, steps = r["cpu_s"], int(r["steps"])
             rows.append(
-                [
-                    name,
-                    program,
-                    COURANT,
-                    case.end,
-                    r["cpu_s"],
-                    int(r["steps"]),
-                    1e3 * r["cpu_s"] / r["steps"],
-                    r["cpu_s"] / case.end,
-                    r["mass_drift"],
-                ]
+                (name, program, COURANT, case.end, cpu, steps, 1e3 * cpu / steps, cpu / case.end, r["mass_drift"])
             )
-            print(*(f"{value:.4g}" if isinstance(value, float) else value for value in rows[-1]), flush=True)
-    with open(HERE / "results.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows([f"{value:.5g}" if isinstance(value, float) else value for value in row] for row in rows)
+    return {"results": Table.read(HERE / "results.csv").updated(Table(COLUMNS, rows), ["case", "program"])}
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+def plot(tables: Tables) -> dict[str, Any]:
+    """CPU of a simulated second, and of a step."""
+    figure, panels = gallery.figure(1, 2)
+    table, places = tables["results"], np.arange(len(CASES))
+    for program, colour, shift in ((OWN, gallery.BLUE, -0.2), (openfoam.SOLVER, gallery.VERMILION, 0.2)):
+        found = table.where({"program": program})
+        for axes, column in zip(panels, ("cpu_per_s", "ms_per_step"), strict=True):
+            axes.bar(places + shift, found[column], 0.4, color=colour, label=program)
+            axes.set_xticks(places, list(CASES))
+    panels[0].set_ylabel("CPU of a simulated second [s]")
+    panels[1].set_ylabel("CPU of a step [ms]")
+    panels[0].legend()
+    return {"speed": figure}

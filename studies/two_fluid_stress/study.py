@@ -1,24 +1,26 @@
-"""How hard the two-fluid model can be pushed: small beds in every corner, watched after each step.
+"""How hard the two-fluid model can be pushed: small beds in every corner, watched after each step."""
 
-python studies/two_fluid_stress/study.py [GROUP ...]
-"""
+from __future__ import annotations
 
-import csv
-import sys
-import time
 import warnings
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from contbed.errors import ContbedError
 from contbed.loading import from_dict
 from contbed.two_fluid import plan as planning
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables, merged
 
 HERE = Path(__file__).parent
 STEPS = 20000  # in which a case must be done
 SPEED = 20.0  # of particles [m/s], several times what any case gives them: more is noise
+NOT_COMPARED = ("end s", "steps", "eps_s min", "eps_s max", "room", "theta min", "theta max", "speed max m/s",
+                "speed end m/s", "mass error", "CPU s", "remark")  # fmt: skip
 REST = 1e-10  # [m/s] largest speed of a level bed at the end
 DENSE = 1e-6  # fraction of particles below which their speed says nothing
 COLUMNS = ("group", "case", "passed", "end s", "steps", "eps_s min", "eps_s max", "room", "theta min", "theta max",
@@ -55,14 +57,6 @@ PAIRS = {  # density of particles and fluid, viscosity, velocity
     10000: (2500.0, 0.25, 1.8e-5, 0.4),
 }
 COURANT = (0.1, 0.5, 0.9, 1.0)
-
-
-def merged(one, other):
-    """`one` with what `other` has, table by table; a table of another type replaces the whole."""
-    if "type" in other:
-        return other
-    both = {key: merged(one[key], other[key]) for key in one.keys() & other.keys() if isinstance(other[key], dict)}
-    return {**one, **other, **both}
 
 
 @dataclass(frozen=True)
@@ -117,7 +111,7 @@ VARIANTS = {
 }
 
 
-def cases():
+def all_cases() -> Iterator[Case]:
     """The whole table."""
     for speed in (1.0, 2.0, 5.0):
         thrown = layer(0.1, 0.2, 0.55, u_solid=-speed, u_gas=-speed)
@@ -239,7 +233,7 @@ def speed(bed):
 
 def run(case):
     """One row of the table."""
-    begin, watch, remark = time.process_time(), Watch(), ""
+    begin, watch, remark = gallery.user_time(), Watch(), ""
     scene = from_dict(merged(merged(BASE, case.changes), {"time": {"end": case.end}}))
     bed, _ = planning.plan(scene).bed()
     if case.random:
@@ -262,7 +256,7 @@ def run(case):
     return [
         case.group,
         case.name,
-        passed,
+        bool(passed),
         f"{bed.state.time:.3g}",
         bed.state.steps,
         f"{watch.low:.3g}",
@@ -273,25 +267,40 @@ def run(case):
         f"{watch.fast:.3g}",
         f"{speed(bed):.3g}",
         f"{mass:.1e}",
-        f"{time.process_time() - begin:.1f}",
+        f"{gallery.user_time() - begin:.1f}",
         remark,
     ]
 
 
-def main():
-    """Run the groups that are named, or all."""
-    warnings.simplefilter("error")
-    wanted, rows = sys.argv[1:], []
-    for case in cases():
-        if wanted and case.group not in wanted:
-            continue
-        rows.append(run(case))
-        print(*rows[-1], sep="  ", flush=True)
-    if not wanted:
-        with (HERE / "results.csv").open("w", newline="") as file:
-            csv.writer(file).writerows([COLUMNS, *rows])
-    print(f"{sum(row[2] for row in rows)} of {len(rows)} passed")
+def reference() -> dict[str, float]:
+    """Bounds that hold in every cell after every step, and the largest error of mass."""
+    return {"eps_s min": 0.0, "theta min": 0.0, "mass error": 1e-12}
 
 
-if __name__ == "__main__":
-    main()
+def compute(cases: Sequence[str] = ()) -> Tables:
+    """All cases, or the groups that are named."""
+    found = []
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for case in all_cases():
+            if not cases or case.group in cases:
+                found.append(run(case))
+                print(*found[-1], sep="  ", flush=True)
+    table = Table(dict.fromkeys(COLUMNS, ""), found)
+    return {"results": Table.read(HERE / "results.csv").updated(table, ["group", "case"]) if cases else table}
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Largest fraction and speed of particles in every case; hollow where it failed."""
+    table = tables["results"]
+    figure, axes = gallery.figure(size=(8, 5))
+    for group, colour in zip(table.values("group"), gallery.shades(len(table.values("group")), "turbo"), strict=True):
+        for passed, face in (("True", colour), ("False", "none")):
+            mine = table.where({"group": group, "passed": passed})
+            if len(mine):
+                label = group if passed == "True" else None
+                where = mine["eps_s max"], np.maximum(mine["speed max m/s"], 1e-10)
+                axes.scatter(*where, s=22, facecolor=face, edgecolor=colour, label=label)
+    axes.set(yscale="log", xlabel="largest fraction of particles", ylabel="largest speed of particles [m/s]")
+    axes.legend(ncols=2)
+    return {"extremes": figure}

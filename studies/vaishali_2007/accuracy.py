@@ -1,38 +1,28 @@
 """Error of the mean profiles of the riser against CPU, contbed beside OpenFOAM's twoPhaseEulerFoam.
 
-    python accuracy.py PROGRAM CELLS COURANT    one run on such as 15x350 cells, its blocks added to accuracy_blocks.csv
-    python accuracy.py                          accuracy.csv and accuracy.png from all runs there
-
 Both programs run `ff_wenyu.toml`, warm, on 15x350 cells over Courant numbers, and on 30x700 for a reference of their
 own (minutes to half an hour of CPU each). Profiles are means over time and over the height of the measurements, in
-blocks of time, whose scatter says what a difference means. CPU is that of the time that is averaged, one thread. The
-run of contbed on 30x700 also writes ff_wenyu_fine_lateral.csv.
+blocks of time, whose scatter says what a difference means. CPU is that of the time that is averaged, one thread. A case
+is PROGRAM,CELLS,COURANT such as contbed,15x350,0.5; the blocks of the others are kept.
 """
 
 from __future__ import annotations
 
-import csv
 import re
-import sys
 import tempfile
-import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 
 import contbed as cb
 from contbed.two_fluid.averages import Averages, along
-from contbed.two_fluid.results import tables
+from contbed.two_fluid.results import tables as tables_of
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables, openfoam
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "two_fluid_speed"))
-import openfoam  # noqa: E402
-
 OWN, PEER = "contbed", openfoam.SOLVER
 COARSE, FINE, WIDER = "15x350", "30x700", "30x350"
 ACROSS = 15  # cells on which profiles are compared
@@ -41,7 +31,9 @@ BLOCK = 2.5  # [s]
 # each code starts near the holdup that it will have: fraction, end of the start and of the averages [s]
 STARTS = {OWN: (0.0165, 10.0, 30.0), PEER: (0.00521569, 5.0, 15.0)}
 REFERENCE = {OWN: 0.5, PEER: 1.0}  # Courant number on the fine grid
-COLUMNS = ("program", "cells", "courant", "block", "steps", "cpu_s", "x", "eps_s", "u_solid")
+BLOCKS = {"program": "", "cells": "", "courant": "g", "block": "d", "steps": "d"}
+BLOCKS |= dict.fromkeys(("cpu_s", "x", "eps_s", "u_solid"), ".4g")
+RUN = ("program", "cells", "courant")
 TICKS, ERRORS = (2, 3, 5, 10, 20), (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)  # of the axes: CPU a simulated second [s], error
 QUANTITIES = {"eps_s": "eps_s [1]", "u_solid": "u_solid [m/s]"}
 Block = tuple[int, float, np.ndarray]  # steps, CPU [s], eps_s and u_solid over the width
@@ -58,7 +50,8 @@ def scene(cells: str, courant: float) -> cb.Scene:
     return cb.load(SCENE, {**chosen, "time.courant": courant, "time.end": end, "time.average_from": begin})
 
 
-def own(cells: str, courant: float) -> Iterator[Block]:
+def own(cells: str, courant: float, found: Tables) -> Iterator[Block]:
+    """Blocks of contbed; on the fine grid also the lateral profile of all of them, into `found`."""
     _, begin, end = STARTS[OWN]
     plan = cb.plan(scene(cells, courant))
     chosen = plan.scene
@@ -76,17 +69,18 @@ def own(cells: str, courant: float) -> Iterator[Block]:
                 averages.add(bed)
             total += bed.state.dt * np.array([bed.state.eps_s, bed.state.u_solid[:, 1]])
 
-        steps, clock = bed.state.steps, time.process_time()
+        steps, clock = bed.state.steps, gallery.user_time()
         bed.advance(stop, after)
-        cpu, sums = time.process_time() - clock, dict(zip(QUANTITIES, total[:, inside], strict=True))
+        cpu, sums = gallery.user_time() - clock, dict(zip(QUANTITIES, total[:, inside], strict=True))
         means = along(x[inside], volume[inside], sums, {}, numbers(cells)[0])[1]
         yield bed.state.steps - steps, cpu, np.array([means[name] for name in QUANTITIES]) / BLOCK
     if averages is not None:
-        lateral = tables(plan, bed, averages, {"t [s]": np.zeros(0)})["lateral"]
-        write(HERE / "ff_wenyu_fine_lateral.csv", list(lateral), zip(*lateral.values(), strict=True))
+        lateral = tables_of(plan, bed, averages, {"t [s]": np.zeros(0)})["lateral"]
+        found["ff_wenyu_fine_lateral"] = Table.from_columns(lateral, ".5g")
 
 
-def peer(cells: str, courant: float) -> Iterator[Block]:
+def reference(cells: str, courant: float) -> Iterator[Block]:
+    """Blocks of the peer."""
     fraction, begin, end = STARTS[PEER]
     chosen = cb.load(SCENE)
     case = openfoam.Case(
@@ -134,41 +128,33 @@ def window(chosen: cb.Scene) -> tuple[float, float]:
     return chosen.output.window.start, chosen.output.window.end
 
 
-def write(path: Path, head: list[str], rows) -> None:
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(head)
-        writer.writerows([f"{v:.5g}" if isinstance(v, float) else v for v in row] for row in rows)
+def compute(cases: Sequence[str] = ()) -> Tables:
+    """Runs that are named, and the errors of all."""
+    tables: Tables = {"accuracy_blocks": Table.read(HERE / "accuracy_blocks.csv")}
+    for case in cases:
+        program, cells, number = case.split(",")
+        courant, rows = float(number), []
+        blocks_of = own(cells, courant, tables) if program == OWN else reference(cells, courant)
+        for block, (steps, cpu, profile) in enumerate(blocks_of):
+            x = (np.arange(profile.shape[1]) + 0.5) / numbers(cells)[0]
+            rows += [(program, cells, courant, block, steps, cpu, *row) for row in zip(x, *profile, strict=True)]
+            print(program, cells, courant, block, steps, f"{cpu:.4g}", flush=True)
+        tables["accuracy_blocks"] = tables["accuracy_blocks"].updated(Table(BLOCKS, rows), RUN)
+    return tables | {"accuracy": errors(read(tables["accuracy_blocks"]))}
 
 
-def run(program: str, cells: str, courant: float) -> None:
-    """One run; each block is kept as it comes."""
-    path = HERE / "accuracy_blocks.csv"
-    if not path.exists():
-        write(path, list(COLUMNS), [])
-    for number, (steps, cpu, profile) in enumerate({OWN: own, PEER: peer}[program](cells, courant)):
-        with open(path, "a", encoding="utf-8") as file:
-            for i, (eps_s, u_solid) in enumerate(profile.T):
-                label = f"{program},{cells},{courant:g},{number},{steps},{cpu:.4g},{(i + 0.5) / numbers(cells)[0]:.4g}"
-                print(f"{label},{eps_s:.4g},{u_solid:.4g}", file=file)
-        print(program, cells, courant, number, steps, f"{cpu:.4g}", flush=True)
-
-
-def read() -> dict[tuple[str, str, float], tuple[int, float, np.ndarray]]:
+def read(table: Table) -> dict[tuple[str, str, float], tuple[int, float, np.ndarray]]:
     """Steps, CPU a simulated second and profiles (blocks, eps_s and u_solid, width) of each run, the width halved, as
     the riser is symmetric: a mean that is lopsided has not been taken for long enough.
     """
-    with open(HERE / "accuracy_blocks.csv", newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
     found = {}
-    for key in sorted({(row["program"], row["cells"], float(row["courant"])) for row in rows}):
-        mine = [row for row in rows if (row["program"], row["cells"], float(row["courant"])) == key]
-        across = numbers(key[1])[0]
-        values = np.array([[float(row[name]) for name in QUANTITIES] for row in mine])
+    for program, cells, courant in sorted({(row["program"], row["cells"], float(row["courant"])) for row in table}):
+        mine = table.where({"program": program, "cells": cells, "courant": courant})
+        across = numbers(cells)[0]
+        values = np.stack([mine[name] for name in QUANTITIES], axis=1)
         values = values.reshape(-1, ACROSS, across // ACROSS, 2).mean(axis=2).swapaxes(1, 2)
-        first = mine[::across]
-        cpu = sum(float(row["cpu_s"]) for row in first) / (BLOCK * len(first))
-        found[key] = sum(int(row["steps"]) for row in first), cpu, (values + values[..., ::-1]) / 2
+        steps, cpu = mine["steps"][::across], mine["cpu_s"][::across]
+        found[program, cells, courant] = int(steps.sum()), cpu.mean() / BLOCK, (values + values[..., ::-1]) / 2
     return found
 
 
@@ -188,55 +174,44 @@ def compare(profile: np.ndarray, reference: np.ndarray) -> list[float]:
     return [float(value) for pair in zip(error, scatter, strict=True) for value in pair]
 
 
-def draw() -> None:
-    runs = read()
-    figure, axes = plt.subplots(2, 2, figsize=(9, 7), layout="constrained")
-    x = (np.arange(ACROSS) + 0.5) / ACROSS
-    rows: list[tuple] = []
-    for program, colour in ((OWN, "#0072B2"), (PEER, "#D55E00")):
-        *finest, reference = runs[program, FINE, REFERENCE[program]]
-        mine = of(runs, program, COARSE)
-        for cells, mark in ((COARSE, "o-"), (WIDER, "s-")):
-            measured = of(runs, program, cells).items()
-            found = {courant: (cpu, *compare(profile, reference)) for courant, (_, cpu, profile) in measured}
-            if not found:
-                continue
-            rows += [(program, cells, courant, steps, *found[courant]) for courant, (steps, *_) in measured]
-            for k, panel in enumerate(axes[0]):
-                cpu, error, scatter = np.array([(f[0], *f[1 + 2 * k : 3 + 2 * k]) for f in found.values()]).T
-                panel.loglog(cpu, error, mark, color=colour, label=f"{program}, {cells}")
-                panel.loglog(cpu, scatter, mark[0] + ":", color=colour, mfc="none", alpha=0.6)
-                for courant, *point in zip(found, cpu, error, strict=True):
-                    panel.annotate(f"{courant:g}", point, (4, 4), textcoords="offset points", fontsize=8)
+def errors(runs: dict[Any, Any]) -> Table:
+    """Error and scatter of all runs, and the references."""
+    rows: list[tuple[Any, ...]] = []
+    for program in (OWN, PEER):
+        *finest, exact = runs[program, FINE, REFERENCE[program]]
+        for cells in (COARSE, WIDER):
+            for courant, (steps, cpu, profile) in of(runs, program, cells).items():
+                rows.append((program, cells, courant, steps, cpu, *compare(profile, exact)))
         rows.append((program, FINE, REFERENCE[program], *finest, *[float("nan")] * 4))
+    head = (*RUN, "steps", "cpu_per_s", *(f"{what}_{name}" for name in QUANTITIES for what in ("error", "scatter")))
+    return Table(dict.fromkeys(head, ".5g") | {"steps": "d"}, rows)
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Error of both quantities over CPU, and their profiles."""
+    figure, axes = gallery.figure(2, 2, size=(9, 7))
+    x, runs = (np.arange(ACROSS) + 0.5) / ACROSS, read(tables["accuracy_blocks"])
+    for program, colour in ((OWN, gallery.BLUE), (PEER, gallery.VERMILION)):
+        for cells, mark in ((COARSE, "o-"), (WIDER, "s-")):
+            found = tables["accuracy"].where({"program": program, "cells": cells})
+            for panel, name in zip(axes[0], QUANTITIES, strict=True):
+                cpu, error = found["cpu_per_s"], found[f"error_{name}"]
+                panel.loglog(cpu, error, mark, color=colour, label=f"{program}, {cells}" if len(found) else None)
+                panel.loglog(cpu, found[f"scatter_{name}"], mark[0] + ":", color=colour, mfc="none", alpha=0.6)
+                for courant, *point in zip(found["courant"], cpu, error, strict=True):
+                    gallery.label_line(panel, f"{courant:g}", *point, "black", (4, 4))
+        mine = of(runs, program, COARSE)
         for k, panel in enumerate(axes[1]):
-            panel.plot(x, reference.mean(axis=0)[k], color=colour, label=f"{program}, {FINE}")
+            exact = runs[program, FINE, REFERENCE[program]][2].mean(axis=0)
+            panel.plot(x, exact[k], color=colour, label=f"{program}, {FINE}")
             for courant, style in ((0.5, "--"), (max(mine), ":")):
                 label = f"{program}, {COARSE}, Courant {courant:g}"
                 panel.plot(x, mine[courant][2].mean(axis=0)[k], style, color=colour, label=label)
-    for (top, bottom), name, label in zip(axes.T, *zip(*QUANTITIES.items(), strict=True), strict=True):
+    for (top, bottom), (name, label) in zip(axes.T, QUANTITIES.items(), strict=True):
         top.set(xlabel="CPU a simulated second [s]; numbers: Courant", ylabel=f"L1 error of {name}, relative [1]")
         top.set(xlim=(TICKS[0], TICKS[-1]), ylim=(ERRORS[0], ERRORS[-1]))
-        top.set_xticks(TICKS, labels=[f"{tick:g}" for tick in TICKS])
-        top.set_yticks(ERRORS, labels=[f"{tick:g}" for tick in ERRORS])
-        top.minorticks_off()
+        gallery.ticks(top, x=TICKS, y=ERRORS)
         bottom.set(xlabel="x / width [1]", ylabel=label)
-    axes[0, 0].legend(fontsize=8, loc="lower right")
-    axes[1, 0].legend(fontsize=8)
-    figure.savefig(HERE / "accuracy.png", dpi=120)
-    head = [
-        "program",
-        "cells",
-        "courant",
-        "steps",
-        "cpu_per_s",
-        *(f"{a}_{b}" for b in QUANTITIES for a in ("error", "scatter")),
-    ]
-    write(HERE / "accuracy.csv", head, rows)
-
-
-if __name__ == "__main__":
-    if sys.argv[1:]:
-        run(sys.argv[1], sys.argv[2], float(sys.argv[3]))
-    else:
-        draw()
+    axes[0, 0].legend(loc="lower right")
+    axes[1, 0].legend()
+    return {"accuracy": figure}

@@ -1,15 +1,10 @@
-"""Heat transfer coefficients from packed to bubbling beds: Zhou, Yu, Zulli 2009, Figs 3-7, and 2010, Fig. 10.
+"""Heat transfer coefficients from packed to bubbling beds: Zhou, Yu, Zulli 2009, Figs 3-7, and 2010, Fig. 10."""
 
-python studies/zhou_2009_htc/study.py            # everything, about 10 min on one core
-python studies/zhou_2009_htc/study.py plot       # table and pictures from results.json
-"""
+from __future__ import annotations
 
-import csv
-import json
-import sys
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,8 +19,9 @@ from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.statistics import surface
 from contbed.materials.constant import ConstantFluid
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
 
-HERE = Path(__file__).parent
 D, WIDTH, COUNT = 2e-3, 26e-3, 2500
 GLASS = Material(
     density=2500.0,
@@ -50,14 +46,22 @@ CASES = {
     "30, exponents 1/3 and 1/5": Solid(30.0, 840.0, 5e10),
 }
 HOT = 9
+BINS, SPANS = 60, {"convection": (60, 360), "conduction": (0, 180)}  # of the distributions [W/m2/K]
+CONDUCTION = ("fluid_touching", "fluid_apart", "contact", "impact")
+COLOURS = {"0.08": gallery.BLUE, "0.84": gallery.GREEN, "30": gallery.VERMILION}
+CORRECTIONS = {
+    "0.84 at 10 MPa, no correction": ("s-", "10 MPa, $c$ = 1"),
+    "0.84": ("o-", "10 MPa, $c$ = 0.182"),
+    "0.84, exponents 1/3 and 1/5": ("^-", "10 MPa, powers 1/3 and 1/5"),
+}
 SHOWN = (0.42, 1.0, 1.4, 2.0)  # velocities of the distributions
 
 
-def settled():
+def settled() -> Any:
     return pack((WIDTH, WIDTH), radius=D / 2, count=COUNT, seed=1, material=GLASS)
 
 
-def bed(packing, U, drag=drag_di_felice, energy=False, gas_step=2e-4):
+def bed(packing: Any, U: float, drag: Any = drag_di_felice, energy: bool = False, gas_step: float = 2e-4) -> Bed:
     simulation = Simulation(Particles(packing.position, packing.radius), [GLASS], packing.walls, packing.domain)
     size = np.array([WIDTH / 4, WIDTH / 4, 1.5 * D])
     gas = Gas(Grid(np.zeros(3), size, (4, 4, 60)), AIR, drag, NUSSELT, T=300.0, isothermal=not energy)
@@ -69,14 +73,14 @@ def bed(packing, U, drag=drag_di_felice, energy=False, gas_step=2e-4):
     return Bed(simulation, gas, gas_step, T, solid=CASES["0.84"] if energy else None, heat_interval=SAMPLE)
 
 
-def hot_ones(packing):
+def hot_ones(packing: Any) -> list[int]:
     """Nine spheres at three heights on three verticals."""
     top = packing.statistics["surface"]
     spots = [(a * WIDTH, a * WIDTH, b * top) for a in (0.25, 0.5, 0.75) for b in (0.25, 0.5, 0.75)]
     return [int(np.argmin(((packing.position - spot) ** 2).sum(axis=1))) for spot in spots]
 
 
-def one_velocity(packing, U):
+def one_velocity(packing: Any, U: float) -> dict[str, Any]:
     """Averages by mechanism for every case, coordination, hot spheres."""
     run = bed(packing, U, energy=True)
     averages = {name: Average(solid) for name, solid in CASES.items()}
@@ -114,15 +118,18 @@ def one_velocity(packing, U):
     }
     if U in SHOWN:
         found["distribution"] = {
-            "convection": np.histogram(glass.mean["convection"], 60, (60, 360), density=True)[0].tolist(),
-            "conduction": np.histogram(conduction, 60, (0, 180), density=True)[0].tolist(),
+            "convection": np.histogram(glass.mean["convection"], BINS, SPANS["convection"], density=True)[0].tolist(),
+            "conduction": np.histogram(conduction, BINS, SPANS["conduction"], density=True)[0].tolist(),
         }
-    print(json.dumps({key: value for key, value in found.items() if key != "distribution"}), flush=True)
+    print(f"{U:g} m/s: coordination {glass.coordination:.3f}, {run.above} above", flush=True)
     return found
 
 
-def minimum_fluidization(packing, drag):
-    """Pressure drop over weight while the velocity is lowered in steps; the crossing of its two branches."""
+def minimum_fluidization(packing: Any, drag: Any) -> tuple[list[Any], float, float, float]:
+    """Pressure drop over weight while the velocity is lowered in steps; the crossing of its two branches [m/s].
+
+    The velocity by Ergun [m/s] and the porosity of the bed that has come to rest follow.
+    """
     run = bed(packing, 1.6, drag, gas_step=2e-4)
     weight = COUNT * np.pi / 6 * D**3 * 2500.0 * 9.81 / WIDTH**2
     run.run(0.3)
@@ -138,117 +145,120 @@ def minimum_fluidization(packing, drag):
     power, level = np.polyfit(np.log(U[packed]), np.log(ratio[packed]), 1)
     # of the bed as it lies when it has come to rest again
     eps = 1 - COUNT * np.pi / 6 * D**3 / (WIDTH**2 * surface(run.simulation.position, run.simulation.radius))
-    print(drag.__name__, rows, flush=True)
-    return {"curve": rows, "U_mf": float(np.exp(-level / power)), "ergun": ergun(eps), "porosity": eps}
+    return rows, float(np.exp(-level / power)), reference(eps), eps
 
 
-def ergun(eps):
+def reference(eps: float) -> float:
     """Velocity at which Ergun's pressure drop carries the bed [m/s]."""
     a, b = 1.75 / eps**3 * 1.2 / D, 150 * (1 - eps) / eps**3 * 1.8e-5 / D**2
     return float((-b + np.sqrt(b**2 + 4 * a * (2500.0 - 1.2) * 9.81)) / (2 * a))
 
 
-def main():
+def compute() -> Tables:
+    """Minimum fluidization by two drags, and coefficients over the velocity."""
     packing = settled()
-    results = {
-        "bed": packing.statistics,
-        "U_mf": {drag.__name__: minimum_fluidization(packing, drag) for drag in (drag_gidaspow, drag_di_felice)},
-        "velocities": [one_velocity(packing, U) for U in VELOCITIES],
+    fluidization = {drag.__name__: minimum_fluidization(packing, drag) for drag in (drag_gidaspow, drag_di_felice)}
+    velocities = [one_velocity(packing, U) for U in VELOCITIES]
+    curves = [(drag, *row) for drag, (rows, *_) in fluidization.items() for row in rows]
+    return {
+        "results": table(velocities),
+        "mechanisms": mechanisms(velocities),
+        "distributions": distributions(velocities),
+        "fluidization": Table({"drag": "", "U [m/s]": ".3g", "pressure drop/weight": ".4g"}, curves),
+        "U_mf": Table(
+            {"drag": "", "U_mf [m/s]": ".5g", "by Ergun [m/s]": ".5g", "porosity": ".5g"},
+            [(drag, *values) for drag, (_, *values) in fluidization.items()],
+        ),
     }
-    (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n")
 
 
-def table(results):
-    """results.csv: one row for each velocity, coefficients by mechanism for the three conductivities."""
-    head = ["U [m/s]", "porosity", "coordination", "pressure drop/weight", "h_convection"]
-    parts = ("fluid_touching", "fluid_apart", "contact", "impact")
-    for k in ("0.08", "0.84", "30"):
-        head += [f"{name} {k}" for name in (*parts, "total")]
-    head += [
-        "total 0.84 E=10 MPa c=1",
-        "total 30 E=10 MPa c=1",
-        "total 30 exponents 1/3 1/5",
-        "radiation 373 K",
-        "radiation 1273 K",
-        "hot spheres by cooling",
-        "hot spheres by average",
-    ]
+def mechanisms(velocities: list[dict[str, Any]]) -> Table:
+    """Coefficients by mechanism of every case and velocity."""
+    names = ("convection", *CONDUCTION)
+    rows = [(row["U"], case, *(parts[n] for n in names)) for row in velocities for case, parts in row["cases"].items()]
+    return Table({"U [m/s]": "g", "case": "", **{f"{name} [W/m2/K]": ".5g" for name in names}}, rows)
+
+
+def distributions(velocities: list[dict[str, Any]]) -> Table:
+    """Probability density of the coefficients of particles at some velocities."""
+    rows = []
+    for row in velocities:
+        for name, values in row.get("distribution", {}).items():
+            edges = np.linspace(*SPANS[name], BINS + 1)
+            rows += [(row["U"], name, *pair) for pair in zip(0.5 * (edges[1:] + edges[:-1]), values, strict=True)]
+    return Table({"U [m/s]": "g", "by": "", "h [W/m2/K]": "g", "density [m2K/W]": ".4g"}, rows)
+
+
+def table(velocities: list[dict[str, Any]]) -> Table:
+    """One row for each velocity, coefficients by mechanism for the three conductivities."""
+    whole = {
+        "total 0.84 E=10 MPa c=1": "0.84 at 10 MPa, no correction",
+        "total 30 E=10 MPa c=1": "30 at 10 MPa, no correction",
+        "total 30 exponents 1/3 1/5": "30, exponents 1/3 and 1/5",
+    }
     weight = COUNT * np.pi / 6 * D**3 * 2500.0 * 9.81 / WIDTH**2
-    with open(HERE / "results.csv", "w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(head)
-        for row in results["velocities"]:
-            cases = row["cases"]
-            values = [row["porosity"], row["coordination"], row["pressure_drop"] / weight]
-            values.append(cases["0.84"]["convection"])
-            for k in ("0.08", "0.84", "30"):
-                values += [*(cases[k][name] for name in parts), sum(cases[k].values())]
-            values += [
-                sum(cases[name].values())
-                for name in (
-                    "0.84 at 10 MPa, no correction",
-                    "30 at 10 MPa, no correction",
-                    "30, exponents 1/3 and 1/5",
-                )
-            ]
-            values += [row["radiation"]["373"], row["radiation"]["1273"]]
-            values += [np.mean(row["hot_cooling"]), np.mean(row["hot_average"])]
-            writer.writerow([row["U"], *(f"{value:.4g}" for value in values)])
+    out = []
+    for row in velocities:
+        cases = row["cases"]
+        values = {"U [m/s]": f"{row['U']:g}", "porosity": row["porosity"], "coordination": row["coordination"]}
+        values |= {"pressure drop/weight": row["pressure_drop"] / weight, "h_convection": cases["0.84"]["convection"]}
+        for k in COLOURS:
+            parts = ("fluid_touching", "fluid_apart", "contact", "impact")
+            values |= {f"{name} {k}": cases[k][name] for name in parts} | {f"total {k}": sum(cases[k].values())}
+        values |= {name: sum(cases[case].values()) for name, case in whole.items()}
+        values |= {f"radiation {T} K": row["radiation"][T] for T in ("373", "1273")}
+        values |= {f"hot spheres by {how}": np.mean(row[f"hot_{how}"]) for how in ("cooling", "average")}
+        out.append(values)
+    return Table.of(out, ".4g")
 
 
-def plots(results):
-    import matplotlib
+def plot(tables: Tables) -> dict[str, Any]:
+    """Coefficients and shares over the velocity, and distributions."""
+    return {"htc": plot_coefficients(tables), "distributions": plot_distributions(tables)}
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
 
-    rows = results["velocities"]
-    U = np.array([row["U"] for row in rows])
-    U_mf = results["U_mf"]["drag_di_felice"]["U_mf"]
-    colours = {"0.08": "#0072B2", "0.84": "#009E73", "30": "#D55E00"}
+def part(table: Table, case: str, *names: str) -> tuple[Any, Any]:
+    """Velocities, and the sum of some mechanisms of a case."""
+    found = table.where({"case": case})
+    return found["U [m/s]"], sum(found[f"{name} [W/m2/K]"] for name in names)
 
-    def part(case, *names):
-        return np.array([sum(row["cases"][case][name] for name in names) for row in rows])
 
-    conduction = ("fluid_touching", "fluid_apart", "contact", "impact")
-    figure, axes = plt.subplots(2, 2, figsize=(9.0, 6.6), layout="constrained")
-    for k, colour in colours.items():
-        axes[0, 0].plot(U, part(k, "convection", *conduction), "o-", color=colour, label=f"$k_p$ = {k} W/m/K")
-        axes[0, 1].plot(U, part(k, *conduction), "s--", color=colour, label=f"conduction, {k} W/m/K")
-    axes[0, 1].plot(U, part("0.84", "convection"), "ko-", label="convection")
-    axes[0, 0].set_ylabel("$h$ [W/m$^2$/K]")
-    axes[0, 0].set_ylim(0, None)
+def plot_coefficients(tables: Tables) -> Any:
+    """Coefficients by conductivity, and what conducts."""
+    found, U_mf = tables["mechanisms"], tables["U_mf"].row("drag_di_felice")["U_mf [m/s]"]
+    figure, axes = gallery.figure(2, 2, size=(9.0, 6.6))
+    for k, colour in COLOURS.items():
+        whole = part(found, k, "convection", *CONDUCTION)
+        axes[0, 0].plot(*whole, "o-", color=colour, label=f"$k_p$ = {k} W/m/K")
+        axes[0, 1].plot(*part(found, k, *CONDUCTION), "s--", color=colour, label=f"conduction, {k} W/m/K")
+    axes[0, 1].plot(*part(found, "0.84", "convection"), "ko-", label="convection")
+    axes[0, 0].set(ylabel="$h$ [W/m$^2$/K]", ylim=(0, None))
+    groups = {"fluid, touching": ["fluid_touching"], "fluid, apart": ["fluid_apart"], "contact": ["contact", "impact"]}
     for panel, k in zip(axes[1], ("0.08", "30"), strict=True):
-        whole = part(k, *conduction)
-        for name, label in (("fluid_touching", "fluid, touching"), ("fluid_apart", "fluid, apart")):
-            panel.plot(U, 100 * part(k, name) / whole, "o-", label=label)
-        panel.plot(U, 100 * part(k, "contact", "impact") / whole, "o-", label="contact")
+        U, whole = part(found, k, *CONDUCTION)
+        for text, names in groups.items():
+            panel.plot(U, 100 * part(found, k, *names)[1] / whole, "o-", label=text)
         panel.set_ylabel(f"share of conduction, $k_p$ = {k} [%]")
     for panel in axes.flat:
         panel.axvline(U_mf, color="0.6", linewidth=0.8)
         panel.set_xlabel("$U$ [m/s]")
-        panel.legend(frameon=False, fontsize=8)
-    figure.savefig(HERE / "htc.png", dpi=150)
-    figure, axes = plt.subplots(1, 3, figsize=(11.0, 3.4), layout="constrained")
-    for row in rows:
-        if "distribution" in row:
-            for panel, name, end in ((axes[0], "convection", (60, 360)), (axes[1], "conduction", (0, 180))):
-                edges = np.linspace(*end, 61)
-                panel.plot(0.5 * (edges[1:] + edges[:-1]), row["distribution"][name], label=f"{row['U']:g} m/s")
-                panel.set_xlabel(f"$h$ by {name} [W/m$^2$/K]")
+        panel.legend()
+    return figure
+
+
+def plot_distributions(tables: Tables) -> Any:
+    """Distributions over the particles, and what the correction of contacts changes."""
+    figure, axes = gallery.figure(1, 3, size=(11.0, 3.4))
+    found = tables["distributions"]
+    for panel, name in zip(axes, SPANS, strict=False):
+        for U in found.values("U [m/s]"):
+            rows = found.where({"U [m/s]": U, "by": name})
+            panel.plot(rows["h [W/m2/K]"], rows["density [m2K/W]"], label=f"{U} m/s")
+        panel.set_xlabel(f"$h$ by {name} [W/m$^2$/K]")
     axes[0].set_ylabel("probability density [m$^2$K/W]")
-    axes[2].plot(U, part("0.84 at 10 MPa, no correction", *conduction), "s-", label="10 MPa, $c$ = 1")
-    axes[2].plot(U, part("0.84", *conduction), "o-", label="10 MPa, $c$ = 0.182")
-    axes[2].plot(U, part("0.84, exponents 1/3 and 1/5", *conduction), "^-", label="10 MPa, powers 1/3 and 1/5")
+    for case, (style, text) in CORRECTIONS.items():
+        axes[2].plot(*part(tables["mechanisms"], case, *CONDUCTION), style, label=text)
     axes[2].set(xlabel="$U$ [m/s]", ylabel="conduction, $k_p$ = 0.84 [W/m$^2$/K]", ylim=(0, None))
     for panel in axes:
-        panel.legend(frameon=False, fontsize=8)
-    figure.savefig(HERE / "distributions.png", dpi=150)
-
-
-if __name__ == "__main__":
-    if sys.argv[1:] != ["plot"]:
-        main()
-    found = json.loads((HERE / "results.json").read_text())
-    table(found)
-    plots(found)
+        panel.legend()
+    return figure

@@ -1,85 +1,23 @@
-"""The peer: cases for OpenFOAM's twoPhaseEulerFoam (v1912, Debian package `openfoam`), written, run and read.
-
-The riser of Vaishali et al. and the bed of Taghipour et al. have the closures that contbed uses in the scenes beside
-them: Gidaspow viscosity, Syamlal conductivity, Lun pressure, Sinclair-Jackson radial distribution, Johnson-Jackson
-friction, no virtual mass, laminar gas, one outer and two pressure correctors. Two columns between slip walls have a
-pressure of the particles that depends on their fraction alone: glass that settles in water, and a Riemann problem.
-"""
+"""The dictionaries of a case: mesh, fields, constants and numerics."""
 
 from __future__ import annotations
 
-import os
-import re
-import resource
-import subprocess
-from dataclasses import dataclass
 from pathlib import Path
-from shutil import which
 from typing import Any
 
-import numpy as np
+from studies._gallery.openfoam.case import (
+    AIR,
+    GASES,
+    SIDE,
+    SIDE_FRACTION,
+    SOLVER,
+    STARTS,
+    STIFFNESS,
+    Case,
+)
 
-SOLVER = "twoPhaseEulerFoam"
-HOME = "/usr/share/openfoam"  # where Debian keeps the dictionaries that every tool asks for
 THICKNESS = 0.01  # of the one cell across the plane [m]
-GASES = {"settling": {"rho": 998.0, "mu": 1e-3}, "riemann": {"rho": 1.0, "mu": 1e-6}}
-AIR = {"rho": 1.2, "mu": 1.8e-5}
-SIZES = {"riser": (0.152, 7.9), "bed": (0.28, 1.0)}  # width and height [m]
-COLUMNS = {"settling": 0.1, "riemann": 1.0}  # height [m]; cells are square
-# height of the lower part [m], fractions of solids below and above
-STARTS = {"bed": (0.40, 0.60, 0.0), "settling": (1.0, 0.1, 0.0), "riemann": (0.5, 0.02, 0.01)}
-# d p_solid/d eps_s = g0 min(exp(preAlphaExp (eps_s - alphaMax)), expMax) [Pa]
-STIFFNESS = {"settling": (10.0, 500, 1000), "riemann": (2500.0, 0, 1)}
 ZERO = "uniform (0 0 0)"
-
-
-@dataclass(frozen=True)
-class Case:
-    """One case. `walls` of the solids: "jj", "noslip" or "slip"; no Courant number means the fixed step `dt`."""
-
-    kind: str
-    nx: int
-    ny: int
-    end: float
-    gas: float  # superficial velocity [m/s]
-    drag: str = "WenYu"
-    solids: float = 0.0  # flux over the section of a riser [kg/m2/s]
-    courant: float | None = 0.5
-    dt: float = 1e-4
-    largest_dt: float = 2e-3
-    average_from: float = 1e9
-    walls: str = "noslip"
-    upwind: bool = False
-    on_faces: bool = False  # momentum solved for on faces instead of in cells
-    start: tuple[float, float, float] | None = None  # of a riser: eps_s, velocities of gas and solids [m/s]
-    write_every: float | None = None  # [s]; without it the last state alone is written
-
-    @property
-    def riser(self) -> bool:
-        return self.kind == "riser"
-
-    @property
-    def column(self) -> bool:
-        return self.kind in COLUMNS
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height [m]."""
-        if self.column:
-            return COLUMNS[self.kind] * self.nx / self.ny, COLUMNS[self.kind]
-        return SIZES[self.kind]
-
-    @property
-    def particles(self) -> dict[str, float]:
-        if self.riser:
-            return {"d": 150e-6, "rho": 2550.0, "max": 0.60, "e": 0.95, "e_w": 0.90, "specularity": 0.01}
-        d, packed = (100e-6, 0.60) if self.column else (275e-6, 0.63)
-        return {"d": d, "rho": 2500.0, "max": packed, "e": 0.90, "e_w": 0.90, "specularity": 0.01}
-
-
-BED_HEIGHT, BED_FRACTION = STARTS["bed"][:2]
-SIDE = (4 * 7.9 / 350, 11 * 7.9 / 350)  # the two inlets of solids in the sides of the riser [m]
-SIDE_FRACTION = 0.20
 
 
 def text(values: dict[str, Any], indent: str = "") -> str:
@@ -391,58 +329,3 @@ def write(case: Case, folder: Path) -> None:
         values = [f"volScalarFieldValue alpha.particles {eps_s}" for eps_s in (below, above)]
         regions = f"(boxToCell {{ box (-1 -1 -1) (1 {height} 1); fieldValues ({values[0]}); }})"
         put(folder, "system/setFieldsDict", {"defaultFieldValues": f"({values[1]})", "regions": regions})
-
-
-def available() -> bool:
-    return which(SOLVER) is not None
-
-
-def run(case: Case, folder: Path) -> dict[str, float]:
-    """Write, mesh and run a case: CPU of the solver and of its steps after the first [s], the number of steps, and the
-    drift of the solids inventory.
-    """
-    write(case, folder)
-    environment = {**os.environ, "WM_PROJECT_DIR": HOME, "FOAM_ETC": f"{HOME}/etc", "WM_PROJECT_VERSION": "v1912"}
-
-    def tool(name: str) -> str:
-        done = subprocess.run([name], cwd=folder, env=environment, capture_output=True, text=True, check=False)
-        (folder / f"log.{name}").write_text(done.stdout + done.stderr)
-        if done.returncode:
-            raise RuntimeError(f"{name} failed, see {folder}/log.{name}: {done.stdout[-300:]}{done.stderr[-300:]}")
-        return done.stdout
-
-    tool("blockMesh")
-    if not case.riser:
-        tool("setFields")
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    log = tool(SOLVER)
-    cpu = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-    inventory = series(folder, "inventory", "volFieldValue")
-    clock = [float(value) for value in re.findall(r"^ExecutionTime = ([0-9.]+)", log, re.M)]
-    return {
-        "cpu_s": cpu,
-        "loop_cpu_s": clock[-1] - clock[0],
-        "steps": float(len(re.findall(r"^Time = ", log, re.M))),
-        "mass_drift_relative": inventory[-1, 1] / inventory[0, 1] - 1.0 if inventory[0, 1] else float("nan"),
-    }
-
-
-def series(folder: Path, name: str, kind: str) -> np.ndarray:
-    """Rows of time [s] and values that a function object wrote."""
-    return np.atleast_2d(np.loadtxt(folder / "postProcessing" / name / "0" / f"{kind}.dat"))
-
-
-def times(folder: Path) -> list[Path]:
-    """What was written, in the order of time; the start is the first."""
-    return sorted((p for p in folder.iterdir() if re.fullmatch(r"[0-9.]+", p.name)), key=lambda p: float(p.name))
-
-
-def field(case: Case, folder: Path, name: str, at: int = -1) -> np.ndarray:
-    """A field of one of the `times` on the grid, shape (ny, nx) or (ny, nx, components)."""
-    body = (times(folder)[at] / name).read_text().split("internalField", 1)[1].split("boundaryField", 1)[0]
-    if body.strip().startswith("uniform"):
-        numbers = np.array(re.findall(r"[-+0-9.eE]+", body.split("uniform", 1)[1]), float)
-        return np.broadcast_to(numbers, (case.ny, case.nx, numbers.size)).squeeze()
-    inside = body[body.index("(") : body.rindex(")")]
-    numbers = np.array(re.findall(r"[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?", inside), float)
-    return numbers.reshape(case.ny, case.nx, -1).squeeze()

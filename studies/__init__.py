@@ -1,0 +1,1 @@
+"""Studies: scenes with what they are compared with. `python -m studies` lists them."""
