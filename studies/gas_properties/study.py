@@ -64,7 +64,7 @@ def plot(tables: Tables) -> dict[str, Any]:
     for header, text, colour, shift in zip(TIMES, ("contbed", "Cantera"), gallery.PALETTE, (-0.2, 0.2), strict=False):
         axes.bar(places + shift, table[header], 0.4, color=colour, label=text)
     names = [f"{row['mixture']}, {row['property'].replace('_', ' ')}" for row in table]
-    axes.set(yscale="log", ylabel="CPU of a point [ns]", ylim=(0.1, None))
+    axes.set(yscale="log", ylabel="CPU of a point [ns]", ylim=(0.1, 1e5))
     axes.set_xticks(places, names, rotation=60, ha="right", fontsize=8)
     axes.legend(loc="upper left", ncols=2)
     return {"gas_properties": figure}

@@ -38,5 +38,5 @@ def plot(tables: Tables) -> dict[str, Any]:
         known = points["unknowns"] > 0
         axes.loglog(points["error"][known], 1e3 * points["user_s"][known], "o-", color=colour, label=name)
     axes.set(xlabel=r"largest error of $\theta$", ylabel="user time [ms]")
-    axes.legend()
+    figure.legend(loc="outside right upper")
     return {"bench": figure}

@@ -21,6 +21,7 @@ STEPS = 20000  # in which a case must be done
 SPEED = 20.0  # of particles [m/s], several times what any case gives them: more is noise
 NOT_COMPARED = ("end s", "steps", "eps_s min", "eps_s max", "room", "theta min", "theta max", "speed max m/s",
                 "speed end m/s", "mass error", "CPU s", "remark")  # fmt: skip
+SLOW = 1e-3  # [m/s] smallest speed of the picture
 REST = 1e-10  # [m/s] largest speed of a level bed at the end
 DENSE = 1e-6  # fraction of particles below which their speed says nothing
 COLUMNS = ("group", "case", "passed", "end s", "steps", "eps_s min", "eps_s max", "room", "theta min", "theta max",
@@ -299,8 +300,13 @@ def plot(tables: Tables) -> dict[str, Any]:
             mine = table.where({"group": group, "passed": passed})
             if len(mine):
                 label = group if passed == "True" else None
-                where = mine["eps_s max"], np.maximum(mine["speed max m/s"], 1e-10)
+                where = mine["eps_s max"], np.maximum(mine["speed max m/s"], SLOW)
                 axes.scatter(*where, s=22, facecolor=face, edgecolor=colour, label=label)
-    axes.set(yscale="log", xlabel="largest fraction of particles", ylabel="largest speed of particles [m/s]")
-    axes.legend(ncols=2)
+    axes.set(
+        yscale="log",
+        ylim=(SLOW, 1e2),
+        xlabel="largest fraction of particles",
+        ylabel="largest speed of particles [m/s]",
+    )
+    figure.legend(loc="outside right upper")
     return {"extremes": figure}
