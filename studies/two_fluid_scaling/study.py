@@ -43,7 +43,8 @@ COLUMNS = ("case", "cells", "band", "us_per_cell_step", "pressure_share", "polic
 class Watched(PressureSolver):
     """The solver of the model, with the time that it takes and its last equation."""
 
-    def solve(self, coef, rhs, guess):
+    def solve(self, coef: Any, rhs: Any, guess: Any) -> Any:
+        """Solve and keep equation and CPU [s]."""
         begin = gallery.user_time()
         p = super().solve(coef, rhs, guess)
         self.seconds, self.last = gallery.user_time() - begin, (coef, rhs.copy(), guess)
@@ -59,9 +60,9 @@ def matrix(grid: Grid, coef: np.ndarray) -> sp.csc_matrix:
     return sp.csc_matrix(sp.diags(diagonal) + links + links.T)
 
 
-def reference(pressure: Watched, whole: sp.csc_matrix, order: Any) -> Any:
-    """The last equation solved by the project's sparse factors, with which the other solvers are compared."""
-    return Solver(whole, Policy(pressure.grid.dimension, None, order))(pressure.last[1])
+def reference(whole: sp.csc_matrix, rhs: np.ndarray, dimension: int, order: Any) -> Any:
+    """The equation solved by the project's sparse factors, with which the other solvers are compared."""
+    return Solver(whole, Policy(dimension, None, order))(rhs)
 
 
 def milliseconds(work: Any) -> float:
@@ -89,7 +90,7 @@ def measure(case: str, cells: tuple[int, ...]) -> dict[str, object]:
         "band": width,
         "us_per_cell_step": 1e6 * median(steps[FIRST:]) / count,
         "pressure_share": median(solutions[FIRST:]) / median(steps[FIRST:]),
-        "policy": "elimination" if isinstance(watched.by, Elimination) else "multigrid",
+        "policy": "elimination" if isinstance(watched.method, Elimination) else "multigrid",
         "iterations": iterative.solve(coef, watched.floating, rhs, guess.copy()),
         "multigrid_ms": milliseconds(lambda: iterative.solve(coef, watched.floating, rhs, guess.copy())),
     }
@@ -100,7 +101,7 @@ def measure(case: str, cells: tuple[int, ...]) -> dict[str, object]:
         pairs = np.stack((grid.geometry.left[: grid.interior], grid.geometry.right))
         order = nested_dissection(grid.middles[: grid.interior].T, [pairs], count)
         whole = matrix(grid, coef)
-        row["sparse_direct_ms"] = milliseconds(lambda: reference(watched, whole, order))
+        row["sparse_direct_ms"] = milliseconds(lambda: reference(whole, rhs, grid.dimension, order))
     return row
 
 
