@@ -5,10 +5,16 @@ velocity Verlet has no drift but an error that oscillates with the overlaps, 1e-
 shifted runs differ by round-off that collisions amplify; they are compared over few collisions, to 1e-9.
 """
 
+import os
+import signal
+import threading
+import time
+
 import numpy as np
 import pytest
 
 from contbed.dem import neighbours
+from contbed.dem import simulation as simulation_module
 from contbed.dem.kernel_arrays import Box
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
@@ -275,3 +281,39 @@ def test_other_mistakes():
         Particles([[0, 0, 0]], 0.0)
     with pytest.raises(SceneError, match="has no direction"):
         Simulation(one, [GLASS], [Plane((0, 0, -1), (0, 0, 0))])
+
+
+def interrupted(simulation, seconds):
+    """Run until SIGINT arrives after `seconds`, whatever handler the test runner has set."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
+    try:
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            simulation.run(10_000_000, interval=20)
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupt_comes_at_once_and_leaves_a_whole_state():
+    """Many short pieces of compiled code, so that most signals arrive while arrays go in or out of one."""
+    simulation = falling()
+    for k in range(20):
+        start = time.perf_counter()
+        interrupted(simulation, 2e-3 + 1.3e-3 * k)
+        assert time.perf_counter() - start < 1.0
+    whole = falling()
+    whole.run(simulation.steps_done, interval=simulation.steps_done)
+    for name, array in whole.state().items():
+        assert array.tobytes() == simulation.state()[name].tobytes(), name
+
+
+def test_a_long_interval_is_cut_so_that_an_interrupt_is_heard(monkeypatch):
+    monkeypatch.setattr(simulation_module, "CHUNK", 64 * 100)
+    cut, whole = falling(), falling()
+    cut.run(1234, interval=1234)
+    monkeypatch.undo()
+    whole.run(1234, interval=1234)
+    for name, array in whole.state().items():
+        assert array.tobytes() == cut.state()[name].tobytes(), name

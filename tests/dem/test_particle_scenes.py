@@ -153,6 +153,52 @@ def test_mistakes_that_the_file_shows(folder):
     assert "truncated" in problems(dump, folder)[0] and problems(dump, folder)[0].startswith(str(folder / "bed.dump"))
 
 
+@pytest.mark.parametrize(
+    ("change", "wanted"),
+    [
+        (lambda text: text[: text.index("\n0 0.0") + 1].replace("\n54\n", "\n0\n"), "4: step 7 has no particles"),
+        (lambda text: text.replace("\n5 0.0", "\n4 0.0"), "15: id 4 occurs twice in step 7"),
+        (lambda text: text.replace("\n0 6\n", "\n6 0\n"), "8: the box of step 7 has no volume: z from 6 to 0"),
+        (lambda text: text.replace("\n0 3\n", "\n3 3\n", 1), "6: the box of step 7 has no volume: x from 3 to 3"),
+        (lambda text: text.replace("pp pp pp\n0 3", "ff pp pp\n0 1"),
+         "46: a particle of step 7 is outside of the box: x = 2"),
+        (lambda text: text[:-1], "63: truncated: the last line has no end"),
+        (lambda text: text[:-5], "63: truncated: 4 values for the 5 columns id x y z radius"),
+    ],
+    ids=["no particles", "id twice", "reversed box", "flat box", "outside", "no line break", "cut line"],
+)  # fmt: skip
+def test_dumps_that_cannot_be_used_are_refused_by_the_check(folder, change, wanted):
+    path = folder / "bed.dump"
+    path.write_text(change(path.read_text()))
+    text = BED.replace("bed.csv", "bed.dump").replace("radius = 0.5\n", "")
+    with pytest.raises(SceneError) as error:
+        loads(text, "scene.toml", base=folder)
+    assert error.value.problems[0].startswith(f"{path}:{wanted}")
+
+
+def test_the_check_sees_what_the_run_would_refuse(folder):
+    for text, wanted in (
+        (BED.replace("radius = 0.5\n", ""), "particles.radius: missing; bed.csv has none"),
+        (BED[: BED.index("[layers]")], "layers: this table is missing"),
+        (BED.replace("0.6", "-1.0"), "0 hot and 9 cold particles"),
+        (BED.replace("area = 9.0", "area = 0.1"), "layers.area = 0.1: gives a porosity of"),
+        (BED.replace("1.0\n", '1.0\npaths = "columns"\n') + "[radiation]\nemissivity = 0.9\ntemperature = 900.0\n",
+         "columns are for equal particles without [radiation]"),
+    ):  # fmt: skip
+        with pytest.raises(SceneError) as error:
+            loads(text, "scene.toml", base=folder)
+        assert wanted in error.value.problems[0]
+
+
+def test_unwrapped_positions_of_a_dump_are_brought_into_its_periodic_box(folder):
+    text = (folder / "bed.dump").read_text()
+    scene = BED.replace("bed.csv", "bed.dump").replace("radius = 0.5\n", "")
+    inside = cb.run(loads(scene, base=folder)).qoi
+    # id 3 is at (0, 0, 3): the same sphere one period to the left
+    (folder / "bed.dump").write_text(text.replace("\n3 0.0 0.0 3.0", "\n3 -3.0 0.0 3.0").replace("x y z", "xu yu zu"))
+    assert cb.run(loads(scene, base=folder)).qoi == inside
+
+
 def test_what_does_not_apply_to_particles(tmp_path):
     with pytest.raises(SceneError, match=r"no \[mesh\] to refine"):
         converge(STUDIES / "lattices/sc.toml", 2)

@@ -231,6 +231,24 @@ def test_mistakes_are_named_with_their_line(folder, old, new, wanted):
     assert any(wanted in problem for problem in error.value.problems), error.value.problems
 
 
+def test_the_check_refuses_particles_that_the_run_refuses(folder):
+    (folder / "close.csv").write_text("0.004,0.004,0.004\n0.0045,0.004,0.004\n")
+    for old, new, wanted in (
+        ('"bed.csv"', '"close.csv"', "particles 0 and 1 overlap by"),
+        ("height = 0.029970", "height = 0.02", "gas.height: centres from"),
+        ('"bed.csv"', '"empty.dump"', "empty.dump:4: step 7 has no particles"),
+    ):
+        text = (folder / "bed.dump").read_text()
+        (folder / "empty.dump").write_text(
+            text[: text.index("ITEM: NUMBER")]
+            + "ITEM: NUMBER OF ATOMS\n0\n"
+            + text[text.index("ITEM: BOX") : text.index("radius\n") + 7]
+        )
+        with pytest.raises(SceneError) as error:
+            loads(SCENE.replace(old, new, 1), "scene.toml", base=folder)
+        assert any(wanted in problem for problem in error.value.problems), error.value.problems
+
+
 def test_the_study_of_transfer_to_a_moving_bed():
     # both committed closure files give the committed outlet temperature, inside of their ranges
     result = cb.run(cb.load(STUDY / "moving_bed.toml"))

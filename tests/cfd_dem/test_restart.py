@@ -1,0 +1,92 @@
+"""Restart of a run of particles in a gas: whenever it stopped, the rest gives what the uncut run gives, bit for bit.
+
+The states that a kill leaves are copies of the folder taken while the run writes.
+"""
+
+import shutil
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.loading import loads
+from contbed.output import checkpoint
+
+SCENE = """
+particles = { count = 60, radius = "1 mm", width = ["8 mm", "8 mm"], density = 2500.0, conductivity = 0.84, \
+modulus = "1 MPa", restitution = 0.5, seed = 3 }
+fluid = { density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026 }
+gas = { velocity = 1.0, T = 400.0, height = "60 mm", nusselt = "gunn" }
+heat = { T = 300.0 }
+time = { end = 0.04, average_from = 0.01, sample = 0.005, fields = 0.01 }
+output = { plots = false }
+"""
+
+
+def same(found, whole, folder, reference):
+    assert found.qoi == whole.qoi
+    assert found.closures == whole.closures
+    assert found.balances == whole.balances
+    for name, column in whole.profiles.items():
+        assert np.array_equal(column, found.profiles[name]), name
+    names = {path.name for path in reference.glob("particles*")}
+    assert {path.name for path in folder.glob("particles*")} == names
+    for name in names:
+        assert (folder / name).read_bytes() == (reference / name).read_bytes(), name
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The uncut run, its folder, and copies of the folder just before each checkpoint and at the start of each."""
+    folder, copies = tmp_path_factory.mktemp("whole"), tmp_path_factory.mktemp("killed")
+    save = checkpoint.save
+
+    def copying(*arguments):
+        if (folder / checkpoint.NAME).is_file():
+            shutil.copytree(folder, copies / str(len(list(copies.iterdir()))))
+        save(*arguments)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(checkpoint, "save", copying)
+        result = cb.run(loads(SCENE), out=folder)
+    return result, folder, sorted(copies.iterdir(), key=lambda path: int(path.name))
+
+
+def test_files_of_particles_are_written_once_for_each_time(whole):
+    _, folder, _ = whole
+    assert sorted(path.name for path in folder.glob("*.vtu")) == [f"particles_000{k}.vtu" for k in range(4)]
+    text = (folder / "particles.pvd").read_text()
+    assert [text.count(f"particles_000{k}.vtu") for k in range(4)] == [1, 1, 1, 1]
+
+
+def test_a_run_that_was_killed_between_particles_and_checkpoint_continues(whole, tmp_path):
+    result, folder, killed = whole
+    assert len(killed) == 8  # checkpoints after eight samples and at the end, the first without a copy
+    for path in (killed[0], killed[2], killed[-1]):
+        again = shutil.copytree(path, tmp_path / path.name)
+        same(cb.run(loads(SCENE), restart=again), result, again, folder)
+
+
+def test_a_finished_run_restarts_to_itself(whole, tmp_path):
+    result, folder, _ = whole
+    again = shutil.copytree(folder, tmp_path / "again")
+    same(cb.run(loads(SCENE), restart=again), result, again, folder)
+
+
+def test_a_run_continues_into_another_folder(whole, tmp_path):
+    result, _, killed = whole
+    found = cb.run(loads(SCENE), out=tmp_path, restart=killed[4])
+    assert found.qoi == result.qoi and found.closures == result.closures
+    listed = (tmp_path / "particles.pvd").read_text()
+    for k in range(4):
+        assert (f"particles_000{k}.vtu" in listed) == (tmp_path / f"particles_000{k}.vtu").is_file()
+
+
+def test_a_run_that_was_interrupted_before_its_first_sample_reports(tmp_path, monkeypatch):
+    def interrupted(*arguments, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("contbed.cfd_dem.coupling.Bed.run", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        cb.run(loads(SCENE), out=tmp_path)
+    assert (tmp_path / "summary.json").is_file()
