@@ -32,6 +32,14 @@ Settings = Annotated[
 ]
 
 
+Trust = Annotated[
+    bool, Option("--trust", help="let files of the scene run programs: commands in a .geo, extensions of Cantera")
+]
+AllowLarge = Annotated[
+    bool, Option("--allow-large", help="take sizes that are refused otherwise: memory, numbers of cells, files")
+]
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code. Errors are plain lines on stderr, never a traceback."""
     try:
@@ -84,9 +92,11 @@ def run(
     engine: Annotated[
         Literal["skfem", "dolfinx"] | None, Option("--engine", help="dolfinx: PETSc, the default under mpirun")
     ] = None,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
 ) -> None:
     """Solve a scene and write its results to DIR; if not given, to that of the restart, else to results/SCENE."""
-    loaded = _load(scene, settings)
+    loaded = _load(scene, settings, trust, allow_large)
     from contbed.runner import run as solve
 
     folder = out or restart or Path("results") / scene.stem
@@ -99,13 +109,16 @@ def run(
 
 @app.command()
 def check(
-    scenes: Annotated[list[Path], Argument(metavar="SCENE...", help="TOML files")], settings: Settings = None
+    scenes: Annotated[list[Path], Argument(metavar="SCENE...", help="TOML files")],
+    settings: Settings = None,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
 ) -> None:
     """Say whether scenes are right; all mistakes with file, line and remedy. Nothing is solved or written."""
     problems = []
     for scene in scenes:
         try:
-            _load(scene, settings)
+            _load(scene, settings, trust, allow_large)
         except SceneError as error:
             problems += error.problems
         else:
@@ -115,9 +128,9 @@ def check(
 
 
 @app.command()
-def plan(scene: SceneFile, settings: Settings = None) -> None:
+def plan(scene: SceneFile, settings: Settings = None, trust: Trust = False, allow_large: AllowLarge = False) -> None:
     """Show what a scene builds and what it leaves out, with unknowns and memory."""
-    loaded = _load(scene, settings)
+    loaded = _load(scene, settings, trust, allow_large)
     from contbed.models import plan as make
 
     print(make(loaded))
@@ -144,19 +157,25 @@ def converge(
     scene: SceneFile,
     levels: Annotated[int, Option("--levels", metavar="N", min=2, max=12, help="number of meshes")] = 4,
     out: OutFolder = None,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
 ) -> None:
     """Refine the mesh of a scene: error or difference, observed order and time of each level."""
     from contbed.verify.converge import converge as study
 
-    print(study(scene, levels, out or Path("results") / f"{scene.stem}-converge"))
+    print(study(scene, levels, out or Path("results") / f"{scene.stem}-converge", trust, allow_large))
 
 
 @app.command()
-def bench(study: Annotated[Path, Argument(metavar="STUDY", help="a study's folder")], out: OutFolder = None) -> None:
-    """Run time against error of a study."""
+def bench(
+    study: Annotated[Path, Argument(metavar="STUDY", help="a study's folder")],
+    out: OutFolder = None,
+    trust: Annotated[bool, Option("--trust", help="let it run the programs that the study names")] = False,
+) -> None:
+    """Run time against error of a study, by the programs that it names."""
     from contbed.verify.bench import bench as measure
 
-    print(measure(study, out or Path("results") / f"{study.name}-bench"))
+    print(measure(study, out or Path("results") / f"{study.name}-bench", trust))
 
 
 @app.command()
@@ -169,6 +188,8 @@ def sweep(
     ] = None,
     retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
     quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
 ) -> None:
     """Run every scene of a study that has not been run, then write a table and plots."""
     if jobs == 0 or jobs < -1:
@@ -178,7 +199,7 @@ def sweep(
     from contbed.sweep.sweep import sweep as run_all
 
     folder = out or Path("results") / study.stem
-    done = run_all(study, folder, jobs, scheduler, retry_failed, quiet)
+    done = run_all(study, folder, jobs, scheduler, retry_failed, quiet, trust, allow_large)
     for text in done.warnings:
         _complain(f"warning: {text}")
     for text in done.failures():
@@ -189,10 +210,11 @@ def sweep(
         raise typer.Exit(3)
 
 
-def _load(path: Path, settings: list[str] | None) -> Any:
+def _load(path: Path, settings: list[str] | None, trust: bool, allow_large: bool) -> Any:
     from contbed.loading import load
 
-    return load(path, dict(_assignment(text) for text in settings or []))
+    values = dict(_assignment(text) for text in settings or [])
+    return load(path, values, trust=trust, allow_large=allow_large)
 
 
 def _assignment(text: str) -> tuple[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from contbed.errors import SceneError
 from contbed.models import MODELS, kind_of
 from contbed.scene import schema
 from contbed.scene.checking import mistakes
+from contbed.scene.inputs import unusable_files
 from contbed.scene.names import near_names, nearest
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse, parse_key, read
@@ -21,24 +23,51 @@ from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse, p
 _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
 
-def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> SceneBase:
-    """The scene of a file. `overrides` such as {"mesh.refine": 2} replace values before anything is checked.
+def load(
+    path: str | Path, overrides: Mapping[str, Any] | None = None, *, trust: bool = False, allow_large: bool = False
+) -> SceneBase:
+    """The scene of a file, whose tables name its kind; see `contbed.models.MODELS`.
 
-    The tables name the kind of scene; see `contbed.models.MODELS`.
+    Parameters
+    ----------
+    path : a TOML file
+    overrides : such as {"mesh.refine": 2}, replace values before anything is checked
+    trust : files that the scene names may run programs: a geometry of gmsh, a mechanism of Cantera
+    allow_large : sizes beyond what this computer or contbed's limits hold are meant
+
+    Raises
+    ------
+    SceneError : all mistakes, each with file and line
     """
-    return _build(*read(path), overrides or {})
+    values, origin = read(path)
+    return _build(values, replace(origin, trust=trust, allow_large=allow_large), overrides or {})
 
 
 def loads(
-    text: str, name: str = "scene.toml", overrides: Mapping[str, Any] | None = None, base: str | Path = "."
+    text: str,
+    name: str = "scene.toml",
+    overrides: Mapping[str, Any] | None = None,
+    base: str | Path = ".",
+    *,
+    trust: bool = False,
+    allow_large: bool = False,
 ) -> SceneBase:
-    """The scene of a TOML text; `name` stands in messages and a mesh file is looked for in `base`."""
-    return _build(*parse(text, name, Path(base).absolute()), overrides or {})
+    """`load` for a TOML text; `name` stands in messages and a mesh file is looked for in `base`."""
+    values, origin = parse(text, name, Path(base).absolute())
+    return _build(values, replace(origin, trust=trust, allow_large=allow_large), overrides or {})
 
 
-def from_dict(values: Mapping[str, Any], name: str = "scene", base: str | Path = ".") -> SceneBase:
-    """The scene of plain nested dicts, as `resolved` returns them."""
-    return _build(deepcopy(dict(values)), Origin(name, Path(base).absolute()), {})
+def from_dict(
+    values: Mapping[str, Any],
+    name: str = "scene",
+    base: str | Path = ".",
+    *,
+    trust: bool = False,
+    allow_large: bool = False,
+) -> SceneBase:
+    """`load` for plain nested dicts, as `resolved` returns them."""
+    origin = Origin(name, Path(base).absolute(), trust=trust, allow_large=allow_large)
+    return _build(deepcopy(dict(values)), origin, {})
 
 
 def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any]) -> Any:
@@ -51,6 +80,9 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     kind = kind_of(values)
     model, checks = MODELS[kind].scene, MODELS[kind].find("checks", "CHECKS")
     parts, broken = _validate(model, values, problems)
+    refused = list(unusable_files(parts, origin))
+    problems += refused
+    broken.update(str(path[0]) for path, _ in refused)
     problems += mistakes(parts, broken, origin, checks)
     if problems:
         problems.sort(key=lambda problem: origin.line(problem[0]))
@@ -79,7 +111,7 @@ def _override(
             table[str(path[-1])] = value.item() if hasattr(value, "item") else value
         else:
             problems.append((path, "cannot be set: a key on the way to it is not a table"))
-    return Origin(origin.name, origin.base, origin.lines, tuple(paths))
+    return replace(origin, overrides=tuple(paths))
 
 
 def _validate(

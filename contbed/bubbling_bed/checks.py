@@ -13,6 +13,7 @@ from contbed.bubbling_bed.coefficients import mixture
 from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
+from contbed.scene.mechanism import find_mechanism
 from contbed.scene.tables import Output
 from contbed.scene.toml_lines import KeyPath, Origin
 
@@ -139,14 +140,14 @@ def settling_has_what_it_needs(
             yield ("species", name, "sizes"), f"needs species.{name}.feed with a mass_flow; or give bed"
 
 
-def the_gas_is_known(gas: b.Gas, species: Kinds) -> Mistakes:
+def the_gas_is_known(gas: b.Gas, species: Kinds, origin: Origin) -> Mistakes:
     if gas.composition is None:
         return
     from contbed.materials.composition import _pairs
 
     try:
         amounts = [float(amount) for _, amount in _pairs(gas.composition)]
-        known = mixture(gas.composition, gas.pressure, gas.mechanism)
+        known = mixture(gas.composition, gas.pressure, find_mechanism(gas.mechanism, origin.base))
     except (SceneError, ValueError) as error:
         yield ("gas", "composition"), str(error)
         return

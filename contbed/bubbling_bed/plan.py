@@ -17,6 +17,7 @@ from contbed.errors import SceneError
 from contbed.mesh.grading import equidistributed, graded
 from contbed.mesh.mesh import Mesh, refine
 from contbed.models import described
+from contbed.scene.mechanism import find_mechanism
 from contbed.scene.mesh import REGION
 from contbed.solvers.linear import Policy
 
@@ -199,7 +200,8 @@ def _computed(scene: b.BubblingScene) -> Any:
     from contbed.bubbling_bed.coefficients import Computed, mixture
 
     assert scene.gas.composition is not None
-    return Computed(scene, mixture(scene.gas.composition, scene.gas.pressure, scene.gas.mechanism))
+    mechanism = find_mechanism(scene.gas.mechanism, scene.origin.base)
+    return Computed(scene, mixture(scene.gas.composition, scene.gas.pressure, mechanism))
 
 
 def _fluidized(scene: b.BubblingScene, computed: Any) -> None:

@@ -162,5 +162,6 @@ def _fluid(scene: GasScene) -> Any:
         assert table.heat_capacity is not None and table.conductivity is not None
         return ConstantFluid(table.density, table.heat_capacity, table.viscosity, table.conductivity)
     from contbed.materials.gas import gas_mixture
+    from contbed.scene.mechanism import find_mechanism
 
-    return gas_mixture(table.composition, table.pressure, table.mechanism)
+    return gas_mixture(table.composition, table.pressure, find_mechanism(table.mechanism, scene.origin.base))

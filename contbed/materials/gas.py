@@ -117,7 +117,8 @@ def gas_mixture(
     gas, gas_constant = _cantera_gas(mechanism)
     unknown = [s for s in x if s not in gas.species_names]
     if unknown:
-        raise SceneError([f"gas: no species {s!r} in {mechanism}{nearest(s, gas.species_names)}" for s in unknown])
+        file = Path(mechanism).name
+        raise SceneError([f"gas: no species {s!r} in {file}{nearest(s, gas.species_names)}" for s in unknown])
     limits = _limits(T_range, (gas.min_temp, gas.max_temp), mechanism)
     index = [gas.species_index(s) for s in x]
     M = [float(gas.molecular_weights[i]) for i in index]
@@ -135,7 +136,7 @@ def gas_mixture(
     return GasMixture(
         name=", ".join(f"{s}:{x_k:.6g}" for s, x_k in x.items()),
         T_range=limits,
-        source=f"Cantera, {mechanism}: NASA7 and mixture-averaged transport fits",
+        source=f"Cantera, {Path(mechanism).name}: NASA7 and mixture-averaged transport fits",
         pressure=p,
         molar_mass=molar_mass / 1000.0,
         mole_fractions=x,

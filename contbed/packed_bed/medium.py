@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,15 +20,16 @@ from contbed.materials import ConstantFluid, Solid, gas_mixture, real_fluid
 from contbed.materials.pointwise import pointwise
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import GIVES, At, all_bound
+from contbed.scene.mechanism import find_mechanism
 from contbed.scene.tables import FluidCantera, FluidConstant, FluidCoolProp
 
 _AREA = {"spheres": 6.0, "rods": 4.0}
 
 
-def fluid_of(settings: FluidConstant | FluidCantera | FluidCoolProp) -> Any:
-    """The fluid of a scene; Cantera and CoolProp are imported only when named."""
+def fluid_of(settings: FluidConstant | FluidCantera | FluidCoolProp, base: Path) -> Any:
+    """The fluid of a scene in the folder `base`; Cantera and CoolProp are imported only when named."""
     if isinstance(settings, FluidCantera):
-        return gas_mixture(settings.composition, settings.pressure, settings.mechanism)
+        return gas_mixture(settings.composition, settings.pressure, find_mechanism(settings.mechanism, base))
     if isinstance(settings, FluidCoolProp):
         return real_fluid(settings.name, settings.pressure, settings.T_range)
     conductivity = 1.0 if settings.conductivity is None else settings.conductivity
@@ -57,7 +59,7 @@ class Medium:
         solid = scene.solid
         return cls(
             scene,
-            fluid_of(scene.fluid),
+            fluid_of(scene.fluid, scene.origin.base),
             None if solid is None else Solid(solid.density, solid.heat_capacity, solid.conductivity),
             T_fluid_in,
             bed_diameter,

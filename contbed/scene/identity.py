@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
-from contbed.scene.quantities import Table
+from contbed import __version__
+from contbed.scene.inputs import all_inputs
 from contbed.scene.tables import SceneBase
 
 
@@ -16,22 +18,25 @@ def resolved(scene: SceneBase) -> dict[str, Any]:
     return scene.model_dump(mode="json", exclude_none=True)
 
 
-def scene_hash(scene: SceneBase) -> str:
-    """A hash of what a run depends on: the values and the content of the files they name, not the title."""
+def identity(scene: SceneBase) -> dict[str, Any]:
+    """All that a run depends on: the values but the title, a hash of each file that is read, the version of contbed."""
     values = {key: value for key, value in resolved(scene).items() if key != "title"}
-    digest = hashlib.sha256(json.dumps(values, sort_keys=True).encode())
-    for file in _files(scene):
-        digest.update((scene.origin.base / file).read_bytes())
-    return digest.hexdigest()[:16]
+    base = scene.origin.base
+    files = {}
+    for path in all_inputs(scene, base):
+        name = str(path.relative_to(base)) if path.is_relative_to(base) else path.name
+        status = path.stat()
+        files[name] = _digest(path, status.st_ino, status.st_mtime_ns, status.st_size)
+    return {"values": values, "files": files, "contbed": __version__}
 
 
-def _files(part: Any) -> Iterator[str]:
-    """The files that the tables of a scene name: a mesh, closures, particles."""
-    if isinstance(part, Mapping):
-        for item in part.values():
-            yield from _files(item)
-    elif isinstance(part, Table):
-        if isinstance(file := getattr(part, "file", None), str):
-            yield file
-        for name in type(part).model_fields:
-            yield from _files(getattr(part, name))
+def scene_hash(scene: SceneBase) -> str:
+    """A hash of `identity`."""
+    return hashlib.sha256(json.dumps(identity(scene), sort_keys=True).encode()).hexdigest()[:16]
+
+
+@lru_cache(maxsize=256)
+def _digest(path: Path, inode: int, changed: int, size: int) -> str:
+    """A hash of the content of a file, which is read again only when it has changed."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()[:16]

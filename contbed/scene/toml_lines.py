@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import stat
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -23,6 +24,7 @@ _STRINGS = [
 ]
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _SCALAR = re.compile(r"[^,\]}#\n]*")
+_LONGEST = 20_000_000  # bytes of a TOML file
 _DUPLICATE = re.compile(r"Cannot (?:overwrite a value|mutate immutable namespace)")
 
 
@@ -34,6 +36,8 @@ class Origin:
     base: Path = field(default=Path(), compare=False)
     lines: Mapping[KeyPath, int] = field(default_factory=dict, compare=False)
     overrides: tuple[KeyPath, ...] = field(default=(), compare=False)
+    trust: bool = field(default=False, compare=False)  # files of the scene may run programs
+    allow_large: bool = field(default=False, compare=False)  # a size beyond what contbed takes by itself is meant
 
     def line(self, path: KeyPath) -> int:
         """The line of a key, or of the nearest table around it; 0 where an override has set it."""
@@ -69,6 +73,13 @@ def read(path: str | Path) -> tuple[dict[str, Any], Origin]:
     """`parse` for a file; every way in which a file cannot be read is a SceneError."""
     path = Path(path)
     try:
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode) and not stat.S_ISDIR(status.st_mode):
+            raise SceneError(f"{path}:1: is a pipe or a device; give a file")
+        if status.st_size > _LONGEST:
+            raise SceneError(
+                f"{path}:1: {status.st_size / 1e6:.0f} MB; a TOML file has at most {_LONGEST / 1e6:.0f} MB"
+            )
         data = path.read_bytes()
     except FileNotFoundError:
         raise SceneError(f"{path}:1: no such file") from None

@@ -2,16 +2,18 @@
 
 `runs/NAME/` holds what the run writes, and
 
-    outcome.json    exit code, problem, parameters and named results; the scene too if the run failed
+    outcome.json    exit code, problem, parameters and named results; the scene too if the run failed; a checksum
     workers.log     a line when a worker begins the run and when it has ended it
 
-The outcome appears whole or not at all, after everything else, and a run that has one is never computed again. The log
+The outcome appears whole or not at all, after everything else, and a run that has one is never computed again, unless
+its content does not fit its checksum. The log
 is locked by the worker that computes: if two want the same run, the second waits and takes what the first has found.
 """
 
 from __future__ import annotations
 
 import fcntl
+import hashlib
 import json
 import os
 import socket
@@ -22,7 +24,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from contbed.errors import ContbedError, SceneError
-from contbed.output.summary import write_json
+from contbed.output.summary import plain, write_json
 from contbed.scene.identity import resolved
 from contbed.sweep.study import Case
 
@@ -40,12 +42,22 @@ def folder_of(case: Case, out: Path) -> Path:
 
 
 def known(case: Case, out: Path) -> Outcome | None:
-    """The outcome of a run; None if it is not finished."""
+    """The outcome of a run; None if it is not finished, or if its file is not as it was written."""
     try:
         outcome = json.loads((folder_of(case, out) / OUTCOME).read_text(encoding="utf-8"))
-        return outcome if {"exit_code", "problem", "qoi"} <= outcome.keys() else None
-    except (FileNotFoundError, NotADirectoryError, ValueError, AttributeError):
+        return outcome if outcome["checksum"] == _checksum(outcome) else None
+    except (FileNotFoundError, NotADirectoryError, ValueError, AttributeError, KeyError, TypeError):
         return None
+
+
+def is_damaged(case: Case, out: Path) -> bool:
+    """Whether a run has an outcome that cannot be believed."""
+    return (folder_of(case, out) / OUTCOME).is_file() and known(case, out) is None
+
+
+def _checksum(outcome: Outcome) -> str:
+    content = {key: value for key, value in outcome.items() if key != "checksum"}
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def forget(case: Case, out: Path) -> None:
@@ -88,8 +100,13 @@ def give_up(case: Case, out: Path) -> Outcome:
 def _claimed(case: Case, out: Path) -> Iterator[IO[str]]:
     folder = folder_of(case, out)
     folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / LOG, "a", encoding="utf-8") as log, locked(log.fileno()):
+    with open(folder / LOG, "a", encoding="utf-8", opener=_no_link) as log, locked(log.fileno()):
         yield log
+
+
+def _no_link(path: str, flags: int) -> int:
+    """Open a file, but not where a link leads."""
+    return os.open(path, flags | os.O_NOFOLLOW, 0o666)
 
 
 @contextmanager
@@ -109,7 +126,8 @@ def _keep(case: Case, out: Path, log: IO[str], solve: Callable[[], tuple[int, st
     outcome = {"exit_code": code, "problem": problem, "parameters": case.parameters, "qoi": qoi}
     if code:
         outcome["scene"] = resolved(case.scene)
-    write_json(folder_of(case, out) / OUTCOME, outcome)
+    outcome = plain(outcome)
+    write_json(folder_of(case, out) / OUTCOME, outcome | {"checksum": _checksum(outcome)})
     _note(log, f"failed with {code}" if code else "finished")
     found = known(case, out)  # exactly what a later sweep will read
     assert found is not None

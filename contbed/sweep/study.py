@@ -73,8 +73,8 @@ class Study:
     warnings: tuple[str, ...]
 
 
-def read_study(path: str | Path) -> Study:
-    """The runs of a study file, without those that are the same scene twice.
+def read_study(path: str | Path, trust: bool = False, allow_large: bool = False) -> Study:
+    """The runs of a study file, without those that are the same scene twice; flags as in `contbed.loading.load`.
 
     Raises
     ------
@@ -91,10 +91,11 @@ def read_study(path: str | Path) -> Study:
         reader.say(("parameters",), f"{count} runs; at most {design.MOST_RUNS}")
     if reader.problems:
         raise SceneError(list(dict.fromkeys(reader.problems)))
+    make = partial(load, origin.base / values["scene"], trust=trust, allow_large=allow_large)
     return Study(
         file=path,
         title=values.get("title", ""),
-        cases=_cases(origin.base / values["scene"], groups, reader.places),
+        cases=_cases(make, groups, reader.places),
         qoi=tuple(values.get("qoi", ())),
         qoi_at=origin.at(("qoi",)),
         logarithmic=frozenset(reader.logarithmic),
@@ -226,14 +227,16 @@ def _unit(name: str) -> str | None:
         return None
 
 
-def _cases(scene: Path, groups: list[list[dict[str, Any]]], places: Mapping[str, str]) -> list[Case]:
+def _cases(
+    make: Callable[[dict[str, Any]], SceneBase], groups: list[list[dict[str, Any]]], places: Mapping[str, str]
+) -> list[Case]:
     """The scene of each combination. A mistake that comes again with other values is told once."""
     cases: dict[str, Case] = {}
     problems: dict[str, list[str]] = {}
     for points in product(*groups):
         values = {name: value for point in points for name, value in point.items()}
         try:
-            loaded = load(scene, overrides=values)
+            loaded = make(values)
         except SceneError as error:
             for text in error.problems:
                 name, told = _relocated(text, places)

@@ -16,7 +16,7 @@ from contbed.output.files import prepare
 from contbed.output.progress import Progress
 from contbed.scene.names import nearest
 from contbed.sweep import table, workers
-from contbed.sweep.runs import Outcome, forget, known, locked
+from contbed.sweep.runs import Outcome, forget, is_damaged, known, locked
 from contbed.sweep.study import Case, Study, read_study
 from contbed.sweep.table import Row
 
@@ -51,6 +51,8 @@ def sweep(
     scheduler: str | None = None,
     retry_failed: bool = False,
     quiet: bool = True,
+    trust: bool = False,
+    allow_large: bool = False,
 ) -> Sweep:
     """Run a study; all its scenes are checked first.
 
@@ -62,13 +64,14 @@ def sweep(
     scheduler : address of a dask scheduler, whose workers compute instead
     retry_failed : compute the failed runs again
     quiet : no progress bar
+    trust, allow_large : as in `contbed.loading.load`
 
     Raises
     ------
     SceneError : mistakes in the study or its scenes, before anything is written; a name in `qoi` that no run has
     ContbedError : the folder cannot be written, or there is nobody to compute
     """
-    todo = read_study(study)
+    todo = read_study(study, trust, allow_large)
     folder = (Path(out) if out else Path("results") / todo.file.stem).absolute()
     if scheduler is not None:
         workers.require_dask()
@@ -81,6 +84,8 @@ def sweep(
             else:
                 outcomes[case.name] = found
     before = len(outcomes)
+    damaged = [case.name for case in todo.cases if case.name not in outcomes and is_damaged(case, folder)]
+    warnings = [f"runs/{name}: outcome.json is not as it was written; the run is computed again" for name in damaged]
     try:
         with Progress(len(todo.cases), "runs", quiet) as progress:
             for case, outcome in _found(todo, folder, outcomes, jobs, scheduler):
@@ -97,7 +102,7 @@ def sweep(
 
     with _alone(folder):
         plot(folder / "sweep.png", todo, rows)
-    return Sweep(rows, before, todo.warnings)
+    return Sweep(rows, before, (*todo.warnings, *warnings))
 
 
 @contextmanager

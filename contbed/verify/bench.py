@@ -1,8 +1,9 @@
 """Run time against error: a study's own programs, measured in one go on one machine.
 
-    contbed bench studies/two_energy_benchmark
+    contbed bench studies/two_energy_benchmark --trust
 
-`STUDY/bench/bench.toml` lists the programs; all run in the study's folder with this Python, on one thread.
+`STUDY/bench/bench.toml` lists the programs, which run only with --trust; all run in the study's folder with this
+Python, on one thread.
 
     repeats = 5                                  # runs of each case of a race
     [curves]                                     # points of run time against error, one program a curve
@@ -37,7 +38,8 @@ from typing import Any
 
 import numpy as np
 
-from contbed.errors import ContbedError
+from contbed.errors import ContbedError, SceneError
+from contbed.output.files import atomic
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 HEADERS = ("part", "case", "unknowns", "error", "user_s", "ratio")
@@ -64,15 +66,24 @@ class Bench:
         return "\n".join(lines + [""] * bool(self.skipped) + list(self.skipped))
 
 
-def bench(study: str | Path, out: str | Path) -> Bench:
+def bench(study: str | Path, out: str | Path, trust: bool = False) -> Bench:
     """Measure a study; writes bench.txt, bench.csv and bench.png into `out`.
+
+    Parameters
+    ----------
+    study : its folder
+    out : folder for the results
+    trust : run the programs that the study names; without it they are only listed, in the error
 
     Raises
     ------
+    SceneError : the study is not trusted
     ContbedError : the study has no bench.toml, or one of its programs fails
     """
     study, out = Path(study).resolve(), Path(out).resolve()
     plan = _read(study / "bench" / "bench.toml")
+    if not trust:
+        raise SceneError(_refusal(study / "bench" / "bench.toml", plan))
     out.mkdir(parents=True, exist_ok=True)
     skipped: list[str] = []
     rows: list[Row] = []
@@ -81,10 +92,12 @@ def bench(study: str | Path, out: str | Path) -> Bench:
     for race in plan.get("race", ()):
         rows += _race(race, plan.get("repeats", 3), study, out, skipped)
     found = Bench(tuple(rows), tuple(skipped), machine())
-    (out / "bench.txt").write_text(f"{found}\n", encoding="utf-8")
+    with atomic(out / "bench.txt") as temporary:
+        temporary.write_text(f"{found}\n", encoding="utf-8")
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([HEADERS, *rows])
-    (out / "bench.csv").write_text(text.getvalue(), encoding="utf-8")
+    with atomic(out / "bench.csv") as temporary:
+        temporary.write_text(text.getvalue(), encoding="utf-8")
     return found
 
 
@@ -111,6 +124,13 @@ def _read(file: Path) -> dict[str, Any]:
         raise ContbedError(f"{file}: {error.strerror}; a study to measure lists its programs there") from error
     except tomllib.TOMLDecodeError as error:
         raise ContbedError(f"{file}: {error}") from error
+
+
+def _refusal(file: Path, plan: dict[str, Any]) -> str:
+    """What to say about programs that are not trusted."""
+    cases = [*plan.get("curves", {}).get("case", ()), *(case for race in plan.get("race", ()) for case in race["case"])]
+    programs = ", ".join(dict.fromkeys(" ".join(case["command"]) for case in cases))
+    return f"{file}: runs programs: {programs}; look at them, then add --trust, in Python bench(..., trust=True)"
 
 
 def _present(cases: list[dict[str, Any]], skipped: list[str]) -> list[dict[str, Any]]:

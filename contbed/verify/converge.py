@@ -66,14 +66,18 @@ class Convergence:
         return {f"{name} [{unit}]": [getattr(level, name) for level in self.levels] for name, unit in units.items()}
 
 
-def converge(scene: str | Path, levels: int = 4, out: str | Path | None = None) -> Convergence:
+def converge(
+    scene: str | Path, levels: int = 4, out: str | Path | None = None, trust: bool = False, allow_large: bool = False
+) -> Convergence:
     """Solve a scene on `levels` meshes; writes convergence.csv and convergence.png into `out`.
+
+    `trust` and `allow_large` are those of `contbed.loading.load`.
 
     Raises
     ------
     SceneError, ConvergenceError, ClosureRangeError, BalanceError : as a run of the scene does
     """
-    first = load(scene)
+    first = load(scene, trust=trust, allow_large=allow_large)
     exact = exact_profile(make_plan(_at_level(scene, first, 0)))
     rows: list[Level] = []
     before: dict[str, Any] | None = None
@@ -115,7 +119,7 @@ def _at_level(path: str | Path, scene: Any, level: int, points: Sequence[float] 
         changes |= {"mesh.refine": mesh.refine + level, "solver.tolerance": max(scene.solver.tolerance, GRADING_ERROR)}
     if points and not scene.output.positions:
         changes["output.positions"] = list(points)
-    return load(path, changes)
+    return load(path, changes, trust=scene.origin.trust, allow_large=scene.origin.allow_large)
 
 
 def _compared(profiles: dict[str, Any]) -> tuple[Any, dict[str, Any]]:

@@ -251,6 +251,52 @@ def test_a_changed_file_is_a_changed_scene(folder):
     assert not first & {case.name for case in read_study("study.toml").cases}
 
 
+def test_a_changed_part_of_a_geometry_and_another_version_are_changed_scenes(folder, monkeypatch):
+    (folder / "scene.toml").write_text(SCENE.replace('type = "line"\nlength = 2', 'type = "file"\nfile = "bed.geo"'))
+    (folder / "bed.geo").write_text('Include "part.geo";\n')
+    (folder / "part.geo").write_text('x = 1; Merge "part.step";\n')
+    (folder / "part.step").write_text("one")
+    found = [{case.name for case in read_study("study.toml").cases}]
+    (folder / "part.geo").write_text('x = 2; Merge "part.step";\n')
+    found.append({case.name for case in read_study("study.toml").cases})
+    (folder / "part.step").write_text("two")
+    found.append({case.name for case in read_study("study.toml").cases})
+    monkeypatch.setattr("contbed.scene.identity.__version__", "99.0")
+    found.append({case.name for case in read_study("study.toml").cases})
+    assert len(set.union(*found)) == sum(map(len, found))
+
+
+def test_a_changed_mechanism_is_computed_again(folder, runner):
+    gas = 'model = "cantera"\ncomposition = "N2:1"\nmechanism = "mine.yaml"'
+    (folder / "scene.toml").write_text(SCENE.replace("density = 1\nviscosity = 2e-5", gas))
+    (folder / "mine.yaml").write_text("a: 1\n")
+    assert sweep() == 0
+    (folder / "mine.yaml").write_text("a: 2\n")
+    assert sweep() == 0
+    assert len(runner.calls) == 8
+
+
+def test_an_outcome_with_a_flipped_digit_is_computed_again(folder, runner, capsys):
+    assert sweep() == 0
+    run = rows(folder)[0]["run"]
+    outcome = folder / "out" / "runs" / run / "outcome.json"
+    outcome.write_text(outcome.read_text().replace("100.0", "100.1"))
+    capsys.readouterr()
+    assert sweep() == 0
+    assert len(runner.calls) == 5 and float(rows(folder)[0]["pressure_drop [Pa]"]) == 100.0
+    warning = f"warning: runs/{run}: outcome.json is not as it was written; the run is computed again\n"
+    assert capsys.readouterr().err == warning
+
+
+def test_a_log_that_is_a_link_is_not_followed(folder, runner):
+    (case, *_) = read_study("study.toml").cases
+    (folder / "mine.txt").write_text("mine")
+    (folder / "out" / "runs" / case.name).mkdir(parents=True)
+    (folder / "out" / "runs" / case.name / "workers.log").symlink_to(folder / "mine.txt")
+    assert sweep() == 1
+    assert (folder / "mine.txt").read_text() == "mine"
+
+
 def test_a_crash_in_one_run_does_not_lose_the_others(folder, runner):
     runner.error = lambda scene: ZeroDivisionError("a\nb") if scene.flow.velocity > 0.15 else None
     assert sweep("--quiet") == 3

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from contbed.errors import ContbedError
+from contbed.errors import ContbedError, SceneError
 from contbed.verify.bench import bench, time_at
 
 PROGRAM = """
@@ -41,7 +41,7 @@ def study(folder: Path, plan: str = PLAN) -> Path:
 
 def test_tables_and_plot(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    found = bench(study(tmp_path), out)
+    found = bench(study(tmp_path), out, trust=True)
     assert [row[:4] for row in found.rows[:3]] == [("curves", "first", n, 1 / n**2) for n in (1, 2, 4)]
     assert found.rows[3][:2] == ("at an error of 0.25", "first")
     assert found.rows[3][4:] == (pytest.approx(0.2), 1.0)
@@ -54,12 +54,18 @@ def test_tables_and_plot(tmp_path: Path) -> None:
 def test_a_failing_program_is_named(tmp_path: Path) -> None:
     broken = study(tmp_path, PLAN.replace('["points.py"]', '["-c", "raise SystemExit(\'out of order\')"]'))
     with pytest.raises(ContbedError, match="failed: out of order"):
-        bench(broken, tmp_path / "out")
+        bench(broken, tmp_path / "out", trust=True)
 
 
 def test_a_study_without_programs(tmp_path: Path) -> None:
     with pytest.raises(ContbedError, match=r"bench\.toml"):
         bench(tmp_path, tmp_path / "out")
+
+
+def test_programs_run_only_where_the_study_is_trusted(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match=r"bench.toml: runs programs: points.py, .*add --trust"):
+        bench(study(tmp_path), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 def test_time_at_an_error() -> None:

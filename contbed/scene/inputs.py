@@ -1,0 +1,121 @@
+"""The files that a scene names: which they are, whether they can be read, and whether reading them runs code.
+
+Nothing of a file is used before it has been looked at here: pipes and devices, which may never end, very large files
+and files that run programs are refused with the line of their key. `Origin` says what the user has allowed.
+"""
+
+from __future__ import annotations
+
+import gzip
+import os
+import stat
+import zlib
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from contbed.scene.geo_commands import scan
+from contbed.scene.mechanism import code_in_mechanism, mechanism_file, mechanism_folders
+from contbed.scene.quantities import Table
+from contbed.scene.toml_lines import KeyPath, Origin
+
+LARGE_FILE = 500_000_000  # bytes, unpacked, above which a file is only read with --allow-large
+_PIECE = 1 << 20  # bytes
+_GEOMETRY = ".geo"
+_TRUST = "refused unless you trust it: --trust, in Python load(..., trust=True)"
+_ALLOW = "read only with --allow-large, in Python load(..., allow_large=True)"
+
+
+def named_files(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
+    """Key and name of the files that the tables of a scene name: meshes, closures, particles, mechanisms."""
+    if isinstance(part, Mapping):
+        for name, item in part.items():
+            yield from named_files(item, (*path, name))
+    elif isinstance(part, tuple | list):
+        for index, item in enumerate(part):
+            yield from named_files(item, (*path, index))
+    elif isinstance(part, Table):
+        for name in type(part).model_fields:
+            value = getattr(part, name)
+            named = name == "file" or (name == "mechanism" and getattr(part, "composition", None) is not None)
+            if named and isinstance(value, str):
+                yield (*path, name), value
+            else:
+                yield from named_files(value, (*path, name))
+
+
+def file_of(path: KeyPath, name: str, base: Path) -> Path | None:
+    """The file that a key names; None if a mechanism is nowhere."""
+    return mechanism_file(name, base) if path[-1] == "mechanism" else base / name
+
+
+def all_inputs(part: Any, base: Path) -> list[Path]:
+    """All files that a run reads, with what a geometry includes; those that are missing are left out."""
+    found: dict[Path, None] = {}
+    for path, name in named_files(part):
+        file = file_of(path, name, base)
+        if file is None or "\0" in name or not file.is_file():
+            continue
+        if file.suffix.lower() == _GEOMETRY:
+            found.update(dict.fromkeys(scan(file, base).inputs))
+        else:
+            found[file] = None
+    return list(found)
+
+
+def unusable_files(parts: Mapping[str, Any], origin: Origin) -> Iterator[tuple[KeyPath, str]]:
+    """Keys whose file must not be read, and why; a file that is missing is told by the checks of its physics."""
+    for path, name in named_files(parts):
+        if "\0" in name:
+            continue
+        file = file_of(path, name, origin.base)
+        if file is None:
+            folders = ", ".join(str(folder.absolute()) for folder in mechanism_folders(origin.base))
+            yield path, f"no such mechanism; looked in {folders}"
+            continue
+        try:
+            status = file.stat()
+        except OSError:
+            continue
+        if not stat.S_ISREG(status.st_mode):
+            yield path, "is a folder, a pipe or a device; give a file"
+        elif not origin.allow_large and _size(file, status) > LARGE_FILE:
+            packed = ", unpacked" if file.suffix == ".gz" else ""
+            yield path, f"is larger than {LARGE_FILE // 10**6} MB{packed}; {_ALLOW}"
+        elif not origin.trust:
+            for problem in _code(path, file, origin.base):
+                yield path, f"{problem}; {_TRUST}"
+
+
+def _size(file: Path, status: os.stat_result) -> int:
+    """Size of a file [bytes], of a .gz what it unpacks to; counted no further than to the limit."""
+    if file.suffix != ".gz" or status.st_size > LARGE_FILE:
+        return status.st_size
+    return _unpacked_size(file, status.st_ino, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=64)
+def _unpacked_size(file: Path, inode: int, changed: int, size: int) -> int:
+    total = 0
+    try:
+        with gzip.open(file) as stream:
+            while total <= LARGE_FILE and (piece := stream.read(_PIECE)):
+                total += len(piece)
+    except (OSError, EOFError, zlib.error):
+        return total  # whoever reads it says that it is damaged
+    return total
+
+
+def _code(path: KeyPath, file: Path, base: Path) -> list[str]:
+    """What a file would run, a line each."""
+    try:
+        if path[-1] == "mechanism":
+            inside = mechanism_folders(base)[-1]
+            shipped = inside.name == "data" and file.resolve().is_relative_to(inside.resolve())
+            return [] if shipped else [found] if (found := code_in_mechanism(file)) else []
+        if file.suffix.lower() == _GEOMETRY:
+            return scan(file, base).problems
+    except OSError:
+        return []  # whoever reads it says so
+    return []

@@ -1,0 +1,172 @@
+"""Scenes that would run programs: geometries of gmsh, mechanisms of Cantera, programs of a benchmark."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from contbed import cli
+from contbed.errors import SceneError
+from contbed.loading import load
+from contbed.scene.geo_commands import scan
+from contbed.scene.mechanism import code_in_mechanism
+
+SCENE = """\
+[mesh]
+type = "file"
+file = "bed.geo"
+[fluid]
+density = 1
+viscosity = 2e-5
+[bed]
+porosity = 0.4
+particle_diameter = "3 mm"
+[flow]
+velocity = 0.1
+[boundary.left]
+flow = "inlet"
+"""
+GEO = """\
+SetFactory("Built-in"); // prints nothing; Save by hand
+/* Plugins and System calls
+   are not needed */
+Print.Background = 0; Mesh.SaveAll = 0;
+Point(1) = {0, 0, 0, 0.5}; Point(2) = {1, 0, 0, 0.5}; Point(3) = {1, 1, 0, 0.5};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 1};
+Curve Loop(1) = {1, 2, 3}; Plane Surface(1) = {1};
+Physical Surface("bed System") = {1}; Physical Curve("Exit") = {1, 2, 3};
+If(Sin(1) > 0)
+  Printf("%g", 1 + (2 > 1));
+EndIf
+"""
+# what gmsh 4.15 runs, or what a word-by-word reading would miss
+UNSAFE = {
+    "plain": 'SystemCall "touch {mark}";',
+    "short": "System 'touch {mark}';",
+    "in the background": 'NonBlockingSystemCall "touch {mark}";',
+    "over lines": 'SystemCall\n/* a\n comment */ "touch {mark}";',
+    "a made name": 'StringToName["SystemCall"] "touch {mark}";',
+    "a put together name": 'S2N[StrCat("System", "Call")] "touch {mark}";',
+    "behind a number": "x = 1SystemCall 'touch {mark}';",
+    "comment in a macro": 'Macro X /*\nSystemCall "touch {mark}";\n Return */\nReturn\nCall X;',
+    "comment in a loop": 'For i In {{1:2}} /*\nSystemCall "touch {mark}";/*\n*/ \nEndFor\n',
+    "after an included file": 'Include "empty.geo"; /*\nSystemCall "touch {mark}";\n*/',
+    "after a merged file": 'Merge "empty.geo"; /*\nSystemCall "touch {mark}";\n*/',
+    "end of a long text": f'x = Str("{"a" * 1023}"); SystemCall "touch {{mark}}"; Printf("");\n',
+    "text in a branch": 'If(0)\n x = 1; // "\nEndIf\nSystemCall "touch {mark}";//"\n',
+    "output of a line": 'Printf("x") > "{mark}";',
+    "added output": 'Printf("x %g", 1 + (2)) >> "{mark}";',
+    "save": 'Save "{mark}.msh";',
+    "print": 'Print "{mark}.msh";',
+    "folder": 'CreateDir "{mark}";',
+    "client": 'OnelabRun("x", "touch {mark}");',
+    "field": 'Field[1] = ExternalProcess; Field[1].CommandLine = "touch {mark}"; Background Field = 1;',
+    "plugin": "Plugin(NewView).Run;",
+    "end": "Exit 0;",
+    "options": "General.TmpFileName = 'x';",
+    "included": 'Include "unsafe.geo";',
+    "merged": 'Merge "unsafe.geo";',
+    "other folder": 'Include "../other.geo";',
+    "absolute": 'Merge "/tmp/other.geo";',
+    "name at run time": 'x = "a"; Merge StrCat(x, ".geo");',
+    "program": 'Merge "a.py";',
+    "packed": 'Merge "a.geo.gz";',
+}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "bed.geo").write_text(GEO)
+    (tmp_path / "unsafe.geo").write_text(f'SystemCall "touch {tmp_path / "mark"}";')
+    (tmp_path / "empty.geo").write_text("x = 1;\n")
+    return tmp_path
+
+
+def test_a_geometry_that_only_makes_a_mesh(folder):
+    (folder / "bed.geo").write_text(GEO + 'Merge "part.step"; Include "more.geo";\n')
+    (folder / "part.step").write_text("System")
+    (folder / "more.geo").write_text("x = 1;\n")
+    found = scan(folder / "bed.geo")
+    assert found.problems == []
+    assert [path.name for path in found.inputs] == ["bed.geo", "part.step", "more.geo"]
+
+
+@pytest.mark.parametrize("text", UNSAFE.values(), ids=UNSAFE)
+def test_a_geometry_that_does_more(folder, text):
+    (folder / "bed.geo").write_text(GEO + text.format(mark=folder / "mark"))
+    assert scan(folder / "bed.geo").problems
+
+
+def test_options_beside_a_geometry_are_commands_too(folder):
+    (folder / "bed.geo.opt").write_text('SystemCall "touch mark";')
+    assert scan(folder / "bed.geo").problems == ["bed.geo.opt:1: SystemCall runs a program"]
+
+
+def test_commands_are_refused_and_not_run(folder, capsys):
+    pytest.importorskip("gmsh", exc_type=(ImportError, OSError))
+    (folder / "bed.geo").write_text(GEO.replace('"Exit"', '"left"') + f'SystemCall "touch {folder / "mark"}";\n')
+    for command in ("check", "plan", "run", "converge"):
+        assert cli.main([command, "scene.toml"]) == 2
+        assert (
+            capsys.readouterr()
+            .err.splitlines()[0]
+            .endswith(
+                'scene.toml:3: mesh.file = "bed.geo": bed.geo:12: SystemCall runs a program; '
+                "refused unless you trust it: --trust, in Python load(..., trust=True)"
+            )
+        )
+    (folder / "study.toml").write_text('scene = "scene.toml"\n[parameters]\nflow.velocity = [0.1, 0.2]\n')
+    assert cli.main(["sweep", "study.toml", "--jobs", "1"]) == 2
+    assert not (folder / "mark").exists()
+    load("scene.toml", trust=True)
+    cli.main(["plan", "scene.toml", "--trust"])
+    assert (folder / "mark").exists()
+
+
+MECHANISMS = {
+    "plain": ("extensions:\n- {type: python, name: evil}\n", True),
+    "quoted": ('"extensions":\n- {type: python, name: evil}\n', True),
+    "escaped": ('"\\x65xtensions":\n- {type: python, name: evil}\n', True),
+    "explicit": ("? extensions\n: - {type: python, name: evil}\n", True),
+    "flow": ("{a: 1, 'extensions': [{type: python, name: evil}]}\n", True),
+    "twice": ("extensions: []\nextensions:\n- {type: python, name: evil}\n", True),
+    "comment": ("# extensions\na: 1\n", False),
+    "text": ("a: the extensions of this file\n", False),
+    "none": ("a: 1\n", False),
+}
+
+
+@pytest.mark.parametrize(("text", "runs"), MECHANISMS.values(), ids=MECHANISMS)
+def test_extensions_of_a_mechanism(tmp_path, text, runs):
+    pytest.importorskip("ruamel.yaml")
+    (tmp_path / "mine.yaml").write_text(text)
+    assert bool(code_in_mechanism(tmp_path / "mine.yaml")) == runs
+
+
+def test_a_mechanism_in_another_encoding_or_format(tmp_path):
+    (tmp_path / "mine.yaml").write_bytes("extensions:\n- {type: python, name: evil}\n".encode("utf-16"))
+    (tmp_path / "mine.cti").write_text("import os")
+    assert code_in_mechanism(tmp_path / "mine.yaml") and code_in_mechanism(tmp_path / "mine.cti")
+
+
+def test_a_mechanism_does_not_import_a_module(tmp_path):
+    cantera = pytest.importorskip("cantera")
+    shipped = next(Path(f) / "gri30.yaml" for f in cantera.get_data_directories() if (Path(f) / "gri30.yaml").is_file())
+    (tmp_path / "mine.yaml").write_text(shipped.read_text() + "\nextensions:\n- type: python\n  name: evil\n")
+    (tmp_path / "evil.py").write_text("open('mark', 'w').close()\n")
+    text = SCENE.replace('"file"\nfile = "bed.geo"', '"line"\nlength = 1.0').split("[boundary")[0]
+    gas = 'model = "cantera"\ncomposition = "N2:1"\nmechanism = "mine.yaml"'
+    (tmp_path / "scene.toml").write_text(text.replace("density = 1\nviscosity = 2e-5", gas))
+    for command in ("check", "run"):
+        done = subprocess.run(
+            [sys.executable, "-m", "contbed", command, "scene.toml"], cwd=tmp_path, capture_output=True, text=True
+        )
+        assert done.returncode == 2
+        assert "mine.yaml:" in done.stderr and "extensions import Python modules" in done.stderr
+    assert not (tmp_path / "mark").exists()
+    (tmp_path / "mine.yaml").unlink()
+    with pytest.raises(SceneError, match=r"scene.toml:7: fluid.mechanism = .*: no such mechanism; looked in "):
+        load(tmp_path / "scene.toml")
