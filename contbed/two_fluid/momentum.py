@@ -12,6 +12,7 @@ from contbed.two_fluid.cell_velocities import Gathered, add_unseen_velocity, fac
 from contbed.two_fluid.compiled import Array, Flags, kernel
 from contbed.two_fluid.continuity import Moved
 from contbed.two_fluid.fv.gradient import NO_PARTICLES, gradient, gradient_solid
+from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.reconstruction import Reconstruction, convect, predictor_half_step
 from contbed.two_fluid.implicit import solve_system
 from contbed.two_fluid.linear.cg import empty_system
@@ -53,6 +54,14 @@ class Phase(NamedTuple):
     first_order: Flags
 
 
+class Accelerations(NamedTuple):
+    """Rate of change without convection, given and last accelerations, each (nc, dim) [m/s2]."""
+
+    rate: Array
+    source: Array
+    force: Array
+
+
 class Predicted(NamedTuple):
     """One phase after convection and stress.
 
@@ -91,6 +100,44 @@ def add_forces(dt: float, rho: float, mass: Array, source: Array, force: Array, 
         for k in range(rhs.shape[1]):
             content[c, k] = mass[c]
             rhs[c, k] = rho * rhs[c, k] + dt * mass[c] * (source[c, k] + force[c, k])
+
+
+@kernel
+def convect_in_subcycles(
+    g: Geometry,
+    flux: Array,
+    field: Reconstruction,
+    dt: float,
+    subcycles: int,
+    accelerations: Accelerations,
+    volume: Array,
+    out: Array,
+) -> None:
+    """Set `out` (nc, dim) [m3/s times u] to the mean of what is convected in the subcycles of a step.
+
+    The velocity of each subcycle is reconstructed anew. `volume` (nc, 1) [m3] is that of the phase, times its relative
+    density; the half step of `field` is a workspace.
+    """
+    now, slopes, part = field.values, field.gradient, dt / subcycles
+    rate, source, force = accelerations.rate, accelerations.source, accelerations.force
+    out[:] = 0.0
+    if subcycles > 1:
+        next_now, next_slopes = np.empty_like(now), np.empty_like(slopes)
+    for n in range(subcycles):
+        if n > 0:
+            # the last forces go along, so that a steady flow stays as it is
+            for c in range(out.shape[0]):
+                for k in range(out.shape[1]):
+                    change = part * (out[c, k] / volume[c, 0] + n * (source[c, k] + force[c, k]))
+                    next_now[c, k] = field.values[c, k] + change
+            gradient(g, next_now, field.edge, next_slopes)
+            now, slopes = next_now, next_slopes
+        predictor_half_step(part, now, slopes, now, rate, field.half_step)
+        sub_field = Reconstruction(now, slopes, field.half_step, field.edge, field.first_order, field.limited)
+        convect(g, flux, sub_field, out)
+    for c in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            out[c, k] /= subcycles
 
 
 @phase("momentum")
@@ -148,24 +195,14 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
     else:
         gradient_solid(g, eps, u, given, grad)
     system = empty_system(g, u.shape[1])
-    rhs = system.rhs
-    rhs[:] = 0.0
     # a cell without the phase keeps its velocity
     volume = ((eps * one.rho_ratio + NO_PARTICLES) * g.volume)[:, None]
-    now, slopes, part = u, grad, dt / one.subcycles
-    for k in range(one.subcycles):
-        if k > 0:
-            # the last forces go along, so that a steady flow stays as it is
-            now = u + part * (rhs / volume + k * (one.source + one.force))
-            slopes = np.empty_like(grad)
-            gradient(g, now, given, slopes)
-        predictor_half_step(part, now, slopes, now, one.rate, half_step)
-        field = Reconstruction(now, slopes, half_step, given, one.first_order, model.options.limited)
-        convect(g, one.flux, field, rhs)
-    rhs /= one.subcycles
-    convected = rhs / volume
+    field = Reconstruction(u, grad, half_step, given, one.first_order, model.options.limited)
+    accelerations = Accelerations(one.rate, one.source, one.force)
+    convect_in_subcycles(g, one.flux, field, dt, one.subcycles, accelerations, volume, system.rhs)
+    convected = system.rhs / volume
     # with the last forces the change vanishes in a steady state, which the implicit part then leaves alone
-    add_forces(dt, one.rho, one.rho / dt * volume[:, 0], one.source, one.force, rhs, system.content)
+    add_forces(dt, one.rho, one.rho / dt * volume[:, 0], one.source, one.force, system.rhs, system.content)
     work, motion = np.zeros(len(eps)), Motion(u, grad, given, one.slip)
     add_stress(g, side, one.fluid, motion, system, work)
     if model.grid.axisymmetric:
