@@ -94,7 +94,7 @@ def compute() -> Tables:
         chosen = points(name, result)
         some = (column[chosen] for column in columns)
         compared += [(name, *row) for row in zip(*some, *errors(scene, result, chosen), strict=True)]
-        profiles += [(name, *row) for row in zip(*(column[::5] for column in columns), strict=True)]
+        profiles += [(name, *row) for row in zip(*columns, strict=True)]
     places = {"scene": "", "t [s]": ".8g", "z [m]": ".8g"}
     return {
         "errors": Table(places | dict.fromkeys(THETA, ".8g") | dict.fromkeys(NOT_COMPARED, ".1e"), compared),
