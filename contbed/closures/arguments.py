@@ -10,15 +10,16 @@ from typing import NamedTuple
 
 
 class Argument(NamedTuple):
-    """Unit and meaning of an argument."""
+    """Unit and meaning of an argument, and the values that a scene may give it."""
 
     unit: str
     meaning: str
+    bounds: str = ""
 
 
 ARGUMENTS: dict[str, Argument] = {
     "Ar": Argument("-", "Archimedes number d_p^3 rho (rho_solid - rho) g / mu^2"),
-    "D_bed": Argument("m", "diameter of the bed"),
+    "D_bed": Argument("m", "diameter of the bed", "(0, inf)"),
     "D_gas": Argument("m2/s", "diffusion coefficient"),
     "Pe": Argument("-", "superficial Peclet number on d_p"),
     "Pr": Argument("-", "Prandtl number of the fluid"),
@@ -26,7 +27,7 @@ ARGUMENTS: dict[str, Argument] = {
     "T": Argument("K", "temperature"),
     "albedo": Argument("-", "K_s / beta"),
     "angle": Argument("rad", "angle of internal friction"),
-    "area": Argument("m2", "area of plate for one orifice"),
+    "area": Argument("m2", "area of plate for one orifice", "(0, inf)"),
     "cp_1": Argument("J/kg/K", "heat capacity of kind 1"),
     "cp_2": Argument("J/kg/K", "heat capacity of kind 2"),
     "cp_gas": Argument("J/kg/K", "heat capacity of the gas"),
@@ -34,14 +35,14 @@ ARGUMENTS: dict[str, Argument] = {
     "d_1": Argument("m", "diameter of kind 1"),
     "d_2": Argument("m", "diameter of kind 2"),
     "d_b": Argument("m", "diameter of the bubbles"),
-    "d_p": Argument("m", "particle diameter"),
+    "d_p": Argument("m", "particle diameter", "(0, inf)"),
     "delta": Argument("-", "share of bubbles in the volume"),
     "e": Argument("-", "restitution of two particles"),
-    "emissivity": Argument("-", "emissivity of the particle surface"),
+    "emissivity": Argument("-", "emissivity of the particle surface", "(0, 1]"),
     "eps": Argument("-", "porosity"),
     "eps_max": Argument("-", "densest packing"),
     "eps_mf": Argument("-", "voidage at minimum fluidization"),
-    "eps_min": Argument("-", "fraction above which particles rub"),
+    "eps_min": Argument("-", "fraction above which particles rub", "[0, 1)"),
     "eps_s": Argument("-", "fraction of the particles"),
     "f_1": Argument("-", "share of kind 1 in the volume of the emulsion"),
     "f_2": Argument("-", "share of kind 2 in the volume of the emulsion"),
@@ -53,28 +54,28 @@ ARGUMENTS: dict[str, Argument] = {
     "k_solid": Argument("W/m/K", "conductivity of the solid"),
     "k_stagnant": Argument("W/m/K", "effective conductivity of the bed without flow"),
     "kinetic": Argument("-", "share of the kinetic part that guards leave"),
-    "modulus": Argument("Pa", "of the pair, 4/3 over the sum of (1 - nu^2) / E"),
+    "modulus": Argument("Pa", "of the pair, 4/3 over the sum of (1 - nu^2) / E", "(0, inf)"),
     "molar_mass": Argument("kg/mol", "molar mass of the gas"),
     "mu": Argument("Pa s", "viscosity of the gas"),
     "p": Argument("Pa", "pressure"),
     "p_friction": Argument("Pa", "frictional pressure"),
-    "restitution": Argument("-", "coefficient of restitution"),
+    "restitution": Argument("-", "coefficient of restitution", "[0, 1]"),
     "rho": Argument("kg/m3", "density of the fluid"),
     "rho_1": Argument("kg/m3", "density of kind 1"),
     "rho_2": Argument("kg/m3", "density of kind 2"),
     "rho_gas": Argument("kg/m3", "density of the gas"),
     "rho_solid": Argument("kg/m3", "density of the particles"),
-    "shape": Argument("-", "1.25 spheres, 1.4 broken material, 2.5 cylinders"),
+    "shape": Argument("-", "1.25 spheres, 1.4 broken material, 2.5 cylinders", "(0, inf)"),
     "shear_rate": Argument("1/s", "square root of the second invariant of the strain rate"),
     "slip": Argument("m/s", "velocity of impact, of the order of u - u_mf"),
-    "sphericity": Argument("-", "phi, surface of the sphere of equal volume over that of the particle"),
+    "sphericity": Argument("-", "phi, surface of the sphere of equal volume over that of the particle", "(0, 1]"),
     "u": Argument("m/s", "superficial velocity"),
     "u_b": Argument("m/s", "velocity of the bubbles"),
     "u_excess": Argument("m/s", "u - u_mf"),
     "u_gas": Argument("m/s", "superficial velocity in the freeboard"),
     "u_mf": Argument("m/s", "superficial velocity at minimum fluidization"),
     "u_t": Argument("m/s", "terminal velocity"),
-    "wake": Argument("-", "volume of wake over that of bubble"),
+    "wake": Argument("-", "volume of wake over that of bubble", "[0, 1)"),
     "z": Argument("m", "height above the distributor"),
 }
 """Unit and meaning of an argument in every kind of closure."""

@@ -95,7 +95,13 @@ def bed_tube_zabrodsky(d_p: Value, rho_solid: Value, k_gas: Value) -> Value:
     return 35.8 * rho_solid**0.2 * k_gas**0.6 * d_p**-0.36
 
 
-@closure(kind="bed_tube", unit="W/m2/K", ranges={"Ar": (0.0, 1e8), "delta": (0.0, 0.9)}, source=_MARTIN)
+@closure(
+    kind="bed_tube",
+    unit="W/m2/K",
+    ranges={"Ar": (0.0, 1e8), "delta": (0.0, 0.9)},
+    source=_MARTIN,
+    bounds={"packets": "(0, inf)"},
+)
 def bed_tube_martin(
     Ar: Value,
     Pr: Value,

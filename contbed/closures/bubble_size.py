@@ -92,7 +92,9 @@ def bubble_growth_darton(d_b: Value, u_excess: Value, D_bed: Value) -> Value:
     return 0.8 * d_b / height
 
 
-@closure(kind="bubble_start", unit="m", ranges={"u_excess": (0.0, _INF)}, source=_MORI_WEN)
+@closure(
+    kind="bubble_start", unit="m", ranges={"u_excess": (0.0, _INF)}, source=_MORI_WEN, bounds={"factor": "(0, inf)"}
+)
 def bubble_start_porous_plate(u_excess: Value, factor: float = 2.78) -> Value:
     """Mori and Wen (1975): diameter of bubbles above a porous plate.
 

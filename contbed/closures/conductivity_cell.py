@@ -70,6 +70,7 @@ def conductivity_zehner_schluender(k_fluid: Value, k_solid: Value, eps: Value, s
     unit="W/m/K",
     ranges={"eps": (0.26, 0.6), "T": (100, 2000), "emissivity": (0, 1)},
     source=_BAUER,
+    bounds={"contact": "[0, 1)"},
 )
 def conductivity_zehner_bauer_schluender(
     k_fluid: Value,
@@ -117,7 +118,13 @@ def _kunii_resistance(kappa: Value, sine_squared: Value) -> Value:
     return (1 - m / 2) / (kappa * (1 - kappa * m * _log_tail(1 + (kappa - 1) * m, 2)))
 
 
-@closure(kind="conductivity", unit="W/m/K", ranges={"eps": (0.26, 0.476), "k_solid/k_fluid": (1, 1e4)}, source=_KUNII)
+@closure(
+    kind="conductivity",
+    unit="W/m/K",
+    ranges={"eps": (0.26, 0.476), "k_solid/k_fluid": (1, 1e4)},
+    source=_KUNII,
+    bounds={"beta": "(0, inf)"},
+)
 def conductivity_kunii_smith(k_fluid: Value, k_solid: Value, eps: Value, beta: float = 1.0) -> Value:
     """Kunii and Smith (1960): contacts of spheres between loose and dense packing, no radiation.
 

@@ -63,7 +63,13 @@ def drag_gidaspow(Re: Value, eps: Value, d_p: Value, mu: Value) -> Value:
     return packed + share * (drag_wen_yu(Re, eps, d_p, mu) - packed)
 
 
-@closure(kind="drag", unit="kg/m3/s", ranges={"Re": (0, _INF), "eps": (0.35, 1)}, source=_SYAMLAL)
+@closure(
+    kind="drag",
+    unit="kg/m3/s",
+    ranges={"Re": (0, _INF), "eps": (0.35, 1)},
+    source=_SYAMLAL,
+    bounds={"c": "(0, inf)", "d": "(0, inf)"},
+)
 def drag_syamlal_obrien(Re: Value, eps: Value, d_p: Value, mu: Value, c: float = 0.8, d: float = 2.65) -> Value:
     """Syamlal and O'Brien (1993): Dallavalle's drag at the terminal velocity of the suspension.
 

@@ -16,7 +16,13 @@ _SCHAEFFER = "Schaeffer 1987, J. Differ. Equ. 66, 19-50, doi:10.1016/0022-0396(8
 _OPENFOAM = "OpenFOAM v1912, twoPhaseEulerFoam, frictionalStressModel JohnsonJackson"
 
 
-@closure(kind="granular_friction", unit="Pa", ranges={"eps_s": (0, 0.65)}, source=_JOHNSON)
+@closure(
+    kind="granular_friction",
+    unit="Pa",
+    ranges={"eps_s": (0, 0.65)},
+    source=_JOHNSON,
+    bounds={"strength": "[0, inf)", "gap": "(0, inf)"},
+)
 def friction_johnson_jackson(
     eps_s: Value, eps_max: Value, eps_min: float = 0.5, strength: float = 0.05, gap: float = 0.01
 ) -> Value:
@@ -38,7 +44,13 @@ def friction_johnson_jackson(
     return strength * np.maximum(eps_s - eps_min, 0.0) ** 2 / np.maximum(eps_max - eps_s, gap) ** 5
 
 
-@closure(kind="granular_friction_viscosity", unit="Pa s", ranges={"p_friction": (0, 1e6)}, source=_OPENFOAM)
+@closure(
+    kind="granular_friction_viscosity",
+    unit="Pa s",
+    ranges={"p_friction": (0, 1e6)},
+    source=_OPENFOAM,
+    bounds={"time": "[0, inf)"},
+)
 def friction_viscosity_newtonian(p_friction: Value, angle: Value, time: float = 0.5) -> Value:
     """OpenFOAM (2019): frictional viscosity that does not depend on the flow.
 
@@ -60,6 +72,7 @@ def friction_viscosity_newtonian(p_friction: Value, angle: Value, time: float = 
     unit="Pa s",
     ranges={"p_friction": (0, 1e6), "shear_rate": (0, 1e4)},
     source=_SCHAEFFER,
+    bounds={"rate_min": "(0, inf)"},
 )
 def friction_viscosity_schaeffer(p_friction: Value, angle: Value, shear_rate: Value, rate_min: float = 0.05) -> Value:
     """Schaeffer (1987): a yield stress p_friction sin(angle) that does not depend on the rate of shear.

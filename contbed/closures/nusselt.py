@@ -68,7 +68,13 @@ def nusselt_wakao_kaguei(Re: Value, Pr: Value) -> Value:
     return 2 + 1.1 * Re**0.6 * Pr ** (1 / 3)
 
 
-@closure(kind="nusselt", unit="-", ranges={"Re": (0, 1e5), "eps": (0.35, 1)}, source=_GUNN)
+@closure(
+    kind="nusselt",
+    unit="-",
+    ranges={"Re": (0, 1e5), "eps": (0.35, 1)},
+    source=_GUNN,
+    bounds={"exponent_Pr": "[0, inf)"},
+)
 def nusselt_gunn(Re: Value, Pr: Value, eps: Value, exponent_Pr: float = 1 / 3) -> Value:
     """Gunn (1978): fixed and fluidized beds up to the single sphere.
 
@@ -105,7 +111,9 @@ def nusselt_ranz_marshall(Re: Value, Pr: Value) -> Value:
     return 2 + 0.6 * Re**0.5 * Pr ** (1 / 3)
 
 
-@closure(kind="nusselt", unit="-", ranges={"Re": (0, float("inf"))}, source="user")
+@closure(
+    kind="nusselt", unit="-", ranges={"Re": (0, float("inf"))}, source="user", bounds={"a": "[0, inf)", "b": "[0, inf)"}
+)
 def nusselt_power(Re: Value, Pr: Value, a: Value, b: Value) -> Value:
     """Froessling (1938): the form of his law for drops, with free constants.
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
+from contbed.closures.arguments import argument
 from contbed.closures.sheet import Docstring, Interval, Sheet, assembled
 from contbed.errors import SceneError
 
@@ -40,7 +41,7 @@ def closure(
 ) -> Callable[[Function], Function]:
     """Register a function as a closure; its data sheet becomes `function.sheet` and, as text, its docstring.
 
-    `bounds` are the values that parameters may have, such as {"emissivity": "(0, 1]"}.
+    `bounds` are the values that a scene may give to parameters of this law, such as {"exponent_Pr": "[0, inf)"}.
     """
 
     def decorate(function: Function) -> Function:
@@ -54,7 +55,8 @@ def closure(
                     raise ValueError(
                         f"closure {name}: {what} {key!r} names no argument; it has {', '.join(parameters)}"
                     )
-        limits = MappingProxyType({key: Interval.read(text) for key, text in bounds.items()})
+        shared = {key: known.bounds for key in parameters if (known := argument(key, kind)) and known.bounds}
+        limits = MappingProxyType({key: Interval.read(text) for key, text in (shared | dict(bounds)).items()})
         doc = Docstring.read(inspect.getdoc(function) or "")
         given = {key: value.default for key, value in parameters.items()}
         required = tuple(key for key, default in given.items() if default is inspect.Parameter.empty)

@@ -5,7 +5,6 @@ The forms and the file are those of `contbed.closures.transferred`, which reads 
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from scipy.optimize import curve_fit
 from scipy.stats import t as student
 
 from contbed import __version__
+from contbed.closures.file import content_hash
 from contbed.closures.transferred import FORMAT, Transferred
 from contbed.dem import heat, network
 from contbed.errors import SceneError
@@ -71,8 +71,7 @@ class Fit:
 
     def write(self, path: Path | str, provenance: Mapping[str, Any]) -> None:
         """Write the closure file. The version and a hash of the fitted content are added to `provenance`."""
-        text = json.dumps(self.content, sort_keys=True)
-        origin = {**provenance, "contbed": __version__, "hash": hashlib.sha256(text.encode()).hexdigest()[:16]}
+        origin = {**provenance, "contbed": __version__, "hash": content_hash(self.content)}
         with atomic(path) as temporary:
             temporary.write_text(_toml({**self.content, "provenance": origin}), encoding="utf-8")
 
