@@ -230,7 +230,7 @@ def numerics(case: Case) -> dict[str, dict[str, Any]]:
         name: {"mean": "on", "prime2Mean": "on" if name == "U.particles" else "off", "base": "time"}
         for name in ("U.particles", "alpha.particles", "Theta.particles", "p")
     }
-    every = {"executeControl": "timeStep", "writeControl": "timeStep", "writeFields": "no"}
+    every: dict[str, Any] = {"executeControl": "timeStep", "writeControl": "timeStep", "writeFields": "no"}
     every["writeInterval"] = 5 if case.column else 50
     whole = {"type": "volFieldValue", "libs": "(fieldFunctionObjects)", "regionType": "all", **every}
     return {
@@ -326,6 +326,6 @@ def write(case: Case, folder: Path) -> None:
         put(folder, f"0/{name}", values, kind)
     if not case.riser:
         height, below, above = STARTS[case.kind]
-        values = [f"volScalarFieldValue alpha.particles {eps_s}" for eps_s in (below, above)]
-        regions = f"(boxToCell {{ box (-1 -1 -1) (1 {height} 1); fieldValues ({values[0]}); }})"
-        put(folder, "system/setFieldsDict", {"defaultFieldValues": f"({values[1]})", "regions": regions})
+        lower, upper = (f"volScalarFieldValue alpha.particles {eps_s}" for eps_s in (below, above))
+        regions = f"(boxToCell {{ box (-1 -1 -1) (1 {height} 1); fieldValues ({lower}); }})"
+        put(folder, "system/setFieldsDict", {"defaultFieldValues": f"({upper})", "regions": regions})
