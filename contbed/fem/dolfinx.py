@@ -74,7 +74,7 @@ class Partition:
     @classmethod
     def of(cls, all_ranks: RankGroup, mesh: Any) -> Partition:
         """Return the partition of a mesh; it is built at the first call, and the last one is kept."""
-        kept = all_ranks.partition
+        kept: Partition | None = all_ranks.partition
         if kept is None or kept.mesh is not mesh:
             if kept is not None:
                 all_ranks.released.append(kept.key)

@@ -18,15 +18,12 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contbed.errors import ContbedError
 from contbed.fem import dolfinx_versions
-
-if TYPE_CHECKING:
-    from contbed.fem.dolfinx import Partition
 
 POLL_INTERVAL = 2e-4  # [s] between looks for work
 ABORT_EXIT_CODE = 70  # exit code of an abort
@@ -43,7 +40,7 @@ class RankGroup:
         self.comm, self.is_root = comm, comm.rank == 0
         self.objects: dict[int, Any] = {}
         self.released: list[int] = []
-        self.partition: Partition | None = None
+        self.partition: Any = None  # the last `dolfinx.Partition`
         self.iterations: list[int] = []
         self.count = 0
 

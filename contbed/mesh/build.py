@@ -11,6 +11,7 @@ from difflib import get_close_matches
 
 import numpy as np
 import skfem
+from numpy.typing import NDArray
 
 from contbed.errors import SceneError
 from contbed.mesh.grading import CELLS_ALONG
@@ -19,11 +20,13 @@ from contbed.scene import mesh as settings_mesh
 from contbed.scene.mesh import REGION, MeshAxisymmetric, MeshBox, MeshFile, MeshLine, MeshRectangle
 from contbed.scene.toml_lines import Origin
 
+Array = NDArray[np.float64]
+
 CELLS_ACROSS = 8  # least number of cells across a bed without prescribed cells
 
 
-def build(settings: settings_mesh.Mesh, nodes: Sequence[np.ndarray] | None = None, base: str = ".") -> Mesh:
-    """Mesh of a scene's [mesh] table, refined `settings.refine` times.
+def build(settings: settings_mesh.Mesh, nodes: Sequence[Array] | None = None, base: str = ".") -> Mesh:
+    """Build the mesh of a scene's [mesh] table, refined `settings.refine` times.
 
     Parameters
     ----------
@@ -47,8 +50,8 @@ def build(settings: settings_mesh.Mesh, nodes: Sequence[np.ndarray] | None = Non
     return refine(mesh, settings.refine)
 
 
-def _tensor(settings: MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox, nodes) -> Mesh:
-    """Tensor-product mesh with its sides named."""
+def _tensor(settings: MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox, nodes: Sequence[Array] | None) -> Mesh:
+    """Build a tensor-product mesh with its sides named."""
     axisymmetric, axis = False, 0
     if isinstance(settings, MeshLine):
         extent, sides = [settings.length], [("left", "right")]
@@ -83,8 +86,8 @@ def _tensor(settings: MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox, nod
     return Mesh(replace(mesh, _boundaries=named, _subdomains={REGION: np.arange(mesh.nelements)}), axisymmetric, axis)
 
 
-def _triangles(x: np.ndarray, y: np.ndarray) -> skfem.MeshTri:
-    """Rectangles halved along diagonals that leave each corner, so that no cell has two exterior sides there."""
+def _triangles(x: Array, y: Array) -> skfem.MeshTri:
+    """Halve rectangles along diagonals that leave each corner, so that no cell has two exterior sides there."""
     quads = skfem.MeshQuad.init_tensor(x, y)
     centre = quads.p[:, quads.t].mean(axis=1)
     rising = (centre[0] < x[(len(x) - 1) // 2]) == (centre[1] < y[(len(y) - 1) // 2])

@@ -1,7 +1,7 @@
-"""The parts of a mesh file, points, cells and physical groups, made into a scikit-fem mesh that is fit for use.
+"""Assembly of a scikit-fem mesh from the parts of a mesh file (points, cells, physical groups), with checks.
 
-Nothing is repaired except the orientation of cells and nodes that no cell uses. What is wrong is counted and located,
-as many problems of a file at once as make sense together.
+Nothing is repaired except the orientation of cells and nodes that no cell uses. Problems are counted and located; as
+many problems of a file as make sense together are reported at once.
 """
 
 from __future__ import annotations
@@ -52,16 +52,16 @@ class Cells:
     groups: dict[str, list[np.ndarray]] = field(default_factory=lambda: defaultdict(list))
 
     def rows(self, kind: str) -> np.ndarray:
-        """Nodes of all cells of one type, (n, nodes of a cell)."""
+        """Return the nodes of all cells of one type, (n, nodes of a cell)."""
         return np.vstack(self.nodes[kind])
 
     def group(self, name: str) -> np.ndarray:
-        """Row numbers of one group."""
+        """Return the row numbers of one physical group."""
         return np.unique(np.concatenate([np.array([], dtype=int), *self.groups[name]]))
 
 
 def assemble(settings: MeshFile, points: np.ndarray, cells: dict[int, Cells]) -> skfem.Mesh:
-    """Checked mesh from the parts of a file. A problem that makes later checks meaningless ends them."""
+    """Build and check the mesh from the parts of a file; stop at a problem that makes later checks meaningless."""
     file, dim = settings.file, settings.dimension
     kind = _cell_type(settings, cells)
     nodes = cells[dim].rows(kind)
@@ -109,12 +109,12 @@ def assemble(settings: MeshFile, points: np.ndarray, cells: dict[int, Cells]) ->
 
 
 def _at(points: np.ndarray) -> str:
-    """Centre of some points (n, d) as text."""
+    """Return the centre of points (n, d) as text."""
     return f"({', '.join(f'{c:.6g}' for c in points.mean(axis=0))}) m"
 
 
 def _cell_type(settings: MeshFile, cells: dict[int, Cells]) -> str:
-    """The one type of the cells that make the mesh."""
+    """Return the one type of the cells that make the mesh."""
     file, dim = settings.file, settings.dimension
     found = max((d for d in cells if cells[d].nodes), default=0)
     types = sorted(cells[found].nodes) if found else []
@@ -141,7 +141,7 @@ def _cell_type(settings: MeshFile, cells: dict[int, Cells]) -> str:
 
 
 def _in_plane(file: str, x: np.ndarray, dim: int) -> np.ndarray:
-    """The first `dim` coordinates; the others must be constant."""
+    """Return the first `dim` coordinates; the others must be constant."""
     extent = np.ptp(x, axis=0)
     varies = "".join(name for name, size in zip("xyz", extent, strict=True) if size > 1e-9 * extent.max())
     if set(varies) <= set("xyz"[:dim]):
@@ -156,7 +156,7 @@ def _in_plane(file: str, x: np.ndarray, dim: int) -> np.ndarray:
 
 
 def _orient(x: np.ndarray, nodes: np.ndarray, kind: str) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes of the cells in positive orientation, and the numbers of cells that have none."""
+    """Return the nodes of the cells in positive orientation, and the numbers of cells that have none."""
     corners = x[nodes[:, CORNERS[kind]]]
     edges = corners[:, :, 1:] - corners[:, :, :1]
     lengths = np.linalg.norm(edges, axis=-1, keepdims=True)
@@ -167,7 +167,7 @@ def _orient(x: np.ndarray, nodes: np.ndarray, kind: str) -> tuple[np.ndarray, np
 
 
 def _overlaps(file: str, mesh: skfem.Mesh) -> list[str]:
-    """Facets with more than two cells, or with both on one side."""
+    """Find facets with more than two cells, or with both cells on one side."""
     p, facets = mesh.p, mesh.facets
     count = np.bincount(mesh.t2f.ravel(), minlength=facets.shape[1])
     inside = np.flatnonzero(count == 2)
@@ -190,7 +190,7 @@ def _overlaps(file: str, mesh: skfem.Mesh) -> list[str]:
 def _regions(
     file: str, mesh: skfem.Mesh, cells: Cells, dim: int
 ) -> tuple[dict[str, np.ndarray], np.ndarray, list[str]]:
-    """Cells by region, region number by cell, problems."""
+    """Return the cells by region, the region number by cell, and problems."""
     named = {name: cells.group(name) for name in cells.groups} or {REGION: np.arange(mesh.nelements)}
     region_of, owners = np.full(mesh.nelements, -1), np.zeros(mesh.nelements, dtype=int)
     for number, rows in enumerate(named.values()):
@@ -209,7 +209,10 @@ def _regions(
 def _boundaries(
     file: str, mesh: skfem.Mesh, cells: Cells, position: np.ndarray, region_of: np.ndarray
 ) -> tuple[dict[str, np.ndarray], list[str]]:
-    """Exterior facets by boundary, problems. `position` is the mesh's number of each node of the file."""
+    """Return the exterior facets by boundary, and problems.
+
+    `position` is the mesh's number of each node of the file.
+    """
     group, problems = GROUP[mesh.dim() - 1], []
     exterior = mesh.f2t[1] == -1
     interface = ~exterior & (region_of[mesh.f2t[0]] != region_of[mesh.f2t[1]])

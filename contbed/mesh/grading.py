@@ -1,4 +1,4 @@
-"""Coordinates graded to layers of known position and width, in one direction."""
+"""Node coordinates in one direction, graded to layers of known position and width."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contbed.errors import SceneError
+
+Array = NDArray[np.float64]
 
 CELLS_ALONG = 40  # cells along a bed without prescribed cells
 SMOOTH = 3.0  # share of the smooth part of a solution in `equidistributed`, where a layer takes degree + 1
@@ -18,13 +21,14 @@ Layers = list[tuple[float, float]]
 
 
 def scale_for(tolerance: float, degree: int) -> float:
-    """Factor on the cells of a grading that brings the error of theta to `tolerance` with elements of a degree."""
-    return min(1.0, (tolerance / GRADING_ERROR) ** (1.0 / (degree + 1)))
+    """Return the factor on the cells of a grading that brings the error of theta to `tolerance`."""
+    return min(1.0, float((tolerance / GRADING_ERROR) ** (1.0 / (degree + 1))))
 
 
 def widened(layers: Layers, extent: float) -> Layers:
-    """Layers of growing width above each: where two walls of unlike temperature meet, heat flows on all scales down to
-    the mean free path.
+    """Add layers of growing width at each position, up to `extent` [m].
+
+    Where two walls of unlike temperature meet, heat flows on all length scales down to the mean free path.
     """
     steps = (WIDENING ** np.arange(max(1, np.ceil(np.log(extent / width) / np.log(WIDENING)))) for _, width in layers)
     return [(x, width * step) for (x, width), each in zip(layers, steps, strict=True) for step in each]
@@ -37,8 +41,8 @@ def graded(
     fraction: float = 0.5,
     coarse: float | None = None,
     scale: float = 1.0,
-) -> np.ndarray:
-    """Node coordinates that resolve exponential layers e^{-|x - position|/width}.
+) -> Array:
+    """Return node coordinates that resolve exponential layers e^{-|x - position|/width}.
 
     The cell size h(x) is the least of `coarse` and of one cone for each layer, and the nodes are equally spaced in
     the integral of dx/h. Cells grow at most by `ratio` away from a layer; where two layers meet at an interior node
@@ -49,6 +53,7 @@ def graded(
     length : extent [m]
     layers : position and width of each layer [m]; the first cell there is at most `fraction` of the width
     ratio : growth from one cell to the next, > 1
+    fraction : size of the first cell at a layer over the width of the layer
     coarse : largest cell [m]; length/40 if absent
     scale : factor on all cells
 
@@ -69,8 +74,9 @@ def graded(
     # a cell that starts at a cone's tip and spans one unit of the integral has this length times (ratio-1)/growth
     tip = np.minimum(fraction * width, coarse) * growth / (ratio - 1)
 
-    def size(x: np.ndarray) -> np.ndarray:
-        return np.minimum(coarse, np.min(tip + growth * np.abs(x[:, None] - position), axis=1, initial=np.inf))
+    def size(x: Array) -> Array:
+        h: Array = np.minimum(coarse, np.min(tip + growth * np.abs(x[:, None] - position), axis=1, initial=np.inf))
+        return h
 
     # h is linear between these: tips, where two cones cross, where a cone reaches the coarse size
     reach = (coarse - tip) / growth
@@ -99,8 +105,8 @@ def graded(
     return np.append(knots[piece] + span[piece] * part, length)
 
 
-def equidistributed(length: float, layers: Sequence[tuple[float, float]], cells: int, degree: int = 2) -> np.ndarray:
-    """Node coordinates [m] of a given number of cells that share the error of interpolation equally.
+def equidistributed(length: float, layers: Sequence[tuple[float, float]], cells: int, degree: int = 2) -> Array:
+    """Return node coordinates [m] of `cells` cells that share the interpolation error equally.
 
     Elements of degree k interpolate e^{-|x - position|/width} with equal errors in all cells of a density
     e^{-|x - position|/(m width)}/width, m = k + 1. Its integral is m however thin the layer is, so that `cells` may be
@@ -109,11 +115,12 @@ def equidistributed(length: float, layers: Sequence[tuple[float, float]], cells:
     position, width = np.array(layers, dtype=float).reshape(-1, 2).T
     reach = (degree + 1) * width
 
-    def count(x: np.ndarray) -> np.ndarray:
+    def count(x: Array) -> Array:
         beyond = (x[:, None] - position) / reach
         before = -position / reach
         part = np.sign(before) * np.expm1(-np.abs(before)) - np.sign(beyond) * np.expm1(-np.abs(beyond))
-        return SMOOTH * x / length + (degree + 1) * part.sum(axis=1)
+        total: Array = SMOOTH * x / length + (degree + 1) * part.sum(axis=1)
+        return total
 
     target = np.linspace(0.0, 1.0, cells + 1)[1:-1] * count(np.array([length]))
     low, high = np.zeros(cells - 1), np.full(cells - 1, length)

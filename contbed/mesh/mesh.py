@@ -39,7 +39,7 @@ class Mesh:
         return tuple(self.skfem.subdomains)
 
     def measure(self, boundary: str | None = None) -> float:
-        """Size of the mesh, or of one boundary.
+        """Return the size of the mesh, or of one boundary.
 
         Returns
         -------
@@ -57,7 +57,7 @@ class Mesh:
 
 
 def refine(mesh: Mesh, times: int = 1) -> Mesh:
-    """The mesh with every cell split `times` times into 2, 4 or 8; boundary and region names stay."""
+    """Return the mesh with every cell split `times` times into 2, 4 or 8; boundary and region names stay."""
     fine = mesh.skfem
     for _ in range(times):
         fine = _refined(fine)
@@ -65,7 +65,7 @@ def refine(mesh: Mesh, times: int = 1) -> Mesh:
 
 
 def _refined(old: skfem.Mesh) -> skfem.Mesh:
-    """One uniform refinement, with the names that scikit-fem 12 loses or misplaces."""
+    """Refine uniformly once, with the names that scikit-fem 12 loses or misplaces."""
     # without boundaries scikit-fem does not warn that it loses them in 3-D
     new = old.refined() if old.dim() < 3 else replace(old, _boundaries=None).refined()
     if old.dim() == 1:
@@ -80,7 +80,7 @@ def _refined(old: skfem.Mesh) -> skfem.Mesh:
 
 
 def _facet_children(old: skfem.Mesh, new: skfem.Mesh) -> np.ndarray:
-    """The four facets of the refined 3-D mesh in each facet of the old one, (4, number of old facets).
+    """Return the four facets of the refined 3-D mesh in each facet of the old one, (4, number of old facets).
 
     scikit-fem numbers the new nodes: old nodes, middles of edges, and for hexahedra middles of facets.
     """
@@ -101,7 +101,7 @@ def _facet_children(old: skfem.Mesh, new: skfem.Mesh) -> np.ndarray:
 
 
 def find_facets(mesh: skfem.Mesh, nodes: np.ndarray) -> np.ndarray:
-    """Index of the facet with the given nodes, (nodes of a facet, n) -> (n,); -1 where there is none."""
+    """Return the index of the facet with these nodes, (nodes of a facet, n) -> (n,); -1 where there is none."""
     count = mesh.facets.shape[1]
     both = np.hstack((np.sort(mesh.facets, axis=0), np.sort(nodes, axis=0)))
     _, rank = np.unique(both, axis=1, return_inverse=True)

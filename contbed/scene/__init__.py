@@ -1,1 +1,1 @@
-"""A scene: its settings, how a TOML file becomes them, and everything that can be wrong with it."""
+"""The scene: its settings, how a TOML file is read into them, and the checks of its values."""

@@ -1,4 +1,4 @@
-"""Runs the checks of a scene: what is wrong with it although every single value is right.
+"""Cross-checks of a scene: mistakes that remain although every single value is valid.
 
 A check is a generator over the tables that its parameters name, and yields (key path, what is wrong). It is left out
 when the schema has rejected one of these tables, or when one is absent that its parameter does not allow to be None.
@@ -21,7 +21,10 @@ Check = Callable[..., Mistakes]
 def mistakes(
     parts: Mapping[str, Any], broken: set[str], origin: Origin, checks: Iterable[Check]
 ) -> list[tuple[KeyPath, str]]:
-    """All mistakes of all checks; `parts` has the valid tables, None for an absent one, `broken` names the others."""
+    """Return all mistakes that the checks find.
+
+    `parts` has the valid tables, None for an absent one; `broken` names the tables that the schema rejected.
+    """
     available = {**parts, "origin": origin, "see": lambda key: f"{key} ({origin.at(parse_key(key))})"}
     found: list[tuple[KeyPath, str]] = []
     for check in checks:

@@ -1,4 +1,4 @@
-"""What can be wrong with the mesh of a scene, and with what names its sides and places."""
+"""Checks of the mesh of a scene and of the names of its boundaries, regions and positions."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from contbed.scene.toml_lines import Origin
 
 
 def names_exist(mesh: Mesh, boundary: Mapping[str, Any], region: Mapping[str, Any]) -> Mistakes:
+    """Check that a built-in mesh has the boundaries and regions that the scene names."""
     if isinstance(mesh, MeshFile):
         return
     known = [name for pair in mesh.sides for name in pair if name != "axis"]
@@ -29,6 +30,7 @@ def names_exist(mesh: Mesh, boundary: Mapping[str, Any], region: Mapping[str, An
 
 
 def mesh_file_exists(mesh: Mesh, see: See, origin: Origin) -> Mistakes:
+    """Check that the mesh file exists and that its keys agree with its type."""
     if not isinstance(mesh, MeshFile):
         return
     path = origin.base / mesh.file
@@ -44,6 +46,7 @@ def mesh_file_exists(mesh: Mesh, see: See, origin: Origin) -> Mistakes:
 
 
 def positions_lie_in_the_bed(mesh: Mesh, output: Output, see: See) -> Mistakes:
+    """Check that the output positions lie between 0 and the length of a built-in mesh."""
     if isinstance(mesh, MeshFile):
         return
     for index, position in enumerate(output.positions):
@@ -55,4 +58,5 @@ def positions_lie_in_the_bed(mesh: Mesh, output: Output, see: See) -> Mistakes:
 
 
 def boundaries_exist(mesh: Mesh, boundary: Mapping[str, Any]) -> Mistakes:
+    """Check that a built-in mesh has the boundaries that the scene names."""
     yield from names_exist(mesh, boundary, {})

@@ -1,4 +1,4 @@
-"""Names that are not known, and which of the known ones was probably meant."""
+"""Messages for unknown names: the known names, and which of them was probably meant."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from typing import Any
 
 
 def nearest(name: str, known: list[Any]) -> str:
-    """What is allowed in place of a name that is not known, and which of it was probably meant."""
+    """Say which names are allowed in place of an unknown one, and which of them was probably meant."""
     allowed = f"allowed: {', '.join(str(item) if isinstance(item, str) else json.dumps(item) for item in known)}"
     found = near_names(name, known)
     return f"{allowed}; did you mean '{found[0]}'?" if found else allowed
 
 
 def near_names(name: str, known: list[Any]) -> list[str]:
+    """Return the known name that is most similar to `name`, as a list of one; empty if none is similar."""
     return get_close_matches(name.lower(), [item for item in known if isinstance(item, str)], n=1, cutoff=0.6)

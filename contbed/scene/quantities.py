@@ -1,4 +1,4 @@
-"""Types of the values in a scene: numbers with unit and bounds, in SI behind this door.
+"""Types of the values in a scene: numbers with unit and bounds, converted to SI.
 
 A plain number is SI; a string may carry a unit ("3 mm", "100 degC") and is converted here.
 """
@@ -11,7 +11,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Fiel
 
 
 def in_unit(name: str) -> BeforeValidator:
-    """Validator that turns "3 mm" into 0.003 for `name` "m", also inside lists; other values pass."""
+    """Return a validator that turns "3 mm" into 0.003 for `name` "m", also inside lists; other values pass."""
 
     def convert(value: Any) -> Any:
         if isinstance(value, (list, tuple)):
@@ -40,7 +40,7 @@ class ClosureFile(Table):
 
 
 def form(value: Any) -> str:
-    """Which way of writing a value was chosen where there are several; a union's members carry these as tags."""
+    """Return how a value is written: "file", "parameters", "list", "name" or "number", the tags of unions."""
     if isinstance(value, ClosureFile) or (isinstance(value, dict) and "file" in value and "name" not in value):
         return "file"
     if isinstance(value, (dict, Table)):
@@ -52,15 +52,15 @@ def form(value: Any) -> str:
     return "number"
 
 
-def no_switch(value: Any) -> Any:
-    """Python takes true for 1; a scene does not."""
+def reject_bool(value: Any) -> Any:
+    """Reject true and false, which Python would take for 1 and 0."""
     if isinstance(value, bool):
         raise ValueError(f"expected a whole number, found {str(value).lower()}")
     return value
 
 
 def unit(name: str) -> tuple[Any, ...]:
-    """Annotations of a finite number in the SI unit `name`."""
+    """Return the annotations of a finite number in the SI unit `name`."""
     return Field(allow_inf_nan=False, json_schema_extra={"unit": name}), in_unit(name)
 
 
@@ -92,7 +92,7 @@ Velocity = Annotated[
     Discriminator(form),
     in_unit("m/s"),
 ]
-Order = Annotated[Literal[1, 2, 3], BeforeValidator(no_switch)]
+Order = Annotated[Literal[1, 2, 3], BeforeValidator(reject_bool)]
 Cells = Annotated[int, Strict(), Field(ge=1, le=10_000_000)]
 Whole = Annotated[int, Strict()]
 Switch = Annotated[bool, Strict()]

@@ -1,7 +1,7 @@
-"""What the schema says about a table or key of a scene: type, unit, bounds, default, meaning.
+"""Facts of the schema about a table or key of a scene: type, unit, bounds, default, meaning.
 
-Errors, `contbed explain` and table headers all read the JSON schemas of the scenes through here, so that a fact stands
-in one place. A name that the user chooses, like that of a boundary, is written NAME.
+Errors, `contbed explain` and table headers all read the JSON schemas of the scenes through this module, so that each
+fact stands in one place. A name that the user chooses, like that of a boundary, is written NAME.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ _definitions: dict[str, Node] = {}  # of the schemas that have been asked for; o
 
 @cache
 def of(model: Any) -> Node:
-    """The JSON schema of a kind of scene, given as its pydantic model."""
+    """Return the JSON schema of a kind of scene from its pydantic model."""
     found: Node = model.model_json_schema(ref_template=f"{model.kind}/{{model}}")
     _definitions.update({f"{model.kind}/{name}": node for name, node in found["$defs"].items()})
     return found
 
 
 def options(node: Node) -> list[Node]:
-    """The ways in which a value may be written, references followed and null left out."""
+    """Return the ways in which a value may be written, with references resolved and null left out."""
     if "$ref" in node:
         return options(_definitions[node["$ref"]])
     members = node.get("oneOf") or node.get("anyOf")
@@ -49,12 +49,12 @@ def options(node: Node) -> list[Node]:
 
 
 def _unit_of(node: Node) -> Node:
-    """The unit, which stands at the list or union and holds for its items or members."""
+    """Return the unit, which stands at the list or union and holds for its items or members."""
     return {"unit": node["unit"]} if "unit" in node else {}
 
 
 def children(node: Node, key: str | int) -> list[Node]:
-    """What `key` may hold in the tables or lists that `node` allows."""
+    """Return what `key` may hold in the tables or lists that `node` allows."""
     found = []
     for option in options(node):
         if isinstance(key, int):
@@ -70,7 +70,7 @@ def children(node: Node, key: str | int) -> list[Node]:
 
 
 def at(root: Node, path: KeyPath) -> list[Node]:
-    """The nodes of a key path; several if a table on the way has several types, none if it is unknown."""
+    """Return the nodes of a key path; several if a table on the way has several types, none if it is unknown."""
     nodes = [root]
     for key in path:
         nodes = [child for node in nodes for child in children(node, key)]
@@ -78,7 +78,7 @@ def at(root: Node, path: KeyPath) -> list[Node]:
 
 
 def unit(root: Node, path: KeyPath) -> str | None:
-    """The SI unit of a key; None if it has none or is not a number."""
+    """Return the SI unit of a key; None if it has none or is not a number."""
     for node in at(root, path):
         for option in [node, *options(node)]:
             item = next(iter(option.get("prefixItems", [])), option.get("items", option))
@@ -88,7 +88,7 @@ def unit(root: Node, path: KeyPath) -> str | None:
 
 
 def keys(node: Node) -> list[str]:
-    """The keys of the tables that `node` allows; NAME where they are free."""
+    """Return the keys of the tables that `node` allows; NAME where they are free."""
     found: list[str] = []
     for option in options(node):
         names = list(option.get("properties", {}))
@@ -99,17 +99,17 @@ def keys(node: Node) -> list[str]:
 
 
 def is_closure(option: Node) -> bool:
-    """Whether this way of writing a value is a closure's table, the only one that may have further keys."""
+    """Return whether an option is a closure's table, the only one that may have further keys."""
     return option.get("additionalProperties") is True
 
 
 def is_closure_file(option: Node) -> bool:
-    """Whether this way of writing a value is the file of a closure."""
+    """Return whether an option is the file of a closure."""
     return option.get("title") == "ClosureFile"
 
 
 def choices(node: Node) -> list[Any]:
-    """The permitted values of a key that is a choice, or that selects the type of its table."""
+    """Return the permitted values of a key that is a choice, or that selects the type of its table."""
     found = []
     for option in options(node):
         found += option.get("enum", []) + ([option["const"]] if "const" in option else [])
@@ -117,7 +117,7 @@ def choices(node: Node) -> list[Any]:
 
 
 def allowed(node: Node) -> str:
-    """The permitted values in words: "> 0 m", "'line' or 'box'", "a number >= 0, a closure's name or table"."""
+    """Return the permitted values in words: "> 0 m", "'line' or 'box'", "a number >= 0, a closure's name"."""
     if values := choices(node):
         return " or ".join(json.dumps(value) for value in values)
     ways = options(node)
@@ -145,7 +145,7 @@ def _one(option: Node) -> str:
 
 
 def sheet(name: str, node: Node) -> Iterator[str]:
-    """The lines of the data sheet of a table or key."""
+    """Yield the lines of the data sheet of a table or key."""
     tables = [
         option
         for option in options(node)

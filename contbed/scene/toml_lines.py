@@ -30,7 +30,7 @@ _DUPLICATE = re.compile(r"Cannot (?:overwrite a value|mutate immutable namespace
 
 @dataclass(frozen=True)
 class Origin:
-    """Where the values of a scene come from. It takes no part in comparisons: equal values are equal scenes."""
+    """Where the values of a scene come from; it takes no part in comparisons, so equal values are equal scenes."""
 
     name: str = field(default="scene", compare=False)
     base: Path = field(default=Path(), compare=False)
@@ -40,20 +40,20 @@ class Origin:
     allow_large: bool = field(default=False, compare=False)  # a size beyond what contbed takes by itself is meant
 
     def line(self, path: KeyPath) -> int:
-        """The line of a key, or of the nearest table around it; 0 where an override has set it."""
+        """Return the line of a key, or of the nearest table around it; 0 where an override has set it."""
         for key in self.overrides:
             if path[: len(key)] == key or (key[: len(path)] == path and path not in self.lines):
                 return 0
         return next((self.lines[path[:end]] for end in range(len(path), 0, -1) if path[:end] in self.lines), 1)
 
     def at(self, path: KeyPath) -> str:
-        """ "file:line" of a key, or "override"."""
+        """Return "file:line" of a key, or "override"."""
         line = self.line(path)
         return f"{self.name}:{line}" if line else "override"
 
 
 def parse(text: str, name: str, base: Path = Path()) -> tuple[dict[str, Any], Origin]:
-    """The values of a TOML text and where they stand. SceneError with file:line if it is not TOML."""
+    """Return the values of a TOML text and where they stand; raise SceneError with file:line if it is not TOML."""
     text = text.replace("\r\n", "\n")
     try:
         values = tomllib.loads(text)
@@ -70,7 +70,7 @@ def parse(text: str, name: str, base: Path = Path()) -> tuple[dict[str, Any], Or
 
 
 def read(path: str | Path) -> tuple[dict[str, Any], Origin]:
-    """`parse` for a file; every way in which a file cannot be read is a SceneError."""
+    """Read a TOML file like `parse`; raise SceneError if it cannot be read."""
     path = Path(path)
     try:
         status = path.stat()
@@ -97,7 +97,7 @@ def read(path: str | Path) -> tuple[dict[str, Any], Origin]:
 
 
 def dotted(path: KeyPath) -> str:
-    """A key path as it reads in TOML: boundary.left.fluid, flow.velocity[1]."""
+    """Return a key path as it is written in TOML: boundary.left.fluid, flow.velocity[1]."""
     shown = ""
     for key in path:
         if isinstance(key, int):
@@ -108,17 +108,17 @@ def dotted(path: KeyPath) -> str:
 
 
 def one_line(text: str) -> str:
-    """The text without line breaks, control characters and the like."""
+    """Return the text without line breaks, control characters and the like."""
     return "".join(letter if letter.isprintable() else " " for letter in text)
 
 
 def key_lines(text: str) -> dict[KeyPath, int]:
-    """The line, from 1, of every key, table header and array item of a text that is valid TOML."""
+    """Return the line, from 1, of every key, table header and array item of a valid TOML text."""
     return _Scanner(text).lines
 
 
 def parse_key(text: str) -> KeyPath:
-    """A dotted key, quotes allowed, as a path. ValueError if it is not one."""
+    """Return a dotted key, quotes allowed, as a path; raise ValueError if it is not one."""
     scanner = _Scanner(text, scan=False)
     path = scanner.key()
     if scanner.position != len(text) or len(path) != scanner.dots + 1:

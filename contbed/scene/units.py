@@ -1,4 +1,4 @@
-"""Units at the door: "3 mm" becomes 0.003. pint is imported only when a unit string occurs."""
+"""Conversion of unit strings: "3 mm" becomes 0.003. pint is imported only when a unit string occurs."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pint import UnitRegistry
+    from pint import Unit, UnitRegistry
 
 QUANTITIES = {
     "1": "plain number",
@@ -36,7 +36,7 @@ _LARGE_POWER = re.compile(r"\d\s*(?:\*\*|\^)|\d{3}|\)\s*(?:\*\*|\^)")
 
 
 def to_si(text: str, unit: str) -> float:
-    """The number in `text`, a quantity like "3 mm", in the SI unit `unit`. ValueError says what is wrong.
+    """Convert `text`, a quantity like "3 mm", to the SI unit `unit`; ValueError says what is wrong.
 
     >>> to_si("100 degC", "K")
     373.15
@@ -71,14 +71,14 @@ def to_si(text: str, unit: str) -> float:
 
 
 @cache
-def _registry() -> UnitRegistry:
+def _registry() -> UnitRegistry[float]:
     from pint import UnitRegistry
 
     return UnitRegistry()
 
 
-def _parse(name: str):  # type: ignore[no-untyped-def]
-    """pint's unit of that name, or None; "kg/m3" and "W m-2" are understood like "kg/m**3" and "W m**-2"."""
+def _parse(name: str) -> Unit | None:
+    """Return pint's unit of a name, or None; "kg/m3" and "W m-2" are read like "kg/m**3" and "W m**-2"."""
     for spelling in (name, re.sub(r"([A-Za-z])(-?\d)", r"\1**\2", name)):
         try:
             return _registry().parse_units(spelling)

@@ -1,1 +1,1 @@
-"""Linear systems by policy, Newton, time steps."""
+"""Solvers: linear systems, Newton's method, time steps, pseudo-transient continuation and branches."""

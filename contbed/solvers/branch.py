@@ -3,8 +3,8 @@
     R(x, p) = 0,   t_x . (x - x_0) / N^2 + t_p (p - p_0) / P^2 = s
 
 (x_0, p_0) is the last point, t its unit tangent, s the step; N^2 = n X^2 measures all n unknowns as one of size X, P is
-the span of p. The bordered matrix is regular at folds, where the tangent's t_p changes sign; each is then narrowed by
-steps of other lengths from the point before it. Steps grow and shrink with the number of Newton's iterations.
+the span of p. The bordered matrix is regular at folds, where t_p changes sign; each fold is then located by steps of
+other lengths from the point before it. Steps grow and shrink with the number of Newton iterations.
 
 Source: Keller 1977, in Rabinowitz (ed.), Applications of Bifurcation Theory, Academic Press, 359-384.
 """
@@ -24,16 +24,20 @@ Array = Any
 Assemble = Callable[[Array, float, bool], tuple[Array, Any]]
 
 DIFFERENCE = 1e-4  # share of the span by which R is differentiated along the parameter
-ITERATIONS = 8  # of Newton's method in one step
-SHORTEST = 1e-7  # step below which the branch is given up
-LONGEST = 0.1  # step, of a distance in which the whole span of the parameter counts as one
-NARROWED = 30  # steps at most that look for a fold
-FOLD = 1e-9  # share of the span within which a fold is found
+MAX_ITERATIONS = 8  # of Newton's method in one step
+MIN_STEP = 1e-7  # step below which the branch is given up
+MAX_STEP = 0.1  # step, of a distance in which the whole span of the parameter counts as one
+MAX_FOLD_STEPS = 30  # steps at most that look for a fold
+FOLD_TOLERANCE = 1e-9  # share of the span within which a fold is found
 
 
 @dataclass
 class Branch:
-    """Points in the order in which they are met; `folds` are positions between them, with parameter and state."""
+    """Points of a branch in the order in which they are found.
+
+    `folds` holds (index of the point behind the fold, parameter, state). `complete` says whether the branch reaches an
+    end of the range of the parameter.
+    """
 
     parameter: list[float] = field(default_factory=list)
     states: list[Array] = field(default_factory=list)
@@ -48,8 +52,8 @@ class _Point:
     tangent: tuple[Array, float]
 
 
-class _Walk:
-    """One point after another."""
+class _Continuation:
+    """Pseudo-arclength steps from one point of a branch to the next."""
 
     def __init__(self, assemble: Assemble, weights: Array, size: float, span: float, policy: Policy, tolerance: float):
         self.assemble, self.policy, self.tolerance = assemble, policy, tolerance
@@ -57,12 +61,12 @@ class _Walk:
         self.weights, self.size, self.span = weights, size, span
 
     def slope(self, x: Array, p: float, residual: Array) -> Array:
-        """dR/dp."""
+        """Return dR/dp by a one-sided difference."""
         step = DIFFERENCE * self.span
         return (self.assemble(x, p + step, False)[0] - residual) / step
 
     def bordered(self, x: Array, p: float, row: tuple[Array, float]) -> tuple[Array, Callable[[Array, float], Any]]:
-        """Residual, and a solver of the bordered system, scaled so that all of its rows and columns are alike."""
+        """Return the residual and a solver of the bordered system; its last row and column are scaled alike."""
         residual, matrix = self.assemble(x, p, True)
         column = self.span * self.slope(x, p, residual)
         weight = float((abs(matrix) @ np.ones(len(x))).max())
@@ -76,17 +80,17 @@ class _Walk:
         return residual, solve
 
     def tangent(self, x: Array, p: float, before: tuple[Array, float]) -> tuple[Array, float]:
-        """Unit tangent that goes on in the direction of the last one."""
+        """Return the unit tangent that continues in the direction of the last one."""
         _, solve = self.bordered(x, p, before)
         tx, tp = solve(np.zeros(len(x)), 1.0)
         length = float(self.metric @ tx**2 + (tp / self.span) ** 2) ** 0.5
         return tx / length, tp / length
 
     def step(self, at: _Point, s: float) -> tuple[_Point, int]:
-        """The point of the branch at distance `s`, backward if negative."""
+        """Return the point of the branch at distance `s` (backward if negative) and the number of iterations."""
         tx, tp = at.tangent
         x, p = at.x + s * tx, at.p + s * tp
-        for iteration in range(1, ITERATIONS + 1):
+        for iteration in range(1, MAX_ITERATIONS + 1):
             with np.errstate(all="ignore"):
                 residual, solve = self.bordered(x, p, at.tangent)
                 ahead = float(self.metric @ (tx * (x - at.x)) + tp * (p - at.p) / self.span**2)
@@ -99,14 +103,14 @@ class _Walk:
         raise ConvergenceError(f"branch: a step of {s:.2g} does not converge", [], x)
 
     def fold(self, a: _Point, length: float) -> _Point:
-        """The point between `a` and the one `length` further at which p turns back, by regula falsi in t_p."""
+        """Find the fold between `a` and the point `length` further, where t_p = 0, by regula falsi."""
         low, high = (0.0, a.tangent[1]), (length, self.step(a, length)[0].tangent[1])
         point = a
-        for _ in range(NARROWED):
+        for _ in range(MAX_FOLD_STEPS):
             s = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
             s = min(max(s, low[0] + 0.05 * (high[0] - low[0])), high[0] - 0.05 * (high[0] - low[0]))
             point = self.step(a, s)[0]
-            if abs(point.tangent[1]) * (high[0] - low[0]) < FOLD * self.span:
+            if abs(point.tangent[1]) * (high[0] - low[0]) < FOLD_TOLERANCE * self.span:
                 break
             if point.tangent[1] * a.tangent[1] > 0:
                 low = (s, point.tangent[1])
@@ -129,45 +133,45 @@ def trace(
     first: float = 0.02,
     tolerance: float = 1e-8,
 ) -> Branch:
-    """Follow the branch of `assemble(x, p, jacobian) -> (R, matrix)` from a state x at `start` until p passes `stop`
-    or, on the other side, `back`, or `points` are found.
+    """Follow the branch of `assemble(x, p, jacobian) -> (R, matrix)` from a state `x` at `start`.
 
-    `weights` make unknowns comparable with `size`. A branch that goes no further is returned incomplete.
+    It ends where p passes `stop` or, on the other side, `back`, or where `points` are found. `weights` make the
+    unknowns comparable with `size`. A branch that cannot be continued is returned incomplete.
     """
-    walk = _Walk(assemble, weights, size, abs(stop - start), policy, tolerance)
+    continuation = _Continuation(assemble, weights, size, abs(stop - start), policy, tolerance)
     out = Branch([start], [x])
     toward = (np.zeros_like(x), float(np.sign(stop - start)))
-    point, s = _Point(x, start, walk.tangent(x, start, toward)), first
+    point, s = _Point(x, start, continuation.tangent(x, start, toward)), first
     back = start if back is None else back
     low, high = min(back, stop), max(back, stop)
-    while len(out.parameter) < points and s > SHORTEST:
+    while len(out.parameter) < points and s > MIN_STEP:
         try:
-            found, iterations = walk.step(point, s)
+            found, iterations = continuation.step(point, s)
         except ConvergenceError:
             s *= 0.25
             continue
         if found.tangent[1] * point.tangent[1] < 0:
-            turn = walk.fold(point, s)
+            turn = continuation.fold(point, s)
             out.folds.append((len(out.parameter), turn.p, turn.x))
         if not low <= found.p <= high:
             edge = low if found.p < low else high
-            found = _at(walk, point, found, edge)
+            found = _at(continuation, point, found, edge)
             out.complete = True
         out.parameter.append(found.p)
         out.states.append(found.x)
         if out.complete:
             break
-        point, s = found, min(LONGEST, s * (2.0 if iterations <= 3 else 1.0 if iterations <= 5 else 0.5))
+        point, s = found, min(MAX_STEP, s * (2.0 if iterations <= 3 else 1.0 if iterations <= 5 else 0.5))
     return out
 
 
-def _at(walk: _Walk, a: _Point, b: _Point, p: float) -> _Point:
-    """The point with parameter p next to the line from a to b, by Newton's method at fixed p."""
+def _at(continuation: _Continuation, a: _Point, b: _Point, p: float) -> _Point:
+    """Return the point with parameter p near the line from a to b, by Newton's method at fixed p."""
     x = a.x + (p - a.p) / (b.p - a.p) * (b.x - a.x)
-    for _ in range(2 * ITERATIONS):
-        residual, matrix = walk.assemble(x, p, True)
-        change = Solver(matrix, walk.policy)(-residual)
+    for _ in range(2 * MAX_ITERATIONS):
+        residual, matrix = continuation.assemble(x, p, True)
+        change = Solver(matrix, continuation.policy)(-residual)
         x = x + change
-        if np.abs(walk.weights * change).max() <= walk.tolerance * walk.size:
+        if np.abs(continuation.weights * change).max() <= continuation.tolerance * continuation.size:
             return _Point(x, p, b.tangent)
     return b

@@ -1,4 +1,4 @@
-"""Steady states that Newton does not reach from a cold start: implicit Euler steps that grow without end."""
+"""Steady states that Newton does not reach from a cold start: implicit Euler steps of growing size."""
 
 from __future__ import annotations
 
@@ -23,8 +23,9 @@ def relax(
     growth: float = GROWTH,
     tolerance: float = 1e-6,
 ) -> Any:
-    """March from `state` with steps that grow from `first` to `last` [s]; a step that fails is shortened. Unknowns stay
-    above `lower`.
+    """March from `state` to a steady state with steps that grow from `first` to `last` [s].
+
+    A step that fails is shortened. Unknowns stay above `lower`.
     """
     dt = first
     history: list[float] = []

@@ -1,9 +1,9 @@
-"""What a steady scene costs on each engine, and which engine it wants.
+"""Cost of a steady scene on each engine, and which engine suits it.
 
 The rates are processor seconds of a whole run per million unknowns (flow by Newton in 2-D, heat linear), the power with
-which time grows, and bytes an unknown at the peak, measured by studies/scaling on a 2-core x86-64 machine with one
-thread a rank. A transient takes about as much for every few steps. Ranks share memory but for `LEADER`, the part of the
-first.
+which time grows, and bytes per unknown at the peak, measured by studies/scaling on a 2-core x86-64 machine with one
+thread per rank. A transient takes about as much for every few steps. The ranks share the memory evenly, except for
+`ROOT_BYTES`, which only the first one needs.
 """
 
 from __future__ import annotations
@@ -13,25 +13,25 @@ from math import ceil
 
 from contbed.solvers.linear import Policy, free_memory_GB
 
-LEADER = 900.0  # bytes an unknown
-LONG = 1800.0  # [s] beyond which ranks are worth their trouble
-START = 1.2  # [s] of any run
+ROOT_BYTES = 900.0  # bytes per unknown on the root rank
+LONG_RUN = 1800.0  # [s] a run that takes longer is advised to use MPI
+START_UP = 1.2  # [s] of any run
 
 
 @dataclass(frozen=True)
 class Rate:
-    """Seconds for a million unknowns, the power of growth, bytes an unknown."""
+    """Processor time [s] for a million unknowns, the power of its growth, and memory [bytes] per unknown."""
 
     seconds: float
     power: float
     memory: float
 
     def time(self, size: int) -> float:
-        """[s]"""
-        return START + self.seconds * (size / 1e6) ** self.power
+        """Return the processor time [s] for `size` unknowns."""
+        return START_UP + self.seconds * float((size / 1e6) ** self.power)
 
     def memory_GB(self, size: int) -> float:
-        """[GB]"""
+        """Return the memory [GB] for `size` unknowns."""
         return 0.15 + 1e-9 * self.memory * size
 
 
@@ -47,25 +47,25 @@ RATES = {
 
 
 def advice(unknowns: dict[str, int], policy: Policy) -> str:
-    """Which engine a scene with these unknowns of its parts wants, and what it costs there.
+    """Say which engine suits a scene with these unknowns of its parts, and what the scene costs there.
 
     scikit-fem as long as its factors fit in the memory allowed and time is short, else DOLFINx on as many ranks as
-    bring the time below `LONG`.
+    bring the time below `LONG_RUN`.
     """
     size, largest = sum(unknowns.values()), max(unknowns.values())
     one, other = RATES["skfem", policy.dimension], RATES["dolfinx", policy.dimension]
     need = policy.predicted_GB(largest)
     limit = policy.limit_GB if policy.limit_GB is not None else 0.6 * free_memory_GB()
     there = f"about {_time(other.time(size))} of processor and {other.memory_GB(size):.2g} GB"
-    if need <= limit and one.time(size) <= LONG:
+    if need <= limit and one.time(size) <= LONG_RUN:
         return f"engine: skfem, about {_time(one.time(size))} of processor for a steady scene; dolfinx {there}"
     why = (
         f"skfem would need {need:.3g} GB of {limit:.3g} GB"
         if need > limit
         else (f"skfem would take {_time(one.time(size))}")
     )
-    ranks = max(2, ceil(other.time(size) / LONG))
-    first = 0.15 + 1e-9 * LEADER * size + other.memory_GB(size) / ranks
+    ranks = max(2, ceil(other.time(size) / LONG_RUN))
+    first = 0.15 + 1e-9 * ROOT_BYTES * size + other.memory_GB(size) / ranks
     return (
         f"engine: dolfinx, mpirun -n {ranks}: {there} for a steady scene, {first:.2g} GB of it on the first rank; {why}"
     )

@@ -1,8 +1,8 @@
 """Sparse linear systems by policy: predict the memory, factor or iterate, check the residual.
 
-2-D and small systems are factored by SuperLU in a symmetric ordering, nested dissection of the mesh or else minimum
-degree of A + A'; where the restricted pivoting loses accuracy the matrix is factored again with full pivoting. Fill in
-3-D grows as n^(4/3), so beyond `DIRECT_3D` unknowns GMRES with an incomplete factorisation takes over.
+2-D and small systems are factored by SuperLU in a symmetric ordering: nested dissection of the mesh, or else minimum
+degree of A + A'. Where the restricted pivoting loses accuracy the matrix is factored again with full pivoting. Fill in
+3-D grows as n^(4/3), so beyond `DIRECT_3D` unknowns GMRES with an incomplete factorisation is used instead.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ import scipy.sparse.linalg as spla
 from contbed.errors import ConvergenceError, SceneError
 
 DIRECT_3D = 120_000
-NEARBY = 12  # iterations that cost about as much as a factorisation
-PIVOT = 1e-3  # diagonal entries down to this share of the column are kept as pivots, which keeps the ordering
+GMRES_ITERATIONS = 12  # iterations that cost about as much as a factorisation
+PIVOT_THRESHOLD = 1e-3  # diagonal entries down to this share of the column are kept as pivots, which keeps the ordering
 ROUNDING = 1e-14  # share of its terms down to which a residual can be computed
 SINGULAR = 1e11  # terms over right-hand side beyond which the matrix counts as singular
 RTOL = "rtol" if "rtol" in signature(spla.gmres).parameters else "tol"  # its name before SciPy 1.12
@@ -29,8 +29,9 @@ RESIDUAL = 1e-9  # a solve with a larger relative residual is repeated with full
 
 @dataclass
 class Policy:
-    """How to solve, for a mesh of `dimension`; `limit_GB` refuses a factorisation that is predicted above it, `order`
-    is the order of elimination.
+    """Choice of the linear solver for a mesh of `dimension`.
+
+    A factorisation that is predicted to need more than `limit_GB` is refused. `order` is the order of elimination.
     """
 
     dimension: int
@@ -38,11 +39,14 @@ class Policy:
     order: Any = None
 
     def direct(self, size: int) -> bool:
-        """Whether systems of this size are factored."""
+        """Return whether systems of this size are factored."""
         return self.dimension < 3 or size <= DIRECT_3D
 
     def predicted_GB(self, size: int) -> float:
-        """Memory of a factorisation, measured: 5 kB an unknown in 2-D, 2.2 GB for 68000 in 3-D growing as n^(4/3)."""
+        """Predict the memory of a factorisation [GB].
+
+        Measured: 5 kB per unknown in 2-D; 2.2 GB for 68000 unknowns in 3-D, growing as n^(4/3).
+        """
         if self.dimension == 1:
             return 4e-7 * size
         if self.dimension == 2:
@@ -60,7 +64,7 @@ class Policy:
 
 
 def free_memory_GB() -> float:
-    """Memory that the system can still give [GB]; infinite where it does not say."""
+    """Return the memory that the system can still give [GB]; infinite where it does not say."""
     try:
         with open("/proc/meminfo", encoding="ascii") as lines:
             for line in lines:
@@ -72,7 +76,7 @@ def free_memory_GB() -> float:
 
 
 class Solver:
-    """The inverse of one matrix."""
+    """The inverse of one matrix, by factors or by GMRES."""
 
     def __init__(self, matrix: sp.csc_matrix, policy: Policy):
         self.matrix, self.policy = matrix, policy
@@ -96,24 +100,24 @@ class Solver:
             raise ConvergenceError("the linear system is singular: is a temperature or the pressure fixed anywhere?")
         return apply
 
-    def nearby(self, matrix: sp.csc_matrix, rhs: Any, tolerance: float) -> Any | None:
-        """Solve with another matrix by GMRES, preconditioned by this one; None if it is too far away to be worth it.
+    def solve_other(self, matrix: sp.csc_matrix, rhs: Any, tolerance: float) -> Any | None:
+        """Solve with another matrix by GMRES, preconditioned by this one; None if it needs too many iterations.
 
         The preconditioner stands on the right, so that GMRES minimises the residual itself and `tolerance` is met.
         """
         if not self.policy.direct(len(rhs)):
             return None
         product = spla.LinearOperator(matrix.shape, lambda y: matrix @ self._apply(y), dtype=float)
-        y, failed = _gmres(product, rhs, tolerance, restart=NEARBY, maxiter=1)
+        y, failed = _gmres(product, rhs, tolerance, restart=GMRES_ITERATIONS, maxiter=1)
         return None if failed else self._apply(y)
 
     def _is_rounding(self, residual: Any, x: Any, scale: float) -> bool:
-        """Whether a residual is no more than rounding, all that a nearly singular matrix lets a solution reach."""
+        """Return whether a residual is only rounding, the best that a nearly singular matrix allows."""
         terms = min(float(np.linalg.norm(abs(self.matrix) @ np.abs(x))), SINGULAR * scale)
         return bool(np.linalg.norm(residual) <= ROUNDING * terms)
 
     def approximate(self, rhs: Any) -> Any:
-        """One application of the factors, without refinement: for use with another matrix."""
+        """Apply the factors once, without refinement, for use with another matrix."""
         return self._apply(rhs)
 
     def __call__(self, rhs: Any) -> Any:
@@ -137,13 +141,13 @@ class Solver:
 
 
 def _factor(matrix: sp.csc_matrix, order: Any, pivoting: bool = False) -> Callable[[Any], Any] | None:
-    """SuperLU of the symmetrically scaled matrix, None where it meets a zero pivot."""
+    """Factor the symmetrically scaled matrix by SuperLU; None where it meets a zero pivot."""
     columns = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
     largest = np.zeros(matrix.shape[1])
     np.maximum.at(largest, columns, np.abs(matrix.data))
     scale = 1.0 / np.sqrt(np.where(largest > 0, largest, 1.0))
     scaled = sp.csc_matrix((matrix.data * scale[matrix.indices] * scale[columns], matrix.indices, matrix.indptr))
-    options: dict[str, Any] = {"diag_pivot_thresh": PIVOT, "options": {"SymmetricMode": True}}
+    options: dict[str, Any] = {"diag_pivot_thresh": PIVOT_THRESHOLD, "options": {"SymmetricMode": True}}
     if pivoting:
         options = {"permc_spec": "COLAMD"}
     elif order is None:
@@ -163,8 +167,9 @@ def _factor(matrix: sp.csc_matrix, order: Any, pivoting: bool = False) -> Callab
 
 
 def _gmres(matrix: Any, rhs: Any, tolerance: float, **options: Any) -> tuple[Any, int]:
-    """GMRES to a relative residual."""
-    return spla.gmres(matrix, rhs, atol=0.0, **{RTOL: tolerance}, **options)
+    """Solve by GMRES to a relative residual."""
+    x, info = spla.gmres(matrix, rhs, atol=0.0, **{RTOL: tolerance}, **options)
+    return x, int(info)
 
 
 def _krylov(matrix: sp.csc_matrix) -> Callable[[Any], Any]:
@@ -179,7 +184,7 @@ def _krylov(matrix: sp.csc_matrix) -> Callable[[Any], Any]:
 
 
 def constrain(matrix: sp.csc_matrix, fixed: Any) -> sp.csc_matrix:
-    """The matrix with the rows and columns of fixed unknowns replaced by the identity."""
+    """Return the matrix with the rows and columns of fixed unknowns replaced by the identity."""
     if not sp.issparse(matrix):
         return matrix.constrained(fixed)
     free = np.ones(matrix.shape[0])
@@ -193,12 +198,12 @@ def constrain(matrix: sp.csc_matrix, fixed: Any) -> sp.csc_matrix:
 
 
 def scaled(matrix: sp.csc_matrix, factors: Any) -> sp.csc_matrix:
-    """The matrix with each column times a factor."""
+    """Return the matrix with each column multiplied by a factor."""
     return matrix.multiply(factors).tocsc() if sp.issparse(matrix) else matrix.scaled(factors)
 
 
 def bordered(matrix: sp.csc_matrix, column: Any, row: Any, corner: float) -> sp.csc_matrix:
-    """The matrix with one more unknown and equation, the last ones."""
+    """Return the matrix with one more unknown and one more equation, in the last column and row."""
     if not sp.issparse(matrix):
         return matrix.bordered(column, row, corner)
     return sp.bmat([[matrix, sp.csc_matrix(column[:, None])], [sp.csr_matrix(row), [[corner]]]]).tocsc()

@@ -1,4 +1,4 @@
-"""Newton's method with exact Jacobians, step control and a history that is kept when it fails."""
+"""Newton's method with exact Jacobians and step control; the history of residuals is kept when it fails."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from contbed.errors import ConvergenceError
 from contbed.solvers.linear import Policy, Solver, constrain
 
-REACH = 0.7  # share of the way to a lower bound that one step may go
-POLISH = 6  # steps at most after convergence
+MAX_SHARE_TO_BOUND = 0.7  # share of the way to a lower bound that one step may go
+MAX_POLISHING_STEPS = 6  # steps at most after convergence
 
 Assemble = Callable[[Any, bool], tuple[Any, Any]]
 
@@ -32,10 +32,11 @@ def newton(
 ) -> tuple[Any, list[float]]:
     """Solve `assemble(state, jacobian) -> (residual, matrix)` for the unknowns not in `fixed`.
 
-    `state` already holds the fixed values. The norm is that of the residual relative to the first one; a step that
-    raises it is halved, and none takes an unknown more than `REACH` of its way down to `lower`. A linear problem takes
-    one step. Residuals below `floor` count as rounding; absent, it is estimated from the terms that cancel in them.
-    `weights` make steps of all unknowns comparable. Returns the state and the history of norms.
+    `state` already holds the fixed values. The norm is that of the residual relative to the first one. A step that
+    raises it is halved, and none takes an unknown further than `MAX_SHARE_TO_BOUND` of its distance to `lower`. A
+    linear problem takes one step. Residuals below `floor` count as rounding; if `floor` is None, it is estimated from
+    the terms that cancel in them. `weights` make the steps of all unknowns comparable. Returns the state and the
+    history of norms.
     """
     state = state.copy()
     residual, matrix = assemble(state, True)
@@ -51,7 +52,7 @@ def newton(
         if linear:
             return state + step, history
         damping = 1.0
-        nearest = state - REACH * (state - lower)
+        nearest = state - MAX_SHARE_TO_BOUND * (state - lower)
         while True:
             trial = np.maximum(state + damping * step, nearest)
             with np.errstate(all="ignore"):  # a step too far may leave the range of a property; it is halved below
@@ -78,9 +79,9 @@ def newton(
 
 
 def _polish(assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: Solver) -> Any:
-    """Further steps with the factors at hand while each lowers the residual fivefold: balances close to round-off."""
+    """Improve the state with the factors at hand as long as each step lowers the residual fivefold."""
     norm = np.linalg.norm(residual)
-    for _ in range(POLISH):
+    for _ in range(MAX_POLISHING_STEPS):
         better = state + solver.approximate(-residual)
         residual, _ = assemble(better, False)
         residual[fixed] = 0.0
@@ -94,14 +95,14 @@ def _polish(assemble: Assemble, state: Any, residual: Any, fixed: Any, solver: S
 def _direction(
     solver: Solver | None, matrix: Any, rhs: Any, policy: Policy, history: list[float], goal: float
 ) -> tuple[Solver, Any]:
-    """The Newton step. The factors of an earlier matrix serve as long as GMRES needs few iterations with them.
+    """Return the Newton step; factors of an earlier matrix are kept as long as GMRES needs few iterations with them.
 
     The linear tolerance is the square of the last reduction, so that convergence stays superlinear, but not below what
     reaches `goal` (Eisenstat & Walker 1996, doi:10.1137/0917003, choice 2; Kelley 1995, Eq. 6.20).
     """
     if solver is not None:
         forcing = max((history[-1] / history[-2]) ** 2, 0.5 * goal / max(history[-1], 1e-300))
-        step = solver.nearby(matrix, rhs, min(0.1, forcing))
+        step = solver.solve_other(matrix, rhs, min(0.1, forcing))
         if step is not None:
             return solver, step
     solver = Solver(matrix, policy)

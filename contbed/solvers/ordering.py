@@ -2,7 +2,7 @@
 
 Cells are halved by a plane across their longest extent until few are left. An unknown belongs to the smallest block
 that holds all its cells, and a block is eliminated after the two halves that it separates. In 2-D this halves the fill
-of minimum degree, in 3-D it gains more, and it is found once for a mesh instead of with each factorisation.
+of minimum degree, in 3-D it gains more. The order is found once for a mesh instead of with each factorisation.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ LEAF = 4  # cells that are not divided further
 
 
 def nested_dissection(centres: Any, numbering: Iterable[Any], size: int) -> Any:
-    """Order of elimination (size,) for cells with `centres` (dim, ncells).
+    """Return the order of elimination (size,) for cells with `centres` (dim, ncells).
 
     `numbering` holds arrays (n, ncells) with the unknowns that each cell couples.
     """
@@ -33,7 +33,7 @@ def nested_dissection(centres: Any, numbering: Iterable[Any], size: int) -> Any:
 
 
 def _leaves(centres: Any) -> Any:
-    """Number of the smallest block of each cell; both halves of a block share all bits of its number but the last."""
+    """Return the number of the smallest block of each cell; the halves of a block share all bits but the last."""
     count = centres.shape[1]
     order, sizes = np.arange(count), np.array([count])
     while sizes[0] > LEAF:

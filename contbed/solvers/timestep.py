@@ -1,4 +1,4 @@
-"""TR-BDF2 in conservative form with error control on a ladder of steps.
+"""TR-BDF2 in conservative form with error control; steps are halved or doubled.
 
 For m(U)' + R(U) = 0, where m is the tested heat content and R the tested steady residual, one step of size dt is
 
@@ -31,26 +31,31 @@ W = 2.0**0.5 / 4.0
 WEIGHTS = (W, W, D)
 _ERROR = (W - (1 - W) / 3, W - (3 * W + 1) / 3, D - D / 3)
 
-FINEST = 48  # levels of the ladder
-FIRST = 20  # level of the first error-controlled step
-KEPT = 3  # factorisations kept
+LEVELS = 48  # the shortest step is end * 2**-LEVELS
+FIRST_LEVEL = 20  # the first error-controlled step is end * 2**-FIRST_LEVEL
+MAX_FACTORISATIONS = 3  # kept at a time
 
 
 class Problem(Protocol):
-    """What a transient model offers."""
+    """The functions and data that a transient model provides to `march`."""
 
     fixed: Any
     linear: bool
     weights: Any
 
-    def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]: ...
-    def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]: ...
+    def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Return the tested heat content m(U) and, if wanted, its Jacobian."""
+
+    def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Return the tested steady residual R(U) and, if wanted, its Jacobian."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """One accepted step: times [s], states at the start, the stage and the end with their steady residuals, the gain in
-    tested content, and the position on the ladder now (`tick`, `level`) and for the next step.
+    """One accepted step.
+
+    `start` and `size` [s]; `states` at the start, the stage and the end, `rates` their steady residuals; `gain` of
+    tested content; `tick` is the time in shortest steps, `level` and `next_level` say that a step is 2**level of these.
     """
 
     start: float
@@ -64,11 +69,11 @@ class Step:
 
     @property
     def end(self) -> float:
-        """[s]"""
+        """End of the step [s]."""
         return self.start + self.size
 
     def at(self, time: float) -> Any:
-        """State at a time within the step, by the parabola through its three states."""
+        """Return the state at a time within the step, by the parabola through its three states."""
         s = (time - self.start) / self.size
         a, b, c = 0.0, GAMMA, 1.0
         la = (s - b) * (s - c) / ((a - b) * (a - c))
@@ -93,17 +98,17 @@ def march(
 ) -> Iterator[Step]:
     """Yield accepted steps from `tick` (0, or where a checkpoint stopped) to `end`.
 
-    `tolerance` is the local error over `span`; a given `step` [s] is rounded down to divide `end` and never changes.
-    Linear problems are measured from the uniform state `origin`, which costs fewer digits than from zero. The shortest
-    step of the ladder is taken whatever its error, so that a jump in a layer far thinner than the mesh decays.
+    `tolerance` is the local error relative to `span`; a constant `step` [s] is rounded down to divide `end`.
+    Linear problems are measured from the uniform state `origin`, which loses fewer digits than measuring from zero. The
+    shortest step is accepted whatever its error, so that a jump in a layer far thinner than the mesh decays.
     """
     if step is not None:
         total = max(1, int(np.ceil(end / step * (1 - 1e-12))))
         unit, level, adaptive = end / total, 0, False
     else:
-        total = 2**FINEST
+        total = 2**LEVELS
         unit, adaptive = end / total, True
-        level = FINEST - FIRST if level is None else level
+        level = LEVELS - FIRST_LEVEL if level is None else level
     solved = _Affine(problem, np.full_like(state, origin)) if problem.linear else problem
     stage = _Stages(solved, policy, newton_options or {})
     while tick < total:
@@ -125,7 +130,7 @@ def march(
 
 
 class _Affine:
-    """A linear problem as two matrices and two vectors: residuals cost a product instead of an assembly."""
+    """A linear problem as two matrices and two vectors: a residual costs a product instead of an assembly."""
 
     linear = True
 
@@ -144,7 +149,7 @@ class _Affine:
 
 
 class _Stages:
-    """The two stages of a step with factorisations kept for each level of the ladder."""
+    """The two stages of a step, with factorisations kept for each size of step."""
 
     def __init__(self, problem: Problem, policy: Policy, options: dict[str, Any]):
         self.problem, self.policy, self.options = problem, policy, options
@@ -182,7 +187,7 @@ class _Stages:
             return Solver(constrain(matrix, self.problem.fixed), self.policy)
         if level not in self.solvers:
             mass, stiffness = self.problem.content(state, True)[1], self.problem.steady(state, True)[1]
-            while len(self.solvers) >= KEPT:
+            while len(self.solvers) >= MAX_FACTORISATIONS:
                 self.solvers.pop(next(iter(self.solvers)))
             self.solvers[level] = Solver(constrain(mass + D * dt * stiffness, self.problem.fixed), self.policy)
         return self.solvers[level]

@@ -6,7 +6,7 @@ import pytest
 
 from contbed.loading import from_dict
 from contbed.models import plan
-from contbed.solvers.cost import LONG, RATES, advice
+from contbed.solvers.cost import LONG_RUN, RATES, advice
 from contbed.solvers.linear import Policy
 
 BOX: dict[str, Any] = {
@@ -29,7 +29,7 @@ def test_memory_decides() -> None:
 def test_time_decides() -> None:
     size = 4_000_000  # within memory, but hours of factorisation
     text = advice({"heat": size}, Policy(3, 1e3))
-    assert RATES["skfem", 3].time(size) > LONG and "skfem would take" in text
+    assert RATES["skfem", 3].time(size) > LONG_RUN and "skfem would take" in text
 
 
 @pytest.mark.parametrize("dimension", [1, 2, 3])
