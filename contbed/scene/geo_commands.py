@@ -1,15 +1,15 @@
-"""What a gmsh geometry would do besides making a mesh, found without running it.
+"""Scan of gmsh geometries for commands that do more than make a mesh, without running them.
 
 The language of .geo files can start programs, write and delete files and read any other file. The scan reads the words
 of a file as gmsh's own scanner does (src/parser/Gmsh.l) and looks for the commands of src/parser/Gmsh.y that do so.
-Some things of gmsh would fool a scan that only leaves out comments and strings, and are taken into account:
+Three features of gmsh would escape a scan that only leaves out comments and strings, and are taken into account:
 
 * loops, macros and included files continue at the start of a line, so the inside of a comment or string of several
   lines may run: where a file has such jumps each of its lines is also read by itself;
 * options in a file of the same name with .opt are read with a geometry, as commands;
 * a string of 1023 characters or more ends there, and its rest is read as commands: such a string is refused.
 
-What follows from a name that is put together at run time cannot be seen: such names are refused where they matter.
+A name that is put together at run time cannot be known here: such names are refused where they matter.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class _Word:
 
 
 def scan(path: Path, folder: Path | None = None) -> Scan:
-    """Look through a geometry and all that it includes; files outside of `folder`, its own if absent, are problems."""
+    """Scan a geometry and all that it includes; files outside of `folder`, its own if absent, are problems."""
     found = Scan()
     _scan(path, (folder or path.parent).resolve(), found)
     options = path.with_name(path.name + ".opt")
@@ -103,7 +103,7 @@ def _scan(path: Path, folder: Path, found: Scan) -> None:
 
 
 def _readings(text: str) -> Iterator[list[_Word]]:
-    """The words of a text, and where gmsh may jump to the start of a line also those of each line by itself."""
+    """Yield the words of a text, and those of each line by itself where gmsh may jump to the start of a line."""
     text = text.replace("\r\n", "\n")
     whole = _words(text, 1)
     yield whole
@@ -124,7 +124,7 @@ def _words(text: str, first: int) -> list[_Word]:
 
 
 def _unsafe(words: list[_Word]) -> Iterator[tuple[int, str]]:
-    """Line and description of the commands that do more than make a mesh."""
+    """Yield line and description of the commands that do more than make a mesh."""
     for index, word in enumerate(words):
         before = words[index - 1].text if index else ""
         after = words[index + 1].text if index + 1 < len(words) else ""
@@ -145,7 +145,7 @@ def _unsafe(words: list[_Word]) -> Iterator[tuple[int, str]]:
 
 
 def _behind(words: list[_Word], opening: int) -> str:
-    """The word behind the parenthesis that closes the one at `opening`."""
+    """Return the word behind the parenthesis that closes the one at `opening`."""
     depth = 0
     for index in range(opening, len(words) - 1):
         depth += {"(": 1, "[": 1, ")": -1, "]": -1}.get(words[index].text, 0)
@@ -155,7 +155,7 @@ def _behind(words: list[_Word], opening: int) -> str:
 
 
 def _files_read(words: list[_Word]) -> Iterator[tuple[int, str, str | None]]:
-    """Line, command and name of each file that is read; None for a name that is not one plain text."""
+    """Yield line, command and name of each file that is read; None for a name that is not one plain text."""
     for index, word in enumerate(words):
         if word.kind != "name" or word.text not in _READS or (index and words[index - 1].text == "."):
             continue
@@ -167,7 +167,7 @@ def _files_read(words: list[_Word]) -> Iterator[tuple[int, str, str | None]]:
 
 
 def _follow(path: Path, folder: Path, found: Scan, what: str, name: str | None) -> None:
-    """Look through a file that another one reads."""
+    """Scan a file that another one reads."""
     if name is None:
         found.problems.append(f"{what} of a name that is put together while it runs")
         return

@@ -1,7 +1,7 @@
-"""The files that a scene names: which they are, whether they can be read, and whether reading them runs code.
+"""Input files that a scene names: which they are, whether they can be read, and whether reading them runs code.
 
-Nothing of a file is used before it has been looked at here: pipes and devices, which may never end, very large files
-and files that run programs are refused with the line of their key. `Origin` says what the user has allowed.
+No file is used before it has been checked here: pipes and devices, which may never end, very large files and files
+that run programs are refused with the line of their key. `Origin` says what the user has allowed.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _ALLOW = "read only with --allow-large, in Python load(..., allow_large=True)"
 
 
 def named_files(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
-    """Key and name of the files that the tables of a scene name: meshes, closures, particles, mechanisms."""
+    """Yield key and name of the files that a scene names: meshes, closures, particles, mechanisms."""
     if isinstance(part, Mapping):
         for name, item in part.items():
             yield from named_files(item, (*path, name))
@@ -46,12 +46,12 @@ def named_files(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
 
 
 def file_of(path: KeyPath, name: str, base: Path) -> Path | None:
-    """The file that a key names; None if a mechanism is nowhere."""
+    """Return the file that a key names; None if a mechanism is not found."""
     return mechanism_file(name, base) if path[-1] == "mechanism" else base / name
 
 
 def all_inputs(part: Any, base: Path) -> list[Path]:
-    """All files that a run reads, with what a geometry includes; those that are missing are left out."""
+    """Return all files that a run reads, with what a geometry includes; missing files are left out."""
     found: dict[Path, None] = {}
     for path, name in named_files(part):
         file = file_of(path, name, base)
@@ -65,7 +65,10 @@ def all_inputs(part: Any, base: Path) -> list[Path]:
 
 
 def unusable_files(parts: Mapping[str, Any], origin: Origin) -> Iterator[tuple[KeyPath, str]]:
-    """Keys whose file must not be read, and why; a file that is missing is told by the checks of its physics."""
+    """Yield the keys whose file must not be read, and why.
+
+    The checks of each physics report files that are missing.
+    """
     for path, name in named_files(parts):
         if "\0" in name:
             continue
@@ -89,7 +92,7 @@ def unusable_files(parts: Mapping[str, Any], origin: Origin) -> Iterator[tuple[K
 
 
 def _size(file: Path, status: os.stat_result) -> int:
-    """Size of a file [bytes], of a .gz what it unpacks to; counted no further than to the limit."""
+    """Return the size of a file [bytes], of a .gz what it unpacks to; count no further than to the limit."""
     if file.suffix != ".gz" or status.st_size > LARGE_FILE:
         return status.st_size
     return _unpacked_size(file, status.st_ino, status.st_mtime_ns, status.st_size)
@@ -108,7 +111,7 @@ def _unpacked_size(file: Path, inode: int, changed: int, size: int) -> int:
 
 
 def _code(path: KeyPath, file: Path, base: Path) -> list[str]:
-    """What a file would run, a line each."""
+    """Return the programs that a file would run, a line each."""
     try:
         if path[-1] == "mechanism":
             inside = mechanism_folders(base)[-1]

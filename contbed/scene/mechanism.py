@@ -1,4 +1,4 @@
-"""Where a Cantera mechanism is, and whether reading it would run code; Cantera itself is not imported.
+"""Location of a Cantera mechanism, and whether reading it would run code; Cantera itself is not imported.
 
 A mechanism file can name extensions, Python modules that Cantera imports when it reads the file.
 """
@@ -14,7 +14,7 @@ _EXTENSIONS = re.compile(rb"extensions|\\")  # the key as it is, or text that is
 
 
 def mechanism_folders(base: Path) -> list[Path]:
-    """Folders in which a mechanism is looked for, in this order: beside the scene, then where Cantera looks."""
+    """Return the folders searched for a mechanism, in order: beside the scene, then Cantera's own."""
     named = os.environ.get("CANTERA_DATA", "")
     folders = [base, Path(), *(Path(folder) for folder in named.split(os.pathsep) if folder)]
     spec = find_spec("cantera")
@@ -24,20 +24,20 @@ def mechanism_folders(base: Path) -> list[Path]:
 
 
 def mechanism_file(name: str, base: Path) -> Path | None:
-    """The file of a mechanism; None if there is none."""
+    """Return the file of a mechanism; None if there is none."""
     if "\0" in name:
         return None
     return next((folder / name for folder in mechanism_folders(base) if (folder / name).is_file()), None)
 
 
 def find_mechanism(name: str, base: Path) -> str:
-    """The path of a mechanism for Cantera, or its name where there is no such file, which Cantera then says."""
+    """Return the path of a mechanism for Cantera, or its name where no such file is found."""
     path = mechanism_file(name, base)
     return name if path is None else str(path.absolute())
 
 
 def code_in_mechanism(path: Path) -> str:
-    """What in a mechanism file would run code, with its line; empty if nothing does."""
+    """Return what in a mechanism file would run code, with its line; empty if nothing does."""
     if path.suffix.lower() not in (".yaml", ".yml"):
         return f"{path.name}: no YAML file; formats of older versions of Cantera are programs"
     data = path.read_bytes()
