@@ -72,7 +72,8 @@ def contact_heat(position, heat, spheres, pairs, neighbours, image, now, dt):
     """
     x, T, gained, radius, mass, kind = position, heat.T, heat.gained, spheres.radius, spheres.mass, spheres.material
     start, entry, history = neighbours.start, neighbours.entry, neighbours.history
-    gained[:] = heat.source
+    for i in range(len(x)):
+        gained[i] = heat.source[i]
     for i in range(len(x)):
         for k in range(start[i], start[i + 1]):
             if history[k].first_step < 0.0:

@@ -51,7 +51,8 @@ def pair_forces(state, spheres, pairs, neighbours, image, now, dt, block):
     if spheres.equal:
         for k in range(BLOCK):
             _set_constants(b, k, 0, 0, spheres, pairs)
-    touch2, count = 4.0 * radius[0] * radius[0], 0
+    # not the literal 0, for which numba would compile `_close_block` once more
+    touch2, count = 4.0 * radius[0] * radius[0], np.int64(0)
     for i in range(len(x)):
         xi, yi, zi = x[i, 0], x[i, 1], x[i, 2]
         for k in range(start[i], start[i + 1]):

@@ -117,7 +117,9 @@ def _steps(state, spheres, pairs, walls, box, neighbours, heat, interval):
                 status = BEYOND_WALL
                 break
             start, entry = half_list(x, spheres.radius, box, skin)
-            neighbours.listed[:] = x
+            for i in range(len(x)):
+                for a in range(3):
+                    neighbours.listed[i, a] = x[i, a]
             neighbours = Neighbours(start, entry, carry_over(neighbours, start, entry), neighbours.listed)
             moved, stale = 0.0, False
         now = float(interval.first + step + 1)

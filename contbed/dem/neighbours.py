@@ -60,8 +60,10 @@ def _grid(x, box, width):
         if periodic[axis]:
             origin[axis], extent[axis] = lower[axis], upper[axis] - lower[axis]
         else:
-            origin[axis] = x[:, axis].min()
-            extent[axis] = x[:, axis].max() - origin[axis]
+            low, high = x[0, axis], x[0, axis]
+            for i in range(len(x)):
+                low, high = min(low, x[i, axis]), max(high, x[i, axis])
+            origin[axis], extent[axis] = low, high - low
     while True:
         for axis in range(3):
             least = 3 if periodic[axis] else 1
@@ -83,8 +85,11 @@ def half_list(x, radius, box, skin):
         for axis in range(3):
             cell[i, axis] = min(int((x[i, axis] - origin[axis]) / size[axis]), count[axis] - 1)
         first[(cell[i, 0] * count[1] + cell[i, 1]) * count[2] + cell[i, 2] + 1] += 1
-    first = np.cumsum(first)
-    filled = first[:-1].copy()
+    filled = np.empty_like(first)
+    for home in range(len(first)):
+        if home > 0:
+            first[home] += first[home - 1]
+        filled[home] = first[home]
     member = np.empty(n, np.int64)
     for i in range(n):
         home = (cell[i, 0] * count[1] + cell[i, 1]) * count[2] + cell[i, 2]
@@ -123,13 +128,20 @@ def half_list(x, radius, box, skin):
                 reach = radius[i] + radius[j] + skin
                 if dx * dx + dy * dy + dz * dz < reach * reach:
                     if total == len(entry):
-                        longer = np.empty(2 * total, np.int32)
-                        longer[:total] = entry
-                        entry = longer
+                        entry = _resized(entry, total, 2 * total)
                     entry[total] = j | (image << BITS)
                     total += 1
         start[i + 1] = total
-    return start, entry[:total].copy()
+    return start, _resized(entry, total, total)
+
+
+@njit
+def _resized(entry, used, length):
+    """The first `used` entries in an array of another length; loops compile much faster than slices of arrays."""
+    out = np.empty(length, entry.dtype)
+    for k in range(used):
+        out[k] = entry[k]
+    return out
 
 
 @njit(error_model="numpy", forceinline=True)
