@@ -96,10 +96,17 @@ def run(
     allow_large: AllowLarge = False,
 ) -> None:
     """Solve a scene and write its results to DIR; if not given, to that of the restart, else to results/SCENE."""
-    loaded = _load(scene, settings, trust, allow_large)
+    folder = out or restart or Path("results") / scene.stem
+    try:
+        loaded = _load(scene, settings, trust, allow_large)
+    except SceneError as error:
+        if folder != restart:
+            from contbed.output.folder import mark_failed
+
+            mark_failed(folder, "bad scene", str(error))
+        raise
     from contbed.runner import run as solve
 
-    folder = out or restart or Path("results") / scene.stem
     engine = engine or ("dolfinx" if any(int(os.environ.get(name, "1")) > 1 for name in SIZE) else "skfem")
     result = solve(loaded, out=folder, quiet=quiet, restart=restart, engine=engine)
     if not quiet and result is not None:

@@ -6,11 +6,12 @@ import time as clock
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any
 
 from contbed import models
+from contbed.errors import ContbedError
 from contbed.fields import unit_of
 
 
@@ -65,34 +66,47 @@ class Result:
 
         return table(self.summary)
 
-    def write(self, out: Path) -> None:
-        """Write summary.json, profiles.csv, fields and plots into `out`."""
-        from contbed.output.summary import write_json
+    def write(self, out: Path) -> list[ContbedError]:
+        """Write tables, fields and plots into `out`; what cannot be written is returned and keeps nothing back."""
         from contbed.output.tables import write_table
 
-        settings, mesh = self.plan.scene.output, self.plan.mesh
+        settings = self.plan.scene.output
+        parts: dict[str, Callable[[], Any]] = {}
         if self.profiles:
-            write_table(out / "profiles.csv", self.profiles)
+            parts["profiles.csv"] = lambda: write_table(out / "profiles.csv", self.profiles)
         for name, columns in self.tables.items():
-            write_table(out / f"{name}.csv", columns)
+            parts[f"{name}.csv"] = partial(write_table, out / f"{name}.csv", columns)
         if settings.fields and self.nodal:
-            if mesh.engine == "dolfinx":
-                from contbed.output.pieces import write
-            else:
-                from contbed.output.vtu import write
-            if self.series:
-                from contbed.output.vtu import write_series
-
-                names = [
-                    (time, write(out / f"fields_{k:04d}.vtu", mesh.skfem, nodal))
-                    for k, (time, nodal) in enumerate(self.series)
-                ]
-                write_series(out / "fields.pvd", names)
-            else:
-                write(out / "fields.vtu", mesh.skfem, self.nodal)
+            parts["fields"] = lambda: self._write_fields(out)
         if settings.plots and self.profiles:
-            models.model_of(self.plan.scene).find("plots", "plot")(self, out)
-        write_json(out / "summary.json", self.summary)
+            parts["plots"] = lambda: models.model_of(self.plan.scene).find("plots", "plot")(self, out)
+        failed: list[ContbedError] = []
+        for name, part in parts.items():
+            try:
+                part()
+            except ContbedError as error:
+                failed.append(error)
+            except Exception as error:
+                failed.append(ContbedError(f"{name} cannot be written: {type(error).__name__}: {error}"))
+                failed[-1].__cause__ = error
+        return failed
+
+    def _write_fields(self, out: Path) -> None:
+        mesh = self.plan.mesh
+        if mesh.engine == "dolfinx":
+            from contbed.output.pieces import write
+        else:
+            from contbed.output.vtu import write
+        if self.series:
+            from contbed.output.vtu import write_series
+
+            names = [
+                (time, write(out / f"fields_{k:04d}.vtu", mesh.skfem, nodal))
+                for k, (time, nodal) in enumerate(self.series)
+            ]
+            write_series(out / "fields.pvd", names)
+        else:
+            write(out / "fields.vtu", mesh.skfem, self.nodal)
 
     @contextmanager
     def timed(self, phase: str) -> Iterator[None]:

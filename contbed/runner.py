@@ -4,22 +4,28 @@ from __future__ import annotations
 
 import time as clock
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contbed import models
-from contbed.errors import BalanceError, ClosureRangeError, ConvergenceError, SceneError
+from contbed.errors import BalanceError, ClosureRangeError, ContbedError, ConvergenceError, SceneError
 from contbed.result import Result, outside
 from contbed.scene.identity import scene_hash
+from contbed.scene.inputs import all_inputs
 from contbed.scene.tables import SceneBase
+
+if TYPE_CHECKING:
+    from contbed.output.folder import RunFolder
 
 STATUS = {
     ConvergenceError: "not converged",
     ClosureRangeError: "closure out of range",
     BalanceError: "balance open",
     KeyboardInterrupt: "interrupted",
+    SceneError: "bad scene",
 }
+FAILED = "failed"  # by anything else
 
 
 def run(
@@ -42,6 +48,7 @@ def run(
     Raises
     ------
     SceneError, ConvergenceError, ClosureRangeError, BalanceError : after what was found has been written to `out`
+    ContbedError : a file cannot be written, after all others have been; another run is writing to `out`
     """
     if engine != "skfem":
         from contbed.fem.ranks import run_on_root
@@ -51,41 +58,105 @@ def run(
 
 
 def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | Path | None, engine: str) -> Result:
-    start = clock.perf_counter()
-    folder = Path(out) if out is not None else Path(restart) if restart is not None else None
-    plan: Any = models.plan(scene)
-    if engine != "skfem":
-        from contbed.fem.dolfinx import on_dolfinx
+    if restart is not None:
+        from contbed.output.checkpoint import require_there
 
-        plan = on_dolfinx(plan)
+        require_there(restart)
+    folder = Path(out) if out is not None else Path(restart) if restart is not None else None
+    if folder is None:
+        result, failure = _found(scene, None, quiet, restart, engine)
+    else:
+        from contbed.output.folder import occupied
+
+        with occupied(folder) as place:
+            result, failure = _found(scene, place, quiet, restart, engine)
+    if failure is not None:
+        raise failure
+    return result
+
+
+def _found(
+    scene: SceneBase, place: RunFolder | None, quiet: bool, restart: str | Path | None, engine: str
+) -> tuple[Result, BaseException | None]:
+    """Plan, solve and write; the result and what went wrong."""
+    start = clock.perf_counter()
+    goes_on = place is not None and restart is not None and place.path.resolve() == Path(restart).resolve()
+    try:
+        plan: Any = models.plan(scene)
+        if engine != "skfem":
+            from contbed.fem.dolfinx import on_dolfinx
+
+            plan = on_dolfinx(plan)
+        checkpoint = None if restart is None else _checkpoint(scene, plan, Path(restart))
+    except Exception as error:
+        if place is not None and not goes_on:
+            place.mark_failed(_status(error), str(error))
+        raise
     result = Result(plan)
     result.timings["plan"] = clock.perf_counter() - start
-    checkpoint = None if restart is None else _checkpoint(scene, plan, Path(restart))
-    if folder is not None:
-        from contbed.output.files import prepare
-
-        prepare(folder)
-    failure: BaseException | None = None
-    try:
-        models.model_of(scene).find("run", "run")(plan, result, folder, quiet, checkpoint)
-        _verdict(scene, result)
-    except (ConvergenceError, ClosureRangeError, BalanceError, KeyboardInterrupt) as error:
-        failure, result.status = error, STATUS[type(error)]
-        if isinstance(error, ConvergenceError):
-            result.history = error.history
-            result.warnings.append(str(error))
-            _keep_last(scene, error, folder)
+    if place is not None:
+        about = {key: result.summary[key] for key in ("versions", "scene", "dofs", "built", "skipped")}
+        place.begin(about, keep=goes_on, inputs=all_inputs(scene, scene.origin.base))
+    failure = _solve(scene, result, place.path if place is not None else None, quiet, checkpoint)
     result.timings["total"] = clock.perf_counter() - start
     if engine != "skfem":
         from contbed.fem.dolfinx import engine_usage
 
         result.engine = engine_usage()
-    if folder is not None:
+    if place is not None:
+        not_written = _write(result, place, failure)
+        failure = failure or not_written
+    return result, failure
+
+
+def _solve(
+    scene: SceneBase, result: Result, folder: Path | None, quiet: bool, checkpoint: tuple[Any, Any] | None
+) -> BaseException | None:
+    """Fill the result; what stopped the run is returned, and stands in the result."""
+    try:
+        models.model_of(scene).find("run", "run")(result.plan, result, folder, quiet, checkpoint)
+        _verdict(scene, result)
+    except (Exception, KeyboardInterrupt) as error:
+        result.status = _status(error)
+        if isinstance(error, ConvergenceError):
+            result.history = error.history
+            result.warnings.append(str(error))
+            _keep_last(scene, error, folder)
+        elif result.status == FAILED:
+            name = "" if isinstance(error, ContbedError) else f"{type(error).__name__}: "
+            result.warnings.append(f"{name}{error}")
+        return error
+    return None
+
+
+def _status(error: BaseException) -> str:
+    return next((text for kind, text in STATUS.items() if isinstance(error, kind)), FAILED)
+
+
+def _write(result: Result, place: RunFolder, failure: BaseException | None) -> BaseException | None:
+    """Write all that can be written, the summary last; returns what could not."""
+    interrupt: BaseException | None = None
+    failed: list[ContbedError] = []
+    try:
         with result.timed("output"):
-            result.write(folder)
-    if failure is not None:
-        raise failure
-    return result
+            failed = result.write(place.path)
+    except KeyboardInterrupt as error:
+        interrupt = error
+    if failure is None and (failed or interrupt):
+        result.status = "output incomplete" if interrupt is None else STATUS[KeyboardInterrupt]
+    result.warnings += [str(error) for error in failed]
+    try:
+        place.end(result.summary)
+    except ContbedError as error:
+        failed.append(error)
+    if interrupt is not None or not failed:
+        return interrupt
+    texts = list(dict.fromkeys(str(error) for error in failed))
+    if len(texts) == 1:
+        return failed[0]
+    every = ContbedError("\n".join(texts))
+    every.__cause__ = failed[0].__cause__  # a full disk is told from a fault of the scene
+    return every
 
 
 def _verdict(scene: Any, result: Result) -> None:

@@ -65,11 +65,8 @@ def load(folder: Path | str) -> tuple[dict[str, NDArray], dict[str, Any]]:
     ------
     SceneError : there is none, or it is damaged
     """
+    require_there(folder)
     path = Path(folder) / NAME
-    if not Path(folder).is_dir():
-        raise SceneError(f"{folder}: no such folder to restart from")
-    if not path.is_file():
-        raise SceneError(f"{folder}: no {NAME} to restart from; run the scene without --restart")
     try:
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             arrays = {name.removeprefix(_ARRAY): file[name] for name in file.files if name.startswith(_ARRAY)}
@@ -82,6 +79,19 @@ def load(folder: Path | str) -> tuple[dict[str, NDArray], dict[str, Any]]:
     except _DAMAGE as error:
         reason = " ".join(str(error).split())
         raise SceneError(f"{path}: damaged checkpoint ({reason}); run the scene without --restart") from error
+
+
+def require_there(folder: Path | str) -> None:
+    """Refuse a folder without a checkpoint.
+
+    Raises
+    ------
+    SceneError : there is none
+    """
+    if not Path(folder).is_dir():
+        raise SceneError(f"{folder}: no such folder to restart from")
+    if not (Path(folder) / NAME).is_file():
+        raise SceneError(f"{folder}: no {NAME} to restart from; run the scene without --restart")
 
 
 def require_same(meta: Mapping[str, Any], scene_hash: str) -> None:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Iterator
+import secrets
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 
 from contbed.errors import ContbedError
+
+TOKEN = 8  # random bytes in the name of a file that is being written
+watchers: dict[Path, Callable[[str], None]] = {}  # of folders that a run holds: told the name of each file
 
 _REMEDY = {
     errno.ENOSPC: "free some space or write elsewhere",
@@ -24,18 +28,21 @@ _REMEDY = {
 
 @contextmanager
 def atomic(path: Path | str) -> Iterator[Path]:
-    """A file beside `path` to write to, which takes the name `path` when the block ends well.
+    """A new file beside `path` to write to, which takes the name `path` when the block ends well.
 
-    Until then an older `path` stays as it is, also when the process is killed. Missing folders are made.
+    Until then an older `path` stays as it is, also when the process is killed. Missing folders are made. The name of
+    the new file cannot be foreseen, and a link of that name would not be followed.
 
     Raises
     ------
     ContbedError : one line, when the system cannot write
     """
     path = Path(path)
-    temporary = path.with_name(path.name + ".part")
+    temporary = path.with_name(f"{path.name}.{secrets.token_hex(TOKEN)}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        announce(path)
+        os.close(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666))
         yield temporary
         _flush(temporary)
         os.replace(temporary, path)
@@ -45,6 +52,13 @@ def atomic(path: Path | str) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def announce(path: Path) -> None:
+    """Tell the run that holds the folder, if there is one, that a file of its own will be written."""
+    watch = watchers.get(path.parent.resolve()) if watchers else None
+    if watch is not None:
+        watch(path.name)
 
 
 def prepare(folder: Path) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from contbed.fem.dolfinx import Partition
 from contbed.fem.elements import Space
 from contbed.fem.ranks import RankGroup, rank_group
-from contbed.output.files import atomic
+from contbed.output.files import announce, atomic
 from contbed.output.vtu import write_fields
 
 WHOLE = 100_000  # cells up to which the first rank writes one file
@@ -37,6 +37,8 @@ def write(path: Path, mesh: Any, nodal: Mapping[str, tuple[Space, Any]]) -> str:
     by_cell = [row[space.dofs.T] for space, values in nodal.values() for row in np.atleast_2d(values)]
     root = [partition.split(table) for table in (mesh.t.T, corners, region, *by_cell)]
     folder = path.parent.resolve()
+    for rank in range(all_ranks.comm.size):
+        announce(path.with_name(_piece(path.stem, rank)))
     all_ranks.run_on_all(write_piece, type(mesh), mesh.dim(), fields, names, str(folder), path.stem, root=root)
     header = path.with_suffix(".pvtu")
     with atomic(header) as temporary:

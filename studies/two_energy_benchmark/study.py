@@ -24,7 +24,7 @@ def reference() -> Table:
 def compute() -> Tables:
     """All programs that are installed, in one go."""
     with TemporaryDirectory() as out:
-        print(bench(HERE, out))
+        print(bench(HERE, out, trust=True))
         return {"bench": Table.read(Path(out) / "bench.csv")}
 
 

@@ -1,0 +1,182 @@
+"""The folder of a run: one run at a time, files that belong together, and a summary that never says too much.
+
+While a run lasts it holds `.contbed.lock`, which the system takes from a process that dies, and `summary.json` says
+"running". The summary lists the files that the run has written; the next run into the folder removes them, and nothing
+else, before it writes its own.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import json
+import os
+import re
+import socket
+import time
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from contbed.errors import ContbedError
+from contbed.output import files
+from contbed.output.summary import write_json
+
+LOCK = ".contbed.lock"
+SUMMARY = "summary.json"
+_LEFT = re.compile(rf".+\.[0-9a-f]{{{2 * files.TOKEN}}}\.part")
+_NO_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL}
+
+
+class RunFolder:
+    """A folder that this run alone writes to; made by `occupied`."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        self.files: list[str] = []
+        self._running: dict[str, Any] | None = None
+
+    def begin(self, about: Mapping[str, Any], keep: bool, inputs: Collection[Path] = ()) -> None:
+        """Remove what the former run wrote, unless its files are kept because it goes on, and say "running".
+
+        Parameters
+        ----------
+        about : what the summary says of the run from its start
+        keep : the run goes on from this folder's checkpoint, and its earlier files stay
+        inputs : files that the run reads; they stay too
+        """
+        former = read_summary(self.path)
+        listed = former.get("files", ())
+        names = [
+            name for name in listed if isinstance(name, str) and Path(name).name == name and name not in ("", "..")
+        ]
+        if keep:
+            self.files = [name for name in names if name != SUMMARY]
+        else:
+            read = {path.resolve() for path in inputs}
+            for name in names:
+                if (self.path / name).resolve() not in read:
+                    with suppress(OSError):
+                        (self.path / name).unlink()
+        for left in self.path.iterdir():
+            if _LEFT.fullmatch(left.name):
+                left.unlink(missing_ok=True)
+        now = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+        self._running = {
+            "status": "running",
+            "process": os.getpid(),
+            "host": socket.gethostname(),
+            "begun": now,
+            **about,
+        }
+        self._say()
+
+    def end(self, summary: Mapping[str, Any]) -> None:
+        """Write the summary of what has been found."""
+        self._running = None
+        write_json(self.path / SUMMARY, {**summary, "files": sorted({*self.files, SUMMARY})})
+
+    def mark_failed(self, status: str, problem: str) -> None:
+        """Say in the summary of an earlier run that a later one has failed before it began; all files stay."""
+        former = read_summary(self.path)
+        if not former:
+            return
+        warnings = [warning for warning in former.get("warnings", ()) if isinstance(warning, str)]
+        text = f"a later run failed before it began: {problem}; all files here are of the run before"
+        write_json(self.path / SUMMARY, {**former, "status": status, "warnings": [text, *warnings]})
+
+    def note(self, name: str) -> None:
+        """Add a file to those of the run, before it is there."""
+        if self._running is not None and name not in (*self.files, SUMMARY):
+            self.files.append(name)
+            self._say()
+
+    def _say(self) -> None:
+        write_json(self.path / SUMMARY, {**(self._running or {}), "files": sorted({*self.files, SUMMARY})})
+
+
+@contextmanager
+def occupied(folder: Path) -> Iterator[RunFolder]:
+    """Make a folder and hold it for the block.
+
+    Raises
+    ------
+    ContbedError : the system cannot write there, or another run does
+    """
+    new = not folder.exists()
+    files.prepare(folder)
+    lock = _lock(folder)
+    place = RunFolder(folder)
+    key = folder.resolve()
+    files.watchers[key] = place.note
+    try:
+        yield place
+    finally:
+        del files.watchers[key]
+        with suppress(OSError):
+            (folder / LOCK).unlink()
+        os.close(lock)
+        if new:
+            with suppress(OSError):  # it holds something
+                folder.rmdir()
+
+
+def mark_failed(folder: Path, status: str, problem: str) -> None:
+    """`RunFolder.mark_failed` where no run has been started; nothing is made where there was no run before."""
+    if read_summary(folder):
+        with suppress(ContbedError), occupied(folder) as place:
+            place.mark_failed(status, problem)
+
+
+def read_summary(folder: Path) -> dict[str, Any]:
+    """What summary.json says; empty if there is none that can be read."""
+    try:
+        content = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return content if isinstance(content, dict) else {}
+
+
+def _lock(folder: Path) -> int:
+    """The open lock of a folder."""
+    path = folder / LOCK
+    while True:
+        try:
+            lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        except OSError as error:
+            raise ContbedError(f"cannot lock {folder}: {path.name}: {error.strerror}; remove it") from error
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            holder = os.pread(lock, 200, 0).decode(errors="replace")
+            if error.errno not in _NO_LOCKS or _lives(holder):
+                os.close(lock)
+                who = f" ({holder})" if holder else ""
+                raise ContbedError(
+                    f"{folder}: another run is writing there{who}; wait for it or give another folder"
+                ) from None
+        with suppress(FileNotFoundError):
+            if os.stat(path).st_ino == os.fstat(lock).st_ino:
+                break
+        os.close(lock)  # the run before has just removed it
+    text = f"process {os.getpid()} on {socket.gethostname()}"
+    os.ftruncate(lock, 0)
+    os.pwrite(lock, text.encode(), 0)
+    return lock
+
+
+def _lives(holder: str) -> bool:
+    """Whether the process that a lock names may still be there; asked where the file system has no locks."""
+    found = re.fullmatch(r"process (\d+) on (.*)", holder)
+    if found is None:
+        return False
+    if found[2] != socket.gethostname():
+        return True
+    try:
+        os.kill(int(found[1]), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return int(found[1]) != os.getpid()

@@ -1,0 +1,202 @@
+"""The folder of a run: one run at a time, files that belong together, links, failures."""
+
+import json
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+import contbed as cb
+from contbed import cli
+from contbed.errors import ContbedError
+from contbed.loading import loads
+from contbed.output.files import atomic
+from contbed.output.folder import LOCK, occupied, read_summary
+
+STEADY = """\
+[mesh]
+type = "line"
+length = 1.0
+cells = 10
+[fluid]
+density = 1.0
+heat_capacity = 1000.0
+conductivity = 0.05
+viscosity = 2e-5
+[solid]
+density = 2000.0
+heat_capacity = 900.0
+conductivity = 1.0
+[bed]
+porosity = 0.4
+particle_diameter = 0.01
+[flow]
+velocity = 0.3
+[heat]
+nusselt = "wakao_kaguei"
+[boundary.left]
+fluid.inflow = 300.0
+"""
+TRANSIENT = STEADY + "[time]\nend = 2.0\ntimes = [1.0]\ninitial_fluid = 300.0\ninitial_solid = 400.0\n"
+
+
+def status(folder: Path) -> str:
+    return json.loads((folder / "summary.json").read_text())["status"]
+
+
+def names(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+def test_files_of_a_run_belong_together(tmp_path):
+    cb.run(loads(TRANSIENT), out=tmp_path)
+    assert {"checkpoint.npz", "fields.pvd", "fields_0001.vtu"} < names(tmp_path)
+    assert set(read_summary(tmp_path)["files"]) == names(tmp_path)
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "fields_0007.vtu").write_text("mine")
+    cb.run(loads(STEADY), out=tmp_path)
+    assert names(tmp_path) == {
+        *("summary.json", "profiles.csv", "profiles.png", "fields.vtu"),
+        *("notes.txt", "fields_0007.vtu"),
+    }
+
+
+def test_an_input_that_an_earlier_run_has_written_stays(tmp_path):
+    with occupied(tmp_path) as place:
+        place.begin({}, keep=False)
+        with atomic(tmp_path / "closure.toml") as temporary:
+            temporary.write_text("a = 1\n")
+        with atomic(tmp_path / "table.csv") as temporary:
+            temporary.write_text("a\n")
+        place.end({"status": "ok"})
+    with occupied(tmp_path) as place:
+        place.begin({}, keep=False, inputs=[tmp_path / "closure.toml"])
+        assert names(tmp_path) == {"closure.toml", "summary.json", LOCK}
+        assert status(tmp_path) == "running"
+
+
+def test_only_plain_names_of_the_folder_are_removed(tmp_path):
+    (tmp_path / "mine.txt").write_text("mine")
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "linked").symlink_to(tmp_path / "mine.txt")
+    listed = ["../mine.txt", str(tmp_path / "mine.txt"), "..", "", 3, "linked"]
+    (out / "summary.json").write_text(json.dumps({"status": "ok", "files": listed}))
+    with occupied(out) as place:
+        place.begin({}, keep=False)
+    assert (tmp_path / "mine.txt").read_text() == "mine"
+    assert not (out / "linked").is_symlink()
+
+
+@pytest.mark.parametrize("when", ["plan", "run", "late"])
+def test_a_failed_run_does_not_look_like_the_good_one_before(tmp_path, monkeypatch, when):
+    cb.run(loads(STEADY), out=tmp_path)
+    place = {
+        "plan": "contbed.packed_bed.plan.plan",
+        "run": "contbed.packed_bed.run.run",
+        "late": "contbed.runner._verdict",
+    }
+    with monkeypatch.context() as patch:
+        patch.setattr(place[when], lambda *_: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            cb.run(loads(STEADY), out=tmp_path)
+    assert status(tmp_path) == "failed"
+    assert "division by zero" in read_summary(tmp_path)["warnings"][0]
+    # what an earlier run has found is only given up for a run that begins
+    assert (tmp_path / "profiles.csv").exists() == (when != "run")
+    cb.run(loads(STEADY), out=tmp_path)
+    assert status(tmp_path) == "ok"
+
+
+def test_a_scene_with_a_mistake_marks_the_folder_and_makes_none(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(STEADY)
+    assert cli.main(["run", "scene.toml", "--out", "out", "--quiet"]) == 0
+    before = names(tmp_path / "out")
+    (tmp_path / "scene.toml").write_text(STEADY.replace("0.4", "4"))
+    assert cli.main(["run", "scene.toml", "--out", "out", "--quiet"]) == 2
+    assert status(tmp_path / "out") == "bad scene" and names(tmp_path / "out") == before
+    assert cli.main(["run", "scene.toml", "--out", "other", "--quiet"]) == 2
+    assert not (tmp_path / "other").exists()
+
+
+def test_a_killed_run_says_running(tmp_path):
+    cb.run(loads(STEADY), out=tmp_path)
+    code = """
+        import os, signal, sys
+        import contbed.packed_bed.run as module
+        module.run = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
+        import contbed as cb
+        cb.run(cb.load(sys.argv[1]), out=sys.argv[2])
+    """
+    (tmp_path / "scene.toml").write_text(STEADY)
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(code), tmp_path / "scene.toml", tmp_path])
+    assert done.returncode == -9
+    assert status(tmp_path) == "running" and not (tmp_path / "profiles.csv").exists()
+    assert (tmp_path / LOCK).exists()  # of a process that is no more
+    cb.run(loads(STEADY), out=tmp_path)
+    assert status(tmp_path) == "ok" and not (tmp_path / LOCK).exists()
+
+
+def test_two_runs_in_one_folder(tmp_path):
+    with occupied(tmp_path):
+        with pytest.raises(ContbedError, match=rf"another run is writing there \(process {os.getpid()} on .*\); wait"):
+            cb.run(loads(STEADY), out=tmp_path)
+        with pytest.raises(ContbedError, match="another run"), occupied(tmp_path):
+            pass
+    cb.run(loads(STEADY), out=tmp_path)
+
+
+def test_many_runs_at_once_are_one_after_the_other_or_refused(tmp_path):
+    (tmp_path / "scene.toml").write_text(STEADY + "[output]\nplots = false\n")
+    start = [sys.executable, "-m", "contbed", "run", "scene.toml", "--quiet", "--out", "out", "--set"]
+    runs = [
+        subprocess.Popen([*start, f"flow.velocity={0.1 * k}"], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+        for k in range(1, 5)
+    ]
+    ended = [(run.communicate()[1], run.returncode) for run in runs]
+    assert {code for _, code in ended} <= {0, 1} and any(code == 0 for _, code in ended)
+    assert all("another run is writing there" in text for text, code in ended if code)
+    assert status(tmp_path / "out") == "ok"
+    assert not list((tmp_path / "out").glob("*.part"))
+
+
+def test_planted_links_are_not_followed(tmp_path):
+    mine = tmp_path / "mine.txt"
+    mine.write_text("mine")
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in ("summary.json.part", "summary.json", "profiles.csv", "profiles.csv.part", "fields.vtu"):
+        (out / name).symlink_to(mine)
+    cb.run(loads(STEADY), out=out)
+    assert mine.read_text() == "mine"
+    assert not (out / "profiles.csv").is_symlink() and status(out) == "ok"
+    (out / LOCK).symlink_to(mine)
+    with pytest.raises(ContbedError, match="cannot lock"):
+        cb.run(loads(STEADY), out=out)
+    assert mine.read_text() == "mine"
+
+
+def test_one_output_that_fails_keeps_no_other_back(tmp_path, monkeypatch):
+    monkeypatch.setattr("contbed.output.tables.write_table", lambda *_: 1 / 0)
+    with pytest.raises(ContbedError, match="profiles.csv cannot be written: ZeroDivisionError: division by zero"):
+        cb.run(loads(STEADY), out=tmp_path)
+    assert names(tmp_path) == {"summary.json", "profiles.png", "fields.vtu"}
+    summary = read_summary(tmp_path)
+    assert summary["status"] == "output incomplete" and summary["qoi"]["T_fluid_out_K"] > 0
+    (tmp_path / "fields.vtu").unlink()
+    (tmp_path / "fields.vtu").mkdir()
+    monkeypatch.undo()
+    with pytest.raises(ContbedError, match="a folder has this name"):
+        cb.run(loads(STEADY), out=tmp_path)
+    assert (tmp_path / "profiles.csv").exists()
+
+
+def test_a_plan_that_fails_makes_no_folder(tmp_path, monkeypatch):
+    monkeypatch.setattr("contbed.packed_bed.plan.plan", lambda *_: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        cb.run(loads(STEADY), out=tmp_path / "new")
+    assert not (tmp_path / "new").exists()
