@@ -182,7 +182,7 @@ def test_planted_links_are_not_followed(tmp_path):
 
 def test_one_output_that_fails_keeps_no_other_back(tmp_path, monkeypatch):
     monkeypatch.setattr("contbed.output.tables.write_table", lambda *_: 1 / 0)
-    with pytest.raises(ContbedError, match="profiles.csv cannot be written: ZeroDivisionError: division by zero"):
+    with pytest.raises(ContbedError, match=r"profiles.csv cannot be written: ZeroDivisionError: division by zero"):
         cb.run(loads(STEADY), out=tmp_path)
     assert names(tmp_path) == {"summary.json", "profiles.png", "fields.vtu"}
     summary = read_summary(tmp_path)
