@@ -35,7 +35,7 @@ def test_folds_of_a_stirred_bed():
     # mixing of 1e7 W/m/K leaves differences of W RISE exp(-E/T) H/(A k), 3e-3 to 2e-2 K, along the height
     assert found == pytest.approx(exact, abs=1e-2)
     table = result.tables["continuation"]
-    p, T = table["gas.temperature [1]"], table["T_inert [K]"]
+    p, T = table["gas.temperature [K]"], table["T_inert [K]"]
     assert p[0] == 600 and p[-1] == 760
     assert T - RISE * np.exp(-E / T) == pytest.approx(p, abs=2e-2)
     assert set(table["turns [1]"]) == {0.0, 1.0, 2.0}
@@ -63,7 +63,7 @@ def test_a_bed_with_radiation_ignites_at_a_fold():
         )
         found.append(result.qoi["fold_1"])
         table = result.tables["continuation"]
-        p, T = table["gas.release.rate [1]"], table["T_inert [K]"]
+        p, T = table["gas.release.rate [W/m**3]"], table["T_inert [K]"]
         assert p[-1] == p[0] == 1e6 and list(table["turns [1]"][[0, -1]]) == [0.0, 1.0]
         assert T[0] == pytest.approx(result.qoi["T_inert_mid_K"], abs=20)
         assert T[0] + 300 < T[-1] < 1230  # below the state that a hot guess leads to, 1234.9 K
