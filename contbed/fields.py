@@ -110,6 +110,9 @@ _RESULTS = (
     # packed beds
     Field("T_PHASE_out_K", r"T_\mathrm{out}", "K", "mean outlet temperature of a stream, weighted with its mass flux"),
     Field("heat_NAME_W", r"Q", "W", "heat into the bed through a boundary; per m2 on a line, per m in a plane"),
+    Field("duty_W", "Q", "W", "heat that the fluid takes up between inlet and outlet; per m2 or per m as heat_NAME_W"),
+    Field("effectiveness", r"\epsilon", "1", "duty over the most that streams of these inlets could exchange"),
+    Field("heat_reference_K", r"T_0", "K", "temperature at which the heat that streams carry is zero"),
     Field("u_max", r"u_\mathrm{max}", "m/s", "largest superficial velocity of the fluid"),
     Field("u_max_outlet", r"u_\mathrm{max}", "m/s", "largest superficial velocity of the fluid at the outlet"),
     Field("pressure_drop_Pa", r"\Delta p", "Pa", "pressure of the fluid at the inlet over that at the outlet"),

@@ -27,6 +27,7 @@ class Result:
     nodal: dict[str, Any] = field(default_factory=dict)
     series: list[tuple[float, dict[str, Any]]] = field(default_factory=list)
     qoi: dict[str, Any] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)  # of named results whose unit depends on the scene
     balances: dict[str, dict[str, Any]] = field(default_factory=dict)
     closures: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
@@ -54,7 +55,7 @@ class Result:
             "skipped": [{"what": what, "why": why} for what, why in self.plan.skipped],
             "warnings": self.warnings,
             "qoi": self.qoi,
-            "units": {key: unit_of(key) or "1" for key in self.qoi},
+            "units": {key: self.units.get(key) or unit_of(key) or "1" for key in self.qoi},
             "adaptations": self.adaptations,
             "newton": self.history,
             **({"engine": self.engine} if self.engine else {}),

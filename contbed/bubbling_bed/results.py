@@ -14,7 +14,7 @@ from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.closures import optics
 from contbed.closures.ranges import usage
 from contbed.errors import ConvergenceError
-from contbed.fem.probe import Probe, axis_points
+from contbed.fem.probe import Probe, line_along
 from contbed.result import Result
 
 EVEN = 201  # heights at which the use of closures is counted
@@ -24,8 +24,8 @@ def fill(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Resul
     """Profiles, named results and the energy balance of a state."""
     scene, c, space = plan.scene, plan.coefficients, problem.space
     nodal = {name: problem.system.part(state, name) for name in c.fields}
-    positions, points = axis_points(plan.mesh, scene.output.positions)
-    probe = Probe(plan.mesh, points)
+    line = line_along(plan.mesh, scene.output.positions)
+    positions, probe = line.positions, line.probe
     result.profiles = {"z [m]": positions} | {f"{name} [K]": probe(space, nodal[name]) for name in c.streams}
     if "G" in nodal:
         result.profiles["G [W/m2]"] = probe(space, nodal["G"])
@@ -41,7 +41,9 @@ def fill(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Resul
         values |= {name: float(problem.system.part(state, name)[0]) for name in c.scalars}
         even = np.linspace(0.0, scene.bubbling_bed.height, EVEN)
         evenly = Probe(plan.mesh, even[None, :])
-        at = {name: evenly(space, nodal[name]) if name in nodal else value for name, value in values.items()}
+        at: dict[str, Any] = {
+            name: evenly(space, nodal[name]) if name in nodal else value for name, value in values.items()
+        }
         used = c.computed.recorded(at, even)[1]
         _computed(plan, values, positions, used, result)
     above = problem.above.part.fields if problem.above is not None else ()

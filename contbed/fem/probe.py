@@ -1,23 +1,35 @@
-"""Values of finite-element fields at given points, and along the axis of a bed."""
+"""Values of finite-element fields at given points, and along a line through a bed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from contbed.errors import SceneError
 from contbed.fem.elements import Space, lagrange
 from contbed.mesh.mesh import Mesh
 
+Array = NDArray[np.float64]
 SAMPLES = 12  # points in a cell of a line
+EVENLY = 401  # points along other meshes
+# shares of the width of the bed at which a line inside of the mesh is looked for, the middle first
+ACROSS = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9)
+ROUNDS = 30  # of Newton's method for the place of a point in its cell
+CLOSE = 1e-13  # change of a reference coordinate at which it ends
 
 
 class Probe:
-    """Interpolation at points (dim, n) of a mesh; the caller makes sure that all points lie inside."""
+    """Interpolation at points (dim, n) of a mesh.
 
-    def __init__(self, mesh: Mesh, points: Any):
+    Raises
+    ------
+    ValueError : a point lies outside of a mesh in more than one dimension
+    """
+
+    def __init__(self, mesh: Mesh, points: Array):
         grid = mesh.skfem
         if grid.dim() == 1:
             nodes = grid.p[0, grid.t]
@@ -29,45 +41,93 @@ class Probe:
         else:
             # scikit-fem splits quadrilaterals to search, and would look up every named facet in the result one by one
             self.cells = replace(grid, _boundaries=None, _subdomains=None).element_finder()(*points)
-            mapping = grid._mapping()
-            self.local = mapping.invF(points[:, :, None], tind=self.cells)[:, :, 0]
+            self.local = _local(mesh, self.cells, points)
 
-    def __call__(self, space: Space, values: Any) -> Any:
-        """Return the values (n,) of a nodal field (size,)."""
+    def __call__(self, space: Space, values: Array) -> Array:
+        """Return values (n,) of a nodal field (size,)."""
         table = space.element.table(self.local)
-        return (table * values[space.dofs[:, self.cells]]).sum(axis=0)
+        return np.asarray((table * values[space.dofs[:, self.cells]]).sum(axis=0))
 
-    def slope(self, space: Space, values: Any, axis: int) -> Any:
-        """Return the derivative (n,) of a nodal field along a coordinate; one-sided between cells."""
-        grid, element = space.mesh, space.element
-        corners = grid.p[:, grid.t[:, self.cells]]
-        geometry = lagrange(element.refdom, 1)
-        tables = [geometry.table(self.local, a) for a in range(element.dim)]
-        jacobian = np.array([np.einsum("ikn,kn->in", corners, table) for table in tables])
-        inverse = np.linalg.inv(np.moveaxis(jacobian, 2, 0))
+    def slope(self, space: Space, values: Array, axis: int) -> Array:
+        """Return the derivative (n,) of a nodal field along a coordinate, one-sided between cells."""
+        element = space.element
+        inverse = np.linalg.inv(np.moveaxis(_jacobian(space.mesh, self.cells, self.local), 2, 0))
         local = values[space.dofs[:, self.cells]]
         slopes = np.array([(element.table(self.local, a) * local).sum(axis=0) for a in range(element.dim)])
-        return np.einsum("nka,an->kn", inverse, slopes)[axis]
+        return np.asarray(np.einsum("nai,an->in", inverse, slopes)[axis])
 
 
-def axis_points(mesh: Mesh, wanted: Sequence[float] = ()) -> tuple[Any, Any]:
-    """Return positions along the bed axis [m] and the points (dim, n) on its centre line.
+@dataclass(frozen=True)
+class Line:
+    """Points along a bed: `positions` [m] on its axis, the `probe` there, and a `note` if it is not the middle."""
 
-    Positions are those that are `wanted`, in ascending order. Without any, a line is sampled at `SAMPLES` points in
-    each cell and other meshes at 401 equally spaced points. The centre line is that of the bounding box of the mesh.
+    positions: Array
+    probe: Probe
+    note: str = ""
+
+
+def line_along(mesh: Mesh, wanted: Sequence[float] = (), across: Sequence[float] | None = None) -> Line:
+    """Choose a line along the axis of a bed on which profiles are sampled.
+
+    Parameters
+    ----------
+    mesh : of the bed
+    wanted : positions [m]; without any, a line is sampled densely in each cell and other meshes at equal steps
+    across : the other coordinates [m] of the line, in the order of the mesh's; None for the middle of the bed, the axis
+        of a round one, or where that is not inside of the mesh all along, the nearest of a few lines that are
+
+    Raises
+    ------
+    SceneError : no such line lies in the mesh
     """
     grid = mesh.skfem
-    positions: Any = np.unique(wanted)
-    if not len(wanted):
+    low, high = grid.p.min(axis=1), grid.p.max(axis=1)
+    positions = np.unique(np.asarray(wanted, dtype=float))
+    if not len(positions):
         if grid.dim() == 1:
             nodes = np.unique(grid.p[0])
             fractions = np.arange(SAMPLES) / SAMPLES
             positions = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * fractions).ravel(), nodes[-1])
         else:
-            positions = np.linspace(grid.p[mesh.axis].min(), grid.p[mesh.axis].max(), 401)
-    points = np.empty((grid.dim(), len(positions)))
-    for k in range(grid.dim()):
-        low, high = grid.p[k].min(), grid.p[k].max()
-        points[k] = low if mesh.axisymmetric and k == 0 else 0.5 * (low + high)
-    points[mesh.axis] = positions
-    return positions, points
+            positions = np.linspace(low[mesh.axis], high[mesh.axis], EVENLY)
+    others = [k for k in range(grid.dim()) if k != mesh.axis]
+    names = ("r", "z") if mesh.axisymmetric else ("x", "y", "z")
+    middle = 0.0 if mesh.axisymmetric else 0.5
+    shares = (middle, *(share for share in ACROSS if share != middle))
+    lines = [tuple(low[others] + share * (high - low)[others]) for share in shares] if across is None else [across]
+    for k, place in enumerate(lines):
+        points = np.empty((grid.dim(), len(positions)))
+        points[mesh.axis], points[others] = positions, np.asarray(place)[:, None]
+        try:
+            probe = Probe(mesh, points)
+        except ValueError:
+            continue
+        where = ", ".join(f"{names[other]} = {value:.4g} m" for other, value in zip(others, place, strict=True))
+        return Line(positions, probe, f"profiles are taken at {where}: the middle is not in the mesh" if k else "")
+    raise SceneError(
+        "output: no line along the bed lies in the mesh from end to end; give output.positions that do, "
+        "or output.across, the other coordinates of the line"
+    )
+
+
+def _jacobian(grid: object, cells: NDArray[np.int64], local: Array) -> Array:
+    """Derivatives of the place with respect to the reference coordinates (dim, dim, n)."""
+    corners = grid.p[:, grid.t[:, cells]]  # type: ignore[attr-defined]
+    geometry = lagrange(grid.elem.refdom, 1)  # type: ignore[attr-defined]
+    tables = [geometry.table(local, a) for a in range(geometry.dim)]
+    return np.array([np.einsum("ikn,kn->in", corners, table) for table in tables]).swapaxes(0, 1)
+
+
+def _local(mesh: Mesh, cells: NDArray[np.int64], points: Array) -> Array:
+    """Reference coordinates (dim, n) of points in their cells, by Newton's method from the middle of the cell."""
+    grid = mesh.skfem
+    corners, geometry = grid.p[:, grid.t[:, cells]], lagrange(grid.elem.refdom, 1)
+    local = np.repeat(geometry.nodes.mean(axis=0)[:, None], points.shape[1], axis=1)
+    for _ in range(ROUNDS):
+        missing = points - np.einsum("ikn,kn->in", corners, geometry.table(local))
+        jacobian = np.moveaxis(_jacobian(grid, cells, local), 2, 0)
+        change = np.linalg.solve(jacobian, missing.T[:, :, None])[:, :, 0].T
+        local = local + change
+        if np.abs(change).max(initial=0.0) < CLOSE:
+            break
+    return local

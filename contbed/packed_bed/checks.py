@@ -17,7 +17,12 @@ from contbed.radiation.checks import (
 from contbed.radiation.scene import Radiation
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile, MeshLine
-from contbed.scene.mesh_checks import mesh_file_exists, names_exist, positions_lie_in_the_bed
+from contbed.scene.mesh_checks import (
+    mesh_file_exists,
+    names_exist,
+    positions_lie_in_the_bed,
+    the_line_of_profiles_fits_the_mesh,
+)
 from contbed.scene.quantities import ClosureFile
 from contbed.scene.tables import Closure, Fluid, FluidCantera, FluidConstant, FluidCoolProp
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
@@ -257,6 +262,7 @@ CHECKS: tuple[Check, ...] = (
     mesh_file_exists,
     the_packing_fits_the_bed,
     positions_lie_in_the_bed,
+    the_line_of_profiles_fits_the_mesh,
     fluids_make_sense,
     temperatures_lie_in_the_fluid_table,
     polynomials_stay_positive,

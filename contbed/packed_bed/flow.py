@@ -26,6 +26,7 @@ class Flow:
     system: System
     state: Any
     history: list[float]
+    porosity: float
 
     @property
     def velocity(self) -> Any:
@@ -34,8 +35,8 @@ class Flow:
 
     @property
     def pressure(self) -> Any:
-        """Nodal pressure, porosity times the intrinsic one (size,)."""
-        return self.system.part(self.state, "p")
+        """Nodal pressure of the fluid over that at the outlet [Pa] (size,); the form solves for porosity times this."""
+        return self.system.part(self.state, "p") / self.porosity
 
     def outflow(self, boundary: str) -> float:
         """Volume flow out of a boundary [m3/s]."""
@@ -86,7 +87,7 @@ def solve_flow(
         iterations=iterations,
         what="flow",
     )
-    return Flow(system, state, history)
+    return Flow(system, state, history, c.porosity)
 
 
 def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:

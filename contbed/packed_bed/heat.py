@@ -19,6 +19,7 @@ from contbed.packed_bed.medium import Medium
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
 
+INSIDE = ""  # in place of the name of a boundary: heat that enters the bed through none
 PHASES = ("fluid", "solid")
 ROUNDING = 1e-9  # relative change of temperatures up to which a correction counts as round-off
 REFINEMENTS = 3
@@ -235,9 +236,9 @@ class HeatProblem:
         return np.maximum(*errors) / max(high - low, 1e-9 * high)
 
     def fluxes(self, state: Any) -> dict[str, dict[str, float]]:
-        """Heat into the bed through each boundary by the stream of each phase, by walls and by radiation [W]; "species"
-        and "tubes" radiate at given temperatures. What prescribed temperatures conduct is in `reactions`. Streams
-        count from the lowest temperature of the scene.
+        """Heat into the bed through each boundary by the stream of each phase, by walls and by radiation [W]; under
+        `INSIDE` what species and tubes of given temperature radiate. What prescribed temperatures conduct is in
+        `reactions`. Streams count from the lowest temperature of the scene.
         """
         T_ref = self.T_span[0]
         out = {name: {"T_fluid": 0.0, "T_solid": 0.0, "wall": 0.0} for name in self.mesh.boundaries}
@@ -247,7 +248,8 @@ class HeatProblem:
             out[name]["wall"] += self._integral(two_energy.supplied, part, wall, state)
         if self.radiation is not None:
             for name, value in self.radiation.fluxes(self.mesh, self.system, state).items():
-                out.setdefault(name, {})["radiation"] = value
+                out[name]["radiation"] = value
+            out[INSIDE] = self.radiation.inside(self.mesh, self.system, state)
         return out
 
     def _integral(self, function: Any, part: Domain, wall: Any, state: Any) -> float:

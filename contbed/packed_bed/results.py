@@ -6,11 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fem.probe import Probe, axis_points
+from contbed.fem.probe import Line, line_along
 from contbed.fields import header
+from contbed.packed_bed.heat import INSIDE
 from contbed.packed_bed.plan import Plan
+from contbed.packed_bed.pressure import along_bed
 from contbed.result import Result
 
+VARIES = 1.05  # ratio of densities along a bed with no-slip walls beyond which a warning is given
 APART = 0.01  # difference of theta at which the phases count as being in equilibrium
 
 
@@ -19,22 +22,20 @@ def _theta(T: Any, span: tuple[float, float]) -> Any:
     return (T - low) / (high - low) if high > low else np.zeros_like(T)
 
 
-def flow_findings(plan: Plan, flow: Any, result: Result) -> None:
-    """Largest speed, pressure drop and pressure gradient, velocity along and across the bed."""
+def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
+    """Largest speed, pressure drop and pressure gradient, velocity and pressure along the bed."""
     space, _ = flow.system.fields["u"]
-    axis, positions = plan.mesh.axis, None
-    positions, points = axis_points(plan.mesh, plan.scene.output.positions)
-    probe = Probe(plan.mesh, points)
-    u = probe(space, flow.velocity[axis])
-    pressure = probe(flow.system.fields["p"][0], flow.pressure)
-    result.profiles = {header(plan.coordinate): positions, "u [m/s]": u, "p [Pa]": pressure}
+    axis = plan.mesh.axis
+    u = line.probe(space, flow.velocity[axis])
+    pressure = line.probe(flow.system.fields["p"][0], flow.pressure)
+    result.profiles = {header(plan.coordinate): line.positions, header("u"): u, header("p"): pressure}
     outlets = [name for name, kind in plan.conditions.items() if kind == "outlet"]
     facets = np.concatenate([plan.mesh.skfem.boundaries[name] for name in outlets])
     result.qoi |= {
         "u_max": float(np.sqrt((flow.velocity**2).sum(axis=0)).max()),
         "u_max_outlet": float(np.abs(flow.velocity[axis, space.on_facets(facets)]).max()),
         "pressure_drop_Pa": float(pressure[0] - pressure[-1]) * (1.0 if plan.velocity[axis] >= 0 else -1.0),
-        "pressure_gradient_Pa_m": _developed_gradient(positions, pressure),
+        "pressure_gradient_Pa_m": _developed_gradient(line.positions, pressure),
     }
 
 
@@ -45,16 +46,23 @@ def _developed_gradient(x: Any, p: Any) -> float:
     return float((p[high] - p[low]) / (x[high] - x[low]))
 
 
-def steady_findings(plan: Plan, problem: Any, state: Any, fluxes: Any, reactions: Any, result: Result) -> None:
+def steady_findings(
+    plan: Plan, line: Line, problem: Any, state: Any, fluxes: Any, reactions: Any, result: Result
+) -> None:
     """Profiles, outlet temperatures, equilibrium and its length."""
-    fluid, solid = _profiles(plan, problem, [state], None, result)
+    fluid, solid = _profiles(plan, line, problem, [state], None, result)
     span = problem.T_span
     result.nodal |= _nodal(problem, state)
-    _outlets(plan, problem, state, result)
+    _outlets(problem, state, result)
+    _exchanger(plan, problem, state, fluxes, result)
     heats = {name: value + sum(fluxes[name].values()) for name, value in reactions.items()}
     result.qoi |= {f"heat_{plan.as_written(name)}_W": value for name, value in heats.items()}
-    if "tubes" in fluxes:
-        result.qoi["heat_tubes_W"] = fluxes["tubes"]["radiation"]
+    if "tubes" in fluxes.get(INSIDE, {}):
+        # a boundary may be called tubes as well
+        name = "heat_tubes_W" if "tubes" not in reactions else "heat_immersed_tubes_W"
+        result.qoi[name] = fluxes[INSIDE]["tubes"]
+    result.units |= {key: plan.power_unit for key in result.qoi if key.startswith("heat_") and key.endswith("_W")}
+    result.units |= {key: plan.power_unit for key in ("duty_W",) if key in result.qoi}
     if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
         x = result.profiles[header(plan.coordinate)]
         gap = _theta(solid, span) - _theta(fluid, span)
@@ -72,21 +80,47 @@ def _equilibrium(x: Any, gap: Any, mean: Any, result: Result) -> None:
     result.qoi["equilibrium_length_m"] = float(x[k] + (x[k + 1] - x[k]) * np.log(a / APART) / np.log(a / b))
 
 
-def _outlets(plan: Plan, problem: Any, state: Any, result: Result) -> None:
-    """Mean outlet temperature of each stream, weighted with its mass flux."""
+def _streams(problem: Any, state: Any, leaving: bool) -> dict[str, tuple[float, float]]:
+    """Mass flow and mean temperature, weighted with it, of each stream that leaves or enters, by phase."""
+    sign, found = 1.0 if leaving else -1.0, {}
     for phase in ("fluid", "solid"):
         carried = flow = 0.0
         for _, part, wall in problem.walls:
             if wall.name != f"T_{phase}" or wall.mass_flux is None:
                 continue
-            out = problem.system.integrate(lambda u, o, c=wall: o.dot(c.mass_flux, o.n), [part], state)
+            out = sign * problem.system.integrate(lambda u, o, c=wall: o.dot(c.mass_flux, o.n), [part], state)
             if out > 0:
                 flow += out
-                carried += problem.system.integrate(
+                carried += sign * problem.system.integrate(
                     lambda u, o, c=wall: o.dot(c.mass_flux, o.n) * getattr(u, c.name), [part], state
                 )
         if flow > 0:
-            result.qoi[f"T_{phase}_out_K"] = carried / flow
+            found[phase] = flow, carried / flow
+    return found
+
+
+def _outlets(problem: Any, state: Any, result: Result) -> None:
+    """Mean outlet temperature of each stream."""
+    leaving = _streams(problem, state, leaving=True)
+    result.qoi |= {f"T_{phase}_out_K": T for phase, (_, T) in leaving.items()}
+
+
+def _exchanger(plan: Plan, problem: Any, state: Any, fluxes: Any, result: Result) -> None:
+    """Heat that the fluid takes up, and its share of the most that streams of these inlets could exchange."""
+    entering = _streams(problem, state, leaving=False)
+    if "fluid" not in entering:
+        return
+    duty = -sum(flux["T_fluid"] for flux in fluxes.values() if "T_fluid" in flux)
+    result.qoi |= {"duty_W": duty, "heat_reference_K": problem.T_span[0]}
+    if len(entering) < 2:
+        return
+    temperatures = [T for _, T in entering.values()]
+    contents = [
+        flow * abs(float(np.ptp(getattr(plan.medium, phase).enthalpy(np.array(temperatures)))))
+        for phase, (flow, _) in entering.items()
+    ]
+    if min(contents) > 0.0:
+        result.qoi["effectiveness"] = abs(duty) / min(contents)
 
 
 def _nodal(problem: Any, state: Any) -> dict[str, Any]:
@@ -94,13 +128,44 @@ def _nodal(problem: Any, state: Any) -> dict[str, Any]:
     return {name: (space, problem.system.part(state, name)) for name in problem.system.fields}
 
 
-def _profiles(plan: Plan, problem: Any, states: list[Any], times: list[float] | None, result: Result) -> Any:
-    positions, points = axis_points(plan.mesh, plan.scene.output.positions)
-    probe = Probe(plan.mesh, points)
+def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], result: Result) -> None:
+    """Velocity, density and pressure of the fluid along the bed; the last state gives the pressure drop."""
+    axis, medium = plan.mesh.axis, plan.medium
+    velocity, solid = float(plan.velocity[axis]), float(plan.velocity_solid[axis])
+    space = problem.system.fields["T_fluid"][0]
+    if plan.plug and velocity:
+        # from end to end, also where profiles are wanted at a few positions only
+        whole = line_along(plan.mesh, across=plan.scene.output.across) if plan.scene.output.positions else line
+        x, places = whole.positions, line.positions
+        temperatures = [whole.probe(space, problem.system.part(state, "T_fluid")) for state in states]
+        streams = [along_bed(medium, x, T, velocity, solid) for T in temperatures]
+        for name, column in (("u", "u"), ("rho_fluid", "density"), ("p", "pressure")):
+            values = [np.interp(places, x, getattr(stream, column)) for stream in streams]
+            result.profiles[header(name)] = np.concatenate(values)
+        result.qoi["pressure_drop_Pa"] = float(abs(streams[-1].pressure[-1] - streams[-1].pressure[0]))
+    elif not plan.plug and len(states) == 1:
+        T = line.probe(space, problem.system.part(states[0], "T_fluid"))
+        density = np.broadcast_to(medium.fluid.density(T), T.shape)
+        scale = medium.mass_flux_scale()
+        result.profiles[header("rho_fluid")] = density
+        result.profiles[header("u")] = result.profiles[header("u")] * scale / density
+        spread = float(max(density.max() / scale, scale / density.min()))
+        if spread > VARIES:
+            result.warnings.append(
+                f"the density of the fluid changes by a factor of {spread:.3g} from that at the inlet, with which flow "
+                "and pressure beside no-slip walls are solved; without such walls they follow the temperature"
+            )
+
+
+def _profiles(
+    plan: Plan, line: Line, problem: Any, states: list[Any], times: list[float] | None, result: Result
+) -> Any:
+    positions, probe = line.positions, line.probe
     space = problem.system.fields["T_fluid"][0]
     fluid = np.array([probe(space, problem.system.part(state, "T_fluid")) for state in states])
     solid = np.array([probe(space, problem.system.part(state, "T_solid")) for state in states])
     _columns(plan, positions, fluid, solid, problem.T_span, times, result)
+    _stream(plan, line, problem, states, result)
     if problem.radiation is not None:
         G = [problem.system.part(state, "G") for state in states]
         slope = [probe.slope(space, values, plan.mesh.axis) for values in G]
@@ -127,7 +192,7 @@ def _columns(
     result.profiles = columns | {k: v for k, v in result.profiles.items() if times is None and k not in columns}
 
 
-def transient_findings(plan: Plan, problem: Any, history: Any, result: Result) -> None:
+def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, result: Result) -> None:
     """Profiles at the output times, fields of each, number of steps."""
     result.qoi |= {"time_steps": history.steps, "time_reached_s": history.time}
     times, snapshots = [*history.times], [*history.snapshots]
@@ -136,11 +201,11 @@ def transient_findings(plan: Plan, problem: Any, history: Any, result: Result) -
         snapshots.append(history.state)
     if not snapshots:
         return
-    _profiles(plan, problem, snapshots, times, result)
+    _profiles(plan, line, problem, snapshots, times, result)
     flow = dict(result.nodal)
     result.series = [(time, flow | _nodal(problem, state)) for time, state in zip(times, snapshots, strict=True)]
     result.nodal |= _nodal(problem, snapshots[-1])
-    _outlets(plan, problem, snapshots[-1], result)
+    _outlets(problem, snapshots[-1], result)
 
 
 def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Result) -> None:

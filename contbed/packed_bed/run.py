@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from contbed.balance import Balance
+from contbed.fem.probe import Line, line_along
 from contbed.packed_bed.plan import Plan
 from contbed.result import Result, outside
 
@@ -31,17 +32,20 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
             _track_fronts(plan, result)
         return
     for attempt in range(plan.adaptations + 1):
+        # before anything is solved, as a line that leaves the mesh is a mistake of the scene
+        line = line_along(plan.mesh, scene.output.positions, scene.output.across)
+        result.warnings += [line.note] if line.note and line.note not in result.warnings else []
         flow = None
         if not plan.plug:
             with result.timed("flow"):
-                flow = _flow(plan, result)
+                flow = _flow(plan, line, result)
         if scene.heat is None:
             return
         problem = _heat_problem(plan, flow, result)
         if scene.time is not None:
-            _transient(plan, problem, result, folder, quiet, start)
+            _transient(plan, line, problem, result, folder, quiet, start)
             return
-        error = _steady(plan, problem, result, last=attempt == plan.adaptations)
+        error = _steady(plan, line, problem, result, last=attempt == plan.adaptations)
         if error is None:
             return
         plan = result.plan = plan.refined(error)
@@ -59,7 +63,7 @@ def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:
     return problem
 
 
-def _flow(plan: Plan, result: Result) -> Any:
+def _flow(plan: Plan, line: Line, result: Result) -> Any:
     from contbed.packed_bed.flow import coefficients, solve_flow
 
     scene, options = plan.scene, plan.scene.solver
@@ -79,7 +83,7 @@ def _flow(plan: Plan, result: Result) -> Any:
     result.nodal |= {"u": (flow.system.fields["u"][0], flow.velocity), "p": (flow.system.fields["p"][0], flow.pressure)}
     from contbed.packed_bed.results import flow_findings
 
-    flow_findings(plan, flow, result)
+    flow_findings(plan, line, flow, result)
     return flow
 
 
@@ -96,7 +100,7 @@ def _steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, 
     return fluxes, reactions, balance
 
 
-def _steady(plan: Plan, problem: Any, result: Result, last: bool) -> Any | None:
+def _steady(plan: Plan, line: Line, problem: Any, result: Result, last: bool) -> Any | None:
     """Solve and report; or, on a mesh that may still be refined and should be, return the error of each cell."""
     from contbed.packed_bed.results import steady_findings
 
@@ -115,13 +119,14 @@ def _steady(plan: Plan, problem: Any, result: Result, last: bool) -> Any | None:
                 return error
             result.qoi["estimated_error"] = float(error.max())
         result.balances["energy"] = balance
-        steady_findings(plan, problem, state, fluxes, reactions, result)
+        steady_findings(plan, line, problem, state, fluxes, reactions, result)
         _check_state(plan, problem, [state], result)
     return None
 
 
 def _transient(
     plan: Plan,
+    line: Line,
     problem: Any,
     result: Result,
     folder: Path | None,
@@ -155,7 +160,7 @@ def _transient(
                 source = problem.source() * history.time
                 held = problem.throughput() * history.time + problem.capacity()
                 result.balances["energy"] = _heat_balance(fluxes, reactions, source, history.gain, "J", held)
-            transient_findings(plan, problem, history, result)
+            transient_findings(plan, line, problem, history, result)
             if history.snapshots:
                 problem.steady(history.snapshots[-1], False)  # closures as used at the last output
             _check_state(plan, problem, history.snapshots, result)

@@ -10,7 +10,12 @@ from contbed.errors import SceneError
 from contbed.radiation.scene import Radiation
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh
-from contbed.scene.mesh_checks import boundaries_exist, mesh_file_exists, positions_lie_in_the_bed
+from contbed.scene.mesh_checks import (
+    boundaries_exist,
+    mesh_file_exists,
+    positions_lie_in_the_bed,
+    the_line_of_profiles_fits_the_mesh,
+)
 from contbed.scene.tables import Packing
 
 
@@ -116,4 +121,5 @@ CHECKS: tuple[Check, ...] = (
     boundaries_exist,
     mesh_file_exists,
     positions_lie_in_the_bed,
+    the_line_of_profiles_fits_the_mesh,
 )

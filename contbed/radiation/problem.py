@@ -119,8 +119,12 @@ class RadiationCoupling:
         return emission(self.optics, surfaces(self.scene, mesh, system), mesh, system.measure.get("section", 1.0))
 
     def fluxes(self, mesh: Mesh, system: System, state: Any) -> dict[str, float]:
-        """Radiation into the bed through each boundary, from species of given temperature and from tubes [W]."""
-        out = boundary_fluxes(surfaces(self.scene, mesh, system), system, state)
+        """Radiation into the bed through each boundary [W]."""
+        return boundary_fluxes(surfaces(self.scene, mesh, system), system, state)
+
+    def inside(self, mesh: Mesh, system: System, state: Any) -> dict[str, float]:
+        """Radiation into the bed from "species" of given temperature and from immersed "tubes" [W]."""
+        out: dict[str, float] = {}
         if self.optics.passive:
             out["species"] = given_off(self.optics, system, state)
         sink = self._tubes(mesh)

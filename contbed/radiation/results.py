@@ -6,20 +6,25 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fem.probe import Probe, axis_points
+from contbed.fem.probe import Line
 from contbed.fields import header
 from contbed.radiation.plan import Plan
 from contbed.result import Result
 
 
 def fill(
-    plan: Plan, problem: Any, state: Any, fluxes: dict[str, float], conducted: dict[str, float], result: Result
+    plan: Plan,
+    line: Line,
+    problem: Any,
+    state: Any,
+    fluxes: dict[str, float],
+    conducted: dict[str, float],
+    result: Result,
 ) -> None:
     """Temperature, G and radiative flux along the axis; heat through each boundary; between two plates the
     dimensionless flux q/(sigma (T1^4 - T2^4)) and the temperature slip 1 - Phi(0).
     """
-    positions, points = axis_points(plan.mesh, plan.scene.output.positions)
-    probe = Probe(plan.mesh, points)
+    positions, probe = line.positions, line.probe
     space, G, temperature = problem.space, problem.incident(state), problem.temperature(state)
     result.profiles = {
         header(plan.coordinate): positions,

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contbed.balance import Balance
+from contbed.fem.probe import line_along
 from contbed.radiation.plan import Plan
 from contbed.radiation.problem import RadiationProblem, emission
 from contbed.radiation.results import fill
@@ -19,6 +20,8 @@ NOTICED = 1e-2  # share of the emission of medium and walls below which rounding
 
 def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
     """Solve and fill the result; a steady solution keeps no checkpoint and needs no folder."""
+    line = line_along(plan.mesh, plan.scene.output.positions, plan.scene.output.across)
+    result.warnings += [line.note] if line.note else []
     with result.timed("radiation"):
         problem = _problem(plan)
         state, history = problem.solve(plan.policy)
@@ -28,7 +31,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     result.balances["energy"] = Balance.of_fluxes(
         [*fluxes.values(), *conducted.values()], "W", problem.released(state), floor=NOTICED * held
     ).as_dict()
-    fill(plan, problem, state, fluxes, conducted, result)
+    fill(plan, line, problem, state, fluxes, conducted, result)
 
 
 def _problem(plan: Plan) -> RadiationProblem | OrdinatesProblem:

@@ -57,6 +57,20 @@ def positions_lie_in_the_bed(mesh: Mesh, output: Output, see: See) -> Mistakes:
             )
 
 
+def the_line_of_profiles_fits_the_mesh(mesh: Mesh, output: Output, see: See) -> Mistakes:
+    if output.across is None:
+        return
+    path = ("output", "across")
+    if len(output.across) != mesh.dimension - 1:
+        yield path, f"has {len(output.across)} coordinates, the mesh needs {mesh.dimension - 1}; see {see('mesh.type')}"
+    elif not isinstance(mesh, MeshFile):
+        axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
+        extents = [extent for k, extent in enumerate(mesh.extents) if k != axis]
+        for index, (place, extent) in enumerate(zip(output.across, extents, strict=True)):
+            if not 0 <= place <= extent:
+                yield (*path, index), f"outside of the bed, 0 to {extent:g} m; see {see('mesh.type')}"
+
+
 def boundaries_exist(mesh: Mesh, boundary: Mapping[str, Any]) -> Mistakes:
     """Check that a built-in mesh has the boundaries that the scene names."""
     yield from names_exist(mesh, boundary, {})

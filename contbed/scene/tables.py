@@ -125,6 +125,10 @@ class Output(Table):
     """What a run writes besides summary.json."""
 
     positions: tuple[Position, ...] = Field((), description="profile positions along the axis; automatic if empty")
+    across: tuple[Position, ...] | None = Field(
+        None,
+        description="other coordinates of the line of profiles; absent: the middle, or a line inside of the mesh",
+    )
     fields: Switch = True
     plots: Switch = True
 
