@@ -37,7 +37,7 @@ def fill(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Resul
         along = {name: probe(space, nodal[name]) for name in chemistry.part.fields}
         result.profiles |= chemistry_results.profiles(chemistry, along)
     if c.computed is not None:
-        values = {name: probe(space, nodal[name]) for name in c.fields}
+        values: dict[str, Any] = {name: probe(space, nodal[name]) for name in c.fields}
         values |= {name: float(problem.system.part(state, name)[0]) for name in c.scalars}
         even = np.linspace(0.0, scene.bubbling_bed.height, EVEN)
         evenly = Probe(plan.mesh, even[None, :])

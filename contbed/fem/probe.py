@@ -111,7 +111,7 @@ def line_along(mesh: Mesh, wanted: Sequence[float] = (), across: Sequence[float]
 
 
 def _jacobian(grid: object, cells: NDArray[np.int64], local: Array) -> Array:
-    """Derivatives of the place with respect to the reference coordinates (dim, dim, n)."""
+    """Return derivatives of the place with respect to the reference coordinates (dim, dim, n)."""
     corners = grid.p[:, grid.t[:, cells]]  # type: ignore[attr-defined]
     geometry = lagrange(grid.elem.refdom, 1)  # type: ignore[attr-defined]
     tables = [geometry.table(local, a) for a in range(geometry.dim)]
@@ -119,7 +119,7 @@ def _jacobian(grid: object, cells: NDArray[np.int64], local: Array) -> Array:
 
 
 def _local(mesh: Mesh, cells: NDArray[np.int64], points: Array) -> Array:
-    """Reference coordinates (dim, n) of points in their cells, by Newton's method from the middle of the cell."""
+    """Find the reference coordinates (dim, n) of points in their cells by Newton's method from the middle of each."""
     grid = mesh.skfem
     corners, geometry = grid.p[:, grid.t[:, cells]], lagrange(grid.elem.refdom, 1)
     local = np.repeat(geometry.nodes.mean(axis=0)[:, None], points.shape[1], axis=1)
