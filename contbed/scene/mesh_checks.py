@@ -58,6 +58,7 @@ def positions_lie_in_the_bed(mesh: Mesh, output: Output, see: See) -> Mistakes:
 
 
 def the_line_of_profiles_fits_the_mesh(mesh: Mesh, output: Output, see: See) -> Mistakes:
+    """Find coordinates of output.across that are too many, too few, or outside of a built-in mesh."""
     if output.across is None:
         return
     path = ("output", "across")
