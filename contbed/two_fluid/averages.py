@@ -57,8 +57,9 @@ class Averages:
             self.sums[name][half] += bed.state.dt * value
 
     def means(self, half: int | None = None) -> dict[str, np.ndarray]:
-        """Fields of averages: eps_s, p, phase-weighted velocities, temperatures, theta and theta_total; of all or of
-        one half.
+        """Return fields of averages, of all or of one half.
+
+        They are eps_s, p, phase-weighted velocities, temperatures, theta and theta_total.
         """
         weight = self.weight.sum() if half is None else self.weight[half]
         pick = slice(None) if half is None else slice(half, half + 1)
@@ -80,8 +81,8 @@ class Averages:
         }
 
     def forces(self) -> np.ndarray:
-        """Means of `momentum_budget.forces` [N]."""
-        return self.sums["forces"].sum(axis=0) / self.weight.sum()
+        """Return the means of `momentum_budget.forces` [N]."""
+        return np.asarray(self.sums["forces"].sum(axis=0) / self.weight.sum())
 
     def drift(self) -> float:
         """Largest difference of the two halves in eps_s, over its mean: 0 for converged averages."""

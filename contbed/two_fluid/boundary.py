@@ -32,13 +32,15 @@ class Wall:
 
 
 def symmetry() -> Wall:
-    """A plane of symmetry, or the axis."""
+    """Return the condition of a plane of symmetry, or of the axis."""
     return Wall(gas="slip", solid="slip")
 
 
 @dataclass(frozen=True)
 class Inlet:
-    """Gas at a superficial `velocity` [m/s] normal to the boundary, and solids of fraction `eps_s` either with the mass
+    """Gas and solids that enter.
+
+    Gas enters at a superficial `velocity` [m/s] normal to the boundary, solids of fraction `eps_s` either with the mass
     flux `solid_flux` [kg/m2/s] or with the velocity `solid_velocity` [m/s]; `theta` [m2/s2] is what they bring.
     """
 
@@ -99,7 +101,7 @@ class Edge(NamedTuple):
 
 
 def assemble(grid: Grid, conditions: Mapping[str, Condition], rho_solid: float) -> Edge:
-    """The conditions by boundary name, face by face.
+    """Assemble the conditions by boundary name, face by face.
 
     Raises
     ------

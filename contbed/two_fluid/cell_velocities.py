@@ -82,7 +82,7 @@ def gather_gas(
 def gather_solid(
     g: Geometry, faces: FaceVelocities, s: Array, grad_new: Array, grad_h: Array, corrected: bool, out: Gathered
 ) -> None:
-    """The same for the particles; a face that few of a cell's particles reach has little weight in their velocity."""
+    """Gather cell vectors of the particles; a face that few of a cell's particles reach has little weight."""
     ni, dim = len(g.right), len(g.axes)
     new, old = out.solid, out.h_solid
     moment = np.zeros((len(s), dim, dim))
@@ -141,7 +141,9 @@ def divergence_solid(g: Geometry, faces: FaceVelocities, s: Array, u: Array, out
 
 @kernel
 def face_residual(g: Geometry, edge: Edge, face: Array, u: Array, grad: Array, out: Array) -> None:
-    """The part `out` (nf,) [m/s] of the normal gas velocity on interior faces and outlets that cells do not give back.
+    """Set the part `out` (nf,) [m/s] of the normal gas velocity that the cells beside a face do not give back.
+
+    Zero but on interior faces and outlets.
 
     u (nc, dim) are the gathered velocities, `grad` (nc, dim, dim) their gradients, used on skewed grids.
     """

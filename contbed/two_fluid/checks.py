@@ -6,12 +6,15 @@ from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
 from contbed.scene import mesh as meshes
 from contbed.scene.checking import Mistakes, See
+from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import Origin
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, GIVES, HEAT_KINDS, KINDS
+from contbed.two_fluid.heat.scene import Heat
 
 
 def mesh_has_cells(mesh: meshes.Mesh, origin: Origin) -> Mistakes:
+    """Check that the mesh is a file that exists or has a number of cells."""
     if isinstance(mesh, meshes.MeshFile):
         if not (origin.base / mesh.file).is_file():
             yield ("mesh", "file"), f"no such file; looked for {(origin.base / mesh.file).absolute()}"
@@ -20,6 +23,7 @@ def mesh_has_cells(mesh: meshes.Mesh, origin: Origin) -> Mistakes:
 
 
 def closures_exist(two_fluid: t.TwoFluid, origin: Origin) -> Mistakes:
+    """Check that every closure of [two_fluid] exists and can be called."""
     for key, kind in KINDS.items():
         chosen = getattr(two_fluid, key)
         if chosen == ABSENT:
@@ -33,6 +37,7 @@ def closures_exist(two_fluid: t.TwoFluid, origin: Origin) -> Mistakes:
 
 
 def fractions_fit(initial: t.Initial, boundary: dict[str, t.Boundary], solid: t.Solid, see: See) -> Mistakes:
+    """Check that no fraction is above the packing limit."""
     known = see("solid.packing")
     if initial.eps_s * (1.0 + initial.noise) > solid.packing:
         yield ("initial", "eps_s"), f"denser than the densest packing with its noise; see {known}"
@@ -49,6 +54,7 @@ def fractions_fit(initial: t.Initial, boundary: dict[str, t.Boundary], solid: t.
 
 
 def boundaries_are_complete(boundary: dict[str, t.Boundary], mesh: meshes.Mesh) -> Mistakes:
+    """Check that each side of the mesh has one condition, and conditions what they need."""
     sides = () if isinstance(mesh, meshes.MeshFile) else tuple(name for pair in mesh.sides for name in pair)
     partners = {part.partner for part in boundary.values() if isinstance(part, t.Periodic)}
     for name, part in boundary.items():
@@ -75,17 +81,19 @@ def boundaries_are_complete(boundary: dict[str, t.Boundary], mesh: meshes.Mesh) 
 
 
 def what_enters_can_leave(boundary: dict[str, t.Boundary]) -> Mistakes:
+    """Check that there is an outlet where something enters."""
     inlets = [name for name, part in boundary.items() if isinstance(part, t.Inlet)]
     if inlets and not any(isinstance(part, t.Outlet) for part in boundary.values()):
         yield ("boundary", inlets[0]), "enters but nothing leaves; one boundary has to be of type 'outlet'"
 
 
-def conducts(heat: t.Heat) -> bool:
+def conducts(heat: Heat) -> bool:
     """Whether any heat is conducted."""
     return heat.conductivity_bed is not None or heat.effective_gas + heat.effective_solid > 0
 
 
 def pulses_end_in_an_inlet(boundary: dict[str, t.Boundary]) -> Mistakes:
+    """Check that an inlet that ends is a piece of one that does not."""
     for name, part in boundary.items():
         if isinstance(part, t.Inlet) and part.until is not None:
             whole = boundary.get(part.on or "")
@@ -94,9 +102,10 @@ def pulses_end_in_an_inlet(boundary: dict[str, t.Boundary]) -> Mistakes:
 
 
 def heat_is_complete(
-    heat: t.Heat | None, initial: t.Initial, boundary: dict[str, t.Boundary], time: t.Time, see: See
+    heat: Heat | None, initial: t.Initial, boundary: dict[str, t.Boundary], time: t.Time, see: See
 ) -> Mistakes:
-    places: list[tuple[tuple, t.Table]] = [(("initial",), initial)]
+    """Check that temperatures are given where there is heat, and only there."""
+    places: list[tuple[tuple[str | int, ...], Table]] = [(("initial",), initial)]
     places += [(("initial", "layer", k), layer) for k, layer in enumerate(initial.layer)]
     places += [(("boundary", name), part) for name, part in boundary.items()]
     if heat is None:
@@ -119,7 +128,8 @@ def heat_is_complete(
         yield ("time", "order"), f"heat is of first order in time; see {see('heat')}"
 
 
-def closures_of_heat_exist(heat: t.Heat | None, origin: Origin) -> Mistakes:
+def closures_of_heat_exist(heat: Heat | None, origin: Origin) -> Mistakes:
+    """Check that the closures of [heat] exist and can be called."""
     for key, kind in HEAT_KINDS.items() if heat is not None else ():
         chosen = getattr(heat, key)
         if not named(chosen):
@@ -140,6 +150,7 @@ def closures_of_heat_exist(heat: t.Heat | None, origin: Origin) -> Mistakes:
 
 
 def times_are_in_order(time: t.Time, see: See) -> Mistakes:
+    """Check that times of averages and steps are in order."""
     if time.average_from is not None and time.average_from >= time.end:
         yield ("time", "average_from"), f"is not before the end; see {see('time.end')}"
     if time.first > time.longest:

@@ -68,7 +68,7 @@ class Laws:
 
 
 def make(materials: Materials, particles: Particles, bound: Bound) -> Laws:
-    """The laws that follow from closures by kind; None where there is no such physics."""
+    """Make the functions of all cells from closures by kind; None where there is no such physics."""
     counts = np.zeros(3, dtype=np.int64)
     drag, own = _drag(bound["drag"]), own_values(bound["drag"])
     theory = tuple(bound[kind] for kind in THEORY)
@@ -121,7 +121,7 @@ def _drag_in_cells(eps_s: Any, slip: Any, gas: Any, own: Any, out: Any) -> None:
 
 
 def _granular(theory: tuple[BoundClosure | None, ...]) -> Callable[..., None]:
-    """The kinetic theory in all cells, of closures in the order of THEORY, and friction from its table."""
+    """Compile the kinetic theory of closures in the order of THEORY, and friction from its table."""
     names = ("contact", "pressure", "viscosity", "bulk", "conductivity", "dissipation")
     faces = {name: face(closure, GIVES[kind]) for name, kind, closure in zip(names, THEORY, theory, strict=True)}
     packs = theory[0] is not None and "eps_max" in theory[0].takes

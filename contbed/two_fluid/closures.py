@@ -51,7 +51,7 @@ Bound = Mapping[str, BoundClosure | None]
 
 
 def bound(scene: t.TwoFluidScene) -> Bound:
-    """The closures of a scene by kind, None for what is absent."""
+    """Bind the closures of a scene by kind, None for what is absent."""
     flow, base = scene.two_fluid, scene.origin.base
     chosen = {kind: getattr(flow, key) for key, kind in KINDS.items()}
     found = {kind: None if spec == ABSENT else bind(spec, kind, GIVES[kind], base) for kind, spec in chosen.items()}

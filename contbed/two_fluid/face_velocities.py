@@ -57,8 +57,10 @@ class Velocities(NamedTuple):
 
 
 class FaceGradients(NamedTuple):
-    """What faces see beside two cell values: gradients (nc, dim, dim) of H and of the forces, used on skewed grids, and
-    the memory (nf,) [m/s] of the gas velocity that cell velocities did not give back.
+    """What faces see beside two cell values.
+
+    Gradients (nc, dim, dim) of H and of the forces, used on skewed grids, and the memory (nf,) [m/s] of the gas
+    velocity that cell velocities did not give back.
     """
 
     h_gas: Array

@@ -35,8 +35,10 @@ SMALLEST_ROOT = 1e-150  # [m/s] whose square is not subnormal
 
 
 class Granular(NamedTuple):
-    """theta (nc,) [m2/s2] after a step, its rate (nc, 1) [m2/s3] without convection, and 1 over the longest stable step
-    with the heat of compression [1/s].
+    """Result of a step.
+
+    theta (nc,) [m2/s2], its rate (nc, 1) [m2/s3] without convection, and 1 over the longest stable step with the heat
+    of compression [1/s].
     """
 
     theta: Array
@@ -46,8 +48,10 @@ class Granular(NamedTuple):
 
 
 class GranularTerms(NamedTuple):
-    """Terms of granular energy (nc,): (dissipation + 3 beta theta)/theta [W s2/m5], p_solid/theta [kg/m3], divergence
-    of the solids [1/s] and source [W/m3].
+    """Terms of granular energy (nc,).
+
+    (dissipation + 3 beta theta)/theta [W s2/m5], p_solid/theta [kg/m3], divergence of the solids [1/s] and source
+    [W/m3].
     """
 
     sink: Array
@@ -155,8 +159,9 @@ def max_compression_rate(
 
 @kernel
 def mark_negative(g: Geometry, dt: float, s: Array, old: Array, rhs: Array, first_order: Flags) -> bool:
-    """Mark the cells where convection alone would make theta negative, and their neighbours; return whether any was not
-    marked before.
+    """Mark the cells where convection alone would make theta negative, and their neighbours.
+
+    Return whether any was not marked before.
     """
     found = False
     for f in range(len(g.left)):
@@ -241,8 +246,9 @@ def _transport(
 def _balanced(
     theta: Array, s: Array, production: Array, divergence: Array, properties: Properties, model: Model
 ) -> Array:
-    """Granular temperature at which production balances dissipation, a quadratic for its square root. Compression
-    is left aside: few particles would need theta as 1/eps_s^2 to lose what it gives.
+    """Granular temperature at which production balances dissipation, a quadratic for its square root.
+
+    Compression is left aside: few particles would need theta as 1/eps_s^2 to lose what it gives.
     """
     r, root = properties.rheology, np.sqrt(theta)
     factor = np.where(root > 0, np.maximum(production, 0.0) / np.maximum(root, SMALLEST_ROOT), 0.0)

@@ -56,8 +56,10 @@ class Options:
 
 
 class Sources(NamedTuple):
-    """Sources per volume, zero unless set: of solids and gas volume (nc,) [1/s], accelerations (nc, dim) [m/s2] of both
-    phases, and granular energy (nc,) [W/m3].
+    """Sources per volume, zero unless set.
+
+    Of solids and gas volume (nc,) [1/s], accelerations (nc, dim) [m/s2] of both phases, and granular energy (nc,)
+    [W/m3].
     """
 
     solid: Array

@@ -29,7 +29,7 @@ def momentum(bed: Simulation) -> float:
 
 
 def forces(bed: Simulation, before: float) -> Array:
-    """The SHARES and the weight [N] in the last step; `before` it the momentum was that."""
+    """Return the SHARES and the weight [N] in the last step; `before` it the momentum was that."""
     state, model = bed.state, bed.model
     g, first, edge, s = model.grid.geometry, model.grid.interior, model.edge, state.eps_s
     cells, area, n = model.boundary_cells, g.area[first:], g.normal[first:, -1]
@@ -55,7 +55,7 @@ def forces(bed: Simulation, before: float) -> Array:
 
 
 def shares(mean: Array) -> dict[str, float]:
-    """The SHARES of averaged `forces`, and what is missing, over the weight."""
+    """Return the SHARES of averaged `forces`, and what is missing, over the weight."""
     *parts, weight = mean
     *carriers, change = parts
     named = {f"weight_{name}": float(value / weight) for name, value in zip(SHARES, parts, strict=True)}

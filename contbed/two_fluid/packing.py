@@ -27,8 +27,9 @@ class FrictionTable(NamedTuple):
 
 
 class Solids(NamedTuple):
-    """Solids fraction (nc,), K = beta/eps_s (nc,) [kg/m3/s] and stiffness d p_solid/d eps_s/rho_s (nc,) [m2/s2] at the
-    start of a step; density [kg/m3].
+    """Solids at the start of a step.
+
+    Fraction (nc,), K = beta/eps_s (nc,) [kg/m3/s] and stiffness d p_solid/d eps_s/rho_s (nc,) [m2/s2]; density [kg/m3].
     """
 
     eps_s: Array

@@ -44,14 +44,14 @@ class TwoFluidPlan:
         return Policy(self.grid.dimension, None)
 
     def unknowns(self) -> dict[str, int]:
-        """Number of unknowns: fraction, pressure, granular temperature and two velocities in each cell."""
+        """Count unknowns: fraction, pressure, granular temperature and two velocities in each cell."""
         theta = self.scene.two_fluid.granular_temperature != "frozen"
         cells = len(self.grid.cells)
         flow = {"flow": cells * (2 + theta + 2 * self.grid.dimension)}
         return flow if self.scene.heat is None else flow | {"heat": 2 * cells}
 
     def bed(self) -> tuple[Simulation, closure_kernels.Laws]:
-        """The bed at its start, and its closure_kernels."""
+        """Build the bed at its start, and its closures."""
         scene = self.scene
         gravity = np.zeros(self.grid.dimension)
         gravity[-1] = -scene.two_fluid.gravity
@@ -119,7 +119,7 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
 
 
 def parts(scene: t.TwoFluidScene, time: float = 0.0) -> dict[str, Any]:
-    """The boundaries that are in force from `time` [s] on."""
+    """Return the boundaries that are in force from `time` [s] on."""
     return {
         name: scene.boundary[part.on or name] if 0.0 < (getattr(part, "until", None) or 0.0) <= time else part
         for name, part in scene.boundary.items()
@@ -159,7 +159,7 @@ def initial(scene: t.TwoFluidScene, cells: grid.Grid) -> dict[str, np.ndarray]:
 
 
 def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
-    """The mesh with pieces of boundaries under names of their own."""
+    """Return the mesh with pieces of boundaries under names of their own."""
     plain = mesh.skfem
     named = dict(plain.boundaries or {})
     middles = plain.p[:, plain.facets].mean(axis=1)

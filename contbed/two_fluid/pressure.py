@@ -123,7 +123,7 @@ def project(
     dt: float,
     model: Model,
 ) -> Projection:
-    """Forces, drag and pressure on faces.
+    """Find forces, drag and pressure on faces.
 
     predicted : H (nc, dim) of gas and solids, and the gradients (nc, dim, dim) of both velocities before
     """

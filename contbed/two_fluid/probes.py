@@ -16,7 +16,7 @@ WITH_HEAT = ("T_gas [K]", "T_solid [K]")
 
 
 def cells(mesh: Mesh, grid: Grid, points: Mapping[str, Sequence[float]]) -> dict[str, int]:
-    """The cell of the grid around each named point.
+    """Find the cell of the grid around each named point.
 
     Raises
     ------

@@ -34,7 +34,7 @@ def held(bed: Simulation) -> float:
 
 
 def kept(bed: Simulation) -> dict[str, float]:
-    """What has a balance: mass of the particles; with heat also mass of the gas [kg] and heat [J]."""
+    """Return what has a balance: mass of the particles; with heat also mass of the gas [kg] and heat [J]."""
     solids = {"solids": held(bed)}
     if bed.state.energy is None:
         return solids
@@ -98,7 +98,7 @@ def fastest(bed: Simulation) -> float:
 
 
 def balances(bed: Simulation, start: dict[str, float]) -> dict[str, dict[str, Any]]:
-    """What came in, went out and stayed of what is `kept`."""
+    """Balance what came in, went out and stayed of what is `kept`."""
     rho, account, now = bed.model.materials.rho_solid, bed.state.account, kept(bed)
     found = {"solids": _balance(rho * account.solid_in, rho * account.solid_out, 0.0, start, now, "solids")}
     if bed.state.energy is not None:
@@ -118,8 +118,10 @@ def _balance(
 def tables(
     plan: Any, bed: Simulation, averages: Averages | None, rows: dict[str, np.ndarray]
 ) -> dict[str, dict[str, Any]]:
-    """axial.csv and, where there is a lateral direction, lateral.csv: averages, or the last state without them; with
-    averages also spectrum.csv, the power of the pressure drop by frequency.
+    """Return axial.csv and, where there is a lateral direction, lateral.csv.
+
+    They hold averages, or the last state without them. With averages there is also spectrum.csv, the power of the
+    pressure drop by frequency.
     """
     averaged = averages is not None and averages.weight.sum() > 0
     fields = averages.means() if averaged else bed.state.fields()  # type: ignore[union-attr]
@@ -163,8 +165,9 @@ def tables(
 
 
 def across(grid: Grid) -> tuple[str, Callable[[np.ndarray], np.ndarray]]:
-    """Name of the lateral coordinate and its value at points (..., dim): the distance from the middle where a bed in
-    3-D is round, or else the first coordinate.
+    """Return the name of the lateral coordinate and its value at points (..., dim).
+
+    It is the distance from the middle where a bed in 3-D is round, or else the first coordinate.
     """
     if grid.dimension == 3:
         side = np.abs(grid.geometry.normal[:, 2]) < 0.5

@@ -35,7 +35,9 @@ class Rheology(NamedTuple):
 
 @dataclass(frozen=True)
 class Closures:
-    """drag(eps_s, slip speed) gives K = beta/eps_s [kg/m3/s]; granular(eps_s, theta, K) the rest; friction(p_friction,
+    """Functions of all cells.
+
+    drag(eps_s, slip speed) gives K = beta/eps_s [kg/m3/s]; granular(eps_s, theta, K) the rest; friction(p_friction,
     shear rate) the frictional viscosity [Pa s], for which shear rates are found only where it is `sheared`. `packing`
     is a table of p_friction/rho_s [m2/s2]: eps_s of its start, spacing, values.
     """

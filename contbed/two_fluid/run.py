@@ -62,7 +62,7 @@ class Run:
         return True
 
     def after_step(self, bed: Simulation) -> None:
-        """What every step adds to."""
+        """Add a step to what every step adds to."""
         if self.end_pulses():
             bed.find_fluxes(bed.state.dt)
         if self.averages is not None:

@@ -65,8 +65,9 @@ class Memory(NamedTuple):
 
 
 class Properties(NamedTuple):
-    """Closures at one state: K = beta/eps_s (nc,) [kg/m3/s], the rheology of the particles, and the frictional
-    viscosity (nc,) [Pa s].
+    """Closures at one state.
+
+    K = beta/eps_s (nc,) [kg/m3/s], the rheology of the particles, and the frictional viscosity (nc,) [Pa s].
     """
 
     drag: Array
@@ -105,7 +106,7 @@ class Counters(NamedTuple):
     theta_clipped_cells: int = 0
 
     def add(self, **more: int) -> Counters:
-        """These counters and some more."""
+        """Return these counters and some more."""
         return self._replace(**{name: getattr(self, name) + number for name, number in more.items()})
 
 
@@ -171,7 +172,7 @@ class State:
         return found if self.energy is None else found | {"T_gas": self.energy.T_gas, "T_solid": self.energy.T_solid}
 
     def with_fields(self, given: Mapping[str, Any]) -> State:
-        """The same state with other fields, arrays or numbers by name."""
+        """Return the same state with other fields, arrays or numbers by name."""
         known = self.fields()
         new = known | {name: np.array(np.broadcast_to(v, known[name].shape), float) for name, v in given.items()}
         energy = None if self.energy is None else replace(self.energy, T_gas=new["T_gas"], T_solid=new["T_solid"])
@@ -226,7 +227,7 @@ def flatten(value: Any, name: str = "state") -> dict[str, Any]:
 
 
 def rebuild(like: Value, saved: Mapping[str, Any], name: str = "state") -> Value:
-    """The state that was flattened into `saved`, bit for bit; `like` is any state of the same model."""
+    """Return the state that was flattened into `saved`, bit for bit; `like` is any state of the same model."""
     parts = _parts(like)
     if parts:
         return type(like)(**{key: rebuild(part, saved, f"{name}.{key}") for key, part in parts.items()})

@@ -24,8 +24,10 @@ class Fluid(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Velocity of a phase (nc, dim), its gradient (nc, dim, dim), its boundary values (nb, dim), and the share (nb,) of
-    the tangential velocity that walls leave.
+    """Motion of a phase.
+
+    Velocity (nc, dim), its gradient (nc, dim, dim), its boundary values (nb, dim), and the share (nb,) of the
+    tangential velocity that walls leave.
     """
 
     u: Array

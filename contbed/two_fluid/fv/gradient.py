@@ -64,8 +64,9 @@ def gradient(g: Geometry, values: Array, edge: Array, out: Array) -> None:
 
 @kernel
 def gradient_solid(g: Geometry, s: Array, values: Array, edge: Array, out: Array) -> None:
-    """The same for a field of the particles with solids fraction s (nc,): a neighbour with few of them counts as level,
-    as its value says nothing.
+    """Set the gradients `out` of a field of the particles with solids fraction s (nc,).
+
+    A neighbour with few particles counts as level, as its value says nothing.
     """
     ni, dim = len(g.right), len(g.axes)
     out[:] = 0.0

@@ -19,6 +19,8 @@ from skfem.quadrature import get_quadrature
 from contbed.errors import SceneError
 from contbed.mesh.mesh import Mesh
 
+Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
 CELLS_AT_ONCE = 20_000  # cells whose maps are in memory
 
 
@@ -86,7 +88,7 @@ class Grid:
     @property
     def dimension(self) -> int:
         """1, 2 or 3."""
-        return self.centres.shape[1]
+        return int(self.centres.shape[1])
 
     @property
     def skewed(self) -> bool:
@@ -193,9 +195,10 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     )
 
 
-def _middles(count: int, reference: type, place: Callable, determinant: Callable) -> tuple[np.ndarray, np.ndarray]:
-    """Sizes (count,) and middles (count, dim) of cells or faces, by quadrature in the `reference` one; in parts, as the
-    maps of hexahedra are large.
+def _middles(count: int, reference: type, place: Map, determinant: Map) -> tuple[np.ndarray, np.ndarray]:
+    """Return sizes (count,) and middles (count, dim) of cells or faces, by quadrature in the `reference` one.
+
+    In parts, as the maps of hexahedra are large.
     """
     # order 4 is exact: a trilinear map has a determinant of degree 2 in each direction, and the place adds one
     points, weights = get_quadrature(reference, 4)
@@ -219,7 +222,7 @@ def _vectors(p: np.ndarray) -> np.ndarray:
 
 
 def neighbours(grid: Grid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """start (nc + 1,), beside, faces : neighbours of each cell from start[c] to start[c + 1], and the faces between."""
+    """Start (nc + 1,), beside, faces : neighbours of each cell from start[c] to start[c + 1], and the faces between."""
     g = grid.geometry
     other = np.flatnonzero(g.left[: grid.interior] != g.right)  # a periodic row of one cell links with itself
     ends = np.concatenate((g.left[other], g.right[other])), np.concatenate((g.right[other], g.left[other]))

@@ -47,8 +47,9 @@ def _fill(g: Geometry, dt: float, s: Array, source: Array, flux: Array, gain: Ar
 def limit(
     g: Geometry, dt: float, s: Array, source: Array, highest: float, flux: Array, out: Array, drained: Flags
 ) -> tuple[int, int]:
-    """Limit `flux` in place, leave eps_s after the step in `out` and mark `drained` cells; return the numbers of
-    faces limited and of rounds.
+    """Limit `flux` in place, leave eps_s after the step in `out` and mark `drained` cells.
+
+    Return the numbers of faces limited and of rounds.
     """
     count, nf, ni = len(s), len(g.left), len(g.right)
     touched = np.zeros(nf, dtype=np.bool_)

@@ -13,8 +13,10 @@ from contbed.two_fluid.fv.grid import Geometry
 
 
 class Reconstruction(NamedTuple):
-    """What face values are made of: a field (nc, m), its gradients (nc, m, dim), its change in half a step (nc, m), its
-    boundary values (nb, m), the cells (nc,) that give their own value to all faces, and whether increments are limited.
+    """What face values are made of.
+
+    A field (nc, m), its gradients (nc, m, dim), its change in half a step (nc, m), its boundary values (nb, m), the
+    cells (nc,) that give their own value to all faces, and whether increments are limited.
     """
 
     values: Array
@@ -48,8 +50,9 @@ def limited_increment(slope: float, along: float, jump: float, half_step: float,
 
 @kernel
 def predictor_half_step(dt: float, u: Array, grad: Array, carrier: Array, rate: Array, out: Array) -> None:
-    """Change `out` of u (nc, m) in half a step: convection by the velocity `carrier` (nc, dim) now, and the last `rate`
-    of change without convection.
+    """Set the change `out` of u (nc, m) in half a step.
+
+    It is convected by the velocity `carrier` (nc, dim), and has the last `rate` of change without convection.
     """
     for c in range(u.shape[0]):
         for k in range(u.shape[1]):

@@ -49,7 +49,9 @@ SERIES = 1e-3  # dt times rate of exchange below which the weight of the new dif
 
 
 class Exchange(NamedTuple):
-    """Content [J/K] of both phases (nc, 2), links (nf, 2) [J/K] of conduction in a step or None, and dt times the rates
+    """Implicit part of heat.
+
+    Content [J/K] of both phases (nc, 2), links (nf, 2) [J/K] of conduction in a step or None, and dt times the rates
     (nc,) [-] at which each phase follows the other, weighed.
     """
 
@@ -86,7 +88,7 @@ def initial_energy(state: State, heat: HeatModel, model: Model) -> Energy:
 
 
 def fill_with_gas(energy: Energy, eps_s: Array, heat: HeatModel, model: Model) -> Energy:
-    """The same temperatures with the mass of the gas that belongs to them."""
+    """Return the same temperatures with the mass of the gas that belongs to them."""
     rho = density_times_T(energy.p0, heat, model) / energy.T_gas if heat.ideal else model.materials.rho_gas
     mass = (1.0 - eps_s) * rho
     return replace(energy, mass=mass, rho_ratio=_density_ratio(mass, eps_s, heat, model))
@@ -106,8 +108,9 @@ def stored_heat(state: State, model: Model) -> float:
 def advance(
     state: State, energy: Energy, moved: Moved, heat: HeatModel, dt: float, model: Model
 ) -> tuple[Energy, Array]:
-    """Temperatures after `dt` [s] in which solids and gas have moved, and the mass flux (nf,) of the gas over the usual
-    density [m3/s].
+    """Advance the temperatures by `dt` [s], in which solids and gas have moved.
+
+    Return also the mass flux (nf,) of the gas over the usual density [m3/s].
     """
     p, g, s = heat.physics, model.grid.geometry, moved.eps_s
     rho_g, rho_s, volume = model.materials.rho_gas, model.materials.rho_solid, g.volume
@@ -223,7 +226,7 @@ def _conduct(
 
 
 def _sums(links: Array, model: Model) -> Array:
-    """Sums (nc, 2) of `links` over the faces of each cell."""
+    """Return the sums (nc, 2) of `links` over the faces of each cell."""
     g = model.grid.geometry
     count = len(g.volume)
     both = [np.bincount(g.left, one, count) + np.bincount(g.right, one[: len(g.right)], count) for one in links.T]
@@ -240,8 +243,9 @@ def _exchange(
     dt: float,
     model: Model,
 ) -> tuple[Array, Array]:
-    """Add the exchange at the present temperatures to the `lift` (nc, 2) [K] of a step; return dt times the rates at
-    which each phase follows the other, weighed.
+    """Add the exchange at the present temperatures to the `lift` (nc, 2) [K] of a step.
+
+    Return dt times the rates at which each phase follows the other, weighed.
     """
     p, materials = heat.physics, model.materials
     speed = np.empty_like(eps_s)
@@ -260,8 +264,9 @@ def _exchange(
 
 
 def _implicit(state: State, exchange: Exchange, lift: Array, model: Model) -> tuple[Array, float]:
-    """Changes of the temperatures (nc, 2) [K] with implicit conduction and exchange, from the explicit `lift`; and
-    the heat that the change drives out through walls [J].
+    """Return the changes of the temperatures (nc, 2) [K] with implicit conduction and exchange.
+
+    `lift` is the explicit change. Return also the heat that the change drives out through walls [J].
     """
     through = 0.0
     if exchange.links is not None:
@@ -273,8 +278,9 @@ def _implicit(state: State, exchange: Exchange, lift: Array, model: Model) -> tu
 
 
 def _conducted(state: State, exchange: Exchange, links: Array, lift: Array, model: Model) -> Array:
-    """What the changes conduct out of cells (nc, 2) [J], by conjugate gradients preconditioned with the two
-    temperatures of a cell.
+    """Return what the changes conduct out of cells (nc, 2) [J].
+
+    By conjugate gradients, preconditioned with the two temperatures of a cell.
     """
     g, content, size = model.grid.geometry, exchange.content, exchange.content.shape
     both, out = content[:, 0] * exchange.at_gas, np.empty(size)
@@ -320,9 +326,11 @@ def _pressure_rise(
 
 
 def _expansion(old: Energy, new: Energy, change: Array, eps_s: Array, carried: Array, dt: float, model: Model) -> Array:
-    """Source of gas volume (nc,) [1/s] for the pressure equation of this step: what its heat makes of the gas, and what
-    is left open between mass, temperature and volume. `change` (nc,) [K] is that of T_gas,
-    `carried` the part of the change of mass times temperature that came with the gas.
+    """Return the source of gas volume (nc,) [1/s] for the pressure equation of this step.
+
+    It is what the heat of the step makes of the gas, and what is left open between mass, temperature and volume.
+    `change` (nc,) [K] is that of T_gas, `carried` the part of the change of mass times temperature that came with the
+    gas.
     """
     heat, volume, pores = model.heat, model.grid.geometry.volume, 1.0 - eps_s
     assert heat is not None

@@ -33,9 +33,10 @@ class Physics:
 
 @dataclass(frozen=True)
 class Thermal:
-    """Heat at a boundary: temperatures [K] of gas and solids that enter, of a wall, or the flux [W/m2] into the bed,
-    which the phases share by their fractions. What is not given is adiabatic; what comes back through an outlet has the
-    temperature of the cell.
+    """Heat at a boundary.
+
+    Temperatures [K] of gas and solids that enter, of a wall, or the flux [W/m2] into the bed, which the phases share by
+    their fractions. What is not given is adiabatic; what comes back through an outlet has the temperature of the cell.
     """
 
     T_gas: float | None = None
@@ -46,8 +47,10 @@ class Thermal:
 
 @dataclass(frozen=True, eq=False)
 class HeatModel:
-    """Physics and conditions on boundary faces (nb,): temperatures [K] of gas and solids that enter and of walls, not a
-    number where there is none, and the flux [W/m2] into the bed.
+    """Physics, and conditions on boundary faces (nb,).
+
+    Temperatures [K] of gas and solids that enter and of walls, not a number where there is none, and the flux [W/m2]
+    into the bed.
     """
 
     physics: Physics

@@ -11,6 +11,7 @@ from contbed.two_fluid import scene as t
 from contbed.two_fluid.checks import conducts
 from contbed.two_fluid.closures import Bound, constants
 from contbed.two_fluid.heat.model import Physics, Thermal
+from contbed.two_fluid.heat.scene import Heat
 
 FIELDS = ("T_gas", "T_solid")
 
@@ -26,7 +27,7 @@ def physics(scene: t.TwoFluidScene, closures: Bound) -> Physics:
         if nusselt is None:
             return np.full_like(eps_s, k / d_p * float(table.nusselt))  # type: ignore[arg-type]
         Re = (1.0 - eps_s) * gas.density * dense * slip * d_p / gas.viscosity
-        return k / d_p * nusselt(Re=Re, eps=1.0 - eps_s, T=T, **given)
+        return np.asarray(k / d_p * nusselt(Re=Re, eps=1.0 - eps_s, T=T, **given))
 
     def of_bed(eps_s: np.ndarray, T_gas: np.ndarray, T_solid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         assert bed_conductivity is not None
@@ -71,7 +72,7 @@ def thermal(parts: Mapping[str, Any]) -> dict[str, Thermal]:
     return found
 
 
-def described(table: t.Heat) -> str:
+def described(table: Heat) -> str:
     """One line for the plan."""
     density = "ideal gas" if table.density == "ideal_gas" else "constant density"
     return f"exchange {table.nusselt}, {'with' if conducts(table) else 'without'} conduction, {density}"

@@ -20,8 +20,9 @@ _ZERO, _COLUMNS, _TILE, _STRIDE = (np.uint64(number) for number in (0, COLUMNS, 
 
 @summing
 def factor(band: Array, width: int, panel: Array) -> bool:
-    """Put the factor in place of the matrix; False if that is not positive. `n` is a multiple of COLUMNS, and the
-    `panel` (COLUMNS*STRIDE,) is zero when first used.
+    """Put the factor in place of the matrix; False if that is not positive.
+
+    `n` is a multiple of COLUMNS, and the `panel` (COLUMNS*STRIDE,) is zero when first used.
     """
     numbers, long = band.reshape(band.size), band.shape[1]
     for j in range(0, band.shape[0], COLUMNS):

@@ -35,7 +35,7 @@ class System(NamedTuple):
 
 
 def empty_system(g: Geometry, components: int) -> System:
-    """A system without links of cells; the rest is not set."""
+    """Make a system without links of cells; the rest is not set."""
     size = (len(g.volume), components)
     return System(np.empty((len(g.left), components)), np.zeros(size), np.empty(size), np.empty(size))
 
@@ -94,9 +94,10 @@ def solve(g: Geometry, system: System, explicit: float, tolerance: float, most: 
 
 @kernel
 def _rows(g: Geometry, state: Any) -> tuple[Any, Any, Any, Any]:
-    """The system of the STIFF cells and their neighbours: the number of each cell in it, -1 where it has none; the cell
-    of each number; for each row the numbers of its neighbours and their faces, its own number in place of a missing
-    one.
+    """Set up the system of the STIFF cells and their neighbours.
+
+    Return the number of each cell in it, -1 where it has none; the cell of each number; for each row the numbers of its
+    neighbours and their faces, its own number in place of a missing one.
     """
     ni, most = len(g.right), 2 * len(g.axes)
     for f in range(ni):

@@ -67,8 +67,9 @@ class Elimination:
         self.panel = np.zeros(band.COLUMNS * band.STRIDE)
 
     def solve(self, g: Geometry, coef: Array, floating: bool, x: Array) -> bool:
-        """Put the solution in `x`, which holds the right-hand side; the diagonal of the first cell counts twice where
-        the system is `floating`. False if the system is singular.
+        """Put the solution in `x`, which holds the right-hand side; False if the system is singular.
+
+        The diagonal of the first cell counts twice where the system is `floating`.
         """
         _eliminate(g, coef, floating, self.order, self.diagonal, self.factor, x)
         if not band.factor(self.factor, self.width, self.panel):
@@ -95,8 +96,9 @@ def _independent(start: Indices, beside: Indices) -> Flags:
 def _eliminate(
     g: Geometry, coef: Array, floating: bool, order: Order, diagonal: Array, matrix: Array, x: Array
 ) -> None:
-    """The band `matrix` that is left without the first cells, with ones to fill its last block, and its right-hand side
-    `x` (Gaussian elimination).
+    """Eliminate the first cells (Gauss): set the band `matrix` that is left, and its right-hand side `x`.
+
+    Ones fill the last block of the band.
     """
     ni, place, beside, faces = len(g.right), order.place, order.beside, order.faces
     diagonal[:] = 0.0
@@ -134,7 +136,7 @@ def _eliminate(
 
 @kernel
 def _substitute(coef: Array, order: Order, diagonal: Array, x: Array) -> None:
-    """The values of the first cells from those of their neighbours."""
+    """Set the values of the first cells from those of their neighbours."""
     for e in range(len(order.first)):
         c = order.first[e]
         for j in range(order.start[e], order.start[e + 1]):

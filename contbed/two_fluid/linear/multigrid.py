@@ -26,8 +26,10 @@ MAX_ITERATIONS = 100  # of one system
 
 
 class Level(NamedTuple):
-    """A system: neighbours `beside` and links `value` of a cell from start[c] to start[c + 1], its diagonal, and its
-    number on the next level.
+    """One system.
+
+    Neighbours `beside` and links `value` of a cell from start[c] to start[c + 1], its diagonal, and its number on the
+    next level.
     """
 
     start: Indices
@@ -45,8 +47,9 @@ class Multigrid:
         self.boundary_cells = grid.geometry.left[grid.interior :]
 
     def solve(self, coef: Array, floating: bool, rhs: Array, x: Array) -> int:
-        """Put the solution in `x`, which holds a guess; the diagonal of the first cell counts twice where the system
-        is `floating`. Return the number of iterations, -1 where they do not converge.
+        """Put the solution in `x`, which holds a guess; return the number of iterations, -1 without convergence.
+
+        The diagonal of the first cell counts twice where the system is `floating`.
         """
         value, rest = coef[self.faces], np.zeros(len(x))
         np.add.at(rest, self.boundary_cells, coef[len(coef) - len(self.boundary_cells) :])
@@ -57,7 +60,7 @@ class Multigrid:
 
 @kernel
 def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]:
-    """Number of the pair of each cell, and of pairs; a cell without a strong link to a free one is alone."""
+    """Return the number of the pair of each cell, and of pairs; without a strong link to a free cell it is alone."""
     count = len(start) - 1
     group, found = np.full(count, -1), 0
     for c in range(count):
@@ -79,7 +82,7 @@ def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]
 def _joined(
     start: Indices, beside: Indices, value: Array, rest: Array, group: Indices, found: int
 ) -> tuple[Indices, Indices, Array, Array]:
-    """The coarse system of groups."""
+    """Return the coarse system of groups."""
     count = len(group)
     members, first = np.empty(count, dtype=np.int64), np.zeros(found + 1, dtype=np.int64)
     for c in range(count):
