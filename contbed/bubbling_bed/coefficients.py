@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache, partial
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from contbed.bubbling_bed.equations import bed as model
 from contbed.bubbling_bed.equations import flow as bubbling_flow
 from contbed.closures.bubbles import GRAVITY
 from contbed.closures.reactions_solid import diffusion_in_nitrogen
+from contbed.errors import SceneError
 from contbed.materials.common import integrated, polynomial
 from contbed.scene.toml_lines import KeyPath
 
@@ -345,13 +346,15 @@ class Computed:
         if self.bubbling:
             flows, sizes = self.march(T, np.array([0.0, 0.5 * height]))
             at |= {"flow_bubble": flows[1:], "d_bubble": sizes[1:]}
-        local = self(SimpleNamespace(**at), SimpleNamespace(grad=lambda field: (0.0,), x=(np.full(1, 0.5 * height),)))
+        o = SimpleNamespace(grad=lambda field: (0.0,), x=(np.full(1, 0.5 * height),))
+        with np.errstate(invalid="ignore"):  # what has no value is told below
+            local = self(SimpleNamespace(**at), o)
         cp = {name: local.heat_capacity[name](T) for name in local.flows}
 
         def number(value: Any) -> float:
             return float(np.squeeze(value))
 
-        return {
+        found = {
             "delta": number(local.delta),
             "gas": {n: number(v) for n, v in local.gas.items()},
             "conduction": {n: number(v) for n, v in local.conduction.items()},
@@ -360,6 +363,20 @@ class Computed:
             "contact": {n: number(v) for n, v in local.contact.items()},
             "flows": {n: number(v * cp[n]) for n, v in local.flows.items()},
         }
+        for key in ("gas", "conduction", "exchange"):
+            if not np.isfinite(list(found[key].values()) if isinstance(found[key], dict) else found[key]).all():
+                self._refuse(T, number(local.state["u_e"]))
+        return found
+
+    def _refuse(self, T: float, u_e: float) -> NoReturn:
+        """Tell why closures have no value at the temperature of the guess."""
+        where = self.scene.origin.at(("solver", "guess"))
+        text = f"{where}: closures have no value in a bed of {T:g} K"
+        if u_e <= 0.0 and self.bubbling:
+            where = self.scene.origin.at(("bubbles", "emulsion_gas"))
+            text = f"{where}: bubbles.emulsion_gas: the gas would flow down through the emulsion, {u_e:.3g} m/s"
+            text += f" in a bed of {T:g} K; take another closure, a smaller wake or a number"
+        raise SceneError(text)
 
 
 def _positive(x: Any, unit: Any) -> Any:

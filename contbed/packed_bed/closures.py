@@ -70,11 +70,11 @@ def places(
     for kind in ("permeability", "forchheimer") if bed is not None else ():
         yield ("bed", kind), getattr(bed, kind), kind
     if heat is not None:
+        yield ("heat", "dispersion"), heat.dispersion, "dispersion"
         yield ("heat", "nusselt"), heat.nusselt, "nusselt"
         yield ("heat", "conductivity_fluid"), heat.conductivity_fluid, "conductivity"
         yield ("heat", "conductivity_solid"), heat.conductivity_solid, "conductivity"
         yield ("heat", "tortuosity"), heat.tortuosity, "tortuosity"
-        yield ("heat", "dispersion"), heat.dispersion, "dispersion"
     for name, conditions in boundary.items():
         for phase in PHASES:
             condition = getattr(conditions, phase)

@@ -40,7 +40,7 @@ def fluid_of(settings: FluidConstant | FluidCantera | FluidCoolProp, base: Path)
 class Medium:
     """Materials, packing and closures. Velocities are superficial; `T_fluid_in` fixes the density of the mass flux.
     `rosseland` is the diffusion coefficient D [m] where radiation is a conductivity, else None. `closures` holds bound
-    closures by kind and name, `used` those that were evaluated, in the order of their first use.
+    closures by kind and name, `used` those that were evaluated.
     """
 
     scene: s.Scene
@@ -50,7 +50,7 @@ class Medium:
     bed_diameter: float
     rosseland: float | None = None
     closures: Mapping[tuple[str, Any], Any] = field(default_factory=dict)
-    used: list[BoundClosure] = field(default_factory=list)
+    used: set[BoundClosure] = field(default_factory=set)
     tables: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
@@ -205,7 +205,29 @@ class Medium:
 
     def ranges(self) -> list[RangeUse]:
         """How each closure was used in its last evaluation, or in the states that are recorded."""
-        return [closure.use() for closure in self.used]
+        return [closure.use() for closure in self._bound() if closure in self.used]
+
+    def record(self) -> None:
+        """Add the last evaluation of each closure to the record of used ranges."""
+        for closure in self.used:
+            closure.record()
+
+    def state(self) -> dict[str, Any]:
+        """The record of used ranges for a checkpoint."""
+        return {f"ranges_{k}": closure.state() for k, closure in enumerate(self._bound())}
+
+    def restore(self, arrays: Mapping[str, Any]) -> None:
+        """Go on with the record of used ranges of a checkpoint."""
+        for k, closure in enumerate(self._bound()):
+            rows = arrays.get(f"ranges_{k}")
+            if rows is not None and rows.any():
+                closure.restore(rows)
+                self.used.add(closure)
+
+    def _bound(self) -> list[BoundClosure]:
+        """All closures, those of a pair one by one."""
+        pairs = (found if isinstance(found, tuple) else (found,) for found in self.closures.values())
+        return [closure for pair in pairs for closure in pair]
 
     def _value(self, spec: Any, kind: str, T: Any = None, speed: Callable[[Any], Any] | None = None) -> Any:
         """A number of the scene, or the value of the closure that it names."""
@@ -213,8 +235,7 @@ class Medium:
 
     def _at(self, closure: Any, kind: str, T: Any = None, speed: Callable[[Any], Any] | None = None) -> Any:
         """Value of a closure at a state."""
-        if closure not in self.used:
-            self.used.append(closure)
+        self.used.add(closure)
         return closure.at(GIVES[kind], At(self, T, speed))
 
 

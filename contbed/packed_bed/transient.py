@@ -19,7 +19,8 @@ Save = Callable[[dict[str, Any], dict[str, Any]], None]
 @dataclass
 class History:
     """What a transient run has done so far. `mean` is the time integral of the state, `reaction` of the heat that
-    prescribed temperatures conduct in, `flux` of the boundary fluxes where properties vary, `gain` of the content.
+    prescribed temperatures conduct in, `flux` of the boundary fluxes where properties vary, `gain` of the content;
+    `ranges` is the record of how closures were used, see `Medium.state`.
     """
 
     state: Any
@@ -33,6 +34,7 @@ class History:
     reaction: Any = 0.0
     flux: dict[str, float] = field(default_factory=dict)
     gain: float = 0.0
+    ranges: dict[str, Any] = field(default_factory=dict)
 
     def pack(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Arrays and numbers of a checkpoint."""
@@ -44,6 +46,7 @@ class History:
             "snapshots": np.array(self.snapshots),
             "sums": np.array([self.time, self.gain]),
             "flux": np.array(list(self.flux.values())),
+            **self.ranges,
         }
         return arrays, {
             "tick": self.tick,
@@ -67,6 +70,7 @@ class History:
             reaction=arrays["reaction"],
             flux=dict(zip(meta["flux"], (float(v) for v in arrays["flux"]), strict=True)),
             gain=float(arrays["sums"][1]),
+            ranges={name: rows for name, rows in arrays.items() if name.startswith("ranges_")},
         )
 
 
@@ -82,6 +86,7 @@ def run_transient(
     time = problem.scene.time
     assert time is not None
     wanted = sorted({*time.times, time.end})
+    problem.medium.restore(history.ranges)
     low, high = problem.T_span
     if not history.times and wanted[0] == 0.0:
         _keep(history, 0.0, history.state)
@@ -114,6 +119,8 @@ def run_transient(
         after.state, after.time = step.states[-1], step.end
         after.tick, after.level = step.tick + 2**step.level, step.next_level
         after.steps += 1
+        problem.medium.record()
+        after.ranges = problem.medium.state()
         vars(history).update(vars(after))  # at once, so that an interrupt never leaves half a step
         advance(step.end)
         if save is not None and clock.monotonic() - saved >= time.checkpoint_every:

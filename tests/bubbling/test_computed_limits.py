@@ -121,11 +121,13 @@ def test_conductivity_of_the_emulsion_and_nusselt_from_files(tmp_path):
     (tmp_path / "nusselt.toml").write_text(
         'format = 1\nkind = "nusselt"\nform = "power"\n[parameters]\nbase = {value = 2.0}\na = {value = 0.6}\n'
         "b = {value = 0.5}\nc = {value = 0.3333333333333333}\n[range]\nRe = [0.1, 100.0]\nPr = [0.5, 1.0]\n"
+        "[provenance]\nscene = 'this test'\n"
     )
     (tmp_path / "conductivity.toml").write_text(
         'format = 1\nkind = "conductivity"\nform = "log_polynomial"\n[variables]\n'
         '"k_solid/k_fluid" = {scale = "log", reference = 1.0}\n[[terms]]\npowers = [0]\nvalue = 2.0\n'
         '[range]\n"k_solid/k_fluid" = [1.0, 100.0]\n'
+        "[provenance]\nscene = 'this test'\n"
     )
     written = tables()
     written["species"]["inert"]["gas_coefficient"] = {"file": "nusselt.toml"}
@@ -202,3 +204,16 @@ def test_bubble_fraction_joins_its_limits():
     assert fast == pytest.approx(u / 100.0, rel=1e-3)
     rise = np.geomspace(0.01, 100, 400)
     assert np.all(np.diff(closures.bubble_fraction_kunii_levenspiel(u, u_mf, rise, eps)) < 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"bubbles": None}, r"species\.char\.conductivity.*needs delta, u_b, d_b.*given here: .*u_mf"),
+        ({"bubbles__start": {"name": "darton", "area": -1.0}}, r"bubbles\.start: parameter 'area'.*\(0, inf\)"),
+        ({"bubbles__emulsion_gas": "kunii_levenspiel"}, r"bubbles\.emulsion_gas: the gas would flow down"),
+    ],
+)
+def test_closures_that_the_bed_cannot_use_are_refused(changes, message):
+    with pytest.raises(SceneError, match=message):
+        cb.plan(hot(**changes))

@@ -322,6 +322,7 @@ def test_a_pulse_restarts_bit_for_bit(tmp_path):
             for name, column in whole.tables[table].items():
                 assert np.array_equal(column, rest.tables[table][name]), (rows, name)
         assert rest.balances == whole.balances
+        assert rest.closures == whole.closures  # ranges from before the restart too
 
 
 def test_coefficient_of_a_closure_file_and_of_a_number():
@@ -336,6 +337,14 @@ def test_coefficient_of_a_closure_file_and_of_a_number():
     assert found["number"] == pytest.approx(7.0)
     assert found["name"] == pytest.approx(closure.nusselt_gunn(Re, Pr, 0.5))
     assert found["file"] == pytest.approx(closure_of("nusselt.toml", folder, "nusselt")(Re=Re, Pr=Pr, eps=0.5))
+
+
+def test_a_closure_with_parameters_of_its_own():
+    chosen = from_dict(scene({"heat.nusselt": {"name": "power", "a": 1.2, "b": 0.5}, "time.end": 0.002}))
+    found = cb.run(chosen).closures
+    assert "nusselt_power" in {use["name"] for use in found}
+    with pytest.raises(SceneError, match=r"heat\.nusselt: parameter 'a' of closure 'power' is in \[0, inf\)"):
+        from_dict(scene({"heat.nusselt": {"name": "power", "a": -1.2, "b": 0.5}}))
 
 
 def test_a_pulse_brings_what_was_given_and_ends():

@@ -1,0 +1,120 @@
+"""Bound closures: called by name in numpy and in compiled kernels, refused where arguments are missing, ranges kept."""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from contbed import closures
+from contbed.closures import registry
+from contbed.closures.binding import bind
+from contbed.closures.compiled import face, kernel, own_values
+from contbed.errors import SceneError
+from contbed.scene.tables import Closure
+
+DRAG = ("Re", "eps", "d_p", "mu")
+KNOWN = {"Re": 40.0, "eps": 0.6, "d_p": 1e-3, "mu": 1.8e-5}
+GLOBAL_LAW = None
+
+
+@pytest.fixture
+def scratch_register(monkeypatch):
+    monkeypatch.setattr(registry, "_register", dict(registry._register))
+
+
+def of_cells(Re, eps, d_p, mu, own, out):
+    """A kernel as a model writes it."""
+    for i in range(len(Re)):
+        out[i] = GLOBAL_LAW(Re[i], eps[i], d_p, mu, own)
+
+
+def in_kernel(closure):
+    """Values of a drag law in two cells."""
+    out = np.empty(2)
+    law = kernel(of_cells, {"GLOBAL_LAW": face(closure, DRAG)})
+    law(np.full(2, KNOWN["Re"]), np.full(2, KNOWN["eps"]), KNOWN["d_p"], KNOWN["mu"], own_values(closure), out)
+    return out
+
+
+@pytest.mark.parametrize("spec", ["gidaspow", "di_felice", Closure(name="syamlal_obrien", c=0.9, d=2.0)])
+def test_a_kernel_calls_the_closure_of_the_scene(spec):
+    closure = bind(spec, "drag", DRAG)
+    np.testing.assert_allclose(in_kernel(closure), closure(**KNOWN), rtol=1e-13)
+
+
+def test_a_kernel_without_a_closure_is_zero():
+    assert in_kernel(None).tolist() == [0.0, 0.0]
+
+
+def test_a_closure_with_its_arguments_in_another_order(scratch_register):
+    @closures.closure(kind="drag", unit="kg/m3/s", ranges={"eps": (0, 1)}, source="somebody")
+    def drag_reordered(mu, factor, eps, Re, power=2.0):
+        return factor * mu * Re / eps**power
+
+    closure = bind(Closure(name="reordered", factor=3.0, power=1.5), "drag", DRAG)
+    expected = 3.0 * 1.8e-5 * 40.0 / 0.6**1.5
+    assert closure(**KNOWN) == pytest.approx(expected, rel=1e-14)
+    np.testing.assert_allclose(in_kernel(closure), expected, rtol=1e-14)
+
+
+def test_kernels_are_kept_on_disk():
+    closure = bind("gidaspow", "drag", DRAG)
+    in_kernel(closure)
+    law = kernel(of_cells, {"GLOBAL_LAW": face(closure, DRAG)})
+    index = list((Path(inspect.getfile(of_cells)).parent / "__pycache__").glob(f"*{law.py_func.__qualname__}*.nbi"))
+    assert index, "numba keeps no index of this kernel"
+    other = kernel(of_cells, {"GLOBAL_LAW": face(bind("di_felice", "drag", DRAG), DRAG)})
+    assert other.py_func.__qualname__ != law.py_func.__qualname__
+
+
+def test_what_cannot_be_given_is_listed():
+    with pytest.raises(SceneError, match=r"needs eps: \{name = \"gunn\", eps = ...\}; given here: Pr, Re"):
+        bind("gunn", "nusselt", ("Re", "Pr"))
+    assert bind(Closure(name="gunn", eps=0.4), "nusselt", ("Re", "Pr"))(Re=10.0, Pr=0.7) > 0
+
+
+@pytest.mark.parametrize(
+    ("kind", "spec", "message"),
+    [
+        ("nusselt", Closure(name="power", a=-1.0, b=0.5), r"'a' of closure 'power' is in \[0, inf\), found -1.0"),
+        ("nusselt", Closure(name="gunn", exponent_Pr=-0.3), r"'exponent_Pr' of closure 'gunn' is in \[0, inf\)"),
+        ("conductivity", Closure(name="zehner_bauer_schluender", emissivity=0.0), r"'emissivity' .* is in \(0, 1\]"),
+        ("conductivity", Closure(name="zehner_bauer_schluender", emissivity=1.5), r"'emissivity' .* is in \(0, 1\]"),
+        ("bubble_start", Closure(name="darton", area=-1.0), r"'area' of closure 'darton' is in \(0, inf\)"),
+    ],
+)
+def test_parameters_have_bounds(kind, spec, message):
+    with pytest.raises(SceneError, match=message):
+        bind(spec, kind, ("Re", "Pr", "eps", "k_fluid", "k_solid", "T", "d_p", "u_excess"))
+
+
+def test_bounds_stand_in_the_data_sheet():
+    assert "Bounds\n------\na : [0, inf)\nb : [0, inf)\n" in closures.data_sheet("nusselt_power")
+    assert "emissivity : (0, 1]" in closures.data_sheet("conductivity_zehner_bauer_schluender")
+
+
+def test_used_ranges_are_collected_and_survive_a_restart():
+    given = ("Re", "Pr", "eps")
+    first, whole = bind("gunn", "nusselt", given), bind("gunn", "nusselt", given)
+    states = [{"Re": np.array([1.0, 5.0]), "Pr": 0.7, "eps": 0.4}, {"Re": np.array([2.0, 2e5]), "Pr": 0.7, "eps": 0.3}]
+    first(**states[0])
+    first.record()
+    rest = bind("gunn", "nusselt", given)
+    rest.restore(first.state())
+    rest.record(**states[1])
+    for state in states:
+        whole.record(**state)
+    assert rest.use() == whole.use()
+    assert rest.use().arguments["Re"].used == (1.0, 2e5)
+    assert rest.use().arguments["Re"].share_outside == 0.25
+    assert rest.use().arguments["eps"].share_outside == 0.5
+
+
+def test_without_a_record_the_last_call_counts():
+    closure = bind("gunn", "nusselt", ("Re", "Pr", "eps"))
+    for Re in (1.0, 7.0):
+        closure(Re=Re, Pr=0.7, eps=0.4, T=300.0)
+    assert closure.use().arguments["Re"].used == (7.0, 7.0)
