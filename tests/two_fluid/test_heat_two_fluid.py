@@ -340,8 +340,8 @@ def test_coefficient_of_a_closure_file_and_of_a_number():
 
 
 def test_a_closure_with_parameters_of_its_own():
-    chosen = from_dict(scene({"heat.nusselt": {"name": "power", "a": 1.2, "b": 0.5}, "time.end": 0.002}))
-    found = cb.run(chosen).closures
+    power = {"name": "power", "a": 1.2, "b": 0.5}
+    found = cb.run(from_dict(scene({"heat.nusselt": power, "time.end": 0.002, "time.average_from": 0.001}))).closures
     assert "nusselt_power" in {use["name"] for use in found}
     with pytest.raises(SceneError, match=r"heat\.nusselt: parameter 'a' of closure 'power' is in \[0, inf\)"):
         from_dict(scene({"heat.nusselt": {"name": "power", "a": -1.2, "b": 0.5}}))
