@@ -22,7 +22,7 @@ HERE = Path(__file__).parent
 REST, FROM = 0.4, 2.0  # height at rest [m], start of the averages [s]
 COLUMNS = ("program", "case", "cells", "walls", "pressure_over_weight", "walls_over_weight", "missing",
            "H_0.3", "H_0.2", "H_centre", "mass_drift", "cpu_s")  # fmt: skip
-NOT_COMPARED = ("mass_drift", "cpu_s")
+NOT_COMPARED = ("walls_over_weight", "missing", "mass_drift", "cpu_s")
 SCENES = ("bed_0.38", "bed_0.46", "bed_0.46_fine", "bed_0.46_slip")
 FRAMES = "bed_0.46"  # scene that is drawn second by second
 PEERS = {
