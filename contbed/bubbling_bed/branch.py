@@ -17,14 +17,14 @@ from contbed.solvers.branch import Branch, trace
 
 
 def value_at(scene: Any, key: str) -> Any:
-    """The value of a dotted key; None where there is none."""
+    """Return the value of a dotted key; None where there is none."""
     for step in parse_key(key):
         scene = scene.get(step) if isinstance(scene, dict) else getattr(scene, str(step), None)
     return scene
 
 
 def with_value(part: Any, path: tuple[Any, ...], value: float) -> Any:
-    """The scene or table with one value replaced."""
+    """Return the scene or table with one value replaced."""
     if not path:
         return value
     if isinstance(part, dict):
@@ -34,19 +34,19 @@ def with_value(part: Any, path: tuple[Any, ...], value: float) -> Any:
 
 
 class Family:
-    """The equations of a bed as functions of a value of its scene, on one mesh."""
+    """The equations of a bed as functions of one value of its scene, on one mesh."""
 
     def __init__(self, problem: BubblingProblem, key: str):
         self.problem, self.key = problem, key
 
     def at(self, value: float) -> BubblingProblem:
-        """The problem with that value."""
+        """Return the problem with that value."""
         scene: b.BubblingScene = with_value(self.problem.plan.scene, parse_key(self.key), value)
         c, _ = coefficients(scene)
         return self.problem.with_coefficients(replace(self.problem.plan, scene=scene, coefficients=c))
 
     def assemble(self, x: Any, value: float, jacobian: bool) -> tuple[Any, Any]:
-        """Residual and Jacobian."""
+        """Assemble the residual and the Jacobian."""
         return self.at(value).steady(x, jacobian)
 
 
@@ -77,7 +77,7 @@ def follow(problem: BubblingProblem, state: Any, result: Result) -> None:
 
 
 def columns(problem: BubblingProblem, family: Family, branch: Branch) -> dict[str, Any]:
-    """Parameter, folds passed, mean temperatures and heat duties along a branch, its folds among the points."""
+    """Return parameter, folds passed, mean temperatures and duties along a branch, folds included as points."""
     points = list(zip(branch.parameter, branch.states, strict=True))
     turns = [index + k for k, (index, _, _) in enumerate(branch.folds)]
     for place, (_, p, x) in zip(turns, branch.folds, strict=True):
@@ -95,5 +95,5 @@ def columns(problem: BubblingProblem, family: Family, branch: Branch) -> dict[st
 
 
 def mean(problem: BubblingProblem, state: Any, name: str) -> float:
-    """Mean of a field over the height."""
+    """Return the mean of a field over the height."""
     return problem.total(lambda u, o: getattr(u, name), state) / problem.plan.scene.bubbling_bed.height

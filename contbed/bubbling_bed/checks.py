@@ -1,4 +1,4 @@
-"""What is wrong with the scene of a bubbling bed although every single value is right; see `scene.checks`."""
+"""Checks of the scene of a bubbling bed: mistakes that remain although every single value is valid."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ Kinds = Mapping[str, b.Species]
 
 
 def shares_sum_to_one(species: Kinds) -> Mistakes:
+    """Check that there are particles and that their volume fractions sum to one."""
     if not species:
         yield ("species",), "a bed needs particles; give [species.NAME]"
         return
@@ -33,6 +34,7 @@ def shares_sum_to_one(species: Kinds) -> Mistakes:
 
 
 def names_are_free(species: Kinds) -> Mistakes:
+    """Check that the names of species are valid and not used by the model."""
     for name in species:
         if name in RESERVED:
             yield ("species", name), f"is a name of the model; others than {', '.join(RESERVED)} are free"
@@ -41,6 +43,7 @@ def names_are_free(species: Kinds) -> Mistakes:
 
 
 def pairs_are_given_once(species: Kinds) -> Mistakes:
+    """Check that exchange is given once for each pair of existing species."""
     for name, item in species.items():
         for other in item.exchange:
             path = ("species", name, "exchange", other)
@@ -55,6 +58,7 @@ def pairs_are_given_once(species: Kinds) -> Mistakes:
 
 
 def feeds_lie_in_the_bed(bubbling_bed: b.BubblingBed, species: Kinds, see: See) -> Mistakes:
+    """Check that particles are fed below the surface of the bed."""
     for name, item in species.items():
         if item.feed is not None and item.feed.height > bubbling_bed.height:
             text = f"above the bed, {bubbling_bed.height:g} m; see {see('bubbling_bed.height')}"
@@ -62,6 +66,7 @@ def feeds_lie_in_the_bed(bubbling_bed: b.BubblingBed, species: Kinds, see: See) 
 
 
 def absent_species_do_nothing(species: Kinds, see: See) -> Mistakes:
+    """Check that a species without volume has neither feed nor heat release."""
     for name, item in species.items():
         if item.volume_fraction == 0:
             for key in ("feed", "release"):
@@ -71,6 +76,7 @@ def absent_species_do_nothing(species: Kinds, see: See) -> Mistakes:
 
 
 def bubbles_carry_their_gas(bubbles: b.Bubbles | None, see: See) -> Mistakes:
+    """Check that bubbles with gas have a volume, and that their temperature is determined."""
     if bubbles is None or (not bubbles.capacity_flow and bubbles.fraction == 0):
         return
     if bubbles.fraction == 0:
@@ -90,7 +96,10 @@ def coefficients_fit_the_gas(
     origin: Origin,
     see: See,
 ) -> Mistakes:
-    """Numbers only with a capacity flow, closures that exist with a mass flow, and the properties that these need."""
+    """Check that coefficients suit the way in which the gas is given.
+
+    With a capacity flow all are numbers. With a mass flow closures exist and have the properties that they need.
+    """
     computed = gas.mass_flow is not None
     which = f"see {see('gas.mass_flow' if computed else 'gas.capacity_flow')}"
     tables = SimpleNamespace(
@@ -127,6 +136,7 @@ def coefficients_fit_the_gas(
 def settling_has_what_it_needs(
     gas: b.Gas, bubbling_bed: b.BubblingBed, species: Kinds, freeboard: b.Freeboard | None, see: See
 ) -> Mistakes:
+    """Check the keys from which the height of the bed and the sizes of its particles follow."""
     if gas.mass_flow is None and bubbling_bed.settled_height is not None:
         yield ("bubbling_bed", "settled_height"), f"needs the properties of the gas; see {see('gas.capacity_flow')}"
     if bubbling_bed.expansion is not None and bubbling_bed.settled_height is None:
@@ -141,6 +151,7 @@ def settling_has_what_it_needs(
 
 
 def the_gas_is_known(gas: b.Gas, species: Kinds, origin: Origin) -> Mistakes:
+    """Check that the composition of the gas is valid and that its species are known."""
     if gas.composition is None:
         return
     from contbed.materials.composition import _pairs
@@ -168,6 +179,7 @@ def the_gas_is_known(gas: b.Gas, species: Kinds, origin: Origin) -> Mistakes:
 def radiation_has_its_emissivities(
     radiation: b.Radiation, species: Kinds, freeboard: b.Freeboard | None, see: See
 ) -> Mistakes:
+    """Check that radiating particles have an emissivity, and the keys of the level."""
     level = radiation.level
     if level == "none":
         return
@@ -183,6 +195,7 @@ def radiation_has_its_emissivities(
 def something_fixes_the_plate(
     distributor: b.Distributor | None, gas: b.Gas, bubbles: b.Bubbles | None, radiation: b.Radiation
 ) -> Mistakes:
+    """Check that the temperature of the distributor is determined."""
     if distributor is None:
         return
     flow = gas.mass_flow or gas.capacity_flow or (bubbles is not None and bubbles.capacity_flow) or 0.0
@@ -195,6 +208,7 @@ def something_fixes_the_plate(
 def something_fixes_the_temperatures(
     gas: b.Gas, bubbles: b.Bubbles | None, species: Kinds, tubes: b.Surface | None, walls: b.Surface | None
 ) -> Mistakes:
+    """Check that a stream or a surface carries heat away."""
     flows = [item.feed.capacity_flow or item.feed.mass_flow for item in species.values() if item.feed is not None]
     flows += [gas.capacity_flow, gas.mass_flow, bubbles.capacity_flow if bubbles is not None else 0.0]
     surfaces = [item.coefficient for item in (tubes, walls) if item is not None]
@@ -203,6 +217,7 @@ def something_fixes_the_temperatures(
 
 
 def positions_lie_in_the_bed(bubbling_bed: b.BubblingBed, output: Output, see: See) -> Mistakes:
+    """Check that the output positions lie in the bed."""
     for index, position in enumerate(output.positions):
         if not 0 <= position <= bubbling_bed.height:
             text = f"outside of the bed, 0 to {bubbling_bed.height:g} m; see {see('bubbling_bed.height')}"
@@ -220,6 +235,7 @@ def the_parameter_is_a_number(
     distributor: b.Distributor | None,
     freeboard: b.Freeboard | None,
 ) -> Mistakes:
+    """Check that the parameter of the continuation is a number of the scene that may vary."""
     if continuation is None:
         return
     from contbed.bubbling_bed.branch import value_at

@@ -1,4 +1,4 @@
-"""Closures of a bubbling bed: where a scene names them, and the arguments that the bed gives them at each place."""
+"""Closures of a bubbling bed: where a scene names them, and the arguments available to them at each place."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _MORE = {"nusselt": frozenset({"Re"}), "solid_exchange": _PAIR}
 
 
 def uses(scene: Any) -> Iterator[Use]:
-    """Where the scene may name a closure, what stands there, and of which kind it is; `scene` has the tables."""
+    """Yield (key, value, kind) of each place where the scene may name a closure."""
     bed, bubbles = scene.bubbling_bed, scene.bubbles
     yield ("bubbling_bed", "minimum_fluidization"), bed.minimum_fluidization, "minimum_fluidization"
     if bed.expansion is not None:
@@ -72,7 +72,7 @@ def uses(scene: Any) -> Iterator[Use]:
 
 
 def gives(path: KeyPath, kind: str, bubbling: bool) -> frozenset[str]:
-    """The arguments that a closure at a place of the scene can have, with bubbles or without."""
+    """Return the arguments that a closure at a place of the scene can have, with bubbles or without."""
     table, key = path[0], str(path[-1])
     if key == "minimum_fluidization":
         return _BED
@@ -86,12 +86,12 @@ def gives(path: KeyPath, kind: str, bubbling: bool) -> frozenset[str]:
 
 
 def is_bubbling(bubbles: Any) -> bool:
-    """Whether a scene with this table has bubbles."""
+    """Return whether a scene with this table has bubbles."""
     return bubbles is not None and bubbles.fraction != 0
 
 
 class Coefficient:
-    """One coefficient: a number, or a closure that takes from a state what it asks for."""
+    """One coefficient: a number, or a closure that takes its arguments from a state."""
 
     def __init__(self, path: KeyPath, spec: Any, kind: str, bubbling: bool, base: Path):
         self.path = dotted(path)
@@ -101,7 +101,7 @@ class Coefficient:
         self.value = None if self.closure is not None else spec
 
     def __call__(self, state: Mapping[str, Any], ranges: list[Any] | None) -> Any:
-        """Its value; a list in `ranges` collects how the closure was used."""
+        """Return the value at a state; a list in `ranges` collects how the closure was used."""
         if self.closure is None:
             return self.value
         if ranges is not None:

@@ -72,9 +72,9 @@ class Computed:
         self.chemistry = self._chemistry() if scene.reactions is not None else None
         self.above = None
         if scene.freeboard is not None and scene.freeboard.height is not None:
-            from contbed.bubbling_bed.freeboard import Above
+            from contbed.bubbling_bed.freeboard import FreeboardProblem
 
-            self.above = Above(scene, self)
+            self.above = FreeboardProblem(scene, self)
 
     def _chemistry(self) -> Any:
         """The reacting part, whose gas makes the mixtures and the flows."""

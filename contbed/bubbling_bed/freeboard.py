@@ -13,8 +13,8 @@ from contbed.closures.bubbles import GRAVITY
 from contbed.closures.optics import SIGMA
 
 
-class Above:
-    """What stands above the bed: the `part` of the model, sizes of its unknowns and where they start."""
+class FreeboardProblem:
+    """The freeboard above a bed: the `part` of the model, typical values of its unknowns and a first guess."""
 
     def __init__(self, scene: Any, computed: Any):
         self.scene, self.computed, self.table = scene, computed, scene.freeboard
@@ -35,7 +35,7 @@ class Above:
             computed.section,
             self.table.height,
             scene.bubbling_bed.height,
-            self.here,
+            self.local_coefficients,
             self.ejected,
             self.shares,
             computed.enthalpy,
@@ -61,7 +61,7 @@ class Above:
         return {f"out_{name}": name for name in self.computed.chemistry.part.gases}
 
     def gas(self, u: Any) -> tuple[Any, Any]:
-        """Mass flow [kg/s] and properties of the gas."""
+        """Return the mass flow [kg/s] and properties of the gas."""
         if not self._reacts:
             return self.computed.flow, self.computed.gas
         from contbed.bubbling_bed.chemistry.problem import Mixture
@@ -73,7 +73,7 @@ class Above:
         return mass, Mixture(self.computed.gas, self.computed.gas.pressure, mass / sum(moles.values()), per_kg)
 
     def state(self, u: Any) -> tuple[dict[str, Any], Any, Any]:
-        """What closures may ask for at the temperature of the gas, its mass flow and its properties."""
+        """Return the arguments for closures at the temperature of the gas, its mass flow and its properties."""
         flow, gas = self.gas(u)
         computed, T = self.computed, u.T_freeboard
         rho, mu, cp, k = gas.density(T), gas.viscosity(T), gas.heat_capacity(T), gas.conductivity(T)
@@ -93,13 +93,13 @@ class Above:
         return state, flow, gas
 
     def _of(self, state: dict[str, Any], name: str, diameter: float) -> dict[str, Any]:
-        """The state with particles of one species and size."""
+        """Return the state with particles of one species and size."""
         item, rho = self.scene.species[name], self.computed.density[name]
         Ar = diameter**3 * state["rho_gas"] * (rho - state["rho_gas"]) * GRAVITY / state["mu"] ** 2
         return state | {"d_p": diameter, "sphericity": item.sphericity, "rho_solid": rho, "Ar": Ar}
 
     def rates(self, u: Any, name: str) -> list[Any]:
-        """Elutriation rate constants of the sizes of a species [kg/m2/s]."""
+        """Return the elutriation rate constants of the sizes of a species [kg/m2/s]."""
         return self._rates(self.state(u)[0], name)
 
     def _rates(self, state: dict[str, Any], name: str) -> list[Any]:
@@ -113,8 +113,8 @@ class Above:
     def _call(self, key: str, state: dict[str, Any]) -> Any:
         return self.coefficients["freeboard", key](state, self.computed.ranges)
 
-    def here(self, u: Any, o: Any) -> model.Here:
-        """Coefficients at the points of a domain."""
+    def local_coefficients(self, u: Any, o: Any) -> model.LocalCoefficients:
+        """Return the coefficients at the points of a domain."""
         state, flow, gas = self.state(u)
         computed, carried = self.computed, 0.0
         for name, share in self.shares.items():
@@ -127,7 +127,7 @@ class Above:
         exchange = nusselt(mixed, computed.ranges)
         if nusselt.value is None:
             exchange = exchange * state["k_gas"] / computed.d_p
-        return model.Here(
+        return model.LocalCoefficients(
             flow,
             gas.enthalpy,
             gas.heat_capacity,
@@ -138,7 +138,7 @@ class Above:
         )
 
     def ejected(self, local: Local) -> Any:
-        """Flow of particles from the surface of the bed [kg/m2/s]."""
+        """Return the flow of particles from the surface of the bed [kg/m2/s]."""
         return self._call("ejection", local.state)
 
     @property
@@ -151,38 +151,41 @@ class Above:
         return out
 
     def start(self, T: float, z: Any) -> dict[str, Any]:
-        """Particles that fall off at the rate of the guess, gas as it enters."""
+        """Return a first guess: particles that fall back at the decay rate of the guess, gas as it enters."""
         flow = self.computed.flow
         out: dict[str, Any] = {}
         if self._reacts:
             part = self.computed.chemistry.part
             mean = sum(part.gases[name].molar_mass * x for name, x in part.inlet.items())
             out |= {key: np.array([flow * part.inlet.get(name, 0.0) / mean]) for key, name in self._out.items()}
-        here = self.here(SimpleNamespace(T_freeboard=np.full(1, T), **out), None)
+        here = self.local_coefficients(SimpleNamespace(T_freeboard=np.full(1, T), **out), None)
         ejected = self._call("ejection", self.computed.surface_state(T))
         y = (self.scene.bubbling_bed.height - z) * self.part.stretch
         out["flow_up"] = here.carried + (ejected - here.carried) * np.exp(-here.decay * y)
         return out | {"carryover": out["flow_up"][np.argmax(y)]}
 
     def duties(self, problem: Any, state: Any) -> dict[str, float]:
-        """Heat that leaves the freeboard by mechanism [W]; positive outward."""
+        """Return the heat that leaves the freeboard by mechanism [W]; positive outward."""
         part, out = self.part, {}
         for name in part.surfaces:
             out[f"{name}_convection_W"] = part.stretch * problem.total(lambda u, o, n=name: part.convected(u, n), state)
             out[f"{name}_radiation_W"] = part.stretch * problem.total(lambda u, o, n=name: part.radiated(u, n), state)
-        out["freeboard_top_radiation_W"] = problem.at(lambda u, o: part.out(u), problem.bottom, state)
+        out["freeboard_top_radiation_W"] = problem.at(lambda u, o: part.exit_radiation(u), problem.bottom, state)
         return out
 
     def carried(self, problem: Any, state: Any) -> dict[str, tuple[float, float]]:
-        """Heat that gas takes away, and what particles bring from the bed, as part of its drain, and take away [W]."""
+        """Return the heat [W] that the gas takes away, and that of the particles.
+
+        Particles bring heat from the bed, where it is part of the drain, and take away what is carried over.
+        """
         part = self.part
 
         def gas(u: Any, o: Any) -> Any:
-            here = part.here(u, o)
+            here = part.local_coefficients(u, o)
             return here.flow * here.enthalpy(u.T_freeboard)
 
         def brought(u: Any, o: Any) -> Any:
-            return part.section * u.carryover * part.brought(u)
+            return part.section * u.carryover * part.ejected_enthalpy(u)
 
         taken = problem.at(lambda u, o: part.section * u.flow_up * part.solids(u.T_up), problem.bottom, state)
         return {

@@ -1,4 +1,4 @@
-"""The plan of a bubbling bed: coefficients from the scene, a graded line, what is built and what is skipped."""
+"""Plan of a bubbling bed: coefficients from the scene, a graded line, what is solved and what is left out."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ THIN = 1e-9  # share of the height below which a layer is not resolved
 
 @dataclass(frozen=True)
 class BubblingPlan:
-    """What a run builds."""
+    """The scene, mesh, coefficients and skipped physics that a run uses."""
 
     scene: b.BubblingScene
     coefficients: model.Coefficients
@@ -42,7 +42,7 @@ class BubblingPlan:
 
     @property
     def policy(self) -> Policy:
-        """How linear systems are solved."""
+        """Choice of the linear solver."""
         from contbed.fem import policy
 
         return policy(self.mesh, self.scene.solver.memory_GB)
@@ -54,7 +54,7 @@ class BubblingPlan:
         return along | dict.fromkeys(self.coefficients.scalars, (0, 0))
 
     def unknowns(self) -> dict[str, int]:
-        """Number of unknowns of each part that is solved."""
+        """Return the number of unknowns of each part that is solved."""
         size = self.scene.solver.degree * self.mesh.skfem.nelements + 1
         out = {"heat": len(self.coefficients.streams) * size + (self.coefficients.plate is not None)}
         out |= {"radiation": size} if self.coefficients.level == "field" else {}
@@ -101,7 +101,7 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
 
 
 def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | None]:
-    """Coefficients of the model, and the albedo of the emulsion where it radiates."""
+    """Return the coefficients of the model, and the albedo of the emulsion where it radiates."""
     bed, present, level = scene.bubbling_bed, scene.present, scene.radiation.level
     names = list(present)
     fractions = np.array([bed.solids_fraction * item.volume_fraction for item in present.values()])
@@ -165,7 +165,7 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
 
 
 def _water(scene: b.BubblingScene) -> tuple[Any, ...]:
-    """What flows inside of surfaces."""
+    """Return the water sides of surfaces."""
     wanted = {name: item.steam for name, item in _surfaces(scene).items() if item.steam is not None}
     if not wanted:
         return ()
@@ -194,7 +194,7 @@ def _surfaces(scene: b.BubblingScene) -> dict[str, b.Surface]:
 
 
 def _computed(scene: b.BubblingScene) -> Any:
-    """Coefficients as functions of the state; None where the scene gives frozen ones."""
+    """Return the coefficients as functions of the state; None where the scene gives frozen ones."""
     if not scene.computed:
         return None
     from contbed.bubbling_bed.coefficients import Computed, mixture
@@ -205,7 +205,7 @@ def _computed(scene: b.BubblingScene) -> Any:
 
 
 def _fluidized(scene: b.BubblingScene, computed: Any) -> None:
-    """Refuse a flow of gas that does not even fluidize the bed where Newton's method starts."""
+    """Raise SceneError if the gas does not fluidize the bed at the temperature where Newton's method starts."""
     T, flow = scene.solver.guess, computed.flow
     state, _ = computed.state(SimpleNamespace(**{f"T_{name}": T for name in scene.present}), flow)
     needed = float(state["rho_gas"] * state["u_mf"]) * scene.bubbling_bed.section
@@ -217,7 +217,7 @@ def _fluidized(scene: b.BubblingScene, computed: Any) -> None:
 
 
 def _frozen(scene: b.BubblingScene, surface: Any) -> dict[str, Any]:
-    """Coefficients of a scene that gives them all as numbers."""
+    """Return the coefficients of a scene that gives them all as numbers."""
     present: dict[str, Any] = scene.present
     bubbles: Any = scene.bubbles
     if bubbles is not None and bubbles.fraction == 0:
@@ -250,7 +250,7 @@ def _optics(scene: b.BubblingScene, fractions: Any) -> optics.Optics:
 
 
 def constant(value: float) -> Any:
-    """The function of height that is constant."""
+    """Return a constant function of height."""
     return lambda z: value + 0.0 * z
 
 
@@ -297,14 +297,14 @@ def _radiosity(table: b.Freeboard | None) -> float | None:
 
 
 def _hot(scene: b.BubblingScene) -> float:
-    """The highest temperature that the scene gives [K]."""
+    """Return the highest temperature that the scene gives [K]."""
     given = [item.temperature or 0.0 for item in (scene.gas, scene.tubes, scene.walls) if item is not None]
     given += [item.feed.temperature for item in scene.present.values() if item.feed is not None]
     return max(*given, HOT)
 
 
 def predicted_layers(c: model.Coefficients, height: float, hot: float) -> list[tuple[float, float]]:
-    """Position and width [m] of the modes exp(rate z) of the equations linearised at a temperature.
+    """Return position and width [m] of the modes exp(rate z) of the equations linearised at a temperature.
 
     (-K rate^2 + W rate + S) x = 0 for temperatures scaled with 16 sigma T^3 where G takes part; modes that decay
     upward start at the distributor, the others at the top.
@@ -364,7 +364,7 @@ def _mesh(scene: b.BubblingScene, layers: list[tuple[float, float]]) -> Mesh:
 
 
 def line(nodes: Any) -> Mesh:
-    """A mesh between the distributor and the surface of the bed."""
+    """Build a mesh between the distributor and the surface of the bed."""
     ends = {"bottom": lambda x: x[0] == nodes[0], "top": lambda x: x[0] == nodes[-1]}
     named = skfem.MeshLine.init_tensor(nodes).with_boundaries(ends)
     return Mesh(named.with_subdomains({REGION: lambda x: np.full(x.shape[-1], True)}))

@@ -1,4 +1,4 @@
-"""Pictures of a bubbling bed: one page of profiles and heat flows, and branches of steady states."""
+"""Plots of a bubbling bed: one page of profiles and heat flows, and branches of steady states."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def plot(result: Result, folder: Path) -> None:
 
 
 def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -> None:
-    """Mean temperatures of the species along a branch; what lies between two folds, unstable, is dashed.
+    """Plot the mean temperatures of the species along a branch; the unstable part between two folds is dashed.
 
     Parameters
     ----------
@@ -56,8 +56,9 @@ def branch_plot(path: Path | str, columns: Mapping[str, Any], title: str = "") -
 def bubbling_plot(
     path: Path | str, columns: Mapping[str, Any], title: str = "", results: Mapping[str, Any] | None = None
 ) -> None:
-    """One page: temperatures of all phases, radiation, bubbles, gases over the height, and heat flows. What the run did
-    not solve for is left out.
+    """Plot temperatures of all phases, radiation, bubbles and gases over the height, and heat flows, on one page.
+
+    Quantities that the run did not solve for are left out.
 
     Parameters
     ----------
@@ -90,7 +91,7 @@ def bubbling_plot(
 
 
 def _temperatures(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
-    """Solids, the first the widest, so that equal temperatures show; gases dashed."""
+    """Plot solids, the first with the widest line so that equal temperatures show; gases are dashed."""
     dashed = {"T_emulsion": "emulsion gas", "T_bubble": "bubble gas", "T_freeboard": "freeboard gas"}
     colours = dict(zip(dashed, ("#0072B2", "#56B4E9", "#0072B2"), strict=True))
     others = {"T_up": "rising particles", "T_down": "falling particles"}
@@ -136,7 +137,7 @@ def _bubbles(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
 
 
 def _gases(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
-    """Mole fractions but of nitrogen; in bubbles dashed."""
+    """Plot mole fractions except nitrogen's; those in bubbles are dashed."""
     names = [name for name in values if name.startswith("x_") and not name.startswith("x_N2_")]
     colours: dict[str, str] = {}
     for name in names:

@@ -1,4 +1,4 @@
-"""A bubbling bed on a mesh: assembly, solution, energy balance and heat duties. See `models.bubbling_bed`."""
+"""A bubbling bed on a mesh: assembly, solution, energy balance and heat duties; see `equations.bed`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SHARPENED = 2  # Newton steps at the end: rounding in thin cells hides what is l
 
 
 class BubblingProblem:
-    """The unknowns of a plan and their equations; a `solve.timestep.Problem` in temperatures at all nodes."""
+    """Unknowns and equations of a plan; a `solvers.timestep.Problem` in temperatures at all nodes."""
 
     linear = False
 
@@ -51,13 +51,13 @@ class BubblingProblem:
         return [(form, where, self.c) for form, where in ends]
 
     def with_coefficients(self, plan: BubblingPlan) -> BubblingProblem:
-        """This problem with the coefficients of another plan, on the same mesh."""
+        """Return this problem with the coefficients of another plan, on the same mesh."""
         other = copy(self)
         other.plan, other.c = plan, plan.coefficients
         return other
 
     def unknowns(self, state: Array) -> Array:
-        """Temperatures at all nodes for a state, the inverse of `_state`."""
+        """Return the temperatures at all nodes for a state, the inverse of `_state`."""
         x = state.copy()
         for name in self.radiant:
             G = self.system.part(x, name)
@@ -71,7 +71,7 @@ class BubblingProblem:
 
     @property
     def chemistry(self) -> Any:
-        """What reacts, None where nothing does."""
+        """The reacting part, None where nothing reacts."""
         return self.c.computed.chemistry if self.c.computed is not None else None
 
     @property
@@ -80,14 +80,14 @@ class BubblingProblem:
         return self.system.fields["T_emulsion"][0]
 
     def assemble(self, state: Array, jacobian: bool) -> tuple[Array, Any]:
-        """Residual and exact Jacobian."""
+        """Assemble the residual and the exact Jacobian."""
         return self.system.assemble(self.forms, state, jacobian)
 
     def solve(self, guess: float | None = None) -> tuple[Array, list[float]]:
-        """Newton from a uniform temperature, that of the scene if absent.
+        """Solve by Newton's method from a uniform temperature, that of the scene if absent.
 
-        Instead of G at a node the unknown is the temperature of its equilibrium, (G/(4 sigma))^(1/4): what species emit
-        and absorb is then curved alike, and far from the solution a step leaves their difference small.
+        Instead of G at a node the unknown is the temperature of its equilibrium, (G/(4 sigma))^(1/4): emission and
+        absorption of the species are then curved alike, and far from the solution a step leaves their difference small.
         """
         x = self._start(self.plan.scene.solver.guess if guess is None else guess)
         if self.chemistry is not None:  # heat and char take hours to settle, gas a second: no guess serves both
@@ -100,7 +100,7 @@ class BubblingProblem:
         return self._sharpened(x), history
 
     def solve_from(self, x: Array) -> tuple[Array, list[float]]:
-        """Newton from given temperatures and other unknowns."""
+        """Solve by Newton's method from known temperatures and other unknowns."""
         x, history = self._newton(x)
         return self._sharpened(x), history
 
@@ -111,7 +111,7 @@ class BubblingProblem:
         return self._state(x)
 
     def _start(self, T: float) -> Array:
-        """One temperature everywhere, with the bubbles of a bed that has it."""
+        """Return a state of one temperature, with the bubbles of a bed that has it."""
         x = np.full(self.system.size, T)
         if self.c.computed is not None:
             places = self.space.points[0]
@@ -141,7 +141,7 @@ class BubblingProblem:
         )
 
     def _state(self, x: Array) -> Array:
-        """The fields for temperatures at all nodes."""
+        """Return the fields for temperatures at all nodes."""
         state = x.copy()
         for name in self.radiant:
             G = self.system.part(state, name)
@@ -149,7 +149,7 @@ class BubblingProblem:
         return state
 
     def steady(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
-        """Residual and Jacobian by temperatures at all nodes."""
+        """Assemble the residual and its Jacobian with respect to temperatures at all nodes."""
         residual, matrix = self.assemble(self._state(x), jacobian)
         if jacobian and self.radiant:
             slope = np.ones_like(x)
@@ -159,8 +159,7 @@ class BubblingProblem:
         return residual, matrix
 
     def content(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
-        """A heat content of all phases that lets the bed approach its steady state from where Newton's method fails."""
-
+        """Assemble a heat content of all phases, by which the bed approaches its steady state in time."""
         capacity = CAPACITY * self.c.section
 
         def form(unknowns: Any, tests: Any, names: tuple[str, ...], o: Any) -> Any:
@@ -171,30 +170,35 @@ class BubblingProblem:
         return self.system.assemble([(form, self.system.cells, tuple(self.c.streams)), *plate, *parts], x, jacobian)
 
     def total(self, expression: Any, state: Array) -> float:
-        """Integral over the height of `expression(unknowns, ops)` [W/m] in W."""
+        """Integrate `expression(unknowns, ops)` [W/m] over the height [W]."""
         return self.system.integrate(expression, [self.system.cells], state)
 
     def at(self, expression: Any, end: Any, state: Array) -> float:
-        """Value at one end of the bed."""
+        """Return the value of an expression at one end of the bed."""
         return self.system.integrate(expression, [end], state)
 
     def duties(self, state: Array) -> dict[str, float]:
-        """Heat that leaves the particles by mechanism [W]; positive out of the bed."""
+        """Return the heat that leaves the particles by mechanism [W]; positive out of the bed."""
         c, out = self.c, {}
         for name, x in c.surfaces.items():
             out[f"{name}_convection_W"] = self.total(lambda u, o, n=name: model.convected(u, c, n, c.at(u, o)), state)
             out[f"{name}_radiation_W"] = self.total(lambda u, o, x=x: model.radiated(u, c, x), state)
         if c.plate is not None:
-            out["distributor_convection_W"] = self.at(lambda u, o: model.to_plate(u, c)[0], self.bottom, state)
-            out["distributor_radiation_W"] = self.at(lambda u, o: model.to_plate(u, c)[1], self.bottom, state)
+            out["distributor_convection_W"] = self.at(
+                lambda u, o: model.heat_to_distributor(u, c)[0], self.bottom, state
+            )
+            out["distributor_radiation_W"] = self.at(
+                lambda u, o: model.heat_to_distributor(u, c)[1], self.bottom, state
+            )
         if self.above is None:
             out["top_radiation_W"] = self.at(lambda u, o: model.to_freeboard(u, c), self.top, state)
             return out
-        out["top_radiation_W"] = self.at(lambda u, o: self.above.part.joined(u), self.top, state)
-        return out | self.above.duties(self, state)
+        out["top_radiation_W"] = self.at(lambda u, o: self.above.part.surface_radiation(u), self.top, state)
+        above: dict[str, float] = self.above.duties(self, state)
+        return out | above
 
     def releases(self, state: Array) -> dict[str, float]:
-        """Heat release of each phase [W]."""
+        """Return the heat release of each phase [W]."""
         return {
             name.removeprefix("T_"): self.total(lambda u, o, n=name, s=stream: model.released(u, s, n, o), state)
             for name, stream in self.c.streams.items()
@@ -202,7 +206,7 @@ class BubblingProblem:
         }
 
     def carried(self, state: Array) -> dict[str, tuple[float, float]]:
-        """Heat above 0 K that each stream brings and takes away [W]."""
+        """Return the heat above 0 K that each stream brings and takes away [W]."""
         c, out = self.c, {}
         for name in c.gases:
             brought = self.at(lambda u, o, n=name: c.at(u, o).flows[n] * c.at(u, o).h(n, c.inlet), self.bottom, state)

@@ -1,4 +1,4 @@
-"""What a user reads of it: profiles, temperatures, heat duties, energy balance."""
+"""Results of a bubbling bed: profiles, temperatures, heat duties, energy balance."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ EVEN = 201  # heights at which the use of closures is counted
 
 
 def fill(plan: BubblingPlan, problem: BubblingProblem, state: Any, result: Result) -> None:
-    """Profiles, named results and the energy balance of a state."""
+    """Fill in profiles, named results and the energy balance of a state."""
     scene, c, space = plan.scene, plan.coefficients, problem.space
     nodal = {name: problem.system.part(state, name) for name in c.fields}
     line = line_along(plan.mesh, scene.output.positions)
@@ -72,7 +72,7 @@ FREEBOARD = {"T_freeboard": "K", "T_up": "K", "T_down": "K", "flow_up": "kg/m2/s
 
 
 def _water(problem: BubblingProblem, name: str, state: Any, result: Result, values: dict[str, Any]) -> None:
-    """What water does inside of a surface: profiles, what leaves, and its own balance."""
+    """Fill in the results of water inside a surface: profiles, outlet, and its own balance."""
     from contbed.materials.steam import steam
 
     table = getattr(problem.plan.scene, name).steam
@@ -116,7 +116,10 @@ HYDRODYNAMICS = {
 
 
 def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any], result: Result) -> None:
-    """What closures gave over the height, and whether they, as used at even heights, and the gas hold there."""
+    """Fill in the values of closures over the height.
+
+    Warn where they, as used at equally spaced heights, or the properties of the gas leave their range.
+    """
     computed = plan.coefficients.computed
     local, _ = computed.recorded(values, z)
     found = local.state | {"flow_bubble": values.get("flow_bubble")}
@@ -153,12 +156,16 @@ def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any
 
 
 def _freeboard(above: Any, values: dict[str, Any], local: Any, z: Any, result: Result) -> list[Any]:
-    """Profiles above the bed, which is upside down on the mesh of the bed; how the freeboard used its closures."""
+    """Fill in profiles above the bed; return how the freeboard used its closures.
+
+    The freeboard is upside down on the mesh of the bed.
+    """
     part, computed = above.part, above.computed
     computed.ranges = []
-    above.here(SimpleNamespace(**values), None)
+    above.local_coefficients(SimpleNamespace(**values), None)
     ejected = float(np.broadcast_to(above.ejected(local), z.shape)[-1])
-    used, computed.ranges = computed.ranges, None
+    used: list[Any] = computed.ranges
+    computed.ranges = None
     result.qoi |= {"ejected_kg_m2s": ejected, "carryover_kg_s": part.section * values["carryover"]}
     fed = sum(item.feed.mass_flow or 0.0 for item in computed.scene.present.values() if item.feed is not None)
     sized = any(item.sizes is not None for item in computed.scene.present.values())
@@ -183,8 +190,9 @@ def _freeboard(above: Any, values: dict[str, Any], local: Any, z: Any, result: R
 def _balance(
     problem: BubblingProblem, state: Any, duties: dict[str, float], releases: dict[str, float]
 ) -> dict[str, Any]:
-    """Heat above 0 K that streams carry, surfaces and freeboard take, and phases release [W]. The gas carries away
-    what the distributor takes.
+    """Return the energy balance [W]: heat above 0 K of streams, heat to surfaces and freeboard, and release of phases.
+
+    The gas carries away the heat that the distributor takes.
     """
     parts = [value for brought, taken in problem.carried(state).values() for value in (brought, -taken)]
     inside = ("distributor",) if problem.above is None else ("distributor", "top_radiation")

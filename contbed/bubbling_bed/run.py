@@ -1,4 +1,4 @@
-"""Run of a bubbling bed: its steady state, height and sizes that settle with it, branches, other steady states."""
+"""Run of a bubbling bed: steady state, height and sizes that settle with it, branches, other steady states."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ APART = 1.0  # difference of temperatures of two steady states [K]
 
 @timed("heat")
 def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
-    """Solve and fill the result; steady and quick, so that `folder`, `quiet` and `start` have no use."""
+    """Solve and fill the result; a steady run is quick, so that `folder`, `quiet` and `start` are not used."""
     problem = BubblingProblem(plan)
     state, history = problem.solve()
     result.history += history
@@ -27,7 +27,7 @@ def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any)
 
         if unsettled(plan.scene):
             problem, state = settle(problem, state, result)
-            plan = result.plan = problem.plan  # type: ignore[assignment]
+            plan = result.plan = problem.plan
     fill(plan, problem, state, result)
     scene = plan.scene
     if scene.continuation is not None:
@@ -39,7 +39,10 @@ def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any)
 
 
 def _steady_states(problem: BubblingProblem, state: Any, result: Result) -> int:
-    """Number of states, with those that a cold and a hot guess lead to: release that grows with T allows several."""
+    """Count the steady states, including those found from a cold and a hot guess.
+
+    Heat release that grows with temperature allows several.
+    """
     found = [state]
     for guess in (COLD, HOT):
         try:
@@ -62,6 +65,6 @@ def _steady_states(problem: BubblingProblem, state: Any, result: Result) -> int:
 
 
 def _distance(problem: BubblingProblem, a: Any, b: Any) -> float:
-    """Largest difference of a temperature [K]."""
+    """Return the largest difference of a temperature [K]."""
     names = problem.c.streams
     return max(float(np.abs(problem.system.part(a, name) - problem.system.part(b, name)).max()) for name in names)

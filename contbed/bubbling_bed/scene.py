@@ -1,4 +1,4 @@
-"""The vocabulary of a scene with a [bubbling_bed] table: a fluidized bed along its height, in SI.
+"""Tables of a scene with [bubbling_bed]: a fluidized bed along its height, in SI.
 
     [bubbling_bed]            height, section and packing of the emulsion
     [bubbles]                 absent: all gas flows through the emulsion
@@ -7,11 +7,11 @@
     [tubes], [walls]          immersed surfaces        [distributor], [freeboard]    what bounds the bed
     [radiation]               level by name; absent: none
     [continuation]            steady states over one value of the scene
-    [fuel], [limestone], [drain], [reactions]     see bubbling.chemistry_settings; they need gas.mass_flow
+    [fuel], [limestone], [drain], [reactions]     see `chemistry.scene`; they need gas.mass_flow
 
-A table that is absent means that its physics is absent. There are two ways to write a scene. With gas.capacity_flow
-every coefficient is a number, frozen, and flows of streams are capacity flows, mass flow times heat capacity. With
-gas.mass_flow and gas.composition a coefficient may be a closure by name, a file, or a number, and flows are mass flows.
+Physics whose table is absent is left out. There are two ways to write a scene. With gas.capacity_flow every coefficient
+is a number, frozen, and flows of streams are capacity flows, mass flow times heat capacity. With gas.mass_flow and
+gas.composition a coefficient may be a closure by name, a file, or a number, and flows are mass flows.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class BubblingBed(Table):
     @model_validator(mode="before")
     @classmethod
     def _guess(cls, values: Any) -> Any:
-        """A height to begin with where it follows from that of the settled bed."""
+        """Return the table with an initial height where it follows from that of the settled bed."""
         given = values.get("settled_height") if isinstance(values, dict) else None
         if given is None or "height" in values:
             return values
@@ -214,7 +214,7 @@ class Species(Table):
     @model_validator(mode="before")
     @classmethod
     def _mean(cls, values: Any) -> Any:
-        """The mean diameter of the sizes given."""
+        """Return the table with the mean diameter of its sizes."""
         sizes = values.get("sizes") if isinstance(values, dict) else None
         if sizes is None or "diameter" in values:
             return values
@@ -267,8 +267,9 @@ class FreeboardSurface(Table):
 
 
 class Freeboard(Table):
-    """What is above the bed: a radiosity, a black space at a temperature, or a freeboard of some height whose gas,
-    particles and radiation are solved for. The last needs gas.mass_flow.
+    """What is above the bed: a radiosity, a black space at a temperature, or a freeboard with a height.
+
+    Gas, particles and radiation of a freeboard with a height are solved for, which needs gas.mass_flow.
     """
 
     radiosity: Irradiance | None = None
@@ -367,5 +368,5 @@ class BubblingScene(SceneBase):
 
     @property
     def present(self) -> dict[str, Species]:
-        """The species that are there."""
+        """The species with a volume fraction above zero."""
         return {name: item for name, item in self.species.items() if item.volume_fraction > 0}

@@ -1,4 +1,4 @@
-"""What a bed settles to besides temperatures: sizes of its particles by feed, drain and carry-over, and its height.
+"""Sizes of the particles of a bed by feed, drain and carry-over, and height of the bed, which follow from its state.
 
     F x_f,i = F_d x_i + A w K_i x_i,   sum_i x_i = 1          mass of size i of one species
     int (1 - delta) dz = H_mf,  or  H = H_mf R                height by its bubbles, or by a closure's mean ratio R
@@ -7,7 +7,7 @@ F, F_d   feed and drain [kg/s]            x_f,i, x_i   share of size i in the fe
 A        section [m2]                     w            share of the species in the mass of the bed
 K_i      elutriation rate constant at the end of the freeboard [kg/m2/s]
 
-The drain is what keeps the inventory, whose share `volume_fraction` the scene gives; particles neither shrink nor
+The drain keeps the inventory, whose share `volume_fraction` the scene gives; particles neither shrink nor
 break. Both follow from the state and change its coefficients: bed and settling are solved in turn on one stretched
 mesh until neither changes.
 """
@@ -31,13 +31,13 @@ ROUNDS = 60
 
 
 def unsettled(scene: Any) -> bool:
-    """Whether sizes or the height of the bed follow from its state."""
+    """Return whether sizes or the height of the bed follow from its state."""
     sized = any(item.sizes is not None and item.sizes.bed is None for item in scene.present.values())
     return sized or scene.bubbling_bed.settled_height is not None
 
 
 def settle(problem: BubblingProblem, state: Any, result: Result) -> tuple[BubblingProblem, Any]:
-    """The problem and its state with the sizes and the height that belong to it."""
+    """Solve for sizes, height and state in turn until none changes; return the problem and its state."""
     for _ in range(ROUNDS):
         scene, change = settled(problem, state, result)
         problem = stretched(problem.plan, scene)
@@ -49,7 +49,7 @@ def settle(problem: BubblingProblem, state: Any, result: Result) -> tuple[Bubbli
 
 
 def stretched(plan: BubblingPlan, scene: Any) -> BubblingProblem:
-    """The problem of a scene on the mesh of a plan, stretched to its height."""
+    """Return the problem of a scene on the mesh of a plan, stretched to its height."""
     ratio = scene.bubbling_bed.height / plan.scene.bubbling_bed.height
     mesh = plan.mesh
     if ratio != 1.0:
@@ -59,7 +59,7 @@ def stretched(plan: BubblingPlan, scene: Any) -> BubblingProblem:
 
 
 def settled(problem: BubblingProblem, state: Any, result: Result) -> tuple[Any, float]:
-    """The scene with sizes and height by a state, and the largest relative change."""
+    """Return the scene with sizes and height by a state, and the largest relative change."""
     scene: Any = problem.plan.scene
     changes, species = [0.0], dict(scene.species)
     for name, item in scene.present.items():
@@ -87,7 +87,7 @@ def settled(problem: BubblingProblem, state: Any, result: Result) -> tuple[Any, 
 
 
 def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, float]:
-    """Mass shares of the sizes in the bed, and the drain [kg/s]."""
+    """Return the mass shares of the sizes in the bed, and the drain [kg/s]."""
     item: Any = problem.plan.scene.species[name]
     above = problem.above
     # the first node is the end of the freeboard
@@ -112,11 +112,11 @@ def sizes_in_bed(problem: BubblingProblem, state: Any, name: str) -> tuple[Any, 
 
 
 def height_of(problem: BubblingProblem, state: Any) -> float:
-    """Height of the bed that holds the particles of `settled_height` [m]."""
+    """Return the height [m] of the bed that holds the particles of `settled_height`."""
     bed: Any = problem.plan.scene.bubbling_bed
     c = problem.c
     if bed.expansion is not None:
         ratio = problem.total(lambda u, o: c.computed.expansion(u, o), state) / bed.height
-        return bed.settled_height * ratio
+        return float(bed.settled_height * ratio)
     filled = problem.total(lambda u, o: 1.0 - c.at(u, o).delta, state)
-    return bed.height * bed.settled_height / filled
+    return float(bed.height * bed.settled_height / filled)

@@ -1,4 +1,4 @@
-"""What is wrong with a scene of fully developed flow although every single value is right."""
+"""Checks of a scene of fully developed flow: mistakes that remain although every single value is valid."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ ROOM = 5.0  # least number of particles between centre and wall
 
 
 def closures_exist(fully_developed: d.FullyDeveloped, origin: Origin) -> Mistakes:
+    """Check that the closures exist and that the flow has the arguments that they need."""
     for key, kind in KINDS.items():
         try:
             bind(getattr(fully_developed, key), kind, GIVES[kind], origin.base)
@@ -21,6 +22,7 @@ def closures_exist(fully_developed: d.FullyDeveloped, origin: Origin) -> Mistake
 
 
 def particles_fit(fully_developed: d.FullyDeveloped, solid: d.Solid, see: See) -> Mistakes:
+    """Check that the section is wide enough for the particles to be treated as a continuum."""
     if fully_developed.radius < ROOM * solid.diameter:
         known = see("solid.diameter")
         room = f"only {fully_developed.radius / solid.diameter:.3g} particles from centre to wall"

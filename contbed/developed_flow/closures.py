@@ -1,4 +1,4 @@
-"""Closures of a fully developed flow: their keys in a scene, and the arguments that the flow gives them."""
+"""Closures of a fully developed flow: their keys in a scene, and the arguments available to them."""
 
 from __future__ import annotations
 
@@ -23,6 +23,6 @@ GIVES: dict[str, frozenset[str]] = {
 
 
 def bound(scene: d.DevelopedScene) -> dict[str, BoundClosure]:
-    """The closures of a scene by kind."""
+    """Return the closures of a scene by kind."""
     table, base = scene.fully_developed, scene.origin.base
     return {kind: bind(getattr(table, key), kind, GIVES[kind], base) for key, kind in KINDS.items()}

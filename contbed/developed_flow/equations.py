@@ -57,28 +57,29 @@ class Coefficients:
     wall_restitution: float
     closures: Mapping[str, BoundClosure]
 
-    def given(self, **state: Any) -> dict[str, Any]:
-        """The arguments of closures at a state."""
+    def closure_arguments(self, **state: Any) -> dict[str, Any]:
+        """Return the arguments of closures at a state."""
         return {"e": self.restitution, "eps_max": self.eps_max, "d_p": self.d_p, "mu": self.mu_gas, **state}
 
-    def call(self, kind: str, **state: Any) -> Any:
-        """A closure at a state."""
-        return self.closures[kind](**self.given(**state))
+    def evaluate(self, kind: str, **state: Any) -> Any:
+        """Evaluate a closure at a state."""
+        return self.closures[kind](**self.closure_arguments(**state))
 
     def relative_pressure(self, eps_s: Any) -> Any:
-        """Pressure of the particles over rho_s theta."""
-        return self.call("granular_pressure", eps_s=eps_s, g0=self.call("radial_distribution", eps_s=eps_s))
+        """Return the pressure of the particles over rho_s theta [1]."""
+        return self.evaluate("granular_pressure", eps_s=eps_s, g0=self.evaluate("radial_distribution", eps_s=eps_s))
 
     def fraction(self, ratio: Any) -> Any:
-        """The eps_s whose pressure over rho_s theta is `ratio`; nan where no fraction below packing has it."""
+        """Return the eps_s whose pressure over rho_s theta is `ratio`; nan where there is none below packing."""
         if not hasattr(ratio, "apply"):
             return self._fraction(ratio)[0]
         eps_s, slope = self._fraction(ratio.value)
         return ratio.apply(lambda _: eps_s, lambda _: 1.0 / slope)
 
     def _fraction(self, ratio: Any) -> tuple[Any, Any]:
-        """The fraction and the slope of its pressure, by Newton's method for ln p over ln(eps_s/(eps_max - eps_s)),
-        which is nearly straight at both ends.
+        """Return the solids volume fraction and the slope of its pressure.
+
+        Newton's method for ln p over ln(eps_s/(eps_max - eps_s)), which is nearly straight at both ends.
         """
         wanted = np.log(np.asarray(ratio, dtype=float))
         x = wanted - np.log(self.eps_max)
@@ -108,9 +109,9 @@ class Local:
 
 
 def local(u: Any, c: Coefficients) -> Local:
-    """What the unknowns stand for."""
+    """Return the state and the closures for the unknowns at the points of a domain."""
     eps_s = c.fraction(u.pressure / (c.rho_solid * u.root**2))
-    g0 = c.call("radial_distribution", eps_s=eps_s)
+    g0 = c.evaluate("radial_distribution", eps_s=eps_s)
     eps, slip = 1.0 - eps_s, np.sqrt((u.u_gas - u.u_solid) ** 2 + STILL)
     Re = eps * c.rho_gas * slip * c.d_p / c.mu_gas
     state, scale = {"eps_s": eps_s, "g0": g0}, c.rho_solid * c.d_p * u.root
@@ -118,15 +119,15 @@ def local(u: Any, c: Coefficients) -> Local:
         eps_s,
         g0,
         Re,
-        c.call("drag", Re=Re, eps=eps),
-        scale * c.call("granular_viscosity", **state),
-        scale * c.call("granular_conductivity", **state),
-        c.rho_solid / c.d_p * u.root**3 * c.call("granular_dissipation", **state),
+        c.evaluate("drag", Re=Re, eps=eps),
+        scale * c.evaluate("granular_viscosity", **state),
+        scale * c.evaluate("granular_conductivity", **state),
+        c.rho_solid / c.d_p * u.root**3 * c.evaluate("granular_dissipation", **state),
     )
 
 
 def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
-    """Both momenta, granular energy, and the two flows."""
+    """Return the weak form of both momentum balances, granular energy, and the two flow rates."""
     at = local(u, c)
     eps, drag, shear = 1.0 - at.eps_s, at.beta * (u.u_gas - u.u_solid), o.grad(u.u_solid)[0]
     solid = at.mu * shear * o.grad(tests.u_solid)[0]
@@ -138,19 +139,19 @@ def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
 
 
 def gas(u: Any, tests: Any, c: Coefficients, o: Any, eps: Any = 1.0) -> Any:
-    """Momentum of the gas without drag, and its flow."""
+    """Return the weak form of the momentum of the gas without drag, and of its flow rate."""
     momentum = c.mu_gas * o.grad(u.u_gas)[0] * o.grad(tests.u_gas)[0]
     momentum = momentum + eps * (c.rho_gas * c.gravity - u.gradient) * tests.u_gas
     return momentum + (eps * u.u_gas - c.velocity) * tests.gradient
 
 
 def wall_stress(u: Any, at: Local, c: Coefficients) -> Any:
-    """Stress of the particles on the wall, upward [Pa]."""
+    """Return the upward stress of the particles on the wall [Pa]."""
     return c.specularity * _wall_factor(u, at, c) * u.u_solid
 
 
 def wall(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
-    """Slip and granular energy at the wall; u_gas is given there."""
+    """Return the weak form of slip and granular energy at the wall; u_gas is prescribed there."""
     at = local(u, c)
     stress = wall_stress(u, at, c)
     lost = 1.5 * (1.0 - c.wall_restitution**2) * _wall_factor(u, at, c) * u.root**2
@@ -158,19 +159,19 @@ def wall(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
 
 
 def _wall_factor(u: Any, at: Local, c: Coefficients) -> Any:
-    """pi sqrt(3) rho_s eps_s g0 sqrt(theta)/(6 eps_max) [kg/m2/s]."""
+    """Return pi sqrt(3) rho_s eps_s g0 sqrt(theta)/(6 eps_max) [kg/m2/s]."""
     return np.pi * 3.0**0.5 * c.rho_solid / (6.0 * c.eps_max) * at.eps_s * at.g0 * u.root
 
 
 def content(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
-    """Granular energy, whose relaxation in time leads to a solution; all else follows it at once."""
+    """Return the tested granular energy, which relaxes in time; all other unknowns follow it without delay."""
     return 1.5 * c.rho_solid * c.fraction(u.pressure / (c.rho_solid * u.root**2)) * u.root**2 * tests.root
 
 
 def uniform_fraction(c: Coefficients) -> float:
-    """The eps_s at which drag on evenly spread particles comes nearest to their weight, as if there were no wall."""
+    """Return the eps_s at which the drag on evenly spread particles comes nearest to their weight."""
     eps_s = np.geomspace(1e-6, 0.9, 400) * c.eps_max
     eps, rise = 1.0 - eps_s, c.velocity / (1.0 - eps_s) - c.solid_flux / (c.rho_solid * eps_s)
-    drag = c.call("drag", Re=eps * c.rho_gas * np.abs(rise) * c.d_p / c.mu_gas, eps=eps) * rise
+    drag = c.evaluate("drag", Re=eps * c.rho_gas * np.abs(rise) * c.d_p / c.mu_gas, eps=eps) * rise
     weight = eps * eps_s * (c.rho_solid - c.rho_gas) * c.gravity
     return float(eps_s[np.argmin(np.abs(drag - weight) / (np.abs(drag) + weight))])

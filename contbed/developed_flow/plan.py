@@ -1,4 +1,4 @@
-"""Plan of a fully developed flow: coefficients, a line from centre to wall that is finer toward the wall."""
+"""Plan of a fully developed flow: coefficients, and a line from centre to wall that is finer towards the wall."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ GRADED = 3.5  # of tanh: the last cell is thinner than the first by a factor of 
 
 @dataclass(frozen=True)
 class DevelopedPlan:
-    """What a run builds."""
+    """The scene, mesh and coefficients that a run uses."""
 
     scene: d.DevelopedScene
     coefficients: Coefficients
@@ -32,18 +32,18 @@ class DevelopedPlan:
 
     @property
     def policy(self) -> Any:
-        """How linear systems are solved."""
+        """Choice of the linear solver."""
         from contbed.fem import policy
 
         return policy(self.mesh, None)
 
     def unknowns(self) -> dict[str, int]:
-        """Number of unknowns: two velocities, the root of the granular temperature, and numbers."""
+        """Count the unknowns: two velocities, the root of the granular temperature, and two numbers."""
         nodes = self.scene.solver.degree * self.mesh.skfem.nelements + 1
         return {"flow": 3 * nodes + 2 if self.scene.fully_developed.solid_flux else nodes + 1}
 
     def on(self, nodes: np.ndarray) -> DevelopedPlan:
-        """The plan on other nodes."""
+        """Return the plan on other nodes."""
         return replace(self, mesh=replace(line(nodes, self.mesh.axisymmetric), engine=self.mesh.engine))
 
     def __str__(self) -> str:
@@ -69,7 +69,7 @@ def plan(scene: d.DevelopedScene) -> DevelopedPlan:
 
 
 def coefficients(scene: d.DevelopedScene) -> Coefficients:
-    """What the equations need."""
+    """Return the coefficients of the equations from the scene."""
     table, gas, solid, wall = scene.fully_developed, scene.gas, scene.solid, scene.wall
     return Coefficients(
         rho_gas=gas.density,
@@ -88,7 +88,7 @@ def coefficients(scene: d.DevelopedScene) -> Coefficients:
 
 
 def line(nodes: np.ndarray, axisymmetric: bool) -> Mesh:
-    """From centre to wall."""
+    """Build the mesh from centre to wall."""
     mesh = skfem.MeshLine(nodes[None, :], np.array([np.arange(len(nodes) - 1), np.arange(1, len(nodes))]))
     exterior = mesh.boundary_facets()
     place = mesh.p[0, mesh.facets[0, exterior]]

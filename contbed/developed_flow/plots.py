@@ -1,4 +1,4 @@
-"""Picture of a fully developed flow: velocities, solids volume fraction and granular temperature over the radius."""
+"""Plot of a fully developed flow: velocities, solids volume fraction and granular temperature over the radius."""
 
 from __future__ import annotations
 

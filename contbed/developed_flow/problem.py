@@ -1,4 +1,4 @@
-"""A fully developed flow on a mesh: assembly and solution. See `models.developed_flow`."""
+"""A fully developed flow on a mesh: assembly and solution; see `developed_flow.equations`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FIRST, LAST = 1e-5, 1e3  # steps in pseudo-time [s]; granular energy settles wit
 
 
 class DevelopedProblem:
-    """The unknowns of a plan and their equations; a `solve.timestep.Problem` in granular energy."""
+    """Unknowns and equations of a plan; a `solvers.timestep.Problem` in granular energy."""
 
     linear = False
 
@@ -52,18 +52,18 @@ class DevelopedProblem:
         return self.system.fields["u_gas"][0].points[0]
 
     def steady(self, state: Array, jacobian: bool) -> tuple[Array, Any]:
-        """Residual and exact Jacobian."""
+        """Assemble the residual and the exact Jacobian."""
         if not self.particles:
             return self.system.assemble([(model.gas, self.system.cells, self.c)], state, jacobian)
         forms = [(model.residual, self.system.cells, self.c), (model.wall, self.wall, self.c)]
         return self.system.assemble(forms, state, jacobian)
 
     def content(self, state: Array, jacobian: bool) -> tuple[Array, Any]:
-        """Granular energy and its Jacobian."""
+        """Assemble the granular energy and its Jacobian."""
         return self.system.assemble([(model.content, self.system.cells, self.c)], state, jacobian)
 
     def start(self, theta: float) -> Array:
-        """Particles evenly spread with one granular temperature, gas blunt."""
+        """Return a start with evenly spread particles, one granular temperature and a flat gas profile."""
         c, x = self.c, np.zeros(self.system.size)
         eps_s = model.uniform_fraction(c) if self.particles else 0.0
         place = self.r / self.r.max()
@@ -76,15 +76,15 @@ class DevelopedProblem:
         return x
 
     def solve(self, theta: float) -> tuple[Array, list[float]]:
-        """The solution that granular energy settles to from a level `theta`, and the history of Newton's method.
+        """Find the solution that granular energy relaxes to from a level `theta`; return it with Newton's history.
 
-        A rough wall, near which nothing is like the start, comes after a smooth one.
+        A rough wall, near which the solution differs most from the start, is reached from a smooth one.
         """
         x = self.start(theta)
         if not self.particles:
             return self.solve_from(x)
         rough = self.c.specularity
-        smooth = self.having(specularity=min(rough, SMOOTH))
+        smooth = self.with_values(specularity=min(rough, SMOOTH))
         x, history = smooth.solve_from(
             relax(smooth, x, self.plan.policy, self.lower, first=FIRST, last=LAST, tolerance=1e-5)
         )
@@ -92,7 +92,7 @@ class DevelopedProblem:
         while done < rough:
             ahead = min(rough, step * done)
             try:
-                x, history = self.having(specularity=ahead).solve_from(x)
+                x, history = self.with_values(specularity=ahead).solve_from(x)
             except ConvergenceError:
                 step **= 0.5
                 if step < SLOWEST:
@@ -101,14 +101,14 @@ class DevelopedProblem:
             done = ahead
         return x, history
 
-    def having(self, **values: Any) -> DevelopedProblem:
-        """This problem with other coefficients, on the same mesh."""
+    def with_values(self, **values: Any) -> DevelopedProblem:
+        """Return this problem with other coefficients, on the same mesh."""
         other = copy(self)
         other.c = replace(self.c, **values)
         return other
 
     def solve_from(self, x: Array) -> tuple[Array, list[float]]:
-        """Newton from a state nearby."""
+        """Solve by Newton's method from a state close to the solution."""
         options = self.plan.scene.solver
         return newton(
             self.steady,

@@ -1,4 +1,4 @@
-"""What a user reads of a fully developed flow: profiles, named results, balances."""
+"""Results of a fully developed flow: profiles, named results, balances."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Array = Any
 
 
 def fill(problem: DevelopedProblem, state: Array, result: Result) -> None:
-    """Profiles, named results, balances and the use of closures."""
+    """Fill in the profiles, named results, balances and the use of closures."""
     c, system = problem.c, problem.system
     order = np.argsort(problem.r)
     values = {name: system.part(state, name) for name in system.fields}
@@ -46,15 +46,16 @@ def fill(problem: DevelopedProblem, state: Array, result: Result) -> None:
         result.qoi["eps_solid_mean"] = _mean(problem, state, lambda u, o: model.local(u, c).eps_s)
         known = {"eps_s": at.eps_s, "g0": at.g0, "eps": 1.0 - at.eps_s, "Re": at.Re}
         for closure in c.closures.values():
-            result.closures.append(closure.use(**c.given(**known)).to_dict())
+            result.closures.append(closure.use(**c.closure_arguments(**known)).to_dict())
     result.profiles |= columns
     result.balances |= balances(problem, state)
 
 
 def balances(problem: DevelopedProblem, state: Array) -> dict[str, dict[str, Any]]:
-    """Momentum, of which the pressure gradient brings what weight and walls take [N/m3], and the two flows.
+    """Return the momentum balance [N/m3] and the two flow rates.
 
-    The stress of the gas on the wall is what its discrete momentum lacks there.
+    The pressure gradient carries the weight of both phases and the stress on the wall. The stress of the gas on the
+    wall is the residual of its discrete momentum there.
     """
     c, system = problem.c, problem.system
     section = float(system.cells.weight.sum())
@@ -80,6 +81,6 @@ def _density(u: Any, c: model.Coefficients) -> Any:
 
 
 def _mean(problem: DevelopedProblem, state: Array, expression: Any) -> float:
-    """Over the section."""
+    """Return the mean of an expression over the section."""
     cells = problem.system.cells
     return problem.system.integrate(expression, [cells], state) / float(cells.weight.sum())

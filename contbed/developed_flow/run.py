@@ -1,4 +1,4 @@
-"""Run of a fully developed flow: a solution, nodes moved to its kinks, other solutions for the same flows."""
+"""Run of a fully developed flow: a solution, a mesh with nodes at its kinks, other solutions for the same flows."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SPAN, POINTS = 1.5, 60  # factor on the velocity both ways, and solutions on the
 
 @timed("flow")
 def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
-    """Solve and fill the result; steady and quick, so that `folder`, `quiet` and `start` have no use."""
+    """Solve and fill the result; a steady run is quick, so that `folder`, `quiet` and `start` are not used."""
     meant = plan.scene.fully_developed.theta_centre
     problem = DevelopedProblem(plan)
     state, history = problem.solve(meant or TYPICAL)
@@ -32,7 +32,7 @@ def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any)
     if problem.particles and plan.scene.solver.branches:
         state = _nearest(problem, state, meant, result)
         problem, state = aligned(problem, state)
-    result.plan = problem.plan  # type: ignore[assignment]
+    result.plan = problem.plan
     fill(problem, state, result)
     if problem.particles and meant is not None and abs(result.qoi["theta_centre"] / meant - 1.0) > MEANT:
         where = plan.scene.origin.at(("fully_developed", "theta_centre"))
@@ -42,7 +42,7 @@ def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any)
 
 
 def aligned(problem: DevelopedProblem, state: Array) -> tuple[DevelopedProblem, Array]:
-    """The solution on a mesh with a node wherever gas and particles are equally fast: drag has a kink there."""
+    """Solve again with a node wherever gas and particles are equally fast, because drag has a kink there."""
     for _ in range(ALIGNED if problem.particles else 0):
         nodes = np.sort(problem.plan.mesh.skfem.p[0])
         moved = nodes.copy()
@@ -65,7 +65,10 @@ def _crossings(problem: DevelopedProblem, state: Array) -> Array:
 
 
 def _nearest(problem: DevelopedProblem, state: Array, meant: float | None, result: Result) -> Array:
-    """Of all solutions found, in branches.csv, the one that is meant; without a word on it the one at hand."""
+    """Return the solution whose granular temperature at the centre is nearest to `meant`.
+
+    All solutions found are written to branches.csv. Without `meant`, the state at hand is kept.
+    """
     found = [state, *others(problem, state, result)]
     found.sort(key=lambda each: _centre(problem, each))
     result.qoi["solutions_found"] = len(found)
@@ -80,11 +83,11 @@ def _nearest(problem: DevelopedProblem, state: Array, meant: float | None, resul
 
 
 def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Array]:
-    """Other solutions for the same flows, where the branch over the velocity comes back to it after its folds."""
+    """Return other solutions for the same flows, found by following the branch over the velocity past its folds."""
     velocity, policy = problem.c.velocity, problem.plan.policy
 
     def assemble(x: Array, value: float, jacobian: bool) -> tuple[Array, Any]:
-        residual, matrix = problem.having(velocity=float(value)).steady(x, jacobian)
+        residual, matrix = problem.with_values(velocity=float(value)).steady(x, jacobian)
         residual[problem.fixed] = 0.0
         return residual, constrain(matrix, problem.fixed) if jacobian else None
 
@@ -110,5 +113,5 @@ def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Arra
 
 
 def _centre(problem: DevelopedProblem, state: Array) -> float:
-    """Granular temperature at the centre [m2/s2]."""
+    """Return the granular temperature at the centre [m2/s2]."""
     return float(problem.system.part(state, "root")[np.argmin(problem.r)] ** 2)

@@ -1,5 +1,6 @@
-"""The vocabulary of a scene with a [fully_developed] table: gas and particles that rise or fall where nothing varies
-along the way, in SI. See `models.developed_flow`.
+"""Tables of a scene with [fully_developed]: gas and particles that rise or fall, uniform along the way, in SI.
+
+See `developed_flow.equations`.
 
     [fully_developed]         section, the two flows, branch, closures by name
     [gas], [solid], [wall]    their properties

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from contbed.fem.skfem import System as AnySystem
     from contbed.mesh.mesh import Mesh
     from contbed.solvers.linear import Policy
 
@@ -14,7 +15,7 @@ ENGINES = ("skfem", "dolfinx")
 
 def system(
     mesh: Mesh, fields: Mapping[str, tuple[int, int]], order: int, section: float = 1.0, pointwise: bool = False
-) -> Any:
+) -> AnySystem:
     """Return named unknowns on a mesh for the engine of that mesh; see `fem.skfem.System`.
 
     With `pointwise`, both engines evaluate forms at quadrature points by dual numbers. Forms that call many closures,

@@ -122,13 +122,15 @@ def test_char_burns_at_the_limits_of_kinetics_and_of_the_film():
     p, C = 1e5, 0.5
     kinetic, film = char(char_combustion=1e-9), char(char_combustion=1e12)
     law = rs.CHAR_LAWS["char_combustion"]["field"]
-    assert kinetic.burning(1100.0, 1100.0, C, p) == pytest.approx(kinetic.surface * 1e-9 * law.constant(1100.0) * C)
+    assert kinetic.combustion_rate(1100.0, 1100.0, C, p) == pytest.approx(
+        kinetic.surface * 1e-9 * law.constant(1100.0) * C
+    )
     D = rs.diffusion_in_nitrogen("O2", 0.031998, 1100.0, p)
-    assert film.burning(1100.0, 1100.0, C, p) == pytest.approx(film.surface * 1.5 * D / (0.8 * 2e-3) * C)
+    assert film.combustion_rate(1100.0, 1100.0, C, p) == pytest.approx(film.surface * 1.5 * D / (0.8 * 2e-3) * C)
     CO = cr.Char(
         "char", 2e-3, 800.0, "shrinking", 1.5, {"char_combustion": (law, t.CharCombustion(products="CO", factor=1e12))}
     )
-    assert CO.burning(1100.0, 1100.0, C, p) == pytest.approx(2.0 * film.burning(1100.0, 1100.0, C, p))
+    assert CO.combustion_rate(1100.0, 1100.0, C, p) == pytest.approx(2.0 * film.combustion_rate(1100.0, 1100.0, C, p))
 
 
 def test_diffusion_of_oxygen_in_nitrogen():
@@ -155,20 +157,24 @@ def test_gasification_stands_still_in_equilibrium_and_is_held_by_the_film():
     x = {"CO2": 0.2, "N2": 0.5}
     K = np.exp(thermo.ln_equilibrium(rs.CHAR_LAWS["char_CO2"]["barrio"].stoichiometry, 1150.0))
     x["CO"] = float((K * x["CO2"] / (2e5 / 101325.0)) ** 0.5)
-    rate = char().gasifying("char_CO2", 1150.0, 1150.0, x, 2e5)
-    assert abs(rate) < 1e-9 * char().gasifying("char_CO2", 1150.0, 1150.0, x | {"CO": 0.0}, 2e5)
+    rate = char().gasification_rate("char_CO2", 1150.0, 1150.0, x, 2e5)
+    assert abs(rate) < 1e-9 * char().gasification_rate("char_CO2", 1150.0, 1150.0, x | {"CO": 0.0}, 2e5)
     film = char(char_steam=1e15)
     D = rs.diffusion_in_nitrogen("H2O", 0.018015, 1150.0, 1e5)
     flux = film.surface * 1.5 * D / (0.8 * 2e-3) * 0.3 * 1e5 / (r.R_GAS * 1150.0)
-    assert film.gasifying("char_steam", 1150.0, 1150.0, {"H2O": 0.3, "CO": 0.0, "H2": 0.0}, 1e5) == pytest.approx(flux)
+    assert film.gasification_rate(
+        "char_steam", 1150.0, 1150.0, {"H2O": 0.3, "CO": 0.0, "H2": 0.0}, 1e5
+    ) == pytest.approx(flux)
 
 
 def test_lime_calcines_above_its_equilibrium_and_fills_with_sulphate():
     lime = cr.Lime("stone", 1e-3, 2600.0, 1.0, 1.0, 0.4)
     equal = float(np.exp(thermo.ln_equilibrium(rs.CALCINATION.stoichiometry, 1100.0))) * 101325.0
-    assert lime.calcining(1100.0, 0.5 * equal, 1.0, 1.0) > 0 > lime.calcining(1100.0, 1.5 * equal, 1.0, 1.0)
-    assert abs(lime.calcining(1100.0, equal, 1.0, 1.0)) < 1e-4 * lime.calcining(1100.0, 0.0, 1.0, 1.0)
-    assert lime.taking(1120.0, 0.01, 0.6, 0.4) < 1e-6 * lime.taking(1120.0, 0.01, 1.0, 0.0)
+    assert (
+        lime.calcination_rate(1100.0, 0.5 * equal, 1.0, 1.0) > 0 > lime.calcination_rate(1100.0, 1.5 * equal, 1.0, 1.0)
+    )
+    assert abs(lime.calcination_rate(1100.0, equal, 1.0, 1.0)) < 1e-4 * lime.calcination_rate(1100.0, 0.0, 1.0, 1.0)
+    assert lime.sulphation_rate(1120.0, 0.01, 0.6, 0.4) < 1e-6 * lime.sulphation_rate(1120.0, 0.01, 1.0, 0.0)
     surface = rs.lime_surface(np.array([1000.0, 1248.0, 1500.0]))
     assert surface[1] > 7000 and surface[0] < 10 and surface[2] < 10
 

@@ -17,8 +17,9 @@ from contbed.developed_flow.problem import DevelopedProblem
 from contbed.fem.dolfinx import on_dolfinx
 from contbed.loading import from_dict
 from contbed.models import plan as make_plan
+from contbed.packed_bed.run import _flow, _heat_problem
+from contbed.radiation.run import _problem as _radiation_problem
 from contbed.result import Result
-from contbed.runner import _flow, _heat_problem, _radiation_problem
 from contbed.solvers.linear import bordered, constrain, scaled
 
 TOLERANCE = 1e-12

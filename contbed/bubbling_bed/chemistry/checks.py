@@ -1,4 +1,4 @@
-"""What is wrong with the tables of a reacting bed although every single value is right; see `scene.checks`."""
+"""Checks of the tables of a reacting bed: mistakes that remain although every single value is valid."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ HOT = 0.5  # relative distance of a heating value from the correlation that is a
 def reactions_have_what_they_need(
     reactions: t.Reactions | None, fuel: t.Fuel | None, limestone: t.Limestone | None, gas: Any, see: See
 ) -> Mistakes:
+    """Check that reactions have a mass flow of gas, the fuel or limestone, and a rate law."""
     if reactions is None:
         for key, table in (("fuel", fuel), ("limestone", limestone)):
             if table is not None:
@@ -41,6 +42,7 @@ def reactions_have_what_they_need(
 
 
 def the_fuel_is_whole(fuel: t.Fuel | None) -> Mistakes:
+    """Check that the analysis of the fuel sums to one and fits volatile matter and heating value."""
     if fuel is None:
         return
     from contbed.closures import devolatilisation as dv
@@ -67,6 +69,7 @@ def the_fuel_is_whole(fuel: t.Fuel | None) -> Mistakes:
 def what_is_fed_leaves(
     reactions: t.Reactions | None, fuel: t.Fuel | None, limestone: t.Limestone | None, drain: t.Drain | None
 ) -> Mistakes:
+    """Check that each constituent that is fed reacts or is drained."""
     if reactions is None:
         return
     if limestone is not None and drain is None:
@@ -86,6 +89,7 @@ def what_is_fed_leaves(
 def fed_species_are_there(
     fuel: t.Fuel | None, limestone: t.Limestone | None, species: Mapping[str, Any], bubbling_bed: Any, see: See
 ) -> Mistakes:
+    """Check that fuel and limestone become existing species that can carry them."""
     tables = [(key, table) for key, table in (("fuel", fuel), ("limestone", limestone)) if table is not None]
     for key, table in tables:
         item = species.get(table.species)
@@ -105,6 +109,7 @@ def fed_species_are_there(
 
 
 def gases_react(reactions: t.Reactions | None, gas: Any) -> Mistakes:
+    """Check that the reactions know the gases that enter."""
     if reactions is None or gas.composition is None:
         return
     from contbed.bubbling_bed.chemistry.thermo import GASES

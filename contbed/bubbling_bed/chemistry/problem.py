@@ -1,4 +1,4 @@
-"""The reacting part of a bubbling bed from its scene: which gases and solids are unknown, feeds, enthalpies."""
+"""The reacting part of a bubbling bed from its scene: unknown gases and solids, feeds, enthalpies."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LEAST = 1e-6  # surface that a fuel has even when there is none of it [m2/m]
 
 @dataclass(frozen=True)
 class FuelData:
-    """A fuel by amounts."""
+    """The constituents of a fuel and their amounts."""
 
     rate: float  # dry, ash-free [kg/s]
     carbon: float  # fixed [mol/s]
@@ -37,7 +37,7 @@ class FuelData:
 
 
 def fuel_data(fuel: t.Fuel) -> FuelData:
-    """Amounts fed, products of the volatile matter and its heat of formation from the heating value."""
+    """Return the amounts fed, the products of the volatile matter and its heat of formation."""
     dry = fuel.ultimate.model_dump()
     received = fuel.feed.mass_flow
     rate = received * (1.0 - fuel.moisture) * (1.0 - fuel.ash)
@@ -66,7 +66,7 @@ def fuel_data(fuel: t.Fuel) -> FuelData:
 
 
 def gaussian(feed: t.SolidsFeed, height: float) -> Callable[[Any], Any]:
-    """Share of a feed per height [1/m] that sums to one over the bed."""
+    """Return the share of a feed per height [1/m] as a function of height; it integrates to one over the bed."""
     from scipy.special import ndtr
 
     inside = float(ndtr((height - feed.height) / feed.width) - ndtr(-feed.height / feed.width))
@@ -75,7 +75,7 @@ def gaussian(feed: t.SolidsFeed, height: float) -> Callable[[Any], Any]:
 
 
 def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
-    """All that the scene lets run."""
+    """Return all reactions that the scene switches on."""
     table = scene.reactions
     out: list[Any] = [
         cr.Homogeneous(name, cr.law_of(name, item), item.factor, table.mixing_time)
@@ -107,7 +107,7 @@ def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
 
 
 def gases_of(reactions: tuple[Any, ...], inlet: dict[str, float]) -> tuple[tuple[str, ...], tuple[Any, ...]]:
-    """Gases that enter or are made, and the reactions for which all reactants are there."""
+    """Return the gases that enter or are made, and the reactions whose reactants are all present."""
     there, running = set(inlet), []
     while True:
         found = [item for item in reactions if item not in running and _needs(item) <= there]
@@ -142,7 +142,7 @@ def _makes(item: Any) -> set[str]:
 
 @dataclass(eq=False)
 class Mixture:
-    """Gas of the local composition as `Computed` asks for it; viscosity and conductivity are those of what enters."""
+    """Gas of the local composition; viscosity and conductivity are those of the entering gas."""
 
     entering: Any
     pressure: float
@@ -150,31 +150,31 @@ class Mixture:
     mole: dict[str, Any]  # moles per kg of mixture
 
     def density(self, T: Any) -> Any:
-        """[kg/m3]"""
+        """Return the density [kg/m3]."""
         return self.pressure * self.molar_mass / (R_GAS * T)
 
     def viscosity(self, T: Any) -> Any:
-        """[Pa s]"""
+        """Return the viscosity [Pa s]."""
         return self.entering.viscosity(T)
 
     def conductivity(self, T: Any) -> Any:
-        """[W/m/K]"""
+        """Return the conductivity [W/m/K]."""
         return self.entering.conductivity(T)
 
     def heat_capacity(self, T: Any) -> Any:
-        """[J/kg/K]"""
+        """Return the heat capacity [J/kg/K]."""
         species = thermo.table()
         return sum(n * species[name].heat_capacity(T) for name, n in self.mole.items())
 
     def enthalpy(self, T: Any) -> Any:
-        """[J/kg], of formation included."""
+        """Return the enthalpy, heat of formation included [J/kg]."""
         species = thermo.table()
         return sum(n * species[name].enthalpy(T) for name, n in self.mole.items())
 
 
 @dataclass(frozen=True)
 class Chemistry:
-    """The `Part` of a scene with what else is known of it."""
+    """The `Part` of a scene that reacts, with its gases, feeds and reactions."""
 
     part: model.Species
     data: FuelData | None
@@ -184,7 +184,7 @@ class Chemistry:
     inlet_flow: float  # of all gas [mol/s]
 
     def start(self, T: float, z: Any, flows: dict[str, float]) -> dict[str, Any]:
-        """First guess of all fields in a bed of one temperature, mass flows of the phases [kg/s] given."""
+        """Return the first guess of all fields for one temperature [K] and mass `flows` of the phases [kg/s]."""
         part, out = self.part, {}
         mean = sum(part.gases[name].molar_mass * x for name, x in part.inlet.items())
         for phase in part.phases:
@@ -196,7 +196,7 @@ class Chemistry:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the reactions that run."""
+        """Names of the reactions that run."""
         return tuple(name for item in self.reactions for name in item.names)
 
     @property
@@ -206,7 +206,7 @@ class Chemistry:
         return flows | {f"n_{name}": solid.typical for name, solid in self.part.solids.items()}
 
     def surfaces(self, u: Any) -> dict[str, Any]:
-        """Surface of the fuel per height [m2/m]: char in all stages of burning, and what is not yet char."""
+        """Return the surface of the fuel per height [m2/m]: char at any burnout, and fuel not yet char."""
         out: dict[str, Any] = {}
         for item in self.reactions:
             if isinstance(item, cr.Char):
@@ -216,7 +216,7 @@ class Chemistry:
         return out
 
     def mixtures(self, u: Any, entering: Any) -> dict[str, Mixture]:
-        """Gas of each phase; what enters where flows are not known."""
+        """Return the gas of each phase; the entering gas where mole flows are not known."""
         if not self.part.known(u):
             mean = sum(self.part.gases[name].molar_mass * x for name, x in self.part.inlet.items())
             mole = {name: x / mean for name, x in self.part.inlet.items()}
@@ -320,16 +320,19 @@ def _linear(formation: float, heat_capacity: float) -> Callable[[Any], Any]:
 
 
 def _burnout(scene: Any, running: tuple[Any, ...], inlet: dict[str, float]) -> float:
-    """Life of char in a half exhausted gas at the temperature of the guess [s]; only where the inventory starts."""
+    """Return the burnout time of char [s] in a half exhausted gas at the temperature of the guess.
+
+    It is only used for the first guess of the inventory.
+    """
     T, p = scene.solver.guess, scene.gas.pressure
     for item in running:
         if isinstance(item, cr.Char):
             rate = 0.0
             if "char_combustion" in item.reactions and "O2" in inlet:
-                rate += float(item.burning(T, T, 0.5 * inlet["O2"] * p / (R_GAS * T), p))
+                rate += float(item.combustion_rate(T, T, 0.5 * inlet["O2"] * p / (R_GAS * T), p))
             x = dict.fromkeys(thermo.GASES, 0.0) | {"H2O": 0.1, "CO2": 0.1}
             rate += sum(
-                max(float(item.gasifying(name, T, T, x, p)), 0.0)
+                max(float(item.gasification_rate(name, T, T, x, p)), 0.0)
                 for name in item.reactions
                 if name != "char_combustion"
             )

@@ -1,4 +1,4 @@
-"""The reactions of a bed as functions of its local state; see `models.bubbling_species` for what they are given."""
+"""The reactions of a bed as functions of its local state; see `equations.species` for their arguments."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from contbed.bubbling_bed.chemistry import scene as t
 from contbed.bubbling_bed.chemistry import thermo
-from contbed.bubbling_bed.equations.species import Book, State
+from contbed.bubbling_bed.equations.species import SourceTerms, State
 from contbed.closures import devolatilisation as dv
 from contbed.closures import reactions as r
 from contbed.closures import reactions_solid as rs
@@ -20,20 +20,23 @@ CARBON = dv.ATOMIC["C"]
 
 
 def law_of(name: str, table: Any) -> r.Law:
-    """The rate law of a reaction."""
+    """Return the rate law of a reaction."""
     laws = (r.LAWS | rs.CHAR_LAWS)[name]
     return laws[table.law] if table.law is not None else next(iter(laws.values()))
 
 
 def equilibrium_quotient(law: r.Law, T: Any, p: dict[str, Any]) -> Any:
-    """Product of the pressures of what is made over K [atm to the order of what is consumed]: K's own reactants."""
+    """Return the product of the pressures of the products over K.
+
+    The unit is atm to the order of the reactants, which are those of the equilibrium constant K.
+    """
     made = [p[name] for name, count in law.stoichiometry.items() if name in p for _ in range(round(max(count, 0.0)))]
     return np.exp(-thermo.ln_equilibrium(law.stoichiometry, T)) * r.product(made)
 
 
 @dataclass(frozen=True)
 class Homogeneous:
-    """A reaction within the gas of each phase. `factor` multiplies the rate; `strength` too, for continuation."""
+    """A gas reaction in each phase; the rate is multiplied by `factor`, and limited by the `mixing` time."""
 
     name: str
     law: r.Law
@@ -45,16 +48,17 @@ class Homogeneous:
         """Keys of the scene."""
         return (self.name,)
 
-    def __call__(self, state: State, book: Book) -> None:
+    def __call__(self, state: State, terms: SourceTerms) -> None:
+        """Add the reaction in the gas of each phase."""
         for phase, x in state.x.items():
             T = state.T[phase]
             molar = state.pressure / (R_GAS * T)
             concentration = {name: x[name] * molar for name in {**self.law.stoichiometry, **self.law.orders}}
             rate = self.rate(T, concentration, state.pressure)
-            book.homogeneous(phase, self.law.stoichiometry, state.volume[phase] * rate)
+            terms.homogeneous(phase, self.law.stoichiometry, state.volume[phase] * rate)
 
     def rate(self, T: Any, concentration: dict[str, Any], pressure: float) -> Any:
-        """Net rate [mol/m3/s]."""
+        """Return the net rate [mol/m3/s]."""
         small = r.SMALL * pressure / (R_GAS * T)
         frequency = self.factor * self.law.frequency(T, concentration, small)
         slowed = self.factor / (1.0 + self.mixing * frequency)
@@ -70,36 +74,38 @@ class Homogeneous:
 
 @dataclass(frozen=True)
 class Drying:
-    """Moisture to steam."""
+    """Release of moisture as steam."""
 
     species: str
     time: float
     names: ClassVar[tuple[str, ...]] = ("drying",)
 
-    def __call__(self, state: State, book: Book) -> None:
+    def __call__(self, state: State, terms: SourceTerms) -> None:
+        """Add the steam that dries off."""
         rate = state.solid["moisture"] / self.time
-        book.particle(self.species, {"H2O": rate}, {"moisture": -rate}, state)
+        terms.particle(self.species, {"H2O": rate}, {"moisture": -rate}, state)
 
 
 @dataclass(frozen=True)
 class Devolatilisation:
-    """Volatile matter to gas; `yields` [mol/kg]."""
+    """Release of volatile matter as gas; `yields` [mol/kg]."""
 
     species: str
     time: float
     yields: dict[str, float]
     names: ClassVar[tuple[str, ...]] = ("devolatilisation",)
 
-    def __call__(self, state: State, book: Book) -> None:
+    def __call__(self, state: State, terms: SourceTerms) -> None:
+        """Add the gas that volatile matter forms."""
         rate = state.solid["volatiles"] / self.time
-        book.particle(
+        terms.particle(
             self.species, {name: amount * rate for name, amount in self.yields.items()}, {"volatiles": -rate}, state
         )
 
 
 @dataclass(frozen=True)
 class Char:
-    """Char in mixed flow: film diffusion and kinetics of each reaction in series."""
+    """Char in mixed flow; film diffusion and kinetics act in series for each reaction."""
 
     species: str
     diameter: float
@@ -115,32 +121,32 @@ class Char:
 
     @property
     def surface(self) -> float:
-        """[m2] per mole of carbon."""
+        """Surface per mole of carbon [m2/mol]."""
         return rs.POPULATIONS[self.model].surface / self.diameter * CARBON / self.density
 
     def film(self, gas: str, T: Any, p: float) -> Any:
-        """Mass transfer coefficient [m/s]."""
+        """Return the mass transfer coefficient of the gas film [m/s]."""
         M = thermo.table()[gas].molar_mass
         diameter = rs.POPULATIONS[self.model].film * self.diameter
         return self.sherwood * rs.diffusion_in_nitrogen(gas, M, T, p) / diameter
 
     def carbon_per_oxygen(self, T: Any) -> Any:
-        """Moles of carbon that a mole of O2 burns."""
+        """Return the moles of carbon that one mole of O2 burns."""
         products = self.reactions["char_combustion"][1].products  # type: ignore[attr-defined]
         if products == "arthur":
             return rs.carbon_per_oxygen(T)
         return 1.0 if products == "CO2" else 2.0
 
-    def burning(self, T: Any, T_gas: Any, concentration: Any, p: float) -> Any:
-        """Carbon burnt per carbon [1/s] at a concentration of O2 [mol/m3]."""
+    def combustion_rate(self, T: Any, T_gas: Any, concentration: Any, p: float) -> Any:
+        """Return the rate of combustion per amount of carbon [1/s] at a concentration of O2 [mol/m3]."""
         law, table = self.reactions["char_combustion"]
         k = table.factor * law.constant(T)
         mean = 0.5 * (T + T_gas)
         speed = rs.char_combustion(k, self.film("O2", mean, p), self.carbon_per_oxygen(T))
         return self.surface * speed * concentration
 
-    def gasifying(self, name: str, T: Any, T_gas: Any, x: dict[str, Any], p: float) -> Any:
-        """Carbon gasified per carbon [1/s], net of the backward reaction."""
+    def gasification_rate(self, name: str, T: Any, T_gas: Any, x: dict[str, Any], p: float) -> Any:
+        """Return the rate of gasification per amount of carbon [1/s], net of the backward reaction."""
         law, table = self.reactions[name]
         ((agent, order),) = law.orders.items()
         count = -law.stoichiometry[agent]
@@ -156,24 +162,25 @@ class Char:
             back = r.power(back, 1.0 / count, 1e-12)
         return rs.in_series(slope, film) * (pressure - back * (thermo.P_STANDARD / rs.BAR))
 
-    def __call__(self, state: State, book: Book) -> None:
+    def __call__(self, state: State, terms: SourceTerms) -> None:
+        """Add combustion and gasification of char."""
         T, T_gas, p, x = state.T[self.species], state.T["emulsion"], state.pressure, state.x["emulsion"]
         carbon = state.solid["char"]
         for name, (law, _) in self.reactions.items():
             if name == "char_combustion":
-                rate = carbon * self.burning(T, T_gas, x["O2"] * p / (R_GAS * T_gas), p)
+                rate = carbon * self.combustion_rate(T, T_gas, x["O2"] * p / (R_GAS * T_gas), p)
                 oxygen = 1.0 / self.carbon_per_oxygen(T)
                 gases = {"O2": -oxygen * rate, "CO2": (2.0 * oxygen - 1.0) * rate, "CO": (2.0 - 2.0 * oxygen) * rate}
                 gases = {key: value for key, value in gases.items() if key in x}
             else:
-                rate = carbon * self.gasifying(name, T, T_gas, x, p)
+                rate = carbon * self.gasification_rate(name, T, T_gas, x, p)
                 gases = {key: count * rate for key, count in law.stoichiometry.items() if key != "C"}
-            book.particle(self.species, gases, {"char": -rate}, state)
+            terms.particle(self.species, gases, {"char": -rate}, state)
 
 
 @dataclass(frozen=True)
 class Lime:
-    """Calcination towards equilibrium, and uptake of SO2."""
+    """Calcination towards equilibrium, and uptake of SO2 by lime."""
 
     species: str
     diameter: float
@@ -190,38 +197,42 @@ class Lime:
 
     @property
     def volume(self) -> float:
-        """[m3/mol]"""
+        """Molar volume of limestone [m3/mol]."""
         return thermo.table()["CaCO3"].molar_mass / self.density
 
-    def __call__(self, state: State, book: Book) -> None:
+    def __call__(self, state: State, terms: SourceTerms) -> None:
+        """Add calcination and the uptake of SO2."""
         T, T_gas, p, x = state.T[self.species], state.T["emulsion"], state.pressure, state.x["emulsion"]
         if self.calcination is not None:
-            rate = self.calcining(T, x["CO2"] * p, state.solid["CaCO3"], state.solid["CaO"])
-            book.particle(self.species, {"CO2": rate}, {"CaCO3": -rate, "CaO": rate}, state)
+            rate = self.calcination_rate(T, x["CO2"] * p, state.solid["CaCO3"], state.solid["CaO"])
+            terms.particle(self.species, {"CO2": rate}, {"CaCO3": -rate, "CaO": rate}, state)
         if self.sulphation is not None:
             small = r.SMALL * p / (R_GAS * T_gas)
             SO2, O2 = (x[name] * p / (R_GAS * T_gas) for name in ("SO2", "O2"))
-            rate = self.taking(T, SO2, state.solid["CaO"], state.solid["CaSO4"])
+            rate = self.sulphation_rate(T, SO2, state.solid["CaO"], state.solid["CaSO4"])
             rate = rate * O2 / (O2 * O2 + (10.0 * small) ** 2) ** 0.5
-            book.particle(self.species, {"SO2": -rate, "O2": -0.5 * rate}, {"CaO": -rate, "CaSO4": rate}, state)
+            terms.particle(self.species, {"SO2": -rate, "O2": -0.5 * rate}, {"CaO": -rate, "CaSO4": rate}, state)
 
-    def calcining(self, T: Any, p_CO2: Any, CaCO3: Any, CaO: Any) -> Any:
-        """Net CaO made from amounts of solids, amount/s."""
+    def calcination_rate(self, T: Any, p_CO2: Any, CaCO3: Any, CaO: Any) -> Any:
+        """Return the net rate at which amounts of solids form CaO [amount/s]."""
         law = rs.CALCINATION
         equal = np.exp(thermo.ln_equilibrium(law.stoichiometry, T)) * thermo.P_STANDARD
         over = rs.positive(equal - p_CO2, 1.0)
         k = (self.calcination or 0.0) * law.constant(T) * 6.0 / self.diameter * self.volume
         return k * (over * CaCO3 - (over - (equal - p_CO2)) * CaO)
 
-    def taking(self, T: Any, SO2: Any, CaO: Any, CaSO4: Any) -> Any:
-        """SO2 taken up by amounts of solids, amount/s; linear in what is left up to the greatest conversion."""
+    def sulphation_rate(self, T: Any, SO2: Any, CaO: Any, CaSO4: Any) -> Any:
+        """Return the rate at which amounts of solids take up SO2 [amount/s].
+
+        It is linear in the unreacted CaO up to the greatest conversion.
+        """
         k = (self.sulphation or 0.0) * rs.SULPHATION.constant(T) * rs.lime_surface(T)
         left = CaO + CaSO4 - CaSO4 / self.maximum
         return k * SO2 * self.volume * rs.positive(left, 1e-9)
 
 
 def used_laws(reactions: tuple[Any, ...]) -> Iterator[tuple[str, str, r.Law]]:
-    """(reaction, whose temperature counts, law) of all that run."""
+    """Yield (reaction, phase whose temperature counts, law) of all reactions that run."""
     for item in reactions:
         if isinstance(item, Homogeneous):
             yield item.name, "gas", item.law

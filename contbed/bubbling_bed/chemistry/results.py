@@ -1,4 +1,4 @@
-"""What a reacting bed did: balances of elements, conversion, composition of the gas, efficiencies, ranges of laws."""
+"""Results of a reacting bed: element balances, conversion, gas composition, efficiencies, ranges of rate laws."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ UNDERSHOT = 1e-4  # mole fraction below zero that is worth a warning
 
 
 def carried(problem: Any, chemistry: Chemistry, state: Any) -> dict[str, tuple[float, float]]:
-    """Enthalpy, of formation included, that each stream brings and takes away [W]."""
+    """Return the enthalpy, heat of formation included, that each stream brings and takes away [W]."""
     part, c = chemistry.part, problem.c
     out: dict[str, tuple[float, float]] = {}
     for phase in part.phases:
@@ -62,7 +62,7 @@ def carried(problem: Any, chemistry: Chemistry, state: Any) -> dict[str, tuple[f
 
 
 def profiles(chemistry: Chemistry, values: dict[str, Any]) -> dict[str, Any]:
-    """Mole fractions of both phases and what the bed holds of each solid."""
+    """Return the mole fractions of both phases and the inventory of each solid."""
     part, out = chemistry.part, dict[str, Any]()
     for phase in part.phases:
         total = sum(values[f"N_{name}_{phase}"] for name in part.gases)
@@ -73,7 +73,7 @@ def profiles(chemistry: Chemistry, values: dict[str, Any]) -> dict[str, Any]:
 
 
 def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None:
-    """Balances, named results and warnings."""
+    """Fill in balances, named results and warnings."""
     part, data, scene = chemistry.part, chemistry.data, problem.plan.scene
     entering, leaving, drained, fed = _streams(problem, chemistry, state)
     _elements(chemistry, entering, leaving, drained, fed, result)
@@ -123,7 +123,7 @@ def _streams(problem: Any, chemistry: Chemistry, state: Any) -> tuple[dict[str, 
 
 
 def contents(chemistry: Chemistry) -> dict[str, dict[str, float]]:
-    """Elements of a mole of each gas and solid, of a kg of volatiles."""
+    """Return the elements in a mole of each gas and solid, and in a kg of volatiles."""
     species = thermo.table()
     out: dict[str, dict[str, float]] = {name: dict(species[name].composition) for name in chemistry.part.gases}
     out |= {name: dict(species[SOLIDS[name]].composition) for name in chemistry.part.solids if name in SOLIDS}
@@ -144,7 +144,7 @@ def _elements(chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, f
 
 
 def heating_value(name: str) -> float:
-    """Lower heating value at 298.15 K [J/mol]."""
+    """Return the lower heating value at 298.15 K [J/mol]."""
     species, T0 = thermo.table(), thermo.T_STANDARD
     atoms = species[name].composition
     burnt = {"CO2": atoms.get("C", 0.0), "H2O": 0.5 * atoms.get("H", 0.0), "SO2": atoms.get("S", 0.0)}

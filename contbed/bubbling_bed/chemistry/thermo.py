@@ -27,7 +27,7 @@ SOLIDS = {"C": "C(gr)", "CaCO3": "CaCO3(caL)", "CaO": "CaO(s)", "CaSO4": "CaSO4(
 
 @dataclass(frozen=True, eq=False)
 class Species:
-    """One species; polynomials per mole and R."""
+    """One species; its polynomials are per mole and divided by R."""
 
     name: str
     composition: Mapping[str, float]
@@ -53,15 +53,15 @@ class Species:
         return R_GAS * self._of(self.h, T) + self._cp(T) * (T - np.clip(T, *self.T_range))
 
     def heat_capacity(self, T: Any) -> Any:
-        """[J/mol/K]"""
+        """Return the heat capacity [J/mol/K]."""
         return pointwise(self._cp, self._cp_slope, T)
 
     def enthalpy(self, T: Any) -> Any:
-        """[J/mol], of formation included."""
+        """Return the enthalpy, heat of formation included [J/mol]."""
         return pointwise(self._h, self._cp, T)
 
     def entropy(self, T: Any) -> Any:
-        """[J/mol/K] at standard pressure; of plain numbers."""
+        """Return the entropy at standard pressure [J/mol/K]; T is a plain number or array."""
         t = np.clip(T, *self.T_range)
         parts = [
             cp[0] * np.log(t) + polynomial(integrated(cp[1:]), t) + constant
@@ -70,7 +70,7 @@ class Species:
         return R_GAS * np.where(t > self.T_mid, parts[1], parts[0]) + self._cp(T) * np.log(T / t)
 
     def gibbs(self, T: Any) -> Any:
-        """[J/mol] at standard pressure; of plain numbers."""
+        """Return the Gibbs energy at standard pressure [J/mol]; T is a plain number or array."""
         return self._h(T) - T * self.entropy(T)
 
 
@@ -80,7 +80,7 @@ def _derivative(coefficients: tuple[float, ...]) -> list[float]:
 
 @lru_cache(maxsize=1)
 def table() -> dict[str, Species]:
-    """All species by name; solids by their formula, liquid water as H2O(l)."""
+    """Return all species by name; solids by their formula, liquid water as H2O(l)."""
     try:
         import cantera
     except ImportError as error:
@@ -119,7 +119,7 @@ def _species(name: str, item: Any) -> Species:
 
 
 def ln_equilibrium(stoichiometry: Mapping[str, float], T: Any) -> Any:
-    """ln K of activities, gases at p/1 atm, solids pure; its slope is that of van 't Hoff."""
+    """Return ln K of activities, gases at p/1 atm, solids pure; its slope is that of van 't Hoff."""
     species = table()
 
     def value(T: Any) -> Any:
@@ -129,6 +129,6 @@ def ln_equilibrium(stoichiometry: Mapping[str, float], T: Any) -> Any:
 
 
 def heat_of_reaction(stoichiometry: Mapping[str, float], T: Any) -> Any:
-    """[J/mol], negative where heat is released."""
+    """Return the heat of reaction [J/mol], negative where heat is released."""
     species = table()
     return sum(count * species[name].enthalpy(T) for name, count in stoichiometry.items())

@@ -57,27 +57,27 @@ from contbed.fem.stabilisation import tau
 from contbed.radiation.equations import p1 as radiation
 
 
-def same(T: Any) -> Any:
-    """Enthalpy of a stream whose flow is a capacity flow."""
+def capacity_flow_enthalpy(T: Any) -> Any:
+    """Return the enthalpy of a stream whose flow is a capacity flow."""
     return T
 
 
-def one(T: Any) -> Any:
-    """Heat capacity of a stream whose flow is a capacity flow."""
+def unit_heat_capacity(T: Any) -> Any:
+    """Return the heat capacity of a stream whose flow is a capacity flow."""
     return 1.0
 
 
 @dataclass(frozen=True)
 class Stream:
-    """One phase that a field of temperature belongs to. Functions work on pointwise values."""
+    """One phase with a temperature field; its functions work on pointwise values."""
 
     flow: Any = None  # W, function of z [kg/s, or W/K where the enthalpy is T]; None for a gas of computed flow
     fed: Any = None  # W', function of z; None without feed
     feed_temperature: float = 0.0  # [K]
     conduction: float = 0.0  # A k [W m/K]
     release: Any = None  # Q, function of (z, T) [W/m]; None without
-    enthalpy: Any = same  # of particles, function of T [J/kg]
-    heat_capacity: Any = one  # [J/kg/K]
+    enthalpy: Any = capacity_flow_enthalpy  # of particles, function of T [J/kg]
+    heat_capacity: Any = unit_heat_capacity  # [J/kg/K]
 
 
 @dataclass(frozen=True)
@@ -101,8 +101,8 @@ class Surface:
     emissivity: float  # effective [1]; 0 for a mirror
     field: str | None = None  # unknown temperature, in place of the given one
 
-    def cold(self, u: Any) -> Any:
-        """Temperature of the surface [K]."""
+    def surface_temperature(self, u: Any) -> Any:
+        """Return the temperature of the surface [K]."""
         return self.temperature if self.field is None else getattr(u, self.field)
 
 
@@ -136,37 +136,49 @@ class Local:
     shares: dict[str, Any] = field(default_factory=dict)  # surface of species over that which absorption is for
 
     def h(self, name: str, T: Any) -> Any:
-        """Enthalpy of a gas."""
-        return self.enthalpy.get(name, same)(T)
+        """Return the enthalpy of a gas [J/kg]."""
+        return self.enthalpy.get(name, capacity_flow_enthalpy)(T)
 
     def changed(self, name: str, T: Any) -> Any:
-        """W' h of a gas, or what stands for it where its composition changes."""
+        """Return W' h of a gas [W/m], or (W h)' at constant T where its composition changes."""
         return self.changes[name](T) if name in self.changes else self.slopes[name] * self.h(name, T)
 
 
 class Part(Protocol):
-    """Physics joined to the bed: unknown fields of its own, and what it gives to the phases.
+    """Physics added to the bed: its own unknown fields, and its source terms in the balances of the bed.
 
-    `gains` is heat per height [W/m] by the field of the phase; gas that is made brings its enthalpy in there. `made` is
-    gas per height [kg/s/m] by the field of the gas, None where the part makes none. `content` is what the part holds,
-    by which a steady state is approached in time. `scalars`, if there are any, are unknowns of one number each.
+    `fields` are the names of the unknowns along the height. `scalars`, if there are any, are unknowns of one number
+    each.
     """
 
     fields: tuple[str, ...]
 
-    def gains(self, u: Any, c: Any, local: Local, o: Any) -> dict[str, Any]: ...
-    def made(self, u: Any, c: Any, local: Local, o: Any) -> dict[str, Any] | None: ...
-    def residual(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any: ...
-    def bottom(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any: ...
-    def top(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any: ...
-    def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any: ...
+    def gains(self, u: Any, c: Any, local: Local, o: Any) -> dict[str, Any]:
+        """Return the heat per height [W/m] by the field of the phase; gas that is made brings its enthalpy."""
+
+    def made(self, u: Any, c: Any, local: Local, o: Any) -> dict[str, Any] | None:
+        """Return the gas made per height [kg/s/m] by the field of the gas; None where the part makes none."""
+
+    def residual(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any:
+        """Return the weak form of the part's balances along the height."""
+
+    def bottom(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any:
+        """Return the weak form of its conditions at the distributor."""
+
+    def top(self, u: Any, tests: Any, c: Any, local: Local, o: Any) -> Any:
+        """Return the weak form of its conditions at the surface of the bed."""
+
+    def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any:
+        """Return the tested content of the part, by which a steady state is approached in time."""
 
 
 @dataclass(frozen=True)
 class Coefficients:
-    """The whole bed. `bubbles` and `plate` are None where absent, `level` is "none", "paper", "pairwise", or "field"
-    where G is an unknown with diffusion coefficient `diffusion` [m]. With `computed`, a function of (unknowns, ops)
-    that returns `Local`, the numbers of the same name count for the grading of the mesh only.
+    """The coefficients of the whole bed.
+
+    `bubbles` and `plate` are None where absent. `level` is "none", "paper", "pairwise", or "field" where G is an
+    unknown with diffusion coefficient `diffusion` [m]. With `computed`, a function of (unknowns, ops) that returns
+    `Local`, the numbers of the same name only serve to grade the mesh.
     """
 
     section: float  # A [m2]
@@ -194,9 +206,10 @@ class Coefficients:
         return (*plate, *(name for part in self.parts for name in getattr(part, "scalars", ())))
 
     def at(self, u: Any, o: Any) -> Local:
-        """The coefficients at the points of a domain."""
+        """Return the coefficients at the points of a domain."""
         if self.computed is not None:
-            return self.computed(u, o)
+            local: Local = self.computed(u, o)
+            return local
         gases = {name: self.streams[name].flow(o.x[0]) for name in self.gases}
         return Local(
             self.delta,
@@ -210,7 +223,7 @@ class Coefficients:
         )
 
     def volume(self, local: Local) -> Any:
-        """Emulsion per height, A (1 - delta) [m2]."""
+        """Return the emulsion volume per height, A (1 - delta) [m2]."""
         return self.section * (1.0 - local.delta)
 
     @property
@@ -232,43 +245,43 @@ class Coefficients:
 
 
 def temperatures(u: Any, c: Coefficients) -> list[Any]:
-    """Temperatures of the species."""
+    """Return the temperatures of the species."""
     return [getattr(u, f"T_{name}") for name in c.species]
 
 
 def incident(u: Any, c: Coefficients) -> Any:
-    """Incident radiation [W/m2]: the field, or what the species have in common at one height."""
+    """Return the incident radiation [W/m2]: the unknown field, or its algebraic value at each height."""
     if c.level == "field":
         return u.G
     return irradiation_equilibrium([item.absorption for item in c.species.values()], temperatures(u, c))
 
 
 def convected(u: Any, c: Coefficients, name: str, local: Local) -> Any:
-    """Heat that particles give to a surface by contact [W/m]."""
+    """Return the heat that particles transfer to a surface by contact [W/m]."""
     x, each = c.surfaces[name], zip(c.species.values(), temperatures(u, c), strict=True)
-    return sum(x.perimeter * local.contact[name] * item.share * (T - x.cold(u)) for item, T in each)
+    return sum(x.perimeter * local.contact[name] * item.share * (T - x.surface_temperature(u)) for item, T in each)
 
 
 def radiated(u: Any, c: Coefficients, x: Surface) -> Any:
-    """Radiation into a surface [W/m]."""
+    """Return the radiation into a surface [W/m]."""
     if c.level == "none" or not x.emissivity:
         return 0.0
-    return 0.25 * x.perimeter * x.emissivity * (incident(u, c) - radiation.emitted(x.cold(u)))
+    return 0.25 * x.perimeter * x.emissivity * (incident(u, c) - radiation.emitted(x.surface_temperature(u)))
 
 
 def released(u: Any, stream: Stream, name: str, o: Any) -> Any:
-    """Heat release of a phase [W/m]."""
+    """Return the heat release of a phase [W/m]."""
     return 0.0 if stream.release is None else stream.release(o.x[0], getattr(u, name))
 
 
-def crossed(u: Any, c: Coefficients, local: Local) -> Any:
-    """Heat that gas carries from the emulsion into the bubbles [W/m]."""
+def crossflow_heat(u: Any, c: Coefficients, local: Local) -> Any:
+    """Return the heat that gas carries from the emulsion into the bubbles [W/m]."""
     up, down = np.maximum(local.crossing, 0.0), np.minimum(local.crossing, 0.0)
     return up * local.h("T_emulsion", u.T_emulsion) + down * local.h("T_bubble", u.T_bubble)
 
 
 def gains(u: Any, c: Coefficients, local: Local, o: Any) -> dict[str, Any]:
-    """Heat that each phase gains per height, without transport along it [W/m]."""
+    """Return the heat that each phase gains per height, without transport along the height [W/m]."""
     T = {name: getattr(u, name) for name in c.streams}
     gain = {name: released(u, stream, name, o) for name, stream in c.streams.items()}
     volume = c.volume(local)
@@ -281,16 +294,16 @@ def gains(u: Any, c: Coefficients, local: Local, o: Any) -> dict[str, Any]:
         pass_on(f"T_{name}", "T_emulsion", volume * local.gas[name])
         for surface, x in c.surfaces.items():
             contact = x.perimeter * local.contact[surface] * item.share
-            gain[f"T_{name}"] = gain[f"T_{name}"] - contact * (T[f"T_{name}"] - x.cold(u))
+            gain[f"T_{name}"] = gain[f"T_{name}"] - contact * (T[f"T_{name}"] - x.surface_temperature(u))
     for (one, other), coefficient in local.pairs.items():
         pass_on(f"T_{one}", f"T_{other}", volume * coefficient)
     if c.bubbles is not None:
         pass_on("T_bubble", "T_emulsion", c.section * local.delta * local.exchange)
     if local.crossing is not None:
-        passed = crossed(u, c, local)
+        passed = crossflow_heat(u, c, local)
         gain["T_emulsion"], gain["T_bubble"] = gain["T_emulsion"] - passed, gain["T_bubble"] + passed
     if c.level != "none":
-        for name, taken in zip(c.species, taken_up(u, c, local), strict=True):
+        for name, taken in zip(c.species, net_absorption(u, c, local), strict=True):
             gain[f"T_{name}"] = gain[f"T_{name}"] + taken
     for part in c.parts:
         for name, heat in part.gains(u, c, local, o).items():
@@ -298,8 +311,8 @@ def gains(u: Any, c: Coefficients, local: Local, o: Any) -> dict[str, Any]:
     return gain
 
 
-def taken_up(u: Any, c: Coefficients, local: Local) -> list[Any]:
-    """Radiation that each species absorbs less what it emits [W/m]."""
+def net_absorption(u: Any, c: Coefficients, local: Local) -> list[Any]:
+    """Return the radiation that each species absorbs less what it emits [W/m]."""
     T, volume = temperatures(u, c), c.volume(local)
     absorption = [item.absorption for item in c.species.values()]
     if c.level == "field":
@@ -313,7 +326,7 @@ def taken_up(u: Any, c: Coefficients, local: Local) -> list[Any]:
         taken = [-volume * lost for lost in exchange_equilibrium(absorption, T)]
     for x in c.surfaces.values():
         factor = 0.25 * x.perimeter * x.emissivity / sum(absorption)
-        cold = radiation.emitted(x.cold(u))
+        cold = radiation.emitted(x.surface_temperature(u))
         taken = [
             old - factor * K * (radiation.emitted(t) - cold) for old, K, t in zip(taken, absorption, T, strict=True)
         ]
@@ -321,7 +334,7 @@ def taken_up(u: Any, c: Coefficients, local: Local) -> list[Any]:
 
 
 def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
-    """All balances between the ends."""
+    """Return the weak form of all balances between the ends."""
     local = c.at(u, o)
     total: Any = 0.0
     for name, gain in gains(u, c, local, o).items():
@@ -336,7 +349,7 @@ def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
         total = total + part.residual(u, tests, c, local, o)
     if c.level != "field":
         return total
-    sinks = [(0.25 * x.perimeter * x.emissivity, x.cold(u)) for x in c.surfaces.values()]
+    sinks = [(0.25 * x.perimeter * x.emissivity, x.surface_temperature(u)) for x in c.surfaces.values()]
     volume = c.volume(local)
     optics = radiation.Coefficients(
         {f"T_{name}": volume * local.shares.get(name, 1.0) * item.absorption for name, item in c.species.items()},
@@ -348,7 +361,7 @@ def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
 
 
 def _coupling(c: Coefficients, name: str, local: Local) -> Any:
-    """Linear exchange coefficient of a phase with all others [W/m/K]."""
+    """Return the linear exchange coefficient of a phase with all others [W/m/K]."""
     gases, volume = c.section * local.delta * local.exchange, c.volume(local)
     if name == "T_bubble":
         return gases
@@ -361,16 +374,16 @@ def _coupling(c: Coefficients, name: str, local: Local) -> Any:
 
 
 def _gas(u: Any, name: str, v: Any, gain: Any, c: Coefficients, local: Local, o: Any) -> Any:
-    """Balance of a gas, which does not conduct."""
+    """Return the weak form of the balance of a gas, which does not conduct."""
     T, slope, flow = getattr(u, name), o.grad(v)[0], local.flows[name]
-    capacity = flow * local.heat_capacity.get(name, one)(T)
+    capacity = flow * local.heat_capacity.get(name, unit_heat_capacity)(T)
     strong = capacity * o.grad(T)[0] + local.changed(name, T) - gain
     stable = tau(capacity, 0.0, _coupling(c, name, local), 1.0, o.h, c.degree)
     return -flow * local.h(name, T) * slope - gain * v + stable * strong * capacity * slope
 
 
 def _solid(u: Any, name: str, v: Any, gain: Any, c: Coefficients, local: Local, o: Any) -> Any:
-    """Balance of a species."""
+    """Return the weak form of the balance of a species."""
     T, slope, s = getattr(u, name), o.grad(v)[0], c.streams[name]
     flow, gradient = s.flow(o.x[0]), o.grad(T)[0]
     fed = 0.0 if s.fed is None else s.fed(o.x[0])
@@ -383,12 +396,12 @@ def _solid(u: Any, name: str, v: Any, gain: Any, c: Coefficients, local: Local, 
 
 
 def gas_entry(u: Any, c: Coefficients) -> Any:
-    """Temperature of the gas above the distributor [K]."""
+    """Return the temperature of the gas above the distributor [K]."""
     return c.inlet if c.plate is None else c.inlet + c.plate.effectiveness * (u.T_distributor - c.inlet)
 
 
-def to_plate(u: Any, c: Coefficients) -> tuple[Any, Any]:
-    """Heat into the distributor from the particles by contact, and by radiation [W]."""
+def heat_to_distributor(u: Any, c: Coefficients) -> tuple[Any, Any]:
+    """Return the heat into the distributor [W] from the particles by contact, and by radiation."""
     if c.plate is None:
         return 0.0, 0.0
     each = zip(c.species.values(), temperatures(u, c), strict=True)
@@ -399,7 +412,7 @@ def to_plate(u: Any, c: Coefficients) -> tuple[Any, Any]:
 
 
 def bottom(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
-    """Conditions at the distributor, and its own balance."""
+    """Return the weak form of the conditions at the distributor, and of its own balance."""
     local, total = c.at(u, o), 0.0
     entry = gas_entry(u, c)
     for name, item in c.species.items():
@@ -418,20 +431,20 @@ def bottom(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
         total = total + part.bottom(u, tests, c, local, o)
     if c.plate is None:
         return total
-    contact, radiative = to_plate(u, c)
+    contact, radiative = heat_to_distributor(u, c)
     total = total + (carried - contact - radiative) * tests.T_distributor
     return total + radiative * tests.G if c.level == "field" else total
 
 
 def to_freeboard(u: Any, c: Coefficients) -> Any:
-    """Radiation that leaves through the top [W]."""
+    """Return the radiation that leaves through the top [W]."""
     if c.level != "field" or c.radiosity is None:
         return 0.0
     return c.section * -radiation.supplied(u, radiation.Surface(1.0, c.radiosity), None)
 
 
 def top(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
-    """Streams that leave, and radiation from and to the freeboard."""
+    """Return the weak form of the streams that leave, and of the radiation from and to the freeboard."""
     local, total = c.at(u, o), 0.0
     for name, stream in c.streams.items():
         T = getattr(u, name)

@@ -23,7 +23,7 @@ from typing import Any
 
 @dataclass
 class Local:
-    """What the equations need at the points of one domain; growth and start are None where the size is a number."""
+    """Coefficients at the points of one domain; growth and start are None where the bubble size is a number."""
 
     flow: Any  # W_b by the closures [kg/s]
     growth: Any = None  # d_b' [1]
@@ -33,7 +33,7 @@ class Local:
 
 
 def residual(u: Any, tests: Any, c: Local, o: Any) -> Any:
-    """Equations along the height; growth is tested along the stream as well."""
+    """Return the weak form of the equations; growth is also tested along the stream (SUPG)."""
     total = c.heat * (u.flow_bubble - c.flow) * tests.flow_bubble
     if c.growth is not None:
         v = tests.d_bubble
@@ -42,5 +42,5 @@ def residual(u: Any, tests: Any, c: Local, o: Any) -> Any:
 
 
 def bottom(u: Any, tests: Any, c: Local, o: Any) -> Any:
-    """Bubbles at the distributor."""
+    """Return the weak form of the bubbles at the distributor."""
     return 0.0 if c.start is None else c.heat_size * (u.d_bubble - c.start) * tests.d_bubble

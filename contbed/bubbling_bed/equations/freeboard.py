@@ -45,7 +45,7 @@ TEMPERATURES = ("T_freeboard", "T_up", "T_down")
 
 
 @dataclass
-class Here:
+class LocalCoefficients:
     """Coefficients at the points of a domain: numbers, arrays or functions of the unknowns."""
 
     flow: Any  # m [kg/s]
@@ -69,12 +69,15 @@ class Surface:
 
 @dataclass(frozen=True)
 class Freeboard:
-    """Coefficients and equations. Functions of the unknowns: `here` (u, o) gives `Here`, `ejected` (local) F_0."""
+    """Coefficients and equations of the freeboard.
+
+    Functions of the unknowns: `local_coefficients` (u, o) gives `LocalCoefficients`, `ejected` (local) gives F_0.
+    """
 
     section: float  # A [m2]
     height: float  # L [m]
     bed: float  # H [m]
-    here: Callable[[Any, Any], Here]
+    local_coefficients: Callable[[Any, Any], LocalCoefficients]
     ejected: Callable[[Any], Any]
     shares: dict[str, float]  # of the species in the mass of the particles
     enthalpy: Callable[[str, Any], Any]  # of a species, (name, T) [J/kg]
@@ -96,31 +99,31 @@ class Freeboard:
 
     @property
     def stretch(self) -> float:
-        """r."""
+        """Ratio r of the heights of freeboard and bed, L/H."""
         return self.height / self.bed
 
     def solids(self, T: Any) -> Any:
-        """Enthalpy of the mixture of particles [J/kg]."""
+        """Return the enthalpy of the mixture of particles [J/kg]."""
         return sum(share * self.enthalpy(name, T) for name, share in self.shares.items())
 
     def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any:
-        """A content that lets the freeboard approach its steady state."""
+        """Return a tested content by which the freeboard approaches its steady state."""
         heat = sum((getattr(u, name) * getattr(tests, name) for name in TEMPERATURES), start=0.0)
         return 1e3 * heat + self.heat * u.flow_up * tests.flow_up
 
     def made(self, u: Any, c: Any, local: Any, o: Any) -> None:
-        """The freeboard makes no gas in the bed."""
+        """Return None: the freeboard makes no gas in the bed."""
 
     def gains(self, u: Any, c: Any, local: Any, o: Any) -> dict[str, Any]:
-        """Nothing inside of the bed; its surface is a boundary."""
+        """Return no gains inside the bed; the surface of the bed is a boundary."""
         return {}
 
     def capacity(self, T: Any) -> Any:
-        """Heat capacity of the mixture of particles [J/kg/K]."""
+        """Return the heat capacity of the mixture of particles [J/kg/K]."""
         return sum(share * self.heat_capacity(name, T) for name, share in self.shares.items())
 
-    def exchanged(self, u: Any, here: Here) -> dict[str, Any]:
-        """Heat that phases gain per height y, radiation and surfaces included [W/m]."""
+    def exchanged(self, u: Any, here: LocalCoefficients) -> dict[str, Any]:
+        """Return the heat that phases gain per height y, radiation and surfaces included [W/m]."""
         gain: dict[str, Any] = {"T_freeboard": 0.0}
         for name, flow in (("T_up", u.flow_up), ("T_down", u.flow_up - u.carryover)):
             surface = self.section * self.surface * flow / here.density_flow
@@ -135,20 +138,20 @@ class Freeboard:
         return gain
 
     def convected(self, u: Any, name: str) -> Any:
-        """Heat that the gas gives to a surface [W/m]."""
+        """Return the heat that the gas transfers to a surface [W/m]."""
         x = self.surfaces[name]
         return x.perimeter * x.coefficient * (u.T_freeboard - x.temperature)
 
     def radiated(self, u: Any, name: str) -> Any:
-        """Radiation into a surface [W/m]."""
+        """Return the radiation into a surface [W/m]."""
         x = self.surfaces[name]
         if not self.radiates or not x.emissivity:
             return 0.0
         return 0.25 * x.perimeter * x.emissivity * (u.G_freeboard - radiation.emitted(x.temperature))
 
     def residual(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
-        """All balances over the height."""
-        r, A, here = self.stretch, self.section, self.here(u, o)
+        """Return the weak form of all balances over the height."""
+        r, A, here = self.stretch, self.section, self.local_coefficients(u, o)
         gain = self.exchanged(u, here)
         up, down, slope = u.flow_up, u.flow_up - u.carryover, o.grad(u.flow_up)[0]
         rate = A * self.surface * here.exchange / here.density_flow  # over the flow of particles
@@ -178,30 +181,30 @@ class Freeboard:
         return total + A * self.diffusion / (r * extinction) * o.grad(G)[0] * o.grad(w)[0] + r * taken * w
 
     def _upwind(self, strong: Any, capacity: Any, coupling: Any, v: Any, o: Any) -> Any:
-        """Stabilisation by the residual r (gain - (carried)_y), which is `strong`."""
+        """Return the SUPG term for the residual r (gain - (carried)_y), which is `strong`."""
         stable = tau(capacity, 0.0, coupling, 1.0, self.stretch * o.h, self.degree)
         return stable / self.stretch * strong * capacity * o.grad(v)[0]
 
-    def brought(self, u: Any) -> Any:
-        """Enthalpy of the particles at the surface of the bed [J/kg]."""
+    def ejected_enthalpy(self, u: Any) -> Any:
+        """Return the enthalpy of the particles at the surface of the bed [J/kg]."""
         return sum(share * self.enthalpy(name, getattr(u, f"T_{name}")) for name, share in self.shares.items())
 
-    def joined(self, u: Any) -> Any:
-        """Radiation through the surface of the bed [W]; both sides have one G."""
+    def surface_radiation(self, u: Any) -> Any:
+        """Return the radiation through the surface of the bed [W]; a penalty keeps G continuous there."""
         if not self.radiates:
             return 0.0
         below, above = ((G / (4.0 * SIGMA)) ** 0.25 for G in (u.G, u.G_freeboard))
         return self.section * JOINED * (below - above)
 
     def top_of_bed(self, u: Any, c: Any, local: Any) -> Any:
-        """Heat that gas brings to the surface of the bed [W]."""
+        """Return the heat that gas brings to the surface of the bed [W]."""
         return sum(local.flows[name] * local.h(name, getattr(u, name)) for name in c.gases)
 
     def top(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
-        """Surface of the bed, z = H and y = 0."""
+        """Return the weak form at the surface of the bed, z = H and y = 0."""
         A, turned = self.section, u.flow_up - u.carryover
         total = -self.top_of_bed(u, c, local) * tests.T_freeboard
-        total = total + A * u.flow_up * (self.solids(u.T_up) - self.brought(u)) * tests.T_up
+        total = total + A * u.flow_up * (self.solids(u.T_up) - self.ejected_enthalpy(u)) * tests.T_up
         total = total + self.heat * (u.flow_up - self.ejected(local)) * tests.flow_up
         for name in self.scalars:
             if name.startswith("out_"):
@@ -212,17 +215,17 @@ class Freeboard:
             total = total + A * turned * share * lost * getattr(tests, f"T_{name}")
         if not self.radiates:
             return total
-        return total + self.joined(u) * tests.G - self.joined(u) * tests.G_freeboard
+        return total + self.surface_radiation(u) * tests.G - self.surface_radiation(u) * tests.G_freeboard
 
     def bottom(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
-        """End of the freeboard, z = 0 and y = L."""
-        here = self.here(u, o)
+        """Return the weak form at the end of the freeboard, z = 0 and y = L."""
+        here = self.local_coefficients(u, o)
         total = here.flow * here.enthalpy(u.T_freeboard) * tests.T_freeboard
         total = total + self.heat * (u.carryover - u.flow_up) * tests.carryover
-        return total + self.out(u) * tests.G_freeboard if self.radiates else total
+        return total + self.exit_radiation(u) * tests.G_freeboard if self.radiates else total
 
-    def out(self, u: Any) -> Any:
-        """Radiation out of the end of the freeboard [W]."""
+    def exit_radiation(self, u: Any) -> Any:
+        """Return the radiation out of the end of the freeboard [W]."""
         if not self.radiates or self.above is None:
             return 0.0
         return self.section * marshak(1.0) * (u.G_freeboard - 4.0 * self.above)

@@ -38,7 +38,7 @@ Pointwise = Any
 
 @dataclass(frozen=True)
 class Gas:
-    """One gas: molar mass [kg/mol] and functions of T, enthalpy [J/mol] and heat capacity [J/mol/K]."""
+    """One gas: molar mass [kg/mol], enthalpy [J/mol] and heat capacity [J/mol/K] as functions of T."""
 
     molar_mass: float
     enthalpy: Callable[[Any], Any]
@@ -59,7 +59,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class Ash:
-    """What a feed carries through [kg/s/m as a function of height], with enthalpy [J/kg] of T."""
+    """Ash of a feed [kg/s/m as a function of height] that leaves where it is fed, with enthalpy [J/kg] of T."""
 
     species: str
     fed: Any
@@ -69,7 +69,7 @@ class Ash:
 
 @dataclass
 class Sources:
-    """What reactions and exchange make at the points of a domain."""
+    """Source terms of reactions and exchange at the points of a domain."""
 
     gas: dict[str, dict[str, Any]]  # by phase and species [mol/s/m]
     solid: dict[str, Any]  # [mol/s/m]
@@ -78,7 +78,7 @@ class Sources:
 
 @dataclass
 class State:
-    """What reactions see at the points of a domain."""
+    """Temperatures, compositions and inventories that reactions depend on, at the points of a domain."""
 
     T: dict[str, Any]  # by phase and species [K]
     x: dict[str, dict[str, Any]]  # mole fractions by phase
@@ -90,11 +90,11 @@ class State:
     local: Any = None
 
 
-Reactions = Callable[[State, "Book"], None]
+Reactions = Callable[[State, "SourceTerms"], None]
 
 
-class Book:
-    """Collects what reactions turn over, with the enthalpy that passes between phases."""
+class SourceTerms:
+    """Sum of the source terms of all reactions, with the enthalpy that passes between phases."""
 
     def __init__(self, part: Species):
         self.part = part
@@ -106,12 +106,12 @@ class Book:
         self.gain[name] = self.gain[name] + heat if name in self.gain else heat
 
     def homogeneous(self, phase: str, stoichiometry: Mapping[str, float], rate: Any) -> None:
-        """`rate` [mol/s/m] within the gas of a phase."""
+        """Add a reaction at `rate` [mol/s/m] within the gas of a phase."""
         for name, count in stoichiometry.items():
             self.gas[phase][name] = self.gas[phase][name] + count * rate
 
     def particle(self, species: str, gases: Mapping[str, Any], solids: Mapping[str, Any], state: State) -> None:
-        """Gases made or, where negative, consumed by particles [mol/s/m], and solids likewise."""
+        """Add gases made by particles (negative if consumed) and solids made [mol/s/m]."""
         T, T_gas = state.T[species], state.T["emulsion"]
         for name, made in gases.items():
             self.gas["emulsion"][name] = self.gas["emulsion"][name] + made
@@ -124,7 +124,7 @@ class Book:
             self.solid[name] = self.solid[name] + made
 
     def passed(self, moles: Mapping[str, Any], T: Any) -> None:
-        """Gas from the bubbles to the emulsion [mol/s/m] with its enthalpy at T."""
+        """Add the gas that passes from the bubbles to the emulsion [mol/s/m], with its enthalpy at T."""
         for name, amount in moles.items():
             self.gas["emulsion"][name] = self.gas["emulsion"][name] + amount
             self.gas["bubble"][name] = self.gas["bubble"][name] - amount
@@ -158,23 +158,23 @@ class Species:
         return (*flows, *(f"n_{name}" for name in self.solids))
 
     def known(self, u: Any) -> bool:
-        """Whether flows of gases are among the unknowns `u`; where a bed is only estimated they are not."""
+        """Return whether flows of gases are among the unknowns `u`; they are not in a first estimate of a bed."""
         return hasattr(u, f"N_{next(iter(self.gases))}_emulsion")
 
     def flow(self, u: Any, phase: str) -> dict[str, Any]:
-        """Mole flows [mol/s]."""
+        """Return the mole flows of a phase [mol/s]."""
         return {name: getattr(u, f"N_{name}_{phase}") for name in self.gases}
 
     def mass(self, u: Any, phase: str) -> Any:
-        """Mass flow [kg/s]."""
+        """Return the mass flow of a phase [kg/s]."""
         return sum(self.gases[name].molar_mass * amount for name, amount in self.flow(u, phase).items())
 
     def changed(self, u: Any, phase: str, o: Any, T: Any) -> Any:
-        """sum_i N_i' h_i [W/m]"""
+        """Return sum_i N_i' h_i [W/m]."""
         return sum(o.grad(amount)[0] * self.gases[name].enthalpy(T) for name, amount in self.flow(u, phase).items())
 
     def state(self, u: Any, local: Any) -> State:
-        """Compositions and temperatures."""
+        """Return the compositions and temperatures."""
         T = {name.removeprefix("T_"): getattr(u, name) for name in vars(u) if name.startswith("T_")}
         x, w, M = {}, {}, {}
         for phase in self.phases:
@@ -189,17 +189,18 @@ class Species:
         return State(T, x, w, M, volume, self.pressure, solid, local)
 
     def sources(self, u: Any, local: Any) -> Sources:
-        """All that reactions and exchange make; kept with `local`, which belongs to one evaluation."""
+        """Return the sources by reactions and exchange; kept with `local`, which belongs to one evaluation."""
         if "sources" not in local.state:
-            state, book = self.state(u, local), Book(self)
+            state, terms = self.state(u, local), SourceTerms(self)
             for reactions in self.reactions:
-                reactions(state, book)
+                reactions(state, terms)
             if "bubble" in self.phases:
-                self._exchange(state, book)
-            local.state["sources"] = Sources(book.gas, book.solid, book.gain)
-        return local.state["sources"]
+                self._exchange(state, terms)
+            local.state["sources"] = Sources(terms.gas, terms.solid, terms.gain)
+        sources: Sources = local.state["sources"]
+        return sources
 
-    def _exchange(self, state: State, book: Book) -> None:
+    def _exchange(self, state: State, terms: SourceTerms) -> None:
         from contbed.closures.reactions import R_GAS
 
         assert self.exchange is not None
@@ -207,7 +208,7 @@ class Species:
         T = 0.5 * (state.T["emulsion"] + state.T["bubble"])
         rho = self.pressure * 0.5 * (state.molar_mass["emulsion"] + state.molar_mass["bubble"]) / (R_GAS * T)
         mass = self.section * local.delta * self.exchange(local, state) * rho
-        book.passed(
+        terms.passed(
             {
                 name: mass * (w["bubble"][name] - w["emulsion"][name]) / gas.molar_mass
                 for name, gas in self.gases.items()
@@ -218,11 +219,11 @@ class Species:
             up, down = np.maximum(local.crossing, 0.0), np.minimum(local.crossing, 0.0)
             for name, gas in self.gases.items():
                 crossed = (up * w["emulsion"][name] + down * w["bubble"][name]) / gas.molar_mass
-                book.gas["emulsion"][name] = book.gas["emulsion"][name] - crossed
-                book.gas["bubble"][name] = book.gas["bubble"][name] + crossed
+                terms.gas["emulsion"][name] = terms.gas["emulsion"][name] - crossed
+                terms.gas["bubble"][name] = terms.gas["bubble"][name] + crossed
 
     def gains(self, u: Any, c: Any, local: Any, o: Any) -> dict[str, Any]:
-        """Heat per height [W/m] by the field of the phase."""
+        """Return the heat per height [W/m] by the field of the phase."""
         gain = dict(self.sources(u, local).gain)
         for ash in self.ash:
             name = f"T_{ash.species}"
@@ -231,7 +232,7 @@ class Species:
         return gain
 
     def made(self, u: Any, c: Any, local: Any, o: Any) -> dict[str, Any]:
-        """Gas made per height [kg/s/m] by the field of the gas, without what passes between them."""
+        """Return the gas made per height [kg/s/m] by the field of the gas, without exchange between gases."""
         sources = self.sources(u, local)
         return {
             f"T_{phase}": sum(self.gases[name].molar_mass * made for name, made in sources.gas[phase].items())
@@ -239,12 +240,12 @@ class Species:
         }
 
     def flux(self, u: Any, name: str, local: Any, o: Any) -> Any:
-        """Upward flow of a solid [mol/s]."""
+        """Return the upward flow of a solid [mol/s]."""
         n = getattr(u, f"n_{name}")
         return self.velocity * n - self.mixing[self.solids[name].species](local) * o.grad(n)[0]
 
     def residual(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
-        """All balances between the ends."""
+        """Return the weak form of all balances between the ends."""
         sources, total = self.sources(u, local), 0.0
         for phase in self.phases:
             amount = sum(self.flow(u, phase).values())
@@ -265,7 +266,7 @@ class Species:
         return total
 
     def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any:
-        """What the bed holds: solids, and gas at 1 m/s."""
+        """Return the tested content of the bed: solids, and gas at 1 m/s."""
         held = sum(
             (
                 HEAT * getattr(u, f"N_{name}_{phase}") * getattr(tests, f"N_{name}_{phase}")
@@ -280,12 +281,15 @@ class Species:
 
     @staticmethod
     def _loss(made: Any, amount: Any) -> Any:
-        """How fast a source can change a flow [1/m], for the stabilisation only."""
+        """Return how fast a source can change a flow [1/m]; for the stabilisation only."""
         value = np.abs(getattr(made, "value", made))
         return value / np.maximum(0.1 * np.abs(getattr(amount, "value", amount)), 1e-300)
 
     def bottom(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
-        """Gas that enters, with its enthalpy in place of that of the unknown flows, and solids drained below."""
+        """Return the weak form at the distributor: the gas that enters, and solids drained below.
+
+        The gas brings the enthalpy of the entering gas in place of that of the unknown flows.
+        """
         from contbed.bubbling_bed.equations.bed import gas_entry
 
         total, entry, carried = 0.0, gas_entry(u, c), 0.0
@@ -301,13 +305,13 @@ class Species:
         return total + self._drained(u, tests, local, o, -1.0)
 
     def entering(self, local: Any, phase: str) -> dict[str, Any]:
-        """Mole flows into a phase [mol/s]: `inlet` of the share that the bed's model gives it."""
+        """Return the mole flows into a phase [mol/s]: `inlet` times the flow that the bed's model gives it."""
         mean = sum(self.gases[name].molar_mass * x for name, x in self.inlet.items())
         flow = local.state["entering"][f"T_{phase}"]
         return {name: flow * self.inlet.get(name, 0.0) / mean for name in self.gases}
 
     def top(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
-        """What leaves."""
+        """Return the weak form of what leaves at the top."""
         total = 0.0
         for phase in self.phases:
             for name, amount in self.flow(u, phase).items():

@@ -45,22 +45,22 @@ class Steam:
         return {f"h_{self.name}": self.inlet, f"T_{self.name}": float(self.temperature(self.inlet)) + 10.0}
 
     def content(self, u: Any, tests: Any, c: Any, o: Any) -> Any:
-        """What lets the water approach its steady state."""
+        """Return a tested content by which the water approaches its steady state."""
         return KILO * sum((getattr(u, name) * getattr(tests, name) for name in self.fields), start=0.0)
 
     def made(self, u: Any, c: Any, local: Any, o: Any) -> None:
-        """No gas."""
+        """Return None: water makes no gas."""
 
     def gains(self, u: Any, c: Any, local: Any, o: Any) -> dict[str, Any]:
-        """What the particles lose is in the bed's own balances."""
+        """Return no gains: the heat that particles lose is in the bed's own balances."""
         return {}
 
     def gained(self, u: Any, c: Any, local: Any) -> Any:
-        """q [W/m]."""
+        """Return the heat q that the water takes up [W/m]."""
         return convected(u, c, self.name, local) + radiated(u, c, c.surfaces[self.name])
 
     def residual(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
-        """Both balances; the water's is tested along its stream as well."""
+        """Return the weak form of both balances; that of the water is also tested along its stream (SUPG)."""
         h, T, q = getattr(u, f"h_{self.name}"), getattr(u, f"T_{self.name}"), self.gained(u, c, local)
         sense = 1.0 if self.upward else -1.0
         v = getattr(tests, f"h_{self.name}")
@@ -72,9 +72,9 @@ class Steam:
         return KILO * self.flow * (h - self.inlet) * getattr(tests, f"h_{self.name}")
 
     def bottom(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
-        """Inlet of water that flows upward."""
+        """Return the weak form of the inlet of water that flows upward."""
         return self._enters(u, tests) if self.upward else 0.0
 
     def top(self, u: Any, tests: Any, c: Any, local: Any, o: Any) -> Any:
-        """Inlet of water that flows downward."""
+        """Return the weak form of the inlet of water that flows downward."""
         return 0.0 if self.upward else self._enters(u, tests)
