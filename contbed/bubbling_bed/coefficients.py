@@ -354,7 +354,7 @@ class Computed:
         def number(value: Any) -> float:
             return float(np.squeeze(value))
 
-        found = {
+        found: dict[str, Any] = {
             "delta": number(local.delta),
             "gas": {n: number(v) for n, v in local.gas.items()},
             "conduction": {n: number(v) for n, v in local.conduction.items()},
