@@ -17,6 +17,7 @@ from contbed.scene import schema
 from contbed.scene.checking import mistakes
 from contbed.scene.inputs import unusable_files
 from contbed.scene.names import near_names, nearest
+from contbed.scene.size import too_large
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse, parse_key, read
 
@@ -80,7 +81,7 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     kind = kind_of(values)
     model, checks = MODELS[kind].scene, MODELS[kind].find("checks", "CHECKS")
     parts, broken = _validate(model, values, problems)
-    refused = list(unusable_files(parts, origin))
+    refused = [*unusable_files(parts, origin), *too_large(parts, origin)]
     problems += refused
     broken.update(str(path[0]) for path, _ in refused)
     problems += mistakes(parts, broken, origin, checks)
@@ -157,6 +158,14 @@ def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str,
         selector = node["discriminator"]["propertyName"]
         known = list(node["discriminator"]["mapping"])
         if kind == "union_tag_not_found":
+            meant = (
+                [key for key in found if key in near_names(selector, list(found))] if isinstance(found, dict) else []
+            )
+            if meant:
+                return (
+                    *path,
+                    meant[0],
+                ), f"unknown key; did you mean '{selector}'? allowed: {', '.join(map(repr, known))}"
             return (*path, selector), f"missing; allowed: {', '.join(map(repr, known))}"
         tag = found.get(selector) if isinstance(found, dict) else None
         return (*path, selector), f"unknown choice; {nearest(str(tag), known)}"

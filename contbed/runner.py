@@ -58,7 +58,7 @@ def run(
 
 
 def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | Path | None, engine: str) -> Result:
-    if restart is not None:
+    if restart is not None and not Path(restart).is_dir():  # before it is made for the results
         from contbed.output.checkpoint import require_there
 
         require_there(restart)
