@@ -144,7 +144,7 @@ class Bed:
         """Continue from the arrays of `state`, bit for bit."""
         for prefix, part in (("particles_", self.simulation), ("gas_", self.gas)):
             found = {name.removeprefix(prefix): value for name, value in state.items() if name.startswith(prefix)}
-            part.restore(found)  # type: ignore[attr-defined]
+            part.restore(found)
         self.force, self.received = np.array(state["force"]), np.array(state["received"])
         self.time, above, self.radiated, self._next, *start = state["bed"].tolist()
         self.above, self._start = int(above), None if np.isnan(start[0]) else (start[0], start[1], start[2])

@@ -325,7 +325,7 @@ class Gas:
         inner = grid.face_kind == INNER
         low, high = np.where(inner, grid.face_cell[:, 0], 0), np.where(inner, grid.face_cell[:, 1], 0)
         flux = k * self._area / grid.size[grid.face_axis] * (self.T[low] - self.T[high])
-        return -kernels.divergence(flux, grid.cell_face)
+        return np.asarray(-kernels.divergence(flux, grid.cell_face))
 
     def _transport(self, dt: float, gained: Array) -> None:
         """Mass and enthalpy of the cells by their fluxes, then temperature."""
@@ -357,7 +357,7 @@ class Gas:
             return np.zeros(self.grid.cells)
         rho, step = self.density, 1e-4 * self.T
         slope = (self.fluid.density(self.T + step) - self.fluid.density(self.T - step)) / (2.0 * step)
-        return -slope / (rho**2 * self._on_cells(self.fluid.heat_capacity))
+        return np.asarray(-slope / (rho**2 * self._on_cells(self.fluid.heat_capacity)))
 
     def _on_cells(self, of: Callable[[Array], Any]) -> Array:
         return np.broadcast_to(of(self.T), self.T.shape).astype(float)

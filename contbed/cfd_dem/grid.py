@@ -106,7 +106,7 @@ class Grid:
     @property
     def active(self) -> NDArray[np.bool_]:
         """Faces on which the velocity is solved for."""
-        return (self.face_kind == INNER) | (self.face_kind == OUTLET)
+        return np.asarray((self.face_kind == INNER) | (self.face_kind == OUTLET))
 
     @property
     def bottom(self) -> NDArray[np.int64]:

@@ -79,7 +79,7 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
         gas.no_slip,
         tolerance=scene.solver.pressure_tolerance,
     )
-    heat = {} if scene.heat is None else {"T": T, "heat_interval": scene.heat.interval}
+    heat: dict[str, Any] = {} if scene.heat is None else {"T": T, "heat_interval": scene.heat.interval}
     bed = Bed(
         simulation,
         flow,

@@ -39,7 +39,7 @@ class Pairs:
     @property
     def distance(self) -> Array:
         """Distance of the centres [m]."""
-        return np.linalg.norm(self.vector, axis=1)
+        return np.asarray(np.linalg.norm(self.vector, axis=1))
 
 
 class Conduction(NamedTuple):
@@ -179,7 +179,7 @@ def radiation_conductance(pairs: Pairs, count: int, T: float, d_p: float, emissi
 
 def total(parts: Mapping[str, Array]) -> Array:
     """Sum of the mechanisms [W/K]."""
-    return np.sum(list(parts.values()), axis=0)
+    return np.asarray(np.sum(list(parts.values()), axis=0))
 
 
 def _gather(count: int, pairs: Pairs, at_i: Any, at_j: Any) -> Array:
@@ -188,7 +188,7 @@ def _gather(count: int, pairs: Pairs, at_i: Any, at_j: Any) -> Array:
 
 def _positive(shift: NDArray[np.int_]) -> NDArray[np.bool_]:
     """Whether the first component that is not 0 is positive: of a shift and its opposite exactly one is."""
-    return shift @ np.array([10000, 100, 1]) > 0
+    return np.asarray(shift @ np.array([10000, 100, 1]) > 0)
 
 
 def _images(
@@ -226,4 +226,4 @@ def _areas(vertices: Array, loops: list[list[int]]) -> Array:
     following[start + sizes - 1] = start
     base = np.repeat(vertices[corners[start]], sizes, axis=0)
     cross = np.cross(vertices[corners] - base, vertices[corners[following]] - base)
-    return 0.5 * np.linalg.norm(np.add.reduceat(cross, start), axis=1)
+    return np.asarray(0.5 * np.linalg.norm(np.add.reduceat(cross, start), axis=1))

@@ -6,7 +6,7 @@ Equation numbers are those of Zhou, Hou and Yu 2011. Numbers or arrays that broa
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
@@ -42,7 +42,7 @@ def hertz_impact(R: ArrayLike, mass: ArrayLike, modulus: ArrayLike, speed: Array
 
 
 @register_jitable(error_model="numpy")
-def impact_of(R, mass, modulus, speed):
+def impact_of(R: Any, mass: Any, modulus: Any, speed: Any) -> Any:
     """Largest overlap, duration and contact radius as `hertz_impact`."""
     overlap = (15.0 * mass * speed**2 / (16.0 * modulus * np.sqrt(R))) ** 0.4
     return overlap, _DURATION * overlap / speed, np.sqrt(R * overlap)
@@ -59,11 +59,12 @@ def impact_factor(fourier: ArrayLike, capacity_ratio: ArrayLike) -> Array:
     capacity_ratio : s; s > 1 is taken as 1/s: the fit is not symmetric by itself
     """
     s = np.asarray(capacity_ratio, dtype=float)
-    return _factor(np.asarray(fourier, dtype=float), np.minimum(s, 1.0 / s))
+    factor: Array = _factor(np.asarray(fourier, dtype=float), np.minimum(s, 1.0 / s))
+    return factor
 
 
 @register_jitable(error_model="numpy")
-def _factor(fourier, s):
+def _factor(fourier: Any, s: Any) -> Any:
     C1 = -2.300 * s**2 + 8.909 * s - 4.235
     C2 = 8.169 * s**2 - 33.770 * s + 24.885
     C3 = -5.758 * s**2 + 24.464 * s - 20.511
@@ -95,11 +96,12 @@ def impact_conductance(
     first = C_i <= C_j
     lean, rich, k_lean = np.where(first, C_i, C_j), np.where(first, C_j, C_i), np.where(first, k_i, k_j)
     effusivity = 1.0 / ((C_i * k_i) ** -0.5 + (C_j * k_j) ** -0.5)
-    return c**3 * conductance_of(impact.duration, impact.radius, k_lean / lean, lean / rich, effusivity)
+    G: Array = c**3 * conductance_of(impact.duration, impact.radius, k_lean / lean, lean / rich, effusivity)
+    return G
 
 
 @register_jitable(error_model="numpy")
-def conductance_of(duration, radius, diffusivity, ratio, effusivity):
+def conductance_of(duration: Any, radius: Any, diffusivity: Any, ratio: Any, effusivity: Any) -> Any:
     """Eq. 7 without correction [W/K]; ratio <= 1, diffusivity of the particle of smaller rho c, both effusivities."""
     # the correction changes t_c and r_c^2 alike, so that Fo is that of the real impact as well
     factor = _factor(diffusivity * duration / radius**2, ratio)

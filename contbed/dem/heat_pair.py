@@ -38,7 +38,8 @@ def contact_radius(R_i: ArrayLike, R_j: ArrayLike, distance: ArrayLike, factor: 
     """Hertz's contact radius c sqrt(R* delta) [m], R* = R_i R_j/(R_i + R_j); 0 without overlap (Eq. 13)."""
     R_i, R_j = np.asarray(R_i, dtype=float), np.asarray(R_j, dtype=float)
     overlap = np.maximum(R_i + R_j - distance, 0.0)
-    return factor * np.sqrt(R_i * R_j / (R_i + R_j) * overlap)
+    radius: Array = factor * np.sqrt(R_i * R_j / (R_i + R_j) * overlap)
+    return radius
 
 
 def contact_conductance(r_contact: ArrayLike, k_i: ArrayLike, k_j: ArrayLike) -> Array:
@@ -46,7 +47,8 @@ def contact_conductance(r_contact: ArrayLike, k_i: ArrayLike, k_j: ArrayLike) ->
 
     G = 4 r_c/(1/k_i + 1/k_j). Contact radius [m], conductivities [W/m/K].
     """
-    return 4.0 * np.asarray(r_contact, dtype=float) / _resistivity(k_i, k_j)
+    conductance: Array = 4.0 * np.asarray(r_contact, dtype=float) / _resistivity(k_i, k_j)
+    return conductance
 
 
 def gap_conductance(
@@ -148,7 +150,8 @@ def column_conductance(
     ring = 2.0 * np.pi * _mean_over(a + b * low, b * (high - low), low, high)
     inside = np.pi * lens**2 / (0.5 * distance * K)
     outside = np.pi * (r_face**2 - rim**2) * k_fluid / distance
-    return inside + ring + outside
+    conductance: Array = inside + ring + outside
+    return conductance
 
 
 def contact_excess(r_contact: ArrayLike, k_i: ArrayLike, k_j: ArrayLike, k_fluid: float) -> Array:

@@ -8,35 +8,48 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ContextDecorator
 from types import FrameType
 
 
-@contextmanager
-def deferred_interrupt() -> Iterator[None]:
-    """Hold an interrupt back until the block ends; the block should take well below a second.
+class deferred_interrupt(ContextDecorator):
+    """Hold an interrupt back until the block or function ends; it should take well below a second.
 
-    Blocks may be nested: the outermost one raises. Handlers that are not Python's own are left as they are.
+    Blocks may be nested: the outermost one raises. Other threads than the main one, and handlers that are not Python's
+    own, are left as they are.
 
     Raises
     ------
     KeyboardInterrupt : SIGINT arrived in the block
     """
-    ours = threading.current_thread() is threading.main_thread()
-    if not ours or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield
-        return
-    seen = False
 
-    def note(number: int, frame: FrameType | None) -> None:
-        nonlocal seen
-        seen = True
+    _held = False  # by a block of the main thread
+    _seen = False
 
-    signal.signal(signal.SIGINT, note)
-    try:
-        yield
-    finally:
+    def __enter__(self) -> None:
+        cls = deferred_interrupt
+        self._outermost = (
+            not cls._held
+            and threading.current_thread() is threading.main_thread()
+            and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        )
+        if self._outermost:
+            cls._held, cls._seen = True, False
+            signal.signal(signal.SIGINT, _note)
+
+    def __exit__(self, *failure: object) -> None:
+        if not self._outermost:
+            return
+        cls = deferred_interrupt
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    if seen:
-        raise KeyboardInterrupt
+        cls._held = False
+        if cls._seen and failure[0] is None:
+            raise KeyboardInterrupt
+
+    def _recreate_cm(self) -> deferred_interrupt:
+        """A function that is decorated may be entered again before it is left."""
+        return deferred_interrupt()
+
+
+def _note(number: int, frame: FrameType | None) -> None:
+    deferred_interrupt._seen = True

@@ -176,4 +176,4 @@ def _solve(matrix: csr_matrix, load: Array) -> Array:
     """Direct, with one step of iterative refinement."""
     factors = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
     first = factors.solve(load)
-    return first + factors.solve(load - matrix @ first)
+    return np.asarray(first + factors.solve(load - matrix @ first))

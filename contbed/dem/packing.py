@@ -151,7 +151,7 @@ def _container(
 
 def _place(
     rng: np.random.Generator,
-    radii: NDArray,
+    radii: NDArray[np.float64],
     sides: tuple[float, float],
     cylinder: float | None,
     periodic: tuple[bool, bool],
@@ -164,9 +164,9 @@ def _place(
         placed, position = _add_at_random(radii, limits, cylinder or 0.0, np.array(periodic), rng)
         if placed:
             if np.ptp(radii) > 0.0:
-                return position
+                return np.asarray(position)
             column = np.floor(position[:, :2] / (COLUMN * 2.0 * radii[0]))
-            return position[np.lexsort((position[:, 2], column[:, 1], column[:, 0]))]
+            return np.asarray(position[np.lexsort((position[:, 2], column[:, 1], column[:, 0]))])
         limits[2] *= 1.2
     raise ConvergenceError(f"packing: no room for {len(radii)} spheres in a bed {min(sides):g} m wide; widen it")
 
@@ -250,6 +250,6 @@ def _unrest(simulation: Simulation, gravity: float) -> float:
     return simulation.kinetic_energy / float((simulation.mass * 2.0 * simulation.radius).sum() * gravity)
 
 
-def _relative(contacts: Contacts, radii: NDArray) -> NDArray[np.float64]:
+def _relative(contacts: Contacts, radii: NDArray[np.float64]) -> NDArray[np.float64]:
     """Overlaps over the diameter of the smaller sphere."""
-    return contacts.overlap / (2.0 * np.minimum(radii[contacts.i], radii[contacts.j]))
+    return np.asarray(contacts.overlap / (2.0 * np.minimum(radii[contacts.i], radii[contacts.j])))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -140,8 +141,8 @@ class Particles:
         return 4.0 / 3.0 * np.pi * self.radius**3
 
 
-def _filled(values: ArrayLike, shape: tuple[int, ...], dtype: type, name: str) -> NDArray:
-    array: NDArray = np.asarray(values, dtype=dtype)
+def _filled(values: ArrayLike, shape: tuple[int, ...], dtype: type, name: str) -> NDArray[Any]:
+    array: NDArray[Any] = np.asarray(values, dtype=dtype)
     try:
         return np.array(np.broadcast_to(array, shape), order="C")
     except ValueError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -173,14 +174,14 @@ class Simulation:
                 if on_interval is not None and on_interval(self):
                     break
 
-    def state(self) -> dict[str, NDArray]:
+    def state(self) -> dict[str, NDArray[Any]]:
         """All that moves, as arrays for a checkpoint."""
         arrays = {name.lstrip("_"): np.array(getattr(self, name)) for name in _STATE}
         arrays |= {name.lstrip("_"): as_numbers(getattr(self, name)).copy() for name in _TABLES}
         numbers = (self._moved, self._stale, self.steps_done, self.time_step)
         return arrays | {"numbers": np.array(numbers, dtype=np.float64)}
 
-    def restore(self, state: Mapping[str, NDArray]) -> None:
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from the arrays of `state`: what follows is what would have followed there, bit for bit.
 
         Raises

@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 from contbed.dem.simulation import Contacts
 from contbed.dem.walls import Domain
 
+Array = NDArray[np.float64]
+
 MARGIN = 2.0  # diameters from every wall and below the top that the core leaves out
 VOXELS = 4e6
 FINEST = 40.0  # voxels to a diameter at most
 
 
-def porosity(position: NDArray, radius: NDArray, domain: Domain, cylinder: float | None) -> dict[str, float]:
+def porosity(position: Array, radius: Array, domain: Domain, cylinder: float | None) -> dict[str, float]:
     """`porosity_core` (two diameters off walls, floor and top; NaN if nothing is left), `porosity_box` up to the top.
 
     The top is the mean height of the upper ends of the highest spheres, one for each square of a diameter. The core is
@@ -36,7 +38,7 @@ def porosity(position: NDArray, radius: NDArray, domain: Domain, cylinder: float
     return {"porosity_core": 1.0 - share, "porosity_box": 1.0 - solid / (area * top)}
 
 
-def surface(position: NDArray, radius: NDArray) -> float:
+def surface(position: Array, radius: Array) -> float:
     """Mean height [m] of the bed: upper end of the highest sphere over every square of one mean diameter."""
     d = 2.0 * float(radius.mean())
     column = np.floor(position[:, :2] / d).astype(np.int64)
@@ -47,7 +49,7 @@ def surface(position: NDArray, radius: NDArray) -> float:
 
 
 def coordination(
-    position: NDArray, radius: NDArray, contacts: Contacts, domain: Domain, cylinder: float | None
+    position: Array, radius: Array, contacts: Contacts, domain: Domain, cylinder: float | None
 ) -> dict[str, float]:
     """Mean number of touching neighbours: `coordination` of all spheres, `coordination_core` of those in the core."""
     number = np.bincount(contacts.i, minlength=len(position)) + np.bincount(contacts.j, minlength=len(position))
@@ -110,5 +112,5 @@ def solid_share(x, radius, low, high, width, lengths, inner):
     return covered / inside
 
 
-def _bounds(domain: Domain, top: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _bounds(domain: Domain, top: float) -> tuple[Array, Array]:
     return np.array(domain.lower), np.array([*domain.upper[:2], top])
