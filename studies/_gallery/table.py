@@ -20,21 +20,23 @@ class Table:
 
     Parameters
     ----------
-    columns : header, `name [unit]`, -> format of its numbers, such as ".6g"; or one format for all after `headers`
+    columns : header, `name [unit]`, -> format of its numbers, such as ".6g"
     rows : one value for each column; texts stay as they are, None is an empty cell
+
+    Raises
+    ------
+    ValueError : a row has another length than the columns
     """
 
     def __init__(self, columns: Mapping[str, str], rows: Iterable[Sequence[Any]] = ()):
         self.columns = tuple(columns)
         formats = tuple(columns.values())
-        self.rows = [
-            tuple(_text(value, form) for value, form in zip(row, formats, strict=True)) for row in rows
-        ]  # rows of another length raise ValueError
+        self.rows = [tuple(_text(value, form) for value, form in zip(row, formats, strict=True)) for row in rows]
 
     @classmethod
-    def of(cls, records: Sequence[Mapping[str, Any]], form: str = "", columns: Sequence[str] = ()) -> Table:
-        """Table of dictionaries; columns in the order in which they first occur unless they are named."""
-        names = tuple(columns) or tuple(dict.fromkeys(name for record in records for name in record))
+    def of(cls, records: Sequence[Mapping[str, Any]], form: str = "") -> Table:
+        """Table of dictionaries, with columns in the order in which they first occur."""
+        names = tuple(dict.fromkeys(name for record in records for name in record))
         return cls(dict.fromkeys(names, form), [[record.get(name) for name in names] for record in records])
 
     @classmethod

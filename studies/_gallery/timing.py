@@ -29,21 +29,19 @@ def user_time() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_utime
 
 
-def cpu(call: Callable[[], Any], samples: int = 3, shortest: float = 0.0, long: float = LONG) -> Timed:
+def cpu(call: Callable[[], Any], samples: int = 3, long: float = LONG) -> Timed:
     """Median user CPU of a call.
 
     Parameters
     ----------
     samples : number of samples, fewer where a call is long
-    shortest : CPU of a sample [s], which is filled with repeated calls
     long : CPU [s] of all samples after which no other is taken
     """
     times: list[float] = []
     while not times or (len(times) < samples and sum(times) < long):
-        start, count = user_time(), 0
-        while not count or user_time() - start < shortest:
-            result, count = call(), count + 1
-        times.append((user_time() - start) / count)
+        start = user_time()
+        result = call()
+        times.append(user_time() - start)
     return Timed(statistics.median(times), result)
 
 
