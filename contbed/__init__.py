@@ -12,6 +12,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from contbed.compiled_cache import choose_cache
+
 __version__ = "0.1.0"
 __all__ = ["Plan", "Result", "Scene", "load", "plan", "run"]
 
@@ -31,6 +33,9 @@ if TYPE_CHECKING:
     from contbed.packed_bed.scene import Scene
     from contbed.result import Result
     from contbed.runner import run
+
+
+choose_cache()
 
 
 def __getattr__(name: str) -> Any:

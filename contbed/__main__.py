@@ -1,7 +1,35 @@
-"""`python -m contbed` is `contbed`."""
+"""`contbed`, also as `python -m contbed`: starts the command line, which can be interrupted from the first moment."""
 
+import os
+import signal
 import sys
+from types import FrameType
 
-from contbed.cli import main
+INTERRUPTED = 130
 
-sys.exit(main())
+
+def _end(number: int, frame: FrameType | None) -> None:
+    """End at once: while modules are imported nothing has been begun, and no module need survive half an import."""
+    os.write(2, b"interrupted\n")
+    os._exit(INTERRUPTED)
+
+
+def main() -> int:
+    """Run the command line and return its exit code."""
+    default = signal.getsignal(signal.SIGINT)
+    if default is not signal.default_int_handler:  # a shell lets what it starts in the background ignore interrupts
+        from contbed.cli import main as command
+
+        return command()
+    signal.signal(signal.SIGINT, _end)
+    from contbed.cli import main as command
+
+    signal.signal(signal.SIGINT, default)
+    try:
+        return command()
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done, only Python ends
+
+
+if __name__ == "__main__":
+    sys.exit(main())

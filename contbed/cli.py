@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import re
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,10 +14,12 @@ import typer
 from typer import Argument, Option
 
 from contbed import __version__
-from contbed.errors import ContbedError, SceneError
+from contbed.errors import ContbedError, SceneError, interrupt_in
 
 SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")  # how many processes mpirun started
 RANK = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")  # number of a process, set by what started it
+
+_resume: list[tuple[Path, str]] = []  # what must be there to go on, and the command that does
 
 app = typer.Typer(
     name="contbed",
@@ -42,17 +46,21 @@ AllowLarge = Annotated[
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code. Errors are plain lines on stderr, never a traceback."""
+    _resume.clear()
     try:
         code = app(list(sys.argv[1:] if arguments is None else arguments), "contbed", standalone_mode=False)
         sys.stdout.flush()
         if code == 130:
-            _complain("interrupted")
+            _complain(_interrupted())
         return int(code or 0)
     except ContbedError as error:
+        if interrupt_in(error) is not None:
+            _complain(_interrupted())
+            return 130
         _complain(str(error) or type(error).__name__)
         return error.exit_code
     except (KeyboardInterrupt, typer.Abort):
-        _complain("interrupted")
+        _complain(_interrupted())
         return 130
     except BrokenPipeError:  # the reader, such as head, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -61,6 +69,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _complain(f"contbed: {error.filename or 'file'}: {error.strerror or error}")
         return 1
     except Exception as error:
+        if interrupt_in(error) is not None:
+            _complain(_interrupted())
+            return 130
         # The base of typer's usage errors is private; they alone can describe themselves.
         if not hasattr(error, "format_message"):
             raise
@@ -107,6 +118,8 @@ def run(
         raise
     from contbed.runner import run as solve
 
+    command = f"contbed run {shlex.quote(str(scene))} --restart {shlex.quote(str(folder))}"
+    _resume[:] = [(folder / "checkpoint.npz", command)]
     engine = engine or ("dolfinx" if any(int(os.environ.get(name, "1")) > 1 for name in SIZE) else "skfem")
     result = solve(loaded, out=folder, quiet=quiet, restart=restart, engine=engine)
     if not quiet and result is not None:
@@ -201,11 +214,14 @@ def sweep(
     """Run every scene of a study that has not been run, then write a table and plots."""
     if jobs == 0 or jobs < -1:
         raise typer.BadParameter("a number of processes, or -1", param_hint="--jobs")
+    if scheduler is not None and not re.fullmatch(r"([a-z]+://)?(\[[0-9a-fA-F:]+\]|[^\s:/\[\]]+):\d{1,5}", scheduler):
+        raise typer.BadParameter(f"{scheduler!r} is not an address like tcp://HOST:8786", param_hint="--scheduler")
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ[name] = "1"  # also where this process computes, so that all get the same to the last digit
     from contbed.sweep.sweep import sweep as run_all
 
     folder = out or Path("results") / study.stem
+    _resume[:] = [(folder / "runs", "the same command")]
     done = run_all(study, folder, jobs, scheduler, retry_failed, quiet, trust, allow_large)
     for text in done.warnings:
         _complain(f"warning: {text}")
@@ -215,6 +231,14 @@ def sweep(
     print(f"{finished} of {len(done.rows)} runs are finished, {done.before} were before; see {folder / 'table.csv'}")
     if done.failed:
         raise typer.Exit(3)
+
+
+def _interrupted() -> str:
+    """What to say after Ctrl-C: how to go on, where there is a state to go on from."""
+    for needed, command in _resume:
+        if needed.exists():
+            return f"interrupted; to go on: {command}"
+    return "interrupted"
 
 
 def _load(path: Path, settings: list[str] | None, trust: bool, allow_large: bool) -> Any:

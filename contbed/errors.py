@@ -48,3 +48,13 @@ class EngineError(ContbedError):
     """The engine that is asked for is missing, cannot solve the scene, or lost one of its processes."""
 
     exit_code = 2
+
+
+def interrupt_in(error: BaseException) -> KeyboardInterrupt | None:
+    """Return the interrupt that an error comes from; compiled code turns Ctrl-C into errors of other kinds."""
+    found: BaseException | None = error
+    while found is not None:
+        if isinstance(found, KeyboardInterrupt):
+            return found
+        found = found.__cause__ or found.__context__
+    return None

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed import models
-from contbed.errors import BalanceError, ClosureRangeError, ContbedError, ConvergenceError, SceneError
+from contbed.errors import BalanceError, ClosureRangeError, ContbedError, ConvergenceError, SceneError, interrupt_in
 from contbed.result import Result, outside
 from contbed.scene.identity import scene_hash
 from contbed.scene.inputs import all_inputs
@@ -116,7 +116,8 @@ def _solve(
     try:
         models.model_of(scene).find("run", "run")(result.plan, result, folder, quiet, checkpoint)
         _verdict(scene, result)
-    except (Exception, KeyboardInterrupt) as error:
+    except (Exception, KeyboardInterrupt) as caught:
+        error = interrupt_in(caught) or caught
         result.status = _status(error)
         if isinstance(error, ConvergenceError):
             result.history = error.history

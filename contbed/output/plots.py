@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import itertools
+import os
+import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +65,7 @@ def styled_figure(
     path: Path | str, height: float, title: str, layout: Any = "constrained", width: float | None = None
 ) -> Iterator[Any]:
     """A figure in the common style, saved as PNG when the block ends."""
-    import matplotlib
+    matplotlib = _matplotlib()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -79,6 +81,22 @@ def styled_figure(
         with atomic(path) as temporary:
             # placed by hand, a long tick label may reach beyond the figure, which then grows with it
             figure.savefig(temporary, format="png", bbox_inches="tight" if layout == "none" else None)
+
+
+def _matplotlib() -> Any:
+    """Import matplotlib; a backend named by MPLBACKEND that does not exist matters to nobody who writes files."""
+    if "matplotlib" in sys.modules:
+        return sys.modules["matplotlib"]
+    named = os.environ.pop("MPLBACKEND", None)
+    try:
+        import matplotlib
+    finally:
+        if named is not None:
+            os.environ["MPLBACKEND"] = named
+    if named is not None:
+        with suppress(ValueError):
+            matplotlib.rcParams["backend"] = named
+    return matplotlib
 
 
 def _chosen(names: list[str]) -> list[tuple[str, ...]]:

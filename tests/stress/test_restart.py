@@ -219,7 +219,8 @@ def test_interrupt_leaves_the_last_state(scene, whole, tmp_path):
     run = start_until_checkpoint(scene, tmp_path)
     run.send_signal(signal.SIGINT)
     _, message = run.communicate(timeout=60)
-    assert (run.returncode, message) == (130, "interrupted\n")
+    hint = f"interrupted; to go on: contbed run {scene} --restart {tmp_path}\n"
+    assert (run.returncode, message) == (130, hint)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["status"] == "interrupted"
     assert summary["qoi"]["time_steps"] > 0

@@ -1,0 +1,54 @@
+"""Where numba keeps compiled code: beside the modules or in the home folder, as it does by itself, else elsewhere.
+
+An installation that cannot be written and a home folder that cannot either, as in many containers, would stop numba.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+import sys
+import tempfile
+from pathlib import Path
+
+VARIABLE = "NUMBA_CACHE_DIR"
+
+
+def choose_cache() -> None:
+    """Name a temporary folder for numba where it would find none; says so when it makes one."""
+    if VARIABLE in os.environ or "numba" in sys.modules:
+        return
+    package = Path(__file__).parent / "dem"  # each of its folders is as writable as the others
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser())
+    if _can_write(package / "__pycache__") or _can_write(home / "numba"):
+        return
+    folder = Path(tempfile.gettempdir()) / f"contbed-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
+    try:
+        folder.mkdir(mode=0o700)
+        made = True
+    except OSError:
+        made = False
+    if not _is_mine(folder):  # code of others must not run
+        folder, made = Path(tempfile.mkdtemp(prefix="contbed-")), True
+    os.environ[VARIABLE] = str(folder)
+    if made:
+        print(
+            f"contbed: compiled code is kept in {folder}, as neither {package.parent} nor {home} can be written; "
+            f"{VARIABLE} names another folder",
+            file=sys.stderr,
+        )
+
+
+def _can_write(folder: Path) -> bool:
+    """Whether a folder, or the nearest one above it that exists, can be written."""
+    there = next((path for path in (folder, *folder.parents) if path.exists()), None)
+    return there is not None and there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+
+
+def _is_mine(folder: Path) -> bool:
+    try:
+        status = folder.lstat()
+    except OSError:
+        return False
+    mine = not hasattr(os, "getuid") or (status.st_uid == os.getuid() and not status.st_mode & 0o077)
+    return stat.S_ISDIR(status.st_mode) and mine

@@ -1,0 +1,130 @@
+"""Surroundings that nobody plans: interrupts while modules are imported, odd variables, folders that are read-only."""
+
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+import contbed
+from contbed import cli
+from contbed.errors import SceneError, interrupt_in
+
+SCENE = """\
+[mesh]
+type = "line"
+length = 1.0
+cells = 10
+[fluid]
+density = 1.0
+heat_capacity = 1000.0
+conductivity = 0.05
+viscosity = 2e-5
+[solid]
+density = 2000.0
+heat_capacity = 900.0
+conductivity = 1.0
+[bed]
+porosity = 0.4
+particle_diameter = 0.01
+[flow]
+velocity = 0.3
+[heat]
+nusselt = "wakao_kaguei"
+[boundary.left]
+fluid.inflow = 300.0
+"""
+HOME = str(Path(contbed.__file__).parents[1])
+
+
+def python(code: str, *arguments, cwd=None, **options) -> subprocess.CompletedProcess:
+    environment = {**os.environ, "PYTHONPATH": HOME} | options.pop("environment", {})
+    command = [sys.executable, "-c", textwrap.dedent(code), *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, timeout=120, **options)
+
+
+@pytest.mark.parametrize(
+    "module", ["typer", "contbed.errors", "pydantic", "numpy", "contbed.runner", "skfem", "contbed.packed_bed.run"]
+)
+def test_an_interrupt_while_modules_are_imported(tmp_path, module):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    code = """
+        import os, signal, sys
+        wanted, sys.argv = sys.argv[1], ["contbed", "run", "scene.toml", "--quiet", "--out", "out"]
+        class Interrupt:
+            def find_spec(self, name, path=None, target=None):
+                if name == wanted:
+                    os.kill(os.getpid(), signal.SIGINT)
+        from contbed.__main__ import main
+        sys.meta_path.insert(0, Interrupt())
+        sys.exit(main())
+    """
+    done = python(code, module, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (130, "interrupted\n")
+
+
+def test_errors_that_come_from_an_interrupt():
+    try:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            raise SceneError("cannot be imported") from error
+    except SceneError as error:
+        assert interrupt_in(error) is not None
+    assert interrupt_in(ValueError()) is None
+
+
+@pytest.mark.parametrize("address", ["abc", "tcp://abc", "http://a b:1", "tcp://host:port", ":8786", ""])
+def test_an_address_that_is_none(tmp_path, monkeypatch, capsys, address):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["sweep", "study.toml", "--scheduler", address]) == 2
+    assert f"{address!r} is not an address like tcp://HOST:8786" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("backend", ["bogus", "agg"])
+def test_a_backend_of_matplotlib_that_does_not_exist(tmp_path, backend):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    code = """
+        import contbed as cb
+        cb.run(cb.load("scene.toml"), out="out")
+        import matplotlib, os
+        print(os.environ["MPLBACKEND"], matplotlib.rcParams["backend"] == "agg")
+    """
+    done = python(code, cwd=tmp_path, environment={"MPLBACKEND": backend})
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "profiles.png").exists()
+    assert done.stdout.split()[0] == backend and (backend != "agg" or done.stdout.split()[1] == "True")
+
+
+def test_a_read_only_installation_without_a_home(tmp_path):
+    """Compiled code goes to a temporary folder of this user, which is told once."""
+    code = """
+        import os
+        os.access = lambda *arguments, **options: False  # as on a file system that is mounted read-only
+        from contbed.two_fluid.compiled import kernel
+        from numba.core import config
+        print(config.CACHE_DIR)
+    """
+    environment = {"HOME": "/nonexistent", "TMPDIR": str(tmp_path), "XDG_CACHE_HOME": ""}
+    done = [python(code, environment=environment) for _ in range(2)]
+    for one in done:
+        assert (one.returncode, one.stdout) == (0, f"{tmp_path / f'contbed-{os.getuid()}'}\n"), one.stderr
+    assert done[0].stderr.startswith(f"contbed: compiled code is kept in {tmp_path}/contbed-") and done[1].stderr == ""
+
+
+def test_the_folder_of_another_user_is_not_taken(tmp_path, monkeypatch):
+    from contbed import compiled_cache
+
+    planted = tmp_path / f"contbed-{os.getuid()}"
+    planted.mkdir(mode=0o777)
+    os.chmod(planted, 0o777)
+    monkeypatch.setattr(compiled_cache.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(compiled_cache, "_can_write", lambda folder: False)
+    monkeypatch.delitem(sys.modules, "numba", raising=False)
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    compiled_cache.choose_cache()
+    chosen = Path(os.environ["NUMBA_CACHE_DIR"])
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "")
+    assert chosen.parent == tmp_path and chosen != planted
