@@ -120,12 +120,20 @@ def predict_on_faces(
     s, drag, kinetic, friction, p = cells.eps_s, cells.drag, cells.kinetic, cells.friction, cells.p
     h_g, h_s = velocities.h_gas, velocities.h_solid
     grad_p, grad_kinetic, grad_rest = gradients.forces.p, gradients.forces.kinetic, gradients.forces.rest
-    rho_s = cells.rho_solid
+    rho_gas, rho_s, resting = cells.rho_gas, cells.rho_solid, cells.resting
+    grad_h_gas, grad_h_solid, residual = gradients.h_gas, gradients.h_solid, gradients.residual
     gas, solid = edge.gas, edge.solid
+    star_gas, star_solid, upwind_gas, upwind_solid = out.star_gas, out.star_solid, out.upwind_gas, out.upwind_solid
+    mobility_gas, mobility_solid, face_h_gas, face_h_solid = (
+        out.mobility_gas,
+        out.mobility_solid,
+        out.h_gas,
+        out.h_solid,
+    )
     ni, dim = len(g.right), len(g.axes)
     for f in range(len(g.left)):
         left = g.left[f]
-        rho_g = cells.rho_gas[left]
+        rho_g = rho_gas[left]
         b = f - ni
         hg = hs = weight = cross_p = cross_kinetic = cross_rest = cross_solid = 0.0
         if b < 0:
@@ -140,8 +148,8 @@ def predict_on_faces(
                 for d in range(dim):
                     for k in range(dim):
                         along = g.normal[f, k] * g.skew[f, d]
-                        hg += along * (w * gradients.h_gas[left, k, d] + (1.0 - w) * gradients.h_gas[right, k, d])
-                        hs += along * (w * gradients.h_solid[left, k, d] + (1.0 - w) * gradients.h_solid[right, k, d])
+                        hg += along * (w * grad_h_gas[left, k, d] + (1.0 - w) * grad_h_gas[right, k, d])
+                        hs += along * (w * grad_h_solid[left, k, d] + (1.0 - w) * grad_h_solid[right, k, d])
                     cross = g.non_orthogonal[f, d]
                     cross_p += cross * (w * grad_p[left, d] + (1.0 - w) * grad_p[right, d])
                     cross_kinetic += cross * (w * grad_kinetic[left, d] + (1.0 - w) * grad_kinetic[right, d])
@@ -150,13 +158,13 @@ def predict_on_faces(
                 most = (kinetic[left] + kinetic[right]) / g.distance[f]
                 cross_kinetic = min(max(cross_kinetic, -most), most)
                 cross_solid = cross_p / rho_s
-                if cells.resting[left] or cells.resting[right]:
+                if resting[left] or resting[right]:
                     # between two centres the forces have a potential, and particles come to rest where it is level
                     most = 2.0 * min(friction[left], friction[right]) / g.distance[f]
                     cross_solid = min(max(cross_rest, -most), most)
                     for k in range(dim):
                         cross_solid += g.non_orthogonal[f, k] * gravity[k]
-            rho_g += (1.0 - w) * (cells.rho_gas[right] - rho_g)
+            rho_g += (1.0 - w) * (rho_gas[right] - rho_g)
             mean = w * s[left] + (1.0 - w) * s[right]
             k_face = w * drag[left] + (1.0 - w) * drag[right]
             # with this mean the force of P on both cells together is its jump, as momentum needs
@@ -176,28 +184,28 @@ def predict_on_faces(
             drop = (edge.p[b] - p[left]) / g.distance[f]
         else:
             eps = edge.eps_s[b] if solid.kind[b] == GIVEN else s[left]
-            out.h_gas[f] = out.star_gas[f] = gas.flux[b] / (1.0 - eps)
-            out.h_solid[f] = out.star_solid[f] = solid.flux[b] / eps if solid.flux[b] != 0.0 else 0.0
-            out.mobility_gas[f] = out.mobility_solid[f] = 0.0
+            face_h_gas[f] = star_gas[f] = gas.flux[b] / (1.0 - eps)
+            face_h_solid[f] = star_solid[f] = solid.flux[b] / eps if solid.flux[b] != 0.0 else 0.0
+            mobility_gas[f] = mobility_solid[f] = 0.0
             # where velocities are given, the force is the one that keeps them so; at a wall there is none
             for k in range(dim):
                 if gas.kind[b] == GIVEN:
-                    out.h_gas[f] += g.normal[f, k] * (h_g[left, k] - velocities.old_gas[left, k])
+                    face_h_gas[f] += g.normal[f, k] * (h_g[left, k] - velocities.old_gas[left, k])
                 if solid.kind[b] == GIVEN:
-                    out.h_solid[f] += g.normal[f, k] * (h_s[left, k] - velocities.old_solid[left, k])
+                    face_h_solid[f] += g.normal[f, k] * (h_s[left, k] - velocities.old_solid[left, k])
             continue
         a_s = dt * k_face / rho_s
         # particles that stay, with none to come after them, do not hold the gas
         upwind = s[left] if hs + dt * force >= 0.0 or b >= 0 else s[g.right[f]]
         a_g = dt * k_face * mean * neighbour_weight(upwind, mean) / ((1.0 - mean) * rho_g)
-        hg += (1.0 + a_g) / (1.0 + a_g + dt * abs(hg) / g.distance[f]) * gradients.residual[f]
+        hg += (1.0 + a_g) / (1.0 + a_g + dt * abs(hg) / g.distance[f]) * residual[f]
         scale = dt / (1.0 + a_g + a_s)
         move_g = scale * ((1.0 + a_s) / rho_g + a_g / rho_s)
         move_s = scale * (a_s / rho_g + (1.0 + a_g) / rho_s)
         u_g, u_s = eliminate_drag(hg + dt * (weight - cross_p / rho_g), hs + dt * (force - cross_solid), a_g, a_s)
-        out.star_gas[f], out.star_solid[f], out.mobility_gas[f], out.mobility_solid[f] = u_g, u_s, move_g, move_s
-        out.upwind_gas[f], out.upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
-        out.h_gas[f], out.h_solid[f] = hg, hs
+        star_gas[f], star_solid[f], mobility_gas[f], mobility_solid[f] = u_g, u_s, move_g, move_s
+        upwind_gas[f], upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
+        face_h_gas[f], face_h_solid[f] = hg, hs
 
 
 @kernel
@@ -205,34 +213,35 @@ def reconstruct_fractions(
     g: Geometry, edge: Edge, field: Reconstruction, predictor: FacePredictor, out: FaceFractions
 ) -> None:
     """Set the fractions `out` of both phases on faces, each from the cell that its velocity comes from."""
-    ni, s = len(g.right), field.values
-    gas, solid = edge.gas, edge.solid
+    ni, s, grad, half_step, limited = len(g.right), field.values, field.gradient, field.half_step, field.limited
+    kind, solid_kind, solid_flux = edge.gas.kind, edge.solid.kind, edge.solid.flux
+    upwind_gas, upwind_solid, eps_gas, eps_solid = predictor.upwind_gas, predictor.upwind_solid, out.gas, out.solid
     for f in range(len(g.left)):
         left = g.left[f]
         if f < ni:
-            out.gas[f] = 1.0 - face_value(g, f, predictor.upwind_gas[f] >= 0.0, field)
-            forward = predictor.upwind_solid[f] >= 0.0
-            out.solid[f] = max(0.0, face_value(g, f, forward, field))
-            if field.limited:
+            eps_gas[f] = 1.0 - face_value(g, f, upwind_gas[f] >= 0.0, s, grad, half_step, limited)
+            forward = upwind_solid[f] >= 0.0
+            eps_solid[f] = max(0.0, face_value(g, f, forward, s, grad, half_step, limited))
+            if limited:
                 # an empty cell gives nothing, whatever its slope is on a skewed mesh
-                out.solid[f] = min(out.solid[f], 2.0 * (s[left, 0] if forward else s[g.right[f], 0]))
+                eps_solid[f] = min(eps_solid[f], 2.0 * (s[left, 0] if forward else s[g.right[f], 0]))
             continue
         b = f - ni
-        if gas.kind[b] == OUTLET:
+        if kind[b] == OUTLET:
             # gas may come back, without particles
-            out.gas[f] = 1.0 - s[left, 0] if predictor.upwind_gas[f] > 0.0 else 1.0
-            out.solid[f] = s[left, 0] if predictor.upwind_solid[f] > 0.0 else 0.0
+            eps_gas[f] = 1.0 - s[left, 0] if upwind_gas[f] > 0.0 else 1.0
+            eps_solid[f] = s[left, 0] if upwind_solid[f] > 0.0 else 0.0
         else:
-            eps = edge.eps_s[b] if solid.kind[b] == GIVEN else s[left, 0]
-            out.gas[f] = 1.0 - eps
-            if solid.flux[b] > 0.0:
+            eps = edge.eps_s[b] if solid_kind[b] == GIVEN else s[left, 0]
+            eps_gas[f] = 1.0 - eps
+            if solid_flux[b] > 0.0:
                 # what leaves has the fraction of the cell
-                part = field.half_step[left, 0]
+                part = half_step[left, 0]
                 for d in range(len(g.axes)):
-                    part += field.gradient[left, 0, d] * g.arm_left[f, d]
+                    part += grad[left, 0, d] * g.arm_left[f, d]
                 jump = eps - s[left, 0]
-                eps = s[left, 0] + (min(max(part, min(0.0, jump)), max(0.0, jump)) if field.limited else part)
-            out.solid[f] = eps
+                eps = s[left, 0] + (min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part)
+            eps_solid[f] = eps
 
 
 @kernel

@@ -66,7 +66,9 @@ def predictor_half_step(dt: float, u: Array, grad: Array, carrier: Array, rate: 
 def convect(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None:
     """Add -sum over faces of flux (u_face - u_cell) [m3/s times u] to `out` (nc, m); `flux` (nf,) is a volume flux."""
     ni, dim = len(g.right), len(g.axes)
-    u, grad, limited = field.values, field.gradient, field.limited
+    # taken out of the loop, where each would be counted as a reference
+    u, grad, half_step, edge = field.values, field.gradient, field.half_step, field.edge
+    first_order, limited = field.first_order, field.limited
     for f in range(len(g.left)):
         rate = flux[f]
         left = g.left[f]
@@ -86,51 +88,57 @@ def convect(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None
                         along += grad[c, k, d] * (g.arm_right[f, d] - g.arm_left[f, d])
                 jump = (u[right, k] - u[left, k]) if forward else (u[left, k] - u[right, k])
                 value = u[c, k]
-                if not field.first_order[c]:
-                    value += limited_increment(slope, along, jump, field.half_step[c, k], limited)
+                if not first_order[c]:
+                    value += limited_increment(slope, along, jump, half_step[c, k], limited)
                 out[right, k] += rate * (value - u[right, k])
             elif forward:
                 slope = 0.0
                 for d in range(dim):
                     slope += grad[c, k, d] * g.arm_left[f, d]
-                jump = field.edge[f - ni, k] - u[c, k]
-                part = slope + field.half_step[c, k] if not field.first_order[c] else 0.0
+                jump = edge[f - ni, k] - u[c, k]
+                part = slope + half_step[c, k] if not first_order[c] else 0.0
                 value = u[c, k] + (min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part)
             else:
-                value = field.edge[f - ni, k]
+                value = edge[f - ni, k]
             out[left, k] -= rate * (value - u[left, k])
 
 
 @kernel
-def face_value(g: Geometry, f: int, forward: bool, field: Reconstruction) -> float:
+def face_value(
+    g: Geometry, f: int, forward: bool, values: Array, grad: Array, half_step: Array, limited: bool
+) -> float:
     """First component of a field on the interior face f, reconstructed in the cell that the flow comes from."""
     left, right = g.left[f], g.right[f]
-    values, grad = field.values, field.gradient
     slope = along = 0.0
     if forward:
         for d in range(len(g.axes)):
             slope += grad[left, 0, d] * g.arm_left[f, d]
             along += grad[left, 0, d] * (g.arm_left[f, d] - g.arm_right[f, d])
         jump = values[right, 0] - values[left, 0]
-        return float(values[left, 0] + limited_increment(slope, along, jump, field.half_step[left, 0], field.limited))
+        return float(values[left, 0] + limited_increment(slope, along, jump, half_step[left, 0], limited))
     for d in range(len(g.axes)):
         slope += grad[right, 0, d] * g.arm_right[f, d]
         along += grad[right, 0, d] * (g.arm_right[f, d] - g.arm_left[f, d])
     jump = values[left, 0] - values[right, 0]
-    return float(values[right, 0] + limited_increment(slope, along, jump, field.half_step[right, 0], field.limited))
+    return float(values[right, 0] + limited_increment(slope, along, jump, half_step[right, 0], limited))
 
 
 @kernel
 def face_values(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None:
     """Values `out` (nf,) that `flux` (nf,) carries; what leaves through the boundary has the value of the cell."""
     ni = len(g.right)
+    values, grad, half_step, edge = field.values, field.gradient, field.half_step, field.edge
+    first_order, limited = field.first_order, field.limited
     for f in range(len(flux)):
         forward = flux[f] >= 0.0
         if f >= ni:
-            out[f] = field.values[g.left[f], 0] if forward else field.edge[f - ni, 0]
+            out[f] = values[g.left[f], 0] if forward else edge[f - ni, 0]
             continue
         c = g.left[f] if forward else g.right[f]
-        out[f] = field.values[c, 0] if field.first_order[c] else face_value(g, f, forward, field)
+        if first_order[c]:
+            out[f] = values[c, 0]
+        else:
+            out[f] = face_value(g, f, forward, values, grad, half_step, limited)
 
 
 @kernel
