@@ -1,4 +1,4 @@
-"""Balance of a conserved quantity: what entered, left, was released inside and stayed, and what is missing."""
+"""Balance of a conserved quantity: what entered, left, was released inside and was stored, and the residual."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Balance:
-    """Amounts in `unit`: rates of a steady state, totals of a run; each is positive in the direction of its name.
+    """Amounts in `unit`: rates of a steady state, or totals of a run; each is positive in the direction of its name.
 
-    scale : what the residual is measured against; the largest of the four parts if None
+    scale : reference of the residual; the largest of the four parts if None
     floor : least scale, so that rounding of large stores does not count against small streams
     """
 
@@ -27,20 +27,20 @@ class Balance:
     def of_fluxes(
         cls, fluxes: Iterable[float], unit: str, source: float = 0.0, stored: float = 0.0, floor: float = 1e-300
     ) -> Balance:
-        """Balance of fluxes that are positive inwards."""
+        """Return the balance of fluxes that are positive inwards."""
         parts = list(fluxes)
         entering, leaving = sum(v for v in parts if v > 0), -sum(v for v in parts if v < 0)
         return cls(entering, leaving, unit, source, stored, floor=max(floor, 1e-300))
 
     @property
     def relative_residual(self) -> float:
-        """What entered or was released and neither left nor stayed, over the scale."""
+        """Entering and released less leaving and stored, over the scale."""
         largest = max(abs(self.entering), abs(self.leaving), abs(self.source), abs(self.stored))
         scale = max(largest if self.scale is None else self.scale, self.floor)
         return (self.entering + self.source - self.leaving - self.stored) / scale
 
     def as_dict(self) -> dict[str, Any]:
-        """The balance as it stands in summary.json."""
+        """Return the balance as written to summary.json."""
         return {
             "in": self.entering,
             "out": self.leaving,

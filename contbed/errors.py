@@ -1,4 +1,4 @@
-"""What can go wrong, one class and one exit code each. A message says what, where, the numbers and what to try."""
+"""Errors, each with its exit code. A message says what went wrong, where, the numbers, and what to try."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class ContbedError(Exception):
 
 
 class SceneError(ContbedError):
-    """The scene, its mesh or its materials cannot be used. `problems` holds one line for each mistake."""
+    """The scene, its mesh or its materials cannot be used; `problems` holds one line for each mistake."""
 
     exit_code = 2
 
@@ -22,7 +22,7 @@ class SceneError(ContbedError):
 
 
 class ConvergenceError(ContbedError):
-    """Newton, a time step or a linear solve failed. `history` holds the residual norms, `state` the last state."""
+    """Newton, a time step or a linear solve failed; `history` of residual norms, `state` the last state."""
 
     exit_code = 3
 
@@ -45,7 +45,7 @@ class BalanceError(ContbedError):
 
 
 class EngineError(ContbedError):
-    """The engine that is asked for is missing, cannot solve the scene, or lost one of its processes."""
+    """The engine is missing, cannot solve the scene, or lost one of its processes."""
 
     exit_code = 2
 

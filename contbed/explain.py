@@ -1,4 +1,4 @@
-"""What there is: models, closures, the tables of a scene, studies; and the data sheet of each by its name."""
+"""Catalogue of models, closures, tables of a scene and studies, and the data sheet of each by its name."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from contbed.scene.toml_lines import KeyPath
 
 
 def models() -> dict[str, str]:
-    """The docstrings of all equations by name, read without importing them."""
+    """Return the docstrings of all equations by name, read without importing them."""
     files = {name: file for model in MODELS.values() for name, file in model.sheets().items()}
     return {name: ast.get_docstring(ast.parse(files[name].read_text(encoding="utf-8"))) or "" for name in sorted(files)}
 
 
 def studies(folder: Path) -> dict[str, list[str]]:
-    """The scenes of each study in a folder."""
+    """Return the scenes of each study in a folder."""
     found = {study.name: sorted(scene.name for scene in study.glob("*.toml")) for study in sorted(folder.glob("*/"))}
     return {name: scenes for name, scenes in found.items() if scenes}
 
 
 def explain(name: str) -> str:
-    """The data sheet of a closure, with or without its kind; of a model; of a table or key of a scene."""
+    """Return the data sheet of a closure (with or without its kind), a model, or a table or key of a scene."""
     known = closures.names()
     # A short name may belong to closures of several kinds; that of a dispersion stands for a pair.
     wanted = [f"{kind}{name}" for kind in ("", *(f"{registry.sheet(closure).kind}_" for closure in known))]
@@ -46,7 +46,7 @@ def explain(name: str) -> str:
 
 
 def listing(folder: Path) -> str:
-    """All names under headings, each on its own line; studies from `folder`."""
+    """List all names under headings, each on its own line; studies from `folder`."""
     lines = _section("models", (f"{name:28} {text.partition(chr(10))[0]}" for name, text in models().items()))
     for kind in sorted({registry.sheet(name).kind for name in closures.names()}):
         lines += _section(
@@ -58,17 +58,17 @@ def listing(folder: Path) -> str:
 
 
 def at(path: KeyPath) -> list[schema.Node]:
-    """The nodes of a key path in all kinds of scenes; several if the table has several types, none if it is unknown."""
+    """Return the nodes of a key path in all kinds of scenes; several if a table has several types."""
     return [node for root in _schemas() for node in schema.at(root, path)]
 
 
 def unit(path: KeyPath) -> str | None:
-    """The SI unit of a key; None if it has none or is not a number."""
+    """Return the SI unit of a key; None if it has none or is not a number."""
     return next((found for root in _schemas() if (found := schema.unit(root, path))), None)
 
 
 def tables() -> list[str]:
-    """The tables of a scene, with their types: "mesh", "heat", "boundary.NAME"."""
+    """Return the tables of a scene, with their types: "mesh", "heat", "boundary.NAME"."""
     found: list[str] = []
     for name, node in (item for root in _schemas() for item in root["properties"].items()):
         if any(isinstance(option.get("additionalProperties"), dict) for option in schema.options(node)):
@@ -79,12 +79,15 @@ def tables() -> list[str]:
 
 
 def _schemas() -> list[schema.Node]:
-    """Schemas of all kinds of scenes, the packed bed first."""
+    """Return the schemas of all kinds of scenes, the packed bed first."""
     return [schema.of(MODELS[kind].scene) for kind in sorted(MODELS, key=lambda kind: kind != "packed_bed")]
 
 
 def _nodes(name: str) -> Iterator[schema.Node]:
-    """What the schemas say of a table or key: "heat", "heat.nusselt", "boundary.NAME.fluid", "mesh.line"; each once."""
+    """Yield the schemas of a table or key in all kinds of scenes, each different one once.
+
+    Names are such as "heat", "heat.nusselt", "boundary.NAME.fluid" or "mesh.line".
+    """
     path: KeyPath = tuple(name.split("."))
     nodes = at(path)
     if not nodes and len(path) > 1:  # mesh.line: one type of a table

@@ -227,8 +227,9 @@ RESULTS = {field.name: field for field in _RESULTS}
 
 
 def field(name: str) -> Field | None:
-    """Find the field of a column by its name without unit, "T_sand" by "T_NAME", "wall p" of a probe by "p"; None if
-    there is none.
+    """Find the field of a column by its name without unit; None if there is none.
+
+    "T_sand" is found by "T_NAME", "wall p" of a probe by "p".
     """
     return _find(name.rpartition(" ")[2], "fields")
 
@@ -264,7 +265,7 @@ def _find(name: str, table: str) -> Field | None:
 
 @cache
 def _patterns(table: str) -> list[tuple[re.Pattern[str], Field]]:
-    """Names with a part in capitals as patterns, the most specific, the longest, first."""
+    """Return names with a part in capitals as patterns, the longest (most specific) first."""
     entries: Iterable[Field] = {"fields": FIELDS, "results": RESULTS}[table].values()
     chosen = [entry for entry in entries if re.search("NAME|PHASE|PLACE", entry.name)]
     chosen.sort(key=lambda entry: -len(entry.name))

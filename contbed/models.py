@@ -1,12 +1,12 @@
-"""The physics of contbed: what each package provides, and which one a scene is for.
+"""The physics of contbed: the package of each, and the choice of the physics for a scene.
 
 Every physics is a package with the same modules, which are imported when they are used:
 
     scene.py    tables and keys of its scenes, with unit, bounds, default and meaning
-    checks.py   CHECKS, what can be wrong with a scene although every value is right
+    checks.py   CHECKS, mistakes in a scene that remain although every single value is valid
     plan.py     plan(scene) -> Plan: what is built, what is left out and why, unknowns and cost
     run.py      run(plan, result, folder, quiet, start): solves and fills the result
-    plots.py    plot(result, folder): the picture that a person wants first
+    plots.py    plot(result, folder): the plots of a run
     equations/  the equations, each file with its PDEs, symbols, units and source
 
 A new physics is such a package and one entry of MODELS.
@@ -23,7 +23,7 @@ from typing import Any, ClassVar, Protocol
 
 
 class Plan(Protocol):
-    """What a run builds."""
+    """The objects that a run builds before it solves."""
 
     @property
     def scene(self) -> Any:
@@ -31,11 +31,11 @@ class Plan(Protocol):
 
     @property
     def mesh(self) -> Any:
-        """The mesh that is solved on; None without one."""
+        """The mesh that the run solves on; None without one."""
 
     @property
     def built(self) -> tuple[tuple[str, str], ...]:
-        """Names of what is built, each with how."""
+        """Names of what is built, each with a description."""
 
     @property
     def skipped(self) -> tuple[tuple[str, str], ...]:
@@ -43,18 +43,18 @@ class Plan(Protocol):
 
     @property
     def steps(self) -> bool:
-        """Whether the run takes time steps, which a checkpoint can go on from."""
+        """Whether the run takes time steps, so that it can be restarted from a checkpoint."""
 
     @property
     def without_weak_form(self) -> str:
-        """What has no weak form that another engine could evaluate; empty if all has one."""
+        """Equations without a weak form for another engine, as text; empty if all have one."""
 
     @property
     def policy(self) -> Any:
-        """How linear systems are solved."""
+        """Choice of the linear solver."""
 
     def unknowns(self) -> dict[str, int]:
-        """Number of unknowns of each part that is solved."""
+        """Return the number of unknowns of each part that is solved."""
 
 
 @dataclass(frozen=True)
@@ -74,16 +74,16 @@ class Model:
     plan_in: str = "plan"
 
     def find(self, module: str, name: str) -> Any:
-        """What a module of the package calls `name`."""
+        """Import a module of the package and return its attribute `name`."""
         return getattr(import_module(f"contbed.{self.package}.{module}"), name)
 
     @property
     def scene(self) -> Any:
-        """The pydantic model of its scenes."""
+        """The pydantic model of the scenes of this physics."""
         return self.find("scene", self.settings)
 
     def sheets(self) -> dict[str, Path]:
-        """The file of each set of equations, by name; nothing is imported."""
+        """Return the file of each set of equations by name, without importing it."""
         folder = Path(__file__).parent / self.package
         return {name: folder / f"{module.replace('.', '/')}.py" for name, module in self.equations.items()}
 
@@ -144,18 +144,18 @@ MODELS: dict[str, Model] = {
 
 
 class Kind(Protocol):
-    """A scene as far as the choice of its physics goes."""
+    """A scene, as far as the choice of its physics needs it."""
 
     kind: ClassVar[str]
 
 
 def model_of(scene: Kind) -> Model:
-    """The physics that a scene is for."""
+    """Return the physics that a scene is for."""
     return MODELS[scene.kind]
 
 
 def kind_of(values: Mapping[str, Any]) -> str:
-    """The kind of scene that the tables of a file mean."""
+    """Return the kind of scene that the tables of a file describe."""
     return next(kind for kind, model in MODELS.items() if model.means(values))
 
 
@@ -170,7 +170,7 @@ def plan(scene: Any) -> Any:
 
 
 def described(plan: Plan, *more: str) -> str:
-    """What a plan builds and leaves out as a table, unknowns with their memory, and further lines."""
+    """Describe what a plan builds and leaves out as a table, its unknowns with their memory, and further lines."""
     rows = [("BUILT", what, why) for what, why in plan.built]
     rows += [("SKIPPED", what, why) for what, why in plan.skipped]
     width = max(len(what) for _, what, _ in rows)

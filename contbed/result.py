@@ -1,4 +1,4 @@
-"""What a run found: profiles, named results, balances, closure ranges, cost; and how it is written."""
+"""Result of a run: profiles, named results, balances, closure ranges, cost; and how it is written."""
 
 from __future__ import annotations
 
@@ -17,8 +17,10 @@ from contbed.fields import unit_of
 
 @dataclass
 class Result:
-    """`profiles` maps CSV headers to columns; `nodal` maps field names to (Space, values) at the last time;
-    `engine` holds what ranks took; `series` holds (time, nodal) of a transient; `summary` is what summary.json says.
+    """Everything that a run computed.
+
+    `profiles` maps CSV headers to columns; `nodal` maps field names to (Space, values) at the last time; `series` holds
+    (time, nodal) of a transient; `engine` holds the cost of each rank; `summary` is the content of summary.json.
     """
 
     plan: models.Plan
@@ -62,13 +64,13 @@ class Result:
         }
 
     def table(self) -> str:
-        """The result as a table for a terminal."""
+        """Return the result as a table for a terminal."""
         from contbed.output.summary import table
 
         return table(self.summary)
 
     def write(self, out: Path) -> list[ContbedError]:
-        """Write tables, fields and plots into `out`; what cannot be written is returned and keeps nothing back."""
+        """Write tables, fields and plots into `out`; return the errors of parts that cannot be written."""
         from contbed.output.tables import write_table
 
         settings = self.plan.scene.output
@@ -120,7 +122,7 @@ class Result:
 
 
 def timed(phase: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Decorator of a `run(plan, result, ...)`: its wall time stands in `result.timings` as `phase`."""
+    """Decorate a `run(plan, result, ...)` so that its wall time is added to `result.timings` as `phase`."""
 
     def decorate(run: Callable[..., None]) -> Callable[..., None]:
         @wraps(run)
@@ -134,7 +136,7 @@ def timed(phase: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
 
 
 def outside(closure: Mapping[str, Any]) -> str:
-    """What to say about a closure that was used outside of its declared range."""
+    """Describe how a closure was used outside its declared range."""
     parts = [
         f"{name} {use['used'][0]:.4g} to {use['used'][1]:.4g}, declared {use['declared'][0]} to {use['declared'][1]}"
         for name, use in closure["ranges"].items()

@@ -11,6 +11,6 @@ _LIBRARIES = ("numpy", "scipy", "skfem", "cantera", "CoolProp", "gmsh", "meshio"
 
 
 def versions() -> dict[str, str]:
-    """Name -> version, only of what is loaded: an absent library was not needed."""
+    """Return the version of each library that is loaded; one that is not loaded was not needed."""
     loaded = {name: getattr(sys.modules[name], "__version__", "?") for name in _LIBRARIES if name in sys.modules}
     return {"contbed": __version__, "python": platform.python_version(), **loaded}

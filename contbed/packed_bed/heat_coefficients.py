@@ -84,7 +84,7 @@ class HeatCoefficients:
             solid=self._phase("solid", where, None, exchange),
             exchange=lambda T_fluid, T_solid: medium.exchange(T_fluid, speed),
             cross=medium.cross_conductivity,
-            radiated=None if self.radiation is None else self.radiation.taken_up,
+            radiated=None if self.radiation is None else self.radiation.net_absorption,
         )
 
     def _phase(self, phase: str, where: Domain, spread: Any, exchange: Any) -> two_energy.Phase:

@@ -242,6 +242,6 @@ class Medium:
 def _rosseland(scene: s.Scene) -> float | None:
     if scene.radiation is None or scene.radiation.level != "rosseland":
         return None
-    from contbed.radiation import problem as radiation_problem
+    from contbed.radiation.optics import optics
 
-    return radiation_problem.optics(scene).diffusion
+    return optics(scene).diffusion

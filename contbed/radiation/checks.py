@@ -1,4 +1,4 @@
-"""What is wrong with the radiation of a scene although every single value is right; see `scene.checking`."""
+"""Checks of the radiation of a scene: mistakes that remain although every single value is valid."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from contbed.scene.tables import Packing
 
 
 def tubes_see_radiation(heat: Any | None, radiation: Radiation | None, region: Mapping[str, Any]) -> Mistakes:
+    """Check that tubes come with [heat] and a radiation level that includes them."""
     diffuse = radiation is not None and radiation.level in ("p1", "two_flux")
     for name, item in region.items():
         if item.tubes is not None and (heat is None or not diffuse):
@@ -34,6 +35,7 @@ def radiation_is_complete(
     mesh: Mesh,
     see: See,
 ) -> Mistakes:
+    """Check that the optics are given once, and that level, mesh and boundaries suit each other."""
     if radiation is None:
         for name, conditions in boundary.items():
             if conditions.radiation is not None:
@@ -58,7 +60,7 @@ def radiation_is_complete(
     if radiation.level == "rosseland":
         if heat is None and not radiation.conductivity:
             yield ("radiation", "level"), "rosseland is for a medium that conducts: [heat], or radiation.conductivity"
-        for name in loose_walls(heat, boundary):
+        for name in walls_without_solid_temperature(heat, boundary):
             remedy = f"fix it in boundary.{name}.solid" if heat is not None else "give a temperature"
             yield (
                 ("boundary", name, "radiation"),
@@ -77,6 +79,7 @@ def radiation_is_complete(
 
 
 def particles_have_a_size_and_fit_together(radiation: Radiation | None, see: See) -> Mistakes:
+    """Check sieve analyses, the sum of volume fractions, and that optics attenuate."""
     if radiation is None:
         return
     for name, species in radiation.species.items():
@@ -95,8 +98,8 @@ def particles_have_a_size_and_fit_together(radiation: Radiation | None, see: See
         yield ("radiation",), "nothing stops a ray: absorption, or scattering with anisotropy < 1, must be above 0"
 
 
-def loose_walls(heat: Any, boundary: Mapping[str, Any]) -> list[str]:
-    """Radiating boundaries on which the solid does not have the wall's temperature."""
+def walls_without_solid_temperature(heat: Any, boundary: Mapping[str, Any]) -> list[str]:
+    """Return the radiating boundaries on which the solid does not have the wall's temperature."""
     found = []
     for name, table in boundary.items():
         wall = table.radiation
@@ -111,7 +114,7 @@ def loose_walls(heat: Any, boundary: Mapping[str, Any]) -> list[str]:
 def a_medium_radiates(
     radiation: Radiation, bed: Packing | None, boundary: Mapping[str, Any], mesh: Mesh, see: See
 ) -> Mistakes:
-    """The optics of a medium by itself."""
+    """Check the optics of a medium by itself."""
     yield from radiation_is_complete(None, radiation, bed, boundary, mesh, see)
 
 

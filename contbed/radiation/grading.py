@@ -1,4 +1,4 @@
-"""Meshes graded to the layers in which radiation adapts to its walls."""
+"""Meshes graded to the layers next to walls in which radiation varies."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ OBLIQUE = 0.4  # share of the rate of the most oblique ordinate, 1/mu = (n + 1/2
 
 
 def nodes(scene: RadiationScene) -> list[NDArray[np.float64]] | None:
-    """Graded coordinates for each direction of a built-in mesh without prescribed cells."""
+    """Return graded coordinates for each direction of a built-in mesh without prescribed cells."""
     mesh, k = scene.mesh, scene.radiation.conductivity or 0.0
     if isinstance(mesh, MeshFile) or (mesh.cells is not None and not mesh.graded):
         return None
@@ -40,11 +40,11 @@ def nodes(scene: RadiationScene) -> list[NDArray[np.float64]] | None:
 
 
 def radiation_layers(scene: Radiating, conductivity: float, direction: int, extent: float) -> Layers:
-    """Positions and widths of the layers in which radiation adapts to a radiating boundary.
+    """Return positions and widths of the layers next to radiating boundaries in which radiation varies.
 
     The rate is sqrt(K_a/D (1 + k_R/k)); the radiative conductivity k_R = 16 sigma T^3 D competes with the
     `conductivity` k [W/m/K] of the solid.
-    Ordinates adapt in layers of cosines of the mean free path, whatever the albedo.
+    Intensities of the ordinates vary in layers of cosines times the mean free path, whatever the albedo.
     """
     if scene.radiation is None or scene.radiation.level == "rosseland":
         return []

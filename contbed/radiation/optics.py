@@ -14,9 +14,10 @@ from contbed.radiation.scene import Radiating, RadiatingSpecies
 
 @dataclass(frozen=True)
 class Optics:
-    """Absorption by species at the solid's temperature and by species of given temperature, scattering, D.
+    """Absorption, scattering and diffusion coefficient of a medium.
 
-    `active` and `passive` are K_a [1/m], `emission` is 4 sum K_a sigma T^4 of the latter [W/m3], `diffusion` D [m].
+    `active` is K_a [1/m] of the species at the solid's temperature, `passive` that of species of given temperature,
+    `emission` is 4 sum K_a sigma T^4 of the latter [W/m3], `diffusion` is D [m].
     """
 
     active: float
@@ -32,12 +33,12 @@ class Optics:
 
     @property
     def extinction(self) -> float:
-        """beta [1/m]."""
+        """Beta [1/m]."""
         return self.absorption + self.scattering
 
 
 def optics(scene: Radiating) -> Optics:
-    """Coefficients of a scene, from its particles or given directly."""
+    """Return the optics of a scene, from its particles or given directly."""
     table = scene.radiation
     assert table is not None
     if table.absorption is not None or table.scattering is not None:

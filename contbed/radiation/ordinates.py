@@ -16,19 +16,21 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_matrix
 
+from contbed.closures.optics import SIGMA
 from contbed.fem import engine_matrix, policy
 from contbed.fem.elements import Space
 from contbed.mesh.mesh import Mesh
 from contbed.radiation.equations import p1 as radiation
 from contbed.radiation.equations.ordinates import Ordinates, OrdinatesSolution, Wall
-from contbed.radiation.problem import optics, power_temperature, span, surface_of
+from contbed.radiation.optics import optics
+from contbed.radiation.problem import power_temperature, span, surface_of
 from contbed.radiation.scene import Radiating
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
 
 
 class OrdinatesProblem:
-    """The scene's medium on a line; the state holds the temperatures at the points of a conducting medium."""
+    """The scene's medium on a line; the state holds temperatures at the points of a conducting medium."""
 
     def __init__(self, scene: Radiating, mesh: Mesh, section: float = 1.0):
         table = scene.radiation
@@ -70,17 +72,17 @@ class OrdinatesProblem:
         self.fixed_values = given if self.conductivity else {}
 
     def _inverse(self, matrix: Any) -> Any:
-        """Solutions by all ranks; what rounding leaves the ordinates refine by themselves."""
+        """Return a solver on all ranks; the ordinates refine its rounding errors themselves."""
         solver = Solver(engine_matrix(self.mesh, matrix), policy(self.mesh, self.scene.solver.memory_GB))
         return lambda rhs: np.apply_along_axis(solver.approximate, 0, rhs)
 
     def _end(self, name: str, z: Any) -> int:
-        """0 for the boundary at the first node, -1 for the last."""
+        """Return 0 for the boundary at the first node, -1 for the last."""
         grid = self.mesh.skfem
         return 0 if grid.p[0, grid.facets[0, grid.boundaries[name][0]]] == z[0] else -1
 
     def _stiffness(self) -> Any:
-        """Conduction, rows sum to zero; dense as the response is."""
+        """Return the conduction matrix, dense like the response; its rows sum to zero."""
         bed = self.bed
         matrix = np.zeros((len(bed.points), len(bed.points)))
         ones = np.ones((len(bed.width), len(bed.element.weights)))
@@ -94,11 +96,11 @@ class OrdinatesProblem:
         return np.array([end % len(self.bed.points) for end in self.fixed_values], dtype=np.int64)
 
     def _emission(self, T: Any) -> Any:
-        """e = sum K_a,m sigma T_m^4 at the points [W/m3]."""
+        """Return e = sum K_a,m sigma T_m^4 at the points [W/m3]."""
         return 0.25 * (self.optics.active * radiation.emitted(T) + self.optics.emission)
 
     def assemble(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
-        """Heat balance at the points [W] and its derivative."""
+        """Assemble the heat balance at the points [W] and its derivative."""
         if not self.conductivity:
             return np.zeros(0), None
         K, section = self.optics.active, self.section
@@ -108,12 +110,15 @@ class OrdinatesProblem:
         residual = section * (conducted - self.mass @ radiation.absorbed(state, G, K))
         if not jacobian:
             return residual, None
-        slope = 16.0 * radiation.SIGMA * state**3
+        slope = 16.0 * SIGMA * state**3
         exchange = self.mass @ (K * (np.eye(len(state)) - 0.25 * K * self.response) * slope)
         return residual, engine_matrix(self.mesh, csc_matrix(section * (self.stiffness + exchange)))
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
-        """Newton from the mean of the given temperatures; without conduction one solution of the ordinates."""
+        """Solve by Newton's method from the mean of the given temperatures.
+
+        Without conduction one solution of the ordinates is enough.
+        """
         if not self.conductivity:
             return np.zeros(0), [1.0]
         low, high = self.T_span
@@ -142,7 +147,7 @@ class OrdinatesProblem:
         return span(self.optics, self.surfaces)
 
     def field(self, state: Any) -> OrdinatesSolution:
-        """The radiation field of a state; the last one is kept."""
+        """Return the radiation field of a state; the last one is kept."""
         key = state.tobytes()
         if key not in self._fields:
             emission = self._emission(state) if self.conductivity else 0.25 * self.optics.emission
@@ -150,13 +155,13 @@ class OrdinatesProblem:
         return self._fields[key]
 
     def _net(self, state: Any, field: OrdinatesSolution) -> Any:
-        """Net emission at the points, q' [W/m3]."""
+        """Return the net emission at the points, q' [W/m3]."""
         c = self.optics
         net = c.emission - c.passive * field.G
         return net - radiation.absorbed(state, field.G, c.active) if self.conductivity else net
 
     def _nodal(self, values: Any) -> Any:
-        """Values at the points of the ordinates (Lobatto) as values at the equispaced nodes of the space."""
+        """Interpolate values at the points of the ordinates (Lobatto) to the equispaced nodes of the space."""
         element, nodes = self.bed.element, self.space.element.nodes[:, 0]
         lattice = np.sort(nodes)
         table = np.linalg.solve(np.vander(element.points).T, np.vander(lattice, len(lattice)).T).T
@@ -166,11 +171,14 @@ class OrdinatesProblem:
         return out
 
     def incident(self, state: Any) -> Any:
-        """G at the nodes [W/m2]."""
+        """Return G at the nodes [W/m2]."""
         return self._nodal(self.field(state).G)
 
     def temperature(self, state: Any) -> Any:
-        """Temperatures at the nodes [K]: solved for, given, or those of a medium that emits what it absorbs."""
+        """Return the temperatures at the nodes [K].
+
+        They are solved for, given, or those of a medium that emits what it absorbs.
+        """
         if self.conductivity:
             return self._nodal(state)
         if self.optics.passive:
@@ -178,7 +186,10 @@ class OrdinatesProblem:
         return power_temperature(self.incident(state) / 4.0)
 
     def flux(self, state: Any, probe: Any) -> Any:
-        """Radiative flux at the points of a probe [W/m2]: that at the ends of a cell and what the cell emits."""
+        """Return the radiative flux at the points of a probe [W/m2].
+
+        It is that at the ends of a cell plus what the cell emits in between.
+        """
         field, element = self.field(state), self.bed.element
         count = element.degree + 1
         powers = np.arange(1, count + 1)
@@ -190,17 +201,17 @@ class OrdinatesProblem:
         return probe(self.space, self._nodal(values))
 
     def fluxes(self, state: Any) -> dict[str, float]:
-        """Radiation into the bed through each boundary [W]."""
+        """Return the radiation into the bed through each boundary [W]."""
         q = self.field(state).q
         inward = {0: q[0], -1: -q[-1]}
         return {name: self.section * float(inward[end]) for name, end in self.ends.items()}
 
     def conducted(self, residual: Any) -> dict[str, float]:
-        """Heat that walls conduct into the medium [W], from an unconstrained residual."""
+        """Return the heat that walls conduct into the medium [W], from an unconstrained residual."""
         return {name: float(residual[end]) if end in self.fixed_values else 0.0 for name, end in self.ends.items()}
 
     def released(self, state: Any) -> float:
-        """Net radiation of species of given temperature [W], what they emit less what they absorb."""
+        """Return what species of given temperature emit less what they absorb [W]."""
         c = self.optics
         net = c.emission - c.passive * self.field(state).G
         return self.section * float((self.bed.mass_matrix() @ net).sum())

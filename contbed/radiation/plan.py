@@ -17,7 +17,7 @@ NAMES = {"p1": "P1", "two_flux": "two-flux"}
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run builds: `scene` as written, `solved` the scene after reduction to a cheaper level of radiation."""
+    """The scene as written (`scene`), the scene at the level that is solved (`solved`), the mesh and the choices."""
 
     scene: RadiationScene
     solved: RadiationScene
@@ -34,13 +34,13 @@ class Plan:
 
     @property
     def policy(self) -> Policy:
-        """How linear systems are solved."""
+        """Choice of the linear solver."""
         from contbed.fem import policy
 
         return policy(self.mesh, self.scene.solver.memory_GB)
 
     def unknowns(self) -> dict[str, int]:
-        """Number of unknowns: the incident radiation or the intensities, and the temperature of what conducts."""
+        """Return the number of unknowns: G or the intensities, and the temperature where the medium conducts."""
         from contbed.fem.elements import Space
 
         table = self.solved.radiation
@@ -79,5 +79,5 @@ def plan(scene: RadiationScene) -> Plan:
 
 
 def level_name(table: Radiation) -> str:
-    """Name of a level other than Rosseland's for a person."""
+    """Return the name of a level other than Rosseland's in words."""
     return NAMES.get(table.level, f"{table.ordinates} + {table.ordinates} ordinates")

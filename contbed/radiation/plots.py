@@ -1,4 +1,4 @@
-"""Pictures of a radiating medium: profiles along it, and fields of a plane one."""
+"""Plots of a radiating medium: profiles along it, and fields of a plane one."""
 
 from contbed.output.plots import plot_profiles_and_fields as plot
 

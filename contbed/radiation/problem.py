@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from contbed.closures import optics as closures
+from contbed.closures.optics import SIGMA
 from contbed.fem import system as make_system
 from contbed.fem.skfem import System
 from contbed.mesh.mesh import Mesh
@@ -20,23 +21,23 @@ REFINEMENTS = 3  # of a linear solution
 
 
 def surface_of(table: Any) -> radiation.Surface | None:
-    """What a boundary is to the radiation; None for a mirror."""
+    """Return a boundary as a radiating surface; None for a mirror."""
     condition = None if table is None else table.radiation
     if condition is None:
         return None
     if condition.temperature is not None:
-        return radiation.Surface(condition.emissivity, radiation.SIGMA * condition.temperature**4)
+        return radiation.Surface(condition.emissivity, SIGMA * condition.temperature**4)
     return radiation.Surface(1.0, float(condition.radiosity or 0.0))
 
 
 def surfaces(scene: Radiating, mesh: Mesh, system: System) -> list[tuple[str, Any, radiation.Surface]]:
-    """Radiating boundaries: name, domain, surface."""
+    """Return the radiating boundaries as (name, domain, surface)."""
     found = {name: surface_of(scene.boundary.get(name)) for name in mesh.boundaries}
     return [(name, part, surface) for name, surface in found.items() if surface for part in system.boundary(name)]
 
 
 def span(c: Optics, surfaces: list[tuple[str, Any, radiation.Surface]]) -> tuple[float, float]:
-    """Lowest and highest given temperature [K]; a radiosity counts as that of a black surface."""
+    """Return the lowest and highest given temperature [K]; a radiosity counts as that of a black surface."""
     found = [power_temperature(surface.power) for _, _, surface in surfaces]
     if c.passive:
         found.append(power_temperature(c.emission / (4.0 * c.passive)))
@@ -44,7 +45,7 @@ def span(c: Optics, surfaces: list[tuple[str, Any, radiation.Surface]]) -> tuple
 
 
 def boundary_fluxes(found: list[tuple[str, Any, radiation.Surface]], system: System, state: Any) -> dict[str, float]:
-    """Radiation into the bed through each radiating boundary [W]."""
+    """Return the radiation into the bed through each radiating boundary [W]."""
     out: dict[str, float] = {}
     for name, part, surface in found:
 
@@ -56,18 +57,21 @@ def boundary_fluxes(found: list[tuple[str, Any, radiation.Surface]], system: Sys
 
 
 def emission(c: Optics, found: list[tuple[str, Any, radiation.Surface]], mesh: Mesh, section: float) -> float:
-    """What black walls and species of given temperature emit [W]: next to it a small net flux is a difference."""
+    """Return what black walls and species of given temperature emit [W].
+
+    It is the scale of the energy balance, because a small net flux is a difference of such emissions.
+    """
     walls = [surface.power * (section if part is None else float(np.sum(part.weight))) for _, part, surface in found]
     return sum(walls) + (c.emission * mesh.measure() * section if c.passive else 0.0)
 
 
-def given_off(c: Optics, system: System, state: Any) -> float:
-    """Net radiation of species of given temperature [W], what they emit less what they absorb."""
+def net_emission(c: Optics, system: System, state: Any) -> float:
+    """Return what species of given temperature emit less what they absorb [W]."""
     return system.integrate(lambda unknowns, o: c.emission - c.passive * unknowns.G, [system.cells], state)
 
 
 class RadiationCoupling:
-    """Radiation beside the two-energy equations: its forms, and what the solid takes up."""
+    """Radiation coupled to the two-energy equations: its forms, and what the solid absorbs."""
 
     fields = radiation.FIELDS
     emitted = staticmethod(radiation.emitted)
@@ -78,17 +82,17 @@ class RadiationCoupling:
         self.coefficients = radiation.Coefficients({"T_solid": c.active}, c.diffusion, c.emission, c.passive)
 
     def interior(self, cells: Any) -> tuple[Any, Any, Any]:
-        """The balance of the incident radiation."""
+        """Return the form of the balance of the incident radiation."""
         return radiation.residual, cells, self.coefficients
 
     def boundaries(self, mesh: Mesh, system: System) -> list[tuple[Any, Any, Any]]:
-        """Its walls and openings."""
+        """Return the forms of walls and openings."""
         forms = [(radiation.boundary, part, surface) for _, part, surface in surfaces(self.scene, mesh, system)]
         sink = self._tubes(mesh)
         return forms if sink is None else [*forms, (radiation.tubes, system.cells, sink)]
 
     def _tubes(self, mesh: Mesh) -> radiation.Tubes | None:
-        """Tubes of all regions as one value in each cell (ncells, 1)."""
+        """Return the tubes of all regions as one value in each cell (ncells, 1)."""
         given = {name: region.tubes for name, region in self.scene.region.items() if region.tubes is not None}
         if not given:
             return None
@@ -97,15 +101,15 @@ class RadiationCoupling:
         for name, item in given.items():
             cells = mesh.skfem.subdomains[name]
             area[cells] = item.area * closures.emissivity_immersed(bed, item.emissivity)
-            power[cells] = radiation.SIGMA * item.temperature**4
+            power[cells] = SIGMA * item.temperature**4
         return radiation.Tubes(area, power)
 
-    def taken_up(self, unknowns: Any) -> Any:
-        """Radiation that the solid absorbs less what it emits [W/m3]."""
+    def net_absorption(self, unknowns: Any) -> Any:
+        """Return the radiation that the solid absorbs less what it emits [W/m3]."""
         return radiation.absorbed(unknowns.T_solid, unknowns.G, self.optics.active)
 
     def temperatures(self, mesh: Mesh) -> list[float]:
-        """Temperatures that radiation brings into the bed: of walls, species, and black surfaces of a radiosity."""
+        """Return the temperatures of walls, species, and black surfaces of a radiosity [K]."""
         table = self.scene.radiation
         assert table is not None
         conditions = [self.scene.boundary[name].radiation for name in mesh.boundaries if name in self.scene.boundary]
@@ -115,18 +119,18 @@ class RadiationCoupling:
         return [T for T in found if T is not None] + [float(power_temperature(power)) for power in entering]
 
     def emission(self, mesh: Mesh, system: System) -> float:
-        """What black walls and species of given temperature emit [W]."""
+        """Return what black walls and species of given temperature emit [W]."""
         return emission(self.optics, surfaces(self.scene, mesh, system), mesh, system.measure.get("section", 1.0))
 
     def fluxes(self, mesh: Mesh, system: System, state: Any) -> dict[str, float]:
-        """Radiation into the bed through each boundary [W]."""
+        """Return the radiation into the bed through each boundary [W]."""
         return boundary_fluxes(surfaces(self.scene, mesh, system), system, state)
 
     def inside(self, mesh: Mesh, system: System, state: Any) -> dict[str, float]:
-        """Radiation into the bed from "species" of given temperature and from immersed "tubes" [W]."""
+        """Return the radiation into the bed [W] from "species" of given temperature and from "tubes"."""
         out: dict[str, float] = {}
         if self.optics.passive:
-            out["species"] = given_off(self.optics, system, state)
+            out["species"] = net_emission(self.optics, system, state)
         sink = self._tubes(mesh)
         if sink is not None:
             out["tubes"] = -system.integrate(
@@ -136,7 +140,7 @@ class RadiationCoupling:
 
 
 class RadiationProblem:
-    """A medium that radiates and may conduct: unknown G, and `T_solid` where it conducts. See `equations.p1`.
+    """A medium that radiates and may conduct: unknown G, and `T_solid` where it conducts; see `equations.p1`.
 
     Without conductivity and temperature the medium is in radiative equilibrium: it emits what it absorbs.
     """
@@ -164,7 +168,10 @@ class RadiationProblem:
         return self.conductivity * o.dot(o.grad(unknowns.T_solid), o.grad(tests.T_solid)) - gain * tests.T_solid
 
     def _fixed(self) -> tuple[Any, Any, Any]:
-        """A conducting medium has the temperature of the walls it touches: nodes, values, number of the boundary."""
+        """Return nodes, values and boundary numbers of fixed temperatures.
+
+        A conducting medium has the temperature of the walls it touches.
+        """
         nodes, values, owners = [np.empty(0, dtype=np.int64)], [np.empty(0)], [np.empty(0, dtype=np.int64)]
         for k, name in enumerate(self.mesh.boundaries if self.conductivity else ()):
             table = self.scene.boundary.get(name)
@@ -177,11 +184,11 @@ class RadiationProblem:
         return unique, np.concatenate(values)[first], np.concatenate(owners)[first]
 
     def assemble(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
-        """Residual and Jacobian."""
+        """Assemble the residual and the Jacobian."""
         return self.system.assemble(self.forms, state, jacobian)
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
-        """Newton from the mean of the given temperatures, linear without conduction."""
+        """Solve by Newton's method from the mean of the given temperatures; linear without conduction."""
         policy, state = self.system.ordered(policy), self.start()
         if not self.conductivity:
             return self._linear(state, policy), [1.0]
@@ -200,7 +207,7 @@ class RadiationProblem:
         )
 
     def start(self) -> Any:
-        """The state at the mean of the given temperatures."""
+        """Return the state at the mean of the given temperatures."""
         low, high = self.T_span
         middle = (0.5 * (low**4 + high**4)) ** 0.25
         state = np.full(self.system.size, middle)
@@ -209,7 +216,7 @@ class RadiationProblem:
         return state
 
     def _linear(self, state: Any, policy: Policy) -> Any:
-        """One solution, refined: in thin media the fluxes are small differences of G."""
+        """Solve once and refine: in thin media the fluxes are small differences of G."""
         residual, matrix = self.assemble(state, True)
         solver = Solver(matrix, policy)
         for _ in range(REFINEMENTS):
@@ -228,15 +235,15 @@ class RadiationProblem:
         return self.system.fields["G"][0]
 
     def incident(self, state: Any) -> Any:
-        """G at the nodes [W/m2]."""
+        """Return G at the nodes [W/m2]."""
         return self.system.part(state, "G")
 
     def flux(self, state: Any, probe: Any) -> Any:
-        """Radiative flux along the axis at the points of a probe [W/m2]."""
+        """Return the radiative flux along the axis at the points of a probe [W/m2]."""
         return -self.optics.diffusion * probe.slope(self.space, self.incident(state), self.mesh.axis)
 
     def temperature(self, state: Any) -> Any:
-        """Nodal temperatures: solved for, or those of a medium that emits what it absorbs."""
+        """Return nodal temperatures: solved for, or those of a medium that emits what it absorbs."""
         if self.conductivity:
             return self.system.part(state, "T_solid")
         if self.optics.passive:
@@ -245,19 +252,19 @@ class RadiationProblem:
         return power_temperature(self.system.part(state, "G") / 4.0)
 
     def fluxes(self, state: Any) -> dict[str, float]:
-        """Radiation into the bed through each boundary [W]."""
+        """Return the radiation into the bed through each boundary [W]."""
         return dict.fromkeys(self.mesh.boundaries, 0.0) | boundary_fluxes(self.surfaces, self.system, state)
 
     def conducted(self, residual: Any) -> dict[str, float]:
-        """Heat that walls conduct into the medium [W], from an unconstrained residual."""
+        """Return the heat that walls conduct into the medium [W], from an unconstrained residual."""
         sums = np.bincount(self.fixed_owner, weights=residual[self.fixed], minlength=len(self.mesh.boundaries))
         return {name: float(value) for name, value in zip(self.mesh.boundaries, sums, strict=True)}
 
     def released(self, state: Any) -> float:
-        """Net radiation of species of given temperature [W], what they emit less what they absorb."""
-        return given_off(self.optics, self.system, state)
+        """Return what species of given temperature emit less what they absorb [W]."""
+        return net_emission(self.optics, self.system, state)
 
 
 def power_temperature(power: Any) -> Any:
-    """Temperature [K] of a black surface of emissive power [W/m2]."""
-    return (np.maximum(power, 0.0) / radiation.SIGMA) ** 0.25
+    """Return the temperature [K] of a black surface of emissive power [W/m2]."""
+    return (np.maximum(power, 0.0) / SIGMA) ** 0.25

@@ -21,8 +21,9 @@ def fill(
     conducted: dict[str, float],
     result: Result,
 ) -> None:
-    """Temperature, G and radiative flux along the axis; heat through each boundary; between two plates the
-    dimensionless flux q/(sigma (T1^4 - T2^4)) and the temperature slip 1 - Phi(0).
+    """Fill in temperature, G and radiative flux along the axis, and the heat through each boundary.
+
+    Between two plates also the dimensionless flux q/(sigma (T1^4 - T2^4)) and the temperature slip 1 - Phi(0).
     """
     positions, probe = line.positions, line.probe
     space, G, temperature = problem.space, problem.incident(state), problem.temperature(state)

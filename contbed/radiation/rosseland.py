@@ -14,7 +14,7 @@ import numpy as np
 from contbed.closures.optics import conductivity, error_rosseland
 from contbed.fem import system as make_system
 from contbed.mesh.mesh import Mesh
-from contbed.radiation.checks import loose_walls
+from contbed.radiation.checks import walls_without_solid_temperature
 from contbed.radiation.equations import p1 as radiation
 from contbed.radiation.optics import optics
 from contbed.radiation.problem import RadiationProblem, surfaces
@@ -26,12 +26,12 @@ TOLERANCE = 0.01  # estimated error up to which plan may choose the Rosseland co
 
 
 def choose(scene: Scene) -> tuple[Scene, str]:
-    """The scene with the Rosseland level where it is allowed and accurate enough, and what to say about it."""
+    """Return the scene, with the Rosseland level where it is allowed and accurate enough, and the reason."""
     table = scene.radiation
     if table is None or not table.allow_rosseland or table.level not in ("p1", "two_flux"):
         return scene, ""
     conducts = scene.heat is not None or bool(table.conductivity)
-    if not conducts or loose_walls(scene.heat, scene.boundary):
+    if not conducts or walls_without_solid_temperature(scene.heat, scene.boundary):
         return scene, "Rosseland needs conduction and the solid at the temperature of its walls"
     if isinstance(scene.mesh, MeshFile):
         return scene, "Rosseland is not estimated on a mesh from a file"
@@ -42,7 +42,7 @@ def choose(scene: Scene) -> tuple[Scene, str]:
 
 
 def estimate(scene: Radiating, mesh: Any) -> float:
-    """Relative error of the radiative flux between the walls of a built-in bed, by `error_rosseland`.
+    """Estimate the relative error of the Rosseland flux between the walls of a built-in bed, by `error_rosseland`.
 
     The direction with the largest error counts among those with a radiating wall, or the length of a bed without any.
     A side that does not radiate counts as black.
@@ -86,7 +86,7 @@ class RosselandProblem(RadiationProblem):
         return (self.conductivity + conductivity(T, self.optics.diffusion)) * o.dot(o.grad(T), o.grad(tests.T_solid))
 
     def start(self) -> Any:
-        """The mean of the temperatures of the walls."""
+        """Return the mean of the temperatures of the walls."""
         state = np.full(self.system.size, 0.5 * sum(self.T_span))
         state[self.fixed] = self.fixed_values
         return state
@@ -97,19 +97,19 @@ class RosselandProblem(RadiationProblem):
         return self.system.fields["T_solid"][0]
 
     def incident(self, state: Any) -> Any:
-        """G at the nodes [W/m2], that of black radiation."""
+        """Return G at the nodes [W/m2], that of black radiation."""
         return radiation.emitted(self.temperature(state))
 
     def flux(self, state: Any, probe: Any) -> Any:
-        """Radiative flux along the axis at the points of a probe [W/m2]."""
+        """Return the radiative flux along the axis at the points of a probe [W/m2]."""
         T = self.temperature(state)
         slope = probe.slope(self.space, T, self.mesh.axis)
         return -conductivity(probe(self.space, T), self.optics.diffusion) * slope
 
     def fluxes(self, state: Any) -> dict[str, float]:
-        """None besides what the medium conducts at its walls [W]."""
+        """Return no fluxes besides what the medium conducts at its walls [W]."""
         return dict.fromkeys(self.mesh.boundaries, 0.0)
 
     def released(self, state: Any) -> float:
-        """Species of given temperature take no part [W]."""
+        """Return 0: species of given temperature take no part [W]."""
         return 0.0

@@ -49,8 +49,10 @@ class RadiatingSpecies(Table):
 
 
 class Radiation(Table):
-    """Gray radiation between the particles. With [heat] its particles are those of the [bed]; alone it is a medium that
-    conducts, is held at a temperature, or is in radiative equilibrium.
+    """Gray radiation between the particles.
+
+    With [heat] its particles are those of the [bed]; alone it is a medium that conducts, is held at a temperature, or
+    is in radiative equilibrium.
     """
 
     level: Literal["p1", "two_flux", "rosseland", "ordinates"] = Field(
@@ -98,25 +100,32 @@ class Radiating(Protocol):
     """A scene as the radiation sees it: a packed bed with [radiation], or a medium that merely radiates."""
 
     @property
-    def mesh(self) -> Any: ...
+    def mesh(self) -> Any:
+        """The [mesh] table."""
 
     @property
-    def radiation(self) -> Any: ...
+    def radiation(self) -> Any:
+        """The [radiation] table."""
 
     @property
-    def bed(self) -> Any: ...
+    def bed(self) -> Any:
+        """The [bed] table, or None."""
 
     @property
-    def heat(self) -> Any: ...
+    def heat(self) -> Any:
+        """The [heat] table, or None for a medium by itself."""
 
     @property
-    def boundary(self) -> Any: ...
+    def boundary(self) -> Any:
+        """The boundary tables by name."""
 
     @property
-    def region(self) -> Any: ...
+    def region(self) -> Any:
+        """The region tables by name."""
 
     @property
-    def solver(self) -> Any: ...
+    def solver(self) -> Any:
+        """The [solver] table."""
 
 
 class RadiatingBoundary(Table):

@@ -61,7 +61,7 @@ class Convergence:
         return "\n".join(lines)
 
     def columns(self) -> dict[str, list[float]]:
-        """The table by header."""
+        """Return the table by header."""
         units = {"h": "m", "unknowns": "1", "error": "1", "order": "1", "wall": "s"}
         return {f"{name} [{unit}]": [getattr(level, name) for level in self.levels] for name, unit in units.items()}
 
@@ -123,7 +123,7 @@ def _at_level(path: str | Path, scene: Any, level: int, points: Sequence[float] 
 
 
 def _compared(profiles: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """The coordinate, and the columns that are compared: theta, or the temperatures, or the velocity."""
+    """Return the coordinate, and the columns that are compared: theta, or the temperatures, or the velocity."""
     coordinate, *names = profiles
     for prefix in ("theta_", "T_", "u "):
         if chosen := {name: profiles[name] for name in names if name.startswith(prefix)}:
@@ -132,13 +132,16 @@ def _compared(profiles: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
 
 
 def _distance(columns: dict[str, Any], reference: dict[str, Any]) -> float:
-    """Largest difference of any column; theta as it is, others relative to their largest value."""
+    """Return the largest difference of any column; theta as it is, others over their largest value."""
     scales = {name: 1.0 if name.startswith("theta_") else np.abs(reference[name]).max() or 1.0 for name in columns}
     return max(float(np.abs(columns[name] - reference[name]).max() / scales[name]) for name in columns)
 
 
 def exact_profile(plan: Plan) -> Profile | None:
-    """The closed form of a plan: from positions [m] to the theta columns of the profile; None where none applies."""
+    """Return the closed form of a plan, from positions [m] to the theta columns of the profile.
+
+    None where no closed form applies.
+    """
     if plan.scene.kind != "packed_bed":
         return None
     arguments = closed_form(plan)
@@ -158,9 +161,10 @@ def exact_profile(plan: Plan) -> Profile | None:
 
 
 def closed_form(plan: Plan) -> dict[str, Any] | None:
-    """Arguments of `verify.exact.finite_length` for a plan, along the fluid's stream; None where it does not apply.
+    """Return the arguments of `verify.exact.finite_length` for a plan, along the fluid's stream.
 
-    It does for steady, linear heat on a line where both phases enter at fixed, different temperatures and leave freely.
+    None where it does not apply. It applies to steady, linear heat on a line where both phases enter at fixed,
+    different temperatures and leave freely.
     """
     scene, medium, mesh = plan.solved, plan.medium, plan.solved.mesh
     if scene.heat is None or scene.radiation is not None or scene.time is not None or not medium.constant:
@@ -174,7 +178,7 @@ def closed_form(plan: Plan) -> dict[str, Any] | None:
     u, u_solid = float(plan.velocity[0]), float(plan.velocity_solid[0])
 
     def speed(density: Any) -> float:
-        return abs(scale / density * u - u_solid)
+        return float(abs(scale / density * u - u_solid))
 
     along, _ = medium.dispersion(T, speed) or (0.0, 0.0)
     add_fluid, add_solid, cross = medium.tortuosity(T) or (0.0, 0.0, 0.0)
@@ -195,13 +199,16 @@ def closed_form(plan: Plan) -> dict[str, Any] | None:
 
 
 def _inlets(plan: Plan) -> dict[str, str]:
-    """The end of a line where each phase enters; a solid at rest has its temperature where the fluid enters."""
+    """Return the end of a line where each phase enters.
+
+    A solid at rest has its temperature fixed where the fluid enters.
+    """
     u, u_solid = plan.velocity[0], plan.velocity_solid[0]
     return {"fluid": "left" if u > 0 else "right", "solid": "left" if (u_solid or u) > 0 else "right"}
 
 
 def _only_fixed(scene: Any, phase: str, inlet: str) -> float | None:
-    """The temperature of a phase that is fixed at its inlet and free everywhere else."""
+    """Return the temperature of a phase that is fixed at its inlet and free everywhere else."""
     conditions = {name: getattr(table, phase) for name, table in scene.boundary.items()}
     given = {name: condition for name, condition in conditions.items() if condition is not None}
     return given[inlet].fixed if list(given) == [inlet] else None

@@ -1,5 +1,6 @@
 """Exact and high-precision reference solutions, under one name."""
 
+from contbed.packed_bed.equations.modes import rates
 from contbed.verify.exact_flow import ChannelFlow, brinkman_forchheimer_channel, plug_pressure_gradient
 from contbed.verify.exact_packed_bed import fin, schumann, two_temperature_relaxation
 from contbed.verify.exact_two_energy import (
@@ -7,7 +8,6 @@ from contbed.verify.exact_two_energy import (
     finite_length,
     nakayama_coefficients,
     nakayama_peclet,
-    rates,
     semi_infinite,
     tortuosity_parameter,
 )

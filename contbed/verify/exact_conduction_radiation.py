@@ -40,7 +40,7 @@ class HeatFlux:
 def conduction_radiation(
     tau: float, N: float, theta_L: float, albedo: float = 0.0, emissivity: tuple[float, float] = (1.0, 1.0)
 ) -> HeatFlux:
-    """Exact transport; error below 1e-10 sigma T1^4.
+    """Solve conduction with exact radiative transport; error below 1e-10 sigma T1^4.
 
     Parameters
     ----------
@@ -81,10 +81,10 @@ def conduction_diffusion(
     emissivity: tuple[float, float] = (1.0, 1.0),
     degree: int = 0,
 ) -> HeatFlux:
-    """Two-flux (D = 1/4) or P1 (D = 1/3) by Chebyshev collocation at Lobatto points; other arguments as above.
+    """Solve conduction with two-flux (D = 1/4) or P1 (D = 1/3) radiation by Chebyshev collocation at Lobatto points.
 
     4 N theta + D G = a - Q t eliminates G. `degree` 0 chooses one that resolves layers of width (1/D + 4/N)^-1/2; the
-    error is then below 1e-10 sigma T1^4.
+    error is then below 1e-10 sigma T1^4. Other arguments are those of `conduction_radiation`.
     """
     degree = degree or 40 + int(np.ceil(6.0 * np.sqrt(tau * np.sqrt(1.0 / D + 4.0 / N))))
     nodes = chebyshev.chebpts2(degree + 1)
@@ -122,7 +122,7 @@ def conduction_diffusion(
 
 
 def _newton(residual: Callable[[Array], tuple[Array, Array]], start: Array) -> Array:
-    """Newton's method; temperatures change by at most a half in a step and stay positive."""
+    """Solve by Newton's method; temperatures change by at most a half in a step and stay positive."""
     unknown = start
     size = np.inf
     for _ in range(80):
@@ -136,7 +136,7 @@ def _newton(residual: Callable[[Array], tuple[Array, Array]], start: Array) -> A
 
 
 def _derivative(nodes: Array) -> Array:
-    """Differentiation matrix of the polynomial through Lobatto points; rows sum to zero exactly."""
+    """Return the differentiation matrix of the polynomial through Lobatto points; rows sum to zero exactly."""
     count = len(nodes)
     weight = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)
     weight[[0, -1]] *= 0.5

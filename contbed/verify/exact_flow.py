@@ -55,7 +55,7 @@ def brinkman_forchheimer_channel(
     forchheimer: float,
     porosity: float,
 ) -> ChannelFlow:
-    """Developed flow of given mean velocity through a bed that slides along the channel.
+    """Return the developed flow of given mean velocity through a bed that slides along the channel.
 
     Spectral elements on half the channel, graded towards the wall, with one element boundary on the kink u = u_s of the
     drag law wherever the flow passes it; its position is an unknown of Newton's method. With c_F = 0 the closed form is
@@ -102,7 +102,7 @@ def plug_pressure_gradient(
     forchheimer: float,
     porosity: float,
 ) -> float:
-    """d(phi <p>)/dx [Pa/m] of plug flow, the limit H/sqrt(K) -> inf of the channel; arguments as there.
+    """Return d(phi <p>)/dx [Pa/m] of plug flow, the limit H/sqrt(K) -> inf of the channel; arguments as there.
 
     dp/dx = -phi mu/K (u - u_s) - c_F phi rho/sqrt(K) |u - u_s| (u - u_s)
     """
@@ -112,7 +112,7 @@ def plug_pressure_gradient(
 
 
 def _darcy_brinkman(eta: Array, slip: float, darcy: float) -> tuple[Array, float, float]:
-    """Profile, maximum and pressure gradient without inertia, in units of H, the mean velocity and mu."""
+    """Return profile, maximum and pressure gradient without inertia, in units of H, mean velocity and mu."""
     k = math.sqrt(darcy)
 
     def deficit(at: Array | float) -> Array:
@@ -123,9 +123,10 @@ def _darcy_brinkman(eta: Array, slip: float, darcy: float) -> tuple[Array, float
 
 
 def _solve(eta: Array, slip: float, darcy: float, inertia: float) -> tuple[Array, float, float]:
-    """w'' = P + m r + n |r| r, r = w - slip, w(0) = 0, w'(1/2) = 0, mean 1, in units of H, the mean velocity and mu.
+    """Solve w'' = P + m r + n |r| r, r = w - slip, w(0) = 0, w'(1/2) = 0, mean 1.
 
-    First over elements that ignore the kink, then, if the flow passes r = 0, with an element boundary on it.
+    Units are H, the mean velocity and mu. First over elements that ignore the kink, then, if the flow passes r = 0, with
+    an element boundary on it.
     """
     layer = 1.0 / math.sqrt(darcy + 2.0 * inertia * max(abs(slip), abs(1.0 - slip)))
     core = 1.0 - slip
@@ -141,7 +142,7 @@ def _solve(eta: Array, slip: float, darcy: float, inertia: float) -> tuple[Array
 
 
 def _graded(length: float, first: float) -> Array:
-    """Widths of elements over `length`, doubling from at most `first`."""
+    """Return the widths of elements over `length`, doubling from at most `first`."""
     count = max(1, math.ceil(math.log2(length / first + 1.0)))
     widths: Array = length * np.exp2(np.arange(count, dtype=float)) / (2.0**count - 1.0)
     return widths
@@ -157,13 +158,13 @@ class _Elements:
         self.coefficients = np.zeros((len(self.widths), _DEGREE + 1)) if coefficients is None else coefficients
 
     def fit(self, function: Callable[[Array], Array]) -> Array:
-        """Coefficients of the interpolant of a function of the position."""
+        """Return the coefficients of the interpolant of a function of the position."""
         nodes = chebyshev.chebpts1(_DEGREE + 1)
         at = self.edges[:-1, None] + 0.5 * self.widths[:, None] * (1.0 + nodes)
         return np.asarray(np.linalg.solve(chebyshev.chebvander(nodes, _DEGREE), function(at).T).T, dtype=float)
 
     def moved(self, shift: float, coefficients: Array) -> _Elements:
-        """Elements with the kink moved by `shift`, all stretched in proportion, and new coefficients."""
+        """Return the elements with the kink moved by `shift`, all stretched in proportion, and new coefficients."""
         if not len(self.above):
             return _Elements(self.below, self.above, coefficients)
         kink = self.below.sum()
@@ -171,16 +172,18 @@ class _Elements:
         return _Elements(below, above, coefficients)
 
     def __call__(self, at: Array) -> Array:
-        """Value of the profile at positions of any shape."""
+        """Return the value of the profile at positions of any shape."""
         index = np.clip(np.searchsorted(self.edges, at, side="right") - 1, 0, len(self.widths) - 1)
         local = np.clip(2.0 * (at - self.edges[index]) / self.widths[index] - 1.0, -1.0, 1.0)
-        return np.sum(np.cos(np.arange(_DEGREE + 1) * np.arccos(local)[..., None]) * self.coefficients[index], axis=-1)
+        modes = np.cos(np.arange(_DEGREE + 1) * np.arccos(local)[..., None])
+        profile: Array = np.sum(modes * self.coefficients[index], axis=-1)
+        return profile
 
 
 def _newton(
     elements: _Elements, start: Array, gradient: float, slip: float, darcy: float, inertia: float
 ) -> tuple[_Elements, float]:
-    """Newton's method for the coefficients, the pressure gradient and, where tracked, the place of the kink."""
+    """Solve for the coefficients, the pressure gradient and, where tracked, the position of the kink."""
     tracked = len(elements.above) > 0
     elements = elements.moved(0.0, start)
     last = math.inf
@@ -206,7 +209,7 @@ def _newton(
 
 
 def _linearise(elements: _Elements, gradient: float, slip: float, darcy: float, inertia: float) -> tuple[Array, Array]:
-    """Jacobian and residual: momentum in each element, then walls, symmetry, smooth joints, kink and mean."""
+    """Return Jacobian and residual: momentum in each element, walls, symmetry, smooth joints, kink and mean."""
     c, widths = elements.coefficients, elements.widths
     below, count, tracked = len(elements.below), len(widths), len(elements.above) > 0
     parts = [(1.0, elements.below), (-1.0, elements.above)]

@@ -15,7 +15,7 @@ _REACH = 7.0  # exp(-7^2) = 5e-22: beyond this distance from its peak the integr
 
 
 def schumann(z: ArrayLike, t: ArrayLike, velocity: float, rate_fluid: float, rate_solid: float) -> tuple[Array, Array]:
-    """Fluid and solid temperature after a step at the inlet of a packed bed without conduction (Schumann 1929).
+    """Return fluid and solid temperature after a step at the inlet of a bed without conduction (Schumann 1929).
 
         d theta_f/dt + u d theta_f/dz = A (theta_s - theta_f),   d theta_s/dt = B (theta_f - theta_s)
 
@@ -58,7 +58,7 @@ def two_temperature_relaxation(
     loss_solid: float = 0.0,
     ambient: float = 0.0,
 ) -> tuple[Array, Array]:
-    """Uniform fluid and solid exchanging heat with each other and with the surroundings (linear 2 x 2 system).
+    """Return the temperatures of uniform fluid and solid that exchange heat with each other and with the surroundings.
 
         C_f dT_f/dt = ha (T_s - T_f) - g_f (T_f - T_a),   C_s dT_s/dt = -ha (T_s - T_f) - g_s (T_s - T_a)
 
@@ -94,10 +94,11 @@ def two_temperature_relaxation(
 
 
 def fin(x: ArrayLike, length: float, conductivity: float, ha: float) -> Array:
-    """Steady solid conduction with exchange to a fluid held at zero: d s'' = ha s, s(0) = 1, s'(L) = 0 [-].
+    """Return the steady temperature of a solid that conducts and exchanges heat with a fluid at zero [-].
 
-    s = cosh(m (L - x))/cosh(m L), m = sqrt(ha/d): the limit of the two-energy equations for infinite fluid flux.
-    conductivity d [W/m/K], ha [W/m3/K], x and length [m]; returns the shape of x. Never overflows.
+    d s'' = ha s, s(0) = 1, s'(L) = 0: s = cosh(m (L - x))/cosh(m L), m = sqrt(ha/d), the limit of the two-energy
+    equations for infinite fluid flux. conductivity d [W/m/K], ha [W/m3/K], x and length [m]; returns the shape of x.
+    Never overflows.
     """
     x = np.asarray(x, dtype=float)
     m = math.sqrt(ha / conductivity)
@@ -105,9 +106,13 @@ def fin(x: ArrayLike, length: float, conductivity: float, ha: float) -> Array:
 
 
 def _bessel_integral(low: Array, high: Array, centre: Array) -> Array:
-    """Integral over w of 2 w exp(-w^2 - centre^2) I0(2 w centre), a bell of unit width at w = centre (w^2 = s)."""
+    """Integrate 2 w exp(-w^2 - centre^2) I0(2 w centre) over w from `low` to `high`.
+
+    The integrand is a bell of unit width at w = centre (w^2 = s).
+    """
     low = np.maximum(low, np.minimum(centre, high) - _REACH)
     high = np.minimum(high, np.maximum(centre, low) + _REACH)
     half = 0.5 * (high - low)[..., None]
     w, c = low[..., None] + half * (1.0 + _NODES), centre[..., None]
-    return (2.0 * w * np.exp(-((w - c) ** 2)) * i0e(2.0 * w * c) * half) @ _WEIGHTS
+    integral: Array = (2.0 * w * np.exp(-((w - c) ** 2)) * i0e(2.0 * w * c) * half) @ _WEIGHTS
+    return integral

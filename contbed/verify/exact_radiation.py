@@ -25,7 +25,7 @@ TWO_FLUX, P1 = 0.25, 1.0 / 3.0
 
 
 def equilibrium_flux(tau: ArrayLike, D: float, emissivity: tuple[float, float] = (1.0, 1.0)) -> Array:
-    """Psi = q/(sigma T1^4 - sigma T2^4) [-] of gray plates in radiative equilibrium, at any albedo.
+    """Return Psi = q/(sigma T1^4 - sigma T2^4) [-] of gray plates in radiative equilibrium, at any albedo.
 
     Psi = 1/(c tau + 1/e1 + 1/e2 - 1), c = 1/(4 D): 1 for two-flux, 3/4 for P1
     """
@@ -34,19 +34,22 @@ def equilibrium_flux(tau: ArrayLike, D: float, emissivity: tuple[float, float] =
 
 
 def equilibrium_profile(t: ArrayLike, tau: float, D: float, emissivity: tuple[float, float] = (1.0, 1.0)) -> Array:
-    """Phi = (T^4 - T2^4)/(T1^4 - T2^4) [-] at optical depths t: Psi (c (tau - t) + 1/e2 - 1/2)."""
+    """Return Phi = (T^4 - T2^4)/(T1^4 - T2^4) [-] at optical depths t.
+
+    Phi = Psi (c (tau - t) + 1/e2 - 1/2)
+    """
     remaining = 0.25 / D * (tau - np.asarray(t, dtype=float))
     return np.asarray(equilibrium_flux(tau, D, emissivity) * (remaining + 1.0 / emissivity[1] - 0.5))
 
 
 def gray_plates(black: ArrayLike, emissivity: tuple[float, float]) -> Array:
-    """Psi of gray plates from Psi of black ones, exact for transport: Psi/(1 + Psi (1/e1 + 1/e2 - 2))."""
+    """Return Psi of gray plates from that of black ones, Psi/(1 + Psi (1/e1 + 1/e2 - 2)); exact for transport."""
     psi = np.asarray(black, dtype=float)
     return np.asarray(psi / (1.0 + psi * (1.0 / emissivity[0] + 1.0 / emissivity[1] - 2.0)))
 
 
 def isothermal_body(shape: str, tau: ArrayLike, D: float, albedo: ArrayLike = 0.0, emissivity: float = 1.0) -> Array:
-    """Flux to a cold wall around an isothermal medium, over sigma T^4 [-].
+    """Return the flux to a cold wall around an isothermal medium, over sigma T^4 [-].
 
     q = 4 m D f'/(m f + D f') at the wall, m = e/(2 (2 - e)); f(r) = cosh(k r) in a slab, I0(k r) in a cylinder (or a
     disc), sinh(k r)/r in a sphere.
@@ -67,7 +70,7 @@ def isothermal_body(shape: str, tau: ArrayLike, D: float, albedo: ArrayLike = 0.
 
 
 def _sphere_slope(x: Array) -> Array:
-    """coth x - 1/x; by its series below 0.02, where the difference would lose digits."""
+    """Return coth x - 1/x; by its series below 0.02, where the difference would lose digits."""
     safe = np.where(x < 0.02, 1.0, x)
     return np.where(x < 0.02, x / 3.0 - x**3 / 45.0 + 2.0 * x**5 / 945.0, 1.0 / np.tanh(safe) - 1.0 / safe)
 
@@ -80,7 +83,10 @@ _LOG_SLOPE: dict[str, Callable[[Array], Array]] = {
 
 
 def half_space_emissivity(albedo: ArrayLike, D: float) -> Array:
-    """Emittance of a thick isothermal bed [-], 4 D k/(1 + 2 D k); two-flux: 2 s/(1 + s), s = sqrt(1 - omega)."""
+    """Return the emittance of a thick isothermal bed [-], 4 D k/(1 + 2 D k).
+
+    For two-flux it is 2 s/(1 + s), s = sqrt(1 - omega).
+    """
     k = np.sqrt((1.0 - np.asarray(albedo, dtype=float)) / D)
     return np.asarray(4.0 * D * k / (1.0 + 2.0 * D * k))
 
@@ -94,7 +100,7 @@ def linear_slab(
     albedo: float = 0.0,
     emissivity: tuple[float, float] = (1.0, 1.0),
 ) -> tuple[Array, Array]:
-    """G and q at optical depths t of a slab whose emissive power E is linear in t.
+    """Return G and q at optical depths t of a slab whose emissive power E is linear in t.
 
     G = 4 E + A exp(-k t) + B exp(-k (tau - t)),   q = -D G'
 
@@ -121,7 +127,7 @@ def linear_slab(
 
 
 def square_p1(x: ArrayLike, tau: float, D: float = P1, degree: int = 80) -> Array:
-    """Flux over sigma T^4 [-] to the cold black walls of a square filled with an isothermal absorbing medium.
+    """Return the flux over sigma T^4 [-] to the cold black walls of a square with an isothermal absorbing medium.
 
     Chebyshev collocation at Lobatto points in both directions, by the eigenvectors of the one-dimensional operator.
 
@@ -150,7 +156,7 @@ def square_p1(x: ArrayLike, tau: float, D: float = P1, degree: int = 80) -> Arra
 
 
 def square_transport(x: ArrayLike, tau: float) -> Array:
-    """The same flux by exact transport, for 0 < x < 1.
+    """Return the flux of `square_p1` by exact transport, for 0 < x < 1.
 
     q/(sigma T^4) = 1 - (2/pi) int cos psi Ki3(kappa s(psi)) dpsi over -pi/2 ... pi/2, where s(psi) is the distance to
     the opposite wall in the plane and Ki3(y) = int_0^(pi/2) exp(-y/sin a) sin^2 a da. Error below 1e-10.
@@ -175,7 +181,7 @@ def square_transport(x: ArrayLike, tau: float) -> Array:
 
 
 def sphere_transport(tau: ArrayLike) -> Array:
-    """Flux over sigma T^4 [-] to the cold black wall of an isothermal absorbing sphere, tau = kappa R.
+    """Return the flux over sigma T^4 [-] to the cold black wall of an isothermal absorbing sphere, tau = kappa R.
 
     q = 1 - (1 - (1 + 2 tau) exp(-2 tau))/(2 tau^2)
     """

@@ -54,7 +54,7 @@ class Slab:
             self.cumulative[part, part] = width * _antiderivative()
 
     def kernels(self, at: Array) -> tuple[Array, Array]:
-        """Rows that integrate S against E1(|t - t'|) and sgn(t - t') E2(|t - t'|) for each t in `at`."""
+        """Return the rows that integrate S against E1(|t - t'|) and sgn(t - t') E2(|t - t'|) for each t in `at`."""
         distance = at[:, None] - self.depth
         touching = np.isclose(distance, 0.0, atol=0.0)
         size = np.where(touching, 1.0, np.abs(distance))
@@ -67,14 +67,14 @@ class Slab:
         return incident, flux
 
     def fluxes(self, S: Array, J1: float, J2: float) -> tuple[float, float]:
-        """q(0) and q(tau) [W/m2] of a source S at the nodes and of the radiosities of the walls."""
+        """Return q(0) and q(tau) [W/m2] of a source S at the nodes and of the radiosities of the walls."""
         toward = 2.0 * expn(2, self.depth) * self.weights
         away = 2.0 * expn(2, self.tau - self.depth) * self.weights
         through = 2.0 * float(expn(3, self.tau))
         return J1 - J2 * through - float(toward @ S), J1 * through - J2 + float(away @ S)
 
     def respond(self, albedo: float, emissivity: tuple[float, float] = (1.0, 1.0)) -> SlabResponse:
-        """S, J1 and J2 as linear functions of sigma T^4 at the nodes and at the walls.
+        """Return S, J1 and J2 as linear functions of sigma T^4 at the nodes and at the walls.
 
         Parameters
         ----------
@@ -108,14 +108,14 @@ class SlabResponse:
         self.incident = 2.0 * np.hstack([slab.incident, walls]) @ operator
 
     def wall_fluxes(self, powers: Array) -> tuple[float, float]:
-        """q(0) and q(tau) [W/m2]."""
+        """Return q(0) and q(tau) [W/m2]."""
         solved = self.operator @ powers
         return self.slab.fluxes(solved[:-2], float(solved[-2]), float(solved[-1]))
 
 
 @lru_cache(maxsize=32)
 def slab(tau: float) -> Slab:
-    """The slab of optical thickness `tau`, kept for repeated use."""
+    """Return the slab of optical thickness `tau`, kept for repeated use."""
     return Slab(tau)
 
 
@@ -143,7 +143,7 @@ class Equilibrium:
         self.slip = 1.0 - float(self.profile(0.0))
 
     def profile(self, at: ArrayLike) -> Array:
-        """Phi at optical depths 0 ... tau of any shape."""
+        """Return Phi at optical depths 0 ... tau of any shape."""
         depth = np.asarray(at, dtype=float)
         flat = depth.ravel()
         kernel, _ = self.slab.kernels(flat)
@@ -153,7 +153,7 @@ class Equilibrium:
 
 
 def slab_emittance(tau: float, albedo: float) -> float:
-    """Hemispherical emittance [-] of an isothermal slab of optical thickness `tau` with cold black surroundings.
+    """Return the hemispherical emittance [-] of an isothermal slab of thickness `tau` in cold black surroundings.
 
     With omega = 0 it is 1 - 2 E3(tau).
     """
@@ -164,7 +164,7 @@ def slab_emittance(tau: float, albedo: float) -> float:
 
 
 def half_space_emittance(albedo: ArrayLike) -> Array:
-    """Hemispherical emittance [-] of a thick isothermal bed: e = 2 sqrt(1 - omega) int_0^1 H(mu) mu dmu.
+    """Return the hemispherical emittance [-] of a thick isothermal bed: e = 2 sqrt(1 - omega) int_0^1 H(mu) mu dmu.
 
     H is Chandrasekhar's function, ln H(mu) = -(mu/pi) int_0^(pi/2) ln(1 - omega x cot x)/(cos^2 x + mu^2 sin^2 x) dx
     (Radiative Transfer, 1960, chapter V). Gauss nodes cluster where mu or x end. Error below 1e-12 for
@@ -183,7 +183,7 @@ def half_space_emittance(albedo: ArrayLike) -> Array:
 
 
 def _edges(tau: float) -> Array:
-    """Edges of panels on 0 ... tau that grow by _GROWTH from both ends up to _LARGEST."""
+    """Return the edges of panels on 0 ... tau that grow by _GROWTH from both ends up to _LARGEST."""
     half = 0.5 * tau
     edges = [0.0, min(_SMALLEST, 0.5 * half)]
     while edges[-1] < half:
@@ -196,7 +196,7 @@ def _edges(tau: float) -> Array:
 
 
 def _near(at: Array, low: float, high: float) -> tuple[Array, Array]:
-    """Integrals over a panel of each Lagrange polynomial times E1 and sgn E2, for points in or close to the panel.
+    """Integrate each Lagrange polynomial times E1 and sgn E2 over a panel, for points in or close to the panel.
 
     The panel is cut at the point, or at its closest end, and s = a u^5 measures the distance from the cut.
     """
@@ -221,13 +221,14 @@ _TO_LEGENDRE = (legendre.legvander(_NODES, _ORDER - 1) * _WEIGHTS[:, None]).T * 
 
 
 def _lagrange(at: Array) -> Array:
-    """Lagrange polynomials of the Gauss nodes at points of -1 ... 1; the last axis counts the nodes."""
+    """Return the Lagrange polynomials of the Gauss nodes at points of -1 ... 1; the last axis counts the nodes."""
     return np.asarray(legendre.legvander(at, _ORDER - 1) @ _TO_LEGENDRE)
 
 
 def _antiderivative() -> Array:
-    """Matrix from nodal values to the integral from -1 to each Gauss node."""
+    """Return the matrix from nodal values to the integral from -1 to each Gauss node."""
     u = 0.5 * (_FINE + 1.0)
     points = -1.0 + np.multiply.outer(_NODES + 1.0, u)
     weights = np.multiply.outer(_NODES + 1.0, 0.5 * _FINE_WEIGHTS)
-    return np.einsum("iq,iqj->ij", weights, _lagrange(points))
+    matrix: Array = np.einsum("iq,iqj->ij", weights, _lagrange(points))
+    return matrix

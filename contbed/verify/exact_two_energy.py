@@ -34,7 +34,7 @@ Pair = tuple[Array, Array]
 def decay_rate(
     flux_fluid: float, flux_solid: float, d_fluid: float, d_solid: float, ha: float, d_cross: float = 0.0
 ) -> tuple[float, float]:
-    """Rate lam [1/m] and direction r [-] of the one mode (1, r) exp(-lam x) that decays from co-current inlets.
+    """Return rate lam [1/m] and direction r [-] of the one mode (1, r) exp(-lam x) that decays from co-current inlets.
 
     The equilibrium temperature is 1/(1 - r) and the distance to 99 % of it ln(100)/lam. A solid that neither moves nor
     conducts has no inlet of its own: lam = inf, r = -inf.
@@ -57,7 +57,7 @@ def semi_infinite(
     ha: float,
     d_cross: float = 0.0,
 ) -> Pair:
-    """f(x) and s(x) for f(0) = 0, s(0) = 1, bounded for x -> inf, flux_solid >= 0; two arrays of the shape of x.
+    """Return f(x) and s(x) for f(0) = 0, s(0) = 1, bounded for x -> inf, flux_solid >= 0; two arrays of the shape of x.
 
     f = theta_eq (1 - exp(-lam x)), s = theta_eq + (1 - theta_eq) exp(-lam x), theta_eq = 1/(1 - r).
     """
@@ -79,7 +79,7 @@ def finite_length(
     d_cross: float = 0.0,
     derivative: int = 0,
 ) -> Pair:
-    """f(x) and s(x), or derivatives of the given order [1/m^order], on 0 <= x <= length [m]; arrays of the shape of x.
+    """Return f(x) and s(x), or derivatives of that order [1/m^order], on 0 <= x <= length [m], in the shape of x.
 
     f(0) = 0 and f'(L) = 0; s = 1 at the inlet of the solid and s' = 0 at its outlet. The inlet of the solid is at 0 for
     flux_solid >= 0 and at L for flux_solid < 0. A phase without conduction has no outlet condition, a solid that
@@ -119,18 +119,18 @@ def finite_length(
 
 
 def tortuosity_parameter(porosity: float, conductivity_ratio: float) -> float:
-    """Tortuosity parameter G [-] of a bed with stagnant conductivity k_stg; conductivity_ratio = k_s/k_f.
+    """Return the tortuosity parameter G [-] of a bed with stagnant conductivity k_stg; conductivity_ratio = k_s/k_f.
 
     k_stg/k_f = 1 - b^2 + b^2 c/((1 - b) c + b), b = (1 - phi)^(1/3), c = k_s/k_f  (Hsu et al. 1995; Eq. 34), and
     G = (k_stg/k_f - phi - (1 - phi) c)/(c - 1)^2  (Eq. 33 without its spurious "1", as its Table 1 requires).
     """
     b, c = (1.0 - porosity) ** (1.0 / 3.0), conductivity_ratio
     stagnant = 1.0 - b**2 + b**2 * c / ((1.0 - b) * c + b)
-    return (stagnant - porosity - (1.0 - porosity) * c) / (c - 1.0) ** 2
+    return float((stagnant - porosity - (1.0 - porosity) * c) / (c - 1.0) ** 2)
 
 
 def nakayama_peclet(peclet_d: float, prandtl: float, porosity: float) -> float:
-    """Peclet number [-] on the exchange length sqrt(k_f/(a h)), spheres with Wakao's coefficient (Eq. 30).
+    """Return the peclet number [-] on the exchange length sqrt(k_f/(a h)), spheres with Wakao's coefficient (Eq. 30).
 
     Pe = Pe_d/sqrt(6 (1 - phi) (2 + 1.1 Pr^(-4/15) Pe_d^0.6)), Pe_d = rho_f c_pf u_D D/k_f.
     """
@@ -140,11 +140,11 @@ def nakayama_peclet(peclet_d: float, prandtl: float, porosity: float) -> float:
 def nakayama_coefficients(
     peclet: float, porosity: float, conductivity_ratio: float, dispersion_ratio: float, tortuosity: float
 ) -> dict[str, float]:
-    """Keyword arguments of decay_rate, semi_infinite and finite_length for the stationary bed of Nakayama et al.
+    """Return the keyword arguments of decay_rate, semi_infinite and finite_length for the bed of Nakayama et al.
 
-    Pe f' = (phi + G + K) f'' - c G s'' + (s - f),  0 = ((1 - phi) c + c^2 G) s'' - c G f'' - (s - f)
-    with c = k_s/k_f, K = dispersion_ratio = K_xx/k_f, G = tortuosity, and X = x/sqrt(k_f/(a h)) as the coordinate [-].
-    Hot fluid over a cold bed (f(0) = 1, s(0) = 0): take one minus the temperatures of semi_infinite.
+    Pe f' = (phi + G + K) f'' - c G s'' + (s - f),  0 = ((1 - phi) c + c^2 G) s'' - c G f'' - (s - f) with c = k_s/k_f,
+    K = dispersion_ratio = K_xx/k_f, G = tortuosity, and X = x/sqrt(k_f/(a h)) as the coordinate [-]. The bed is
+    stationary. Hot fluid over a cold bed (f(0) = 1, s(0) = 0): take one minus the temperatures of semi_infinite.
     """
     c = conductivity_ratio
     return {
@@ -160,9 +160,9 @@ def nakayama_coefficients(
 def _directions(
     nodes: Array, c_f: float, c_s: float, d_f: float, d_s: float, ha: float, d_x: float
 ) -> tuple[Array, Array]:
-    """Coefficients (ascending powers) of p(l), q(l) such that (p, q) exp(l x) solves the equations at the nodes.
+    """Return coefficients (ascending powers) of p(l), q(l) such that (p, q) exp(l x) solves the equations at the nodes.
 
-    Either equation gives one; taken is the one with less cancellation at the nodes and in differences over a cluster.
+    Either equation gives one; the one with less cancellation at the nodes and in differences over a cluster is used.
     """
     cross = np.array([1.0, 0.0, d_x / ha])
     fluid = np.array([1.0, c_f / ha, -d_f / ha])
@@ -177,7 +177,7 @@ def _directions(
 
 
 def _homogeneous(nodes: Array, degree: int) -> Array:
-    """Complete homogeneous symmetric polynomials h_0 ... h_degree of the nodes."""
+    """Return the complete homogeneous symmetric polynomials h_0 ... h_degree of the nodes."""
     h = np.zeros(degree + 1)
     h[0] = 1.0
     for node in nodes:
@@ -187,15 +187,16 @@ def _homogeneous(nodes: Array, degree: int) -> Array:
 
 
 def _exp_difference(nodes: Array, y: Array, terms: int = 32) -> Array:
-    """Divided difference of exp(z y) over nodes z that span at most 3, |y| <= 1: Taylor series about their mean."""
+    """Return the divided difference of exp(z y) over nodes z spanning at most 3, |y| <= 1, by its series."""
     k, centre = len(nodes) - 1, nodes.mean()
     series = _homogeneous(nodes - centre, terms)
     series /= factorial(np.arange(k, k + terms + 1))
-    return np.exp(centre * y) * y**k * np.polynomial.polynomial.polyval(y, series)
+    difference: Array = np.exp(centre * y) * y**k * np.polynomial.polynomial.polyval(y, series)
+    return difference
 
 
 def _cluster_modes(nodes: Array, vector: tuple[Array, Array], xi: Array, order: int) -> Array:
-    """Derivatives of a basis of the solutions with the given rates; shape (2, number of nodes) + shape of xi.
+    """Return derivatives of a basis of the solutions with the given rates; shape (2, number of nodes) + shape of xi.
 
     Member j is the divided difference of z^order (p(z), q(z)) exp(z y) over nodes 0 ... j, by the product rule; y is
     measured from the end where the exponentials are largest.

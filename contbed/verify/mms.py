@@ -1,4 +1,4 @@
-"""Manufactured solutions: known fields are put through a model's own residual, and the error must fall at its order.
+"""Manufactured solutions: known fields are inserted into a model's own residual, and the error must fall at its order.
 
     exact = {"T_fluid": lambda x, y: 2 + np.sin(x) * y, "T_solid": lambda x, y: 2 + x * y}
     case = Manufactured(system, exact, [(two_energy.residual, system.cells, coefficients)])
@@ -6,9 +6,9 @@
     case.errors(state)                                                        # {"T_fluid": ..., "T_solid": ...}
 
 The equations get the load vector R(exact), the residual with the exact values, gradients and second derivatives at all
-quadrature points, so that nobody derives a source by hand and the conditions on the rest of the boundary fit by
-themselves. The derivatives come from `engine.dual`. What this cannot see is a wrong sign that both sides share:
-`jet` gives the strong form for that.
+quadrature points, so that no source is derived by hand and the conditions on the rest of the boundary are consistent.
+The derivatives come from `fem.dual`. This cannot detect a wrong sign that both sides share: `jet` gives the strong
+form for that.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Function = Callable[..., Any]
 
 
 def observed_order(errors: ArrayLike, sizes: ArrayLike) -> Array:
-    """Exponent p of error = C size^p between neighbours of a sequence.
+    """Return the exponent p of error = C size^p between neighbours of a sequence.
 
     Parameters
     ----------
@@ -43,11 +43,12 @@ def observed_order(errors: ArrayLike, sizes: ArrayLike) -> Array:
     -------
     (n - 1,)
     """
-    return np.diff(np.log(np.asarray(errors, dtype=float))) / np.diff(np.log(np.asarray(sizes, dtype=float)))
+    order: Array = np.diff(np.log(np.asarray(errors, dtype=float))) / np.diff(np.log(np.asarray(sizes, dtype=float)))
+    return order
 
 
 def jet(function: Function, x: Sequence[Array]) -> tuple[Any, list[Any]]:
-    """A scalar function of the coordinates and its gradient, both as dual numbers over the coordinates.
+    """Return a scalar function of the coordinates and its gradient, both as dual numbers over the coordinates.
 
     Slot k of their tangents is the derivative along coordinate k, so that fluxes made of them can be differentiated.
 
@@ -81,7 +82,7 @@ class Exact(Dual):
         super().__init__(value.value, {})
 
     def slot(self, kind: Any) -> Dual:
-        """One slot: "v", ("g", k), ("h", k, m) or "low"."""
+        """Return one slot: "v", ("g", k), ("h", k, m) or "low"."""
         if kind == "v":
             return Dual(self.value, {})
         if kind == "low":
@@ -91,7 +92,7 @@ class Exact(Dual):
 
 
 def exact(function: Function, mesh: Any, where: Domain) -> Any:
-    """A function of the coordinates on a domain: `Exact`, or Components of them where it returns a tuple."""
+    """Return a function of the coordinates on a domain as `Exact`; Components of them where it returns a tuple."""
     sample = function(*mesh.p[:, :1])
     if not isinstance(sample, tuple):
         return Exact(function, mesh, where)
@@ -114,7 +115,7 @@ class Manufactured:
     forms: Sequence[tuple[Any, Domain, Any]]
 
     def load(self) -> Array:
-        """The residual of the exact fields."""
+        """Assemble the residual of the exact fields."""
         known = [(self._known(form, where), where, coeffs) for form, where, coeffs in self.forms]
         return self.system.assemble(known, np.zeros(self.system.size), False)[0]
 
@@ -123,7 +124,7 @@ class Manufactured:
         return lambda unknowns, tests, coeffs, ops: form(SimpleNamespace(**fields), tests, coeffs, ops)
 
     def interpolant(self) -> Array:
-        """The state with exact values at all nodes."""
+        """Return the state with exact values at all nodes."""
         state = np.empty(self.system.size)
         for name, function in self.fields.items():
             values = function(*self.system.fields[name][0].points)
@@ -144,10 +145,13 @@ class Manufactured:
             return residual - load, matrix
 
         start = self.interpolant()
-        return newton(assemble, start, np.unique(np.concatenate(nodes)), policy, tolerance=1e-8, linear=linear)[0]
+        fixed_nodes = np.unique(np.concatenate(nodes))
+        state: Array
+        state, _ = newton(assemble, start, fixed_nodes, policy, tolerance=1e-8, linear=linear)
+        return state
 
     def errors(self, state: Array) -> dict[str, float]:
-        """L2 norm of the error of each field, by quadrature that is exact for the square of its leading term."""
+        """Return the L2 norm of each field's error, by quadrature exact for the square of its leading term."""
         system = self.system
         degree = max(space.degree for space, _ in system.fields.values())
         where = Domain(system.mesh, 2 * degree + 2, **system.measure)

@@ -39,7 +39,7 @@ _REFINEMENTS, _TOLERANCE = 12, 1e-8
 
 @dataclass(frozen=True)
 class Wall:
-    """Gray diffuse wall: `power` sigma T^4 [W/m2], `emissivity` [-]. Black, it is a given radiosity."""
+    """A gray diffuse wall: `power` sigma T^4 [W/m2], `emissivity` [-]; if black, `power` is a given radiosity."""
 
     power: float
     emissivity: float = 1.0
@@ -122,7 +122,7 @@ class Ordinates:
         self.inverse = self._factorised() if inverse is None else inverse(self._matrix())
 
     def solve(self, emission: Coefficient | None = None) -> OrdinatesSolution:
-        """Field of an emission e = sum_m Ka,m sigma T_m^4 [W/m3], given in any of the ways of Ka."""
+        """Return the field of an emission e = sum_m Ka,m sigma T_m^4 [W/m3], given in any of the ways of Ka."""
         if (emission is None) != self.equilibrium:
             raise ValueError("ordinates: give an emission, or build the bed with equilibrium=True; not both")
         load = np.zeros((len(self.width), self.element.degree + 1))
@@ -137,11 +137,11 @@ class Ordinates:
         return OrdinatesSolution(self.points, G, self.z, q, self.mu, self.weight, plus, minus)
 
     def response(self) -> tuple[Array, Array]:
-        """G at the points as an affine function of the emission at the points: G = R e + G0, R [m], G0 [W/m2].
+        """Return G at the points as an affine function of the emission at the points: G = R e + G0, R [m], G0 [W/m2].
 
         Dense, P x P, from one factorisation: with e = sum_m Ka,m sigma T_m^4 the derivative of the net emission of
         species m, Ka,m (4 sigma T_m^4 - G), follows as 16 Ka,m sigma T_m^3 - 4 Ka,m R Ka,n sigma T_n^3.
-        M R, with M the mass matrix, is symmetric: what a source here adds there, a source there adds here.
+        M R, with M the mass matrix, is symmetric (reciprocity).
         """
         size, order = len(self.points), len(self.mu)
         columns = 4.0 * self.mass_matrix().toarray()
@@ -151,14 +151,14 @@ class Ordinates:
         return np.einsum("j,ijk->ik", self.weight, solved), self._field(dark) @ self.weight
 
     def mass_matrix(self, coefficient: Coefficient = 1.0) -> csr_array:
-        """Integrals of c v_i v_k over the bed for the elements' functions v; its rows times e are loads [W/m2]."""
+        """Return the integrals of c v_i v_k for the basis functions v; its rows times e are loads [W/m2]."""
         blocks = self.element.mass(self.width, self._at_quadrature(coefficient, "coefficient"))
         rows, columns = np.broadcast_arrays(self.index[:, :, None], self.index[:, None, :])
         shape = (len(self.points), len(self.points))
         return csr_array(coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=shape))
 
     def _at_quadrature(self, given: Coefficient, name: str) -> Array:
-        """Values of a coefficient at the quadrature points of each cell, shape (cells, quadrature)."""
+        """Return a coefficient at the quadrature points, shape (cells, quadrature)."""
         cells, element = len(self.width), self.element
         at = self.z[:-1, None] + self.width[:, None] * element.quadrature
         values = np.asarray(given(at) if callable(given) else given, dtype=float)
@@ -180,7 +180,7 @@ class Ordinates:
         return np.broadcast_to(values, at.shape)
 
     def _factorised(self) -> Callable[[Array], Array]:
-        """Solutions by a Cholesky factor of the band."""
+        """Return a function that solves by a Cholesky factor of the band."""
         try:
             factor = (cholesky_banded(self._band(), lower=True), True)
         except np.linalg.LinAlgError as error:
@@ -188,13 +188,13 @@ class Ordinates:
         return lambda rhs: np.asarray(cho_solve_banded(factor, rhs))
 
     def _matrix(self) -> csc_matrix:
-        """The system as a sparse matrix."""
+        """Return the system as a sparse matrix."""
         band = self._band()
         lower = diags([row[: len(row) - k] for k, row in enumerate(band)], -np.arange(len(band)))
         return csc_matrix(lower + tril(lower, -1).T)
 
     def _band(self) -> Array:
-        """The system in LAPACK's lower band storage, unknowns ordered by point, then direction."""
+        """Return the system in LAPACK's lower band storage, unknowns ordered by point, then direction."""
         order, local = len(self.mu), self.element.degree + 1
         coupled = np.outer(self.weight, self.weight)
         blocks = (self.absorption - self.removal)[:, :, None, :, None] * coupled[:, None, :]
@@ -214,7 +214,7 @@ class Ordinates:
         return band
 
     def _field(self, load: Array) -> Array:
-        """u at the points, shape (P, n), of the loads of the cells, by refinement.
+        """Return u at the points, shape (P, n), of the loads of the cells, by refinement.
 
         Residuals are formed from differences of u within cells and among directions: neither thin cells, with large
         mu^2/(Ka + Ks), nor thick ones then cost digits.
@@ -242,7 +242,7 @@ class Ordinates:
         )
 
     def _gain(self, u: Array, load: Array) -> Array:
-        """int (4 e + Ks G - (Ka + Ks) u_j) v_i dz of each cell, shape (cells, degree+1, directions).
+        """Return int (4 e + Ks G - (Ka + Ks) u_j) v_i dz of each cell, shape (cells, degree+1, directions).
 
         As int (4 e - Ka G + (Ka + Ks) (G - u_j)) v_i, with the weighted mean of G - u_j zero to round-off of itself:
         thick scattering cells then create no heat.
@@ -252,10 +252,11 @@ class Ordinates:
         apart = G[:, :, None] - local
         apart -= (apart @ self.weight)[:, :, None]
         absorbed = np.einsum("cik,ck->ci", self.absorption, G)
-        return (load - absorbed)[:, :, None] + np.einsum("cik,ckj->cij", self.removal, apart)
+        gain: Array = (load - absorbed)[:, :, None] + np.einsum("cik,ckj->cij", self.removal, apart)
+        return gain
 
     def _entering(self, point: int, u: Array) -> Array:
-        """Flux mu_j (4 J - u_j) that enters the bed through a wall; none through a plane of symmetry."""
+        """Return the flux mu_j (4 J - u_j) that enters through a wall; 0 through a plane of symmetry."""
         wall = self.walls[point]
         if wall is None:
             return np.zeros_like(u)
@@ -274,7 +275,10 @@ def solve_ordinates(
     order: int = 4,
     degree: int = 2,
 ) -> OrdinatesSolution:
-    """Field of one emission [W/m3]; None means radiative equilibrium, 4 e = Ka G. Other arguments as of Ordinates."""
+    """Return the field of one emission [W/m3]; None means radiative equilibrium, 4 e = Ka G.
+
+    Other arguments are those of `Ordinates`.
+    """
     return Ordinates(z, Ka, Ks, left, right, order, degree, equilibrium=emission is None).solve(emission)
 
 
@@ -295,15 +299,17 @@ class _Element:
         self.slopes = 2.0 * (legendre.legvander(nodes, degree - 1) @ legendre.legder(unit)).T
 
     def mass(self, width: Array, coefficient: ArrayLike = 1.0) -> Array:
-        """int c v_i v_k dz, shape (cells, degree+1, degree+1)."""
+        """Return int c v_i v_k dz, shape (cells, degree+1, degree+1)."""
         weight = np.broadcast_to(coefficient, (len(width), len(self.weights))) * self.weights * width[:, None]
-        return np.einsum("cq,iq,kq->cik", weight, self.values, self.values)
+        integrals: Array = np.einsum("cq,iq,kq->cik", weight, self.values, self.values)
+        return integrals
 
     def stiffness(self, width: Array, coefficient: Array) -> Array:
-        """int c v_i' v_k' dz, shape (cells, degree+1, degree+1)."""
+        """Return int c v_i' v_k' dz, shape (cells, degree+1, degree+1)."""
         weight = coefficient * self.weights / width[:, None]
-        return np.einsum("cq,iq,kq->cik", weight, self.slopes, self.slopes)
+        integrals: Array = np.einsum("cq,iq,kq->cik", weight, self.slopes, self.slopes)
+        return integrals
 
     def load(self, width: Array, values: Array) -> Array:
-        """int e v_i dz, shape (cells, degree+1)."""
+        """Return int e v_i dz, shape (cells, degree+1)."""
         return (values * self.weights * width[:, None]) @ self.values.T

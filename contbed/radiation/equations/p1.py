@@ -30,8 +30,10 @@ FIELDS = ("G",)
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Optics of one domain. `absorption` holds K_a,m [1/m] of the species whose temperature is a field, by the name of
-    that field; `emission` is 4 sum K_a,m sigma T_m^4 of species of given temperature [W/m3] and `passive` their K_a.
+    """Optics of one domain.
+
+    `absorption` holds K_a,m [1/m] of the species whose temperature is a field, by the name of that field. `emission` is
+    4 sum K_a,m sigma T_m^4 of species of given temperature [W/m3] and `passive` their K_a [1/m].
     """
 
     absorption: dict[str, Any]
@@ -41,17 +43,17 @@ class Coefficients:
 
 
 def emitted(T: Any) -> Any:
-    """Black emissive power times four, 4 sigma T^4 [W/m2]."""
+    """Return the black emissive power times four, 4 sigma T^4 [W/m2]."""
     return 4.0 * SIGMA * T**4
 
 
 def absorbed(T: Any, G: Any, absorption: Any) -> Any:
-    """Radiation that a species takes up, -E_R [W/m3]."""
+    """Return the radiation that a species absorbs less what it emits, -E_R [W/m3]."""
     return absorption * (G - emitted(T))
 
 
 def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
-    """Balance of the incident radiation, without boundary terms."""
+    """Return the weak form of the balance of the incident radiation, without boundary terms."""
     G, w = unknowns.G, tests.G
     taken = c.passive * G - c.emission
     for name, absorption in c.absorption.items():
@@ -61,8 +63,10 @@ def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
 
 @dataclass(frozen=True)
 class Surface:
-    """A radiating boundary: gray wall of `emissivity` at emissive power `power` = sigma T^4, or an opening that `power`
-    enters, with emissivity 1 [W/m2].
+    """A radiating boundary.
+
+    It is a gray wall of `emissivity` with emissive power `power` = sigma T^4 [W/m2], or an opening that `power` enters,
+    with emissivity 1.
     """
 
     emissivity: float
@@ -70,12 +74,12 @@ class Surface:
 
 
 def supplied(unknowns: Any, c: Surface, o: Any) -> Any:
-    """Radiation into the bed through a boundary [W/m2]."""
+    """Return the radiation into the bed through a boundary [W/m2]."""
     return marshak(c.emissivity) * (4.0 * c.power - unknowns.G)
 
 
 def boundary(unknowns: Any, tests: Any, c: Surface, o: Any) -> Any:
-    """Walls and openings."""
+    """Return the weak form of walls and openings."""
     return -supplied(unknowns, c, o) * tests.G
 
 
@@ -83,7 +87,7 @@ def boundary(unknowns: Any, tests: Any, c: Surface, o: Any) -> Any:
 class Tubes:
     """Surfaces immersed in a region: effective area per bed volume, eps_eff p [1/m], and power, sigma T^4 [W/m2].
 
-    A tube sees the bulk field through the bed around it, so it takes eps_eff (G/4 - sigma T^4) per surface, with
+    A tube receives the bulk field through the bed around it, so it takes eps_eff (G/4 - sigma T^4) per surface, with
     1/eps_eff = 1/eps_bed + 1/eps_tube - 1.
     """
 
@@ -92,10 +96,10 @@ class Tubes:
 
 
 def taken_by_tubes(unknowns: Any, c: Tubes, o: Any) -> Any:
-    """Radiation that immersed tubes take out of the bed [W/m3]."""
+    """Return the radiation that immersed tubes take out of the bed [W/m3]."""
     return c.area * (0.25 * unknowns.G - c.power)
 
 
 def tubes(unknowns: Any, tests: Any, c: Tubes, o: Any) -> Any:
-    """Sink of the incident radiation in tubes."""
+    """Return the weak form of the sink of incident radiation in tubes."""
     return taken_by_tubes(unknowns, c, o) * tests.G
