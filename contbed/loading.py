@@ -128,6 +128,10 @@ def _validate(
         errors = invalid.errors(include_url=False)
     for error in errors:
         path, text = _translate(error, values, schema.of(model))
+        if now := _present_name(path, model.renamed):
+            text = f"this key is called '{now}' now"
+        elif error["type"] == "missing" and _former_name_is_given(path, values, model.renamed):
+            continue
         problems.append((path, text))
         # A misspelt table is not an absent one: what it breaks is not told twice.
         broken.update({str(path[0]), *near_names(str(path[0]), list(model.model_fields))})
@@ -140,6 +144,22 @@ def _validate(
         else:
             parts[name] = field.get_default(call_default_factory=True)
     return parts, broken
+
+
+def _present_name(path: KeyPath, renamed: Mapping[str, str]) -> str | None:
+    """Return what a former key is called now; None for all others."""
+    for old, new in renamed.items():
+        steps = old.split(".")
+        if len(steps) == len(path) and all(step in ("NAME", key) for step, key in zip(steps, path, strict=True)):
+            return new
+    return None
+
+
+def _former_name_is_given(path: KeyPath, values: dict[str, Any], renamed: Mapping[str, str]) -> bool:
+    """Tell whether a key is missing only because the scene has it under its former name, which is told by itself."""
+    return any(
+        new == path[-1] and _value(values, (*path[:-1], old.split(".")[-1])) is not None for old, new in renamed.items()
+    )
 
 
 def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str, Any]) -> tuple[KeyPath, str]:

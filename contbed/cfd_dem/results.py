@@ -24,8 +24,8 @@ def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
     if bed.T is not None and (heat := bed.balance()):
         result.balances["energy"] = _balance(heat, "J", abs(bed.gas.sums["gained"]))
         result.qoi |= {
-            "T_solid_mean [K]": float(bed.T.mean()),
-            "T_fluid_max [K]": float(bed.gas.T.max()),
+            "T_solid_mean_K": float(bed.T.mean()),
+            "T_fluid_max_K": float(bed.gas.T.max()),
             "radiation_not_balanced [J]": bed.radiated,
         }
     result.qoi |= {

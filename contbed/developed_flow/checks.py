@@ -23,9 +23,9 @@ def closures_exist(fully_developed: d.FullyDeveloped, origin: Origin) -> Mistake
 
 def particles_fit(fully_developed: d.FullyDeveloped, solid: d.Solid, see: See) -> Mistakes:
     """Check that the section is wide enough for the particles to be treated as a continuum."""
-    if fully_developed.radius < ROOM * solid.diameter:
-        known = see("solid.diameter")
-        room = f"only {fully_developed.radius / solid.diameter:.3g} particles from centre to wall"
+    if fully_developed.radius < ROOM * solid.particle_diameter:
+        known = see("solid.particle_diameter")
+        room = f"only {fully_developed.radius / solid.particle_diameter:.3g} particles from centre to wall"
         yield ("fully_developed", "radius"), f"{room}, at least {ROOM:g} make a continuum; see {known}"
 
 

@@ -75,7 +75,7 @@ def coefficients(scene: d.DevelopedScene) -> Coefficients:
         rho_gas=gas.density,
         mu_gas=gas.viscosity,
         rho_solid=solid.density,
-        d_p=solid.diameter,
+        d_p=solid.particle_diameter,
         restitution=solid.restitution,
         eps_max=solid.packing,
         gravity=table.gravity,

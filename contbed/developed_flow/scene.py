@@ -8,6 +8,7 @@ See `developed_flow.equations`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
@@ -39,7 +40,7 @@ class FullyDeveloped(Table):
 class Solid(Table):
     """Equal spheres."""
 
-    diameter: Length
+    particle_diameter: Length
     density: Density
     restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
     packing: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
@@ -75,6 +76,7 @@ class DevelopedScene(SceneBase):
     """Fully developed flow of gas and particles."""
 
     kind: ClassVar[str] = "fully_developed"
+    renamed: ClassVar[Mapping[str, str]] = {"solid.diameter": "particle_diameter"}
     time: ClassVar[None] = None
 
     fully_developed: FullyDeveloped

@@ -146,10 +146,10 @@ def flow_has_a_way_through(mesh: Mesh, flow: s.Flow, boundary: Boundaries, see: 
     velocity = velocity_vector(mesh, flow.velocity)
     if len(velocity) != mesh.dimension:
         return
-    given = {name: conditions.flow for name, conditions in boundary.items() if conditions.flow is not None}
+    given = {name: conditions.type for name, conditions in boundary.items() if conditions.type is not None}
     moving = any(velocity)
     for name, kind in given.items():
-        path = ("boundary", name, "flow")
+        path = ("boundary", name, "type")
         if kind == "inlet" and not moving:
             yield path, f"nothing enters: the velocity is 0; see {see('flow.velocity')}"
             continue
@@ -172,8 +172,8 @@ def flow_has_a_way_through(mesh: Mesh, flow: s.Flow, boundary: Boundaries, see: 
     for kind, other, verb in (("inlet", "outlet", "enter"), ("outlet", "inlet", "leave")):
         if kind not in roles and (other in roles or not isinstance(mesh, MeshFile)):
             walls = [side for side in sides if given.get(side) in ("no_slip", "slip")]
-            at: KeyPath = ("boundary", walls[0], "flow") if walls else ("boundary",)
-            remedy = f"no boundary is an {kind}; give one flow = '{kind}'"
+            at: KeyPath = ("boundary", walls[0], "type") if walls else ("boundary",)
+            remedy = f"no boundary is an {kind}; give one type = '{kind}'"
             yield at, f"the fluid cannot {verb}: {remedy}; see {see('flow.velocity')}"
 
 
@@ -201,7 +201,7 @@ def streams_have_a_temperature(
                 yield ("boundary",), f"no boundary gives the temperature of the entering {phase}: inflow, or fixed"
             continue
         for name in (side for pair in mesh.sides for side in pair if enters(mesh, velocity, side) == 1):
-            is_wall = phase == "fluid" and name in boundary and boundary[name].flow in ("slip", "no_slip")
+            is_wall = phase == "fluid" and name in boundary and boundary[name].type in ("slip", "no_slip")
             if name not in conditions and not is_wall:
                 yield (
                     ("boundary", name, phase),

@@ -99,7 +99,7 @@ def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:
     normal = constant_normal(mesh, name)
     if normal is None or np.sort(np.abs(normal))[:-1].max() > PARALLEL:
         problem = "a slip wall must be a plane along the coordinate axes"
-        raise SceneError(f'boundary.{name}: {problem}; use flow = "no_slip"')
+        raise SceneError(f'boundary.{name}: {problem}; use type = "no_slip"')
     return {int(np.argmax(np.abs(normal))): 0.0}
 
 

@@ -46,7 +46,7 @@ def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction
         layers += axial_layers(scene, medium, float(velocity[axis]), float(solid[axis]), extent)
     for position, name in zip((0.0, extent), mesh.sides[direction], strict=True):
         table = scene.boundary.get(name)
-        thermal = table is not None and (table.flow == "no_slip" or table.fluid or table.solid)
+        thermal = table is not None and (table.type == "no_slip" or table.fluid or table.solid)
         if direction != axis and thermal:
             layers += [(position, max(width, 1e-3 * extent)) for width in _wall_layers(scene, medium, velocity, solid)]
     if mesh.cells is not None:

@@ -31,7 +31,7 @@ def enters(mesh: Mesh, velocity: tuple[float, ...], side: str) -> int | None:
 
 def role(mesh: Mesh, velocity: tuple[float, ...], side: str, boundary: Mapping[str, s.Boundary]) -> str | None:
     """inlet, outlet, slip or no_slip: what the scene says, else by the sign of the velocity."""
-    if side in boundary and boundary[side].flow is not None:
-        return boundary[side].flow
+    if side in boundary and boundary[side].type is not None:
+        return boundary[side].type
     direction = enters(mesh, velocity, side)
     return None if direction is None else {1: "inlet", -1: "outlet", 0: "slip"}[direction]

@@ -154,7 +154,7 @@ def plan(scene: s.Scene) -> Plan:
     plug = "no_slip" not in conditions.values()
     if plug and scene.heat is None:
         raise SceneError(
-            scene.origin.at(("flow",)) + ': flow: nothing to solve: no wall has flow = "no_slip" and '
+            scene.origin.at(("flow",)) + ': flow: nothing to solve: no wall has type = "no_slip" and '
             "there is no [heat] table"
         )
     round_bed = isinstance(scene.mesh, MeshAxisymmetric) or getattr(scene.mesh, "axisymmetric", False)
@@ -259,7 +259,7 @@ def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
         return None
     low, high = mesh.sides[axis]
     for name, table in scene.boundary.items():
-        given = table.fluid or table.solid or table.radiation or table.flow not in (None, "slip")
+        given = table.fluid or table.solid or table.radiation or table.type not in (None, "slip")
         if name not in (low, high) and given:
             return None
     if isinstance(mesh, MeshRectangle):
@@ -307,6 +307,6 @@ def _role(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
     if across is None or 1e-9 < abs(across) < 0.5:
         raise SceneError(
             f"{scene.origin.name}: boundary.{name} is neither along nor across the flow; "
-            f'say [boundary.{name}] flow = "inlet", "outlet", "no_slip" or "slip"'
+            f'say [boundary.{name}] type = "inlet", "outlet", "no_slip" or "slip"'
         )
     return "slip" if abs(across) <= 1e-9 else "inlet" if across < 0 else "outlet"

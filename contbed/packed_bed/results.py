@@ -143,7 +143,7 @@ def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], result: Res
             values = [np.interp(places, x, getattr(stream, column)) for stream in streams]
             result.profiles[header(name)] = np.concatenate(values)
         result.qoi["pressure_drop_Pa"] = float(abs(streams[-1].pressure[-1] - streams[-1].pressure[0]))
-    elif not plan.plug and len(states) == 1:
+    elif header("u") in result.profiles:
         T = line.probe(space, problem.system.part(states[0], "T_fluid"))
         density = np.broadcast_to(medium.fluid.density(T), T.shape)
         scale = medium.mass_flux_scale()

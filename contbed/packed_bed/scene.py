@@ -6,6 +6,7 @@ nothing behind it ever sees a unit. A table that is absent means that its physic
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -113,7 +114,7 @@ class PhaseCondition(Table):
 class Boundary(Table):
     """Conditions on one named boundary; what is absent is adiabatic, and a frictionless wall for the flow."""
 
-    flow: Literal["inlet", "outlet", "no_slip", "slip"] | None = Field(
+    type: Literal["inlet", "outlet", "no_slip", "slip"] | None = Field(
         None, description="absent: inlet or outlet by the sign of the velocity, slip on walls"
     )
     fluid: PhaseCondition | None = None
@@ -149,6 +150,7 @@ class Scene(SceneBase):
     """One run of a packed or moving bed."""
 
     kind: ClassVar[str] = "packed_bed"
+    renamed: ClassVar[Mapping[str, str]] = {"boundary.NAME.flow": "type"}
 
     mesh: Mesh
     # fluid, bed and flow are None only in a medium that merely radiates; `checks` sees to it

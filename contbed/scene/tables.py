@@ -5,6 +5,7 @@ Absent keys take the default that stands here, once. Values are in SI behind `qu
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, PrivateAttr, Tag
@@ -137,6 +138,8 @@ class SceneBase(Table):
     """What scenes of all kinds have in common."""
 
     kind: ClassVar[str]
+    # former names of keys, for the message that names the present one; NAME is any name
+    renamed: ClassVar[Mapping[str, str]] = {}
 
     title: str = ""
 

@@ -66,7 +66,7 @@ def constants(scene: t.TwoFluidScene) -> dict[str, Any]:
     """Arguments of closures that do not change in a run."""
     gas, solid, heat = scene.gas, scene.solid, scene.heat
     found: dict[str, Any] = {
-        "d_p": solid.diameter,
+        "d_p": solid.particle_diameter,
         "mu": gas.viscosity,
         "e": solid.restitution,
         "eps_max": solid.packing,

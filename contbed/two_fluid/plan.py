@@ -57,7 +57,12 @@ class TwoFluidPlan:
         gravity[-1] = -scene.two_fluid.gravity
         solid = scene.solid
         materials = Materials(
-            scene.gas.density, scene.gas.viscosity, solid.density, solid.diameter, solid.packing, tuple(gravity)
+            scene.gas.density,
+            scene.gas.viscosity,
+            solid.density,
+            solid.particle_diameter,
+            solid.packing,
+            tuple(gravity),
         )
         made = closure_kernels.make(materials, _particles(scene), bound(scene))
         heat = None

@@ -13,6 +13,7 @@ A closure that is "none" is absent and costs nothing.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Discriminator, Field
@@ -81,7 +82,7 @@ class Friction(Table):
 class Solid(Table):
     """Equal spheres."""
 
-    diameter: Length
+    particle_diameter: Length
     density: Density
     restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
     packing: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
@@ -207,6 +208,7 @@ class TwoFluidScene(SceneBase):
     """Gas and particles as two fluids."""
 
     kind: ClassVar[str] = "two_fluid"
+    renamed: ClassVar[Mapping[str, str]] = {"solid.diameter": "particle_diameter"}
 
     mesh: Mesh
     two_fluid: TwoFluid

@@ -33,7 +33,7 @@ def scene(case: str) -> cb.Scene:
     size, T = case.removesuffix("_fine").removeprefix("half_").split("mm_")
     background, T = BACKGROUND[int(size)], float(T)
     changes = {
-        "solid.diameter": 1e-3 * int(size),
+        "solid.particle_diameter": 1e-3 * int(size),
         "boundary.bottom.velocity": background,
         "initial.u_gas": background,
         "boundary.jet.T_gas": T,

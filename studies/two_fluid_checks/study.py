@@ -27,11 +27,11 @@ def cooled(scene: cb.Scene) -> float:
     solid, start, gas = scene.solid, scene.initial, scene.gas
     s, t = start.eps_s, scene.time.end
     g0 = closures.g0_sinclair_jackson(s, solid.packing)
-    b = closures.granular_dissipation_lun(s, g0, solid.restitution) / (1.5 * s * solid.diameter)
+    b = closures.granular_dissipation_lun(s, g0, solid.restitution) / (1.5 * s * solid.particle_diameter)
     root = start.theta**0.5
     if scene.two_fluid.drag == "none":
         return start.theta / (1 + b * root * t / 2) ** 2
-    beta = closures.drag_wen_yu(0.0, 1 - s, solid.diameter, gas.viscosity)
+    beta = closures.drag_wen_yu(0.0, 1 - s, solid.particle_diameter, gas.viscosity)
     a = 2 * beta / (s * solid.density)
     fallen = math.exp(-a * t / 2)
     return (root * fallen / (1 + b * root / a * (1 - fallen))) ** 2 if b else (root * fallen) ** 2
@@ -43,7 +43,9 @@ def slip(scene: cb.Scene) -> float:
     law = closures.get(str(scene.two_fluid.drag), "drag")
 
     def missing(u: float) -> float:
-        beta = law(eps * gas.density * u * solid.diameter / gas.viscosity, eps, solid.diameter, gas.viscosity)
+        beta = law(
+            eps * gas.density * u * solid.particle_diameter / gas.viscosity, eps, solid.particle_diameter, gas.viscosity
+        )
         return beta * u - eps * (1 - eps) * (solid.density - gas.density) * scene.two_fluid.gravity
 
     return float(brentq(missing, 1e-6, 10.0, xtol=1e-14))
@@ -53,7 +55,7 @@ def heated(scene: cb.Scene) -> float:
     """Temperature of the gas that hot particles have warmed in a closed suspension."""
     gas, solid, start, heat = scene.gas, scene.solid, scene.initial, scene.heat
     s = start.eps_s
-    exchange = 6 * s * heat.nusselt * heat.conductivity_gas / solid.diameter**2
+    exchange = 6 * s * heat.nusselt * heat.conductivity_gas / solid.particle_diameter**2
     warm, cool = (1 - s) * gas.density * heat.heat_capacity_gas, s * solid.density * heat.heat_capacity_solid
     gap = math.exp(-exchange * (1 / warm + 1 / cool) * scene.time.end)
     return start.T_gas + (start.T_solid - start.T_gas) * cool / (warm + cool) * (1 - gap)

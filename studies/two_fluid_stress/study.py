@@ -30,7 +30,7 @@ BASE = {
     "mesh": {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": [12, 36]},
     "two_fluid": {},
     "gas": {"density": 1.2, "viscosity": 1.8e-5},
-    "solid": {"diameter": 275e-6, "density": 2500.0},
+    "solid": {"particle_diameter": 275e-6, "density": 2500.0},
     "initial": {"theta": 1e-4},
     "boundary": {
         "bottom": {"type": "inlet", "velocity": 0.4},
@@ -126,7 +126,9 @@ def all_cases() -> Iterator[Case]:
         yield Case("fall", f"column in a box, Courant {courant}", 0.6, merged(fall, {"time": {"courant": courant}}))
     for name in ("triangles", "Schaeffer", "second order in time"):
         yield Case("fall", f"column in a box, {name}", 0.6, merged(fall, VARIANTS[name]))
-    yield Case("fall", "3 mm, restitution 1", 0.6, merged(fall, {"solid": {"diameter": 3e-3, "restitution": 1.0}}))
+    yield Case(
+        "fall", "3 mm, restitution 1", 0.6, merged(fall, {"solid": {"particle_diameter": 3e-3, "restitution": 1.0}})
+    )
 
     for name in ("quadrilaterals", "triangles", "no guards", "second order in time"):
         yield Case("inlet", f"gas into an empty box, {name}", 0.5, merged(VARIANTS[name], {}))
@@ -157,12 +159,12 @@ def all_cases() -> Iterator[Case]:
         yield Case("restitution", f"bed, e {e}", 1.0, merged(BED, {"solid": {"restitution": e}}))
         yield Case("restitution", f"random, e {e}", 0.3, merged(RANDOM, {"solid": {"restitution": e}}), random=True)
     for name, speed in SIZES.items():
-        changes = {"solid": {"diameter": name}, "boundary": {"bottom": {"velocity": speed}}}
+        changes = {"solid": {"particle_diameter": name}, "boundary": {"bottom": {"velocity": speed}}}
         yield Case("size", f"bed of {name}", 1.0, merged(BED, changes))
         yield Case("size", f"random, {name}", 0.3, changes, random=True)
     for ratio, (rho_s, rho, mu, speed) in PAIRS.items():
         changes = {
-            "solid": {"density": rho_s, "diameter": 500e-6},
+            "solid": {"density": rho_s, "particle_diameter": 500e-6},
             "gas": {"density": rho, "viscosity": mu},
             "boundary": {"bottom": {"velocity": speed}},
         }

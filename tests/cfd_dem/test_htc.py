@@ -188,7 +188,7 @@ def test_an_interrupted_scene_continues_bit_for_bit(tmp_path, monkeypatch):
     scene = loads(STIRRED)
     whole = cb.run(scene)
     assert abs(whole.balances["energy"]["relative_residual"]) < 1e-10
-    assert whole.qoi["T_fluid_max [K]"] < 600.0
+    assert whole.qoi["T_fluid_max_K"] < 600.0
     record, calls = History.record, []
 
     def once(*arguments):

@@ -197,14 +197,14 @@ CASES = [
         "",
         [":38: boundary.wall.fluid", "coefficient and ambient belong together"],
     ),
-    ("nothing leaves", "[boundary.top]", '[boundary.top]\nflow = "slip"', [":35: boundary.top.flow", "cannot leave"]),
+    ("nothing leaves", "[boundary.top]", '[boundary.top]\ntype = "slip"', [":35: boundary.top.type", "cannot leave"]),
     (
         "inlet at the outlet",
         "[boundary.top]",
-        '[boundary.top]\nflow = "inlet"',
-        [":35: boundary.top.flow", "not enter"],
+        '[boundary.top]\ntype = "inlet"',
+        [":35: boundary.top.type", "not enter"],
     ),
-    ("outlet at the inlet", "[boundary.bottom]", '[boundary.bottom]\nflow = "outlet"', [":32: boundary.bottom.flow"]),
+    ("outlet at the inlet", "[boundary.bottom]", '[boundary.bottom]\ntype = "outlet"', [":32: boundary.bottom.type"]),
     (
         "undetermined",
         GOOD[GOOD.index("velocity = 0.5") :],
@@ -487,7 +487,7 @@ VALUES = st.recursive(
 )
 KEYS = ["title", *(".".join(map(str, path)) for path in key_lines(GOOD) if not isinstance(path[-1], int))]
 KEYS += ["time", "time.end", "time.times", "solver.degree", "region.bed", "output.positions", "mesh.cells", "bed.shape"]
-KEYS += ["fluid.model", "boundary.wall.flow", "heat.conductivity_solid", "heat.tortuosity", "mesh.file", "mesh.refine"]
+KEYS += ["fluid.model", "boundary.wall.type", "heat.conductivity_solid", "heat.tortuosity", "mesh.file", "mesh.refine"]
 
 
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -104,8 +104,8 @@ def hot(T_fluid: float, T_solid: float, gas: str, slip: int, walls: bool) -> dic
     values["boundary"].setdefault("left" if slip > 0 else "right", {})["solid"] = {"inflow": T_solid}
     if walls:
         values["mesh"] = {"type": "rectangle", "length": 0.5, "height": 0.1, "cells": [30, 10], "graded": True}
-        values["boundary"]["bottom"] = {"flow": "no_slip"}
-        values["boundary"]["top"] = {"flow": "no_slip", "solid": {"fixed": T_solid}}
+        values["boundary"]["bottom"] = {"type": "no_slip"}
+        values["boundary"]["top"] = {"type": "no_slip", "solid": {"fixed": T_solid}}
     return values
 
 

@@ -13,7 +13,7 @@ GOOD = {
     "mesh": {"type": "rectangle", "length": 0.1, "height": 0.4, "cells": [4, 16]},
     "two_fluid": {},
     "gas": {"density": 1.2, "viscosity": 1.8e-5},
-    "solid": {"diameter": 275e-6, "density": 2500.0, "packing": 0.63},
+    "solid": {"particle_diameter": 275e-6, "density": 2500.0, "packing": 0.63},
     "initial": {"eps_s": 0.5},
     "boundary": {
         "left": {"type": "wall", "solid": "johnson_jackson", "specularity": 0.1, "restitution": 0.9},
@@ -71,7 +71,7 @@ def test_the_good_scene_is_good():
         ({"boundary.feed": {"type": "wall", "on": "left", "start": 0.101, "end": 0.102}}, (), "refine the mesh"),
         ({"solid.restitution": -0.1}, (), "solid.restitution"),
         ({"solid.restitution": 1.1}, (), "solid.restitution"),
-        ({"solid.diameter": 0.0}, (), "solid.diameter"),
+        ({"solid.particle_diameter": 0.0}, (), "solid.particle_diameter"),
         ({"solid.packing": 0.8}, (), "solid.packing"),
         ({"solid.friction": {"start": 0.64}}, (), "is not below the densest packing"),
         ({}, ("mesh.cells",), "mesh.cells"),

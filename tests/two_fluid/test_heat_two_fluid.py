@@ -265,7 +265,7 @@ PULSE = {
     "mesh": {"type": "rectangle", "length": 0.06, "height": 0.12, "cells": [10, 20]},
     "two_fluid": {},
     "gas": {"density": 1.18, "viscosity": 1.8e-5},
-    "solid": {"diameter": 3e-3, "density": 2526.0},
+    "solid": {"particle_diameter": 3e-3, "density": 2526.0},
     "initial": {"T_gas": 300.0, "u_gas": 1.5, "layer": [{"end": 0.06, "eps_s": 0.55, "u_gas": 3.0}]},
     "boundary": {
         "left": {"type": "wall", "solid": "slip", "T": 310.0},

@@ -197,7 +197,7 @@ density = 1.225
 viscosity = 1.7894e-5
 
 [solid]
-diameter = "275 um"
+particle_diameter = "275 um"
 density = 2500.0
 
 [initial]

@@ -24,8 +24,8 @@ def slip(law, scene):
     eps, gas, solid = 1.0 - scene.initial.eps_s, scene.gas, scene.solid
 
     def missing(u):
-        Re = eps * gas.density * u * solid.diameter / gas.viscosity
-        beta = law(Re, eps, solid.diameter, gas.viscosity)
+        Re = eps * gas.density * u * solid.particle_diameter / gas.viscosity
+        beta = law(Re, eps, solid.particle_diameter, gas.viscosity)
         return beta * u - eps * (1.0 - eps) * (solid.density - gas.density) * 9.81
 
     return brentq(missing, 1e-6, 10.0, xtol=1e-14)

@@ -28,7 +28,7 @@ def build(
         "mesh": mesh or {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": cells, "shape": shape},
         "two_fluid": two_fluid or {},
         "gas": gas or {"density": 1.2, "viscosity": 1.8e-5},
-        "solid": {"diameter": 275e-6, "density": 2500.0} | (solid or {}),
+        "solid": {"particle_diameter": 275e-6, "density": 2500.0} | (solid or {}),
         "initial": initial or {},
         "boundary": {"bottom": bottom or WALL, "top": {"type": "outlet"}, "left": WALL, "right": WALL},
         "time": {"end": 1.0} | time,
@@ -73,8 +73,8 @@ def test_slug_thrown_on_a_wall_packs_and_stays(courant, order):
         {"shape": "triangle"},
         {"two_fluid": {"granular_temperature": "algebraic"}},
         {"two_fluid": {"friction_viscosity": "friction_viscosity_schaeffer"}, "courant": 1.0},
-        {"solid": {"diameter": 3e-3, "restitution": 1.0}},
-        {"solid": {"diameter": 50e-6, "restitution": 0.5}, "order": 2},
+        {"solid": {"particle_diameter": 3e-3, "restitution": 1.0}},
+        {"solid": {"particle_diameter": 50e-6, "restitution": 0.5}, "order": 2},
         {"solid": {"density": 1100.0}, "gas": {"density": 1000.0, "viscosity": 1e-3}},
     ],
 )
@@ -115,7 +115,7 @@ def test_glass_settles_in_water(kind, size, tmp_path):
         "mesh": {"type": "file", "file": str(tmp_path / "bed.geo"), "dimension": 3 if kind in IN_3D else 2},
         "two_fluid": {"drag": "drag_wen_yu", "guards": False},
         "gas": {"density": 998.0, "viscosity": 1e-3},
-        "solid": {"diameter": 1e-4, "density": 2500.0, "packing": 0.6},
+        "solid": {"particle_diameter": 1e-4, "density": 2500.0, "packing": 0.6},
         "initial": {"eps_s": 0.1},
         "time": {"end": 6.0},
     }

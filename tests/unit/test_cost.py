@@ -13,7 +13,7 @@ BOX: dict[str, Any] = {
     "mesh": {"type": "box", "length": 1.0, "width": 1.0, "height": 1.0, "cells": [4, 4, 4]},
     "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
     "bed": {"porosity": 0.4, "particle_diameter": 0.01}, "flow": {"velocity": [0.3, 0.0, 0.0]},
-    "boundary": {"bottom": {"flow": "no_slip"}},
+    "boundary": {"bottom": {"type": "no_slip"}},
 }  # fmt: skip
 
 

@@ -142,8 +142,8 @@ def test_mistakes_in_overrides_say_so():
 def test_flow_alone_and_transverse_flow_are_scenes():
     assert loads(FLOW).heat is None
     box = 'type = "rectangle"\nheight = 1\nlength = 2'
-    outlet = '[boundary.top]\nflow = "outlet"\n[boundary.right]\nflow = "no_slip"\n'
-    assert loads(FLOW.replace('type = "line"\nlength = 2', box) + outlet).boundary["top"].flow == "outlet"
+    outlet = '[boundary.top]\ntype = "outlet"\n[boundary.right]\ntype = "no_slip"\n'
+    assert loads(FLOW.replace('type = "line"\nlength = 2', box) + outlet).boundary["top"].type == "outlet"
     still = FLOW.replace('"10 cm/s"', "0")
     assert loads(still).flow.velocity == 0.0
 
@@ -245,3 +245,16 @@ def test_text_and_file_give_the_same(tmp_path):
     path.write_bytes(HEAT.replace("\n", "\r\n").encode("utf-8-sig"))
     assert load(path) == load(str(path)) == loads(HEAT)
     assert load(path).origin.base == Path(tmp_path)
+
+
+def test_former_keys_name_the_present_ones():
+    """One line for each, at the key's own line, and nothing about the key that seems to be missing."""
+    with pytest.raises(SceneError) as caught:
+        loads(FLOW + '[boundary.left]\nflow = "inlet"\n')
+    (line,) = caught.value.problems
+    assert line.endswith("boundary.left.flow = \"inlet\": this key is called 'type' now")
+    text = (Path(__file__).parents[2] / "studies/two_fluid_checks/slip.toml").read_text(encoding="utf-8")
+    with pytest.raises(SceneError) as caught:
+        loads(text.replace("particle_diameter", "diameter"))
+    (line,) = caught.value.problems
+    assert "solid.diameter" in line and "is called 'particle_diameter' now" in line

@@ -87,7 +87,7 @@ def test_a_bare_run_imports_only_what_it_solves_with(tmp_path):
             "contbed.solvers.timestep",
         ),
         (
-            {"boundary": {**BED["boundary"], "top": {"flow": "no_slip"}}, "mesh": {**BED["mesh"], "cells": [4, 4]}},
+            {"boundary": {**BED["boundary"], "top": {"type": "no_slip"}}, "mesh": {**BED["mesh"], "cells": [4, 4]}},
             "contbed.packed_bed.flow",
         ),
     ],
@@ -101,10 +101,14 @@ def test_plug_flow_has_no_momentum():
     made = plan()
     assert made.plug and "flow" not in made.unknowns()
     assert ("porous flow", "plug flow: no no-slip wall, uniform inlet") in made.skipped
-    walls = plan(boundary={**BED["boundary"], "top": {"flow": "no_slip"}})
+    walls = plan(boundary={**BED["boundary"], "top": {"type": "no_slip"}})
     assert not walls.plug and walls.unknowns()["flow"] > 0
     result = cb.run(made.scene)
-    assert "flow" not in result.timings and np.ptp(result.profiles["u [m/s]"]) == 0.0 and "fluid volume" not in result.balances
+    assert (
+        "flow" not in result.timings
+        and np.ptp(result.profiles["u [m/s]"]) == 0.0
+        and "fluid volume" not in result.balances
+    )
 
 
 @pytest.mark.parametrize(
@@ -206,7 +210,7 @@ def test_with_radiation_there_is():
 
 
 def test_no_heat_table_has_no_temperatures():
-    values = bed(mesh={**BED["mesh"], "cells": [4, 4]}, boundary={"top": {"flow": "no_slip"}})
+    values = bed(mesh={**BED["mesh"], "cells": [4, 4]}, boundary={"top": {"type": "no_slip"}})
     del values["heat"]
     result = cb.run(from_dict(values))
     assert set(result.plan.unknowns()) == {"flow"}

@@ -25,8 +25,8 @@ particle_diameter = "3 mm"
 [flow]
 velocity = 0.1
 [boundary]
-left.flow = "inlet"
-right.flow = "outlet"
+left.type = "inlet"
+right.type = "outlet"
 """
 GEO = """\
 SetFactory("Built-in"); // prints nothing; Save by hand

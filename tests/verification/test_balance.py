@@ -160,7 +160,7 @@ def brinkman(mesh: str, T: tuple[float, float, float], degree: int = 2, **tables
     low, _ = ends(mesh)
     boundary = {low: {"fluid": {"inflow": T[0]}, "solid": {"inflow": T[1]}}}
     for name in walls(mesh):
-        boundary[name] = {"flow": "no_slip", "solid": {"fixed": T[2]}}
+        boundary[name] = {"type": "no_slip", "solid": {"fixed": T[2]}}
     return scene(mesh, boundary=boundary, solver={"degree": degree}, **tables)
 
 

@@ -92,7 +92,7 @@ def test_flow_without_heat(tmp_path: Path) -> None:
     file.write_text(
         '[mesh]\ntype = "rectangle"\nlength = 0.1\nheight = 0.02\ncells = [10, 4]\n'
         "[fluid]\ndensity = 0.5\nviscosity = 2e-5\n[bed]\nporosity = 0.6\nparticle_diameter = 0.006\n"
-        '[flow]\nvelocity = 0.2\n[boundary.bottom]\nflow = "no_slip"\n',
+        '[flow]\nvelocity = 0.2\n[boundary.bottom]\ntype = "no_slip"\n',
         encoding="utf-8",
     )
     found = converge(file, 3)

@@ -84,7 +84,7 @@ def test_few_positions_do_not_change_the_drop():
 def test_walls_report_the_pressure_of_the_fluid():
     """A wide channel with no-slip walls has the gradient of plug flow but for its wall layers, some 2 %."""
     mesh = {"type": "rectangle", "length": 1.0, "height": 0.2, "cells": [10, 20], "graded": True}
-    sides = {"top": {"flow": "no_slip"}, "bottom": {"flow": "no_slip"}}
+    sides = {"top": {"type": "no_slip"}, "bottom": {"type": "no_slip"}}
     values = bed(CONSTANT, mesh=mesh)
     values["boundary"] |= sides
     result = cb.run(from_dict(values))
@@ -95,7 +95,7 @@ def test_walls_report_the_pressure_of_the_fluid():
 def test_flow_between_walls_warns_of_a_density_that_changes():
     mesh = {"type": "rectangle", "length": 1.0, "height": 0.2, "cells": [8, 4]}
     values = bed(STEAM, mesh=mesh)
-    values["boundary"] |= {"top": {"flow": "no_slip"}}
+    values["boundary"] |= {"top": {"type": "no_slip"}}
     result = cb.run(from_dict(values))
     assert any("density of the fluid changes by a factor" in text for text in result.warnings)
 

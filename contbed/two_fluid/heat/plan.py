@@ -18,7 +18,7 @@ FIELDS = ("T_gas", "T_solid")
 
 def physics(scene: t.TwoFluidScene, closures: Bound) -> Physics:
     """Heat capacities and closures of a scene with [heat]."""
-    table, gas, d_p = scene.heat, scene.gas, scene.solid.diameter
+    table, gas, d_p = scene.heat, scene.gas, scene.solid.particle_diameter
     assert table is not None
     k, given = table.conductivity_gas, constants(scene)
     nusselt, bed_conductivity = closures.get("nusselt"), closures.get("conductivity")
