@@ -12,8 +12,11 @@ from contbed.two_fluid.face_velocities import Cells, Velocities
 from contbed.two_fluid.fv.gradient import FEW_PARTICLES, NO_PARTICLES
 from contbed.two_fluid.fv.grid import Geometry
 
-SILENT = 1e-4  # weight of a face below which it has no say in the velocity of a cell's particles
-LEAST_WEIGHT = 1e-12  # of all faces in the moment: along directions that no face gives, particles keep H
+# weight of a face [-] below which it has no say in the velocity of a cell's particles
+# (test_level_bed_on_triangles_calms_down)
+SILENT = 1e-4
+# weight of all faces in the moment [-]: along directions that no face gives, particles keep H
+LEAST_WEIGHT = 1e-12
 
 
 class FaceVelocities(NamedTuple):

@@ -19,7 +19,8 @@ from contbed.two_fluid.packing import FrictionTable, Solids, add_compaction_flux
 from contbed.two_fluid.state import Counters, State
 from contbed.two_fluid.timing import phase
 
-MAX_TANGENTS = 8  # rounds of a step in which tangents of friction move
+# rounds of a step in which tangents of friction move (test_slug_thrown_on_a_wall_packs_and_stays)
+MAX_TANGENTS = 8
 
 
 class Moved(NamedTuple):
@@ -28,7 +29,7 @@ class Moved(NamedTuple):
     eps_s (nc,), rate_eps_s (nc, 1) [1/s] : new fraction; memory of its rate plus the change over the step
     flux, flux_gas (nf,) [m3/s] : volume fluxes of solids and gas in the step
     compaction_velocity (nf,) [m/s] : what the particles keep of the motion by their pressure
-    drained (nc,) : cells that lost most of their particles; they give their own values to their faces
+    upwind_cells (nc,) : cells that lost many of their particles; they give their own values to all faces
     """
 
     eps_s: Array
@@ -36,7 +37,7 @@ class Moved(NamedTuple):
     flux: Array
     flux_gas: Array
     compaction_velocity: Array
-    drained: Flags
+    upwind_cells: Flags
     counters: Counters
 
 
@@ -58,9 +59,9 @@ def advance(state: State, dt: float, model: Model) -> Moved:
         y = solve_system(state, "eps_s", system._replace(links=np.zeros_like(links)), model, explicit=0.0)
     velocity = np.empty_like(flux)
     add_compaction_flux(g, dt, system, y, flux, velocity)
-    new, drained = np.empty_like(old), np.zeros(len(old), dtype=np.bool_)
-    touched, rounds = limiter.limit(g, dt, old, source, model.materials.eps_max, flux, new, drained)
+    new, upwind_cells = np.empty_like(old), np.zeros(len(old), dtype=np.bool_)
+    touched, rounds = limiter.limit(g, dt, old, source, model.materials.eps_max, flux, new, upwind_cells)
     if touched:
         counters = counters.add(limited_faces=int(touched), limited_steps=1, limiter_rounds=int(rounds))
     rate = state.memory.rate_eps_s + (new - old).reshape(-1, 1) / dt
-    return Moved(new, rate, flux, state.fluxes.total - flux, velocity, drained, counters)
+    return Moved(new, rate, flux, state.fluxes.total - flux, velocity, upwind_cells, counters)

@@ -26,7 +26,10 @@ from contbed.two_fluid.state import ForceGradients
 
 Value = TypeVar("Value", float, Array)
 
-WAVE_RESOLVED = 0.05  # (N dt)^2 of a buoyancy wave of frequency N up to which the step follows it
+# solids fraction on a face over that of its upwind cell [-]
+MAX_OVERSHOOT = 2.0
+# (N dt)^2 [-] of a buoyancy wave of frequency N up to which the step follows it (test_fronts_stay_level)
+WAVE_RESOLVED = 0.05
 
 
 class Cells(NamedTuple):
@@ -224,7 +227,7 @@ def reconstruct_fractions(
             eps_solid[f] = max(0.0, face_value(g, f, forward, s, grad, half_step, limited))
             if limited:
                 # an empty cell gives nothing, whatever its slope is on a skewed mesh
-                eps_solid[f] = min(eps_solid[f], 2.0 * (s[left, 0] if forward else s[g.right[f], 0]))
+                eps_solid[f] = min(eps_solid[f], MAX_OVERSHOOT * (s[left, 0] if forward else s[g.right[f], 0]))
             continue
         b = f - ni
         if kind[b] == OUTLET:

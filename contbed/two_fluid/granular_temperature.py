@@ -221,14 +221,14 @@ def _transport(
     grad, half_step = np.empty((len(s), 1, model.grid.dimension)), np.empty_like(column)
     gradient(g, column, given, grad)
     predictor_half_step(dt, column, grad, u_solid, state.memory.rate_theta, half_step)
-    system, first_order = empty_system(g, 1), moved.drained.copy()
+    system, first_order = empty_system(g, 1), moved.upwind_cells.copy()
     rhs = system.rhs
     while True:
         rhs[:] = 0.0
         convect(g, moved.flux, Reconstruction(column, grad, half_step, given, first_order, model.options.limited), rhs)
         if not mark_negative(g, dt, s, old, rhs, first_order):
             break
-    counters = counters.add(theta_upwind_cells=int(first_order.sum()) - int(moved.drained.sum()))
+    counters = counters.add(theta_upwind_cells=int(first_order.sum()) - int(moved.upwind_cells.sum()))
     convected = rhs / ((s + NO_PARTICLES) * g.volume)[:, None]
     rhs *= 1.5 * rho_s
     conduct(g, r.conductivity, old, np.where(entering, edge.theta, np.nan), grad, rhs, system.coef)

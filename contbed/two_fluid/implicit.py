@@ -11,7 +11,9 @@ from contbed.two_fluid.model import Model
 from contbed.two_fluid.state import State, check_finite
 
 MAX_ITERATIONS = 500
-TOLERANCE = 1e-7  # residual over the right-hand side; fluxes are made from what was found, and keep what they carry
+# residual over the right-hand side [-]; fluxes are made from what was found, and keep what they carry
+# (test_walls_carry_what_falls_steadily)
+TOLERANCE = 1e-7
 
 
 def solve_system(state: State, name: str, system: System, model: Model, explicit: float = EXPLICIT_SHARE) -> Array:

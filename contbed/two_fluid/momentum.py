@@ -24,8 +24,11 @@ from contbed.two_fluid.state import Energy, Properties, State
 from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress, add_stress
 from contbed.two_fluid.timing import phase
 
-MAX_SUBCYCLES = 4  # of the convection of the gas in a step; more would cost more than shorter steps
-SUBCYCLE_COURANT = 0.9  # share of a cell that the gas crosses in a subcycle
+# subcycles of the convection of the gas in a step; more would cost more than shorter steps
+# (test_the_step_is_as_long_as_the_passes_allow)
+MAX_SUBCYCLES = 4
+# share of a cell that the gas crosses in a subcycle [-] (test_a_wave_travels)
+SUBCYCLE_COURANT = 0.9
 
 
 class Phase(NamedTuple):
@@ -178,7 +181,7 @@ def predict(
         state.memory.rate_solid,
         state.memory.force_solid,
         model.sources.force_solid,
-        moved.drained,
+        moved.upwind_cells,
     )
     predicted_gas, predicted_solid = _advance(gas, state, dt, model), _advance(solid, state, dt, model)
     add_compaction_velocity(model.grid.geometry, moved.compaction_velocity, materials.eps_max, eps_s, predicted_solid.h)

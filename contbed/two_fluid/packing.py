@@ -11,11 +11,18 @@ from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.linear.cg import System
 
-SOFT = 1e-12  # [m2/s2] stiffness of particles that do not touch, so that its inverse exists
-TANGENT_ERROR = 1e-3  # [-] change of eps_s by the pressure that a tangent may miss before it is taken elsewhere
-BISECTIONS = 40  # of the fraction at which a tangent is taken
-FAINT = 1e-4  # [-] solids fraction below which a cloud is not pushed within a step, as it would fly off
-LOOSE = 0.6  # share of the packing limit from which on particles keep none of the velocity of compaction
+# stiffness [m2/s2] of particles that do not touch, so that its inverse exists
+SOFT = 1e-12
+# change of eps_s [-] by the pressure that a tangent may miss before it is taken elsewhere
+# (test_slug_thrown_on_a_wall_packs_and_stays)
+TANGENT_ERROR = 1e-3
+# steps in which the fraction of a tangent is found (test_slug_thrown_on_a_wall_packs_and_stays)
+BISECTIONS = 40
+# solids fraction [-] below which a cloud is not pushed within a step, as it would fly off
+# (test_slug_thrown_on_a_wall_packs_and_stays)
+FAINT = 1e-4
+# share of the packing limit [-] from which on particles keep none of the velocity of compaction
+LOOSE = 0.6
 
 
 class FrictionTable(NamedTuple):

@@ -64,18 +64,18 @@ class TwoFluidPlan:
             solid.packing,
             tuple(gravity),
         )
-        made = closure_kernels.make(materials, _particles(scene), bound(scene))
+        compiled = closure_kernels.make(materials, _particles(scene), bound(scene))
         heat = None
         if scene.heat is not None:
             from contbed.two_fluid.heat import plan as heat_planning
             from contbed.two_fluid.heat.model import build_heat
 
             thermal = heat_planning.thermal(parts(scene))
-            heat = build_heat(self.grid, heat_planning.physics(scene, made.bound), thermal)
+            heat = build_heat(self.grid, heat_planning.physics(scene, compiled.bound), thermal)
         boundaries = conditions(scene, self.grid)
-        bed = Simulation(build_model(self.grid, materials, made.closures, boundaries, _options(scene), heat))
+        bed = Simulation(build_model(self.grid, materials, compiled.closures, boundaries, _options(scene), heat))
         bed.start(**initial(scene, self.grid))
-        return bed, made
+        return bed, compiled
 
     def __str__(self) -> str:
         return described(self)

@@ -162,9 +162,9 @@ def project(
         # layers follow buoyancy within a step: on what faces carried its waves would grow, for N dt of about 1
         rate_eps_s = rate_eps_s - 2.0 / dt * field.half_step
     else:
-        net, carried = np.empty_like(p), np.empty_like(p)
-        divergence(g, faces.solid * g.area, fractions.solid, eps_s, net, carried)
-        rate_eps_s = -(carried / g.volume)[:, None]
+        net, convected = np.empty_like(p), np.empty_like(p)
+        divergence(g, faces.solid * g.area, fractions.solid, eps_s, net, convected)
+        rate_eps_s = -(convected / g.volume)[:, None]
     return Projection(p, faces, fluxes, cells, velocities, gradients, rate_eps_s)
 
 

@@ -10,7 +10,9 @@ from contbed.two_fluid.state import Energy, Properties, State
 from contbed.two_fluid.stress import shear_rate
 from contbed.two_fluid.timing import phase
 
-RARE = 1e-8  # [-] solids fraction below which particles exchange nothing with other cells but by moving
+# solids fraction [-] below which particles exchange nothing with other cells but by moving
+# (test_random_fields_calm_down)
+RARE = 1e-8
 
 
 @kernel

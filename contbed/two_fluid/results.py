@@ -33,7 +33,7 @@ def held(bed: Simulation) -> float:
     return float(bed.model.materials.rho_solid * (bed.state.eps_s @ bed.model.grid.geometry.volume))
 
 
-def kept(bed: Simulation) -> dict[str, float]:
+def contents(bed: Simulation) -> dict[str, float]:
     """Return what has a balance: mass of the particles; with heat also mass of the gas [kg] and heat [J]."""
     solids = {"solids": held(bed)}
     if bed.state.energy is None:
@@ -98,8 +98,8 @@ def fastest(bed: Simulation) -> float:
 
 
 def balances(bed: Simulation, start: dict[str, float]) -> dict[str, dict[str, Any]]:
-    """Balance what came in, went out and stayed of what is `kept`."""
-    rho, account, now = bed.model.materials.rho_solid, bed.state.account, kept(bed)
+    """Balance what came in, went out and stayed of what is `contents`."""
+    rho, account, now = bed.model.materials.rho_solid, bed.state.account, contents(bed)
     found = {"solids": _balance(rho * account.solid_in, rho * account.solid_out, 0.0, start, now, "solids")}
     if bed.state.energy is not None:
         a = bed.state.energy.account

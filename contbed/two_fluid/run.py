@@ -29,7 +29,7 @@ class Run:
         self.bed, self.laws = plan.bed()
         self.closures = {kind: closure for kind, closure in self.laws.bound.items() if closure is not None}
         time = self.scene.time
-        self.kept = findings.kept(self.bed)
+        self.contents_at_start = findings.contents(self.bed)
         inlets = (getattr(part, "until", None) for part in self.scene.boundary.values())
         self.ends = sorted({end for end in inlets if end is not None})
         self.ended = 0
@@ -73,7 +73,11 @@ class Run:
         state = self.bed.saved()
         plain = {name: value for name, value in state.items() if not isinstance(value, np.ndarray)}
         arrays = {name: value for name, value in state.items() if isinstance(value, np.ndarray)}
-        arrays |= {"rows": np.array(self.rows), "counts": self.laws.counts, "kept": np.array(list(self.kept.values()))}
+        arrays |= {
+            "rows": np.array(self.rows),
+            "counts": self.laws.counts,
+            "contents_at_start": np.array(list(self.contents_at_start.values())),
+        }
         arrays |= {f"ranges_{kind}": closure.state() for kind, closure in self.closures.items()}
         if self.averages is not None:
             arrays |= self.averages.arrays()
@@ -84,7 +88,9 @@ class Run:
         self.bed.restore({**arrays, **json.loads(meta["state"])})
         self.rows = np.asarray(arrays["rows"]).tolist()
         self.laws.counts[:] = arrays["counts"]
-        self.kept = dict(zip(self.kept, np.asarray(arrays["kept"]).tolist(), strict=True))
+        self.contents_at_start = dict(
+            zip(self.contents_at_start, np.asarray(arrays["contents_at_start"]).tolist(), strict=True)
+        )
         self.files = [(float(time), str(name)) for time, name in json.loads(meta["files"])]
         for kind, closure in self.closures.items():
             closure.restore(arrays[f"ranges_{kind}"])
@@ -160,9 +166,9 @@ def _fill(run: Run, result: Result) -> None:
     result.timings |= {f"flow: {name}": seconds for name, seconds in bed.model.timer.seconds.items()}
     headers = [*findings.columns(bed), *probes.columns(bed, run.plan.probes)]
     result.profiles |= dict(zip(headers, np.array(run.rows).T.copy(), strict=True))
-    result.balances |= findings.balances(bed, run.kept)
+    result.balances |= findings.balances(bed, run.contents_at_start)
     result.tables |= findings.tables(run.plan, bed, run.averages, result.profiles)
-    result.qoi |= findings.results(run.plan, bed, run.kept, run.averages, result.profiles, result.tables)
+    result.qoi |= findings.results(run.plan, bed, run.contents_at_start, run.averages, result.profiles, result.tables)
     counted = zip(closure_kernels.COUNTED, run.laws.counts.tolist(), strict=True)
     for name, number in [*bed.state.counters._asdict().items(), *counted]:
         if number:

@@ -19,7 +19,9 @@ from contbed.two_fluid.step import initial_fluxes, step
 if TYPE_CHECKING:
     from contbed.two_fluid.heat.model import Thermal
 
-COMPRESSION_LIMIT = 0.7  # of the step at which compression and its heat would grow; on random fields, from 0.72 on
+# share of the step at which compression and its heat would grow [-]; on random fields they do from 0.72 on
+# (test_sound_of_heated_particles)
+COMPRESSION_LIMIT = 0.7
 SEEN = 1e-6  # [-] solids fraction above which particles bind the step
 ROUNDING = 1e-9  # share of a step by which a number of steps, or a time, may be off
 
@@ -150,9 +152,9 @@ def second_order(state: State, whole: State, first: Array, dt: float, model: Mod
         counters = end.counters.add(first_order_steps=1)
         return replace(end, counters=counters, fluxes=end.fluxes._replace(moved=moved)), total
     moved = 2.0 * moved - whole.fluxes.moved
-    eps_s, drained = np.empty_like(state.eps_s), np.empty(len(state.eps_s), dtype=np.bool_)
+    eps_s, upwind_cells = np.empty_like(state.eps_s), np.empty(len(state.eps_s), dtype=np.bool_)
     g, highest, source = model.grid.geometry, model.materials.eps_max, model.sources.solid
-    touched, rounds = limiter.limit(g, dt, state.eps_s, source, highest, moved, eps_s, drained)
+    touched, rounds = limiter.limit(g, dt, state.eps_s, source, highest, moved, eps_s, upwind_cells)
     counters = end.counters.add(limited_faces=int(touched), limiter_rounds=int(rounds))
     theta = 2.0 * end.theta - whole.theta
     if (below := theta < 0.0).any():

@@ -17,7 +17,9 @@ from contbed.two_fluid.state import Memory, State
 if TYPE_CHECKING:
     from contbed.two_fluid.state import Energy
 
-EXTENSIONS = 60  # rounds in which gradients of forces extend initial fields to the walls of skewed grids
+# rounds in which gradients of forces extend initial fields to the walls of skewed grids
+# (test_uniform_suspension_hangs_in_the_gas)
+EXTENSIONS = 60
 
 
 def step(state: State, dt: float, model: Model) -> State:

@@ -14,6 +14,11 @@ from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.linear.cg import System
 from contbed.two_fluid.model import Model
 
+# implicit over explicit excess of viscosity [-]: a loose cell that follows a stiff one feeds back through its shear
+EXCESS_IMPLICIT = (
+    2.0  # implicit over explicit excess: a loose cell that follows a stiff one feeds back through its shear
+)
+
 
 class Fluid(NamedTuple):
     """Fraction of a phase, its viscosity and bulk viscosity [Pa s], each (nc,)."""
@@ -86,8 +91,7 @@ def add_stress(g: Geometry, side: Side, fluid: Fluid, motion: Motion, system: Sy
                 force = area * (traction + excess * (there - here))
                 out[left, k] += force
                 out[right, k] -= force
-                # twice the excess: a loose cell that follows a stiff one feeds back through its explicit shear
-                coef[f, k] = area * (inverse_distance * (m + (m / 3.0 + lam) * n * n) + 2.0 * excess)
+                coef[f, k] = area * (inverse_distance * (m + (m / 3.0 + lam) * n * n) + EXCESS_IMPLICIT * excess)
             work[left] += lost_left
             work[right] += lost_right
             continue

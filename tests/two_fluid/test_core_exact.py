@@ -363,8 +363,8 @@ def test_limiter_keeps_bounds_and_mass():
         s[:8], s[8:16] = 0.0, 0.6
         flux = strength * random.normal(size=len(g.left))
         flux[grid.interior :] = 0.0
-        given, out, drained = flux.copy(), np.empty(64), np.zeros(64, dtype=bool)
-        limiter.limit(g, 0.01, s, np.zeros(64), 0.6, flux, out, drained)
+        given, out, upwind_cells = flux.copy(), np.empty(64), np.zeros(64, dtype=bool)
+        limiter.limit(g, 0.01, s, np.zeros(64), 0.6, flux, out, upwind_cells)
         assert out.min() >= 0 and out.max() <= 0.6
         assert out @ g.volume == pytest.approx(s @ g.volume, rel=1e-13)
         assert (np.abs(flux) <= np.abs(given)).all() and (flux * given >= 0).all()

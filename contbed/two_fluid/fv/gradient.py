@@ -24,21 +24,21 @@ def neighbour_weight(there: float, here: float) -> float:
 @kernel
 def _extend_stencil(g: Geometry, s: Array, out: Array) -> None:
     """Turn the sums of slope times jump in `out` into gradients over a cell and its neighbours."""
-    own = out.copy()
+    sums = out.copy()
     for f in range(len(g.right)):
         left, right = g.left[f], g.right[f]
         to_left, to_right = neighbour_weight(s[right], s[left]), neighbour_weight(s[left], s[right])
         for k in range(out.shape[1]):
             for d in range(out.shape[2]):
-                out[left, k, d] += to_left * own[right, k, d]
-                out[right, k, d] += to_right * own[left, k, d]
+                out[left, k, d] += to_left * sums[right, k, d]
+                out[right, k, d] += to_right * sums[left, k, d]
     for c in range(out.shape[0]):
         for k in range(out.shape[1]):
             for d in range(out.shape[2]):
-                own[c, k, d] = 0.0
+                sums[c, k, d] = 0.0
                 for e in range(out.shape[2]):
-                    own[c, k, d] += g.gradient_inverse[c, d, e] * out[c, k, e]
-    out[:] = own
+                    sums[c, k, d] += g.gradient_inverse[c, d, e] * out[c, k, e]
+    out[:] = sums
 
 
 @kernel

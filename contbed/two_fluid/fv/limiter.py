@@ -19,7 +19,7 @@ from contbed.two_fluid.fv.grid import Geometry
 MAX_ROUNDS = 50  # of the limiter before each inflow shrinks to the room of its cell
 SAFE, SAFER = 1.0 - 1e-12, 1.0 - 2e-12  # share of a content that may leave: room for rounding
 NOTABLE = 1e-9  # [-] change of eps_s from which on a limited flux is counted
-DRAINED = 0.75  # share of its particles that a cell keeps in a step, or else counts as drained
+MIN_LEFT = 0.75  # share of its particles left in a cell, below which it gives its own values to its faces
 
 
 @kernel
@@ -45,9 +45,9 @@ def _fill(g: Geometry, dt: float, s: Array, source: Array, flux: Array, gain: Ar
 
 @kernel
 def limit(
-    g: Geometry, dt: float, s: Array, source: Array, highest: float, flux: Array, out: Array, drained: Flags
+    g: Geometry, dt: float, s: Array, source: Array, highest: float, flux: Array, out: Array, upwind_cells: Flags
 ) -> tuple[int, int]:
-    """Limit `flux` in place, leave eps_s after the step in `out` and mark `drained` cells.
+    """Limit `flux` in place, leave eps_s after the step in `out` and mark `upwind_cells` cells.
 
     Return the numbers of faces limited and of rounds.
     """
@@ -81,5 +81,5 @@ def limit(
     for c in range(count):
         if out[c] < UNDERFLOW:
             out[c] = 0.0
-        drained[c] = out[c] < DRAINED * s[c]
+        upwind_cells[c] = out[c] < MIN_LEFT * s[c]
     return touched.sum(), turn

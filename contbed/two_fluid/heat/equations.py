@@ -45,7 +45,9 @@ from contbed.two_fluid.state import Energy, HeatAccount, State, check_finite
 from contbed.two_fluid.timing import phase
 
 TOLERANCE, MAX_ITERATIONS = 1e-10, 500  # of implicit conduction: residual over the right-hand side
-SERIES = 1e-3  # dt times rate of exchange below which the weight of the new difference is its series
+# dt times rate of exchange [-] below which the weight of the new difference is its series
+# (test_conduction_in_one_phase)
+SERIES = 1e-3
 
 
 class Exchange(NamedTuple):
@@ -114,7 +116,7 @@ def advance(
     """
     p, g, s = heat.physics, model.grid.geometry, moved.eps_s
     rho_g, rho_s, volume = model.materials.rho_gas, model.materials.rho_solid, g.volume
-    face_g, face_s = _carried(state, energy, moved, heat, dt, model)
+    face_g, face_s = _face_temperatures(state, energy, moved, heat, dt, model)
     gas = density_times_T(energy.p0, heat, model) / face_g * moved.flux_gas if heat.ideal else rho_g * moved.flux_gas
     solid = rho_s * moved.flux
     net, moved_g, moved_s = (np.empty_like(s) for _ in range(3))
@@ -164,14 +166,14 @@ def _density_ratio(mass: Array, eps_s: Array, heat: HeatModel, model: Model) -> 
     return mass / (model.materials.rho_gas * (1.0 - eps_s)) if heat.ideal else np.ones_like(eps_s)
 
 
-def _carried(
+def _face_temperatures(
     state: State, energy: Energy, moved: Moved, heat: HeatModel, dt: float, model: Model
 ) -> tuple[Array, Array]:
     """Temperatures (nf,) that the fluxes of gas and solids carry through faces."""
     g, found = model.grid.geometry, []
     for T, entering, rate, u, flux, first_order, eps_s in (
         (energy.T_gas, heat.T_gas, energy.rate_gas, state.u_gas, moved.flux_gas, model.no_cells, None),
-        (energy.T_solid, heat.T_solid, energy.rate_solid, state.u_solid, moved.flux, moved.drained, moved.eps_s),
+        (energy.T_solid, heat.T_solid, energy.rate_solid, state.u_solid, moved.flux, moved.upwind_cells, moved.eps_s),
     ):
         column, half_step, face = T[:, None], np.empty((len(T), 1)), np.empty_like(flux)
         given, grad = _slope(T, entering, eps_s, model)
