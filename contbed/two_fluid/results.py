@@ -160,7 +160,7 @@ def tables(
     late = rows["t [s]"] >= averages.start if averaged else np.zeros(0)  # type: ignore[union-attr]
     if late.sum() >= SPECTRUM:
         frequency, power = spectrum(rows["t [s]"][late], rows["pressure_drop [Pa]"][late])
-        found["spectrum"] = {"frequency [Hz]": frequency, "pressure_drop [Pa2 s]": power}
+        found["spectrum"] = {"frequency [Hz]": frequency, "spectral_density [Pa2 s]": power}
     return found
 
 

@@ -15,9 +15,7 @@ from contbed.two_fluid.linear.cg import System
 from contbed.two_fluid.model import Model
 
 # implicit over explicit excess of viscosity [-]: a loose cell that follows a stiff one feeds back through its shear
-EXCESS_IMPLICIT = (
-    2.0  # implicit over explicit excess: a loose cell that follows a stiff one feeds back through its shear
-)
+EXCESS_IMPLICIT = 2.0
 
 
 class Fluid(NamedTuple):
