@@ -11,7 +11,7 @@ import numpy as np
 from contbed import models
 from contbed.errors import BalanceError, ClosureRangeError, ContbedError, ConvergenceError, SceneError, interrupt_in
 from contbed.result import Result, outside
-from contbed.scene.identity import scene_hash
+from contbed.scene.identity import identity
 from contbed.scene.inputs import all_inputs
 from contbed.scene.tables import SceneBase
 
@@ -180,7 +180,8 @@ def _checkpoint(scene: SceneBase, plan: Any, folder: Path) -> tuple[Any, Any]:
     if not plan.steps:
         raise SceneError(f"{scene.origin.name}: nothing to restart, the scene takes no time steps; leave out --restart")
     arrays, meta = checkpoint.load(folder)
-    checkpoint.require_same(meta, scene_hash(scene))
+    origin, may_change = scene.origin, models.model_of(scene).find("run", "RESTART_MAY_CHANGE")
+    checkpoint.require_same(meta, identity(scene), may_change, lambda key: origin.at(tuple(key.split("."))))
     return arrays, meta
 
 
@@ -190,4 +191,4 @@ def _keep_last(scene: Any, error: ConvergenceError, folder: Path | None) -> None
         return
     from contbed.output import checkpoint
 
-    checkpoint.save(folder, {"state": np.asarray(error.state)}, {"scene_hash": scene_hash(scene)})
+    checkpoint.save(folder, {"state": np.asarray(error.state)}, {"identity": identity(scene)})

@@ -22,6 +22,8 @@ from contbed.dem import extract
 from contbed.result import Result, timed
 from contbed.scene.tables import FluidConstant
 
+RESTART_MAY_CHANGE = ("time.end", "output")
+
 
 @timed("particles and gas")
 def run(
@@ -132,9 +134,9 @@ def _save(scene: GasScene, bed: Bed, history: History, folder: Path | None) -> N
 
 def _write_checkpoint(scene: GasScene, bed: Bed, history: History, folder: Path) -> None:
     from contbed.output import checkpoint
-    from contbed.scene.identity import scene_hash
+    from contbed.scene.identity import identity
 
-    checkpoint.save(folder, bed.state() | history.state(), {"scene_hash": scene_hash(scene)})
+    checkpoint.save(folder, bed.state() | history.state(), {"identity": identity(scene)})
 
 
 def _fit_closure(plan: GasPlan, result: Result, folder: Path | None) -> None:

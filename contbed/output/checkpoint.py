@@ -6,7 +6,7 @@ import hashlib
 import json
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -94,17 +94,56 @@ def require_there(folder: Path | str) -> None:
         raise SceneError(f"{folder}: no {NAME} to restart from; run the scene without --restart")
 
 
-def require_same(meta: Mapping[str, Any], scene_hash: str) -> None:
+def require_same(
+    meta: Mapping[str, Any],
+    identity: Mapping[str, Any],
+    may_change: Sequence[str] = (),
+    at: Callable[[str], str] = lambda key: "scene",
+) -> None:
     """Refuse the checkpoint of another scene.
+
+    Parameters
+    ----------
+    meta : of the checkpoint; `meta["identity"]` is that of the scene that wrote it
+    identity : of the scene that goes on, see `contbed.scene.identity`
+    may_change : keys of the scene that may differ, tables with all their keys
+    at : file and line of a key
 
     Raises
     ------
-    SceneError : `meta["scene_hash"]` is not `scene_hash`
+    SceneError : with a line for each key that differs and may not
     """
-    found = meta.get("scene_hash")
-    if found != scene_hash:
-        detail = f"scene hash {str(found)[:12]}, expected {scene_hash[:12]}"
-        raise SceneError(f"the checkpoint belongs to another scene ({detail}); restart with the scene that wrote it")
+    found = meta.get("identity")
+    if not isinstance(found, Mapping):
+        raise SceneError("the checkpoint says not which scene wrote it, as of another version; run without --restart")
+    if found.get("contbed") != identity["contbed"]:
+        versions = f"contbed {found.get('contbed')}, this is {identity['contbed']}"
+        raise SceneError(f"the checkpoint was written by {versions}; run without --restart")
+    problems = []
+    was, now = _flat(found.get("values", {})), _flat(identity["values"])
+    for key in dict.fromkeys((*now, *was)):
+        free = any(key == name or key.startswith(f"{name}.") for name in may_change)
+        if not free and was.get(key) != now.get(key):
+            problems.append(f"{at(key)}: {key} = {_shown(now.get(key))}: the checkpoint has {_shown(was.get(key))}")
+    was, now = found.get("files", {}), identity["files"]
+    problems += [f"{name}: another file than that of the checkpoint" for name in now if was.get(name) != now[name]]
+    if problems:
+        allowed = f"; only {', '.join(may_change)} may change" if may_change else ""
+        raise SceneError([*problems, f"the checkpoint belongs to another scene{allowed}"])
+
+
+def _flat(values: Any, above: str = "") -> dict[str, Any]:
+    """Values by dotted key."""
+    if not isinstance(values, Mapping):
+        return {above: values}
+    found: dict[str, Any] = {}
+    for key, value in values.items():
+        found |= _flat(value, f"{above}.{key}" if above else str(key))
+    return found
+
+
+def _shown(value: Any) -> str:
+    return "absent" if value is None else json.dumps(value)
 
 
 def _checksum(arrays: Mapping[str, NDArray], text: str) -> str:

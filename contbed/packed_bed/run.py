@@ -11,6 +11,7 @@ from contbed.packed_bed.plan import Plan
 from contbed.result import Result, outside
 
 NOTICED = 1e-2  # share of the heat above 0 K in streams and bed below which rounding of temperatures blurs a balance
+RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "output", "solver.memory_GB")
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
 
 
@@ -137,16 +138,20 @@ def _transient(
     from contbed.output.progress import Progress
     from contbed.packed_bed.results import transient_findings
     from contbed.packed_bed.transient import History, integrated_fluxes, run_transient
-    from contbed.scene.identity import scene_hash
+    from contbed.scene.identity import identity
 
     scene = plan.scene
     assert scene.time is not None
-    label = scene_hash(scene)
-    history = History(problem.begin(plan.policy)) if start is None else History.unpack(*start)
+    label = identity(scene)
+    history = (
+        History(problem.begin(plan.policy))
+        if start is None
+        else History.unpack(*start).fitted(scene.time, scene.origin)
+    )
 
     def save(arrays: dict[str, Any], meta: dict[str, Any]) -> None:
         assert folder is not None
-        checkpoint.save(folder, arrays, meta | {"scene_hash": label})
+        checkpoint.save(folder, arrays, meta | {"identity": label})
 
     try:
         with result.timed("heat"), Progress(scene.time.end, "s", quiet) as progress:

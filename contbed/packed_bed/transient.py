@@ -9,7 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from contbed.errors import SceneError
 from contbed.packed_bed.heat import HeatProblem
+from contbed.packed_bed.scene import Time
+from contbed.scene.toml_lines import Origin
 from contbed.solvers.linear import Policy
 from contbed.solvers.timestep import WEIGHTS, march
 
@@ -28,6 +31,8 @@ class History:
     tick: int = 0
     level: int | None = None
     steps: int = 0
+    origin: float = 0.0  # where the ladder of steps begins and ends [s]
+    end: float = 0.0
     times: list[float] = field(default_factory=list)
     snapshots: list[Any] = field(default_factory=list)
     mean: Any = 0.0
@@ -52,6 +57,8 @@ class History:
             "tick": self.tick,
             "level": self.level,
             "steps": self.steps,
+            "origin": self.origin,
+            "end": self.end,
             "flux": list(self.flux),
         }
 
@@ -64,6 +71,8 @@ class History:
             tick=meta["tick"],
             level=meta["level"],
             steps=meta["steps"],
+            origin=meta["origin"],
+            end=meta["end"],
             times=list(arrays["times"]),
             snapshots=list(arrays["snapshots"]),
             mean=arrays["mean"],
@@ -72,6 +81,27 @@ class History:
             gain=float(arrays["sums"][1]),
             ranges={name: rows for name, rows in arrays.items() if name.startswith("ranges_")},
         )
+
+    def fitted(self, time: Time, where: Origin) -> History:
+        """Return the history as if the run had been asked for this end and these output times from its start.
+
+        Raises
+        ------
+        SceneError : an output time has passed and was not kept, or the end has passed
+        """
+        if time.end < self.time * (1 - 1e-12):
+            text = f"lies before {self.time:g} s, which the checkpoint has reached"
+            raise SceneError(f"{where.at(('time', 'end'))}: time.end = {time.end:g}: {text}")
+        kept = dict(zip(self.times, self.snapshots, strict=True))
+        passed = [moment for moment in sorted({*time.times, time.end}) if moment <= self.time * (1 + 1e-12)]
+        missing = [moment for moment in passed if moment not in kept and abs(moment - self.time) > 1e-12 * moment]
+        if missing:
+            text = f"{missing[0]:g} s lies before {self.time:g} s, which the checkpoint has reached, and was not kept"
+            raise SceneError(f"{where.at(('time', 'times'))}: time.times: {text}")
+        self.times, self.snapshots = passed, [kept.get(moment, self.state) for moment in passed]
+        if time.end != self.end:  # another ladder, from here
+            self.origin, self.end, self.tick, self.level = self.time, time.end, 0, None
+        return self
 
 
 def run_transient(
@@ -88,6 +118,7 @@ def run_transient(
     wanted = sorted({*time.times, time.end})
     problem.medium.restore(history.ranges)
     low, high = problem.T_span
+    history.end = history.end or time.end
     if not history.times and wanted[0] == 0.0:
         _keep(history, 0.0, history.state)
     solver = problem.scene.solver
@@ -96,6 +127,7 @@ def run_transient(
         history.state,
         time.end,
         problem.system.ordered(policy),
+        start=history.origin,
         tolerance=time.tolerance,
         span=max(high - low, 1e-9 * high),
         origin=low,

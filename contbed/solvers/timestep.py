@@ -91,23 +91,24 @@ def march(
     tolerance: float,
     span: float,
     origin: float = 0.0,
+    start: float = 0.0,
     step: float | None = None,
     tick: int = 0,
     level: int | None = None,
     newton_options: dict[str, Any] | None = None,
 ) -> Iterator[Step]:
-    """Yield accepted steps from `tick` (0, or where a checkpoint stopped) to `end`.
+    """Yield accepted steps from `tick` (0, or where a checkpoint stopped) to `end`; tick 0 is at `start`.
 
-    `tolerance` is the local error relative to `span`; a constant `step` [s] is rounded down to divide `end`.
+    `tolerance` is the local error relative to `span`; a constant `step` [s] is rounded down to divide the time.
     Linear problems are measured from the uniform state `origin`, which loses fewer digits than measuring from zero. The
     shortest step is accepted whatever its error, so that a jump in a layer far thinner than the mesh decays.
     """
     if step is not None:
-        total = max(1, int(np.ceil(end / step * (1 - 1e-12))))
-        unit, level, adaptive = end / total, 0, False
+        total = max(1, int(np.ceil((end - start) / step * (1 - 1e-12)))) if end > start else 0
+        unit, level, adaptive = (end - start) / max(total, 1), 0, False
     else:
-        total = 2**LEVELS
-        unit, adaptive = end / total, True
+        total = 2**LEVELS if end > start else 0
+        unit, adaptive = (end - start) / max(total, 1), True
         level = LEVELS - FIRST_LEVEL if level is None else level
     solved = _Affine(problem, np.full_like(state, origin)) if problem.linear else problem
     stage = _Stages(solved, policy, newton_options or {})
@@ -118,14 +119,14 @@ def march(
         if adaptive:
             norm = float(np.abs(error * problem.weights).max()) / (tolerance * span)
             if level == 0 and not np.isfinite(norm):
-                raise ConvergenceError(f"time step below {dt:.3g} s at t = {tick * unit:.6g} s: state blows up")
+                raise ConvergenceError(f"time step below {dt:.3g} s at t = {start + tick * unit:.6g} s: state blows up")
             if level > 0 and not norm <= 1.0:
                 level -= 1
                 continue
         after, wider = tick + width, level
         if adaptive and norm < 0.05 and after % (2 * width) == 0 and after + 2 * width <= total:
             wider = level + 1
-        yield Step(tick * unit, dt, states, rates, gain, tick, level, wider)
+        yield Step(start + tick * unit, dt, states, rates, gain, tick, level, wider)
         state, tick, level = states[-1], after, wider
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.errors import SceneError
 from contbed.result import Result, timed
 from contbed.two_fluid import closure_kernels, momentum_budget, probes
 from contbed.two_fluid import plan as planning
@@ -18,6 +19,7 @@ from contbed.two_fluid.averages import Averages
 from contbed.two_fluid.closures import known
 from contbed.two_fluid.simulation import Simulation
 
+RESTART_MAY_CHANGE = ("time.end", "time.sample", "output.plots", "output.fields", "output.window")
 ROWS = 200  # in profiles.csv unless the scene says how often
 
 
@@ -96,7 +98,16 @@ class Run:
             closure.restore(arrays[f"ranges_{kind}"])
         if self.averages is not None:
             self.averages.resume(dict(arrays))
+            self._require_same_window(meta["identity"]["values"]["time"]["end"])
         self.end_pulses()
+
+    def _require_same_window(self, end: float) -> None:
+        """Refuse another end of averages, whose halves are those of the window, once they have begun."""
+        assert self.averages is not None
+        if self.averages.weight.any() and end != self.scene.time.end:
+            where = self.scene.origin.at(("time", "end"))
+            text = f"the averages since {self.averages.start:g} s are of a window that ends at {end:g} s"
+            raise SceneError(f"{where}: time.end = {self.scene.time.end:g}: {text}")
 
 
 @timed("flow")
@@ -105,11 +116,11 @@ def run(
 ) -> None:
     """Run and fill the result; fields and checkpoints go into `folder`."""
     from contbed.output.progress import Progress
-    from contbed.scene.identity import scene_hash
+    from contbed.scene.identity import identity
 
     run = Run(plan)
     scene: t.TwoFluidScene = plan.scene
-    label = scene_hash(scene)
+    label = identity(scene)
     if start is not None:
         run.resume(*start)
     stops = np.arange(1, max(1, round(scene.time.end / run.interval)) + 1) * run.interval
@@ -133,12 +144,12 @@ def run(
             _fields(run, folder)
 
 
-def _keep(run: Run, folder: Path, label: str) -> None:
+def _keep(run: Run, folder: Path, label: dict[str, Any]) -> None:
     """Checkpoint after a row, and fields when their time has come."""
     from contbed.output import checkpoint
 
     arrays, meta = run.arrays()
-    checkpoint.save(folder, arrays, {"scene_hash": label, **meta})
+    checkpoint.save(folder, arrays, {"identity": label, **meta})
     every = run.scene.time.fields
     next_time = np.inf if every is None else (len(run.files) + 1) * every * (1.0 - 1e-9)
     if run.scene.output.fields and run.bed.state.time >= next_time:

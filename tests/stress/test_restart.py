@@ -233,8 +233,39 @@ def test_interrupt_leaves_the_last_state(scene, whole, tmp_path):
 def test_checkpoint_of_another_scene(scene, whole):
     before = (whole / "summary.json").read_bytes()
     code, message = finish([*COMMAND, scene, "--set", "flow.velocity=0.31", "--restart", whole])
-    assert code == 2 and message.startswith("the checkpoint belongs to another scene (scene hash ")
+    assert code == 2
+    assert message.startswith(
+        "override: flow.velocity = 0.31: the checkpoint has 0.3\nthe checkpoint belongs to another"
+    )
     assert (whole / "summary.json").read_bytes() == before
+
+
+@pytest.mark.parametrize("text", [SCENE, ADAPTIVE, NONLINEAR], ids=["fixed step", "adaptive", "nonlinear"])
+def test_a_run_goes_on_to_a_later_end_and_other_output_times(text, tmp_path):
+    long = (
+        text.replace("end = 1500.0", "end = 600.0").replace("1000.0]", "550.0]").replace("end = 1010.0", "end = 600.0")
+    )
+    short = long.replace("end = 600.0", "end = 500.0").replace("[1.0, 100.0, 550.0]", "[1.0, 50.0, 100.0]")
+    whole = cb.run(loads(long))
+    cb.run(loads(short), out=tmp_path)
+    found = cb.run(loads(long), out=tmp_path, restart=tmp_path)
+    assert found.status == "ok" and abs(found.balances["energy"]["relative_residual"]) <= 1e-10
+    assert list(dict.fromkeys(found.profiles["t [s]"])) == [1.0, 100.0, 550.0, 600.0]
+    for name, column in whole.profiles.items():
+        assert np.allclose(column, found.profiles[name], rtol=2e-3, atol=0.05), name
+    later = read_table(tmp_path / "profiles.csv")["t [s]"]
+    assert later[-1] == 600.0
+
+
+def test_what_has_passed_cannot_be_asked_for(tmp_path):
+    text = SCENE.replace("end = 1500.0", "end = 200.0").replace("100.0, 1000.0]", "100.0]")
+    cb.run(loads(text), out=tmp_path)
+    with pytest.raises(SceneError, match=r"scene\.toml:\d+: time.end = 150: lies before 200 s"):
+        cb.run(loads(text.replace("end = 200.0", "end = 150.0")), restart=tmp_path)
+    with pytest.raises(SceneError, match=r"scene\.toml:\d+: time.times: 60 s lies before 200 s, .* was not kept"):
+        cb.run(
+            loads(text.replace("[1.0, 100.0]", "[1.0, 60.0]").replace("end = 200.0", "end = 300.0")), restart=tmp_path
+        )
 
 
 def test_damaged_checkpoint(whole, tmp_path):

@@ -322,7 +322,8 @@ ARRAYS = {
     "empty": np.zeros((0, 2)),
     "number": np.array(2.5),
 }
-META = {"scene_hash": "abc", "time": 0.1 + 0.2, "tick": 2**60, "level": np.int64(3)}
+IDENTITY = {"values": {"flow": {"velocity": 0.3}, "time": {"end": 1.0}}, "files": {"a.msh": "1"}, "contbed": "1"}
+META = {"identity": IDENTITY, "time": 0.1 + 0.2, "tick": 2**60, "level": np.int64(3)}
 
 
 def test_checkpoint_is_bitwise(tmp_path):
@@ -374,10 +375,36 @@ def test_checkpoint_missing_or_of_another_scene(tmp_path):
         checkpoint.load(tmp_path / "none")
     with pytest.raises(SceneError, match=r"no checkpoint\.npz"):
         checkpoint.load(tmp_path)
-    checkpoint.require_same(META, "abc")
-    for meta in (META, {}):
-        with pytest.raises(SceneError, match="another scene"):
-            checkpoint.require_same(meta, "abd")
+    checkpoint.require_same(META, IDENTITY)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"contbed": "2"}, ["the checkpoint was written by contbed 1, this is 2; run without --restart"]),
+        ({"files": {"a.msh": "2"}}, ["a.msh: another file than that of the checkpoint", "another scene"]),
+        (
+            {"values": {"flow": {"velocity": 0.4}, "time": {"end": 2.0}}},
+            ["flow: flow.velocity = 0.4: the checkpoint has 0.3", "only time.end may change"],
+        ),
+        (
+            {"values": {"flow": {"velocity": 0.3, "slip": 1}, "time": {"end": 1.0}}},
+            ["flow: flow.slip = 1: the checkpoint has absent", "another scene"],
+        ),
+        ({"values": {"flow": {"velocity": 0.3}, "time": {"end": 2.0}}}, []),
+    ],
+)
+def test_the_checkpoint_of_another_scene_names_what_differs(change, told):
+    arguments = (META, IDENTITY | change, ["time.end"], lambda key: key.split(".")[0])
+    if not told:
+        checkpoint.require_same(*arguments)
+        return
+    with pytest.raises(SceneError) as caught:
+        checkpoint.require_same(*arguments)
+    assert len(caught.value.problems) == len(told)
+    assert all(text in problem for text, problem in zip(told, caught.value.problems, strict=True))
+    with pytest.raises(SceneError, match="says not which scene wrote it"):
+        checkpoint.require_same({}, IDENTITY)
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
