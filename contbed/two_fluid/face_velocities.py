@@ -26,7 +26,7 @@ from contbed.two_fluid.state import ForceGradients
 
 Value = TypeVar("Value", float, Array)
 
-# solids fraction on a face over that of its upwind cell [-]
+# solids fraction on a face over that of its upwind cell [-] (test_level_bed_on_triangles_calms_down)
 MAX_OVERSHOOT = 2.0
 # (N dt)^2 [-] of a buoyancy wave of frequency N up to which the step follows it (test_fronts_stay_level)
 WAVE_RESOLVED = 0.05

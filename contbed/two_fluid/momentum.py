@@ -25,7 +25,6 @@ from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress, add_stress
 from contbed.two_fluid.timing import phase
 
 # subcycles of the convection of the gas in a step; more would cost more than shorter steps
-# (test_the_step_is_as_long_as_the_passes_allow)
 MAX_SUBCYCLES = 4
 # share of a cell that the gas crosses in a subcycle [-] (test_a_wave_travels)
 SUBCYCLE_COURANT = 0.9

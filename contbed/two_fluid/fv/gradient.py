@@ -11,7 +11,9 @@ import numpy as np
 from contbed.two_fluid.compiled import Array, Flags, kernel
 from contbed.two_fluid.fv.grid import Geometry
 
-FEW_PARTICLES = 1e-2  # [-] ratio of two solids fractions below which the smaller one counts less and less
+# ratio of two solids fractions [-] below which the smaller one counts less and less
+# (test_level_bed_on_triangles_calms_down)
+FEW_PARTICLES = 1e-2
 NO_PARTICLES = 1e-30  # [-] solids fraction that makes the ratio of two empty cells 1
 
 
