@@ -8,7 +8,6 @@ from __future__ import annotations
 import os
 import stat
 import sys
-import tempfile
 from pathlib import Path
 
 VARIABLE = "NUMBA_CACHE_DIR"
@@ -22,6 +21,8 @@ def choose_cache() -> None:
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser())
     if _can_write(package / "__pycache__") or _can_write(home / "numba"):
         return
+    import tempfile  # takes longer to import than all of this
+
     folder = Path(tempfile.gettempdir()) / f"contbed-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
     try:
         folder.mkdir(mode=0o700)
