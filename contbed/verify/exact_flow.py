@@ -125,8 +125,8 @@ def _darcy_brinkman(eta: Array, slip: float, darcy: float) -> tuple[Array, float
 def _solve(eta: Array, slip: float, darcy: float, inertia: float) -> tuple[Array, float, float]:
     """Solve w'' = P + m r + n |r| r, r = w - slip, w(0) = 0, w'(1/2) = 0, mean 1.
 
-    Units are H, the mean velocity and mu. First over elements that ignore the kink, then, if the flow passes r = 0, with
-    an element boundary on it.
+    Units are H, the mean velocity and mu. First over elements that ignore the kink, then, if the flow passes r = 0,
+    with an element boundary on it.
     """
     layer = 1.0 / math.sqrt(darcy + 2.0 * inertia * max(abs(slip), abs(1.0 - slip)))
     core = 1.0 - slip
