@@ -116,6 +116,7 @@ _RESULTS = (
     Field("u_max", r"u_\mathrm{max}", "m/s", "largest superficial velocity of the fluid"),
     Field("u_max_outlet", r"u_\mathrm{max}", "m/s", "largest superficial velocity of the fluid at the outlet"),
     Field("pressure_drop_Pa", r"\Delta p", "Pa", "pressure of the fluid at the inlet over that at the outlet"),
+    Field("residence_time_s", "t", "s", "mean time that the fluid takes through a bed in plug flow"),
     Field("pressure_gradient_Pa_m", r"\mathrm{d}p/\mathrm{d}x", "Pa/m", "pressure gradient of the developed flow"),
     Field("estimated_error", r"e", "1", "estimated error of theta"),
     Field("theta_equilibrium", r"\theta_\mathrm{eq}", "1", "scaled temperature at which both phases meet"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from contbed.fem.probe import Line, line_along
 from contbed.fields import header
@@ -142,7 +143,9 @@ def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], result: Res
         for name, column in (("u", "u"), ("rho_fluid", "density"), ("p", "pressure")):
             values = [np.interp(places, x, getattr(stream, column)) for stream in streams]
             result.profiles[header(name)] = np.concatenate(values)
-        result.qoi["pressure_drop_Pa"] = float(abs(streams[-1].pressure[-1] - streams[-1].pressure[0]))
+        last = streams[-1]
+        result.qoi["pressure_drop_Pa"] = float(abs(last.pressure[-1] - last.pressure[0]))
+        result.qoi["residence_time_s"] = medium.scene.bed.porosity * float(trapezoid(1.0 / np.abs(last.u), x))
     elif header("u") in result.profiles:
         T = line.probe(space, problem.system.part(states[0], "T_fluid"))
         density = np.broadcast_to(medium.fluid.density(T), T.shape)

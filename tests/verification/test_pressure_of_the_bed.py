@@ -36,6 +36,7 @@ def test_constant_properties_give_ergun(velocity):
     result = cb.run(from_dict(bed(CONSTANT, velocity)))
     wanted = pressure_gradient_ergun(u=U, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2)
     assert result.qoi["pressure_drop_Pa"] == pytest.approx(wanted, rel=1e-12)
+    assert result.qoi["residence_time_s"] == pytest.approx(EPS / U, rel=1e-12)
     p = result.profiles["p [Pa]"]
     assert p[-1 if velocity > 0 else 0] == 0.0 and p.min() >= 0.0
 
