@@ -75,7 +75,8 @@ class Result:
 
         settings = self.plan.scene.output
         parts: dict[str, Callable[[], Any]] = {}
-        if self.profiles:
+        # not every physics lets its profiles be left out
+        if self.profiles and getattr(settings, "profiles", True):
             parts["profiles.csv"] = lambda: write_table(out / "profiles.csv", self.profiles)
         for name, columns in self.tables.items():
             parts[f"{name}.csv"] = partial(write_table, out / f"{name}.csv", columns)

@@ -130,6 +130,7 @@ class Output(Table):
         None,
         description="other coordinates of the line of profiles; absent: the middle, or a line inside of the mesh",
     )
+    profiles: Switch = Field(True, description="profiles.csv, which sweeps of many scenes may not need")
     fields: Switch = True
     plots: Switch = True
 

@@ -21,11 +21,13 @@ import skfem
 from contbed import fields
 from contbed.errors import ContbedError, SceneError
 from contbed.fem.elements import Space
+from contbed.loading import loads
 from contbed.output import checkpoint, plots, summary
 from contbed.output.files import atomic
 from contbed.output.progress import Progress
 from contbed.output.tables import read_table, write_table
 from contbed.output.vtu import at_nodes, write_fields, write_series
+from contbed.runner import run
 
 LINE, X, Y = np.array([0.0, 0.3, 0.4, 1.0]), np.array([0.0, 0.4, 1.0, 1.1]), np.array([0.0, 0.5, 0.7])
 SHEAR = np.array([[1.0, 0.2, 0.1], [0.3, 1.5, 0.0], [0.0, 0.2, 0.8]])
@@ -73,6 +75,20 @@ def test_fields_have_units_and_bounds():
     assert all(fields.name_of(fields.header(name)) == name and name.isascii() for name in fields.FIELDS)
     assert fields.unit_of("T_fluid_outlet") == "K"
     assert fields.unit_of("T") is None
+
+
+def test_profiles_can_be_left_out(tmp_path):
+    scene = """
+        mesh = { type = "line", length = 1.0 }
+        radiation = { absorption = 1.0, conductivity = 1.0 }
+        boundary.left.radiation.temperature = 300
+        boundary.right.radiation.temperature = 400
+    """
+    for wanted in ("true", "false"):
+        run(loads(scene + f"output = {{ profiles = {wanted}, plots = false, fields = false }}"), out=tmp_path / wanted)
+    assert "profiles.csv" in {path.name for path in (tmp_path / "true").iterdir()}
+    assert "profiles.csv" not in {path.name for path in (tmp_path / "false").iterdir()}
+    assert (tmp_path / "false" / "summary.json").is_file()
 
 
 def test_vtu_reads_back(cell, tmp_path):
