@@ -218,7 +218,7 @@ def a_steady_temperature_is_determined(
         phase
         for conditions in boundary.values()
         for phase in PHASES
-        if (c := getattr(conditions, phase)) is not None and (c.fixed or c.inflow or c.coefficient)
+        if (c := getattr(conditions, phase)) is not None and c.ties
     }
     if radiation is not None and any(conditions.radiation for conditions in boundary.values()):
         tied.add("solid")

@@ -57,11 +57,7 @@ class HeatProblem:
             for phase in PHASES
             for part in self.system.boundary(name)
         ]
-        self._boundary: list[Any] = [
-            (two_energy.boundary, part, wall)
-            for _, part, wall in self.walls
-            if wall.mass_flux is not None or wall.coefficient is not None or wall.flux
-        ]
+        self._boundary: list[Any] = [(two_energy.boundary, part, wall) for _, part, wall in self.walls if wall.crossed]
         if self.radiation is not None:
             self._interior.append(self.radiation.interior(cells))
             self._boundary += self.radiation.boundaries(mesh, self.system)

@@ -75,8 +75,9 @@ class Medium:
 
     @property
     def constant(self) -> bool:
-        """Whether no property depends on temperature."""
-        if self.scene.radiation is not None or self._radiating():
+        """Whether no property depends on temperature and no boundary makes the problem nonlinear."""
+        conditions = [table for side in self.scene.boundary.values() for table in (side.fluid, side.solid) if table]
+        if self.scene.radiation is not None or self._radiating() or not all(table.linear for table in conditions):
             return False
         return self.fluid.constant and (self.solid is None or self.solid.constant)
 

@@ -110,6 +110,16 @@ class PhaseCondition(Table):
             raise ValueError("coefficient and ambient belong together")
         return self
 
+    @property
+    def ties(self) -> bool:
+        """Whether a steady temperature is determined by this condition; a flux alone leaves it open."""
+        return self.flux is None
+
+    @property
+    def linear(self) -> bool:
+        """Whether the heat that crosses the boundary is linear in the temperature, closures left aside."""
+        return True
+
 
 class Boundary(Table):
     """Conditions on one named boundary; what is absent is adiabatic, and a frictionless wall for the flow."""

@@ -128,6 +128,11 @@ class Wall:
     coefficient: Any = None  # function of the unknowns [W/m2/K]
     ambient: float = 0.0  # [K]
 
+    @property
+    def crossed(self) -> bool:
+        """Whether heat may cross; an adiabatic wall costs nothing."""
+        return self.mass_flux is not None or self.coefficient is not None or bool(self.flux)
+
 
 def boundary(unknowns: Any, tests: Any, c: Wall, o: Any) -> Any:
     """Convection through a boundary, prescribed flux and wall coefficient."""
