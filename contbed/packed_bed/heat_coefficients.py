@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contbed.closures.optics import SIGMA
 from contbed.fem.domain import Domain
 from contbed.fem.dual import Components
 from contbed.fem.skfem import Ops, System
@@ -155,6 +156,8 @@ class HeatCoefficients:
             spec, speed = condition.coefficient, self._speed(where)
             options["ambient"] = condition.ambient
             options["coefficient"] = lambda unknowns: self.medium.wall(spec, unknowns.T_fluid, speed)
+        if condition is not None and condition.emissivity is not None:
+            options |= {"ambient": condition.ambient, "emission": condition.emissivity * SIGMA}
         return two_energy.Wall(f"T_{phase}", flux, material.enthalpy, **options)
 
 

@@ -16,6 +16,7 @@ from contbed.radiation.scene import Radiation, RadiationCondition, Tubes
 from contbed.scene.mesh import Mesh, MeshFile
 from contbed.scene.quantities import (
     Conductivity,
+    Emissivity,
     Fraction,
     HeatFlux,
     HeatSource,
@@ -93,21 +94,23 @@ class Heat(Table):
 
 
 class PhaseCondition(Table):
-    """Thermal condition of one phase on one boundary: exactly one of the four."""
+    """Thermal condition of one phase on one boundary: exactly one of the five."""
 
     fixed: Temperature | None = Field(None, description="prescribed temperature")
     inflow: Temperature | None = Field(None, description="Danckwerts: temperature of the entering stream")
     flux: HeatFlux | None = Field(None, description="heat into the bed")
     coefficient: WallCoefficientOrClosure | None = Field(None, description="Robin: wall coefficient to `ambient`")
+    emissivity: Emissivity | None = Field(None, description="of a surface that radiates to surroundings at `ambient`")
     ambient: Temperature | None = None
 
     @model_validator(mode="after")
     def _exactly_one(self) -> PhaseCondition:
-        given = [name for name in ("fixed", "inflow", "flux", "coefficient") if getattr(self, name) is not None]
+        names = ("fixed", "inflow", "flux", "coefficient", "emissivity")
+        given = [name for name in names if getattr(self, name) is not None]
         if len(given) != 1:
-            raise ValueError(f"give one of fixed, inflow, flux, coefficient; found {', '.join(given) or 'none'}")
-        if (self.coefficient is None) != (self.ambient is None):
-            raise ValueError("coefficient and ambient belong together")
+            raise ValueError(f"give one of {', '.join(names)}; found {', '.join(given) or 'none'}")
+        if (given[0] in ("coefficient", "emissivity")) != (self.ambient is not None):
+            raise ValueError("coefficient or emissivity and ambient belong together")
         return self
 
     @property
@@ -118,7 +121,7 @@ class PhaseCondition(Table):
     @property
     def linear(self) -> bool:
         """Whether the heat that crosses the boundary is linear in the temperature, closures left aside."""
-        return True
+        return self.emissivity is None
 
 
 class Boundary(Table):

@@ -127,11 +127,12 @@ class Wall:
     flux: float = 0.0  # [W/m2]
     coefficient: Any = None  # function of the unknowns [W/m2/K]
     ambient: float = 0.0  # [K]
+    emission: float = 0.0  # emissivity times the Stefan-Boltzmann constant [W/m2/K4]
 
     @property
     def crossed(self) -> bool:
         """Whether heat may cross; an adiabatic wall costs nothing."""
-        return self.mass_flux is not None or self.coefficient is not None or bool(self.flux)
+        return self.mass_flux is not None or self.coefficient is not None or bool(self.flux or self.emission)
 
 
 def boundary(unknowns: Any, tests: Any, c: Wall, o: Any) -> Any:
@@ -148,7 +149,10 @@ def convected(unknowns: Any, c: Wall, o: Any) -> Any:
 
 
 def supplied(unknowns: Any, c: Wall, o: Any) -> Any:
-    """Heat given to the bed by flux and wall coefficient [W/m2]."""
-    if c.coefficient is None:
-        return c.flux
-    return c.flux + c.coefficient(unknowns) * (c.ambient - getattr(unknowns, c.name))
+    """Heat given to the bed by flux, wall coefficient and radiation from the surroundings [W/m2]."""
+    total, T = c.flux, getattr(unknowns, c.name)
+    if c.coefficient is not None:
+        total = total + c.coefficient(unknowns) * (c.ambient - T)
+    if c.emission:
+        total = total + c.emission * (c.ambient**4 - T**4)
+    return total
