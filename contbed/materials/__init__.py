@@ -28,40 +28,44 @@ __all__ = [
 
 
 class Material(Protocol):
-    """What a model may ask of any material, at the fixed pressure of the material."""
+    """The properties of any material, at its fixed pressure."""
 
     @property
     def constant(self) -> bool:
         """True when no property depends on T: then the heat problem is linear."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Name for messages and results."""
+        ...
 
     @property
     def T_range(self) -> tuple[float, float]:
-        """[K], where the properties hold, ends included."""
+        """Range of temperature [K] in which the properties hold, ends included."""
 
     @property
-    def source(self) -> str: ...
+    def source(self) -> str:
+        """Source of the properties."""
+        ...
 
     def density(self, T: Any) -> Any:
-        """[kg/m3]"""
+        """Return the density [kg/m3]."""
 
     def heat_capacity(self, T: Any) -> Any:
-        """[J/kg/K]"""
+        """Return the heat capacity [J/kg/K]."""
 
     def enthalpy(self, T: Any) -> Any:
-        """[J/kg], the exact integral of heat_capacity; the reference differs between materials"""
+        """Return the enthalpy [J/kg], the exact integral of heat_capacity; the reference differs by material."""
 
     def conductivity(self, T: Any) -> Any:
-        """[W/m/K]"""
+        """Return the conductivity [W/m/K]."""
 
     def share_outside(self, T: Any) -> float:
-        """Share of the points of T outside T_range; such points are computed all the same."""
+        """Return the share of the points of T outside T_range; they are evaluated all the same."""
 
 
 class Fluid(Material, Protocol):
     """A material that flows."""
 
     def viscosity(self, T: Any) -> Any:
-        """[Pa s]"""
+        """Return the viscosity [Pa s]."""

@@ -1,4 +1,4 @@
-"""What every material shares: polynomials that work on dual numbers, and the count of points outside a range."""
+"""Functions that all materials share: polynomials that work on dual numbers, and checks of ranges."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ROUNDING = 1e-9  # relative excess of a temperature that is no more than roundin
 
 
 def polynomial(coefficients: Sequence[float], x: Any) -> Any:
-    """a0 + a1 x + a2 x^2 + ... by Horner's rule; the float a0 when there is nothing else."""
+    """Evaluate a0 + a1 x + a2 x^2 + ... by Horner's rule; the float a0 when there is nothing else."""
     result: Any = coefficients[-1]
     for a in coefficients[-2::-1]:
         result = result * x + a
@@ -25,19 +25,22 @@ def polynomial(coefficients: Sequence[float], x: Any) -> Any:
 
 
 def integrated(coefficients: Sequence[float], constant: float = 0.0) -> tuple[float, ...]:
-    """Coefficients of the integral of a polynomial, `constant` at x = 0."""
+    """Return the coefficients of the integral of a polynomial, `constant` at x = 0."""
     return (constant, *(a / (n + 1) for n, a in enumerate(coefficients)))
 
 
 def share_outside(T: Any, T_range: Range) -> float:
-    """Share of the points of T that lie outside the inclusive range by more than rounding; nan counts as outside."""
+    """Return the share of the points of T outside the inclusive range by more than rounding.
+
+    nan counts as outside.
+    """
     lo, hi = T_range
     inside = np.asarray((lo * (1 - ROUNDING) <= T) & (hi * (1 + ROUNDING) >= T))
     return 1.0 - float(np.count_nonzero(inside)) / inside.size if inside.size else 0.0
 
 
 def checked_range(T_range: Sequence[float], what: str) -> Range:
-    """The range as two floats, or a SceneError."""
+    """Return the range as two floats; raise SceneError if it is none."""
     lo, hi = (float(T) for T in T_range)
     if not 0.0 <= lo < hi:
         raise SceneError(f"{what}: T_range ({lo:g}, {hi:g}) K must rise and not start below 0 K; correct the ends")
@@ -45,7 +48,7 @@ def checked_range(T_range: Sequence[float], what: str) -> Range:
 
 
 def checked_positive(value: float, what: str, unit: str) -> float:
-    """The value as a float, or a SceneError."""
+    """Return the value as a float; raise SceneError if it is not positive."""
     number = float(value)
     if not (number > 0.0 and math.isfinite(number)):
         raise SceneError(f"{what} is {number:g} {unit}; it must be positive and finite")
@@ -53,7 +56,7 @@ def checked_positive(value: float, what: str, unit: str) -> float:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """' (nearest: a, b)' for an error message, or nothing when no known name is close."""
+    """Return ' (nearest: a, b)' for an error message; nothing when no known name is close."""
     by_lower = {k.lower(): k for k in known}
     close = difflib.get_close_matches(name.lower(), by_lower, n=3, cutoff=0.5)
     return f" (nearest: {', '.join(by_lower[c] for c in close)})" if close else ""

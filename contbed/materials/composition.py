@@ -1,4 +1,4 @@
-"""Mole fractions from what a person writes."""
+"""Mole fractions from the text of a composition."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contbed.errors import SceneError
 
 
 def mole_fractions(composition: str | Mapping[str, float]) -> dict[str, float]:
-    """Mole fractions that sum to one, only those above zero.
+    """Return mole fractions above zero that sum to one.
 
     Parameters
     ----------

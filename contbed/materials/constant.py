@@ -51,25 +51,25 @@ class ConstantFluid:
             object.__setattr__(self, key, value)
 
     def density(self, T: Any) -> float:
-        """[kg/m3]"""
+        """Return the density [kg/m3]."""
         return self._density
 
     def heat_capacity(self, T: Any) -> float:
-        """[J/kg/K]"""
+        """Return the heat capacity [J/kg/K]."""
         return self._heat_capacity
 
     def enthalpy(self, T: Any) -> Any:
-        """[J/kg], 0 at 0 K"""
+        """Return the enthalpy [J/kg], 0 at 0 K."""
         return self._heat_capacity * T
 
     def viscosity(self, T: Any) -> float:
-        """[Pa s]"""
+        """Return the viscosity [Pa s]."""
         return self._viscosity
 
     def conductivity(self, T: Any) -> float:
-        """[W/m/K]"""
+        """Return the conductivity [W/m/K]."""
         return self._conductivity
 
     def share_outside(self, T: Any) -> float:
-        """Share of the points of T outside T_range."""
+        """Return the share of the points of T outside T_range."""
         return share_outside(T, self.T_range)

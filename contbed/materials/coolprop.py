@@ -40,32 +40,32 @@ class RealFluid:
     _tables: dict[str, tuple[Any, Any]] = field(repr=False)
 
     def density(self, T: Any) -> Any:
-        """[kg/m3]"""
+        """Return the density [kg/m3]."""
         return pointwise(*self._tables["density"], T)
 
     def heat_capacity(self, T: Any) -> Any:
-        """[J/kg/K]"""
+        """Return the heat capacity [J/kg/K]."""
         return pointwise(*self._tables["heat_capacity"], T)
 
     def enthalpy(self, T: Any) -> Any:
-        """[J/kg], exact integral of heat_capacity, equal to CoolProp's at the lower end of T_range"""
+        """Return the enthalpy [J/kg], exact integral of heat_capacity, CoolProp's at the lower end of T_range."""
         return pointwise(*self._tables["enthalpy"], T)
 
     def viscosity(self, T: Any) -> Any:
-        """[Pa s]"""
+        """Return the viscosity [Pa s]."""
         return pointwise(*self._tables["viscosity"], T)
 
     def conductivity(self, T: Any) -> Any:
-        """[W/m/K]"""
+        """Return the conductivity [W/m/K]."""
         return pointwise(*self._tables["conductivity"], T)
 
     def share_outside(self, T: Any) -> float:
-        """Share of the points of T outside T_range."""
+        """Return the share of the points of T outside T_range."""
         return share_outside(T, self.T_range)
 
 
 def real_fluid(name: str, pressure: float, T_range: Sequence[float] | None = None) -> RealFluid:
-    """A pure fluid from CoolProp, liquid, gas or supercritical.
+    """Tabulate a pure fluid from CoolProp: liquid, gas or supercritical.
 
     Parameters
     ----------
@@ -127,7 +127,10 @@ def _state(name: str) -> tuple[Any, Any]:
 
 
 def _boiling(CoolProp: Any, state: Any, p: float) -> Range | None:
-    """Bubble and dew temperature [K], equal for a pure fluid; None above the critical and below the triple pressure."""
+    """Return bubble and dew temperature [K], equal for a pure fluid.
+
+    None above the critical and below the triple pressure.
+    """
     if p >= state.p_critical() or p < state.trivial_keyed_output(CoolProp.iP_triple):
         return None
     ends = []
@@ -140,7 +143,7 @@ def _boiling(CoolProp: Any, state: Any, p: float) -> Range | None:
 def _one_phase(
     name: str, p: float, T_range: Sequence[float] | None, fluid: Range, boiling: Range | None
 ) -> tuple[Range, str]:
-    """The range, and 'liquid' or 'gas' where both exist at this pressure; a SceneError when it holds both."""
+    """Return the range, and 'liquid' or 'gas' where both exist at this pressure; SceneError if it holds both."""
     steam = name.lower() == "steam"
     if boiling:
         advice = f"{name} boils at {boiling[0]:.2f} K at {p:g} Pa; stay below it for liquid or above it for gas"
@@ -169,7 +172,7 @@ def _one_phase(
 
 
 def _refined(sample: Any, limits: Range) -> tuple[np.ndarray, np.ndarray, float, float]:
-    """Nodes, values, the largest relative error half way between nodes, and where it is.
+    """Return nodes, values, the largest relative error half way between nodes, and where it is.
 
     Intervals that miss the tolerance are halved with their neighbours: that resolves a heat capacity peak, or the kink
     where CoolProp switches off the critical enhancement of conductivity, without a fine grid elsewhere.
@@ -194,7 +197,7 @@ def _refined(sample: Any, limits: Range) -> tuple[np.ndarray, np.ndarray, float,
 
 
 def _tables(T: np.ndarray, values: np.ndarray, h_start: float) -> dict[str, tuple[Any, Any]]:
-    """Value and derivative of every property; enthalpy is the integral of heat capacity."""
+    """Return the value and derivative of every property; enthalpy is the integral of heat capacity."""
     from scipy.interpolate import PPoly, make_interp_spline
 
     tables = {}

@@ -46,19 +46,19 @@ class GasMixture:
     _conductivity_mean: tuple[float, ...] = field(repr=False)
 
     def density(self, T: Any) -> Any:
-        """[kg/m3]: p W / (R T)"""
+        """Return the density [kg/m3], p W / (R T)."""
         return self._density_T / T
 
     def heat_capacity(self, T: Any) -> Any:
-        """[J/kg/K]: NASA 7-coefficient polynomials"""
+        """Return the heat capacity [J/kg/K] by NASA 7-coefficient polynomials."""
         return _by_range(self._T_mid, self._heat_capacity, T)
 
     def enthalpy(self, T: Any) -> Any:
-        """[J/kg], heats of formation included"""
+        """Return the enthalpy [J/kg], heats of formation included."""
         return _by_range(self._T_mid, self._enthalpy, T)
 
     def viscosity(self, T: Any) -> Any:
-        """[Pa s]: Wilke (1950), J. Chem. Phys. 18, 517, doi:10.1063/1.1747673.
+        """Return the viscosity [Pa s] by Wilke (1950), J. Chem. Phys. 18, 517, doi:10.1063/1.1747673.
 
         With v_k = (T M_k)^(1/4) / mu_k^(1/2) and w_k = x_k M_k^(1/2) the rule is symmetric in each pair of species,
         mu = sqrt(T) sum_k w_k / (sum_j w_j (v_k + v_j)^2 / sqrt(8 (M_k + M_j))), which halves its cost.
@@ -76,7 +76,7 @@ class GasMixture:
         return np.sqrt(T) * total
 
     def conductivity(self, T: Any) -> Any:
-        """[W/m/K]: mean of the arithmetic and the harmonic mole average.
+        """Return the conductivity [W/m/K], the mean of the arithmetic and the harmonic mole average.
 
         Mathur, Tondon and Saxena (1967), Mol. Phys. 12, 569, doi:10.1080/00268976700100731.
         """
@@ -89,7 +89,7 @@ class GasMixture:
         return np.sqrt(T) * (0.5 * (mean + 1.0 / below))
 
     def share_outside(self, T: Any) -> float:
-        """Share of the points of T outside T_range."""
+        """Return the share of the points of T outside T_range."""
         return share_outside(T, self.T_range)
 
 
@@ -99,7 +99,7 @@ def gas_mixture(
     mechanism: str = "gri30.yaml",
     T_range: Sequence[float] | None = None,
 ) -> GasMixture:
-    """An ideal gas mixture with the properties that Cantera's mixture-averaged transport gives it.
+    """Build an ideal gas mixture with the properties of Cantera's mixture-averaged transport.
 
     Parameters
     ----------
@@ -153,7 +153,10 @@ def gas_mixture(
 
 
 def _by_range(T_mid: Sequence[float], polynomials: Sequence[Sequence[float]], T: Any) -> Any:
-    """The polynomial of the range that T lies in; a mid temperature belongs to the range below it, as in Cantera."""
+    """Evaluate the polynomial of the range that T lies in.
+
+    A mid temperature belongs to the range below it, as in Cantera.
+    """
     result = polynomial(polynomials[0], T)
     for T_m, coefficients in zip(T_mid, polynomials[1:], strict=True):
         result = np.where(T_m < T, polynomial(coefficients, T), result)
@@ -161,7 +164,7 @@ def _by_range(T_mid: Sequence[float], polynomials: Sequence[Sequence[float]], T:
 
 
 def _cantera_gas(mechanism: str) -> tuple[Any, float]:
-    """The ideal gas phase of a mechanism with mixture-averaged transport, and the gas constant [J/kmol/K]."""
+    """Return the ideal gas phase of a mechanism with mixture-averaged transport, and the gas constant [J/kmol/K]."""
     try:
         import cantera
     except ImportError as error:
@@ -192,7 +195,7 @@ def _cantera_gas(mechanism: str) -> tuple[Any, float]:
 
 
 def _reason(error: Exception) -> str:
-    """What Cantera says, on one line without its frame of stars."""
+    """Return Cantera's message on one line, without its frame of stars."""
     return " ".join(line for line in str(error).split("\n") if line.strip("* "))
 
 
@@ -211,7 +214,7 @@ def _limits(T_range: Sequence[float] | None, fitted: Range, mechanism: str) -> R
 def _nasa(
     species: Sequence[Any], x: Sequence[float], R: float
 ) -> tuple[tuple[float, ...], tuple[tuple[float, ...], ...], tuple[tuple[float, ...], ...]]:
-    """Mid temperatures, and the mixture's heat capacity and enthalpy polynomials below, between and above them."""
+    """Return mid temperatures, and the mixture's polynomials of heat capacity and enthalpy between them."""
     for s in species:
         if s.thermo.n_coeffs != 15:
             raise SceneError(f"gas: {s.name} has no NASA 7-coefficient polynomials; take a mechanism with them")
@@ -230,7 +233,7 @@ def _nasa(
 
 
 def _recentred(fit: Sequence[float], factor: float) -> tuple[float, ...]:
-    """factor times a polynomial in log(T), as one in log(T / T_FIT), by exact arithmetic."""
+    """Return factor times a polynomial in log(T) as one in log(T / T_FIT), by exact arithmetic."""
     a, shift = [Fraction(float(c)) for c in fit], Fraction(math.log(T_FIT))
     return tuple(
         factor * float(sum((math.comb(n, m) * a[n] * shift ** (n - m) for n in range(m, len(a))), Fraction(0)))

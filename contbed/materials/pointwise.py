@@ -1,4 +1,4 @@
-"""Tables meet dual numbers: apply a function known by its value and its derivative at every point."""
+"""Tables for dual numbers: apply a function given by its value and its derivative at every point."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 def pointwise(f: Callable[[Any], Any], df: Callable[[Any], Any], T: Any) -> Any:
-    """f(T), carrying the exact derivative df when T is a dual number.
+    """Return f(T), with the exact derivative df when T is a dual number.
 
     Parameters
     ----------

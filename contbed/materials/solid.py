@@ -64,28 +64,28 @@ class Solid:
             object.__setattr__(self, key, value)
 
     def density(self, T: Any) -> Any:
-        """[kg/m3]"""
+        """Return the density [kg/m3]."""
         return polynomial(self._density, T)
 
     def heat_capacity(self, T: Any) -> Any:
-        """[J/kg/K]"""
+        """Return the heat capacity [J/kg/K]."""
         return polynomial(self._heat_capacity, T)
 
     def enthalpy(self, T: Any) -> Any:
-        """[J/kg], 0 at 0 K; the exact integral of heat_capacity"""
+        """Return the enthalpy [J/kg], 0 at 0 K; the exact integral of heat_capacity."""
         return polynomial(self._enthalpy, T)
 
     def conductivity(self, T: Any) -> Any:
-        """[W/m/K]"""
+        """Return the conductivity [W/m/K]."""
         return polynomial(self._conductivity, T)
 
     def share_outside(self, T: Any) -> float:
-        """Share of the points of T outside T_range."""
+        """Return the share of the points of T outside T_range."""
         return share_outside(T, self.T_range)
 
 
 def _coefficients(given: Property, T_range: Range, what: str, unit: str) -> tuple[float, ...]:
-    """Coefficients without trailing zeros, checked to be positive over a bounded range."""
+    """Return the coefficients without trailing zeros, checked to be positive over a bounded range."""
     if isinstance(given, (int, float)):
         return (checked_positive(given, what, unit),)
     a = tuple(float(c) for c in given)

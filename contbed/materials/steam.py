@@ -17,8 +17,10 @@ T_LOW, T_HIGH = 273.2, 1500.0  # [K]
 
 @dataclass(frozen=True, eq=False)
 class Steam:
-    """Temperature over enthalpy [kJ/kg]. Between `liquid` and `vapour` water boils; both are equal above the critical
-    pressure. Outside of `h_range` the last slope goes on.
+    """Temperature as a function of enthalpy [kJ/kg].
+
+    Between `liquid` and `vapour` water boils; both are equal above the critical pressure. Outside `h_range` the
+    temperature continues linearly with the last slope.
     """
 
     pressure: float
@@ -29,13 +31,13 @@ class Steam:
     _high: Any
 
     def enthalpy(self, T: float) -> float:
-        """[kJ/kg] of one phase at a temperature."""
+        """Return the enthalpy [kJ/kg] of one phase at a temperature [K]."""
         from CoolProp import CoolProp
 
         return 1e-3 * float(CoolProp.PropsSI("Hmass", "P", self.pressure, "T", T, "Water"))
 
     def temperature(self, h: Any) -> Any:
-        """[K]"""
+        """Return the temperature [K]."""
         return pointwise(lambda x: self._value(x, 0), lambda x: self._value(x, 1), h)
 
     def _value(self, h: Any, derivative: int) -> Any:
@@ -49,7 +51,7 @@ class Steam:
         return value + ends[0] * np.minimum(h - self.h_range[0], 0.0) + ends[1] * np.maximum(h - self.h_range[1], 0.0)
 
     def quality(self, h: float) -> float | None:
-        """Share of vapour in the mass of boiling water, None in one phase."""
+        """Return the share of vapour in the mass of boiling water; None in one phase."""
         if not self.liquid < h < self.vapour:
             return None
         return (h - self.liquid) / (self.vapour - self.liquid)
@@ -57,7 +59,7 @@ class Steam:
 
 @cache
 def steam(pressure: float) -> Steam:
-    """Water at a pressure [Pa].
+    """Tabulate water at a pressure [Pa].
 
     Source
     ------

@@ -1,1 +1,1 @@
-"""What a run writes: fields, tables, summary, plots and checkpoints. Heavy libraries are imported when they write."""
+"""Output of a run: fields, tables, summary, plots and checkpoints. Libraries are imported when they write."""

@@ -33,7 +33,7 @@ _DAMAGE = (
 )
 
 
-def save(folder: Path | str, arrays: Mapping[str, NDArray], meta: Mapping[str, Any]) -> None:
+def save(folder: Path | str, arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any]) -> None:
     """Write `checkpoint.npz` in a folder; `meta` holds what JSON can hold, numbers exactly.
 
     Raises
@@ -58,8 +58,8 @@ def save(folder: Path | str, arrays: Mapping[str, NDArray], meta: Mapping[str, A
         raise ContbedError(f"{error}; {before}") from error
 
 
-def load(folder: Path | str) -> tuple[dict[str, NDArray], dict[str, Any]]:
-    """Arrays and meta data of the checkpoint in a folder.
+def load(folder: Path | str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """Read the arrays and meta data of the checkpoint in a folder.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def _shown(value: Any) -> str:
     return "absent" if value is None else json.dumps(value)
 
 
-def _checksum(arrays: Mapping[str, NDArray], text: str) -> str:
+def _checksum(arrays: Mapping[str, NDArray[Any]], text: str) -> str:
     digest = hashlib.sha256(text.encode())
     for name, array in sorted(arrays.items()):
         digest.update(f"{name} {array.dtype.str} {array.shape} ".encode())

@@ -1,4 +1,4 @@
-"""Files that are either complete or not there."""
+"""Files that are either complete or absent."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _REMEDY = {
 
 @contextmanager
 def atomic(path: Path | str) -> Iterator[Path]:
-    """A new file beside `path` to write to, which takes the name `path` when the block ends well.
+    """Yield a new file beside `path` to write to, which takes the name `path` when the block ends without an error.
 
     Until then an older `path` stays as it is, also when the process is killed. Missing folders are made. The name of
     the new file cannot be foreseen, and a link of that name would not be followed.

@@ -73,7 +73,7 @@ class RunFolder:
         self._say()
 
     def end(self, summary: Mapping[str, Any]) -> None:
-        """Write the summary of what has been found."""
+        """Write the summary of the results."""
         self._running = None
         write_json(self.path / SUMMARY, {**summary, "files": sorted({*self.files, SUMMARY})})
 
@@ -87,7 +87,7 @@ class RunFolder:
         write_json(self.path / SUMMARY, {**former, "status": status, "warnings": [text, *warnings]})
 
     def note(self, name: str) -> None:
-        """Add a file to those of the run, before it is there."""
+        """Add a file to those of the run, before it is written."""
         if self._running is not None and name not in (*self.files, SUMMARY):
             self.files.append(name)
             self._say()
@@ -123,14 +123,14 @@ def occupied(folder: Path) -> Iterator[RunFolder]:
 
 
 def mark_failed(folder: Path, status: str, problem: str) -> None:
-    """`RunFolder.mark_failed` where no run has been started; nothing is made where there was no run before."""
+    """Call `RunFolder.mark_failed` where no run has been started; nothing is made where no run was before."""
     if read_summary(folder):
         with suppress(ContbedError), occupied(folder) as place:
             place.mark_failed(status, problem)
 
 
 def read_summary(folder: Path) -> dict[str, Any]:
-    """What summary.json says; empty if there is none that can be read."""
+    """Read summary.json; empty if there is none that can be read."""
     try:
         content = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -139,7 +139,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
 
 
 def _lock(folder: Path) -> int:
-    """The open lock of a folder."""
+    """Return the open lock of a folder."""
     path = folder / LOCK
     while True:
         try:
@@ -167,7 +167,7 @@ def _lock(folder: Path) -> int:
 
 
 def _lives(holder: str) -> bool:
-    """Whether the process that a lock names may still be there; asked where the file system has no locks."""
+    """Return whether the process named in a lock may still run; for file systems without locks."""
     found = re.fullmatch(r"process (\d+) on (.*)", holder)
     if found is None:
         return False

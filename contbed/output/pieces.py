@@ -86,7 +86,7 @@ def write_piece(
     folder: str,
     stem: str,
 ) -> None:
-    """The cells of this rank as one file; runs on all ranks."""
+    """Write the cells of this rank as one file; runs on all ranks."""
     tables = iter(root or ())
 
     def share(width: int, dtype: Any) -> Any:

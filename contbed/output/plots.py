@@ -1,4 +1,4 @@
-"""The picture a person wants first: profiles along the bed, their history, or maps of a plane bed."""
+"""Plots of a run: profiles along the bed, their history, or maps of a plane bed."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ _STYLE: dict[Any, Any] = {
 def styled_figure(
     path: Path | str, height: float, title: str, layout: Any = "constrained", width: float | None = None
 ) -> Iterator[Any]:
-    """A figure in the common style, saved as PNG when the block ends."""
+    """Yield a figure in the common style, saved as PNG when the block ends."""
     matplotlib = _matplotlib()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -84,7 +84,7 @@ def styled_figure(
 
 
 def _matplotlib() -> Any:
-    """Import matplotlib; a backend named by MPLBACKEND that does not exist matters to nobody who writes files."""
+    """Import matplotlib; ignore a backend in MPLBACKEND that does not exist, because only files are written."""
     if "matplotlib" in sys.modules:
         return sys.modules["matplotlib"]
     named = os.environ.pop("MPLBACKEND", None)
@@ -100,7 +100,7 @@ def _matplotlib() -> Any:
 
 
 def _chosen(names: list[str]) -> list[tuple[str, ...]]:
-    """The fields worth a picture, in groups that share an axis: temperatures, else all others one by one."""
+    """Return the fields to plot in groups that share an axis: temperatures, else all others one by one."""
     groups = [tuple(name for name in pair if name in names) for pair in _PAIRS]
     return next(([group] for group in groups if group), [(name,) for name in names])
 
@@ -110,14 +110,14 @@ def _phase(name: str) -> str:
 
 
 def _group_label(group: tuple[str, ...]) -> str:
-    """Axis label of fields that share an axis."""
+    """Return the axis label of fields that share an axis."""
     symbols = ", ".join(f"${FIELDS[name].symbol}$" for name in group)
     unit = FIELDS[group[0]].unit
     return symbols if unit == "1" else f"{symbols} [{unit}]"
 
 
 def profile_plot(path: Path | str, columns: Mapping[str, Array], coordinate_header: str, title: str = "") -> None:
-    """Steady profiles along the bed: the temperatures of both phases, or the other columns where there are none.
+    """Plot steady profiles along the bed: temperatures of both phases, or the other columns where there are none.
 
     Parameters
     ----------
@@ -154,7 +154,10 @@ def profile_plot(path: Path | str, columns: Mapping[str, Array], coordinate_head
 
 
 def transient_plot(path: Path | str, columns: Mapping[str, Array], coordinate_header: str, title: str = "") -> None:
-    """Profiles at several times, dark to light, each with its time; parameters as in `profile_plot`, with "t [s]"."""
+    """Plot profiles at several times, dark to light, each with its time.
+
+    Parameters are those of `profile_plot`; the columns include "t [s]".
+    """
     from matplotlib import colormaps
 
     values = {name_of(header): np.asarray(column) for header, column in columns.items()}
@@ -189,7 +192,7 @@ def transient_plot(path: Path | str, columns: Mapping[str, Array], coordinate_he
 
 
 def _free_spots(axes: Any, curves: list[tuple[Array, Array]]) -> list[tuple[float, float]]:
-    """A point on each curve for its label, as far as can be from other curves, other labels and the frame."""
+    """Return a point on each curve for its label, far from other curves, other labels and the frame."""
     unit = axes.transData + axes.transAxes.inverted()
     even = [np.interp(np.linspace(0, 1, 200), np.linspace(0, 1, len(x)), np.arange(len(x))) for x, _ in curves]
     points = [
@@ -216,7 +219,7 @@ def field_plot(
     axisymmetric: bool = False,
     title: str = "",
 ) -> None:
-    """Colour maps over a plane or axisymmetric bed: both temperatures and the speed, as far as they are there.
+    """Plot colour maps over a plane or axisymmetric bed: both temperatures and the speed, where present.
 
     Parameters
     ----------
@@ -276,7 +279,7 @@ def field_plot(
 
 
 def _limits(values: list[Array]) -> tuple[float, float]:
-    """Range of values, opened around a field that is constant but for solver noise."""
+    """Return the range of values, widened for a field that is constant except for solver noise."""
     low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
     if high - low <= _NOISE * max(abs(low), abs(high)):
         spread = 0.05 * abs(low) or 1.0
@@ -285,7 +288,7 @@ def _limits(values: list[Array]) -> tuple[float, float]:
 
 
 def error_plot(path: Path | str, curves: Mapping[str, Any], x_label: str, y_label: str, title: str = "") -> None:
-    """Errors on logarithmic axes, one line for each (x, error) in `curves`; what is not positive is left out."""
+    """Plot errors on logarithmic axes, one line for each (x, error) in `curves`; only positive values."""
     with styled_figure(path, 5.0, title) as figure:
         axes = figure.subplots()
         for (label, (x, error)), marker in zip(curves.items(), itertools.cycle("osD^vPX<>"), strict=False):

@@ -1,4 +1,4 @@
-"""summary.json, and its digest on the terminal."""
+"""The file summary.json, and its digest on the terminal."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def write_json(path: Path | str, content: Mapping[str, Any]) -> None:
 
 
 def plain(value: Any) -> Any:
-    """The value in JSON's own types; JSON knows neither nan nor inf, so they become None."""
+    """Return the value in JSON's own types; nan and inf, which JSON lacks, become None."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):
@@ -45,7 +45,7 @@ def plain(value: Any) -> Any:
 
 
 def table(summary: Mapping[str, Any], width: int | None = None) -> str:
-    """The result of a run for a person: coloured on a terminal, plain text elsewhere.
+    """Return the result of a run as a table: coloured on a terminal, plain text elsewhere.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def _closure_rows(closures: Iterable[Mapping[str, Any]]) -> list[list[str]]:
 
 
 def _grid(title: str, columns: list[str], rows: list[list[str]]) -> Any:
-    """Table without lines; text folds rather than being cut, and a flagged cell is red."""
+    """Return a table without lines; text is folded rather than cut, and a flagged cell is red."""
     from rich.table import Table
     from rich.text import Text
 
@@ -137,7 +137,7 @@ def _with_unit(name: str, unit: str | None) -> str:
 
 
 def _unit(key: str) -> str | None:
-    """Unit given with a name, "power [W]", or that of the field it is named after, unless it ends the name."""
+    """Return the unit in a name, "power [W]", or that of its field; None where the unit ends the name."""
     if " [" in key:
         return key[key.index(" [") + 2 : -1]
     unit = unit_of(key)
@@ -152,7 +152,7 @@ def _span(ends: Iterable[float | None]) -> str:
 
 
 def _number(value: Any, style: str = ".4g") -> str:
-    """A number as text; a missing one is a dash, and anything else shows as it is."""
+    """Return a number as text; a missing one is a dash, and anything else is shown as it is."""
     if value is None:
         return "-"
     return format(value, style) if isinstance(value, int | float | np.number) else str(value)

@@ -25,7 +25,7 @@ def write_table(path: Path | str, columns: Mapping[str, ArrayLike]) -> None:
 
 
 def read_table(path: Path | str) -> dict[str, NDArray[np.float64]]:
-    """Columns of a table by header.
+    """Read the columns of a table by header.
 
     Raises
     ------

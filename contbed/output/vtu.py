@@ -23,7 +23,7 @@ _SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 _CUBE = [(*corner, z) for z in (0, 1) for corner in _SQUARE]
 _CUBE_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
 # VTK's cells: name, corners, edges, then the remaining nodes (faces and centre), on the unit reference cell
-_CELLS: dict[type, tuple[str, list, list, list]] = {
+_CELLS: dict[type, tuple[str, list[Any], list[Any], list[Any]]] = {
     RefLine: ("line3", [(0,), (1,)], [(0, 1)], []),
     RefTri: ("triangle6", [(0, 0), (1, 0), (0, 1)], [(0, 1), (1, 2), (2, 0)], []),
     RefQuad: ("quad9", _SQUARE, [(0, 1), (1, 2), (2, 3), (3, 0)], [(0.5, 0.5)]),
@@ -43,18 +43,19 @@ _CELLS: dict[type, tuple[str, list, list, list]] = {
 
 
 def _order(refdom: type, mirrored: bool) -> NDArray[np.int64]:
-    """Local node of the quadratic element at each VTK position; `mirrored` exchanges the first two axes."""
+    """Return the local node of the quadratic element at each VTK position; `mirrored` swaps the first two axes."""
     _, corners, edges, others = _CELLS[refdom]
     vertices = np.array(corners, dtype=float)
     nodes = np.vstack([vertices, *(vertices[[a, b]].mean(axis=0) for a, b in edges), *others])
     if mirrored:
         nodes[:, [0, 1]] = nodes[:, [1, 0]]
     distance = np.abs(nodes[:, None] - lagrange(refdom, 2).nodes).sum(axis=2)
-    return distance.argmin(axis=1)
+    order: NDArray[np.int64] = distance.argmin(axis=1)
+    return order
 
 
 def quadratic_cells(space: Space) -> tuple[str, NDArray[np.int64]]:
-    """Name and nodes (ncells, n) of VTK's quadratic cells on a space of degree 2, all of positive orientation."""
+    """Return name and nodes (ncells, n) of VTK's quadratic cells on a space of degree 2, all positive."""
     mesh = space.mesh
     refdom: Any = space.element.refdom
     cells = space.dofs[_order(refdom, False)].T.astype(np.int64)
@@ -68,7 +69,7 @@ def quadratic_cells(space: Space) -> tuple[str, NDArray[np.int64]]:
 
 
 def at_nodes(space: Space, values: Array, target: Space) -> Array:
-    """Values (size,) or (ncomponents, size) of a field at the nodes of another space on the same mesh."""
+    """Interpolate a field (size,) or (ncomponents, size) to the nodes of another space on the same mesh."""
     values = np.asarray(values, dtype=float)
     if values.shape[-1] != space.size:
         raise ValueError(f"{values.shape[-1]} values on a space of {space.size} nodes")
@@ -115,13 +116,13 @@ def write_fields(
 
 
 def write(path: Path, mesh: skfem.Mesh, nodal: Mapping[str, tuple[Space, Array]]) -> str:
-    """`write_fields`; returns the name of the file to open."""
+    """Write fields by `write_fields`; return the name of the file to open."""
     write_fields(path, mesh, nodal)
     return path.name
 
 
 def _padded(rows: Array) -> Array:
-    """(ncomponents, n) -> (n, 3)."""
+    """Pad components with zeros, (ncomponents, n) -> (n, 3)."""
     out = np.zeros((rows.shape[1], 3))
     out[:, : len(rows)] = rows.T
     return out

@@ -21,12 +21,12 @@ SMALLEST = 1e-9  # cells below this share of the bed are left alone
 
 
 def refinable(mesh: Mesh) -> bool:
-    """Lines and triangles can be refined locally."""
+    """Return whether the mesh can be refined locally, as lines and triangles can."""
     return isinstance(mesh.skfem, skfem.MeshLine1 | skfem.MeshTri1)
 
 
 def estimate(space: Space, values: Any) -> Any:
-    """Estimated error of a nodal field in each cell (ncells,), in its own unit."""
+    """Estimate the error of a nodal field in each cell (ncells,), in the unit of the field."""
     grid, element = space.mesh, space.element
     corners = grid.p[:, grid.t]
     slopes = np.array([_linear(element.refdom, a) for a in range(element.dim)])
@@ -51,7 +51,7 @@ def _linear(refdom: type, axis: int) -> Any:
 
 
 def refined(mesh: Mesh, error: Any) -> Mesh:
-    """The mesh with its worst cells halved; names stay."""
+    """Return the mesh with its worst cells halved; names stay."""
     grid = mesh.skfem
     extent = np.ptp(grid.p, axis=1).max()
     corners = grid.p[:, grid.t]
@@ -66,7 +66,7 @@ def refined(mesh: Mesh, error: Any) -> Mesh:
 
 
 def _inherit(old: Any, new: Any, facets: Any) -> Any:
-    """Exterior facets of the refined mesh whose centres lie on the given facets of the old one."""
+    """Return the exterior facets of the refined mesh whose centres lie on the given facets of the old one."""
     exterior = new.boundary_facets()
     centres = new.p[:, new.facets[:, exterior]].mean(axis=1)
     ends = old.p[:, old.facets[:, facets]]

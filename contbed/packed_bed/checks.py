@@ -1,4 +1,4 @@
-"""What is wrong with a packed bed although every single value is right; see `scene.checking`."""
+"""Checks of a packed bed: mistakes that remain although every single value is valid; see `scene.checking`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from contbed.scene.mesh_checks import (
     the_line_of_profiles_fits_the_mesh,
 )
 from contbed.scene.quantities import ClosureFile
-from contbed.scene.tables import Closure, Fluid, FluidCantera, FluidConstant, FluidCoolProp
+from contbed.scene.tables import Closure, Fluid, FluidCantera, FluidConstant, FluidCoolProp, Solid
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
 Boundaries = Mapping[str, s.Boundary]
@@ -34,6 +34,7 @@ PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
 def tables_are_complete(
     heat: s.Heat | None, radiation: Radiation | None, fluid: Fluid | None, bed: s.Bed | None, flow: s.Flow | None
 ) -> Mistakes:
+    """Check that the tables that belong together are present."""
     alone = heat is None and radiation is not None
     for name, table in (("fluid", fluid), ("bed", bed), ("flow", flow)):
         if table is None and not alone:
@@ -42,7 +43,8 @@ def tables_are_complete(
             yield (name,), "has no meaning with [radiation] alone; add [heat] or remove it"
 
 
-def heat_has_its_materials(heat: s.Heat | None, solid: s.Solid | None, fluid: Fluid) -> Mistakes:
+def heat_has_its_materials(heat: s.Heat | None, solid: Solid | None, fluid: Fluid) -> Mistakes:
+    """Check that a scene with [heat] has a solid and the properties of its fluid."""
     if heat is None:
         return
     if solid is None:
@@ -58,6 +60,7 @@ def heat_has_its_materials(heat: s.Heat | None, solid: s.Solid | None, fluid: Fl
 def heat_alone_uses_temperatures(
     heat: s.Heat | None, boundary: Boundaries, region: Mapping[str, s.Region], time: s.Time | None
 ) -> Mistakes:
+    """Check that no temperatures are given in a scene without [heat]."""
     if heat is not None:
         return
     remedy = "has no meaning without a [heat] table"
@@ -72,6 +75,7 @@ def heat_alone_uses_temperatures(
 
 
 def velocities_fit_the_mesh(mesh: Mesh, flow: s.Flow, see: See) -> Mistakes:
+    """Check that velocities have as many components as the mesh has dimensions."""
     for key in PHASES.values():
         value = getattr(flow, key)
         if not isinstance(value, tuple):
@@ -86,6 +90,7 @@ def velocities_fit_the_mesh(mesh: Mesh, flow: s.Flow, see: See) -> Mistakes:
 
 
 def the_packing_fits_the_bed(mesh: Mesh, bed: s.Bed, see: See) -> Mistakes:
+    """Check that the particles are smaller than a built-in bed."""
     if isinstance(mesh, MeshFile):
         return
     if bed.particle_diameter > mesh.length:
@@ -96,6 +101,7 @@ def the_packing_fits_the_bed(mesh: Mesh, bed: s.Bed, see: See) -> Mistakes:
 
 
 def fluids_make_sense(fluid: Fluid) -> Mistakes:
+    """Check the temperature range and the composition of the fluid."""
     if isinstance(fluid, FluidCoolProp) and fluid.T_range[0] >= fluid.T_range[1]:
         yield ("fluid", "T_range"), "the lower temperature comes first"
     if isinstance(fluid, FluidCantera):
@@ -108,6 +114,7 @@ def fluids_make_sense(fluid: Fluid) -> Mistakes:
 
 
 def temperatures_lie_in_the_fluid_table(fluid: Fluid, boundary: Boundaries, time: s.Time | None, see: See) -> Mistakes:
+    """Check that the fluid's temperatures lie in the range of its table."""
     if not isinstance(fluid, FluidCoolProp):
         return
     low, high = fluid.T_range
@@ -116,7 +123,8 @@ def temperatures_lie_in_the_fluid_table(fluid: Fluid, boundary: Boundaries, time
             yield path, f"outside of the fluid's table, {low:g} to {high:g} K; see {see('fluid.T_range')}"
 
 
-def polynomials_stay_positive(solid: s.Solid | None, boundary: Boundaries, time: s.Time | None) -> Mistakes:
+def polynomials_stay_positive(solid: Solid | None, boundary: Boundaries, time: s.Time | None) -> Mistakes:
+    """Check that properties of the solid are positive at the temperatures of the scene."""
     if solid is None:
         return
     for key in ("heat_capacity", "conductivity"):
@@ -131,6 +139,7 @@ def polynomials_stay_positive(solid: s.Solid | None, boundary: Boundaries, time:
 
 
 def times_are_in_order(time: s.Time | None, see: See) -> Mistakes:
+    """Check that output times and steps lie within the run."""
     if time is None:
         return
     for index, instant in enumerate(time.times):
@@ -143,6 +152,7 @@ def times_are_in_order(time: s.Time | None, see: See) -> Mistakes:
 
 
 def flow_has_a_way_through(mesh: Mesh, flow: s.Flow, boundary: Boundaries, see: See) -> Mistakes:
+    """Check that the flow conditions of the boundaries let the fluid enter and leave."""
     velocity = velocity_vector(mesh, flow.velocity)
     if len(velocity) != mesh.dimension:
         return
@@ -180,6 +190,7 @@ def flow_has_a_way_through(mesh: Mesh, flow: s.Flow, boundary: Boundaries, see: 
 def streams_have_a_temperature(
     mesh: Mesh, flow: s.Flow, heat: s.Heat | None, boundary: Boundaries, see: See
 ) -> Mistakes:
+    """Check that every stream that enters has a temperature."""
     if heat is None:
         return
     for phase, key in PHASES.items():
@@ -212,6 +223,7 @@ def streams_have_a_temperature(
 def a_steady_temperature_is_determined(
     heat: s.Heat | None, time: s.Time | None, boundary: Boundaries, radiation: Radiation | None
 ) -> Mistakes:
+    """Check that something determines the temperature of a steady scene."""
     if heat is None or time is not None:
         return
     tied = {
@@ -233,6 +245,7 @@ def a_steady_temperature_is_determined(
 
 
 def closures_exist(mesh: Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries, origin: Origin) -> Mistakes:
+    """Check that the closures exist and that the bed has the arguments that they need."""
     for path, spec, kind in places(bed, heat, boundary):
         if not named(spec):
             continue
@@ -275,7 +288,7 @@ CHECKS: tuple[Check, ...] = (
 
 
 def _temperatures(phases: Iterable[str], boundary: Boundaries, time: s.Time | None) -> Iterator[tuple[KeyPath, float]]:
-    """Every temperature that the scene gives for these phases."""
+    """Yield the key and value of every temperature that the scene gives for these phases."""
     for phase in phases:
         for name, conditions in boundary.items():
             condition = getattr(conditions, phase)

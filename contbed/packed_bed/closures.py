@@ -66,7 +66,7 @@ Bound = Mapping[tuple[str, Any], BoundClosure | BoundDispersion]
 def places(
     bed: s.Bed | None, heat: s.Heat | None, boundary: Mapping[str, s.Boundary]
 ) -> Iterator[tuple[KeyPath, Any, str]]:
-    """Where a scene may name a closure, what stands there, and of which kind it is."""
+    """Yield (key, value, kind) of each place where a scene may name a closure."""
     for kind in ("permeability", "forchheimer") if bed is not None else ():
         yield ("bed", kind), getattr(bed, kind), kind
     if heat is not None:
@@ -83,14 +83,14 @@ def places(
 
 
 def bound(spec: Any, kind: str, base: Any) -> BoundClosure | BoundDispersion:
-    """The closure named by a scene whose folder is `base`; raises what `binding.bind` raises."""
+    """Return the closure named by a scene whose folder is `base`; raise what `binding.bind` raises."""
     if kind == "dispersion" and not isinstance(spec, ClosureFile):
         return bind_dispersion(spec, GIVES[kind])
     return bind(spec, kind, GIVES[kind], base)
 
 
 def all_bound(scene: s.Scene) -> Bound:
-    """All closures of a scene by kind and by what names them; equal names share one."""
+    """Return all closures of a scene by kind and by what names them; equal names share one."""
     found = {}
     for _, spec, kind in places(scene.bed, scene.heat, scene.boundary):
         if named(spec) and not (kind == "conductivity" and is_phase(spec)):

@@ -1,4 +1,4 @@
-"""Solves the porous flow of a scene on its mesh: boundary values, Newton, volume-flow balance."""
+"""Solution of the porous flow of a scene on its mesh: boundary values, Newton, volume-flow balance."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ class Flow:
         return self.system.part(self.state, "p") / self.porosity
 
     def outflow(self, boundary: str) -> float:
-        """Volume flow out of a boundary [m3/s]."""
+        """Return the volume flow out of a boundary [m3/s]."""
         return self.system.integrate(porous_flow.volume_flow, self.system.boundary(boundary), self.state)
 
 
 def constant_normal(mesh: Mesh, boundary: str) -> Any:
-    """The outward unit normal of a boundary that is plane, else None."""
+    """Return the outward unit normal of a plane boundary; None if it is not plane."""
     system = System(mesh.skfem, {}, 2)
     normals = np.concatenate([np.array([n.ravel() for n in part.n.items]).T for part in system.boundary(boundary)])
     return normals[0] if np.abs(normals - normals[0]).max() < PARALLEL else None
@@ -104,7 +104,7 @@ def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:
 
 
 def coefficients(scene: Any, medium: Any, velocity: Any, velocity_solid: Any) -> porous_flow.Coefficients:
-    """Momentum coefficients of a scene at the fluid's inlet temperature."""
+    """Return the momentum coefficients of a scene at the fluid's inlet temperature."""
     return porous_flow.Coefficients(
         density=medium.mass_flux_scale(),
         viscosity=float(medium.fluid.viscosity(medium.T_fluid_in)),

@@ -15,7 +15,7 @@ FRONT_CELLS = 4000  # cells of a bed with tracked fronts
 
 
 def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: bool) -> list[Any] | None:
-    """Graded coordinates for each direction of a built-in mesh without prescribed cells."""
+    """Return graded coordinates for each direction of a built-in mesh without prescribed cells."""
     mesh = scene.mesh
     if isinstance(mesh, MeshFile):
         return None
@@ -36,7 +36,7 @@ def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: boo
 
 
 def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction: int) -> Any:
-    """Graded coordinates of one direction of a 2-D or 3-D bed."""
+    """Return the graded coordinates of one direction of a 2-D or 3-D bed."""
     mesh = scene.mesh
     axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
     assert not isinstance(mesh, MeshFile | MeshLine)
@@ -55,7 +55,10 @@ def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction
 
 
 def _wall_layers(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> tuple[float, float]:
-    """Widths of the flow layer on a wall [m]: where the drag is Darcy's, and with Forchheimer's at its largest."""
+    """Return the widths of the flow layer on a wall [m].
+
+    One is for Darcy's drag alone, the other includes Forchheimer's drag at its largest.
+    """
     permeability, forchheimer = medium.packing("permeability"), medium.packing("forchheimer")
     fastest = max(float(np.linalg.norm(solid)), float(np.linalg.norm(velocity - solid)))
     inertia = medium.mass_flux_scale() * forchheimer * fastest / float(medium.fluid.viscosity(medium.T_fluid_in))
@@ -64,7 +67,10 @@ def _wall_layers(scene: s.Scene, medium: Medium, velocity: Any, solid: Any) -> t
 
 
 def _radiation_layers(scene: s.Scene, medium: Medium, direction: int, extent: float) -> Layers:
-    """Layers in which radiation adapts to the walls of a bed; it competes with the conductivity of the solid."""
+    """Return the layers next to the walls of a bed in which radiation varies.
+
+    The radiative conductivity competes with that of the solid.
+    """
     if scene.radiation is None:
         return []
     from contbed.radiation.grading import radiation_layers
@@ -73,14 +79,14 @@ def _radiation_layers(scene: s.Scene, medium: Medium, direction: int, extent: fl
 
 
 def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> Layers:
-    """Positions and widths of the exchange and conduction layers at both ends of a bed, from the closed-form rates."""
+    """Return positions and widths of the exchange and conduction layers at both ends, from closed-form rates."""
     T = medium.T_fluid_in
     scale = medium.mass_flux_scale()
     flux_fluid = scale * float(medium.fluid.heat_capacity(T)) * u
     flux_solid = float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)) * u_solid
 
     def speed(density: Any) -> float:
-        return abs(scale / density * u - u_solid)
+        return float(abs(scale / density * u - u_solid))
 
     d_fluid = float(medium.conductivity_fluid(T))
     if (dispersion := medium.dispersion(T, speed)) is not None:
@@ -97,7 +103,7 @@ def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, lengt
 
 
 def _rates(fluid: tuple[float, float], solid: tuple[float, float], exchange: float, cross: float) -> list[float]:
-    """Signed rates [1/m] of the modes of two phases, given as (flux, conductivity); the phases are interchangeable."""
+    """Return signed rates [1/m] of the modes of two phases, given as (flux, conductivity) in any order."""
     from contbed.packed_bed.equations.modes import rates
 
     if exchange == 0.0:
@@ -111,7 +117,10 @@ def _rates(fluid: tuple[float, float], solid: tuple[float, float], exchange: flo
 
 
 def _matters(scene: s.Scene, layer: tuple[float, float], rates: list[float], flux: float, length: float) -> bool:
-    """Whether a layer where all streams leave is strong enough to be seen: the gap there has decayed along the bed."""
+    """Return whether a layer at the end where all streams leave is strong enough to be resolved.
+
+    The difference of temperatures there has decayed along the bed.
+    """
     position, width = layer
     if (position > 0) != (flux > 0) or any(
         table.fluid or table.solid for name, table in scene.boundary.items() if name == _end(scene, position)

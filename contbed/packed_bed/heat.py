@@ -99,7 +99,7 @@ class HeatProblem:
         return unique, np.concatenate(values)[first], np.concatenate(owners)[first]
 
     def _reaches(self, boundary: str, phase: str) -> bool:
-        """Whether a temperature prescribed there is felt in the bed: by conduction or with an entering stream."""
+        """Return whether a prescribed temperature acts on the bed, by conduction or with an entering stream."""
         c = getattr(self.coefficients, phase)
         if c.dispersion is not None or plain(c.conductivity(self.medium.T_fluid_in)) > 0:
             return True
@@ -110,15 +110,18 @@ class HeatProblem:
         )
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
-        """Residual of the steady balances and its Jacobian."""
+        """Assemble the residual of the steady balances and its Jacobian."""
         return self.system.assemble(self._interior + self._boundary, state, jacobian)
 
     def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
-        """Tested heat content and its Jacobian."""
+        """Assemble the tested heat content and its Jacobian."""
         return self.system.assemble(self._storage, state, jacobian)
 
     def initial(self) -> Any:
-        """State at the start of a transient, or a guess for the steady solution, with prescribed values in place."""
+        """Return the state at the start of a transient, or a guess for the steady solution.
+
+        Prescribed values are in place.
+        """
         time, state = self.scene.time, np.empty(self.system.size)
         low, high = self.T_span
         for phase in PHASES:
@@ -130,7 +133,10 @@ class HeatProblem:
         return state
 
     def begin(self, policy: Policy) -> Any:
-        """State at the start of a transient: incident radiation stores no heat and follows from the temperatures."""
+        """Return the state at the start of a transient.
+
+        Incident radiation stores no heat and follows from the temperatures.
+        """
         state = self.initial()
         if self.radiation is None:
             return state
@@ -140,21 +146,27 @@ class HeatProblem:
         return state - Solver(constrain(matrix, rest), self.system.ordered(policy))(residual)
 
     def _weights(self) -> Any:
-        """What makes errors of all unknowns temperatures: 1, and 1/(16 sigma T^3) for incident radiation."""
+        """Return the factors that turn errors of all unknowns into errors of temperature.
+
+        They are 1 for temperatures and 1/(16 sigma T^3) for incident radiation.
+        """
         weights = np.ones(self.system.size)
         if self.radiation is not None:
             self.system.part(weights, "G")[:] = self.T_span[1] / (4.0 * self.radiation.emitted(self.T_span[1]))
         return weights
 
     def _lower(self) -> Any:
-        """Temperatures stay above 0 K; incident radiation, a linear unknown, may undershoot where cells are too few."""
+        """Return the lower bounds of the unknowns: 0 K for temperatures, none for incident radiation.
+
+        Incident radiation, a linear unknown, may undershoot where cells are too few.
+        """
         lower = np.zeros(self.system.size)
         if self.radiation is not None:
             self.system.part(lower, "G")[:] = -np.inf
         return lower
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
-        """Steady state by Newton, and by continuation in time where Newton fails."""
+        """Find the steady state by Newton, and by continuation in time where Newton fails."""
         policy = self.system.ordered(policy)
         options: dict[str, Any] = {
             "tolerance": self.scene.solver.newton_tolerance,
@@ -175,7 +187,7 @@ class HeatProblem:
         return newton(self.steady, start, self.fixed, policy, **options)
 
     def _frozen(self, policy: Policy) -> Any:
-        """The solution with all properties taken at the mean prescribed temperature, as a start for Newton."""
+        """Solve with all properties at the mean prescribed temperature, as a start for Newton."""
         uniform = np.full(self.system.size, 0.5 * sum(self.T_span))
         if self.radiation is not None:
             self.system.part(uniform, "G")[:] = self.radiation.emitted(uniform[0])
@@ -188,7 +200,7 @@ class HeatProblem:
         return state if np.all(state > self.lower) else self.initial()
 
     def refined(self, state: Any, policy: Policy) -> tuple[Any, Any]:
-        """The state and its residual after further Newton steps, linear in the last one.
+        """Return the state and its residual after further Newton steps, linear in the last one.
 
         Conduction over small cells turns the last digit of a temperature into heat that can exceed what the streams
         carry. The residual of the corrected state without rounding is that of the state plus Jacobian times step.
@@ -204,16 +216,19 @@ class HeatProblem:
         return state, self.steady(state, False)[0]
 
     def capacity(self) -> float:
-        """Heat above 0 K that the bed holds at the highest prescribed temperature [J]."""
+        """Return the heat above 0 K that the bed holds at the highest prescribed temperature [J]."""
         high, medium = self.T_span[1], self.medium
         slopes = (content(high) - content(0.99 * high) for content in (medium.content_fluid, medium.content_solid))
-        return 100.0 * float(np.sum(self.system.cells.weight)) * sum(slopes)
+        return 100.0 * float(np.sum(self.system.cells.weight)) * float(sum(slopes))
 
     def throughput(self) -> float:
-        """What streams carry out above 0 K, at the highest prescribed temperature, and what walls radiate [W]."""
+        """Return the scale of the heat balance [W].
+
+        It is what streams carry out above 0 K at the highest prescribed temperature, and what walls radiate.
+        """
         high = self.T_span[1]
         radiated = 0.0 if self.radiation is None else self.radiation.emission(self.mesh, self.system)
-        return radiated + sum(
+        carried: float = sum(
             getattr(self.coefficients, phase).capacity
             * high
             * float(np.sum(part.weight * np.maximum(plain(Ops.dot(wall.mass_flux, part.n)), 0.0)))
@@ -222,9 +237,10 @@ class HeatProblem:
             for phase in PHASES
             if wall.name == f"T_{phase}"
         )
+        return radiated + carried
 
     def estimated_error(self, state: Any) -> Any:
-        """Estimated error of theta in each cell, the larger of both phases."""
+        """Estimate the error of theta in each cell, the larger of both phases."""
         from contbed.packed_bed.adapt import estimate
 
         space, (low, high) = self.system.fields["T_fluid"][0], self.T_span
@@ -232,8 +248,9 @@ class HeatProblem:
         return np.maximum(*errors) / max(high - low, 1e-9 * high)
 
     def fluxes(self, state: Any) -> dict[str, dict[str, float]]:
-        """Heat into the bed through each boundary by the stream of each phase, by walls and by radiation [W]; under
-        `INSIDE` what species and tubes of given temperature radiate. What prescribed temperatures conduct is in
+        """Return the heat into the bed [W] through each boundary by the streams, by walls and by radiation.
+
+        `INSIDE` holds what species and tubes of given temperature radiate. What prescribed temperatures conduct is in
         `reactions`. Streams count from the lowest temperature of the scene.
         """
         T_ref = self.T_span[0]
@@ -252,7 +269,10 @@ class HeatProblem:
         return self.system.integrate(lambda unknowns, ops: function(unknowns, wall, ops), [part], state)
 
     def reactions(self, residual: Any) -> dict[str, float]:
-        """Heat that prescribed temperatures conduct into the bed [W], by boundary, from an unconstrained residual."""
+        """Return the heat that prescribed temperatures conduct into the bed [W] by boundary.
+
+        It is found from an unconstrained residual.
+        """
         return self.reaction_sums(residual[self.fixed])
 
     def reaction_sums(self, reaction: Any) -> dict[str, float]:
@@ -261,7 +281,7 @@ class HeatProblem:
         return {name: float(value) for name, value in zip(self.mesh.boundaries, sums, strict=True)}
 
     def source(self) -> float:
-        """Heat released in the bed [W]."""
+        """Return the heat released in the bed [W]."""
         c = self.coefficients
         if not (np.any(c.fluid.source) or np.any(c.solid.source)):
             return 0.0
@@ -269,7 +289,7 @@ class HeatProblem:
 
 
 def _coupling(scene: s.Scene) -> Any:
-    """Incident radiation as a further unknown, None for scenes without."""
+    """Return the coupling with incident radiation, a further unknown; None for scenes without."""
     if scene.radiation is None or scene.radiation.level == "rosseland":
         return None
     from contbed.radiation.problem import RadiationCoupling
@@ -278,5 +298,5 @@ def _coupling(scene: s.Scene) -> Any:
 
 
 def _stream_above(T_ref: float) -> Callable[[Any, Any, Any], Any]:
-    """Heat that a stream carries out above a reference temperature [W/m2]."""
+    """Return the heat that a stream carries out above a reference temperature [W/m2]."""
     return lambda u, c, o: two_energy.convected(u, c, o) - o.dot(c.mass_flux, o.n) * c.enthalpy(T_ref)

@@ -36,7 +36,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class HeatCoefficients:
-    """What the forms of `equations.two_energy` need, on any domain; `radiation` couples the incident radiation."""
+    """Coefficients of the forms of `equations.two_energy` on any domain; `radiation` couples radiation."""
 
     scene: s.Scene
     mesh: Mesh
@@ -46,12 +46,12 @@ class HeatCoefficients:
     radiation: Any
 
     def condition(self, boundary: str, phase: str) -> s.PhaseCondition | None:
-        """Thermal condition of one phase on one boundary."""
+        """Return the thermal condition of one phase on one boundary."""
         table = self.scene.boundary.get(boundary)
         return None if table is None else getattr(table, phase)
 
     def _velocity(self, phase: str, where: Domain) -> Any:
-        """Velocity on a domain, None when the phase rests."""
+        """Return the velocity of a phase on a domain; None when it rests."""
         if phase == "fluid" and self.motion.flow is not None:
             flow = self.motion.flow
             return self.system.known(where, flow.system.fields["u"][0], flow.velocity)
@@ -59,7 +59,10 @@ class HeatCoefficients:
         return Components(float(v) for v in vector) if np.any(vector) else None
 
     def _speed(self, where: Domain) -> Callable[[Any], Any]:
-        """Relative superficial speed as a function of the fluid's density (its mass flux is what is given)."""
+        """Return the relative superficial speed as a function of the fluid's density.
+
+        The mass flux of the fluid is what the scene gives.
+        """
         scale = self.medium.mass_flux_scale()
         fluid, solid = self._velocity("fluid", where), self._velocity("solid", where)
         if self.motion.flow is None and self.medium.fluid.constant:
@@ -76,7 +79,7 @@ class HeatCoefficients:
         return speed_of
 
     def of(self, where: Domain) -> two_energy.Coefficients:
-        """Coefficients of the balances on a domain."""
+        """Return the coefficients of the balances on a domain."""
         medium, speed = self.medium, self._speed(where)
         spread = medium.dispersion(medium.T_fluid_in, speed)
         exchange = plain(medium.exchange(medium.T_fluid_in, speed))
@@ -89,8 +92,10 @@ class HeatCoefficients:
         )
 
     def _phase(self, phase: str, where: Domain, spread: Any, exchange: Any) -> two_energy.Phase:
-        """Coefficients of one phase with the dispersion along and across the flow, `spread`; the stabilisation also
-        uses `exchange` at the reference temperature.
+        """Return the coefficients of one phase.
+
+        `spread` holds the dispersion along and across the flow; the stabilisation also uses `exchange` at the reference
+        temperature.
         """
         material, T_ref = getattr(self.medium, phase), self.medium.T_fluid_in
         conductivity = partial(self.medium.conductivity, phase)
@@ -124,7 +129,7 @@ class HeatCoefficients:
         )
 
     def _density(self, phase: str) -> float:
-        """Density that turns the velocity of a phase into its mass flux [kg/m3]."""
+        """Return the density that turns the velocity of a phase into its mass flux [kg/m3]."""
         medium = self.medium
         return medium.mass_flux_scale() if phase == "fluid" else float(medium.solid.density(medium.T_fluid_in))
 
@@ -138,7 +143,7 @@ class HeatCoefficients:
         return field
 
     def wall(self, name: str, phase: str, where: Domain) -> two_energy.Wall:
-        """Condition of one phase on a boundary domain."""
+        """Return the condition of one phase on a boundary domain."""
         material = getattr(self.medium, phase)
         velocity = self._velocity(phase, where)
         flux = None
@@ -162,5 +167,5 @@ class HeatCoefficients:
 
 
 def plain(item: Any) -> Any:
-    """The value of a dual number, other things as they are."""
+    """Return the value of a dual number; other values as they are."""
     return getattr(item, "value", item)

@@ -1,4 +1,4 @@
-"""Through which sides of a built-in mesh a stream enters and leaves. A mesh from a file is not known here."""
+"""Sides of a built-in mesh through which a stream enters and leaves; those of a mesh file are not known here."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile
 
 
 def velocity_vector(mesh: Mesh, velocity: float | tuple[float, ...]) -> tuple[float, ...]:
-    """The velocity as a vector; a number is along the bed axis: x, or z when axisymmetric."""
+    """Return the velocity as a vector; a number is along the bed axis: x, or z when axisymmetric."""
     if isinstance(velocity, tuple):
         return velocity
     axis = 1 if isinstance(mesh, MeshAxisymmetric) or getattr(mesh, "axisymmetric", False) else 0
@@ -17,7 +17,10 @@ def velocity_vector(mesh: Mesh, velocity: float | tuple[float, ...]) -> tuple[fl
 
 
 def enters(mesh: Mesh, velocity: tuple[float, ...], side: str) -> int | None:
-    """1 if the velocity enters through this side, -1 if it leaves, 0 if it runs along; None if that is not known."""
+    """Return 1 if the velocity enters through this side, -1 if it leaves, 0 if it runs along.
+
+    None if that is not known.
+    """
     if isinstance(mesh, MeshFile):
         return None
     if side == "axis":
@@ -30,7 +33,7 @@ def enters(mesh: Mesh, velocity: tuple[float, ...], side: str) -> int | None:
 
 
 def role(mesh: Mesh, velocity: tuple[float, ...], side: str, boundary: Mapping[str, s.Boundary]) -> str | None:
-    """inlet, outlet, slip or no_slip: what the scene says, else by the sign of the velocity."""
+    """Return "inlet", "outlet", "slip" or "no_slip": what the scene says, else by the sign of the velocity."""
     if side in boundary and boundary[side].type is not None:
         return boundary[side].type
     direction = enters(mesh, velocity, side)

@@ -1,7 +1,7 @@
-"""The bed of one scene as functions of state: materials and closures resolved, with a record of the ranges used.
+"""Properties of the bed of one scene as functions of state, from its materials and closures, with used ranges recorded.
 
 Every function takes pointwise values (numbers, arrays or dual numbers) and returns the same, so that constants stay
-numbers and a problem with constant properties stays linear by itself.
+numbers and a problem with constant properties stays linear.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _AREA = {"spheres": 6.0, "rods": 4.0}
 
 
 def fluid_of(settings: FluidConstant | FluidCantera | FluidCoolProp, base: Path) -> Any:
-    """The fluid of a scene in the folder `base`; Cantera and CoolProp are imported only when named."""
+    """Return the fluid of a scene in the folder `base`; Cantera and CoolProp are imported only when named."""
     if isinstance(settings, FluidCantera):
         return gas_mixture(settings.composition, settings.pressure, find_mechanism(settings.mechanism, base))
     if isinstance(settings, FluidCoolProp):
@@ -38,9 +38,11 @@ def fluid_of(settings: FluidConstant | FluidCantera | FluidCoolProp, base: Path)
 
 @dataclass(frozen=True)
 class Medium:
-    """Materials, packing and closures. Velocities are superficial; `T_fluid_in` fixes the density of the mass flux.
-    `rosseland` is the diffusion coefficient D [m] where radiation is a conductivity, else None. `closures` holds bound
-    closures by kind and name, `used` those that were evaluated.
+    """Materials, packing and closures of a bed.
+
+    Velocities are superficial; `T_fluid_in` fixes the density of the mass flux. `rosseland` is the diffusion
+    coefficient D [m] where radiation is a conductivity, else None. `closures` holds bound closures by kind and name,
+    `used` those that were evaluated.
     """
 
     scene: s.Scene
@@ -82,7 +84,7 @@ class Medium:
         return self.fluid.constant and (self.solid is None or self.solid.constant)
 
     def _radiating(self) -> bool:
-        """Whether a conductivity depends on temperature by itself."""
+        """Return whether a conductivity depends on temperature because it includes radiation."""
         return any(
             kind == "conductivity" and "T" in closure.sheet.arguments for (kind, _), closure in self.closures.items()
         )
@@ -94,15 +96,18 @@ class Medium:
         return _AREA[bed.shape] * (1.0 - bed.porosity) / bed.particle_diameter
 
     def packing(self, kind: str) -> float:
-        """Permeability [m2] or Forchheimer coefficient [1] of the bed."""
+        """Return the permeability [m2] or Forchheimer coefficient [1] of the bed."""
         return float(self._value(getattr(self.scene.bed, kind), kind))
 
     def mass_flux_scale(self) -> float:
-        """Density that turns superficial velocity into mass flux [kg/m3]."""
+        """Return the density that turns superficial velocity into mass flux [kg/m3]."""
         return float(self.fluid.density(self.T_fluid_in))
 
     def reynolds(self, T: Any, speed: Callable[[Any], Any]) -> Any:
-        """Particle Reynolds number; `speed(density)` is the relative superficial mass flux over density [m/s]."""
+        """Return the particle Reynolds number.
+
+        `speed(density)` is the relative superficial mass flux over density [m/s].
+        """
         fixed = self.heat.reynolds
         if fixed is not None:
             return fixed
@@ -113,24 +118,24 @@ class Medium:
         return density * relative * self.scene.bed.particle_diameter / self.fluid.viscosity(T)
 
     def prandtl(self, T: Any) -> Any:
-        """Prandtl number of the fluid."""
+        """Return the Prandtl number of the fluid."""
         return self.fluid.viscosity(T) * self.fluid.heat_capacity(T) / self.fluid.conductivity(T)
 
     def exchange(self, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
-        """Volumetric exchange coefficient h a [W/m3/K]."""
+        """Return the volumetric exchange coefficient h a [W/m3/K]."""
         bed, nusselt = self.scene.bed, self._value(self.heat.nusselt, "nusselt", T_fluid, speed)
         return nusselt * self.fluid.conductivity(T_fluid) * (self.area / bed.particle_diameter)
 
     def wall(self, spec: Any, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
-        """Wall coefficient [W/m2/K]."""
+        """Return the wall coefficient [W/m2/K]."""
         return self._value(spec, "wall", T_fluid, speed)
 
     def stagnant(self, T: Any) -> Any:
-        """Conductivity of both phases without flow [W/m/K]."""
+        """Return the conductivity of both phases without flow [W/m/K]."""
         return self.conductivity_fluid(T) + self.conductivity_solid(T)
 
     def conductivity(self, phase: str, T: Any) -> Any:
-        """Effective conductivity of one phase without dispersion, the tortuosity's share included [W/m/K]."""
+        """Return the effective conductivity of a phase [W/m/K], tortuosity included, dispersion excluded."""
         own = self.conductivity_fluid(T) if phase == "fluid" else self.conductivity_solid(T)
         shares = self.tortuosity(T)
         total = own if shares is None else own + shares[0 if phase == "fluid" else 1]
@@ -139,21 +144,21 @@ class Medium:
         return total
 
     def conductivity_fluid(self, T: Any) -> Any:
-        """Conductivity of the fluid phase, without tortuosity and dispersion [W/m/K]."""
+        """Return the conductivity of the fluid phase, without tortuosity and dispersion [W/m/K]."""
         spec = self.heat.conductivity_fluid
         if is_phase(spec):
             return self.scene.bed.porosity * self.fluid.conductivity(T)
         return self._value(spec, "conductivity", T)
 
     def conductivity_solid(self, T: Any) -> Any:
-        """Conductivity of the solid phase, without tortuosity [W/m/K]."""
+        """Return the conductivity of the solid phase, without tortuosity [W/m/K]."""
         spec = self.heat.conductivity_solid
         if is_phase(spec):
             return (1.0 - self.scene.bed.porosity) * self.solid.conductivity(T)
         return self._value(spec, "conductivity", T)
 
     def tortuosity(self, T: Any) -> tuple[Any, Any, Any] | None:
-        """Additions to the conductivities of fluid and solid and the cross conductivity [W/m/K] (Nakayama 2001)."""
+        """Return the tortuosity terms of the conductivities [W/m/K]: fluid, solid and cross (Nakayama 2001)."""
         spec = self.heat.tortuosity
         if spec is None:
             return None
@@ -174,7 +179,7 @@ class Medium:
         return None if self.heat.tortuosity is None else cross
 
     def dispersion(self, T: Any, speed: Callable[[Any], Any]) -> tuple[Any, Any] | None:
-        """Dispersion conductivities along and across the flow [W/m/K]."""
+        """Return the dispersion conductivities along and across the flow [W/m/K]."""
         spec = self.heat.dispersion
         if spec is None:
             return None
@@ -184,7 +189,10 @@ class Medium:
         return self._at(axial, "dispersion", T, speed), self._at(transverse, "dispersion", T, speed)
 
     def content_fluid(self, T: Any) -> Any:
-        """Heat content of the fluid per bed volume [J/m3], the integral of eps rho c_p over temperature."""
+        """Return the heat content of the fluid per bed volume [J/m3].
+
+        It is the integral of eps rho c_p over temperature.
+        """
         eps = self.scene.bed.porosity
         if self.fluid.constant:
             return eps * self.fluid.density(T) * self.fluid.enthalpy(T)
@@ -198,14 +206,15 @@ class Medium:
                 lambda t: self.fluid.density(t) * self.fluid.heat_capacity(t), 120, [max(low, 1.0), min(high, 6000.0)]
             )
             self.tables["content"] = (series.integ(), series)
-        return self.tables["content"]
+        value, derivative = self.tables["content"]
+        return value, derivative
 
     def content_solid(self, T: Any) -> Any:
-        """Heat content of the solid per bed volume [J/m3]."""
+        """Return the heat content of the solid per bed volume [J/m3]."""
         return (1.0 - self.scene.bed.porosity) * self.solid.density(T) * self.solid.enthalpy(T)
 
     def ranges(self) -> list[RangeUse]:
-        """How each closure was used in its last evaluation, or in the states that are recorded."""
+        """Return how each closure was used in its last evaluation, or in the states that are recorded."""
         return [closure.use() for closure in self._bound() if closure in self.used]
 
     def record(self) -> None:
@@ -214,11 +223,11 @@ class Medium:
             closure.record()
 
     def state(self) -> dict[str, Any]:
-        """The record of used ranges for a checkpoint."""
+        """Return the record of used ranges for a checkpoint."""
         return {f"ranges_{k}": closure.state() for k, closure in enumerate(self._bound())}
 
     def restore(self, arrays: Mapping[str, Any]) -> None:
-        """Go on with the record of used ranges of a checkpoint."""
+        """Restore the record of used ranges from a checkpoint."""
         for k, closure in enumerate(self._bound()):
             rows = arrays.get(f"ranges_{k}")
             if rows is not None and rows.any():
@@ -226,16 +235,16 @@ class Medium:
                 self.used.add(closure)
 
     def _bound(self) -> list[BoundClosure]:
-        """All closures, those of a pair one by one."""
+        """Return all closures, those of a pair one by one."""
         pairs = (found if isinstance(found, tuple) else (found,) for found in self.closures.values())
         return [closure for pair in pairs for closure in pair]
 
     def _value(self, spec: Any, kind: str, T: Any = None, speed: Callable[[Any], Any] | None = None) -> Any:
-        """A number of the scene, or the value of the closure that it names."""
+        """Return a number of the scene, or the value of the closure that it names."""
         return self._at(self.closures[kind, spec], kind, T, speed) if named(spec) else spec
 
     def _at(self, closure: Any, kind: str, T: Any = None, speed: Callable[[Any], Any] | None = None) -> Any:
-        """Value of a closure at a state."""
+        """Return the value of a closure at a state."""
         self.used.add(closure)
         return closure.at(GIVES[kind], At(self, T, speed))
 

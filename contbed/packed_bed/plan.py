@@ -1,4 +1,4 @@
-"""Scene -> Plan: the only place that asks "is it there?". Says what is built, what is skipped and why.
+"""Plan of a packed bed from its scene: what is built, what is left out and why; no other module decides this.
 
 Two recognitions make a scene cheap. *Plug flow*: without a no-slip wall and with a uniform inlet along the walls the
 velocity is the inlet velocity everywhere, so no momentum is solved. *One dimension*: plug flow along the bed axis with
@@ -67,12 +67,12 @@ class Plan:
 
     @property
     def steps(self) -> bool:
-        """Whether the run takes time steps, which a checkpoint can go on from."""
+        """Whether the run takes time steps, so that it can be restarted from a checkpoint."""
         return self.scene.time is not None and not self.fronts
 
     @property
     def without_weak_form(self) -> str:
-        """What has no weak form that another engine could evaluate; empty if all has one."""
+        """Equations without a weak form for another engine, as text; empty if all have one."""
         return "fronts tracked along characteristics (a bed at rest without conduction)" if self.fronts else ""
 
     @property
@@ -93,20 +93,20 @@ class Plan:
         return rounds
 
     def refined(self, error: Any) -> Plan:
-        """The plan on a mesh refined where `error` (ncells,) is large."""
+        """Return the plan on a mesh refined where `error` (ncells,) is large."""
         from contbed.packed_bed.adapt import refined
 
         return replace(self, mesh=refined(self.mesh, error))
 
     @property
     def policy(self) -> Policy:
-        """How linear systems are solved."""
+        """Choice of the linear solver."""
         from contbed.fem import policy
 
         return policy(self.mesh, self.scene.solver.memory_GB)
 
     def unknowns(self) -> dict[str, int]:
-        """Number of unknowns of each part that is solved."""
+        """Return the number of unknowns of each part that is solved."""
         from contbed.fem.elements import Space
 
         grid, out = self.mesh.skfem, {}
@@ -195,7 +195,7 @@ def plan(scene: s.Scene) -> Plan:
 
 
 def _cheapest_radiation(scene: s.Scene) -> tuple[s.Scene, str]:
-    """The scene with a Rosseland conductivity where it is allowed and accurate, and what to say about it."""
+    """Return the scene, with a Rosseland conductivity where allowed and accurate, and the reason."""
     if scene.radiation is None or not scene.radiation.allow_rosseland:
         return scene, ""
     from contbed.radiation.rosseland import choose
@@ -204,7 +204,10 @@ def _cheapest_radiation(scene: s.Scene) -> tuple[s.Scene, str]:
 
 
 def _how_radiation(scene: s.Scene, thick: str) -> tuple[str, str]:
-    """Level of the radiation; `thick` says how well Rosseland would do where that is allowed."""
+    """Describe the level of the radiation.
+
+    `thick` says how accurate Rosseland would be where that is allowed.
+    """
     table = scene.radiation
     if table is None:
         return "radiation", "no [radiation] table"
@@ -226,7 +229,7 @@ def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
 
 
 def _inlet_temperature(scene: s.Scene) -> float:
-    """Temperature of the entering fluid: a prescribed one, on the inlet if that is known."""
+    """Return the temperature of the entering fluid: a prescribed one, on the inlet if that is known."""
     found = [(name, table.fluid) for name, table in scene.boundary.items() if table.fluid is not None]
     velocity = velocity_vector(scene.mesh, scene.flow.velocity)
     ranked = sorted(found, key=lambda item: role(scene.mesh, velocity, item[0], scene.boundary) != "inlet")
@@ -238,7 +241,7 @@ def _inlet_temperature(scene: s.Scene) -> float:
 
 
 def _bed_diameter(mesh: MeshSettings) -> float:
-    """Hydraulic diameter of a built-in bed [m]; a line has no walls."""
+    """Return the hydraulic diameter of a built-in bed [m]; a line has no walls."""
     if isinstance(mesh, MeshRectangle):
         return 2.0 * mesh.height
     if isinstance(mesh, MeshAxisymmetric):
@@ -249,7 +252,7 @@ def _bed_diameter(mesh: MeshSettings) -> float:
 
 
 def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
-    """The same scene on a line and its cross-section [m2], where nothing varies across the bed."""
+    """Return the same scene on a line and its cross-section [m2], where nothing varies across the bed."""
     mesh = scene.mesh
     if isinstance(mesh, MeshFile | MeshLine) or scene.heat is None or (mesh.cells is not None and mesh.refine):
         return None
@@ -280,7 +283,10 @@ def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
 
 
 def _tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
-    """Whether nothing conducts in a one-dimensional bed at rest that a stream enters: then fronts stay sharp."""
+    """Return whether fronts stay sharp.
+
+    They do where nothing conducts in a one-dimensional bed at rest that a stream enters.
+    """
     if scene.time is None or scene.heat is None or not isinstance(scene.mesh, MeshLine) or not medium.constant:
         return False
     if scene.flow.velocity_solid or scene.heat.dispersion is not None or scene.heat.tortuosity is not None:
@@ -294,7 +300,7 @@ def _tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
 
 
 def _role(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
-    """inlet, outlet, slip or no_slip of one boundary."""
+    """Return "inlet", "outlet", "slip" or "no_slip" of one boundary."""
     given = role(scene.mesh, tuple(velocity.tolist()), name, scene.boundary)
     if given is not None:
         return given

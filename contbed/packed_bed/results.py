@@ -1,4 +1,4 @@
-"""From states to what a user reads: profiles along the bed and named results."""
+"""Results of a packed bed from its states: profiles along the bed and named results."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def _theta(T: Any, span: tuple[float, float]) -> Any:
 
 
 def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
-    """Largest speed, pressure drop and pressure gradient, velocity and pressure along the bed."""
+    """Fill in largest speed, pressure drop, pressure gradient, and velocity and pressure along the bed."""
     space, _ = flow.system.fields["u"]
     axis = plan.mesh.axis
     u = line.probe(space, flow.velocity[axis])
@@ -41,7 +41,7 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
 
 
 def _developed_gradient(x: Any, p: Any) -> float:
-    """Slope of the pressure at three quarters of the bed, away from inlet and outlet [Pa/m]."""
+    """Return the slope of the pressure at three quarters of the bed, away from inlet and outlet [Pa/m]."""
     length = x[-1] - x[0]
     low, high = np.searchsorted(x - x[0], [0.7 * length, 0.8 * length])
     return float((p[high] - p[low]) / (x[high] - x[low]))
@@ -50,7 +50,7 @@ def _developed_gradient(x: Any, p: Any) -> float:
 def steady_findings(
     plan: Plan, line: Line, problem: Any, state: Any, fluxes: Any, reactions: Any, result: Result
 ) -> None:
-    """Profiles, outlet temperatures, equilibrium and its length."""
+    """Fill in profiles, outlet temperatures, equilibrium and the length to reach it."""
     fluid, solid = _profiles(plan, line, problem, [state], None, result)
     span = problem.T_span
     result.nodal |= _nodal(problem, state)
@@ -71,7 +71,10 @@ def steady_findings(
 
 
 def _equilibrium(x: Any, gap: Any, mean: Any, result: Result) -> None:
-    """Where the phases come within `APART` and stay, by log-linear interpolation of the gap, and theta at the end."""
+    """Return where the phases come within `APART` and stay, and theta at the end.
+
+    The position is found by log-linear interpolation of the gap.
+    """
     inside = np.abs(gap) <= APART
     if not inside[-1] or inside[0]:
         return
@@ -82,7 +85,7 @@ def _equilibrium(x: Any, gap: Any, mean: Any, result: Result) -> None:
 
 
 def _streams(problem: Any, state: Any, leaving: bool) -> dict[str, tuple[float, float]]:
-    """Mass flow and mean temperature, weighted with it, of each stream that leaves or enters, by phase."""
+    """Return the mass flow and the mass-weighted mean temperature of each stream by phase."""
     sign, found = 1.0 if leaving else -1.0, {}
     for phase in ("fluid", "solid"):
         carried = flow = 0.0
@@ -101,13 +104,16 @@ def _streams(problem: Any, state: Any, leaving: bool) -> dict[str, tuple[float, 
 
 
 def _outlets(problem: Any, state: Any, result: Result) -> None:
-    """Mean outlet temperature of each stream."""
+    """Return the mean outlet temperature of each stream."""
     leaving = _streams(problem, state, leaving=True)
     result.qoi |= {f"T_{phase}_out_K": T for phase, (_, T) in leaving.items()}
 
 
 def _exchanger(plan: Plan, problem: Any, state: Any, fluxes: Any, result: Result) -> None:
-    """Heat that the fluid takes up, and its share of the most that streams of these inlets could exchange."""
+    """Return the heat that the fluid takes up, and its share of the maximum.
+
+    The maximum is what streams of these inlets could exchange.
+    """
     entering = _streams(problem, state, leaving=False)
     if "fluid" not in entering:
         return
@@ -130,7 +136,7 @@ def _nodal(problem: Any, state: Any) -> dict[str, Any]:
 
 
 def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], result: Result) -> None:
-    """Velocity, density and pressure of the fluid along the bed; the last state gives the pressure drop."""
+    """Return velocity, density and pressure of the fluid along the bed; the last state gives the pressure drop."""
     axis, medium = plan.mesh.axis, plan.medium
     velocity, solid = float(plan.velocity[axis]), float(plan.velocity_solid[axis])
     space = problem.system.fields["T_fluid"][0]
@@ -182,7 +188,7 @@ def _profiles(
 def _columns(
     plan: Plan, positions: Any, fluid: Any, solid: Any, span: tuple[float, float], times: Any, result: Result
 ) -> None:
-    """Profile columns; the rows of a transient run through the positions for each time."""
+    """Return the profile columns; the rows of a transient run through the positions for each time."""
     columns = {header(plan.coordinate): np.tile(positions, len(fluid))}
     if times is not None:
         columns["t [s]"] = np.repeat(np.asarray(times, dtype=float), len(positions))
@@ -196,7 +202,7 @@ def _columns(
 
 
 def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, result: Result) -> None:
-    """Profiles at the output times, fields of each, number of steps."""
+    """Fill in profiles at the output times, fields of each, and the number of steps."""
     result.qoi |= {"time_steps": history.steps, "time_reached_s": history.time}
     times, snapshots = [*history.times], [*history.snapshots]
     if history.steps and (not times or times[-1] < history.time * (1 - 1e-12)):  # a run that was stopped
@@ -212,7 +218,7 @@ def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, resul
 
 
 def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Result) -> None:
-    """Profiles of a bed with tracked fronts; `backwards` when the stream enters at the right end."""
+    """Fill in profiles of a bed with tracked fronts; `backwards` if the stream enters at the right end."""
     time = plan.scene.time
     assert time is not None
     length = plan.scene.mesh.length  # type: ignore[union-attr]

@@ -89,13 +89,16 @@ def _flow(plan: Plan, line: Line, result: Result) -> Any:
 
 
 def _heat_balance(fluxes: Any, reactions: Any, source: float, stored: float, unit: str, held: float) -> dict[str, Any]:
-    """Balance of heat through boundaries and into prescribed temperatures; `held` is what streams and bed hold."""
+    """Return the balance of heat through boundaries and into prescribed temperatures.
+
+    `held` is the heat that streams and bed hold, the scale of the balance.
+    """
     parts = [value for flux in fluxes.values() for value in flux.values()] + list(reactions.values())
     return Balance.of_fluxes(parts, unit, source, stored, NOTICED * held).as_dict()
 
 
 def _steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, dict[str, Any]]:
-    """Heat through boundaries, heat conducted in by prescribed temperatures, and their balance."""
+    """Return heat through boundaries, heat conducted in by prescribed temperatures, and their balance."""
     fluxes, reactions = problem.fluxes(state), problem.reactions(residual)
     balance = _heat_balance(fluxes, reactions, problem.source(), 0.0, "W", problem.throughput())
     return fluxes, reactions, balance
@@ -200,7 +203,10 @@ def _track_fronts(plan: Plan, result: Result) -> None:
 
 
 def _check_state(plan: Plan, problem: Any, states: list[Any], result: Result) -> None:
-    """Closure ranges at the last state, material ranges and bounds of theta over all states; nothing is clipped."""
+    """Record closure ranges at the last state, and check material ranges and bounds of theta over all states.
+
+    Nothing is clipped.
+    """
     if not states:
         return
     result.closures = [use.to_dict() for use in plan.medium.ranges()]

@@ -45,7 +45,7 @@ from contbed.scene.tables import (
 
 
 def dispersion_form(value: Any) -> str:
-    """`form`, where a table without a name holds the two conductivities themselves."""
+    """Return the `form` of a value; a table without a name holds the two conductivities themselves."""
     nameless = isinstance(value, Dispersion) or (isinstance(value, dict) and "name" not in value)
     return "table" if nameless else form(value)
 

@@ -21,9 +21,11 @@ Save = Callable[[dict[str, Any], dict[str, Any]], None]
 
 @dataclass
 class History:
-    """What a transient run has done so far. `mean` is the time integral of the state, `reaction` of the heat that
-    prescribed temperatures conduct in, `flux` of the boundary fluxes where properties vary, `gain` of the content;
-    `ranges` is the record of how closures were used, see `Medium.state`.
+    """State of a transient run and its integrals over time so far.
+
+    `mean` is the time integral of the state, `reaction` of the heat that prescribed temperatures conduct in, `flux` of
+    the boundary fluxes where properties vary, `gain` of the content; `ranges` is the record of how closures were used,
+    see `Medium.state`.
     """
 
     state: Any
@@ -42,7 +44,7 @@ class History:
     ranges: dict[str, Any] = field(default_factory=dict)
 
     def pack(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arrays and numbers of a checkpoint."""
+        """Return the arrays and numbers of a checkpoint."""
         arrays = {
             "state": self.state,
             "mean": np.asarray(self.mean),
@@ -64,7 +66,7 @@ class History:
 
     @classmethod
     def unpack(cls, arrays: dict[str, Any], meta: dict[str, Any]) -> History:
-        """The history of a checkpoint."""
+        """Restore the history from a checkpoint."""
         return cls(
             state=arrays["state"],
             time=float(arrays["sums"][0]),
@@ -181,7 +183,10 @@ def _account(problem: HeatProblem, history: History, step: Any) -> None:
 
 
 def integrated_fluxes(problem: HeatProblem, history: History) -> dict[str, dict[str, float]]:
-    """Heat through each boundary over the run [J]. Linear fluxes are those of the mean state times the duration."""
+    """Return the heat through each boundary over the run [J].
+
+    Linear fluxes are those of the mean state times the duration.
+    """
     if problem.linear:
         fluxes = problem.fluxes(history.mean / history.time)
         return {name: {kind: value * history.time for kind, value in parts.items()} for name, parts in fluxes.items()}

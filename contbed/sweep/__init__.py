@@ -1,1 +1,1 @@
-"""Many scenes from one study file: designs, workers, tables and plots."""
+"""Parameter studies: many scenes from one study file, with designs, workers, tables and plots."""

@@ -38,22 +38,22 @@ DISTRIBUTIONS = {"uniform": ("from", "to"), "log_uniform": ("from", "to"), "norm
 
 
 def is_values(entry: Any) -> bool:
-    """Whether an entry of [parameters] holds values, and not keys further down."""
+    """Return whether an entry of [parameters] holds values, and not keys further down."""
     return not isinstance(entry, Mapping) or not entry or bool({"from", "to"} & entry.keys())
 
 
 def is_distribution(entry: Any) -> bool:
-    """Whether an entry of [sample.parameters] holds a distribution, and not keys further down."""
+    """Return whether an entry of [sample.parameters] holds a distribution, and not keys further down."""
     return not isinstance(entry, Mapping) or not entry or bool({"distribution", "from", "to", "mean"} & entry.keys())
 
 
 def is_log(entry: Any) -> bool:
-    """Whether the values of a range or distribution are even in their logarithm."""
+    """Return whether the values of a range or distribution are even in their logarithm."""
     return isinstance(entry, Mapping) and "log" in {entry.get("spacing"), str(entry.get("distribution"))[:3]}
 
 
 def values(entry: Any, unit: str | None, say: Say) -> list[Any] | None:
-    """The values of a list or range whose key has the SI unit `unit`."""
+    """Return the values of a list or range whose key has the SI unit `unit`."""
     if isinstance(entry, list):
         if not entry:
             say((), "an empty list; give at least one value")
@@ -79,7 +79,7 @@ def values(entry: Any, unit: str | None, say: Say) -> list[Any] | None:
 
 
 def distribution(entry: Any, unit: str | None, say: Say) -> Distribution | None:
-    """The map from (0, 1) to the values of a distribution."""
+    """Return the map from (0, 1) to the values of a distribution."""
     if not isinstance(entry, Mapping):
         say((), 'expected a distribution, { from, to } or { distribution = "normal", mean, deviation }')
         return None
@@ -99,12 +99,12 @@ def distribution(entry: Any, unit: str | None, say: Say) -> Distribution | None:
 
 
 def tidy(value: float) -> float:
-    """The value to 14 digits, so that the last ones, which differ between computers, do not make another scene."""
+    """Round to 14 digits, because the last ones differ between computers and would make another scene."""
     return float(f"{value:.14g}")
 
 
 def sample(method: str, count: int, seed: int, dimensions: int) -> Array:
-    """Points of a design in the unit cube, (count, dimensions); the same for the same seed.
+    """Return the points of a design in the unit cube, (count, dimensions); the same for the same seed.
 
     >>> points = sample("latin_hypercube", 5, seed=1, dimensions=2)
     >>> [sorted(int(5 * u) for u in column) for column in points.T]
@@ -116,14 +116,16 @@ def sample(method: str, count: int, seed: int, dimensions: int) -> Array:
 
     random = np.random.default_rng(seed)
     if method == "latin_hypercube":
-        return qmc.LatinHypercube(dimensions, seed=random).random(count)
+        points: Array = qmc.LatinHypercube(dimensions, seed=random).random(count)
+        return points
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # on counts that are no power of two, which the study tells
-        return qmc.Sobol(dimensions, scramble=True, seed=random).random(count)
+        points = qmc.Sobol(dimensions, scramble=True, seed=random).random(count)
+    return points
 
 
 def whole(entry: Mapping[str, Any], key: str, low: int, high: int, say: Say, default: int | None = None) -> int | None:
-    """The whole number of a key, within bounds."""
+    """Return the whole number of a key, within bounds."""
     value = entry.get(key, default)
     if isinstance(value, int) and not isinstance(value, bool) and low <= value <= high:
         return value
@@ -134,7 +136,7 @@ def whole(entry: Mapping[str, Any], key: str, low: int, high: int, say: Say, def
 def choice(
     entry: Mapping[str, Any], key: str, known: Sequence[str], say: Say, default: str | None = None
 ) -> str | None:
-    """The choice of a key."""
+    """Return the choice of a key."""
     value = entry.get(key, default)
     if value in known:
         return str(value)
@@ -168,7 +170,7 @@ def _normal(entry: Mapping[str, Any], unit: str | None, say: Say) -> Distributio
 
 
 def _number(entry: Mapping[str, Any], key: str, unit: str | None, say: Say, difference: bool = False) -> float | None:
-    """A number in SI; a `difference` of temperatures does not move with the zero of its scale."""
+    """Return a number in SI; a `difference` of temperatures does not move with the zero of its scale."""
     value = entry.get(key)
     if isinstance(value, str) and unit is not None:
         from contbed.scene.units import to_si

@@ -98,7 +98,7 @@ def _axis(name: str, study: Study, rows: list[Row]) -> _Axis | None:
 
 
 def _results(study: Study, rows: list[Row]) -> list[tuple[Quantity, Array]]:
-    """What to plot, nan where a run has no such number: the chosen results, else the first that vary."""
+    """Return what to plot: the chosen results, else the first that vary; nan where a run has no such number."""
     found = []
     for quantity in columns(study, rows)[1]:
         values = [row.qoi.get(quantity.key) for row in rows]
@@ -185,7 +185,7 @@ def _effects(path: Path, title: str, axes: list[_Axis], results: list[tuple[Quan
 
 
 def _means(axis: _Axis, values: Array) -> tuple[Array, Array]:
-    """The mean of a result for each value of a parameter, or for slices with as many runs where it has many values."""
+    """Return the mean of a result for each value of a parameter, or for slices of equally many runs."""
     there = np.isfinite(values)
     at, found = axis.values[there], values[there]
     levels = np.unique(at)
@@ -202,7 +202,7 @@ def _choices(axis: _Axis) -> Iterator[Any]:
 
 
 def _crosses(panel: Any, axis: _Axis, failed: Any) -> None:
-    """Failed runs, on the lower edge."""
+    """Mark failed runs on the lower edge."""
     if failed.any():
         panel.plot(
             axis.values[failed],
@@ -215,14 +215,14 @@ def _crosses(panel: Any, axis: _Axis, failed: Any) -> None:
 
 
 def _is_plane(axes: list[_Axis]) -> bool:
-    """Whether the points span a plane, and not a line."""
+    """Return whether the points span a plane, and not a line."""
     points = np.column_stack([axis.scaled for axis in axes])
     points = (points - points.mean(axis=0)) / points.std(axis=0)
     return bool(np.linalg.svd(points, compute_uv=False)[-1] > 1e-6 * len(points) ** 0.5)
 
 
 def _folded(label: str) -> str:
-    """A long label with its unit, or its last part, on a line of its own."""
+    """Fold a long label: its unit, or its last part, is put on a line of its own."""
     if len(label) <= _WIDE:
         return label
     name, bracket, unit = label.partition(" [")

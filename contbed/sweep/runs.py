@@ -37,12 +37,12 @@ Outcome = dict[str, Any]
 
 
 def folder_of(case: Case, out: Path) -> Path:
-    """The folder of a run."""
+    """Return the folder of a run."""
     return out / "runs" / case.name
 
 
 def known(case: Case, out: Path) -> Outcome | None:
-    """The outcome of a run; None if it is not finished, or if its file is not as it was written."""
+    """Return the outcome of a run; None if it is not finished, or if its file is damaged."""
     try:
         outcome = json.loads((folder_of(case, out) / OUTCOME).read_text(encoding="utf-8"))
         return outcome if outcome["checksum"] == _checksum(outcome) else None
@@ -51,7 +51,7 @@ def known(case: Case, out: Path) -> Outcome | None:
 
 
 def is_damaged(case: Case, out: Path) -> bool:
-    """Whether a run has an outcome that cannot be believed."""
+    """Return whether the outcome of a run does not fit its checksum."""
     return (folder_of(case, out) / OUTCOME).is_file() and known(case, out) is None
 
 
@@ -61,12 +61,12 @@ def _checksum(outcome: Outcome) -> str:
 
 
 def forget(case: Case, out: Path) -> None:
-    """Let a run be computed again."""
+    """Delete the outcome of a run, so that it is computed again."""
     (folder_of(case, out) / OUTCOME).unlink(missing_ok=True)
 
 
 def is_begun(case: Case, out: Path) -> bool:
-    """Whether the last thing that is known of a run is that a worker began it."""
+    """Return whether the last entry in the log of a run is that a worker began it."""
     try:
         return (folder_of(case, out) / LOG).read_text(encoding="utf-8").rstrip().endswith(_BEGUN)
     except OSError:
@@ -88,7 +88,7 @@ def compute(case: Case, out: Path) -> Outcome:
 
 
 def give_up(case: Case, out: Path) -> Outcome:
-    """The outcome of a run whose workers die; what one of them has found after all is returned."""
+    """Return a failed outcome for a run whose workers died, or the outcome that one of them has found after all."""
     with _claimed(case, out) as log:
         if (found := known(case, out)) is not None:
             return found
@@ -111,7 +111,7 @@ def _no_link(path: str, flags: int) -> int:
 
 @contextmanager
 def locked(descriptor: int) -> Iterator[None]:
-    """Wait for the lock of an open file or folder, which goes with the process that holds it."""
+    """Hold the lock of an open file or folder for the block; the system releases it when the process ends."""
     with suppress(OSError):  # a file system without locks
         fcntl.flock(descriptor, fcntl.LOCK_EX)
     try:
@@ -135,7 +135,7 @@ def _keep(case: Case, out: Path, log: IO[str], solve: Callable[[], tuple[int, st
 
 
 def _results(case: Case, out: Path) -> tuple[int, str, dict[str, Any]]:
-    """Exit code, problem and named results of a run."""
+    """Return the exit code, problem and named results of a run."""
     from contbed.runner import run
 
     scene: Any = case.scene
@@ -150,7 +150,7 @@ def _results(case: Case, out: Path) -> tuple[int, str, dict[str, Any]]:
 
 
 def _is_disk(error: Exception) -> bool:
-    """Whether a file could not be written, which the next run would meet as well."""
+    """Return whether a file could not be written, which the next run would also fail at."""
     return isinstance(error, OSError) or (isinstance(error.__cause__, OSError) and not isinstance(error, SceneError))
 
 

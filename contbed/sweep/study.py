@@ -49,7 +49,7 @@ _SAMPLE_KEYS = ("method", "count", "seed", "parameters")
 
 @dataclass(frozen=True)
 class Case:
-    """One run: its name, which is the hash of its scene, the values of the parameters in SI, and the scene."""
+    """One run: its name (the hash of its scene), the values of the parameters in SI, and the scene."""
 
     name: str
     parameters: Mapping[str, Any]
@@ -58,8 +58,10 @@ class Case:
 
 @dataclass(frozen=True)
 class Study:
-    """The runs of a study file. `axes` are the parameters that vary by themselves, the first of each [[zipped]] table
-    among them; `logarithmic` are those with even ratios; `qoi_at` is where the file says what to plot.
+    """The runs of a study file.
+
+    `axes` are the parameters that vary by themselves, among them the first of each [[zipped]] table; `logarithmic` are
+    those with even ratios; `qoi_at` is where the file says what to plot.
     """
 
     file: Path
@@ -74,7 +76,7 @@ class Study:
 
 
 def read_study(path: str | Path, trust: bool = False, allow_large: bool = False) -> Study:
-    """The runs of a study file, without those that are the same scene twice; flags as in `contbed.loading.load`.
+    """Return the runs of a study file, without those that are the same scene twice; flags as in `contbed.loading.load`.
 
     Raises
     ------
@@ -106,7 +108,7 @@ def read_study(path: str | Path, trust: bool = False, allow_large: bool = False)
 
 
 class _Reader:
-    """Reads the parts of a study, each a list of points {parameter: value}, and gathers what is wrong with them."""
+    """Reader of the parts of a study, each a list of points {parameter: value}; it collects mistakes."""
 
     def __init__(self, values: dict[str, Any], origin: Origin):
         self.values, self.origin = values, origin
@@ -124,7 +126,7 @@ class _Reader:
         self.say((*path, *below), text, name)
 
     def head(self) -> None:
-        """The plain keys."""
+        """Read the plain keys."""
         for key in self.values.keys() - set(_KEYS):
             self.say((key,), f"unknown key; {nearest(key, list(_KEYS))}")
         scene = self.values.get("scene")
@@ -139,12 +141,12 @@ class _Reader:
             self.say(("qoi",), 'expected a list of names of results, ["T_fluid_out_K"]')
 
     def parameters(self) -> Iterator[list[dict[str, Any]]]:
-        """One part for each key: its values."""
+        """Return one part for each key: its values."""
         for name, levels in self.entries(("parameters",), self.values.get("parameters", {}), *_VALUES):
             yield [{name: level} for level in levels]
 
     def zipped(self) -> Iterator[list[dict[str, Any]]]:
-        """One part for each table of [[zipped]]: its keys' values in step."""
+        """Return one part for each table of [[zipped]]: the values of its keys, taken together."""
         tables = self.values.get("zipped", [])
         if not isinstance(tables, list):
             self.say(("zipped",), "expected tables [[zipped]]")
@@ -161,7 +163,7 @@ class _Reader:
                 yield [dict(zip(names, point, strict=True)) for point in zip(*columns, strict=True)]
 
     def sample(self) -> Iterator[list[dict[str, Any]]]:
-        """One part: the points of the sample."""
+        """Return one part: the points of the sample."""
         if "sample" not in self.values:
             return
         at, table = ("sample",), self.values["sample"]
@@ -212,7 +214,7 @@ class _Reader:
 def _flat(
     table: Mapping[str, Any], is_entry: Callable[[Any], bool], above: tuple[str, ...] = ()
 ) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Entries by path, whether written as "a.b" = [...], a.b = [...] or in sub-tables."""
+    """Return the entries by path, whether written as "a.b" = [...], a.b = [...] or in sub-tables."""
     for key, value in table.items():
         if is_entry(value):
             yield (*above, key), value
@@ -230,7 +232,7 @@ def _unit(name: str) -> str | None:
 def _cases(
     make: Callable[[dict[str, Any]], SceneBase], groups: list[list[dict[str, Any]]], places: Mapping[str, str]
 ) -> list[Case]:
-    """The scene of each combination. A mistake that comes again with other values is told once."""
+    """Return the scene of each combination; a mistake that several combinations share is reported once."""
     cases: dict[str, Case] = {}
     problems: dict[str, list[str]] = {}
     for points in product(*groups):
@@ -254,7 +256,7 @@ def _cases(
 
 
 def _relocated(problem: str, places: Mapping[str, str]) -> tuple[str, str]:
-    """The parameter and the line of the study for what the scene calls an override."""
+    """Replace an override of a scene in a message by the parameter and the line of the study."""
     text = problem.removeprefix("override: ")
     if text != problem:
         for name in sorted(places, key=len, reverse=True):
@@ -268,7 +270,7 @@ def _shown(values: Mapping[str, Any]) -> str:
 
 
 def _at(values: Any, name: str) -> Any:
-    """The value of a key, None where the scene leaves it out."""
+    """Return the value of a key; None where the scene leaves it out."""
     for key in parse_key(name):
         values = values.get(str(key)) if isinstance(values, dict) else None
     return values

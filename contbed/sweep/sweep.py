@@ -1,6 +1,6 @@
-"""`contbed sweep`: run every scene of a study that is not there yet, then write the table and the plots.
+"""The command `contbed sweep`: run every scene of a study that has no outcome yet, then write the table and the plots.
 
-Everything that a sweep knows lies in its folder: an interrupted one, however it ended, goes on with the same command.
+All data of a sweep is in its folder: an interrupted sweep continues with the same command.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from contbed.sweep.table import Row
 
 @dataclass(frozen=True)
 class Sweep:
-    """The runs of a sweep in the order of the study, how many of them were there before, and what to know."""
+    """The runs of a sweep in the order of the study, how many of them existed before, and warnings."""
 
     rows: list[Row]
     before: int
@@ -35,7 +35,7 @@ class Sweep:
         return [row for row in self.rows if row.exit_code]
 
     def failures(self, most: int = 20) -> list[str]:
-        """A line for each run that failed, with its parameters, exit code and problem."""
+        """Return a line for each run that failed, with its parameters, exit code and problem."""
         lines = [
             f"failed with {row.exit_code}: {', '.join(f'{k} = {v}' for k, v in row.parameters.items())}: {row.problem}"
             for row in self.failed[:most]
@@ -107,7 +107,7 @@ def sweep(
 
 @contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """Another sweep of the same study may end at the same time."""
+    """Lock the sweep while the table is written, because another sweep of the study may end at the same time."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         with locked(descriptor):
@@ -130,7 +130,7 @@ def _row(case: Case, outcome: Outcome) -> Row:
 
 
 def _require_known(todo: Study, rows: list[Row]) -> None:
-    """Names to plot that no run has; not a mistake while every run fails."""
+    """Raise SceneError for names to plot that no run has, unless every run failed."""
     results = [quantity.key for quantity in table.columns(todo, rows)[1]]
     missing = [name for name in todo.qoi if name not in results]
     if results and missing:

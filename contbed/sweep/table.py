@@ -21,7 +21,7 @@ from contbed.sweep.study import Study
 
 @dataclass(frozen=True)
 class Row:
-    """One run that has ended: its name, its parameters in SI, its named results, or its exit code and problem."""
+    """One run that has ended: name, parameters in SI, and named results, or exit code and problem."""
 
     name: str
     parameters: Mapping[str, Any]
@@ -32,7 +32,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A parameter or result: its key in scene or summary, and its name and unit apart; unit None is no number."""
+    """A parameter or result: its key in scene or summary, its name and its unit; None for no number."""
 
     key: str
     name: str
@@ -56,13 +56,13 @@ class Quantity:
 
 
 def parameter(key: str, values: Iterable[Any]) -> Quantity:
-    """A key of the scene; names and tables have no unit, also where a number might stand."""
+    """Return a key of the scene; names and tables have no unit."""
     named = any(isinstance(value, str | dict) for value in values)
     return Quantity(key, key, None if named else explain.unit(parse_key(key)))
 
 
 def result(key: str) -> Quantity:
-    """A named result: "k_eff [W/m/K]" and "T_fluid_out_K" bring their unit, "u_max" has that of its field.
+    """Return a named result; the unit is that in its key ("k_eff [W/m/K]", "T_fluid_out_K") or of its field ("u_max").
 
     >>> [result(key).header for key in ("T_fluid_out_K", "k_eff [W/m/K]", "u_max", "porosity")]
     ['T_fluid_out [K]', 'k_eff [W/m/K]', 'u_max [m/s]', 'porosity [-]']
@@ -98,7 +98,7 @@ def write(out: Path, study: Study, rows: list[Row]) -> None:
 
 
 def columns(study: Study, rows: list[Row]) -> tuple[list[Quantity], list[Quantity]]:
-    """The parameters, and the results that any run has."""
+    """Return the parameters, and the results that any run has."""
     keys = dict.fromkeys(key for row in rows for key in row.qoi)
     parameters = [parameter(key, (row.parameters[key] for row in rows)) for key in study.parameters]
     return parameters, [result(key) for key in keys]

@@ -1,9 +1,4 @@
-"""Who computes the runs: processes of this machine, or the workers of a dask cluster; each with one thread.
-
-When a process of this machine dies, its pool is lost: up to one run a process has begun and not ended. Each of them is
-then computed by itself, so that the one that kills its worker is found, and the others go on. On a cluster the
-scheduler gives the run of a dead worker to another one, and gives it up when several have died of it.
-"""
+"""Workers of a sweep: processes of this machine, or workers of a dask cluster, each with one thread."""
 
 from __future__ import annotations
 
@@ -26,13 +21,13 @@ Found = Iterator[tuple[Case, Outcome]]
 
 
 def in_this_process(cases: list[Case], out: Path) -> Found:
-    """One run after the other."""
+    """Yield one run after the other."""
     for case in cases:
         yield case, compute(case, out)
 
 
 def on_this_machine(cases: list[Case], out: Path, jobs: int) -> Found:
-    """Runs in `jobs` processes, in the order in which they end; -1 means one for each core."""
+    """Yield the runs of `jobs` processes in the order in which they end; -1 means one for each core."""
     batches, deaths = deque([cases]), 0
     while batches:
         batch, done = batches.popleft(), set()
@@ -72,7 +67,7 @@ def _pair(case: Case, out: Path) -> tuple[Case, Outcome]:
 
 
 def on_cluster(cases: list[Case], out: Path, scheduler: str) -> Found:
-    """Runs on the workers of a dask scheduler, in the order in which they end.
+    """Yield the runs on the workers of a dask scheduler, in the order in which they end.
 
     Raises
     ------
@@ -123,7 +118,7 @@ def _on_cluster_worker(case: Case, out: Path) -> Outcome:
 
 
 def require_dask() -> Any:
-    """The module of dask's scheduler, or ContbedError with what to install."""
+    """Return the module of dask's scheduler, or raise ContbedError with what to install."""
     try:
         import distributed
     except ImportError:
@@ -157,7 +152,7 @@ def _inspect(client: Any, out: Path, scheduler: str) -> None:
 
 
 def _probe(token: str) -> tuple[str, bool, bool]:
-    """Version, whether the folder is seen, whether linear algebra keeps to one thread; asked on a worker."""
+    """Return version, whether the folder is seen, and whether linear algebra keeps to one thread, of a worker."""
     from contbed import __version__
 
     return __version__, Path(token).exists(), os.environ.get("OMP_NUM_THREADS") == "1"

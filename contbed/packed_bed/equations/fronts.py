@@ -32,12 +32,15 @@ class Snapshot:
     T_solid: Array
 
     def at(self, z: Array) -> tuple[Array, Array]:
-        """Both temperatures at positions z, linear between centres, without smearing the front between two parcels."""
+        """Return both temperatures at positions z.
+
+        They are linear between centres, without smearing the front between two parcels.
+        """
         return _sharp(z, self.z_fluid, self.T_fluid), _sharp(z, self.z_solid, self.T_solid)
 
 
 def _sharp(z: Array, centres: Array, values: Array) -> Array:
-    """Linear reconstruction in each cell with the smaller of the two one-sided slopes, which keeps a jump a jump."""
+    """Reconstruct linearly in each cell with the smaller one-sided slope (minmod), which keeps a jump sharp."""
     width = centres[1] - centres[0]
     steps = np.diff(values)
     left, right = np.concatenate(([steps[0]], steps)), np.concatenate((steps, [steps[-1]]))
@@ -58,10 +61,11 @@ def track(
     times: Sequence[float],
     advance: Callable[[float], None] = lambda time: None,
 ) -> tuple[list[Snapshot], dict[str, float]]:
-    """Temperatures at `times` [s] (rising) in a bed of `length` [m] that a stream of `velocity` v > 0 [m/s] enters.
+    """Return temperatures at rising `times` [s] in a bed of `length` [m] that a stream of `velocity` v > 0 enters.
 
-    Capacities are per bed volume [J/m3/K], `exchange` is h a [W/m3/K]. Also returns the heat balance per cross-section
-    [J/m2]: entered and left with the stream, relative to the fluid's initial temperature, and stored.
+    `velocity` is in m/s. Capacities are per bed volume [J/m3/K], `exchange` is h a [W/m3/K]. Also returns the heat
+    balance per cross-section [J/m2]: entered and left with the stream, relative to the fluid's initial temperature, and
+    stored.
     """
     dz = length / cells
     dt = dz / velocity

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 def rates(
     flux_fluid: float, flux_solid: float, d_fluid: float, d_solid: float, ha: float, d_cross: float = 0.0
 ) -> Array:
-    """Signed rates l [1/m] of the modes exp(l x), ascending, correctly rounded.
+    """Return the signed rates l [1/m] of the modes exp(l x), ascending, correctly rounded.
 
     One for each root of the cubic: three with conduction in both phases, fewer without. Layers at x = 0 are 1/|l| wide
     with l < 0, layers at x = L are 1/l wide with l > 0. Balanced counter-current flow has l = 0. The cubic is evaluated
@@ -34,6 +34,7 @@ def rates(
 
 
 def check_streams(flux_fluid: float, d_fluid: float, d_solid: float, ha: float, d_cross: float) -> None:
+    """Raise ValueError if the coefficients do not fit the two-energy equations."""
     if not (flux_fluid > 0 and ha > 0 and d_fluid >= 0 and d_solid >= 0):
         raise ValueError(
             f"two-energy solution: need flux_fluid > 0, ha > 0, d_fluid >= 0, d_solid >= 0, "
@@ -44,7 +45,10 @@ def check_streams(flux_fluid: float, d_fluid: float, d_solid: float, ha: float, 
 
 
 def _single_phase_rates(flux: float, d: float, ha: float) -> tuple[float, float]:
-    """Roots of d l^2 - flux l - ha = 0, negative and positive: the other phase held at zero. Infinite where absent."""
+    """Return the roots of d l^2 - flux l - ha = 0, negative and positive; infinite where absent.
+
+    They belong to one phase with the other held at zero.
+    """
     large = abs(flux) + math.sqrt(flux**2 + 4.0 * d * ha)
     near = 2.0 * ha / large if large else math.inf
     far = large / (2.0 * d) if d else math.inf
@@ -52,7 +56,10 @@ def _single_phase_rates(flux: float, d: float, ha: float) -> tuple[float, float]
 
 
 def _outer_root(cubic: tuple[Fraction, ...], start: float) -> float:
-    """Root beyond `start`, the larger single-phase rate in magnitude, where the cubic times `start` is negative."""
+    """Return the root beyond `start`, the larger single-phase rate in magnitude.
+
+    The cubic times `start` is negative there.
+    """
     end = 2.0 * start
     while _cubic(cubic, end)[0] * Fraction(end) < 0:
         end *= 2.0
@@ -80,7 +87,7 @@ def _root_between(cubic: tuple[Fraction, ...], start: float, end: float) -> floa
 
 
 def _cubic(cubic: tuple[Fraction, ...], at: float) -> tuple[Fraction, Fraction]:
-    """Value and derivative of the cubic, exactly."""
+    """Return value and derivative of the cubic, exactly."""
     a0, a1, a2, a3 = cubic
     x = Fraction(at)
     return a0 + x * (a1 + x * (a2 + x * a3)), a1 + x * (2 * a2 + x * 3 * a3)

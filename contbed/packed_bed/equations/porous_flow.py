@@ -42,13 +42,13 @@ class Coefficients:
 
 
 def drag(w: Any, c: Coefficients, o: Any) -> Any:
-    """Force of the bed on the fluid per volume and relative velocity [Pa s/m2] for relative velocity `w` [m/s]."""
+    """Return the drag on the fluid per volume and relative velocity [Pa s/m2] at relative velocity `w` [m/s]."""
     speed = np.sqrt(o.dot(w, w) + (ROUNDING * c.speed) ** 2)
     return c.porosity * (c.viscosity / c.permeability + c.density * c.forchheimer / c.permeability**0.5 * speed)
 
 
 def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
-    """Momentum and continuity, tested with `tests.u` and `tests.p`."""
+    """Return the weak form of momentum and continuity, tested with `tests.u` and `tests.p`."""
     u, p, v, q = unknowns.u, unknowns.p, tests.u, tests.p
     w = u - c.velocity_solid
     inertia = (c.density / c.porosity) * o.dot(o.mul(o.grad(u), u), v)
@@ -59,5 +59,5 @@ def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
 
 
 def volume_flow(unknowns: Any, o: Any) -> Any:
-    """Outward superficial velocity on a boundary [m/s]; its integral is the volume flow [m3/s]."""
+    """Return the outward superficial velocity on a boundary [m/s]; its integral is the volume flow [m3/s]."""
     return o.dot(unknowns.u, o.n)

@@ -57,7 +57,7 @@ class Coefficients:
 
 
 def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
-    """Steady part of both balances, without boundary terms."""
+    """Return the weak form of the steady part of both balances, without boundary terms."""
     fluid, solid = unknowns.T_fluid, unknowns.T_solid
     transfer = c.exchange(fluid, solid) * (solid - fluid)
     cross = None if c.cross is None else c.cross(0.5 * (fluid + solid))
@@ -87,7 +87,7 @@ def _balance(T: Any, other: Any, v: Any, gain: Any, c: Phase, cross: Any, o: Any
 
 
 def conduction(T: Any, c: Phase, o: Any) -> Any:
-    """Minus the conducted heat flux, K grad T [W/m2]."""
+    """Return K grad T [W/m2], minus the conducted heat flux."""
     gradient = o.grad(T)
     flux = c.conductivity(T) * gradient
     if c.dispersion is not None:
@@ -97,7 +97,10 @@ def conduction(T: Any, c: Phase, o: Any) -> Any:
 
 
 def _conduction_divergence(T: Any, c: Phase, o: Any) -> Any:
-    """K : grad grad T [W/m3]; gradients of K are left out, which keeps the order of the stabilised method."""
+    """Return K : grad grad T [W/m3].
+
+    Gradients of K are left out, which keeps the order of the stabilised method.
+    """
     total = c.conductivity(T) * o.laplacian(T)
     if c.dispersion is not None:
         across, extra, direction = c.dispersion
@@ -106,7 +109,7 @@ def _conduction_divergence(T: Any, c: Phase, o: Any) -> Any:
 
 
 def storage(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
-    """Heat content of both phases, tested as the steady part is."""
+    """Return the heat content of both phases, tested as the steady part is."""
     total = 0.0
     for name, phase in (("T_fluid", c.fluid), ("T_solid", c.solid)):
         content, v = phase.content(getattr(unknowns, name)), getattr(tests, name)
@@ -136,12 +139,12 @@ class Wall:
 
 
 def boundary(unknowns: Any, tests: Any, c: Wall, o: Any) -> Any:
-    """Convection through a boundary, prescribed flux and wall coefficient."""
+    """Return the weak form of convection through a boundary, prescribed flux and wall coefficient."""
     return (convected(unknowns, c, o) - supplied(unknowns, c, o)) * getattr(tests, c.name)
 
 
 def convected(unknowns: Any, c: Wall, o: Any) -> Any:
-    """Heat carried out of the bed by the stream [W/m2]."""
+    """Return the heat carried out of the bed by the stream [W/m2]."""
     if c.mass_flux is None:
         return 0.0
     enthalpy = c.enthalpy(getattr(unknowns, c.name)) if c.inflow is None else c.inflow
@@ -149,7 +152,7 @@ def convected(unknowns: Any, c: Wall, o: Any) -> Any:
 
 
 def supplied(unknowns: Any, c: Wall, o: Any) -> Any:
-    """Heat given to the bed by flux, wall coefficient and radiation from the surroundings [W/m2]."""
+    """Return the heat given to the bed by flux, wall coefficient and radiation from the surroundings [W/m2]."""
     total, T = c.flux, getattr(unknowns, c.name)
     if c.coefficient is not None:
         total = total + c.coefficient(unknowns) * (c.ambient - T)
