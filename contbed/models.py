@@ -71,7 +71,6 @@ class Model:
     settings: str
     means: Callable[[Mapping[str, Any]], bool]
     equations: Mapping[str, str]
-    plan_in: str = "plan"
 
     def find(self, module: str, name: str) -> Any:
         """Import a module of the package and return its attribute `name`."""
@@ -107,7 +106,7 @@ def _only_radiates(values: Mapping[str, Any]) -> bool:
 
 # the first that a scene fits; the packed bed takes all others
 MODELS: dict[str, Model] = {
-    "two_fluid": Model("two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "simulation"}),
+    "two_fluid": Model("two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "equations"}),
     "fully_developed": Model(
         "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}
     ),
@@ -166,7 +165,7 @@ def plan(scene: Any) -> Any:
     ------
     SceneError : mesh, flow or closures of the scene cannot be used
     """
-    return model_of(scene).find(model_of(scene).plan_in, "plan")(scene)
+    return model_of(scene).find("plan", "plan")(scene)
 
 
 def described(plan: Plan, *more: str) -> str:

@@ -1,0 +1,16 @@
+"""The tests that CONTRIBUTING.md names exist."""
+
+import ast
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_tests_that_are_named_exist():
+    named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
+    assert len(named) >= 13
+    for file, name in named:
+        functions = [node.name for node in ast.parse((ROOT / file).read_text(encoding="utf-8")).body
+                     if isinstance(node, ast.FunctionDef)]  # fmt: skip
+        assert name in functions, f"{file}::{name}"
