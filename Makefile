@@ -9,7 +9,12 @@ SYSTEM := libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1 gcc libc
 VENV_DOLFINX ?= .venv-dolfinx
 SYSTEM_DOLFINX := python3-dolfinx mpi-default-bin python3-venv gcc libc6-dev python3-dev
 
-.PHONY: heater gallery test test-slow test-dolfinx dolfinx system lint clean
+# the lowest versions of the libraries that pyproject.toml declares; NumPy 1.24 needs Python 3.11
+VENV_FLOORS ?= .venv-floors
+PYTHON_FLOORS ?= python3.11
+FLOORS := tests/unit tests/materials tests/closures/test_closure_values.py tests/stress/test_restart.py tests/dem/test_particle_scenes.py
+
+.PHONY: heater gallery test test-slow test-floors test-dolfinx dolfinx system lint clean
 
 heater: $(BIN)/contbed
 	$(BIN)/contbed run studies/moving_bed_heater/heater.toml --out results/heater
@@ -22,6 +27,15 @@ test: system $(VENV)/.test
 
 test-slow: system $(VENV)/.test
 	$(BIN)/python -m pytest -q -n auto -m slow
+
+test-floors: $(VENV_FLOORS)/.test
+	$(VENV_FLOORS)/bin/python -m pytest -q -n auto $(FLOORS)
+
+$(VENV_FLOORS)/.test: pyproject.toml tests/floors.py
+	$(PYTHON_FLOORS) -m venv $(VENV_FLOORS)
+	$(VENV_FLOORS)/bin/python tests/floors.py > $(VENV_FLOORS)/floors.txt
+	$(VENV_FLOORS)/bin/python -m pip install --quiet --disable-pip-version-check -c $(VENV_FLOORS)/floors.txt -e '.[test]'
+	@touch $@
 
 test-dolfinx: $(VENV_DOLFINX)/.test
 	OMP_NUM_THREADS=1 $(VENV_DOLFINX)/bin/python -m pytest -q tests/dolfinx
@@ -47,7 +61,7 @@ $(BIN)/contbed: pyproject.toml
 	@touch $@
 
 $(VENV)/.test: $(BIN)/contbed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test,dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test,forms,dev]'
 	@touch $@
 
 # root on Debian or Ubuntu gets the system packages; anyone else is told, and the tests that need them are skipped by name
@@ -57,4 +71,4 @@ system:
 	  else echo "optional system packages are missing: sudo apt-get install $(SYSTEM)"; fi; fi
 
 clean:
-	rm -rf $(VENV) $(VENV_DOLFINX) build *.egg-info results
+	rm -rf $(VENV) $(VENV_DOLFINX) $(VENV_FLOORS) build *.egg-info results

@@ -81,6 +81,8 @@ def real_fluid(name: str, pressure: float, T_range: Sequence[float] | None = Non
     CoolProp, state = _state(name)
     boiling = _boiling(CoolProp, state, p)
     limits, phase = _one_phase(name, p, T_range, (state.Tmin(), state.Tmax()), boiling)
+    if limits[0] < (melting := _melting(CoolProp, state, p)):
+        raise SceneError(f"{name}: {limits[0]:g} K is below Tmelt = {melting:g} K at {p:g} Pa; narrow T_range")
     if phase:
         state.specify_phase(getattr(CoolProp, f"iphase_{phase}"))
 
@@ -124,6 +126,16 @@ def _state(name: str) -> tuple[Any, Any]:
     except ValueError as error:
         known = [*CoolProp.FluidsList(), "steam", "CO2"]
         raise SceneError(f"no real fluid {name!r} in CoolProp{nearest(name, known)}") from error
+
+
+def _melting(CoolProp: Any, state: Any, p: float) -> float:
+    """Return the melting temperature [K], 0 where it is not known; CoolProp before 8 gives the ice's side as water."""
+    if not state.has_melting_line() or p < state.trivial_keyed_output(CoolProp.iP_triple):
+        return 0.0
+    try:
+        return float(state.melting_line(CoolProp.iT, CoolProp.iP, p)) - ROUNDING
+    except ValueError:  # beyond the ends of the line
+        return 0.0
 
 
 def _boiling(CoolProp: Any, state: Any, p: float) -> Range | None:

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import tempfile
 import textwrap
 from pathlib import Path
 
@@ -120,7 +121,7 @@ def test_the_folder_of_another_user_is_not_taken(tmp_path, monkeypatch):
     planted = tmp_path / f"contbed-{os.getuid()}"
     planted.mkdir(mode=0o777)
     os.chmod(planted, 0o777)
-    monkeypatch.setattr(compiled_cache.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setattr(compiled_cache, "_can_write", lambda folder: False)
     monkeypatch.delitem(sys.modules, "numba", raising=False)
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)

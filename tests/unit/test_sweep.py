@@ -328,7 +328,7 @@ def test_a_full_disk_stops_the_sweep_and_is_no_fault_of_the_scene(folder, runner
 def test_an_interrupt_keeps_what_is_there(folder, runner, capsys):
     runner.error = lambda scene: KeyboardInterrupt() if len(runner.calls) == 2 else None
     assert sweep() == 130
-    assert capsys.readouterr().err == "interrupted\n"
+    assert capsys.readouterr().err == "interrupted; to go on: the same command\n"
     assert len(rows(folder)) == 1
     assert json.loads((folder / "out" / "table.json").read_text())["cases"] == 4
     assert sweep() == 0
