@@ -73,7 +73,7 @@ def pair_forces(state, spheres, pairs, neighbours, image, now, dt, block):
             count += 1
             if count == BLOCK:
                 _close_block(block, count, state, spheres, pairs, history, now, dt)
-                count = 0
+                count = np.int64(0)
     _close_block(block, count, state, spheres, pairs, history, now, dt)
 
 
