@@ -98,6 +98,9 @@ def _found(
         about = {key: result.summary[key] for key in ("versions", "scene", "dofs", "built", "skipped")}
         place.begin(about, keep=goes_on, inputs=all_inputs(scene, scene.origin.base))
     failure = _solve(scene, result, place.path if place is not None else None, quiet, checkpoint)
+    if place is not None and goes_on and isinstance(failure, SceneError):
+        place.give_back()
+        return result, failure
     result.timings["total"] = clock.perf_counter() - start
     if engine != "skfem":
         from contbed.fem.dolfinx import engine_usage

@@ -36,6 +36,7 @@ class RunFolder:
         self.path = path
         self.files: list[str] = []
         self._running: dict[str, Any] | None = None
+        self._former: dict[str, Any] = {}
 
     def begin(self, about: Mapping[str, Any], keep: bool, inputs: Collection[Path] = ()) -> None:
         """Remove what the former run wrote, unless its files are kept because it goes on, and say "running".
@@ -46,7 +47,7 @@ class RunFolder:
         keep : the run goes on from this folder's checkpoint, and its earlier files stay
         inputs : files that the run reads; they stay too
         """
-        former = read_summary(self.path)
+        self._former = former = read_summary(self.path)
         listed = former.get("files", ())
         names = [
             name for name in listed if isinstance(name, str) and Path(name).name == name and name not in ("", "..")
@@ -76,6 +77,12 @@ class RunFolder:
         """Write the summary of the results."""
         self._running = None
         write_json(self.path / SUMMARY, {**summary, "files": sorted({*self.files, SUMMARY})})
+
+    def give_back(self) -> None:
+        """Leave the summary as it was: the run cannot go on from this folder and has changed nothing in it."""
+        self._running = None
+        if self._former:
+            write_json(self.path / SUMMARY, self._former)
 
     def mark_failed(self, status: str, problem: str) -> None:
         """Say in the summary of an earlier run that a later one has failed before it began; all files stay."""

@@ -260,12 +260,14 @@ def test_a_run_goes_on_to_a_later_end_and_other_output_times(text, tmp_path):
 def test_what_has_passed_cannot_be_asked_for(tmp_path):
     text = SCENE.replace("end = 1500.0", "end = 200.0").replace("100.0, 1000.0]", "100.0]")
     cb.run(loads(text), out=tmp_path)
+    before = json.loads((tmp_path / "summary.json").read_text())
     with pytest.raises(SceneError, match=r"scene\.toml:\d+: time.end = 150: lies before 200 s"):
         cb.run(loads(text.replace("end = 200.0", "end = 150.0")), restart=tmp_path)
     with pytest.raises(SceneError, match=r"scene\.toml:\d+: time.times: 60 s lies before 200 s, .* was not kept"):
         cb.run(
             loads(text.replace("[1.0, 100.0]", "[1.0, 60.0]").replace("end = 200.0", "end = 300.0")), restart=tmp_path
         )
+    assert json.loads((tmp_path / "summary.json").read_text()) == before
 
 
 def test_damaged_checkpoint(whole, tmp_path):
