@@ -53,6 +53,7 @@ $(VENV_DOLFINX)/.test: pyproject.toml
 
 lint: $(VENV)/.test
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
 $(BIN)/contbed: pyproject.toml
