@@ -126,6 +126,8 @@ class HeatCoefficients:
             content=getattr(self.medium, f"content_{phase}"),
             source=self._source(phase),
             tau=stabilisation,
+            varies=not self.medium.constant and float(conductivity(1.01 * T_ref)) != float(conductivity(T_ref)),
+            reference=T_ref,
         )
 
     def _density(self, phase: str) -> float:
