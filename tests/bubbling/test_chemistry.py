@@ -175,6 +175,11 @@ def test_lime_calcines_above_its_equilibrium_and_fills_with_sulphate():
     )
     assert abs(lime.calcination_rate(1100.0, equal, 1.0, 1.0)) < 1e-4 * lime.calcination_rate(1100.0, 0.0, 1.0, 1.0)
     assert lime.sulphation_rate(1120.0, 0.01, 0.6, 0.4) < 1e-6 * lime.sulphation_rate(1120.0, 0.01, 1.0, 0.0)
+    # 490 cm4/mol/s exp(-17,500 cal/mol / RT) times the surface [cm2/g] is k_v [1/s], halfway up its rising branch
+    assert lime.sulphation_rate(1150.0, 0.01, 2.0, 0.0) == pytest.approx(
+        490.0 * np.exp(-17500.0 * 4.184 / 8.314462618 / 1150.0) * (35.9 * 1150.0 - 3.67e4) * 0.01 * 2.0 * lime.volume,
+        rel=3e-3,  # the branches of the surface are joined smoothly
+    )
     surface = rs.lime_surface(np.array([1000.0, 1248.0, 1500.0]))
     assert surface[1] > 7000 and surface[0] < 10 and surface[2] < 10
 

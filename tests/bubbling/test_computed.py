@@ -1,5 +1,7 @@
 """Beds with computed coefficients: the closures are those of the state reached, and Newton's method sees all of it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from computed_scenes import hot
@@ -105,3 +107,29 @@ def test_gas_that_passes_into_the_bubbles_brings_its_heat():
     # gas does pass, and heats the bubbles; the trapezoidal rule of the table
     assert np.abs(passed).sum() > 0.01 and abs(change - gained) < 1e-3 * abs(gained)
     assert np.ptp(column["T_bubble"]) > 5
+
+
+def test_species_are_told_apart():
+    """Closures of a pair see each species with its own numbers, and mixing counts each one's own heat."""
+    computed = plan(hot(species__inert__conductivity="kunii_levenspiel")).coefficients.computed
+    T, flow, d_b = np.full(1, 1100.0), np.full(1, 0.3), np.full(1, 0.08)
+    local, _ = computed.recorded(
+        {"T_inert": T, "T_char": T, "T_emulsion": T, "T_bubble": T, "flow_bubble": flow, "d_bubble": d_b},
+        np.full(1, 0.3),
+    )
+    char, inert = (computed._of_pair(name, k, local.state) for name, k in (("char", 1), ("inert", 2)))
+    assert (char["f_1"], char["d_1"], char["rho_1"]) == (0.5 * 0.02, 3e-3, 1200.0)
+    assert (inert["f_2"], inert["d_2"], inert["rho_2"]) == (0.5 * 0.98, 7e-4, 2600.0)
+    assert char["cp_1"] == pytest.approx(1000.0 + 0.5 * T) and inert["cp_2"] == pytest.approx(1000.0)
+    # the same mixing [m2/s] of all particles carries heat as each species holds it
+    held = {"char": 0.02 * 1200.0 * (1000.0 + 0.5 * T), "inert": 0.98 * 2600.0 * 1000.0}
+    assert local.conduction["char"] / local.conduction["inert"] == pytest.approx(held["char"] / held["inert"])
+    mixing = [
+        computed._dispersion(
+            name, SimpleNamespace(**vars(local) | {"state": local.state | {"conduction": local.conduction}})
+        )
+        for name in held
+    ]
+    assert mixing[0] == pytest.approx(mixing[1])
+    mean = (held["char"] + held["inert"]) / (0.02 * 1200.0 + 0.98 * 2600.0)
+    assert local.state["cp_solid"] == pytest.approx(mean)

@@ -1,13 +1,18 @@
 """The freeboard above a bed: flows of particles, gas that walls cool, heat that particles carry back, balances."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from computed_scenes import hot
 from scipy.integrate import solve_ivp
 
 import contbed as cb
+from contbed.bubbling_bed.equations.freeboard import CLEAR, LocalCoefficients
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
+from contbed.closures.optics import SIGMA
 from contbed.materials import gas_mixture
 
 WALLS = {"perimeter": 3.5, "coefficient": 20.0, "temperature": 600.0, "emissivity": 0.8}
@@ -104,6 +109,39 @@ def test_walls_above_cool_the_bed():
     z, G = cooled.profiles["z [m]"], cooled.profiles["G [W/m2]"]
     top = np.flatnonzero(np.isclose(z, 0.6))[0]
     assert column(cooled, "G_freeboard [W/m2]")[1][0] == pytest.approx(G[top], rel=1e-5)
+
+
+class At(float):
+    """A field at a point: its value, and its slope along the height."""
+
+    def __new__(cls, value, slope=0.0):
+        found = super().__new__(cls, value)
+        found.slope = slope
+        return found
+
+
+def test_black_particles_take_radiation_as_they_weaken_it():
+    """Large black particles scatter nothing: extinction is absorption, a quarter of their surface per volume.
+
+    Both are read from the weak form of G at particles of 900 K, 30 kg/m2/s up and 20 kg/m2/s down.
+    """
+    here = LocalCoefficients(0.6, lambda T: 1e3 * T, lambda T: 1e3, 3.0, 0.0, 500.0, 100.0)
+    scene = hot(freeboard={"height": 2.0, "ejection": 40.0, "decay": 3.0})
+    part = plan(scene).coefficients.computed.above.part
+    part = replace(part, emissivity=1.0, local_coefficients=lambda u, o: here)
+    black, o = 4.0 * SIGMA * 900.0**4, SimpleNamespace(h=0.1, grad=lambda field: (field.slope,))
+    bed = dict.fromkeys(("T_freeboard", "T_up", "T_down"), At(900.0)) | {"flow_up": At(30.0), "carryover": At(10.0)}
+    none = dict.fromkeys((*part.fields, *part.scalars), At(0.0))
+
+    def balance(G, test):
+        u, tests = (SimpleNamespace(**known | {"G_freeboard": field}) for known, field in ((bed, G), (none, test)))
+        return part.residual(u, tests, None, None, o)
+
+    taken = balance(At(black + 1e3), At(1.0)) - balance(At(black), At(1.0))
+    absorption = taken / (1e3 * part.section * part.stretch)
+    diffusion = balance(At(black, 1.0), At(0.0, 1.0)) * part.stretch / part.section
+    assert absorption == pytest.approx(0.25 * part.surface * (30.0 + 20.0) / 500.0, rel=1e-9)
+    assert 1.0 / (3.0 * diffusion) == pytest.approx(absorption + CLEAR / 2.0, rel=1e-9)
 
 
 def test_a_freeboard_needs_its_gas_and_one_choice():

@@ -1,5 +1,7 @@
 """Reacting beds whose solution is known, and beds that break models: each converges and closes every balance."""
 
+from types import SimpleNamespace
+
 import cantera
 import numpy as np
 import pytest
@@ -9,6 +11,9 @@ from scipy.integrate import solve_ivp
 import contbed as cb
 from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
+from contbed.bubbling_bed.equations.species import Gas, SourceTerms, Species
+from contbed.bubbling_bed.plan import plan
+from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.closures import reactions as r
 from contbed.errors import SceneError
 from contbed.loading import from_dict
@@ -92,6 +97,61 @@ def test_shift_by_an_integrator_of_ordinary_equations():
     # 20 cells of degree 3, and 0.05 K by which the gas leads the walls
     assert result.profiles["x_CO2_emulsion [1]"] == pytest.approx(exact, abs=2e-5)
     assert exact[-1] > 0.05
+
+
+def two_gases(**more):
+    """CO2 and O2 in emulsion and bubbles, and fields that a test gives."""
+    gases = {"CO2": Gas(0.044, lambda T: -4e5 + 50.0 * T, None), "O2": Gas(0.032, lambda T: 30.0 * T, None)}
+    return SimpleNamespace(gases=gases, phases=("emulsion", "bubble"), solids={}, **more)
+
+
+def test_a_particle_gives_at_its_temperature_and_takes_at_that_of_the_gas():
+    terms = SourceTerms(two_gases())
+    terms.particle("char", {"CO2": 2.0, "O2": -3.0}, {}, SimpleNamespace(T={"char": 1200.0, "emulsion": 900.0}))
+    assert terms.gas["emulsion"] == {"CO2": 2.0, "O2": -3.0}
+    brought = 2.0 * (-4e5 + 50.0 * 1200.0) - 3.0 * 30.0 * 900.0
+    assert terms.gain == pytest.approx({"T_emulsion": brought, "T_char": -brought})
+
+
+@pytest.mark.parametrize(("crossing", "of"), [(0.3, "emulsion"), (-0.3, "bubble")])
+def test_gas_that_crosses_has_the_composition_of_where_it_comes_from(crossing, of):
+    """0.3 kg/s/m into the bubbles is gas of the emulsion, out of them that of the bubbles."""
+    part = two_gases(pressure=1e5, section=1.0, exchange=lambda local, state: 0.0)
+    w = {"emulsion": {"CO2": 0.9, "O2": 0.1}, "bubble": {"CO2": 0.2, "O2": 0.8}}
+    both = {"emulsion": 1000.0, "bubble": 1000.0}
+    local = SimpleNamespace(delta=0.3, crossing=crossing)
+    terms = SourceTerms(part)
+    Species._exchange(
+        part, SimpleNamespace(local=local, w=w, T=both, molar_mass={"emulsion": 0.04, "bubble": 0.03}), terms
+    )
+    moved = {"CO2": crossing * w[of]["CO2"] / 0.044, "O2": crossing * w[of]["O2"] / 0.032}
+    assert terms.gas["bubble"] == pytest.approx(moved)
+    assert terms.gas["emulsion"] == pytest.approx({name: -amount for name, amount in moved.items()})
+
+
+def test_exchange_of_fuel_goes_by_the_surface_that_is_there():
+    """Twice the char has twice the surface for gas, mixing and the other particles; the pair of others stays."""
+    problem = BubblingProblem(plan(combustor(stone=True)))
+    computed, z = problem.c.computed, np.full(1, 0.5)
+    values = {f"T_{name}": np.full(1, 1100.0) for name in ("char", "inert", "stone", "emulsion", "bubble")}
+    values |= {name: np.full(1, 1.0) * value for name, value in computed.start(1100.0, z).items()}
+    values["n_volatiles"] = np.zeros(1)
+    once, _ = computed.recorded(values, z)
+    twice, _ = computed.recorded(values | {"n_char": 2.0 * values["n_char"]}, z)
+    share = once.shares["char"]
+    assert once.pairs["char", "inert"] == pytest.approx(share * 2e4)
+    assert once.pairs["stone", "inert"] == pytest.approx(1e5)
+    assert twice.shares["char"] == pytest.approx(2.0 * share, rel=1e-6)  # a trace of surface stays without char
+    assert twice.pairs["char", "inert"] == pytest.approx(twice.shares["char"] * 2e4)
+    assert twice.gas["char"] == pytest.approx(2.0 * once.gas["char"], rel=1e-6)
+
+
+def test_flows_may_hardly_undershoot_zero():
+    """Newton's method may leave a hundredth of what enters, not more, below zero."""
+    problem = BubblingProblem(plan(combustor()))
+    for name, size in problem.chemistry.sizes.items():
+        assert problem.system.part(problem.lower, name) == pytest.approx(-0.01 * size), name
+    assert problem.system.part(problem.lower, "T_char") == pytest.approx(0.0)
 
 
 def test_infinite_rate_is_equilibrium():
