@@ -34,15 +34,17 @@ class deferred_interrupt(ContextDecorator):
             and signal.getsignal(signal.SIGINT) is signal.default_int_handler
         )
         if self._outermost:
-            cls._held, cls._seen = True, False
+            # in this order, as an interrupt may come between any two lines: `_held` is set only while it is noted
+            cls._seen = False
             signal.signal(signal.SIGINT, _note)
+            cls._held = True
 
     def __exit__(self, *failure: object) -> None:
         if not self._outermost:
             return
         cls = deferred_interrupt
-        signal.signal(signal.SIGINT, signal.default_int_handler)
         cls._held = False
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         if cls._seen and failure[0] is None:
             raise KeyboardInterrupt
 

@@ -7,6 +7,7 @@ shifted runs differ by round-off that collisions amplify; they are compared over
 
 import os
 import signal
+import sys
 import threading
 import time
 
@@ -15,6 +16,7 @@ import pytest
 
 from contbed.dem import neighbours
 from contbed.dem import simulation as simulation_module
+from contbed.dem.interrupts import deferred_interrupt
 from contbed.dem.kernel_arrays import Box
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
@@ -318,3 +320,39 @@ def test_a_long_interval_is_cut_so_that_an_interrupt_is_heard(monkeypatch):
     whole.run(1234, interval=1234)
     for name, array in whole.state().items():
         assert array.tobytes() == cut.state()[name].tobytes(), name
+
+
+def test_an_interrupt_at_any_line_of_the_guard_leaves_it_ready():
+    """Between all lines of entering and leaving: an interrupt is told, or held and told, and the next one is held."""
+
+    def interrupt_at(wanted):
+        """Send SIGINT at one of the lines; return how many there are."""
+        lines = 0
+
+        def trace(frame, event, argument):
+            nonlocal lines
+            guard = frame.f_code.co_filename.endswith("interrupts.py") and frame.f_code.co_name in (
+                "__enter__",
+                "__exit__",
+            )
+            if guard and event == "line":
+                lines += 1
+                if lines == wanted:
+                    os.kill(os.getpid(), signal.SIGINT)
+            return trace
+
+        former, handler = sys.gettrace(), signal.signal(signal.SIGINT, signal.default_int_handler)
+        sys.settrace(trace)
+        try:
+            with deferred_interrupt():
+                pass
+        except KeyboardInterrupt:
+            pass
+        finally:
+            sys.settrace(former)
+            signal.signal(signal.SIGINT, handler)
+        assert not deferred_interrupt._held, wanted
+        return lines
+
+    for line in range(1, interrupt_at(0) + 1):
+        interrupt_at(line)
