@@ -13,6 +13,7 @@ from contbed.scene.toml_lines import Origin
 
 
 def one_source(particles: g.GasParticles, origin: Origin, see: See) -> Mistakes:
+    """Require either a count or a file of particles, with all that it needs."""
     if (particles.count is None) == (particles.file is None):
         yield ("particles",), "give either count, to settle a bed, or file"
     if particles.file is None:
@@ -29,6 +30,7 @@ def one_source(particles: g.GasParticles, origin: Origin, see: See) -> Mistakes:
 
 
 def fluid_is_complete(fluid: FluidConstant | FluidCantera) -> Mistakes:
+    """Require heat capacity and conductivity of a fluid of constant properties."""
     if isinstance(fluid, FluidConstant):
         for name in ("heat_capacity", "conductivity"):
             if not getattr(fluid, name):
@@ -36,6 +38,7 @@ def fluid_is_complete(fluid: FluidConstant | FluidCantera) -> Mistakes:
 
 
 def closures_exist(gas: g.GasFlow, origin: Origin) -> Mistakes:
+    """Require closures that exist and whose arguments the gas around a particle gives."""
     for kind, gives in GIVES.items():
         try:
             bind(getattr(gas, kind), kind, gives, origin.base)
@@ -44,6 +47,7 @@ def closures_exist(gas: g.GasFlow, origin: Origin) -> Mistakes:
 
 
 def jet_is_in_the_floor(gas: g.GasFlow, particles: g.GasParticles, see: See) -> Mistakes:
+    """Require that the slot of the jet lies in the floor of the bed."""
     if gas.jet is None:
         return
     low, high = gas.jet.slot
@@ -52,11 +56,13 @@ def jet_is_in_the_floor(gas: g.GasFlow, particles: g.GasParticles, see: See) -> 
 
 
 def jet_is_told_apart(gas: g.GasFlow, heat: g.GasHeat | None, see: See) -> Mistakes:
+    """Refuse a jet of another temperature where no energy equation is solved."""
     if gas.jet is not None and heat is None and gas.jet.T != gas.T:
         yield ("gas", "jet", "T"), f"differs from the gas, {see('gas.T')}, without a [heat] table"
 
 
 def times_are_in_order(time: g.GasTime, see: See) -> Mistakes:
+    """Require at least one sample between the start of the averages and the end of the run."""
     if time.average_from >= time.end:
         yield ("time", "average_from"), f"is not before the end; see {see('time.end')}"
     if time.sample > time.end - time.average_from:
@@ -64,12 +70,13 @@ def times_are_in_order(time: g.GasTime, see: See) -> Mistakes:
 
 
 def closure_is_of_a_fixed_bed(closure: g.NusseltClosure | None, particles: g.GasParticles, see: See) -> Mistakes:
+    """Refuse to fit a Nusselt number to particles that move."""
     if closure is not None and not particles.fixed:
         yield ("closure",), f"a Nusselt number is fitted to a bed at rest; set {see('particles.fixed')} = true"
 
 
 def file_can_be_used(particles: g.GasParticles, gas: g.GasFlow, origin: Origin) -> Mistakes:
-    """The file is read and its particles are set up as for a run, so that both say the same."""
+    """Read the file and set up its particles as for a run, so that both say the same."""
     if particles.file is None or particles.count is not None or "\0" in particles.file:
         return
     path = origin.base / particles.file

@@ -13,5 +13,5 @@ GIVES: dict[str, frozenset[str]] = {
 
 
 def bound(scene: g.GasScene) -> dict[str, BoundClosure]:
-    """The closures of a scene by kind."""
+    """Bind the closures of a scene; return them by kind."""
     return {kind: bind(getattr(scene.gas, kind), kind, gives, scene.origin.base) for kind, gives in GIVES.items()}

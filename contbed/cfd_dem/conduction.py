@@ -39,7 +39,7 @@ class Solid:
     exponents: tuple[float, float] = (STATIC, IMPACT)
 
     def exchange(self, simulation: Simulation, around: Local) -> tuple[heat.Pairs, dict[str, Array]]:
-        """Pairs of particles within 1.5 diameters and their conductances [W/K].
+        """Find the pairs of particles within 1.5 diameters and their conductances [W/K].
 
         Mechanisms: `contact` and `impact` through closed contacts, `fluid_touching`, `fluid_apart` through the gas.
         """
@@ -58,7 +58,7 @@ class Solid:
     def _impacts(
         self, simulation: Simulation, pairs: heat.Pairs, parts: dict[str, Array], factor: float
     ) -> dict[str, Array]:
-        """Contacts younger than an impact lasts are impacts."""
+        """Move contacts younger than an impact lasts to the mechanism `impact`."""
         contacts = simulation.contacts()
         n = len(simulation.position)
         parts = parts | {"impact": np.zeros(len(pairs.i))}

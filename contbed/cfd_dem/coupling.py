@@ -114,13 +114,13 @@ class Bed:
                         on_interval(self)
 
     def mass_balance(self) -> dict[str, float]:
-        """Gas [kg] since the first step: stored, in and out."""
+        """Return the gas [kg] since the first step: stored, in and out."""
         sums, held = self.gas.sums, float(self.gas.mass.sum())
         start = held if self._start is None else self._start[2]
         return {"in": sums["mass_in"], "out": sums["mass_out"], "source": 0.0, "stored": held - start}
 
     def balance(self) -> dict[str, float]:
-        """Heat [J] since the first step: stored in particles and gas, in and out with the gas, by radiation."""
+        """Return the heat [J] since the first step: stored in particles and gas, carried in and out, by radiation."""
         if self.T is None or self._start is None:
             return {}
         sums = self.gas.sums
@@ -128,7 +128,7 @@ class Bed:
         return {"stored": stored, "in": sums["heat_in"], "out": sums["heat_out"], "source": self.radiated}
 
     def state(self) -> dict[str, Array]:
-        """All that moves, as arrays for a checkpoint."""
+        """Return all that changes as arrays for a checkpoint."""
         arrays = {f"particles_{name}": value for name, value in self.simulation.state().items()}
         arrays |= {f"gas_{name}": value for name, value in self.gas.state().items()}
         arrays |= {"force": self.force.copy(), "received": self.received.copy()}
@@ -156,7 +156,7 @@ class Bed:
 
     @deferred_interrupt()
     def _advance(self, longest: float) -> None:
-        """One step of the gas and the steps of the particles in it; an interrupt waits for its end."""
+        """Advance by a step of the gas and the steps of the particles in it; an interrupt waits for its end."""
         gas, simulation = self.gas, self.simulation
         if self._start is None:
             gas.start(self.motion)
@@ -177,7 +177,7 @@ class Bed:
             self._heat_up(dt)
 
     def _heat_up(self, dt: float) -> None:
-        """Temperatures of the particles after dt [s]."""
+        """Advance the temperatures of the particles by dt [s]."""
         T, heat_rate = self.T, self.received
         assert T is not None
         if self.solid is not None or self.emissivity > 0.0:
@@ -200,7 +200,7 @@ class Bed:
         self._network = pairs, heat.total(parts)
 
     def _radiation(self, pairs: heat.Pairs) -> Array:
-        """Heat that particles receive by radiation [W]."""
+        """Find the heat that particles receive by radiation [W]."""
         assert self.T is not None
         d_p = 2.0 * self.simulation.radius
         n = len(self.T)

@@ -148,7 +148,7 @@ class Gas:
         slot_velocity: float = 0.0,
         slot_T: float | None = None,
     ) -> None:
-        """Superficial velocity [m/s] and temperature [K] at the inlet; in a slot x0 to x1 [m] those of a jet.
+        """Set superficial velocity [m/s] and temperature [K] at the inlet; in a slot x0 to x1 [m] those of a jet.
 
         Columns that the slot covers in part get both streams, mixed by mass, and by enthalpy to first order in T.
         """
@@ -244,14 +244,14 @@ class Gas:
         return force - volume[:, None] * kernels.gather_faces(faces, weight, slope), received
 
     def around(self, bed: Motion) -> Local:
-        """The gas at each particle."""
+        """Return the gas around each particle."""
         where, share = self.grid.shares(bed.x, bed.radius)
         eps = kernels.gather(where, share, self.eps)
         slip = kernels.gather_faces(*self.grid.weights(bed.x), self.q) - eps[:, None] * bed.v
         return self._local(where, share, eps, slip, 2.0 * bed.radius)
 
     def state(self) -> dict[str, Array]:
-        """All that a step depends on, as arrays for a checkpoint."""
+        """Return all that a step depends on as arrays for a checkpoint."""
         arrays = {name: np.array(getattr(self, name)) for name in _STATE}
         numbers = [*self.sums.values(), *self.counts.values(), self.started]
         return arrays | {"numbers": np.array(numbers, dtype=float)}
@@ -266,13 +266,13 @@ class Gas:
         self.started = bool(started)
 
     def _porosity(self, bed: Motion, where: Any, share: Array) -> tuple[Array, Array]:
-        """In cells, and as the particles see it."""
+        """Find the porosity of the cells, and at the particles."""
         solid = kernels.scatter(where, share, bed.volume, self.grid.cells)
         eps = self._raised(1.0 - solid / self.grid.volume)
         return eps, kernels.gather(where, share, eps)
 
     def _face_porosity(self, solid: Array, eps: Array) -> Array:
-        """Of the volumes of faces; where there is none that of the cells beside."""
+        """Find the porosity of the volumes of faces; a face without volume takes that of the cells beside."""
         volume, own = self.grid.face_volume, kernels.face_means(eps, self.grid.face_cell)
         return self._raised(1.0 - np.divide(solid, volume, out=1.0 - own, where=volume > 0.0))
 
@@ -293,7 +293,7 @@ class Gas:
         return Local(eps, at(fluid.density) * speed * d_p / mu, mu * at(fluid.heat_capacity) / k, mu, k, T)
 
     def convection(self, local: Local, d_p: Array) -> Array:
-        """Heat transfer coefficient of every particle [W/m2/K]."""
+        """Evaluate the heat transfer coefficient of every particle [W/m2/K]."""
         assert self.nusselt is not None
         arguments = {name: getattr(local, name) for name in self._names}
         return np.asarray(self.nusselt(**arguments) * local.k / d_p)
@@ -319,7 +319,7 @@ class Gas:
         return given + conducted, exchange * (kernels.gather(where, share, T) - bed.T)
 
     def _conduction(self, eps_face: Array) -> Array:
-        """Heat that cells get from their neighbours by conduction of the gas [W]."""
+        """Find the heat that cells get from their neighbours by conduction of the gas [W]."""
         grid = self.grid
         k = self._on_faces(self._on_cells(self.fluid.conductivity)) * (1.0 - np.sqrt(1.0 - np.minimum(eps_face, 1.0)))
         inner = grid.face_kind == INNER
@@ -328,7 +328,7 @@ class Gas:
         return np.asarray(-kernels.divergence(flux, grid.cell_face))
 
     def _transport(self, dt: float, gained: Array) -> None:
-        """Mass and enthalpy of the cells by their fluxes, then temperature."""
+        """Advance mass and enthalpy of the cells by their fluxes, then find temperatures."""
         grid = self.grid
         upwind = kernels.limited(self.T, self.inlet_T, self.q, grid.tables)
         mass = self.fluid.density(upwind) * self.q * self._area
@@ -352,7 +352,7 @@ class Gas:
         self.sums[f"{what}_out"] += dt * float(flux[outlet].sum())
 
     def _expansion(self) -> Array:
-        """Room that heat takes [m3/J], minus the slope of density over density, density and heat capacity."""
+        """Find the volume that a cell gains per heat [m3/J], -(d rho/dT)/(rho^2 c)."""
         if self.fluid.constant:
             return np.zeros(self.grid.cells)
         rho, step = self.density, 1e-4 * self.T

@@ -90,12 +90,12 @@ class Grid:
 
     @property
     def volume(self) -> float:
-        """Of a cell [m3]."""
+        """Volume of a cell [m3]."""
         return float(np.prod(self.size))
 
     @property
     def area(self) -> Array:
-        """Of the faces across x, y, z [m2]."""
+        """Areas of the faces across x, y, z [m2]."""
         return self.volume / self.size
 
     @property
@@ -115,20 +115,22 @@ class Grid:
 
     @property
     def centres(self) -> Array:
-        """Of all cells [m], (c, 3)."""
+        """Centres of all cells [m], (c, 3)."""
         axes = [low + (np.arange(n) + 0.5) * s for low, n, s in zip(self.lower, self.count, self.size, strict=True)]
         return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
 
     def shares(self, x: Array, reach: Array) -> tuple[NDArray[np.int32], Array]:
-        """Cells (n, k) in which spheres of radius `reach` [m] are, and the part in each."""
+        """Find the cells (n, k) in which spheres of radius `reach` [m] are, and the part in each."""
         width = int(np.ceil(2.0 * reach.max() / self.size.min())) + 1
         count = np.array(self.count)
-        return _cell_shares(x, reach, self.lower, self.size, count, self.sides, self.open_cells, width)
+        cells, share = _cell_shares(x, reach, self.lower, self.size, count, self.sides, self.open_cells, width)
+        return cells, share
 
     def weights(self, x: Array) -> tuple[NDArray[np.int32], Array]:
-        """Faces (n, 3, 8) across x, y, z around each point, and its weights on them."""
+        """Find the faces (n, 3, 8) across x, y, z around each point, and its weights on them."""
         count = np.array(self.count)
-        return _face_weights(x, self.lower, self.size, count, self.sides, self.face_first, self.active)
+        faces, weight = _face_weights(x, self.lower, self.size, count, self.sides, self.face_first, self.active)
+        return faces, weight
 
     def _connect(self) -> None:
         count, sides = np.array(self.count), self.sides
@@ -188,7 +190,16 @@ class Grid:
 
 
 @njit(cache=True)
-def _cell_shares(x, reach, lower, size, count, periodic, opened, width):
+def _cell_shares(
+    x: Array,
+    reach: Array,
+    lower: Array,
+    size: Array,
+    count: NDArray[np.int64],
+    periodic: NDArray[np.bool_],
+    opened: NDArray[np.bool_],
+    width: int,
+) -> tuple[NDArray[np.int32], Array]:
     n = len(x)
     cells, share = np.zeros((n, width**3), np.int32), np.zeros((n, width**3))
     at, part = np.empty((3, width), np.int64), np.empty((3, width))
@@ -219,7 +230,15 @@ def _cell_shares(x, reach, lower, size, count, periodic, opened, width):
 
 
 @njit(cache=True)
-def _face_weights(x, lower, size, count, periodic, first, active):
+def _face_weights(
+    x: Array,
+    lower: Array,
+    size: Array,
+    count: NDArray[np.int64],
+    periodic: NDArray[np.bool_],
+    first: NDArray[np.int64],
+    active: NDArray[np.bool_],
+) -> tuple[NDArray[np.int32], Array]:
     n = len(x)
     faces, weight = np.zeros((n, 3, 8), np.int32), np.zeros((n, 3, 8))
     at, part = np.empty((3, 2), np.int64), np.empty((3, 2))

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 def coefficients(bed: Bed, solid: Solid, emissivity: float = 0.0, T: float = 300.0) -> dict[str, Array]:
-    """Coefficient of every particle by mechanism [W/m2/K], (n,), as the bed is now; `T` [K] is that of radiation."""
+    """Evaluate the coefficients of all particles by mechanism [W/m2/K], (n,); `T` [K] is that of radiation."""
     simulation, around = bed.simulation, bed.gas.around(bed.motion)
     n, d_p = len(simulation.position), 2.0 * simulation.radius
     pairs, parts = solid.exchange(simulation, around)
@@ -50,7 +50,7 @@ class Average:
         self.Pr = 0.0
 
     def state(self) -> dict[str, Array]:
-        """The averages as arrays for a checkpoint."""
+        """Return the averages as arrays for a checkpoint."""
         arrays = {f"mean_{name}": value for name, value in self.mean.items()}
         numbers = np.array([self.count, self.coordination, self.Pr])
         return arrays | {"numbers": numbers, "Re": self.Re, "eps": self.eps}
@@ -84,14 +84,14 @@ class Average:
         return heat.total(self.mean)
 
     def bed_means(self) -> dict[str, float]:
-        """Averages over all particles by mechanism [W/m2/K]."""
+        """Average over all particles, by mechanism [W/m2/K]."""
         return {name: float(h.mean()) for name, h in self.mean.items()}
 
 
 def bed_nusselt(
     bed: Bed, velocity: float, T: float, solid: Solid, of: str = "convection"
 ) -> tuple[float, float, float]:
-    """Re and Pr of a superficial velocity [m/s] through a bed at rest, and Nu of the mean coefficient of its particles.
+    """Find Re and Pr of a superficial velocity [m/s] through a bed at rest, and Nu of its mean coefficient.
 
     The gas enters at T [K], that of the bed, and has crossed the grid once. `of` "total" adds what `solid` conducts.
     """

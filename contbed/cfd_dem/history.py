@@ -63,7 +63,7 @@ class History:
         write_series(folder / "particles.pvd", files)
 
     def state(self) -> dict[str, Array]:
-        """All of it as arrays for a checkpoint."""
+        """Return all of it as arrays for a checkpoint."""
         return self.average.state() | {"rows": np.array(self.rows), "file_times": np.array(self.file_times)}
 
     def restore(self, state: Mapping[str, Array]) -> None:

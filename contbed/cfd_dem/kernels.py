@@ -7,13 +7,18 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from contbed.cfd_dem.grid import OUTLET
+from contbed.cfd_dem.grid import OUTLET, Tables
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Places = NDArray[np.int32]  # cells or faces around each particle
 
 
 @njit(cache=True)
-def gather(where, weight, values):
-    """Value at each particle, shape (n,)."""
+def gather(where: Places, weight: Array, values: Array) -> Array:
+    """Sum the weighted values of the cells around each particle, shape (n,)."""
     out = np.zeros(len(where))
     for i in range(len(where)):
         for k in range(where.shape[1]):
@@ -22,8 +27,8 @@ def gather(where, weight, values):
 
 
 @njit(cache=True)
-def scatter(where, weight, values, size):
-    """Sums over the particles, shape (size,)."""
+def scatter(where: Places, weight: Array, values: Array, size: int) -> Array:
+    """Sum `values` (n,) over the particles, shape (size,)."""
     out = np.zeros(size)
     for i in range(len(where)):
         for k in range(where.shape[1]):
@@ -32,8 +37,8 @@ def scatter(where, weight, values, size):
 
 
 @njit(cache=True)
-def gather_faces(faces, weight, values):
-    """Vector at each particle from values normal to the faces, shape (n, 3)."""
+def gather_faces(faces: Places, weight: Array, values: Array) -> Array:
+    """Find the vector at each particle from values normal to the faces, shape (n, 3)."""
     out = np.zeros((len(faces), 3))
     for i in range(len(faces)):
         for a in range(3):
@@ -43,8 +48,8 @@ def gather_faces(faces, weight, values):
 
 
 @njit(cache=True)
-def scatter_faces(faces, weight, values, size):
-    """Sums of `values` (n, 3), by direction, over the particles, shape (size,)."""
+def scatter_faces(faces: Places, weight: Array, values: Array, size: int) -> Array:
+    """Sum `values` (n, 3) over the particles, by direction, shape (size,)."""
     out = np.zeros(size)
     for i in range(len(faces)):
         for a in range(3):
@@ -54,8 +59,8 @@ def scatter_faces(faces, weight, values, size):
 
 
 @njit(cache=True)
-def face_means(cell, face_cell):
-    """Cell values on faces: the mean of both sides, at the rim that of the only cell."""
+def face_means(cell: Array, face_cell: Indices) -> Array:
+    """Interpolate cell values to faces: the mean of both sides, at the rim the value of the only cell."""
     out = np.empty(len(face_cell))
     for f in range(len(face_cell)):
         low, high = face_cell[f]
@@ -69,8 +74,8 @@ def face_means(cell, face_cell):
 
 
 @njit(cache=True)
-def limited(T, T_inlet, flux, tables):
-    """Upwind temperatures on faces, second order (MUSCL) with the limiter of van Leer (1974).
+def limited(T: Array, T_inlet: Array, flux: Array, tables: Tables) -> Array:
+    """Reconstruct upwind temperatures on faces, second order (MUSCL) with the limiter of van Leer (1974).
 
     `T_inlet` (f,) [K] are those beyond the inlet, nan elsewhere; `flux` (f,) gives the direction.
     """
@@ -100,8 +105,8 @@ def limited(T, T_inlet, flux, tables):
 
 
 @njit(cache=True)
-def divergence(flux, cell_face):
-    """What leaves each cell, of fluxes [./s] through faces."""
+def divergence(flux: Array, cell_face: Indices) -> Array:
+    """Sum what leaves each cell, of fluxes [./s] through faces."""
     out = np.empty(len(cell_face))
     for c in range(len(cell_face)):
         g = cell_face[c]
@@ -110,8 +115,10 @@ def divergence(flux, cell_face):
 
 
 @njit(cache=True)
-def momentum(u, mass, eps, rho, mu, gravity, tables, no_slip):
-    """Convection (first-order upwind), viscous stress and weight on staggered faces [N/m3 of gas].
+def momentum(
+    u: Array, mass: Array, eps: Array, rho: Array, mu: Array, gravity: Array, tables: Tables, no_slip: bool
+) -> Array:
+    """Sum convection (first-order upwind), viscous stress and weight on staggered faces [N/m3 of gas].
 
     Parameters
     ----------
@@ -157,7 +164,9 @@ def momentum(u, mass, eps, rho, mu, gravity, tables, no_slip):
 
 
 @njit(cache=True)
-def pressure(p, conductance, source, tables, tolerance, most):
+def pressure(
+    p: Array, conductance: Array, source: Array, tables: Tables, tolerance: float, most: int
+) -> tuple[Array, int, float]:
     """Solve sum over faces of conductance (p - p_beyond) = source, with p = 0 beyond outlets, from the guess `p`.
 
     Conjugate gradients, preconditioned by the columns of cells, which are solved exactly (line Jacobi). Returns p,
@@ -198,7 +207,7 @@ def pressure(p, conductance, source, tables, tolerance, most):
 
 
 @njit(cache=True)
-def _columns(r, pivot, link, height):
+def _columns(r: Array, pivot: Array, link: Array, height: int) -> Array:
     z = r.copy()
     for c in range(len(r)):
         if c % height > 0:
@@ -211,7 +220,7 @@ def _columns(r, pivot, link, height):
 
 
 @njit(cache=True)
-def _apply(p, conductance, cell_face, face_cell):
+def _apply(p: Array, conductance: Array, cell_face: Indices, face_cell: Indices) -> Array:
     out = np.empty(len(p))
     for c in range(len(p)):
         total = 0.0
@@ -225,8 +234,8 @@ def _apply(p, conductance, cell_face, face_cell):
 
 
 @njit(cache=True)
-def slopes(p, tables):
-    """Pressure gradient on the faces on which velocities are solved for [Pa/m]; p = 0 at the outlet face."""
+def slopes(p: Array, tables: Tables) -> Array:
+    """Find the pressure gradient on the faces with unknown velocities [Pa/m]; p = 0 at the outlet face."""
     size, face_cell, face_axis = tables.size, tables.face_cell, tables.face_axis
     face_kind, active = tables.face_kind, tables.active
     out = np.zeros(len(face_cell))

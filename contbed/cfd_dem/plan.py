@@ -44,7 +44,7 @@ class GasPlan:
         return Policy(3, None)
 
     def unknowns(self) -> dict[str, int]:
-        """Number of unknowns: coordinates of particles, velocities and pressures of the gas, temperatures."""
+        """Count the unknowns: coordinates of particles, velocities and pressures of the gas, temperatures."""
         moving = 0 if self.scene.particles.fixed else 6 * len(self.particles)
         heat = len(self.particles) + self.grid.cells if self.scene.heat is not None else 0
         return {"particles": moving, "gas": int(self.grid.active.sum()) + self.grid.cells, "heat": heat}
@@ -80,7 +80,7 @@ def plan(scene: GasScene) -> GasPlan:
 
 
 def material_of(table: GasParticles) -> Material:
-    """The material of the simulated particles."""
+    """Return the material of the simulated particles."""
     return Material(
         table.density,
         table.modulus,
@@ -92,7 +92,7 @@ def material_of(table: GasParticles) -> Material:
 
 
 def simulation_of(table: GasParticles, gas: GasFlow, particles: Particles) -> Simulation:
-    """The particles in their box.
+    """Set up the simulation of the particles in their box.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def _domain(table: GasParticles) -> Domain:
 
 
 def _grid(scene: GasScene, particles: Particles) -> Grid:
-    """Cells of about the asked size that fill the box."""
+    """Lay cells of about the asked size that fill the box."""
     diameter = 2.0 * float(particles.radius.max())
     wide, high = (scale * diameter for scale in scene.gas.cell)
     lengths = (*scene.particles.width, scene.gas.height)
@@ -136,7 +136,7 @@ def _settle(table: GasParticles) -> Particles:
 
 
 def read(table: GasParticles, base: Path) -> Particles:
-    """Particles of the file, which is looked for in `base`: at rest if the scene or the file says so.
+    """Read the particles of the file, looked for in `base`: at rest if the scene or the file says so.
 
     Their positions count from the lower corner of the box of a dump.
     """

@@ -19,7 +19,7 @@ def plot(result: Result, folder: Path) -> None:
 
 
 def history_plot(path: Path | str, columns: Mapping[str, NDArray[np.float64]], title: str = "") -> None:
-    """Pressure drop, height, coordination and temperatures over time, one below the other.
+    """Draw pressure drop, height, coordination and temperatures over time, one below the other.
 
     Parameters
     ----------

@@ -79,5 +79,5 @@ def _fill_ranges(result: Result, plan: GasPlan, bed: Bed, history: History) -> N
 
 
 def _balance(parts: Mapping[str, float], unit: str, floor: float) -> dict[str, Any]:
-    """Balance of the parts in, out, source and stored, against the largest of them and `floor`."""
+    """Balance the parts in, out, source and stored against the largest of them and `floor`."""
     return Balance(parts["in"], parts["out"], unit, parts["source"], parts["stored"], floor=floor).as_dict()

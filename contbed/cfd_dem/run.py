@@ -29,7 +29,7 @@ RESTART_MAY_CHANGE = ("time.end", "output")
 def run(
     plan: GasPlan, result: Result, folder: Path | None, quiet: bool, start: tuple[Mapping[str, Any], Any] | None
 ) -> None:
-    """Run and fill the result.
+    """Run the plan and fill the result.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def run(
 
 
 def build(plan: GasPlan) -> tuple[Bed, Solid]:
-    """The bed of a plan, with its inlet open, and how its particles conduct."""
+    """Build the bed of a plan, with its inlet open, and how its particles conduct."""
     scene = plan.scene
     table, gas = scene.particles, scene.gas
     simulation = simulation_of(table, gas, plan.particles)
@@ -97,7 +97,7 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
 
 
 def _open_inlet(scene: GasScene, bed: Bed) -> None:
-    """The inlet as it is at the time of the bed: with the jet until it ends."""
+    """Set the inlet as it is at the time of the bed: with the jet until it ends."""
     gas, jet = scene.gas, scene.gas.jet
     if jet is None or (jet.end is not None and bed.time >= jet.end * (1.0 - 1e-9)):
         bed.gas.inlet(gas.velocity, gas.T)

@@ -13,6 +13,7 @@ from contbed.scene.toml_lines import Origin
 
 
 def one_source(lattice: p.Lattice | None, particles: p.Particles | None, see: See) -> Mistakes:
+    """Require either a lattice or a file of particles."""
     if lattice is not None and particles is not None:
         yield ("particles",), f"there is a lattice already; remove one; see {see('lattice')}"
     if lattice is None and particles is None:
@@ -20,16 +21,19 @@ def one_source(lattice: p.Lattice | None, particles: p.Particles | None, see: Se
 
 
 def lattice_has_no_layers(lattice: p.Lattice | None, layers: p.Layers | None, see: See) -> Mistakes:
+    """Refuse layers of fixed temperature in a lattice, which is a periodic cell."""
     if lattice is not None and layers is not None:
         yield ("layers",), f"a lattice is a periodic cell and has no layers; see {see('lattice')}"
 
 
 def contact_is_small(lattice: p.Lattice | None, see: See) -> Mistakes:
+    """Require contacts smaller than the spheres of a lattice."""
     if lattice is not None and lattice.contact_radius >= lattice.radius:
         yield ("lattice", "contact_radius"), f"is not below the radius; see {see('lattice.radius')}"
 
 
 def layers_are_apart(layers: p.Layers | None, see: See) -> Mistakes:
+    """Require that the hot layer lies below the cold one and is hotter."""
     if layers is None:
         return
     if layers.bottom >= layers.top:
@@ -39,6 +43,7 @@ def layers_are_apart(layers: p.Layers | None, see: See) -> Mistakes:
 
 
 def fluid_is_there(conduction: p.Conduction, closure: p.Closure | None, see: See) -> Mistakes:
+    """Require a fluid where columns or a closure need one."""
     if conduction.fluid is not None:
         return
     if conduction.paths == "columns":
@@ -48,6 +53,7 @@ def fluid_is_there(conduction: p.Conduction, closure: p.Closure | None, see: See
 
 
 def closure_has_points(closure: p.Closure | None, see: See) -> Mistakes:
+    """Require more ratios than the polynomial of a closure has terms."""
     if closure is not None and len(set(closure.ratios)) < closure.degree + 2:
         yield (
             ("closure", "ratios"),
@@ -57,6 +63,7 @@ def closure_has_points(closure: p.Closure | None, see: See) -> Mistakes:
 
 
 def columns_have_no_radiation(conduction: p.Conduction, radiation: p.Radiation | None, see: See) -> Mistakes:
+    """Refuse columns together with radiation."""
     if conduction.paths == "columns" and radiation is not None:
         yield (
             ("conduction", "paths"),
@@ -67,7 +74,7 @@ def columns_have_no_radiation(conduction: p.Conduction, radiation: p.Radiation |
 def file_can_be_used(
     particles: p.Particles | None, layers: p.Layers | None, conduction: p.Conduction, origin: Origin
 ) -> Mistakes:
-    """The file is read as for a run, so that both say the same."""
+    """Read the file as for a run, so that both say the same."""
     if particles is None:
         return
     path = origin.base / particles.file
@@ -87,7 +94,7 @@ def file_can_be_used(
 
 
 def _fits(found: FileParticles, particles: p.Particles, layers: p.Layers | None, conduction: p.Conduction) -> Mistakes:
-    """Whether the other tables suit the particles of the file."""
+    """Require that the other tables suit the particles of the file."""
     if conduction.paths == "columns" and np.ptp(found.radius) > 0:
         yield ("conduction", "paths"), "columns are for equal particles without [radiation]; use cones"
     if layers is None:

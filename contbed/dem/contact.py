@@ -63,8 +63,10 @@ class ContactForce(NamedTuple):
 
 
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def contact_law(normal, overlap, velocity, spring, contact, dt):
-    """Hertz-Mindlin force of a closed contact with history and dashpots (see the top of this file).
+def contact_law(
+    normal: Vector, overlap: float, velocity: Vector, spring: Vector, contact: ContactConstants, dt: float
+) -> ContactForce:
+    """Evaluate the Hertz-Mindlin force of a closed contact with history and dashpots (see the top of this file).
 
     Without branches, so that loops over contacts turn into vector instructions.
 
@@ -104,8 +106,10 @@ def contact_law(normal, overlap, velocity, spring, contact, dt):
 
 
 @njit(error_model="numpy", fastmath=set(FAST))
-def rolling_torque(normal, spin, radius, inertia, friction, normal_force, dt):
-    """Torque on i [N m] against the rolling part of the relative spin [rad/s], a `Vector`.
+def rolling_torque(
+    normal: Vector, spin: Vector, radius: float, inertia: float, friction: float, normal_force: float, dt: float
+) -> Vector:
+    """Evaluate the torque on i [N m] against the rolling part of the relative spin [rad/s], a `Vector`.
 
     Constant directional torque mu_r R* F_n, bounded as said at the top of this file. `normal` is a unit `Vector`,
     `radius` [m] and `inertia` [kg m2] are effective ones, `friction` is mu_r [-], `normal_force` [N].
@@ -120,7 +124,7 @@ def rolling_torque(normal, spin, radius, inertia, friction, normal_force, dt):
 
 
 def hertz_impact(mass: float, radius: float, modulus: float, speed: float) -> tuple[float, float]:
-    """Duration [s] and largest overlap [m] of an elastic impact; effective mass [kg], radius [m] and modulus [Pa].
+    """Find duration [s] and largest overlap [m] of an elastic impact of effective mass [kg], radius [m], modulus [Pa].
 
     t_c = 2.868266 (m*^2 / (R* E*^2 v))^(1/5), delta_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5)
     Source: Johnson, Contact Mechanics (1985), section 11.4.
@@ -130,7 +134,9 @@ def hertz_impact(mass: float, radius: float, modulus: float, speed: float) -> tu
 
 
 def rayleigh_time(radius: float, material: Material) -> float:
-    """Time that a Rayleigh wave needs for half the circumference [s]: pi R sqrt(rho / G) / (0.1631 nu + 0.8766).
+    """Find the time that a Rayleigh wave needs for half the circumference [s].
+
+    t = pi R sqrt(rho / G) / (0.1631 nu + 0.8766)
 
     Source: Thornton and Randall (1988), in: Micromechanics of Granular Materials, 133-142.
     """
@@ -139,7 +145,7 @@ def rayleigh_time(radius: float, material: Material) -> float:
 
 
 def largest_safe_step(particles: Particles, materials: Sequence[Material], impact_speed: float = 0.1) -> float:
-    """Largest time step [s]: 0.2 of the Rayleigh time, and 20 steps in an impact at `impact_speed` [m/s].
+    """Find the largest time step [s]: 0.2 of the Rayleigh time, and 20 steps in an impact at `impact_speed` [m/s].
 
     Taken over the smallest particle of every material that occurs, in contact with its like.
     """

@@ -18,7 +18,7 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from contbed.dem.heat_impact import DURATION5, conductance_of, impact_of
-from contbed.dem.kernel_arrays import HEAT_PAIR, Table
+from contbed.dem.kernel_arrays import HEAT_PAIR, Array, Heat, Neighbours, Spheres, Table
 from contbed.dem.neighbours import BITS, MASK
 from contbed.dem.particles import Material
 from contbed.errors import SceneError
@@ -40,11 +40,11 @@ class ContactHeat:
     impact: float = 1.0
 
     def capacities(self, materials: Sequence[Material]) -> NDArray[np.float64]:
-        """Heat capacity of each material [J/kg/K]."""
+        """Return the heat capacity of each material [J/kg/K]."""
         return self._each(self.heat_capacity, materials, "heat_capacity")
 
     def table(self, materials: Sequence[Material]) -> Table:
-        """Constants of every pair of materials, shape (m, m), columns as in `kernel_arrays.HEAT_PAIR`."""
+        """Tabulate the constants of all pairs of materials, shape (m, m), columns as in `kernel_arrays.HEAT_PAIR`."""
         k = self._each(self.conductivity, materials, "conductivity")
         C = np.array([material.density for material in materials]) * self.capacities(materials)
         lean = np.where(np.less_equal.outer(C, C), k[:, None], k[None, :])
@@ -65,7 +65,16 @@ class ContactHeat:
 
 
 @njit(error_model="numpy")
-def contact_heat(position, heat, spheres, pairs, neighbours, image, now, dt):
+def contact_heat(
+    position: Array,
+    heat: Heat,
+    spheres: Spheres,
+    pairs: Table,
+    neighbours: Neighbours,
+    image: Array,
+    now: float,
+    dt: float,
+) -> None:
     """Advance the temperatures by explicit Euler over a step `dt` [s]; histories are those of step number `now`.
 
     Batchelor and O'Brien (Eq. 6) for contacts at rest, Zhou, Yu and Horio (Eq. 7) for impacts.

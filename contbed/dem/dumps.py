@@ -77,7 +77,7 @@ class Frame:
 
 
 def read_dump(path: Path | str) -> list[Frame]:
-    """All frames of a text dump.
+    """Read all frames of a text dump.
 
     Raises
     ------
@@ -97,13 +97,13 @@ def read_dump(path: Path | str) -> list[Frame]:
 
 
 def is_dump(path: Path | str) -> bool:
-    """Whether a file starts as a dump does."""
+    """Check whether a file starts as a dump does."""
     line = _Lines(Path(path)).next_or_none()
     return line is not None and line.startswith("ITEM:")
 
 
 def read_positions(path: Path | str) -> Array:
-    """Centres x,y,z [m] of a table with commas; lines that start with # are comments."""
+    """Read centres x,y,z [m] of a table with commas; lines that start with # are comments."""
     lines = _Lines(Path(path))
     rows = []
     while (line := lines.next_or_none()) is not None:
@@ -156,7 +156,7 @@ class _Lines:
 
 
 def _skip_optional(line: str, lines: _Lines) -> bool:
-    """LAMMPS may write units and times before a step."""
+    """Skip units and times, which LAMMPS may write before a step; return whether the line was one."""
     if not line.startswith(_OPTIONAL) or line.startswith("ITEM: TIMESTEP"):
         return False
     lines.next("its value")
@@ -200,7 +200,7 @@ def _frame(line: str, lines: _Lines) -> Frame:
 
 
 def _rows(lines: _Lines, have: int, names: list[str]) -> Array:
-    """Columns of the next `have` lines; columns of text, such as an element, are nan."""
+    """Read the columns of the next `have` lines; columns of text, such as an element, are nan."""
     rows: list[list[float]] = []
     for _ in range(have):
         words = lines.next("a particle").split()

@@ -53,11 +53,11 @@ class Fit:
     residuals: Array
 
     def closure(self, name: str = "fit") -> Transferred:
-        """The closure as a function of keywords."""
+        """Return the closure as a function of keywords."""
         return Transferred(name, self.content)
 
     def samples(self, count: int, seed: int) -> list[Transferred]:
-        """Closures whose parameters are drawn from their joint normal distribution."""
+        """Draw closures whose parameters follow their joint normal distribution."""
         rng = np.random.default_rng(seed)
         parts = _fitted(self.content)
         drawn = rng.multivariate_normal([part["value"] for part in parts], self.covariance, count)
@@ -79,7 +79,7 @@ class Fit:
 def conductivity_sweep(
     packings: Iterable[Packing], ratios: Sequence[float], k_fluid: float, factor: float, paths: str = "cones"
 ) -> dict[str, Array]:
-    """Effective conductivity of each packing at each ratio k_p/k_f: columns `eps`, `k_solid/k_fluid`, `k/k_fluid`.
+    """Find the effective conductivity of each packing at each ratio: columns `eps`, `k_solid/k_fluid`, `k/k_fluid`.
 
     `factor` is the correction c of the contact radius, `paths` as in `heat.Conduction`.
     """
@@ -103,7 +103,7 @@ def conductivity_sweep(
 def fit_log_polynomial(
     kind: str, columns: Mapping[str, ArrayLike], y: ArrayLike, scales: Mapping[str, str], degrees: Sequence[int]
 ) -> Fit:
-    """Least squares of ln(y) in products of the variables up to these degrees.
+    """Fit ln(y) by least squares in products of the variables up to these degrees.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def fit_log_polynomial(
 
 
 def fit_power(Re: ArrayLike, Pr: ArrayLike, Nu: ArrayLike, base: float = 2.0, c: float = 1 / 3) -> Fit:
-    """Least squares of Nu = base + a Re^b Pr^c in a and b; `base` and `c` are given."""
+    """Fit a and b of Nu = base + a Re^b Pr^c by least squares; `base` and `c` are given."""
     Re, Pr, Nu = np.broadcast_arrays(*(np.asarray(column, dtype=float) for column in (Re, Pr, Nu)))
     free = Re.size - 2
     if free < 1 or np.ptp(Re) == 0:
@@ -190,7 +190,7 @@ def _fitted(content: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _reference(column: Array, scale: str) -> float:
-    """A round number in the middle of the data, so that the terms are little correlated."""
+    """Choose a round number in the middle of the data, so that the terms are little correlated."""
     middle = np.exp(np.log(column).mean()) if scale == "log" else column.mean()
     return float(f"{middle:.3g}")
 
@@ -210,7 +210,7 @@ def _summary(residuals: Array, what: str) -> dict[str, Any]:
 
 
 def _toml(content: Mapping[str, Any]) -> str:
-    """The content as TOML: scalars, then one table after the other, inner tables in one line."""
+    """Write the content as TOML: scalars, then one table after the other, inner tables in one line."""
     lines = [f"{_key(key)} = {_value(value)}" for key, value in content.items() if not isinstance(value, dict | list)]
     for key, value in content.items():
         if isinstance(value, dict):

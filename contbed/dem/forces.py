@@ -13,6 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from contbed.dem.contact import FAST, ContactConstants, Vector, contact_law, rolling_torque
+from contbed.dem.kernel_arrays import Array, Neighbours, Spheres, State, Table, Walls
 from contbed.dem.neighbours import BITS, MASK, open_contact, wall_distance
 
 BLOCK = 64  # contacts: 26 columns of 64 numbers are 13 kB, less than half of the first cache
@@ -37,14 +38,23 @@ class Block(NamedTuple):
     entry: NDArray[np.int64]
 
 
-@njit
-def empty_block():
-    """Room for BLOCK contacts."""
+@njit()
+def empty_block() -> Block:
+    """Allocate room for BLOCK contacts."""
     return Block(np.empty(26 * BLOCK), np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64))
 
 
 @njit(error_model="numpy", fastmath=set(FAST))
-def pair_forces(state, spheres, pairs, neighbours, image, now, dt, block):
+def pair_forces(
+    state: State,
+    spheres: Spheres,
+    pairs: Table,
+    neighbours: Neighbours,
+    image: Array,
+    now: float,
+    dt: float,
+    block: Block,
+) -> None:
     """Add the forces and torques of all pairs of particles; `now` is the number of the step, `dt` its length [s]."""
     x, radius, b = state.position, spheres.radius, block.column
     start, entry, history = neighbours.start, neighbours.entry, neighbours.history
@@ -78,7 +88,7 @@ def pair_forces(state, spheres, pairs, neighbours, image, now, dt, block):
 
 
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def _set_constants(b, k, i, j, spheres, pairs):
+def _set_constants(b: Array, k: int, i: int, j: int, spheres: Spheres, pairs: Table) -> None:
     radius, mass = spheres.radius, spheres.mass
     pair = pairs[spheres.material[i], spheres.material[j]]
     b[TOUCH + k] = radius[i] + radius[j]
@@ -90,7 +100,16 @@ def _set_constants(b, k, i, j, spheres, pairs):
 
 
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def _close_block(block, count, state, spheres, pairs, history, now, dt):
+def _close_block(
+    block: Block,
+    count: np.int64,
+    state: State,
+    spheres: Spheres,
+    pairs: Table,
+    history: Table,
+    now: float,
+    dt: float,
+) -> None:
     """Gather velocities and springs, apply the law, scatter. An arm is half the distance, `more` of it longer for i."""
     b, v, w, f, q = block.column, state.velocity, state.spin, state.force, state.torque
     radius, kind, unequal = spheres.radius, spheres.material, not spheres.equal
@@ -129,8 +148,8 @@ def _close_block(block, count, state, spheres, pairs, history, now, dt):
 
 
 @njit(error_model="numpy", fastmath=set(FAST))
-def _apply_law(b, count, dt):
-    """The columns of forces, torques and springs from those of vectors and velocities."""
+def _apply_law(b: Array, count: np.int64, dt: float) -> None:
+    """Find the columns of forces, torques and springs from those of vectors and velocities."""
     for k in range(count):
         dx, dy, dz = b[DX + k], b[DY + k], b[DZ + k]
         distance = np.sqrt(b[DISTANCE2 + k])
@@ -161,7 +180,7 @@ def _apply_law(b, count, dt):
 
 
 @njit(error_model="numpy", fastmath=set(FAST))
-def _roll(b, k, i, j, state, spheres, friction, dt):
+def _roll(b: Array, k: int, i: int, j: int, state: State, spheres: Spheres, friction: float, dt: float) -> None:
     w, inertia = state.spin, spheres.inertia
     distance = np.sqrt(b[DISTANCE2 + k])
     torque = rolling_torque(
@@ -178,14 +197,14 @@ def _roll(b, k, i, j, state, spheres, friction, dt):
 
 
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def _add(total, i, vector, factor):
+def _add(total: Array, i: int, vector: Vector, factor: float) -> None:
     total[i, 0] += factor * vector.x
     total[i, 1] += factor * vector.y
     total[i, 2] += factor * vector.z
 
 
 @njit(error_model="numpy", fastmath=set(FAST))
-def wall_forces(state, spheres, pairs, walls, now, dt):
+def wall_forces(state: State, spheres: Spheres, pairs: Table, walls: Walls, now: float, dt: float) -> None:
     """Add the forces and torques of walls at rest; a wall counts as a plane of infinite mass."""
     x, v, w = state.position, state.velocity, state.spin
     for entry in range(len(walls.near)):

@@ -58,7 +58,7 @@ class Conduction(NamedTuple):
 
 
 def near_pairs(x: Array, reach: float, box: Box | None = None, periodic: tuple[bool, ...] = CLOSED) -> Pairs:
-    """Pairs of particles not further apart than `reach` [m]; a small periodic cell may pair a particle with itself."""
+    """Find pairs not further apart than `reach` [m]; a small periodic cell may pair a particle with itself."""
     x = np.asarray(x, dtype=float)
     if box is None or not any(periodic):
         i, j = cKDTree(x).query_pairs(reach, output_type="ndarray").T
@@ -73,7 +73,7 @@ def near_pairs(x: Array, reach: float, box: Box | None = None, periodic: tuple[b
 
 
 def voronoi_pairs(x: Array, box: Box, periodic: tuple[bool, ...] = CLOSED) -> Pairs:
-    """Pairs whose Voronoi cells share a face, with its area; mirrored particles close the cells at walls."""
+    """Find pairs whose Voronoi cells share a face, with its area; mirrored particles close the cells at walls."""
     x = np.asarray(x, dtype=float)
     low, high = (np.asarray(corner, dtype=float) for corner in box)
     reach = 4.0 * float(np.cbrt(np.prod(high - low) / len(x)))
@@ -92,7 +92,7 @@ def voronoi_pairs(x: Array, box: Box, periodic: tuple[bool, ...] = CLOSED) -> Pa
 
 
 def conductances(pairs: Pairs, radius: ArrayLike, heat: Conduction) -> dict[str, Array]:
-    """Conductance [W/K] of each pair by mechanism: `contact`, `fluid_touching`, `fluid_apart`.
+    """Find the conductance [W/K] of each pair by mechanism: `contact`, `fluid_touching`, `fluid_apart`.
 
     The last two are the particle-fluid-particle path of pairs that do and do not touch; absent without a fluid.
     """
@@ -123,7 +123,7 @@ def conductances(pairs: Pairs, radius: ArrayLike, heat: Conduction) -> dict[str,
 
 
 def convection(Re: Any, Pr: Any, k_fluid: Any, d_p: Any, a: float = 1.2, b: float = 0.5) -> Any:
-    """Coefficient between a particle and the fluid [W/m2/K], Nu = 2 + a Re^b Pr^(1/3) (Eq. 4).
+    """Evaluate the coefficient between a particle and the fluid [W/m2/K], Nu = 2 + a Re^b Pr^(1/3) (Eq. 4).
 
     Re on the local superficial relative velocity; a is 0.6 to 1.8 in Kunii and Levenspiel (1991).
     """
@@ -139,7 +139,7 @@ def surroundings(
     box: Box | None = None,
     periodic: tuple[bool, ...] = CLOSED,
 ) -> Array:
-    """Temperature that each particle sees [K], eps T_f + (1 - eps) mean of its neighbours within 1.5 d_p (Eq. 9)."""
+    """Find the temperature that each particle sees [K], eps T_f + (1 - eps) mean of those within 1.5 d_p (Eq. 9)."""
     pairs = near_pairs(x, VIEW * d_p, box, periodic)
     count = _gather(len(x), pairs, np.ones(len(pairs.i)), np.ones(len(pairs.i)))
     total = _gather(len(x), pairs, T[pairs.j], T[pairs.i])
@@ -148,7 +148,7 @@ def surroundings(
 
 
 def radiation(T: Array, T_local: Array, d_p: Any, emissivity: Any) -> tuple[Array, float]:
-    """Heat that each particle receives by radiation [W] (Eq. 8) and the imbalance of the assembly.
+    """Find the heat that each particle receives by radiation [W] (Eq. 8) and the imbalance of the assembly.
 
     Q = sigma e A (T_local^4 - T^4). What one particle emits is not what the others receive: the second value is the
     sum of Q over the sum of |Q|, 0 if the assembly kept its energy. `radiation_conductance` is the reciprocal form.
@@ -159,7 +159,7 @@ def radiation(T: Array, T_local: Array, d_p: Any, emissivity: Any) -> tuple[Arra
 
 
 def radiation_conductance(pairs: Pairs, count: int, T: float, d_p: float, emissivity: float, eps: ArrayLike) -> Array:
-    """Eqs. 8-9 at small differences of temperature as conductances of the pairs within 1.5 d_p [W/K], reciprocal.
+    """Linearise Eqs. 8-9 to reciprocal conductances [W/K] of the pairs within 1.5 d_p.
 
         G_ij = 4 sigma e T^3 pi d^2 (1 - eps) (1/n_i + 1/n_j)/2
 
@@ -178,7 +178,7 @@ def radiation_conductance(pairs: Pairs, count: int, T: float, d_p: float, emissi
 
 
 def total(parts: Mapping[str, Array]) -> Array:
-    """Sum of the mechanisms [W/K]."""
+    """Sum the mechanisms [W/K]."""
     return np.asarray(np.sum(list(parts.values()), axis=0))
 
 
@@ -187,14 +187,14 @@ def _gather(count: int, pairs: Pairs, at_i: Any, at_j: Any) -> Array:
 
 
 def _positive(shift: NDArray[np.int_]) -> NDArray[np.bool_]:
-    """Whether the first component that is not 0 is positive: of a shift and its opposite exactly one is."""
+    """Check whether the first component that is not 0 is positive: of a shift and its opposite exactly one is."""
     return np.asarray(shift @ np.array([10000, 100, 1]) > 0)
 
 
 def _images(
     x: Array, box: Box, periodic: tuple[bool, ...], reach: float, mirror: bool
 ) -> tuple[Array, NDArray[np.intp], NDArray[np.int_]]:
-    """The particles, then their copies within `reach` of the box: positions, owners (-1 if mirrored), periods moved."""
+    """List the particles, then copies within `reach` of the box: positions, owners (-1 if mirrored), periods moved."""
     low, high = (np.asarray(corner, dtype=float) for corner in box)
     where, owner, shift = x, np.arange(len(x)), np.zeros((len(x), 3), dtype=int)
     for axis in range(3):
@@ -218,7 +218,7 @@ def _images(
 
 
 def _areas(vertices: Array, loops: list[list[int]]) -> Array:
-    """Areas of plane polygons given by the indices of their corners in order."""
+    """Find the areas of plane polygons given by the indices of their corners in order."""
     sizes = np.array([len(loop) for loop in loops])
     corners = np.concatenate([np.asarray(loop) for loop in loops])
     start = np.concatenate([[0], np.cumsum(sizes)[:-1]])

@@ -27,7 +27,7 @@ class Impact(NamedTuple):
 
 
 def hertz_impact(R: ArrayLike, mass: ArrayLike, modulus: ArrayLike, speed: ArrayLike) -> Impact:
-    """Elastic collision at a normal speed (Hertz; Johnson, Contact Mechanics, 1985, eq. 11.23-11.24).
+    """Evaluate an elastic collision at a normal speed (Hertz; Johnson, Contact Mechanics, 1985, eq. 11.23-11.24).
 
         delta = (15 m* v^2/(16 E* sqrt(R*)))^(2/5),  t_c = 2.9432752 delta/v,  r_c = sqrt(R* delta)
 
@@ -43,13 +43,13 @@ def hertz_impact(R: ArrayLike, mass: ArrayLike, modulus: ArrayLike, speed: Array
 
 @register_jitable(error_model="numpy")
 def impact_of(R: Any, mass: Any, modulus: Any, speed: Any) -> Any:
-    """Largest overlap, duration and contact radius as `hertz_impact`."""
+    """Evaluate largest overlap, duration and contact radius as `hertz_impact`."""
     overlap = (15.0 * mass * speed**2 / (16.0 * modulus * np.sqrt(R))) ** 0.4
     return overlap, _DURATION * overlap / speed, np.sqrt(R * overlap)
 
 
 def impact_factor(fourier: ArrayLike, capacity_ratio: ArrayLike) -> Array:
-    """The factor c' of Eq. 7 [-] (Zhou, Yu, Horio 2008, doi:10.1016/j.cej.2007.08.024, as quoted by public codes).
+    """Evaluate c' of Eq. 7 [-] (Zhou, Yu, Horio 2008, doi:10.1016/j.cej.2007.08.024, as quoted by public codes).
 
         c' = 0.435 (sqrt(C2^2 - 4 C1 (C3 - Fo)) - C2)/C1, Ck quadratic in s = (rho c)_i/(rho c)_j
 
@@ -75,7 +75,7 @@ def _factor(fourier: Any, s: Any) -> Any:
 def impact_conductance(
     impact: Impact, k: tuple[ArrayLike, ArrayLike], heat: tuple[ArrayLike, ArrayLike], factor: ArrayLike = 1.0
 ) -> Array:
-    """Conduction [W/K] during the time t_c of an impact (Eq. 7); times t_c it is the heat of one impact [J/K].
+    """Evaluate the conduction [W/K] during an impact (Eq. 7); times t_c it is the heat of one impact [J/K].
 
         G = c' pi r_c^2 t_c^(-1/2)/((rho c k)_i^(-1/2) + (rho c k)_j^(-1/2))
 
@@ -102,12 +102,12 @@ def impact_conductance(
 
 @register_jitable(error_model="numpy")
 def conductance_of(duration: Any, radius: Any, diffusivity: Any, ratio: Any, effusivity: Any) -> Any:
-    """Eq. 7 without correction [W/K]; ratio <= 1, diffusivity of the particle of smaller rho c, both effusivities."""
+    """Evaluate Eq. 7 uncorrected [W/K]: ratio <= 1, diffusivity of the particle of smaller rho c, both effusivities."""
     # the correction changes t_c and r_c^2 alike, so that Fo is that of the real impact as well
     factor = _factor(diffusivity * duration / radius**2, ratio)
     return factor * np.pi * radius**2 * effusivity / np.sqrt(duration)
 
 
 def colliding(age: ArrayLike, duration: ArrayLike) -> NDArray[np.bool_]:
-    """Whether a contact still is a collision: Eq. 7 holds for the first t_c of a contact, Eq. 6 afterwards."""
+    """Check whether a contact still is a collision: Eq. 7 holds for its first t_c, Eq. 6 afterwards."""
     return np.asarray(age, dtype=float) < duration

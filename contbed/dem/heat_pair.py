@@ -23,7 +23,7 @@ _NODES, _WEIGHTS = 0.5 * (1.0 + _GAUSS[0]), 0.5 * _GAUSS[1]
 
 
 def correction(modulus: Any, modulus_real: Any, exponent: float = STATIC) -> Any:
-    """Factor c of a contact radius that was simulated with too soft a material [-].
+    """Evaluate the factor c of a contact radius that was simulated with too soft a material [-].
 
         c = (E / E_0)^exponent
 
@@ -35,7 +35,7 @@ def correction(modulus: Any, modulus_real: Any, exponent: float = STATIC) -> Any
 
 
 def contact_radius(R_i: ArrayLike, R_j: ArrayLike, distance: ArrayLike, factor: ArrayLike = 1.0) -> Array:
-    """Hertz's contact radius c sqrt(R* delta) [m], R* = R_i R_j/(R_i + R_j); 0 without overlap (Eq. 13)."""
+    """Evaluate Hertz's contact radius c sqrt(R* delta) [m], R* = R_i R_j/(R_i + R_j); 0 without overlap (Eq. 13)."""
     R_i, R_j = np.asarray(R_i, dtype=float), np.asarray(R_j, dtype=float)
     overlap = np.maximum(R_i + R_j - distance, 0.0)
     radius: Array = factor * np.sqrt(R_i * R_j / (R_i + R_j) * overlap)
@@ -43,7 +43,7 @@ def contact_radius(R_i: ArrayLike, R_j: ArrayLike, distance: ArrayLike, factor: 
 
 
 def contact_conductance(r_contact: ArrayLike, k_i: ArrayLike, k_j: ArrayLike) -> Array:
-    """Conduction through a small contact at rest (Eq. 6; Batchelor and O'Brien 1977, doi:10.1098/rspa.1977.0100).
+    """Evaluate conduction through a contact at rest (Eq. 6; Batchelor, O'Brien 1977, doi:10.1098/rspa.1977.0100).
 
     G = 4 r_c/(1/k_i + 1/k_j). Contact radius [m], conductivities [W/m/K].
     """
@@ -61,7 +61,7 @@ def gap_conductance(
     eps: ArrayLike,
     r_contact: ArrayLike = 0.0,
 ) -> Array:
-    """Conduction from particle to particle through the fluid between them (Eq. 5).
+    """Evaluate conduction from particle to particle through the fluid between them (Eq. 5).
 
         G = int_r_c^r_sf 2 pi r dr/(s_i/k_i + s_j/k_j + gap/k_fluid),
         s_i = sqrt(R_i^2 - r^2) - r D_i/r_ij,  gap = D_i + D_j - sqrt(R_i^2 - r^2) - sqrt(R_j^2 - r^2)
@@ -120,7 +120,7 @@ def gap_conductance(
 def column_conductance(
     R: ArrayLike, distance: ArrayLike, face: ArrayLike, k_i: ArrayLike, k_j: ArrayLike, k_fluid: float
 ) -> Array:
-    """Conduction between equal particles along parallel columns over their common Voronoi face.
+    """Evaluate conduction between equal particles along parallel columns over their common Voronoi face.
 
         G = int_0^r_f 2 pi r dr/((d - gap) (1/k_i + 1/k_j)/2 + gap/k_fluid),  gap = max(d - 2 sqrt(R^2 - r^2), 0)
 
@@ -155,7 +155,7 @@ def column_conductance(
 
 
 def contact_excess(r_contact: ArrayLike, k_i: ArrayLike, k_j: ArrayLike, k_fluid: float) -> Array:
-    """What a contact adds to columns: Eq. 6 less the same in nothing but fluid, 2 r_c (2/(1/k_i + 1/k_j) - k_f)."""
+    """Evaluate what a contact adds to columns: Eq. 6 less the same in fluid alone, 2 r_c (2/(1/k_i + 1/k_j) - k_f)."""
     return contact_conductance(r_contact, k_i, k_j) - 2.0 * np.asarray(r_contact, dtype=float) * k_fluid
 
 
@@ -164,7 +164,7 @@ def _resistivity(k_i: ArrayLike, k_j: ArrayLike) -> Any:
 
 
 def _mean_over(start: Array, rise: Array, low: Array, high: Array) -> Array:
-    """Integral of u/(start + rise (u - low)/(high - low)) over u from low to high: logarithm, or its series."""
+    """Integrate u/(start + rise (u - low)/(high - low)) over u from low to high: logarithm, or its series."""
     span = high - low
     x = rise / start
     small = np.abs(x) < 1e-2
@@ -178,7 +178,7 @@ def _mean_over(start: Array, rise: Array, low: Array, high: Array) -> Array:
 
 
 def _equal_spheres(R: Array, D: Array, cone: Array, K: Array, k_fluid: float, low: Array, high: Array) -> Array:
-    """Eq. 5 for equal particles in closed form, r = R sin(angle): 2 pi R^2 int s c/(A c + B s + C)."""
+    """Integrate Eq. 5 for equal particles in closed form, r = R sin(angle): 2 pi R^2 int s c/(A c + B s + C)."""
     A, B, C = R * (K - 2.0 / k_fluid), -R * D * K / cone, 2.0 * D / k_fluid
     M, p = A**2 + B**2, C - A
     sum_AC = R * K + 2.0 * (D - R) / k_fluid
@@ -222,7 +222,7 @@ def _quadrature(
     low: Array,
     high: Array,
 ) -> Array:
-    """Eq. 5 by Gauss-Legendre in s, r = low + (high - low) s^3, which resolves the narrow gap at the contact."""
+    """Integrate Eq. 5 by Gauss-Legendre in s, r = low + (high - low) s^3, which resolves the gap at the contact."""
     R_i, R_j, D_i, D_j, cone, k_i, k_j, low, span, high = (
         item[..., None] for item in (R_i, R_j, D_i, D_j, cone, k_i, k_j, low, high - low, high)
     )

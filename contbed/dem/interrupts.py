@@ -49,7 +49,7 @@ class deferred_interrupt(ContextDecorator):
             raise KeyboardInterrupt
 
     def _recreate_cm(self) -> deferred_interrupt:
-        """A function that is decorated may be entered again before it is left."""
+        """Return a block of its own for each call: a decorated function may be entered again before it is left."""
         return deferred_interrupt()
 
 

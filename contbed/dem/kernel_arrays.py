@@ -6,14 +6,16 @@ Tables are structured arrays, one row a pair of materials, a contact or a wall: 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Entries = NDArray[np.int32]  # of a Verlet list, see `neighbours`
 Table = NDArray[np.void]
+Row = Any  # of a Table; its columns are attributes in compiled code
 
 
 def _columns(*names: str) -> np.dtype:
@@ -80,7 +82,7 @@ class Neighbours(NamedTuple):
     """
 
     start: Indices
-    entry: NDArray[np.int32]
+    entry: Entries
     history: Table
     listed: Array
 
@@ -122,18 +124,18 @@ class Interval(NamedTuple):
 
 
 def blank_history(*shape: int) -> Table:
-    """Histories of open contacts."""
+    """Return histories of open contacts."""
     history = np.zeros(shape, HISTORY)
     history["first_step"] = -1.0
     return history
 
 
 def as_numbers(table: Table) -> NDArray[np.number]:
-    """A table as a plain array in the same memory, its columns along the last axis; numpy copies it much faster."""
+    """View a table as a plain array, its columns along the last axis; numpy copies it much faster."""
     names = table.dtype.names or ()
     return table.view(table.dtype[0]).reshape(*table.shape, len(names))
 
 
 def as_table(numbers: NDArray[np.number], columns: np.dtype) -> Table:
-    """The table in the memory of a plain array, the inverse of `as_numbers`."""
+    """View a plain array as a table, the inverse of `as_numbers`."""
     return numbers.view(columns)[..., 0]

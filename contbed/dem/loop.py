@@ -8,8 +8,9 @@ not an interval ends there: a run cut into intervals gives what the uncut run gi
 from __future__ import annotations
 
 import zlib
+from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numba import njit
@@ -19,7 +20,7 @@ from contbed.dem import contact, forces, heat_impact, kernel_arrays, neighbours
 from contbed.dem import contact_heat as conduction
 from contbed.dem.contact_heat import contact_heat
 from contbed.dem.forces import empty_block, pair_forces, wall_forces
-from contbed.dem.kernel_arrays import Neighbours, Walls
+from contbed.dem.kernel_arrays import Array, Box, Heat, Interval, Neighbours, Spheres, State, Table, Walls
 from contbed.dem.neighbours import carry_over, half_list, image_shifts, wall_list, wrap
 
 OK, TOO_FAST, LOST, BEYOND_WALL = range(4)  # how an interval ends
@@ -46,8 +47,10 @@ class Outcome(NamedTuple):
 
 
 @njit(error_model="numpy")
-def _advance(state, half, force, gravity, dt, fresh, limit2):
-    """Velocity Verlet: finish the last step, unless `fresh`, and begin the next one.
+def _advance(
+    state: State, half: HalfStep, force: Array, gravity: Array, dt: float, fresh: bool, limit2: float
+) -> tuple[float, int]:
+    """Finish the last step of velocity Verlet, unless `fresh`, and begin the next one.
 
     Returns the largest speed squared and a particle above the limit or -1. `force` [N] is the external one, which is
     what the next sum of forces starts from.
@@ -74,8 +77,8 @@ def _advance(state, half, force, gravity, dt, fresh, limit2):
 
 
 @njit(error_model="numpy")
-def _finish(state, half, gravity, dt):
-    """The second half kick of the last step, in strict arithmetic as in `_advance`."""
+def _finish(state: State, half: HalfStep, gravity: Array, dt: float) -> None:
+    """Apply the second half kick of the last step, in strict arithmetic as in `_advance`."""
     _, v, w, f, q = state
     for i in range(len(v)):
         for a in range(3):
@@ -84,16 +87,25 @@ def _finish(state, half, gravity, dt):
 
 
 @njit(error_model="numpy")
-def _largest_move(x, x0):
-    """Largest distance from the positions at which the list was made [m]."""
+def _largest_move(x: Array, x0: Array) -> float:
+    """Find the largest distance from the positions at which the list was made [m]."""
     top = 0.0
     for i in range(len(x)):
         top = max(top, (x[i, 0] - x0[i, 0]) ** 2 + (x[i, 1] - x0[i, 1]) ** 2 + (x[i, 2] - x0[i, 2]) ** 2)
-    return np.sqrt(top)
+    return float(np.sqrt(top))
 
 
-@njit
-def _steps(state, spheres, pairs, walls, box, neighbours, heat, interval):
+@njit()
+def _steps(
+    state: State,
+    spheres: Spheres,
+    pairs: Table,
+    walls: Walls,
+    box: Box,
+    neighbours: Neighbours,
+    heat: Heat,
+    interval: Interval,
+) -> Outcome:
     half = HalfStep(np.empty_like(state.velocity), np.empty_like(state.spin), 1.0 / spheres.mass, 1.0 / spheres.inertia)
     image, block, x = image_shifts(box), empty_block(), state.position
     dt, skin, limit2 = interval.time_step, interval.skin, interval.speed_limit * interval.speed_limit
@@ -133,14 +145,14 @@ def _steps(state, spheres, pairs, walls, box, neighbours, heat, interval):
     return Outcome(status, culprit, done, moved, neighbours, walls)
 
 
-def _compiled(stamp: int):
-    """The kernel, cached on disk for this content of its files: numba itself watches one of them."""
+def _compiled(stamp: int) -> Callable[..., Outcome]:
+    """Compile the kernel, cached on disk for this content of its files: numba itself watches one of them."""
 
     @njit(cache=True)
-    def kernel(*state):
+    def kernel(*state: Any) -> Any:
         return (_steps(*state), stamp)[0]
 
-    return kernel
+    return cast("Callable[..., Outcome]", kernel)
 
 
 def _content() -> int:

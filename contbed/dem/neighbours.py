@@ -12,15 +12,15 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from contbed.dem.kernel_arrays import HISTORY, NEAR_WALL
+from contbed.dem.kernel_arrays import HISTORY, NEAR_WALL, Array, Box, Entries, Indices, Neighbours, Row, Table
 
 BITS = 26  # of an entry for the index of j; the image is above
 MASK = (1 << BITS) - 1
 
 
 @njit(cache=True)
-def image_shifts(box):
-    """Vectors (27, 3) [m] to be added to j, by number of the image; 0 is j itself."""
+def image_shifts(box: Box) -> Array:
+    """Find the vectors (27, 3) [m] to be added to j, by number of the image; 0 is j itself."""
     lower, upper, periodic = box.lower, box.upper, box.periodic
     table = np.zeros((27, 3))
     for image in range(27):
@@ -34,9 +34,9 @@ def image_shifts(box):
     return table
 
 
-@njit
-def wrap(x, box):
-    """Bring positions into the periodic sides; index of a particle outside the other sides, or -1."""
+@njit()
+def wrap(x: Array, box: Box) -> int:
+    """Bring positions into the periodic sides; return a particle outside the other sides, or -1."""
     lower, upper, periodic = box.lower, box.upper, box.periodic
     lost = -1
     for i in range(len(x)):
@@ -49,9 +49,9 @@ def wrap(x, box):
     return lost
 
 
-@njit
-def _grid(x, box, width):
-    """Origin, size and number of the cells; not many more cells than particles."""
+@njit()
+def _grid(x: Array, box: Box, width: float) -> tuple[Array, Array, Indices]:
+    """Choose origin, size and number of the cells; not many more cells than particles."""
     lower, upper, periodic = box.lower, box.upper, box.periodic
     origin, size = np.empty(3), np.empty(3)
     count = np.ones(3, np.int64)
@@ -75,8 +75,8 @@ def _grid(x, box, width):
 
 
 @njit(cache=True)
-def half_list(x, radius, box, skin):
-    """Rows of the Verlet list, `start` and `entry`: pairs whose surfaces are closer than `skin` [m]."""
+def half_list(x: Array, radius: Array, box: Box, skin: float) -> tuple[Indices, Entries]:
+    """Make the Verlet list, `start` and `entry`: pairs whose surfaces are closer than `skin` [m]."""
     n, periodic = len(x), box.periodic
     origin, size, count = _grid(x, box, 2.0 * radius.max() + skin)
     cell = np.empty((n, 3), np.int64)
@@ -135,9 +135,9 @@ def half_list(x, radius, box, skin):
     return start, _resized(entry, total, total)
 
 
-@njit
-def _resized(entry, used, length):
-    """The first `used` entries in an array of another length; loops compile much faster than slices of arrays."""
+@njit()
+def _resized(entry: Entries, used: int, length: int) -> Entries:
+    """Copy the first `used` entries to an array of another length; loops compile much faster than slices."""
     out = np.empty(length, entry.dtype)
     for k in range(used):
         out[k] = entry[k]
@@ -145,15 +145,15 @@ def _resized(entry, used, length):
 
 
 @njit(error_model="numpy", forceinline=True)
-def open_contact(history):
+def open_contact(history: Row) -> None:
     """Forget the history of a contact that has opened."""
     history.spring_x, history.spring_y, history.spring_z = 0.0, 0.0, 0.0
     history.first_step, history.impact_speed = -1.0, 0.0
 
 
-@njit
-def carry_over(old, start, entry):
-    """Histories of the closed contacts of an old list, in the rows of a new one."""
+@njit()
+def carry_over(old: Neighbours, start: Indices, entry: Entries) -> Table:
+    """Copy the histories of closed contacts of an old list to the entries of a new one."""
     new = np.empty(len(entry), HISTORY)
     for k in range(len(entry)):
         open_contact(new[k])
@@ -167,9 +167,9 @@ def carry_over(old, start, entry):
     return new
 
 
-@njit
-def wall_list(x, radius, walls, skin):
-    """Particles closer to walls than `skin` [m], and a particle beyond a wall or -1."""
+@njit()
+def wall_list(x: Array, radius: Array, walls: Table, skin: float) -> tuple[Table, int]:
+    """Find particles closer to walls than `skin` [m], and a particle beyond a wall or -1."""
     found = np.empty(len(x) * len(walls), NEAR_WALL)
     total, lost = 0, -1
     for i in range(len(x)):
@@ -184,8 +184,8 @@ def wall_list(x, radius, walls, skin):
 
 
 @njit(error_model="numpy", forceinline=True)
-def wall_distance(x, y, z, wall):
-    """Distance [m] of a point from a wall, positive in the bed, and the unit normal into the bed.
+def wall_distance(x: float, y: float, z: float, wall: Row) -> tuple[float, float, float, float]:
+    """Find the distance [m] of a point from a wall, positive in the bed, and the unit normal into the bed.
 
     `wall` is a row of `kernel_arrays.WALL`.
     """
@@ -202,8 +202,8 @@ def wall_distance(x, y, z, wall):
 
 
 @njit(cache=True)
-def wall_gaps(x, walls):
-    """Distances [m] of all points from all walls, shape (w, n)."""
+def wall_gaps(x: Array, walls: Table) -> Array:
+    """Find the distances [m] of all points from all walls, shape (w, n)."""
     gaps = np.empty((len(walls), len(x)))
     for w in range(len(walls)):
         for i in range(len(x)):

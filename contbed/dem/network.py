@@ -133,7 +133,7 @@ def between_layers(
 
 
 def periodic_cell(count: int, pairs: Pairs, parts: Mapping[str, Array], volume: float) -> Cell:
-    """Conductivity tensor of a periodic cell with `count` particles in `volume` [m3].
+    """Solve for the conductivity tensor of a periodic cell with `count` particles in `volume` [m3].
 
     T_i = E.x_i + theta_i; with v the vector from i to j and D_a = v_a + theta_j - theta_i for E along a,
 
@@ -158,7 +158,7 @@ def periodic_cell(count: int, pairs: Pairs, parts: Mapping[str, Array], volume: 
 
 
 def _edge(z: Array, layer: Mask, other: Mask) -> float:
-    """Where a layer ends towards the other one."""
+    """Find where a layer ends towards the other one [m]."""
     return float(z[layer].max() if z[layer].mean() < z[other].mean() else z[layer].min())
 
 
@@ -173,7 +173,7 @@ def _laplacian(n: int, pairs: Pairs, G: Array) -> csr_matrix:
 
 
 def _solve(matrix: csr_matrix, load: Array) -> Array:
-    """Direct, with one step of iterative refinement."""
+    """Solve directly, with one step of iterative refinement."""
     factors = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
     first = factors.solve(load)
     return np.asarray(first + factors.solve(load - matrix @ first))

@@ -68,7 +68,7 @@ def pack(
     gravity: float = 9.81,
     quiet: bool = True,
 ) -> Packing:
-    """Random loose packing in a box or a cylinder.
+    """Settle a random loose packing in a box or a cylinder.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def _place(
     periodic: tuple[bool, bool],
     area: float,
 ) -> NDArray[np.float64]:
-    """Random positions without overlap; equal spheres are numbered column by column, which keeps memory near."""
+    """Draw positions without overlap; equal spheres are numbered column by column, which keeps memory near."""
     top = 4.0 / 3.0 * np.pi * (radii**3).sum() / (LOOSE * area) + 2.0 * radii.max()
     limits = np.array([sides[0], sides[1], top])
     for _ in range(8):
@@ -172,8 +172,14 @@ def _place(
 
 
 @njit(cache=True)
-def _add_at_random(radius, limits, cylinder, periodic, rng):
-    """Random sequential addition, large spheres first; True and positions, or False if one finds no place."""
+def _add_at_random(
+    radius: NDArray[np.float64],
+    limits: NDArray[np.float64],
+    cylinder: float,
+    periodic: NDArray[np.bool_],
+    rng: np.random.Generator,
+) -> tuple[bool, NDArray[np.float64]]:
+    """Add spheres at random, large ones first; return whether all found a place, and positions [m]."""
     n, top = len(radius), radius.max()
     x = np.zeros((n, 3))
     count = np.empty(3, np.int64)
@@ -246,10 +252,10 @@ def _settled(
 
 
 def _unrest(simulation: Simulation, gravity: float) -> float:
-    """Kinetic energy over N m g d."""
+    """Return the kinetic energy over N m g d."""
     return simulation.kinetic_energy / float((simulation.mass * 2.0 * simulation.radius).sum() * gravity)
 
 
 def _relative(contacts: Contacts, radii: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Overlaps over the diameter of the smaller sphere."""
+    """Return overlaps over the diameter of the smaller sphere."""
     return np.asarray(contacts.overlap / (2.0 * np.minimum(radii[contacts.i], radii[contacts.j])))

@@ -40,7 +40,7 @@ class FileParticles(NamedTuple):
 
 
 def read_particles(path: Path, radius: float | None = None, step: int | None = None) -> FileParticles:
-    """Particles of a dump, or of a table of positions.
+    """Read the particles of a dump, or of a table of positions.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def read_particles(path: Path, radius: float | None = None, step: int | None = N
 
 @lru_cache(maxsize=2)
 def _read(path: Path, radius: float | None, step: int | None, stamp: tuple[int, int]) -> FileParticles:
-    """Kept, because the checks of a scene and its plan need the same file; `stamp` changes with it."""
+    """Read a file and keep it for the checks of a scene and its plan, until `stamp` changes."""
     if not dumps.is_dump(path):
         x = dumps.read_positions(path)
         if radius is None:
@@ -80,13 +80,13 @@ def _read(path: Path, radius: float | None, step: int | None, stamp: tuple[int, 
 
 
 def _wrapped(frame: dumps.Frame) -> Array:
-    """Centres brought into the periodic sides; those that are inside stay as they are."""
+    """Bring centres into the periodic sides; those that are inside stay as they are."""
     turns = np.floor((frame.x - frame.low) / (frame.high - frame.low))
     return np.where((turns != 0.0) & np.array(frame.periodic), frame.x - turns * (frame.high - frame.low), frame.x)
 
 
 def missing_step(frames: list[dumps.Frame]) -> str:
-    """What to say where a dump lacks a step."""
+    """Say that a dump lacks a step, and which ones it has."""
     return f"not in the dump; it has {', '.join(str(frame.step) for frame in frames)}"
 
 

@@ -56,7 +56,7 @@ class Material:
 
 
 def damping_ratio(restitution: ArrayLike) -> NDArray[np.float64]:
-    """Share b of critical damping that gives a Hertz contact its restitution, e = exp(-pi b / sqrt(1 - b^2)).
+    """Find the share b of critical damping of a Hertz contact from e = exp(-pi b / sqrt(1 - b^2)).
 
     The dashpot is 2 sqrt(5/6) b sqrt(m k_n) with the tangent stiffness k_n.
     Source: Tsuji, Tanaka, Ishida (1992), Powder Technology 71, 239, in closed form by Antypov and Elliott (2011),
@@ -70,7 +70,7 @@ def damping_ratio(restitution: ArrayLike) -> NDArray[np.float64]:
 
 
 def pair_table(materials: Sequence[Material]) -> Table:
-    """Constants of every pair of materials, shape (m, m), columns as in `kernel_arrays.PAIR`.
+    """Tabulate the constants of all pairs of materials, shape (m, m), columns as in `kernel_arrays.PAIR`.
 
     1/E* = sum (1 - nu^2)/E, 1/G* = sum (2 - nu)/G. Restitution and friction of a pair are geometric means.
     """
@@ -137,7 +137,7 @@ class Particles:
 
     @property
     def volume(self) -> NDArray[np.float64]:
-        """Of each sphere [m3]."""
+        """Volume of each sphere [m3]."""
         return 4.0 / 3.0 * np.pi * self.radius**3
 
 

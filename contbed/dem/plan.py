@@ -47,7 +47,7 @@ class ParticlePlan:
         return Policy(3, None)
 
     def unknowns(self) -> dict[str, int]:
-        """Number of unknowns: the temperatures."""
+        """Count the unknowns: the temperatures."""
         return {"heat": len(self.x)}
 
     def __str__(self) -> str:
@@ -87,7 +87,7 @@ def _lattice(table: Lattice) -> tuple[Array, Array, tuple[Array, Array], tuple[b
 
 
 def _from_file(scene: ParticleScene) -> tuple[Array, Array, tuple[Array, Array], tuple[bool, ...]]:
-    """Centres, radii, box and periodic sides; layers open the axis that heat flows along."""
+    """Read centres, radii, box and periodic sides; layers open the axis that heat flows along."""
     table = scene.particles
     assert table is not None
     found = read_particles(scene.origin.base / table.file, table.radius, table.step)
@@ -96,7 +96,7 @@ def _from_file(scene: ParticleScene) -> tuple[Array, Array, tuple[Array, Array],
 
 
 def porosity_of(layers: Layers | None, x: Array, radius: Array, box: tuple[Array, Array]) -> float:
-    """Share of the volume without particles: of the periodic box, or between the two layers, spheres cut by planes."""
+    """Find the porosity of the periodic box, or that between the layers, whose planes cut spheres."""
     if layers is None:
         return float(1.0 - (4.0 / 3.0 * np.pi * radius**3).sum() / np.prod(box[1] - box[0]))
     low, high, area = layers.bottom, layers.top, layers.area

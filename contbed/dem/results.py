@@ -47,7 +47,7 @@ def _fill_layers(result: Result, plan: ParticlePlan, layers: Layers) -> None:
 
 
 def _profile(z: Array, T: Array, thickness: float) -> dict[str, Array]:
-    """Mean height [m] and temperature [K] of the particles in slices of a thickness [m]."""
+    """Average height [m] and temperature [K] of the particles in slices of a thickness [m]."""
     known = np.isfinite(T)
     slot = ((z[known] - z[known].min()) / thickness).astype(int)
     count = np.bincount(slot)

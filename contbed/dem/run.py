@@ -38,7 +38,7 @@ def run(plan: ParticlePlan, result: Result, folder: Path | None, quiet: bool, st
 
 
 def _pairs(plan: ParticlePlan) -> heat.Pairs:
-    """Pairs that exchange heat: with a fluid or radiation those within 1.5 diameters, else those that touch."""
+    """Find the pairs that exchange heat: with a fluid or radiation within 1.5 diameters, else those that touch."""
     table = plan.scene.conduction
     if table.paths == "columns":
         if np.ptp(plan.radius) > 0:
@@ -51,7 +51,7 @@ def _pairs(plan: ParticlePlan) -> heat.Pairs:
 
 
 def _conductances(plan: ParticlePlan, pairs: heat.Pairs, k: float) -> dict[str, Array]:
-    """Conductances [W/K] by mechanism of particles of conductivity k [W/m/K]."""
+    """Find the conductances [W/K] by mechanism of particles of conductivity k [W/m/K]."""
     scene = plan.scene
     table, radius = scene.conduction, None if scene.lattice is None else scene.lattice.contact_radius
     how = heat.Conduction(k, table.fluid, plan.porosity, _correction(scene), radius, table.paths)

@@ -136,17 +136,17 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Since the start [s]."""
+        """Time since the start [s]."""
         return self.steps_done * self.time_step
 
     @property
     def heat_content(self) -> float:
-        """Above 0 K [J], of particles with temperatures."""
+        """Heat above 0 K [J] of particles with temperatures."""
         return float((self.heat_capacity * self.T).sum())
 
     @property
     def kinetic_energy(self) -> float:
-        """Of translation and rotation [J]."""
+        """Kinetic energy of translation and rotation [J]."""
         turning = (self.inertia * (self.spin**2).sum(axis=1)).sum()
         return float(0.5 * ((self.mass * (self.velocity**2).sum(axis=1)).sum() + turning))
 
@@ -175,7 +175,7 @@ class Simulation:
                     break
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """All that moves, as arrays for a checkpoint."""
+        """Return all that changes as arrays for a checkpoint."""
         arrays = {name.lstrip("_"): np.array(getattr(self, name)) for name in _STATE}
         arrays |= {name.lstrip("_"): as_numbers(getattr(self, name)).copy() for name in _TABLES}
         numbers = (self._moved, self._stale, self.steps_done, self.time_step)
@@ -206,7 +206,7 @@ class Simulation:
         self._moved, self._stale, self.steps_done = moved, bool(stale), int(steps)
 
     def contacts(self) -> Contacts:
-        """Closed contacts of pairs as they are now."""
+        """Return the closed contacts of pairs as they are now."""
         i, j, gap, normal = self._listed_pairs()
         closed = gap < 0.0
         history = self._history[closed]
@@ -216,7 +216,7 @@ class Simulation:
         )
 
     def _listed_pairs(self) -> tuple[Indices, Indices, Array, Array]:
-        """Of every entry of the list: particles i and j, gap [m] and unit normal from j to i."""
+        """Find i, j, gap [m] and unit normal from j to i of every entry of the list."""
         i = np.repeat(np.arange(len(self.position)), np.diff(self._start))
         j = (self._entry & MASK).astype(np.int64)
         with deferred_interrupt():
@@ -228,7 +228,7 @@ class Simulation:
             return i, j, gap, apart / distance[:, None]
 
     def _advance(self, steps: int) -> None:
-        """Steps of one interval; if it fails, the simulation is back at its start."""
+        """Advance by the steps of one interval; if it fails, the simulation is back at its start."""
         before = self.state()
         longest = max(1, CHUNK // len(self.position))
         done = 0
@@ -241,7 +241,7 @@ class Simulation:
             done += part
 
     def _call_kernel(self, steps: int) -> str | None:
-        """Steps in compiled code; what went wrong, or None."""
+        """Run the steps in compiled code; return what went wrong, or None."""
         state = State(self.position, self.velocity, self.spin, self._load, self._torque)
         with deferred_interrupt():
             found = loop.run_steps(
@@ -335,7 +335,7 @@ def _place(point: Array) -> str:
 
 
 def _description(status: int, particle: int, where: Array, velocity: Array, time: float) -> str:
-    """What happened to a particle at `time` [s]."""
+    """Say what happened to a particle at `time` [s]."""
     speed = float(np.linalg.norm(velocity))
     what = {
         loop.TOO_FAST: f"moves at {speed:.4g} m/s, more than {STRIDE:g} of the smallest radius in a step",

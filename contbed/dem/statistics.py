@@ -17,7 +17,7 @@ FINEST = 40.0  # voxels to a diameter at most
 
 
 def porosity(position: Array, radius: Array, domain: Domain, cylinder: float | None) -> dict[str, float]:
-    """`porosity_core` (two diameters off walls, floor and top; NaN if nothing is left), `porosity_box` up to the top.
+    """Find `porosity_core`, two diameters off walls, floor and top or NaN, and `porosity_box` up to the top.
 
     The top is the mean height of the upper ends of the highest spheres, one for each square of a diameter. The core is
     counted on voxels, at an error of about 1e-4; the box is exact.
@@ -39,7 +39,7 @@ def porosity(position: Array, radius: Array, domain: Domain, cylinder: float | N
 
 
 def surface(position: Array, radius: Array) -> float:
-    """Mean height [m] of the bed: upper end of the highest sphere over every square of one mean diameter."""
+    """Find the mean height [m] of the bed: upper end of the highest sphere over every square of one mean diameter."""
     d = 2.0 * float(radius.mean())
     column = np.floor(position[:, :2] / d).astype(np.int64)
     column -= column.min(axis=0)
@@ -51,7 +51,7 @@ def surface(position: Array, radius: Array) -> float:
 def coordination(
     position: Array, radius: Array, contacts: Contacts, domain: Domain, cylinder: float | None
 ) -> dict[str, float]:
-    """Mean number of touching neighbours: `coordination` of all spheres, `coordination_core` of those in the core."""
+    """Count touching neighbours: mean `coordination` of all spheres, `coordination_core` of those in the core."""
     number = np.bincount(contacts.i, minlength=len(position)) + np.bincount(contacts.j, minlength=len(position))
     lower, upper = _bounds(domain, surface(position, radius))
     margin = np.where(domain.periodic, -np.inf, MARGIN * 2.0 * radius.max())
@@ -65,8 +65,8 @@ def coordination(
 
 
 @njit(cache=True)
-def solid_share(x, radius, low, high, width, lengths, inner):
-    """Share of a block that spheres cover, on voxels of about `width` [m]; `lengths` of periodic sides, else infinite.
+def solid_share(x: Array, radius: Array, low: Array, high: Array, width: float, lengths: Array, inner: float) -> float:
+    """Find the share of a block that spheres cover, on voxels of about `width` [m]; `lengths` of periodic sides or inf.
 
     With `inner` > 0 only the voxels within that distance of the z axis count.
     """

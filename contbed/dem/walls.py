@@ -23,7 +23,7 @@ class Plane:
     material: int = 0
 
     def row(self) -> tuple[float, ...]:
-        """A row of `kernel_arrays.WALL`."""
+        """Return the wall as a row of `kernel_arrays.WALL`."""
         return 0.0, *self.point, *_unit(self.normal, "plane: normal"), 0.0, self.material
 
 
@@ -37,7 +37,7 @@ class Cylinder:
     material: int = 0
 
     def row(self) -> tuple[float, ...]:
-        """A row of `kernel_arrays.WALL`."""
+        """Return the wall as a row of `kernel_arrays.WALL`."""
         axis = _unit(self.axis, "cylinder: axis")
         return 1.0, *self.point, *axis, _positive(self.radius, "cylinder: radius"), self.material
 
@@ -52,7 +52,7 @@ class Tube:
     material: int = 0
 
     def row(self) -> tuple[float, ...]:
-        """A row of `kernel_arrays.WALL`."""
+        """Return the wall as a row of `kernel_arrays.WALL`."""
         axis = _unit(self.axis, "tube: axis")
         return -1.0, *self.point, *axis, _positive(self.radius, "tube: radius"), self.material
 
@@ -88,7 +88,7 @@ class Domain:
 
 
 def box(domain: Domain, material: int = 0, open_top: bool = True) -> list[Plane]:
-    """Planes on the finite sides of a domain that are not periodic; with `open_top` none on the upper side of z."""
+    """Put planes on the finite sides of a domain that are not periodic, with `open_top` none on the upper side of z."""
     planes = []
     for axis in range(3):
         for corner, sign in ((domain.lower, 1.0), (domain.upper, -1.0)):
@@ -101,7 +101,7 @@ def box(domain: Domain, material: int = 0, open_top: bool = True) -> list[Plane]
 
 
 def wall_table(walls: Sequence[Wall]) -> Table:
-    """Walls as the kernels read them, shape (w,), columns as in `kernel_arrays.WALL`."""
+    """Tabulate walls for the kernels, shape (w,), columns as in `kernel_arrays.WALL`."""
     return np.array([wall.row() for wall in walls], dtype=WALL)
 
 
