@@ -143,6 +143,8 @@ def times_are_in_order(time: s.Time | None, see: See) -> Mistakes:
     if time is None:
         return
     for index, instant in enumerate(time.times):
+        if instant in time.times[:index]:
+            yield ("time", "times", index), f"{instant:g} s is given twice"
         if instant > time.end:
             yield ("time", "times", index), f"{instant:g} s is after the end; see {see('time.end')}"
     if time.step is not None and time.step > time.end:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from contbed.balance import Balance
+from contbed.errors import ConvergenceError
 from contbed.fem.probe import Line, line_along
 from contbed.packed_bed.plan import Plan
 from contbed.result import Result, outside
@@ -202,6 +204,23 @@ def _track_fronts(plan: Plan, result: Result) -> None:
     front_findings(plan, snapshots, u < 0, result)
 
 
+def _require_physical(phase: str, material: Any, T: Any) -> None:
+    """Raise ConvergenceError for temperatures [K] that no bed can have, or far beyond the data of the material."""
+    lowest, highest = float(T.min()), float(T.max())
+    if lowest <= 0.0:
+        raise ConvergenceError(
+            f"T_{phase} falls to {lowest:.4g} K: a source, a flux or a wall takes more heat than the bed holds; "
+            "this is no steady or reachable state"
+        )
+    low, high = material.T_range
+    span = high - low
+    if isfinite(span) and not low - span <= lowest <= highest <= high + span:
+        raise ConvergenceError(
+            f"T_{phase} reaches {lowest if lowest < low - span else highest:.4g} K, beyond the properties of "
+            f"{material.name}, {low:.6g} to {high:.6g} K, by more than their whole range: the result would mean nothing"
+        )
+
+
 def _check_state(plan: Plan, problem: Any, states: list[Any], result: Result) -> None:
     """Record closure ranges at the last state, and check material ranges and bounds of theta over all states.
 
@@ -220,6 +239,7 @@ def _check_state(plan: Plan, problem: Any, states: list[Any], result: Result) ->
                 f"{material.name}: {share:.1%} of the points are outside {low:.6g} to {high:.6g} K, used "
                 f"{values.min():.6g} to {values.max():.6g} K"
             )
+        _require_physical(phase, material, values)
     low, high = problem.T_span
     has_heat = problem.source() or any(
         table.flux for b in plan.scene.boundary.values() for table in (b.fluid, b.solid) if table is not None

@@ -110,7 +110,8 @@ class PhaseCondition(Table):
         if len(given) != 1:
             raise ValueError(f"give one of {', '.join(names)}; found {', '.join(given) or 'none'}")
         if (given[0] in ("coefficient", "emissivity")) != (self.ambient is not None):
-            raise ValueError("coefficient or emissivity and ambient belong together")
+            name = given[0] if self.ambient is None else "coefficient or emissivity"
+            raise ValueError(f"{name} and ambient belong together")
         return self
 
     @property

@@ -78,7 +78,7 @@ def radiation_is_complete(
         yield ("boundary",), "no boundary radiates and the medium has no temperature: nothing determines it"
 
 
-def particles_have_a_size_and_fit_together(radiation: Radiation | None, see: See) -> Mistakes:
+def particles_have_a_size_and_fit_together(radiation: Radiation | None, bed: Packing | None, see: See) -> Mistakes:
     """Check sieve analyses, the sum of volume fractions, and that optics attenuate."""
     if radiation is None:
         return
@@ -90,6 +90,12 @@ def particles_have_a_size_and_fit_together(radiation: Radiation | None, see: See
         except SceneError as error:
             yield ("radiation", "species", name, "sieves"), str(error)
     filled = sum(species.volume_fraction for species in radiation.species.values())
+    if bed is not None and filled > (1.0 - bed.porosity) * (1.0 + 1e-9):
+        yield (
+            ("radiation", "species"),
+            f"the volume fractions sum to {filled:g}, the solids of the bed are {1.0 - bed.porosity:g} of its volume; "
+            f"see {see('bed.porosity')}",
+        )
     if filled >= 1.0 - 1e-12:
         yield ("radiation", "species"), f"the volume fractions sum to {filled:g}; gas between the particles needs some"
     absorption, scattering = radiation.absorption, radiation.scattering

@@ -113,7 +113,7 @@ class Solver(Table):
         None, description="refinements where the error estimate of a steady run exceeds `tolerance`; absent: automatic"
     )
     reduce: Switch = Field(True, description="solve a plug-flow scene with adiabatic walls in one dimension")
-    newton_tolerance: Fraction = 1e-10
+    newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = 1e-10
     newton_iterations: Whole = Field(30, ge=1, le=1000)
     balance_tolerance: Positive = 1e-10
     strict: Switch = Field(False, description="a closure out of its range is an error")

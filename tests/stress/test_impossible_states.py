@@ -1,0 +1,60 @@
+"""States that no bed can have end with exit code 3 and a sentence, never with status ok."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import contbed as cb
+from contbed.errors import ConvergenceError, SceneError
+from contbed.loading import from_dict
+
+
+def scene(**more):
+    """A bed at rest beside a stream, with given changes."""
+    return {
+        "mesh": {"type": "line", "length": 1.0, "cells": 20},
+        "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.05, "viscosity": 2e-5},
+        "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0},
+        "bed": {"porosity": 0.4, "particle_diameter": 0.01},
+        "flow": {"velocity": 0.3},
+        "heat": {"nusselt": 10.0},
+        "boundary": {"left": {"fluid": {"inflow": 300.0}}},
+    } | more
+
+
+def test_a_sink_that_takes_more_than_there_is(tmp_path):
+    """The stream brings 300 W/m3/K/... of heat; the sink takes ten times of it: below 0 K, told and not ok."""
+    with pytest.raises(ConvergenceError, match="takes more heat than the bed holds") as caught:
+        cb.run(from_dict(scene(region={"bed": {"source_solid": -1e6}})), out=tmp_path)
+    assert caught.value.exit_code == 3
+    assert json.loads((tmp_path / "summary.json").read_text())["status"] == "not converged"
+
+
+def test_far_beyond_the_data_of_a_gas():
+    gas = {"model": "cantera", "composition": "N2:1"}
+    with pytest.raises(ConvergenceError, match="by more than their whole range"):
+        cb.run(from_dict(scene(fluid=gas, region={"bed": {"source_solid": 2.6e6}})))
+
+
+@pytest.mark.parametrize(
+    ("change", "wrong"),
+    [
+        ({"solver": {"newton_tolerance": 0.9}}, "newton_tolerance = 0.9: out of range"),
+        (
+            {"time": {"end": 10.0, "times": [1.0, 2.0, 1.0], "initial_fluid": 300.0, "initial_solid": 300.0}},
+            "is given twice",
+        ),
+        (
+            {
+                "radiation": {"species": {"a": {"volume_fraction": 0.9, "diameter": 0.01, "emissivity": 0.8}}},
+                "boundary": {"left": {"fluid": {"inflow": 300.0}, "radiation": {"temperature": 500.0}}},
+            },
+            "the solids of the bed are 0.6",
+        ),
+    ],
+)
+def test_values_that_cannot_be_meant(change, wrong):
+    with pytest.raises(SceneError, match=wrong):
+        from_dict(scene(**change))
