@@ -14,7 +14,7 @@ VENV_FLOORS ?= .venv-floors
 PYTHON_FLOORS ?= python3.11
 FLOORS := tests/unit tests/materials tests/closures/test_closure_values.py tests/stress/test_restart.py tests/dem/test_particle_scenes.py
 
-.PHONY: heater gallery test test-slow test-floors test-dolfinx dolfinx system lint clean
+.PHONY: heater gallery test test-slow mutants test-floors test-dolfinx dolfinx system lint clean
 
 heater: $(BIN)/contbed
 	$(BIN)/contbed run studies/moving_bed_heater/heater.toml --out results/heater
@@ -27,6 +27,10 @@ test: system $(VENV)/.test
 
 test-slow: system $(VENV)/.test
 	$(BIN)/python -m pytest -q -n auto -m slow
+
+# breaks the package on purpose, line by line, and sees that a test fails
+mutants: $(VENV)/.test
+	$(BIN)/python tests/mutants.py
 
 test-floors: $(VENV_FLOORS)/.test
 	$(VENV_FLOORS)/bin/python -m pytest -q -n auto $(FLOORS)

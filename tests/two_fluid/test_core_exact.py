@@ -60,6 +60,25 @@ def test_order_in_time_of_cooling(order, drag):
     assert np.abs(orders(errors) - order).max() < 0.1
 
 
+def test_walls_produce_and_dissipate_as_johnson_and_jackson_say():
+    """1.5 rho_s eps_s h dtheta/dt = 2 pi sqrt(3) rho_s eps_s g0 sqrt(theta)/eps_max [phi U^2/6 - (1 - e^2) theta/4].
+
+    Between two walls that both move with U past particles at rest, which are too viscous to slip past each other. In
+    one short step velocity and sqrt(theta) change by less than 1e-3.
+    """
+    height, theta, dt, U, phi, e = 0.01, 1e-2, 1e-5, 0.2, 0.3, 0.6
+    rates = []
+    for specularity, restitution in ((phi, 1.0), (0.0, e)):
+        wall = Wall("slip", "johnson_jackson", specularity, restitution, (U,))
+        grid = rectangle(height, height, (2, 2), [("left", "right")])
+        b = bed(grid, closures(viscosity=1e4, conductivity=1e4), {"bottom": wall, "top": wall}, options=Options(dt=dt))
+        b.start(eps_s=0.3, theta=theta)
+        b.advance(dt)
+        rates.append(np.mean(b.state.theta - theta) / dt)
+    common = 2.0 * np.pi * 3.0**0.5 * theta**0.5 / 0.63 / (1.5 * height)
+    assert rates == pytest.approx([common * phi * U**2 / 6.0, -common * (1.0 - e**2) * theta / 4.0], rel=2e-3)
+
+
 @pytest.mark.parametrize(("shape", "cells"), [("quadrilateral", (4, 32)), ("triangle", (2, 16))])
 def test_shear_between_moving_walls(shape, cells):
     """Production balances dissipation: theta = mu S^2/gamma, uniform, with linear velocity."""

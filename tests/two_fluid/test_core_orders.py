@@ -6,6 +6,7 @@ from core_closures import bed, closures, rectangle
 from gmsh_meshes import unstructured
 
 from contbed.two_fluid.boundary import Given
+from contbed.two_fluid.fv.reconstruction import limited_increment
 from contbed.two_fluid.model import Options
 
 RHO_GAS, RHO_SOLID, MU_GAS, K = 1.0, 3.0, 0.02, 2.0
@@ -110,6 +111,22 @@ def errors(cells, shape, limited):
     found["p"] = found["p"] + g.volume @ (exact["p"] - found["p"])
     difference = [(found[name] - exact[name]).reshape(len(x), -1) for name in NAMES]
     return np.array([np.sqrt(g.volume @ (d**2).sum(axis=1)) for d in difference])
+
+
+def test_linear_profiles_are_reconstructed_exactly():
+    """A slope of 1 per cell gives half of it at the face, limited or not; less the half step that goes the other way.
+
+    The limiter gives nothing at an extremum, and at most twice the smaller difference (van Leer 1979).
+    """
+    for limited in (False, True):
+        assert limited_increment(0.5, 1.0, 1.0, -0.1, limited) == pytest.approx(0.4)
+        assert limited_increment(-0.5, -1.0, -1.0, 0.1, limited) == pytest.approx(-0.4)
+    assert limited_increment(0.0, 0.0, 1.0, 0.0, True) == 0.0
+    # differences of 0.2 before and 1.8 behind: the mean 1 is cut to 0.4
+    assert limited_increment(0.5, 1.0, 0.2, 0.0, True) == pytest.approx(0.2)
+    # 1.2 before and 0.8 behind: the mean stays, as twice the smaller one is larger
+    assert limited_increment(0.5, 1.0, 1.2, 0.0, True) == pytest.approx(0.5)
+    assert limited_increment(0.5, 1.0, 1.5, 0.0, True) == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize(("limited", "lowest"), [(False, 1.95), (True, 1.8)])

@@ -13,6 +13,7 @@ from manufactured_cases import Heat
 from scipy.integrate import quad
 
 import contbed as cb
+from contbed.fem.stabilisation import tau
 from contbed.loading import from_dict
 from contbed.packed_bed.equations import two_energy
 from contbed.packed_bed.heat import HeatProblem
@@ -101,3 +102,11 @@ def test_scale_of_the_balance() -> None:
     assert posed(bed(0.3)).throughput() == pytest.approx(1.2 * 0.2 * 1005.0 * 900.0)
     held = (0.4 * 1.2 * 1005.0 + 0.6 * 2500.0 * 900.0) * 0.2 * 900.0
     assert posed(bed(0.3)).capacity() == pytest.approx(held)
+
+
+def test_limits_of_the_stabilisation() -> None:
+    """tau is C h/(2 C u), C h^2/(12 k) and C/a where convection, conduction or exchange is all there is."""
+    assert tau(2.0, 0.0, 0.0, 3.0, 0.1, 1) == pytest.approx(3.0 * 0.1 / (2.0 * 2.0))
+    assert tau(2.0, 0.0, 0.0, 3.0, 0.1, 2) == pytest.approx(3.0 * 0.05 / (2.0 * 2.0))
+    assert tau(0.0, 2.0, 0.0, 3.0, 0.1, 1) == pytest.approx(3.0 * 0.1**2 / (12.0 * 2.0))
+    assert tau(0.0, 0.0, 2.0, 3.0, 0.1, 1) == pytest.approx(3.0 / 2.0)
