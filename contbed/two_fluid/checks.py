@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+from math import prod
+
 from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
 from contbed.scene import mesh as meshes
@@ -12,6 +15,9 @@ from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, GIVES, HEAT_KINDS, KINDS
 from contbed.two_fluid.heat.scene import Heat
 
+MIN_PRESSURE = 1e3  # [Pa] of an ideal gas; below, its mean free path is no longer small beside the particles
+MAX_TEMPERATURE = 6000.0  # [K]; above, gases dissociate and no particle is solid
+
 
 def mesh_has_cells(mesh: meshes.Mesh, origin: Origin) -> Mistakes:
     """Check that the mesh is a file that exists or has a number of cells."""
@@ -20,6 +26,53 @@ def mesh_has_cells(mesh: meshes.Mesh, origin: Origin) -> Mistakes:
             yield ("mesh", "file"), f"no such file; looked for {(origin.base / mesh.file).absolute()}"
     elif mesh.cells is None:
         yield ("mesh", "cells"), "missing; a two-fluid model has no layers to grade a mesh by"
+    elif mesh.refine == 0 and (mesh.cells if isinstance(mesh.cells, int) else prod(mesh.cells)) == 1:
+        yield ("mesh", "cells"), "one cell has no neighbour to exchange anything with; give at least 2"
+
+
+def layers_are_in_the_vessel(initial: t.Initial, mesh: meshes.Mesh) -> Mistakes:
+    """Check that each layer is in the vessel, and that no two layers set the same field at the same place."""
+    for k, layer in enumerate(initial.layer):
+        if layer.end <= 0.0 and not isinstance(mesh, meshes.MeshFile):
+            yield ("initial", "layer", k, "end"), "the vessel begins at 0 m; nothing of the layer is in it"
+        if not isinstance(mesh, meshes.MeshFile) and layer.start >= mesh.extents[-1]:
+            text = f"the vessel ends at {mesh.extents[-1]:.6g} m; nothing of the layer is in it"
+            yield ("initial", "layer", k, "start"), text
+    for (i, first), (k, second) in combinations(enumerate(initial.layer), 2):
+        fields = sorted(first.model_fields_set & second.model_fields_set - {"start", "end"})
+        if fields and max(first.start, second.start) < min(first.end, second.end):
+            text = f"overlaps layer {i + 1}, which sets {', '.join(fields)} there too; change start and end"
+            yield ("initial", "layer", k), text
+
+
+def pieces_do_not_overlap(boundary: dict[str, t.Boundary]) -> Mistakes:
+    """Check that no two pieces of a boundary overlap."""
+    pieces = [
+        (name, part)
+        for name, part in boundary.items()
+        if not isinstance(part, t.Periodic) and part.on is not None and part.start is not None and part.end is not None
+    ]
+    for (first, one), (second, other) in combinations(pieces, 2):
+        assert one.start is not None and one.end is not None and other.start is not None and other.end is not None
+        if one.on == other.on and max(one.start, other.start) < min(one.end, other.end):
+            yield ("boundary", second, "start"), f"overlaps boundary.{first}, also a piece of {one.on!r}"
+
+
+def particles_fit_the_mesh(solid: t.Solid, mesh: meshes.Mesh, see: See) -> Mistakes:
+    """Check that a particle has room in the vessel."""
+    if not isinstance(mesh, meshes.MeshFile) and solid.particle_diameter >= min(mesh.extents):
+        text = f"no smaller than the vessel, which is {min(mesh.extents):.4g} m wide; see {see('mesh')}"
+        yield ("solid", "particle_diameter"), text
+
+
+def window_is_in_the_vessel(output: t.Output, mesh: meshes.Mesh) -> Mistakes:
+    """Check that the window of averages lies in the vessel."""
+    if (window := output.window) is None:
+        return
+    if window.start >= window.end:
+        yield ("output", "window", "end"), "is not above start"
+    elif not isinstance(mesh, meshes.MeshFile) and (window.end <= 0.0 or window.start >= mesh.extents[-1]):
+        yield ("output", "window"), f"outside of the vessel, which reaches from 0 to {mesh.extents[-1]:.6g} m"
 
 
 def closures_exist(two_fluid: t.TwoFluid, origin: Origin) -> Mistakes:
@@ -87,6 +140,13 @@ def what_enters_can_leave(boundary: dict[str, t.Boundary]) -> Mistakes:
         yield ("boundary", inlets[0]), "enters but nothing leaves; one boundary has to be of type 'outlet'"
 
 
+def inlets_blow(boundary: dict[str, t.Boundary]) -> Mistakes:
+    """Check that the velocity of an inlet without particles is given."""
+    for name, part in boundary.items():
+        if isinstance(part, t.Inlet) and part.eps_s == 0.0 and "velocity" not in part.model_fields_set:
+            yield ("boundary", name, "velocity"), "missing; nothing enters (a closed boundary has type = 'wall')"
+
+
 def conducts(heat: Heat) -> bool:
     """Whether any heat is conducted."""
     return heat.conductivity_bed is not None or heat.effective_gas + heat.effective_solid > 0
@@ -145,14 +205,30 @@ def closures_of_heat_exist(heat: Heat | None, origin: Origin) -> Mistakes:
             yield ("heat", "conductivity_bed"), "give either conductivity_bed or effective_gas and effective_solid"
         if heat.conductivity_solid is None:
             yield ("heat", "conductivity_solid"), "missing; conductivity_bed needs it"
+    if heat.density == "ideal_gas" and heat.pressure < MIN_PRESSURE:
+        yield ("heat", "pressure"), f"absolute; below {MIN_PRESSURE:g} Pa a gas among particles is no continuum"
     if heat.T_reference is not None and heat.density == "constant":
         yield ("heat", "T_reference"), 'belongs to density = "ideal_gas"'
+
+
+def temperatures_are_possible(heat: Heat | None, initial: t.Initial, boundary: dict[str, t.Boundary]) -> Mistakes:
+    """Check that no temperature is beyond what gas and particles bear."""
+    places: list[tuple[tuple[str | int, ...], Table]] = [(("initial",), initial)]
+    places += [(("initial", "layer", k), layer) for k, layer in enumerate(initial.layer)]
+    places += [(("boundary", name), part) for name, part in boundary.items()]
+    places += [(("heat",), heat)] if heat is not None else []
+    for where, part in places:
+        for key in ("T_gas", "T_solid", "T", "T_reference"):
+            if (value := getattr(part, key, None)) is not None and value > MAX_TEMPERATURE:
+                yield (*where, key), f"above {MAX_TEMPERATURE:g} K gases dissociate and no particle is solid"
 
 
 def times_are_in_order(time: t.Time, see: See) -> Mistakes:
     """Check that times of averages and steps are in order."""
     if time.average_from is not None and time.average_from >= time.end:
         yield ("time", "average_from"), f"is not before the end; see {see('time.end')}"
+    if time.step is not None and time.step > time.end:
+        yield ("time", "step"), f"is longer than the run; see {see('time.end')}"
     if time.first > time.longest:
         yield ("time", "first"), f"is longer than the longest step; see {see('time.longest')}"
 
@@ -160,11 +236,17 @@ def times_are_in_order(time: t.Time, see: See) -> Mistakes:
 CHECKS = (
     mesh_has_cells,
     closures_exist,
+    layers_are_in_the_vessel,
+    pieces_do_not_overlap,
+    particles_fit_the_mesh,
+    window_is_in_the_vessel,
     fractions_fit,
     boundaries_are_complete,
     what_enters_can_leave,
+    inlets_blow,
     pulses_end_in_an_inlet,
     heat_is_complete,
     closures_of_heat_exist,
+    temperatures_are_possible,
     times_are_in_order,
 )

@@ -12,7 +12,7 @@ from contbed.mesh.build import build
 from contbed.mesh.mesh import Mesh
 from contbed.models import described
 from contbed.scene.mesh import MeshFile
-from contbed.two_fluid import boundary, closure_kernels, probes
+from contbed.two_fluid import boundary, closure_kernels, plausibility, probes
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, bound
 from contbed.two_fluid.fv import grid
@@ -33,6 +33,7 @@ class TwoFluidPlan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     probes: dict[str, int]
+    warnings: tuple[str, ...] = ()
     without_weak_form: str = "scenes of kind two_fluid"
     steps: bool = True
 
@@ -78,7 +79,7 @@ class TwoFluidPlan:
         return bed, compiled
 
     def __str__(self) -> str:
-        return described(self)
+        return described(self, *(f"WARNING {text}" for text in self.warnings))
 
 
 def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
@@ -91,6 +92,7 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
     mesh = _cut(build(scene.mesh, base=str(scene.origin.base)), scene)
     pairs = [(name, part.partner) for name, part in scene.boundary.items() if isinstance(part, t.Periodic)]
     cells = grid.build(mesh, pairs)
+    _require_resolved(scene, mesh, cells)
     known = conditions(scene, cells)
     for name in cells.boundaries:
         if name not in known:
@@ -120,7 +122,35 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
     if scene.output.window is not None and cells.dimension > 1:
         skipped.append(("fully developed flow", "[fully_developed] gives profiles far from the inlet in a second"))
     points = probes.cells(mesh, cells, scene.output.probes)
-    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points)
+    warnings = plausibility.warnings(scene, mesh, cells)
+    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, warnings)
+
+
+def _require_resolved(scene: t.TwoFluidScene, mesh: Mesh, cells: grid.Grid) -> None:
+    """Check that the mesh resolves the layers and the window, and has room for particles.
+
+    Raises
+    ------
+    SceneError : one cell, a layer or a window without a cell, particles as large as the vessel
+    """
+    height, points = cells.centres[:, -1], mesh.skfem.p
+    problems: list[tuple[tuple[str | int, ...], str]] = []
+    if len(height) == 1:
+        problems.append((("mesh",), "one cell has no neighbour to exchange anything with"))
+    if (width := float(np.ptp(points, axis=1).min())) <= scene.solid.particle_diameter:
+        problems.append((("solid", "particle_diameter"), f"no smaller than the vessel, which is {width:.4g} m wide"))
+    slices: list[tuple[tuple[str | int, ...], Any]] = [
+        (("initial", "layer", k), layer) for k, layer in enumerate(scene.initial.layer)
+    ]
+    if scene.output.window is not None:
+        slices.append((("output", "window"), scene.output.window))
+    for where, part in slices:
+        if not ((height >= part.start) & (height < part.end)).any():
+            reach = f"{points[-1].min():.6g} to {points[-1].max():.6g} m"
+            text = f"holds no cell of the mesh, which reaches from {reach} with centres from {height.min():.6g} m"
+            problems.append((where, f"{text} to {height.max():.6g} m; widen it or refine the mesh"))
+    if problems:
+        raise SceneError([f"{scene.origin.at(where)}: {'.'.join(map(str, where))}: {text}" for where, text in problems])
 
 
 def parts(scene: t.TwoFluidScene, time: float = 0.0) -> dict[str, Any]:

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from contbed.errors import SceneError
+from contbed.errors import ContbedError, SceneError
 from contbed.result import Result, timed
-from contbed.two_fluid import closure_kernels, momentum_budget, probes
+from contbed.two_fluid import closure_kernels, momentum_budget, plausibility, probes
 from contbed.two_fluid import plan as planning
 from contbed.two_fluid import results as findings
 from contbed.two_fluid import scene as t
@@ -41,6 +41,8 @@ class Run:
         self.rows: list[list[float]] = []
         self.files: list[tuple[float, str]] = []
         self.interval = time.sample or time.end / ROWS
+        self.cut_steps = 0
+        self.largest_speed = plausibility.largest_speed(self.scene, self.bed)
         self.take_row()
 
     def take_row(self) -> None:
@@ -49,6 +51,7 @@ class Run:
         given = known(self.bed, self.scene)
         for closure in self.closures.values():
             closure.record(**given)
+        plausibility.require_possible(self.scene, self.bed, self.largest_speed)
 
     def end_pulses(self) -> bool:
         """Impose what follows the inlets whose time is over; whether there were any."""
@@ -65,6 +68,7 @@ class Run:
 
     def after_step(self, bed: Simulation) -> None:
         """Add a step to what every step adds to."""
+        self.cut_steps += bed.state.dt_wanted < (self.scene.time.step or 0.0)
         if self.end_pulses():
             bed.find_fluxes(bed.state.dt)
         if self.averages is not None:
@@ -123,8 +127,11 @@ def run(
     label = identity(scene)
     if start is not None:
         run.resume(*start)
+    result.warnings += plan.warnings
+    _raise_first(_fill(run, Result(plan)))  # what cannot be evaluated is told before the steps, not after them
     stops = np.arange(1, max(1, round(scene.time.end / run.interval)) + 1) * run.interval
     stops[-1] = scene.time.end
+    failed: list[ContbedError] = []
     try:
         with Progress(scene.time.end, quiet=quiet) as progress:
 
@@ -139,9 +146,21 @@ def run(
                 if folder is not None:
                     _keep(run, folder, label)
     finally:
-        _fill(run, result)
+        failed = _fill(run, result)
+        result.warnings += map(str, failed)
         if folder is not None and scene.output.fields:
             _fields(run, folder)
+    _raise_first(failed)
+    if run.cut_steps:
+        where, step = scene.origin.at(("time", "step")), scene.time.step
+        text = f"{run.cut_steps} of {run.bed.state.steps} steps were shortened; particles would cross more than a cell"
+        result.warnings.append(f"{where}: time.step = {step:g} s: {text}")
+    result.warnings += plausibility.judge(scene, run.bed, result.profiles, run.largest_speed)
+
+
+def _raise_first(failed: list[ContbedError]) -> None:
+    if failed:
+        raise failed[0]
 
 
 def _keep(run: Run, folder: Path, label: dict[str, Any]) -> None:
@@ -171,17 +190,49 @@ def _fields(run: Run, folder: Path) -> None:
     write_series(folder / "fields.pvd", run.files)
 
 
-def _fill(run: Run, result: Result) -> None:
-    """Profiles, tables, balances, closures, qoi, and the wall time of each phase of the steps."""
+def _fill(run: Run, result: Result) -> list[ContbedError]:
+    """Fill in profiles, tables, balances, closures and named results; return the errors of parts that fail."""
+    failed = []
+    for name, part in _PARTS.items():
+        try:
+            part(run, result)
+        except Exception as error:
+            failed.append(ContbedError(f"{name} cannot be evaluated: {type(error).__name__}: {error}"))
+            failed[-1].__cause__ = error
+    return failed
+
+
+def _fill_profiles(run: Run, result: Result) -> None:
+    headers = [*findings.columns(run.bed), *probes.columns(run.bed, run.plan.probes)]
+    result.profiles |= dict(zip(headers, np.array(run.rows).T.copy(), strict=True))
+
+
+def _fill_balances(run: Run, result: Result) -> None:
+    result.balances |= findings.balances(run.bed, run.contents_at_start)
+
+
+def _fill_tables(run: Run, result: Result) -> None:
+    result.tables |= findings.tables(run.plan, run.bed, run.averages, result.profiles)
+
+
+def _fill_results(run: Run, result: Result) -> None:
+    """Named results, counts, and the wall time of each phase of the steps."""
     bed = run.bed
     result.timings |= {f"flow: {name}": seconds for name, seconds in bed.model.timer.seconds.items()}
-    headers = [*findings.columns(bed), *probes.columns(bed, run.plan.probes)]
-    result.profiles |= dict(zip(headers, np.array(run.rows).T.copy(), strict=True))
-    result.balances |= findings.balances(bed, run.contents_at_start)
-    result.tables |= findings.tables(run.plan, bed, run.averages, result.profiles)
-    result.qoi |= findings.results(run.plan, bed, run.contents_at_start, run.averages, result.profiles, result.tables)
     counted = zip(closure_kernels.COUNTED, run.laws.counts.tolist(), strict=True)
-    for name, number in [*bed.state.counters._asdict().items(), *counted]:
-        if number:
-            result.qoi[name] = int(number)
+    counts = {name: int(number) for name, number in [*bed.state.counters._asdict().items(), *counted] if number}
+    found = findings.results(run.plan, bed, run.contents_at_start, run.averages, result.profiles, result.tables)
+    result.qoi |= found | counts
+
+
+def _fill_closures(run: Run, result: Result) -> None:
     result.closures += [closure.use().to_dict() for closure in run.closures.values()]
+
+
+_PARTS = {
+    "profiles": _fill_profiles,
+    "balances": _fill_balances,
+    "tables": _fill_tables,
+    "named results": _fill_results,
+    "use of closures": _fill_closures,
+}

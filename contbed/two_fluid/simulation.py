@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 # share of the step at which compression and its heat would grow [-]; on random fields they do from 0.72 on
 # (test_sound_of_heated_particles)
 COMPRESSION_LIMIT = 0.7
+# share of a cell that particles cross in a fixed step at most [-]; beyond, a cell would give more than it holds
+FIXED_COURANT = 1.0
 SEEN = 1e-6  # [-] solids fraction above which particles bind the step
 ROUNDING = 1e-9  # share of a step by which a number of steps, or a time, may be off
 
@@ -99,11 +101,13 @@ class Simulation:
         """Length of the next step [s].
 
         By the Courant number of the particles, cells with few of them left aside; by the subcycles of the gas, which
-        carries its temperature in one; by the heat of compression; and by the growth from step to step.
+        carries its temperature in one; by the heat of compression; and by the growth from step to step. A fixed step in
+        which particles would cross more than FIXED_COURANT of a cell is cut into equal parts.
         """
         o, state = self.model.options, self.state
         if o.dt is not None:
-            return o.dt
+            crossed = o.dt * float(np.max(state.fluxes.outflow_solid, where=state.eps_s > SEEN, initial=0.0))
+            return o.dt / max(1, int(np.ceil(crossed / FIXED_COURANT * (1.0 - ROUNDING))))
         gas = float(np.max(state.fluxes.outflow_gas, initial=0.0))
         solid = float(np.max(state.fluxes.outflow_solid, where=state.eps_s > SEEN, initial=0.0))
         courant_gas = MAX_SUBCYCLES * SUBCYCLE_COURANT if state.energy is None else o.courant

@@ -110,3 +110,83 @@ def test_a_mesh_file_without_names_or_volume(tmp_path, corner, told):
 def test_a_mesh_file_that_is_missing(tmp_path):
     with pytest.raises(SceneError, match=r"mesh\.file.*no such file"):
         from_dict(scene({"mesh": {"type": "file", "file": "absent.msh"}}), base=tmp_path)
+
+
+FEED = {"type": "inlet", "on": "left", "start": 0.1, "end": 0.2, "eps_s": 0.2, "solid_flux": 9.0}
+HEAT = {"heat_capacity_gas": 1000.0, "heat_capacity_solid": 800.0, "conductivity_gas": 0.025}
+HOT = {"initial.T_gas": 300.0, "boundary.bottom.T_gas": 300.0}
+POWER = {"name": "power", "a": 1.2}
+
+
+@pytest.mark.parametrize(
+    ("changes", "without", "told"),
+    [
+        ({"initial.layer": [{"start": 0.5, "end": 0.6}]}, (), "the vessel ends at 0.4 m"),
+        ({"initial.layer": [{"end": -0.1}]}, (), "the vessel begins at 0 m"),
+        ({"initial.layer": [{"end": 0.2, "eps_s": 0.5}, {"start": 0.1, "eps_s": 0.1}]}, (), "overlaps layer 1"),
+        ({"initial.layer": [{"start": 0.101, "end": 0.102}]}, (), "holds no cell of the mesh"),
+        ({"boundary.a": FEED, "boundary.b": FEED | {"start": 0.15, "end": 0.3}}, (), "overlaps boundary.a"),
+        ({"time.step": 0.2}, (), "is longer than the run"),
+        ({"solid.particle_diameter": 0.1}, (), "no smaller than the vessel"),
+        ({}, ("boundary.bottom.velocity",), "nothing enters"),
+        ({"heat": HEAT | {"density": "ideal_gas", "pressure": 500.0}, **HOT}, (), "absolute; below 1000 Pa"),
+        ({"heat": HEAT, **HOT, "initial.T_gas": 1e6}, (), "initial.T_gas = 1000000.0: above 6000 K"),
+        ({"heat": HEAT | {"nusselt": POWER}, **HOT}, (), "heat.nusselt: closure 'power' needs b"),
+        ({"heat": HEAT | {"nusselt": POWER | {"b": 0.5, "c": 1.0}}, **HOT}, (), "has no parameter 'c'"),
+        ({"mesh.cells": [1, 1]}, (), "one cell has no neighbour"),
+        ({"output.window": {"start": 0.2, "end": 0.1}}, (), "is not above start"),
+        ({"output.window": {"start": 0.5, "end": 0.6}}, (), "outside of the vessel, which reaches from 0 to 0.4 m"),
+        ({"output.window": {"start": 0.101, "end": 0.102}}, (), "output.window: holds no cell of the mesh"),
+    ],
+)
+def test_what_cannot_be_meant_is_an_error(changes, without, told):
+    with pytest.raises(SceneError) as caught:
+        plan(from_dict(scene(changes, without)))
+    assert told in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"time.sample": 0.2}, "time.sample: 0.2 s is longer than the run of 0.1 s"),
+        ({"time.fields": 0.2}, "time.fields: 0.2 s is longer than the run of 0.1 s"),
+        ({"boundary.jet": {"type": "inlet", "on": "bottom", "start": 0.0, "end": 0.05, "velocity": 1.0, "until": 0.2}},
+         "boundary.jet.until: 0.2 s is not before the end"),
+        ({"solid.particle_diameter": 0.03}, "larger than the smallest cell, 0.025 m"),
+        ({"initial.eps_s": 0.0}, "a flow of gas alone"),
+        ({"boundary.bottom.velocity": 0.0}, "0 m/s: nothing enters"),
+        ({"gas.density": 3000.0}, "the gas is not lighter than the particles"),
+        ({"two_fluid.drag": "none"}, "does not carry the particles"),
+        ({"initial.layer": [{"start": 0.3, "end": 0.5, "eps_s": 0.1}]}, "initial.layer.1.end: 0.5 m is outside"),
+    ],
+)  # fmt: skip
+def test_what_may_be_meant_is_a_warning(changes, told):
+    assert plan(from_dict(GOOD)).warnings == ()
+    planned = plan(from_dict(scene(changes), name="bed.toml"))
+    assert any(text.startswith("bed.toml:1: ") and told in text for text in planned.warnings)
+    assert told in str(planned)
+
+
+@pytest.mark.parametrize(("inner", "told"), [(0.1, "an annulus from r = 0.1 m"), (-0.1, "2 of 6 nodes have r < 0")])
+def test_an_axisymmetric_mesh_without_its_axis(tmp_path, inner, told):
+    x = [inner, 0.5, 1.0]
+    points = np.array([[a, b] for b in (0.0, 1.0) for a in x])
+    lines = {"bottom": [[0, 1], [1, 2]], "top": [[3, 4], [4, 5]], "inner": [[0, 3]], "outer": [[2, 5]]}
+    data = {"gmsh:physical": [], "gmsh:geometrical": []}
+    cells, tags = [], {}
+    for tag, (name, pairs) in enumerate(lines.items(), 1):
+        cells.append(("line", np.array(pairs)))
+        tags[name] = np.array([tag, 1])
+    cells.append(("quad", np.array([[0, 1, 4, 3], [1, 2, 5, 4]])))
+    tags["bed"] = np.array([9, 2])
+    for key in data:
+        data[key] = [np.full(len(block), tag) for (_, block), tag in zip(cells, (1, 2, 3, 4, 9), strict=True)]
+    meshio.write(tmp_path / "ring.msh", meshio.Mesh(points, cells, cell_data=data, field_data=tags), "gmsh22")
+    mesh = {"type": "file", "file": "ring.msh", "axisymmetric": True}
+    walls = {name: {"type": "wall"} for name in lines}
+    changed_scene = scene({"mesh": mesh, "boundary": walls})
+    if inner > 0:
+        assert any(told in text for text in plan(from_dict(changed_scene, base=tmp_path)).warnings)
+    else:
+        with pytest.raises(SceneError, match=told):
+            plan(from_dict(changed_scene, base=tmp_path))

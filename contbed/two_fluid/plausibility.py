@@ -1,0 +1,207 @@
+"""What is possible in a two-fluid scene but seldom meant, and what a run cannot have found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contbed.errors import ConvergenceError
+from contbed.mesh.mesh import Mesh
+from contbed.two_fluid import scene as t
+from contbed.two_fluid.boundary import GIVEN, OUTLET
+from contbed.two_fluid.closures import ABSENT
+from contbed.two_fluid.fv.grid import Grid
+
+if TYPE_CHECKING:
+    from contbed.two_fluid.simulation import Simulation
+
+Remark = tuple[tuple[str | int, ...], str]  # key path and what is said of it
+FACTOR = 10.0  # on a bound, beyond which a run fails; beyond the bound itself it warns
+EXPANSION = 3.0  # speed of particles that expand into an empty space, over the root of their granular temperature
+AXIS = 1e-9  # share of the extent from which a mesh counts as off the axis
+REMEDY = "the run is not stable: leave out time.step or lower it, lower time.courant, or refine the mesh"
+
+
+def warnings(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> tuple[str, ...]:
+    """Return what the scene says that is possible but seldom meant, each with file:line and key."""
+    found: list[Remark] = [*_of_times(scene), *_of_particles(scene), *_of_inlets(scene)]
+    extents = np.ptp(mesh.skfem.p[:, mesh.skfem.t], axis=1)  # (dim, nc)
+    d_p = scene.solid.particle_diameter
+    if (smallest := float(extents.min())) < d_p:
+        text = f"larger than the smallest cell, {smallest:.3g} m; averages over a cell need many particles in it"
+        found.append((("solid", "particle_diameter"), text))
+    low, high = float(mesh.skfem.p[-1].min()), float(mesh.skfem.p[-1].max())
+    for k, layer in enumerate(scene.initial.layer):
+        for key in layer.model_fields_set & {"start", "end"}:
+            if not low - AXIS * (high - low) <= (place := getattr(layer, key)) <= high + AXIS * (high - low):
+                text = f"{place:g} m is outside of the vessel, which reaches from {low:.6g} to {high:.6g} m"
+                found.append((("initial", "layer", k, key), text))
+    if grid.axisymmetric and (inner := float(mesh.skfem.p[0].min())) > AXIS * float(np.ptp(mesh.skfem.p[0])):
+        found.append((("mesh",), f"axisymmetric, but no cell touches the axis: an annulus from r = {inner:.4g} m"))
+    return tuple(f"{scene.origin.at(where)}: {_dotted(where)}: {text}" for where, text in found)
+
+
+def _dotted(where: tuple[str | int, ...]) -> str:
+    return ".".join(str(step + 1 if isinstance(step, int) else step) for step in where)
+
+
+def _of_times(scene: t.TwoFluidScene) -> list[Remark]:
+    time = scene.time
+    found: list[Remark] = []
+    for key in ("sample", "fields"):
+        if (value := getattr(time, key)) is not None and value > time.end:
+            found.append((("time", key), f"{value:g} s is longer than the run of {time.end:g} s: written at its end"))
+    for name, part in scene.boundary.items():
+        if isinstance(part, t.Inlet) and part.until is not None and part.until >= time.end:
+            found.append((("boundary", name, "until"), f"{part.until:g} s is not before the end, {time.end:g} s"))
+    return found
+
+
+def has_particles(scene: t.TwoFluidScene) -> bool:
+    """Whether there are particles at the start, or some enter."""
+    start = scene.initial.eps_s, *(layer.eps_s or 0.0 for layer in scene.initial.layer)
+    return any(start) or any(isinstance(part, t.Inlet) and part.eps_s > 0 for part in scene.boundary.values())
+
+
+def _of_particles(scene: t.TwoFluidScene) -> list[Remark]:
+    found: list[Remark] = []
+    if not has_particles(scene):
+        found.append((("initial", "eps_s"), "no particles at the start, and none enter: a flow of gas alone"))
+    if scene.gas.density >= scene.solid.density:
+        found.append((("gas", "density"), f"the gas is not lighter than the particles, {scene.solid.density:g} kg/m3"))
+    return found
+
+
+def _of_inlets(scene: t.TwoFluidScene) -> list[Remark]:
+    found: list[Remark] = []
+    inlets = {name: part for name, part in scene.boundary.items() if isinstance(part, t.Inlet)}
+    for name, part in inlets.items():
+        if part.velocity == 0.0 and part.eps_s == 0.0:
+            found.append((("boundary", name, "velocity"), "0 m/s: nothing enters; a closed boundary is a wall"))
+    blows = any(part.velocity > 0 for part in inlets.values())
+    if scene.two_fluid.drag == ABSENT and blows and scene.two_fluid.gravity > 0 and has_particles(scene):
+        found.append((("two_fluid", "drag"), "without drag the gas that enters does not carry the particles"))
+    return found
+
+
+def largest_speed(scene: t.TwoFluidScene, bed: Simulation) -> float:
+    """Return a bound of the speed of particles [m/s].
+
+    It is the sum of free fall from the height of the vessel, the speed of what enters between particles, that of the
+    start and of moving walls, that of particles which expand by their granular temperature, and that of gas which a
+    difference of the pressures outside drives.
+    """
+    grid, edge, start = bed.model.grid, bed.model.edge, scene.initial
+    parts = scene.boundary.values()
+    inlets = [part for part in parts if isinstance(part, t.Inlet)]
+    height = float(np.ptp(grid.centres[:, -1]))
+    blown = max((part.velocity for part in inlets), default=0.0) / (1.0 - scene.solid.packing)
+    area = grid.geometry.area[grid.interior :]
+    entered, left = (float(area[edge.gas.kind == kind].sum()) for kind in (GIVEN, OUTLET))
+    narrowing = max(1.0, entered / left) if left > 0.0 else 1.0
+    fed = max((part.solid_velocity or _fed(part, scene.solid.density) for part in inlets), default=0.0)
+    layers: tuple[t.Initial | t.Layer, ...] = (start, *start.layer)
+    begun = max(abs(value) for part in layers for value in (part.u_gas or 0.0, part.u_solid or 0.0))
+    walls = max((abs(v) for part in parts if isinstance(part, t.Wall) for v in part.velocity), default=0.0)
+    theta = max(*(part.theta or 0.0 for part in layers), *(part.theta for part in inlets), 0.0)
+    outside = [part.pressure for part in parts if isinstance(part, t.Outlet)]
+    driven = (2.0 * (max(outside) - min(outside)) / scene.gas.density) ** 0.5 if outside else 0.0
+    fall = (2.0 * scene.two_fluid.gravity * height) ** 0.5
+    given = narrowing * blown * _expansion(scene) + fed + begun + walls + abs(start.shear) * height
+    return float(fall + given + EXPANSION * theta**0.5 + driven)
+
+
+def _fed(part: t.Inlet, density: float) -> float:
+    """Speed of the particles that an inlet feeds [m/s]."""
+    return (part.solid_flux or 0.0) / (density * part.eps_s) if part.eps_s > 0.0 else 0.0
+
+
+def given_temperatures(scene: t.TwoFluidScene) -> list[float]:
+    """Return the temperatures [K] that the scene gives to initial fields and boundaries."""
+    places = (scene.initial, *scene.initial.layer, *scene.boundary.values())
+    values = [getattr(part, key, None) for part in places for key in ("T_gas", "T_solid", "T")]
+    return [value for value in values if value is not None]
+
+
+def _expansion(scene: t.TwoFluidScene) -> float:
+    """Ratio of the highest to the lowest temperature, by which an ideal gas expands."""
+    given = given_temperatures(scene)
+    return max(given) / min(given) if given and scene.heat is not None and scene.heat.density == "ideal_gas" else 1.0
+
+
+def largest_pressure_drop(scene: t.TwoFluidScene, bed: Simulation, speed: float) -> float:
+    """Return a bound of the pressure drop [Pa] that a flow keeps up.
+
+    It is the weight of both phases, the dynamic pressure, friction of the gas on the walls and what outlets give.
+    """
+    grid, materials = bed.model.grid, bed.model.materials
+    height, volume = float(np.ptp(grid.middles[:, -1])), grid.geometry.volume
+    solids = float(bed.state.eps_s @ volume / volume.sum()) * materials.rho_solid
+    weight = (solids + materials.rho_gas) * scene.two_fluid.gravity * height
+    width = min((float(np.ptp(grid.middles[:, k])) for k in range(grid.dimension - 1)), default=np.inf)
+    friction = 12.0 * materials.mu_gas * speed * height / width**2
+    outside = [part.pressure for part in scene.boundary.values() if isinstance(part, t.Outlet)]
+    driven = max(outside) - min(outside) if outside else 0.0
+    return weight + 0.5 * (solids + materials.rho_gas) * speed**2 + friction + driven
+
+
+def require_possible(scene: t.TwoFluidScene, bed: Simulation, speed: float) -> None:
+    """Check the state of a run.
+
+    Raises
+    ------
+    ConvergenceError : particles far faster than `speed` [m/s], or temperatures that nothing in the scene can give
+    """
+    from contbed.two_fluid.results import fastest
+
+    now = f"t = {bed.state.time:.6g} s, step {bed.state.steps}"
+    if (found := fastest(bed)) > FACTOR * speed:
+        text = f"particles of {found:.3g} m/s, while free fall and what enters give at most about {speed:.3g} m/s"
+        raise ConvergenceError(f"{now}: {text}; {REMEDY}")
+    if bed.state.energy is None or scene.heat is None:
+        return
+    low, high = _temperature_bounds(scene)
+    there = bed.state.eps_s > 1e-6
+    for name, values in (("T_gas", bed.state.energy.T_gas), ("T_solid", bed.state.energy.T_solid[there])):
+        if len(values) and not (values.min() >= low and values.max() <= high):
+            text = f"{name} from {values.min():.5g} to {values.max():.5g} K, possible are {low:.5g} to {high:.5g} K"
+            raise ConvergenceError(f"{now}: {text}; look at heat_flux of walls, or: {REMEDY}")
+
+
+def _temperature_bounds(scene: t.TwoFluidScene) -> tuple[float, float]:
+    """Temperatures [K] that nothing in the scene can pass: those given and their span; with sources any above 0 K."""
+    from contbed.two_fluid.checks import MAX_TEMPERATURE
+
+    given = given_temperatures(scene)
+    sources = any(isinstance(part, t.Wall) and part.heat_flux for part in scene.boundary.values())
+    if sources or not given:
+        return 0.0, MAX_TEMPERATURE
+    span = max(max(given) - min(given), 0.1 * max(given))
+    return max(0.0, min(given) - span), max(given) + span
+
+
+def judge(scene: t.TwoFluidScene, bed: Simulation, rows: Mapping[str, Any], speed: float) -> list[str]:
+    """Return warnings on what a run found.
+
+    Raises
+    ------
+    ConvergenceError : a pressure drop far beyond what weight and flow can give
+    """
+    found = []
+    fastest = float(np.max(rows["u_solid_max [m/s]"]))
+    if fastest > speed:
+        text = f"particles of {fastest:.3g} m/s, while free fall and what enters give at most about {speed:.3g} m/s"
+        found.append(f"{text}; {REMEDY}")
+    if scene.two_fluid.gravity > 0.0:
+        # the start of the gas needs more than its flow does
+        late = rows["t [s]"] >= 0.5 * rows["t [s]"][-1]
+        drop = float(np.median(np.abs(rows["pressure_drop [Pa]"][late])))
+        bound = largest_pressure_drop(scene, bed, speed)
+        if drop > bound:
+            text = f"a pressure drop of {drop:.4g} Pa, while weight and flow give at most about {bound:.4g} Pa"
+            if drop > FACTOR * bound:
+                raise ConvergenceError(f"{text}; {REMEDY}")
+            found.append(f"{text}; {REMEDY}")
+    return found

@@ -1,0 +1,112 @@
+"""Two-fluid runs that cannot have found what they found: steps that are too long, speeds and pressures beyond reason."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.errors import ContbedError, ConvergenceError
+from contbed.loading import from_dict
+from contbed.two_fluid import plausibility
+from contbed.two_fluid import results as findings
+from contbed.two_fluid import run as study
+
+STUDIES = Path(__file__).parents[2] / "studies"
+WALLS = {name: {"type": "wall"} for name in ("left", "right", "bottom", "top")}
+BED = {
+    "mesh": {"type": "rectangle", "length": 0.1, "height": 0.4, "cells": [4, 16]},
+    "two_fluid": {},
+    "gas": {"density": 1.2, "viscosity": 1.8e-5},
+    "solid": {"particle_diameter": 275e-6, "density": 2500.0},
+    "initial": {"layer": [{"end": 0.2, "eps_s": 0.58}]},
+    "boundary": WALLS | {"bottom": {"type": "inlet", "velocity": 0.3}, "top": {"type": "outlet"}},
+    "time": {"end": 0.02},
+}
+HEAT = {"heat_capacity_gas": 1000.0, "heat_capacity_solid": 800.0, "conductivity_gas": 0.025}
+
+
+def test_a_fixed_step_that_is_too_long_is_cut():
+    """Steps of 0.1 s in cells of 4 cm: uncut, particles reach 4e6 m/s."""
+    change = {"mesh.cells": [8, 24], "time.step": 0.1, "time.sample": 0.1, "time.end": 3.0}
+    result = cb.run(cb.load(STUDIES / "taghipour_bed" / "bed_0.46.toml", change))
+    assert result.profiles["u_solid_max [m/s]"].max() < 5.0
+    assert result.qoi["pressure_drop [Pa]"] == pytest.approx(result.qoi["weight_of_solids"], rel=0.5)
+    assert any("time.step = 0.1 s" in text and "were shortened" in text for text in result.warnings)
+
+
+def test_a_fixed_step_within_its_bounds_stays():
+    result = cb.run(from_dict(BED | {"time": {"end": 0.02, "step": 1e-3}}))
+    assert result.qoi["steps"] == 20
+    assert result.warnings == []
+
+
+def test_impossible_speeds_and_pressures_end_the_run(monkeypatch):
+    """What weight, free fall and inlet give is exceeded where the bounds are made a thousand times as strict."""
+    speed, drop = plausibility.largest_speed, plausibility.largest_pressure_drop
+    monkeypatch.setattr(plausibility, "largest_speed", lambda *given: 1e-3 * speed(*given))
+    with pytest.raises(ConvergenceError, match=r"free fall and what enters give at most.*leave out time\.step"):
+        cb.run(from_dict(BED))
+    monkeypatch.setattr(plausibility, "largest_speed", speed)
+    monkeypatch.setattr(plausibility, "largest_pressure_drop", lambda *given: 0.5 * drop(*given))
+    assert any("while weight and flow give at most" in text for text in cb.run(from_dict(BED)).warnings)
+    monkeypatch.setattr(plausibility, "largest_pressure_drop", lambda *given: 1e-3 * drop(*given))
+    with pytest.raises(ConvergenceError, match="while weight and flow give at most"):
+        cb.run(from_dict(BED))
+
+
+def test_temperatures_beyond_those_given_end_the_run():
+    """A wall that takes heat cools the gas beside it below 0 K."""
+    cold = {"type": "wall", "heat_flux": -1e6}
+    warm = BED["boundary"] | {"left": cold, "bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 300.0}}
+    scene = BED | {"heat": HEAT, "initial": BED["initial"] | {"T_gas": 300.0}, "boundary": warm}
+    with pytest.raises(ConvergenceError, match=r"T_(gas|solid) from .* K, possible are 0 to 6000 K"):
+        cb.run(from_dict(scene | {"time": {"end": 2.0}}))
+
+
+def test_closures_with_parameters_of_heat_run_to_the_end():
+    nusselt = {"name": "power", "a": 1.2, "b": 0.5}
+    inlet = {"bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 400.0}}
+    start = BED["initial"] | {"T_gas": 300.0}
+    heat = {"heat": HEAT | {"nusselt": nusselt}, "initial": start, "boundary": BED["boundary"] | inlet}
+    result = cb.run(from_dict(BED | heat))
+    assert {"power"} <= {closure["name"] for closure in result.closures}
+
+
+def test_what_cannot_be_evaluated_is_told_before_the_steps(monkeypatch):
+    def broken(*arguments):
+        raise ValueError("zero-size array")
+
+    monkeypatch.setattr(findings, "tables", broken)
+    monkeypatch.setattr(study.Simulation, "step", lambda *_: pytest.fail("the bed has been stepped"))
+    with pytest.raises(ContbedError, match="tables cannot be evaluated: ValueError: zero-size array"):
+        cb.run(from_dict(BED))
+
+
+def test_a_table_that_fails_does_not_lose_the_others(tmp_path, monkeypatch):
+    tables = findings.tables
+
+    def broken(plan, bed, *rest):
+        if bed.state.time > 0.0:
+            raise ValueError("zero-size array")
+        return tables(plan, bed, *rest)
+
+    monkeypatch.setattr(findings, "tables", broken)
+    with pytest.raises(ContbedError, match="tables cannot be evaluated"):
+        cb.run(from_dict(BED), tmp_path)
+    assert np.loadtxt(tmp_path / "profiles.csv", delimiter=",", skiprows=1)[-1, 0] == pytest.approx(0.02)
+    summary = (tmp_path / "summary.json").read_text()
+    assert '"max_velocity"' in summary
+    assert '"status": "failed"' in summary
+    assert "tables cannot be evaluated" in summary
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.1])
+@pytest.mark.parametrize("eps_s", [0.0, 0.3])
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+def test_gas_between_no_slip_walls(speed, eps_s, gravity):
+    lid = {"top": {"type": "wall", "velocity": [speed, 0.0]}}
+    scene = BED | {"boundary": WALLS | lid, "initial": {"eps_s": eps_s}, "two_fluid": {"gravity": gravity}}
+    result = cb.run(from_dict(scene))
+    assert result.status == "ok"
+    assert np.isfinite(result.profiles["u_solid_max [m/s]"]).all()
