@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from contbed.developed_flow.problem import TYPICAL, DevelopedProblem
+from contbed.developed_flow.problem import SMOOTH, TYPICAL, DevelopedProblem
 from contbed.developed_flow.results import fill
+from contbed.errors import ConvergenceError
 from contbed.result import Result, timed
 from contbed.solvers.branch import trace
 from contbed.solvers.linear import constrain
@@ -18,6 +19,7 @@ ALIGNED = 3  # rounds that move a node to where gas and particles are equally fa
 NEAR = 1e-3  # share of a cell within which it is there
 APART = 1e-4  # relative difference of granular temperatures at the centre of two solutions
 MEANT = 0.1  # within which a solution is the one that was asked for
+GUESSES = (0.01, 0.1, 10.0)  # factors on a granular temperature from which no solution is found
 SPAN, POINTS = 1.5, 60  # factor on the velocity both ways, and solutions on the way, where others are looked for
 
 
@@ -25,10 +27,16 @@ SPAN, POINTS = 1.5, 60  # factor on the velocity both ways, and solutions on the
 def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
     """Solve and fill the result; a steady run is quick, so that `folder`, `quiet` and `start` are not used."""
     meant = plan.scene.fully_developed.theta_centre
+    result.warnings += plan.warnings
     problem = DevelopedProblem(plan)
-    state, history = problem.solve(meant or TYPICAL)
-    result.history += history
-    problem, state = aligned(problem, state)
+    try:
+        state, history = problem.solve(meant or TYPICAL)
+        result.history += history
+        problem, state = aligned(problem, state)
+    except ConvergenceError as error:
+        where = plan.scene.origin.at(("fully_developed",))
+        text = f"{where}: fully_developed: no solution found ({error}); {advice(problem)}"
+        raise ConvergenceError(text, error.history, error.state) from error
     if problem.particles and plan.scene.solver.branches:
         state = _nearest(problem, state, meant, result)
         problem, state = aligned(problem, state)
@@ -39,6 +47,21 @@ def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any)
         more = "" if plan.scene.solver.branches else "; solver.branches = true looks for others"
         found = result.qoi["theta_centre"]
         result.warnings.append(f"{where}: theta at the centre is {found:.4g} m2/s2, not near {meant:g}{more}")
+
+
+def advice(problem: DevelopedProblem) -> str:
+    """Say what to try where no solution is found."""
+    c = problem.c
+    if not problem.particles:
+        return "raise solver.newton_tolerance"
+    others = ", ".join(
+        f"{factor * (problem.plan.scene.fully_developed.theta_centre or TYPICAL):.2g}" for factor in GUESSES
+    )
+    tries = f"try theta_centre = {others} m2/s2, or more solver.cells"
+    easier = f"a solid_flux below {c.solid_flux:g} kg/m2/s, a velocity above {c.velocity:g} m/s"
+    if c.specularity > SMOOTH:
+        easier += f", a specularity below {c.specularity:g}"
+    return f"{tries}; then reach the scene from one that is easier: {easier}"
 
 
 def aligned(problem: DevelopedProblem, state: Array) -> tuple[DevelopedProblem, Array]:

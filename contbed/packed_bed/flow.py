@@ -16,6 +16,7 @@ from contbed.packed_bed.equations import porous_flow
 from contbed.solvers.linear import Policy
 from contbed.solvers.newton import newton
 
+AT_REST = 1.0  # velocity scale [m/s] where nothing moves; any rounds the drag
 PARALLEL = 1e-9  # a wall counts as parallel to a direction below this sine
 
 
@@ -77,6 +78,8 @@ def solve_flow(
                 nodes = system.nodes("u", facets, component)
                 state[nodes] = value
                 fixed.append(nodes)
+    if "outlet" not in conditions.values():  # between walls the pressure is known but for a constant
+        fixed.append(system.nodes("p", next(iter(mesh.skfem.boundaries.values())))[:1])
     form = [(porous_flow.residual, system.cells, c)]
     state, history = newton(
         lambda x, jacobian: system.assemble(form, x, jacobian),
@@ -112,5 +115,5 @@ def coefficients(scene: Any, medium: Any, velocity: Any, velocity_solid: Any) ->
         permeability=medium.packing("permeability"),
         forchheimer=medium.packing("forchheimer"),
         velocity_solid=Components(float(v) for v in velocity_solid),
-        speed=float(np.linalg.norm(velocity) + np.linalg.norm(velocity_solid)),
+        speed=float(np.linalg.norm(velocity) + np.linalg.norm(velocity_solid)) or AT_REST,
     )

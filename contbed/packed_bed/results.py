@@ -31,10 +31,10 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
     pressure = line.probe(flow.system.fields["p"][0], flow.pressure)
     result.profiles = {header(plan.coordinate): line.positions, header("u"): u, header("p"): pressure}
     outlets = [name for name, kind in plan.conditions.items() if kind == "outlet"]
-    facets = np.concatenate([plan.mesh.skfem.boundaries[name] for name in outlets])
+    facets = np.concatenate([np.zeros(0, dtype=int), *(plan.mesh.skfem.boundaries[name] for name in outlets)])
     result.qoi |= {
         "u_max": float(np.sqrt((flow.velocity**2).sum(axis=0)).max()),
-        "u_max_outlet": float(np.abs(flow.velocity[axis, space.on_facets(facets)]).max()),
+        "u_max_outlet": float(np.abs(flow.velocity[axis, space.on_facets(facets)]).max(initial=0.0)),
         "pressure_drop_Pa": float(pressure[0] - pressure[-1]) * (1.0 if plan.velocity[axis] >= 0 else -1.0),
         "pressure_gradient_Pa_m": _developed_gradient(line.positions, pressure),
     }

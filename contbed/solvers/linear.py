@@ -191,8 +191,11 @@ def constrain(matrix: sp.csc_matrix, fixed: Any) -> sp.csc_matrix:
     free[fixed] = 0.0
     columns = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
     data = matrix.data * free[matrix.indices] * free[columns]
-    data[(matrix.indices == columns) & (free[columns] == 0.0)] = 1.0
+    stored = (matrix.indices == columns) & (free[columns] == 0.0)
+    data[stored] = 1.0
     out = sp.csc_matrix((data, matrix.indices.copy(), matrix.indptr.copy()), shape=matrix.shape)
+    if len(absent := np.setdiff1d(fixed, columns[stored])):  # pressures have no entry on the diagonal
+        out = sp.csc_matrix(out + sp.csc_matrix((np.ones(len(absent)), (absent, absent)), shape=matrix.shape))
     out.eliminate_zeros()
     return out
 

@@ -1,4 +1,4 @@
-"""Two-fluid runs that cannot have found what they found: steps that are too long, speeds and pressures beyond reason."""
+"""Two-fluid runs whose results are not possible: steps too long, speeds, pressures and temperatures out of bounds."""
 
 from pathlib import Path
 
@@ -36,7 +36,7 @@ def test_a_fixed_step_that_is_too_long_is_cut():
 
 
 def test_a_fixed_step_within_its_bounds_stays():
-    result = cb.run(from_dict(BED | {"time": {"end": 0.02, "step": 1e-3}}))
+    result = cb.run(from_dict(BED | {"time": {"end": 0.02, "step": 1e-3, "sample": 0.01}}))
     assert result.qoi["steps"] == 20
     assert result.warnings == []
 
@@ -56,9 +56,9 @@ def test_impossible_speeds_and_pressures_end_the_run(monkeypatch):
 
 
 def test_temperatures_beyond_those_given_end_the_run():
-    """A wall that takes heat cools the gas beside it below 0 K."""
-    cold = {"type": "wall", "heat_flux": -1e6}
-    warm = BED["boundary"] | {"left": cold, "bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 300.0}}
+    """A wall that gives far too much heat."""
+    hot = {"type": "wall", "heat_flux": 1e6}
+    warm = BED["boundary"] | {"left": hot, "bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 300.0}}
     scene = BED | {"heat": HEAT, "initial": BED["initial"] | {"T_gas": 300.0}, "boundary": warm}
     with pytest.raises(ConvergenceError, match=r"T_(gas|solid) from .* K, possible are 0 to 6000 K"):
         cb.run(from_dict(scene | {"time": {"end": 2.0}}))
@@ -70,7 +70,7 @@ def test_closures_with_parameters_of_heat_run_to_the_end():
     start = BED["initial"] | {"T_gas": 300.0}
     heat = {"heat": HEAT | {"nusselt": nusselt}, "initial": start, "boundary": BED["boundary"] | inlet}
     result = cb.run(from_dict(BED | heat))
-    assert {"power"} <= {closure["name"] for closure in result.closures}
+    assert any("power" in closure["name"] for closure in result.closures)
 
 
 def test_what_cannot_be_evaluated_is_told_before_the_steps(monkeypatch):
