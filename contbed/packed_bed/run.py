@@ -6,6 +6,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from contbed.balance import Balance
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Line, line_along
@@ -82,7 +84,12 @@ def _flow(plan: Plan, line: Line, result: Result) -> Any:
     )
     result.history += flow.history
     outflow = {name: flow.outflow(name) for name in plan.mesh.boundaries}
-    result.balances["fluid volume"] = Balance.of_fluxes((-v for v in outflow.values()), "m3/s").as_dict()
+    floor = 0.0
+    if "outlet" not in plan.conditions.values():  # nothing crosses walls; what moves between them is the scale
+        extents = np.ptp(plan.mesh.skfem.p, axis=1)
+        floor = c.speed * float(extents.prod() / extents.max())
+    balance = Balance.of_fluxes((-v for v in outflow.values()), "m3/s", floor=floor)
+    result.balances["fluid volume"] = balance.as_dict()
     result.nodal |= {"u": (flow.system.fields["u"][0], flow.velocity), "p": (flow.system.fields["p"][0], flow.pressure)}
     from contbed.packed_bed.results import flow_findings
 
