@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
+from functools import cache
 from pathlib import Path
 
 from contbed import closures
@@ -15,6 +16,7 @@ from contbed.scene import schema
 from contbed.scene.toml_lines import KeyPath
 
 
+@cache
 def models() -> dict[str, str]:
     """Return the docstrings of all equations by name, read without importing them."""
     files = {name: file for model in MODELS.values() for name, file in model.sheets().items()}

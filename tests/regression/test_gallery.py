@@ -41,8 +41,20 @@ def test_readme_states_figure_tolerance_and_cost(study):
     assert study.seconds > 0, "the README names no run of this study with its CPU"
 
 
+def settles(path):
+    """Whether the plan of a scene settles a packing first, which takes long."""
+    return "count" in tomllib.loads(path.read_text(encoding="utf-8")).get("particles", {})
+
+
 @pytest.mark.parametrize("path", SCENES, ids=name_of)
-def test_scenes_are_checked_and_planned(path):
+def test_scenes_are_checked(path):
+    cb.load(path)
+
+
+@pytest.mark.parametrize(
+    "path", [pytest.param(path, id=name_of(path), marks=[pytest.mark.slow] * settles(path)) for path in SCENES]
+)
+def test_scenes_are_planned(path):
     assert cb.plan(cb.load(path)).unknowns()
 
 
