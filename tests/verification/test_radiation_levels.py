@@ -132,9 +132,10 @@ def test_species_of_given_temperature_among_others():
         assert mixed == pytest.approx(run(direct).qoi["heat_left_W"], rel=1e-6)
 
 
-def test_anisotropy_is_the_transport_coefficient():
-    given = slab("ordinates", 4.0, wall(1000.0), wall(500.0), 0.5, anisotropy=-0.4)
-    same = slab("ordinates", 4.0, wall(1000.0), wall(500.0), 0.5)
+@pytest.mark.parametrize("level", ["p1", "ordinates"])
+def test_anisotropy_is_the_transport_coefficient(level):
+    given = slab(level, 4.0, wall(1000.0), wall(500.0), 0.5, anisotropy=-0.4)
+    same = slab(level, 4.0, wall(1000.0), wall(500.0), 0.5)
     same["radiation"]["scattering"] = 2.0 * 1.4
     fluxes = [run(values).qoi["flux_dimensionless"] for values in (given, same)]
     assert fluxes[0] == pytest.approx(fluxes[1], rel=1e-6)
