@@ -54,8 +54,9 @@ def steady_findings(
     fluid, solid = _profiles(plan, line, problem, [state], None, result)
     span = problem.T_span
     result.nodal |= _nodal(problem, state)
-    _outlets(problem, state, result)
-    _exchanger(plan, problem, state, fluxes, result)
+    leaving, entering = _streams(problem, state)
+    _outlets(leaving, result)
+    _exchanger(plan, problem, entering, fluxes, result)
     heats = {name: value + sum(fluxes[name].values()) for name, value in reactions.items()}
     result.qoi |= {f"heat_{plan.as_written(name)}_W": value for name, value in heats.items()}
     if "tubes" in fluxes.get(INSIDE, {}):
@@ -84,37 +85,39 @@ def _equilibrium(x: Any, gap: Any, mean: Any, result: Result) -> None:
     result.qoi["equilibrium_length_m"] = float(x[k] + (x[k + 1] - x[k]) * np.log(a / APART) / np.log(a / b))
 
 
-def _streams(problem: Any, state: Any, leaving: bool) -> dict[str, tuple[float, float]]:
-    """Return the mass flow and the mass-weighted mean temperature of each stream by phase."""
-    sign, found = 1.0 if leaving else -1.0, {}
-    for phase in ("fluid", "solid"):
-        carried = flow = 0.0
-        for _, part, wall in problem.walls:
-            if wall.name != f"T_{phase}" or wall.mass_flux is None:
-                continue
-            out = sign * problem.system.integrate(lambda u, o, c=wall: o.dot(c.mass_flux, o.n), [part], state)
-            if out > 0:
-                flow += out
-                carried += sign * problem.system.integrate(
-                    lambda u, o, c=wall: o.dot(c.mass_flux, o.n) * getattr(u, c.name), [part], state
-                )
-        if flow > 0:
-            found[phase] = flow, carried / flow
-    return found
+Streams = dict[str, tuple[float, float]]
 
 
-def _outlets(problem: Any, state: Any, result: Result) -> None:
-    """Return the mean outlet temperature of each stream."""
-    leaving = _streams(problem, state, leaving=True)
+def _streams(problem: Any, state: Any) -> tuple[Streams, Streams]:
+    """Return mass flow and mass-weighted mean temperature by phase, of the streams that leave and that enter."""
+    sums: dict[tuple[str, bool], list[float]] = {}
+    for _, part, wall in problem.walls:
+        if wall.mass_flux is None:
+            continue
+        out = problem.system.integrate(lambda u, o, c=wall: o.dot(c.mass_flux, o.n), [part], state)
+        carried = problem.system.integrate(
+            lambda u, o, c=wall: o.dot(c.mass_flux, o.n) * getattr(u, c.name), [part], state
+        )
+        total = sums.setdefault((wall.name.removeprefix("T_"), out > 0), [0.0, 0.0])
+        total[0] += abs(out)
+        total[1] += carried if out > 0 else -carried
+    leaving, entering = (
+        {phase: (flow, heat / flow) for (phase, leaves), (flow, heat) in sums.items() if leaves == wanted and flow > 0}
+        for wanted in (True, False)
+    )
+    return leaving, entering
+
+
+def _outlets(leaving: Streams, result: Result) -> None:
+    """Report the mean outlet temperature of each stream."""
     result.qoi |= {f"T_{phase}_out_K": T for phase, (_, T) in leaving.items()}
 
 
-def _exchanger(plan: Plan, problem: Any, state: Any, fluxes: Any, result: Result) -> None:
+def _exchanger(plan: Plan, problem: Any, entering: Streams, fluxes: Any, result: Result) -> None:
     """Return the heat that the fluid takes up, and its share of the maximum.
 
     The maximum is what streams of these inlets could exchange.
     """
-    entering = _streams(problem, state, leaving=False)
     if "fluid" not in entering:
         return
     duty = -sum(flux["T_fluid"] for flux in fluxes.values() if "T_fluid" in flux)
@@ -214,7 +217,7 @@ def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, resul
     flow = dict(result.nodal)
     result.series = [(time, flow | _nodal(problem, state)) for time, state in zip(times, snapshots, strict=True)]
     result.nodal |= _nodal(problem, snapshots[-1])
-    _outlets(problem, snapshots[-1], result)
+    _outlets(_streams(problem, snapshots[-1])[0], result)
 
 
 def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Result) -> None:
