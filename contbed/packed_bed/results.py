@@ -138,26 +138,32 @@ def _nodal(problem: Any, state: Any) -> dict[str, Any]:
     return {name: (space, problem.system.part(state, name)) for name in problem.system.fields}
 
 
-def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], result: Result) -> None:
-    """Return velocity, density and pressure of the fluid along the bed; the last state gives the pressure drop."""
+def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], fluid: Any, result: Result) -> None:
+    """Report velocity, density and pressure of the fluid along the bed; the last state gives the pressure drop.
+
+    `fluid` are its temperatures on the line, one row for each state.
+    """
     axis, medium = plan.mesh.axis, plan.medium
     velocity, solid = float(plan.velocity[axis]), float(plan.velocity_solid[axis])
     space = problem.system.fields["T_fluid"][0]
     if plan.plug and velocity:
         # from end to end, also where profiles are wanted at a few positions only
-        whole = line_along(plan.mesh, across=plan.scene.output.across) if plan.scene.output.positions else line
-        x, places = whole.positions, line.positions
-        temperatures = [whole.probe(space, problem.system.part(state, "T_fluid")) for state in states]
-        streams = [along_bed(medium, x, T, velocity, solid) for T in temperatures]
+        x = line.positions
+        if plan.scene.output.positions:
+            whole = line_along(plan.mesh, across=plan.scene.output.across)
+            x = whole.positions
+            fluid = [whole.probe(space, problem.system.part(state, "T_fluid")) for state in states]
+        streams = [along_bed(medium, x, T, velocity, solid) for T in fluid]
         for name, column in (("u", "u"), ("rho_fluid", "density"), ("p", "pressure")):
-            values = [np.interp(places, x, getattr(stream, column)) for stream in streams]
+            values = [getattr(stream, column) for stream in streams]
+            if x is not line.positions:
+                values = [np.interp(line.positions, x, value) for value in values]
             result.profiles[header(name)] = np.concatenate(values)
         last = streams[-1]
         result.qoi["pressure_drop_Pa"] = float(abs(last.pressure[-1] - last.pressure[0]))
         result.qoi["residence_time_s"] = medium.scene.bed.porosity * float(trapezoid(1.0 / np.abs(last.u), x))
     elif header("u") in result.profiles:
-        T = line.probe(space, problem.system.part(states[0], "T_fluid"))
-        density = np.broadcast_to(medium.fluid.density(T), T.shape)
+        density = np.broadcast_to(medium.fluid.density(fluid[0]), fluid[0].shape)
         scale = medium.mass_flux_scale()
         result.profiles[header("rho_fluid")] = density
         result.profiles[header("u")] = result.profiles[header("u")] * scale / density
@@ -177,7 +183,7 @@ def _profiles(
     fluid = np.array([probe(space, problem.system.part(state, "T_fluid")) for state in states])
     solid = np.array([probe(space, problem.system.part(state, "T_solid")) for state in states])
     _columns(plan, positions, fluid, solid, problem.T_span, times, result)
-    _stream(plan, line, problem, states, result)
+    _stream(plan, line, problem, states, fluid, result)
     if problem.radiation is not None:
         G = [problem.system.part(state, "G") for state in states]
         slope = [probe.slope(space, values, plan.mesh.axis) for values in G]
