@@ -84,6 +84,9 @@ _FIELDS = (
     Field("pressure_drop", r"\Delta p", "Pa", "pressure of the gas below a bed of particles over that above"),
     Field("height", "H", "m", "mean height of the surface of a bed of particles"),
     Field("coordination", "z", "1", "mean number of touching neighbours of a particle"),
+    Field("radius", "R", "m", "radius of a particle"),
+    Field("velocity", "v", "m/s", "velocity of a particle, three components"),
+    Field("force", "F", "N", "force of the gas on a particle, three components"),
     # bubbling beds
     Field("u_mf", r"u_\mathrm{mf}", "m/s", "minimum fluidization velocity"),
     Field("u_e", r"u_\mathrm{e}", "m/s", "superficial velocity of the gas in the emulsion"),

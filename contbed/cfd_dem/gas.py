@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +38,8 @@ from contbed.errors import ConvergenceError, SceneError
 Array = NDArray[np.float64]
 
 MIN_POROSITY = 0.2  # of a cell or a face; lower ones, of overlapping spheres on small cells, are counted and raised
-MAX_ITERATIONS = 4000  # of conjugate gradients; beds take 10 to 100
-NEWTON_ITERATIONS = 3  # from enthalpy to temperature, from that of the step before: below 1e-12 for a step of 100 K
+MAX_ITERATIONS = 4000  # of conjugate gradients; 1e-7 takes 100 on 4 x 4 x 60 cells, 250 on 40 x 40 x 60
+NEWTON_ITERATIONS = 3  # from enthalpy to temperature; a step of 100 K in air of 300 to 1500 K leaves 3e-15 of T
 _STATE = ("u", "q", "p", "eps", "mass", "heat", "T", "inlet_mass", "inlet_T")
 
 
@@ -68,6 +68,43 @@ class Local:
     mu: Array
     k: Array
     T: Array
+
+
+class Places(NamedTuple):
+    """Where the particles are: cells (n, k) and shares in them, faces (n, 3, 8) and weights on them, porosities.
+
+    `eps` (c,) of the cells, `eps_at` (n,) at the particles, `eps_face` (f,) on faces; `solid` (f,) [m3] is the volume
+    of particles that belongs to a face.
+    """
+
+    where: NDArray[np.int32]
+    share: Array
+    faces: NDArray[np.int32]
+    weight: Array
+    eps: Array
+    eps_at: Array
+    solid: Array
+    eps_face: Array
+
+
+class Drag(NamedTuple):
+    """Drag of the superficial slip q - eps v, implicit in q.
+
+    `coefficient` [kg/s] and eps v [m/s], `carried`, of each particle and axis (n, 3); sums on faces (f,) of the
+    coefficients, `resisted` [kg/s], and of their products with eps v, `pushed` [N].
+    """
+
+    coefficient: Array
+    carried: Array
+    resisted: Array
+    pushed: Array
+
+
+class Prediction(NamedTuple):
+    """Velocity without the pressure gradient (f,) [m/s], and what a gradient is divided by to correct it [kg/m3/s]."""
+
+    u: Array
+    resistance: Array
 
 
 class Gas:
@@ -187,61 +224,17 @@ class Gas:
         """
         if not self.started:
             self.start(bed)
-        grid, volume, d_p = self.grid, bed.volume, 2.0 * bed.radius
-        where, share = grid.shares(bed.x, bed.radius)
-        faces, weight = grid.weights(bed.x)
-        eps, eps_at = self._porosity(bed, where, share)
-        solid = kernels.scatter_faces(faces, weight, np.repeat(volume[:, None], 3, 1), len(self.u))
-        eps_face, room = self._face_porosity(solid, eps), np.where(grid.face_volume > 0.0, grid.face_volume, 1.0)
-        rho = self._on_faces(self.density)
-        rho[self._below] = self.fluid.density(self.inlet_T[self._below])
-        self.u[self._below] = (self.inlet_mass / (rho * eps_face))[self._below]
-        self.q = eps_face * self.u
-        carried = eps_at[:, None] * bed.v
-        local = self._local(where, share, eps_at, kernels.gather_faces(faces, weight, self.q) - carried, d_p)
-        beta = self.drag(Re=local.Re, eps=local.eps, d_p=d_p, mu=local.mu)
-        drag = np.repeat((beta * volume / ((1.0 - eps_at) * eps_at))[:, None], 3, 1)
-        resisted = kernels.scatter_faces(faces, weight, drag, len(self.u))
-        pushed = kernels.scatter_faces(faces, weight, drag * carried, len(self.u))
-        gained, received = self._exchange(dt, bed, where, share, local, eps_face)
-
-        load = (
-            rho * self.u / dt
-            + pushed / (eps_face * room)
-            + kernels.momentum(
-                self.u,
-                rho * self.q,
-                eps_face,
-                rho,
-                self._on_faces(self._on_cells(self.fluid.viscosity)),
-                self.gravity,
-                grid.tables,
-                self.no_slip,
-            )
-        )
-        resistance = rho / dt + resisted / room
-        loose = np.where(grid.active, load / resistance, self.u)
-        gap = np.where(grid.face_kind == OUTLET, 0.5, 1.0) * grid.size[grid.face_axis]
-        conductance = np.where(grid.active, self._area * eps_face / (resistance * gap), 0.0)
-        source = (self.mass / self.density - eps * self.open_volume) / dt + self._expansion() * gained
-        source -= kernels.divergence(self._area * eps_face * loose, grid.cell_face)
-        self.p, iterations, error = kernels.pressure(
-            self.p, conductance, source, grid.tables, self.tolerance, MAX_ITERATIONS
-        )
-        if not error <= self.tolerance:
-            raise ConvergenceError(
-                f"gas: pressure found to {error:.2g} after {iterations} iterations, "
-                f"{self.tolerance:.2g} is wanted; shorten the step"
-            )
-        slope = kernels.slopes(self.p, grid.tables)
-        self.u = loose - slope / resistance
-        self.eps, self.q = eps, eps_face * self.u
+        places = self._locate(bed)
+        rho = self._set_inlet_velocity(places.eps_face)
+        local, drag = self._find_drag(bed, places)
+        gained, received = self._exchange(dt, bed, places, local)
+        predicted = self._predict(dt, rho, places, drag)
+        slope = self._project(dt, places, predicted, gained)
         self._transport(dt, gained)
-        self.counts["steps"] += 1
-        self.counts["iterations"] += int(iterations)
-        self.given = resisted * self.q - pushed - solid * slope
-        force = drag * (kernels.gather_faces(faces, weight, self.q) - carried)
-        return force - volume[:, None] * kernels.gather_faces(faces, weight, slope), received
+        self.given = drag.resisted * self.q - drag.pushed - places.solid * slope
+        force = drag.coefficient * (kernels.gather_faces(places.faces, places.weight, self.q) - drag.carried)
+        pressed = kernels.gather_faces(places.faces, places.weight, slope)
+        return force - bed.volume[:, None] * pressed, received
 
     def around(self, bed: Motion) -> Local:
         """Return the gas around each particle."""
@@ -264,6 +257,74 @@ class Gas:
         self.sums = dict(zip(self.sums, numbers, strict=False))
         self.counts = {name: int(n) for name, n in zip(self.counts, numbers[len(self.sums) :], strict=True)}
         self.started = bool(started)
+
+    def _locate(self, bed: Motion) -> Places:
+        """Find the cells and faces around each particle, and the porosities."""
+        where, share = self.grid.shares(bed.x, bed.radius)
+        faces, weight = self.grid.weights(bed.x)
+        eps, eps_at = self._porosity(bed, where, share)
+        solid = kernels.scatter_faces(faces, weight, np.repeat(bed.volume[:, None], 3, 1), len(self.u))
+        return Places(where, share, faces, weight, eps, eps_at, solid, self._face_porosity(solid, eps))
+
+    def _set_inlet_velocity(self, eps_face: Array) -> Array:
+        """Set the velocities at the inlet from the mass flux; return the density on faces (f,) [kg/m3]."""
+        rho = self._on_faces(self.density)
+        rho[self._below] = self.fluid.density(self.inlet_T[self._below])
+        self.u[self._below] = (self.inlet_mass / (rho * eps_face))[self._below]
+        self.q = eps_face * self.u
+        return rho
+
+    def _find_drag(self, bed: Motion, places: Places) -> tuple[Local, Drag]:
+        """Find the gas around each particle and its drag, on the particles and summed on faces."""
+        where, share, faces, weight = places.where, places.share, places.faces, places.weight
+        d_p, eps_at = 2.0 * bed.radius, places.eps_at
+        carried = eps_at[:, None] * bed.v
+        local = self._local(where, share, eps_at, kernels.gather_faces(faces, weight, self.q) - carried, d_p)
+        beta = self.drag(Re=local.Re, eps=local.eps, d_p=d_p, mu=local.mu)
+        coefficient = np.repeat((beta * bed.volume / ((1.0 - eps_at) * eps_at))[:, None], 3, 1)
+        resisted = kernels.scatter_faces(faces, weight, coefficient, len(self.u))
+        pushed = kernels.scatter_faces(faces, weight, coefficient * carried, len(self.u))
+        return local, Drag(coefficient, carried, resisted, pushed)
+
+    def _predict(self, dt: float, rho: Array, places: Places, drag: Drag) -> Prediction:
+        """Predict the velocity without the pressure gradient: explicit convection and stress, implicit drag."""
+        grid, eps_face = self.grid, places.eps_face
+        room = np.where(grid.face_volume > 0.0, grid.face_volume, 1.0)
+        viscosity = self._on_faces(self._on_cells(self.fluid.viscosity))
+        load = (
+            rho * self.u / dt
+            + drag.pushed / (eps_face * room)
+            + kernels.momentum(self.u, rho * self.q, eps_face, rho, viscosity, self.gravity, grid.tables, self.no_slip)
+        )
+        resistance = rho / dt + drag.resisted / room
+        return Prediction(np.where(grid.active, load / resistance, self.u), resistance)
+
+    def _project(self, dt: float, places: Places, predicted: Prediction, gained: Array) -> Array:
+        """Solve for the pressure that holds the volume and correct the velocity; return grad p on faces [Pa/m].
+
+        Raises
+        ------
+        ConvergenceError : the pressure is not found
+        """
+        grid, eps_face = self.grid, places.eps_face
+        gap = np.where(grid.face_kind == OUTLET, 0.5, 1.0) * grid.size[grid.face_axis]
+        conductance = np.where(grid.active, self._area * eps_face / (predicted.resistance * gap), 0.0)
+        source = (self.mass / self.density - places.eps * self.open_volume) / dt + self._expansion() * gained
+        source -= kernels.divergence(self._area * eps_face * predicted.u, grid.cell_face)
+        self.p, iterations, error = kernels.pressure(
+            self.p, conductance, source, grid.tables, self.tolerance, MAX_ITERATIONS
+        )
+        if not error <= self.tolerance:
+            raise ConvergenceError(
+                f"gas: pressure found to {error:.2g} after {iterations} iterations, "
+                f"{self.tolerance:.2g} is wanted; shorten the step"
+            )
+        self.counts["steps"] += 1
+        self.counts["iterations"] += int(iterations)
+        slope = np.asarray(kernels.slopes(self.p, grid.tables))
+        self.u = predicted.u - slope / predicted.resistance
+        self.eps, self.q = places.eps, eps_face * self.u
+        return slope
 
     def _porosity(self, bed: Motion, where: Any, share: Array) -> tuple[Array, Array]:
         """Find the porosity of the cells, and at the particles."""
@@ -298,20 +359,19 @@ class Gas:
         arguments = {name: getattr(local, name) for name in self._names}
         return np.asarray(self.nusselt(**arguments) * local.k / d_p)
 
-    def _exchange(
-        self, dt: float, bed: Motion, where: Any, share: Array, local: Local, eps_face: Array
-    ) -> tuple[Array, Array]:
+    def _exchange(self, dt: float, bed: Motion, places: Places, local: Local) -> tuple[Array, Array]:
         """Heat that cells gain from particles and neighbours [W], and that particles receive; implicit in the gas."""
         if not self.energy:
             return np.zeros(self.grid.cells), np.zeros(len(bed.x))
         assert bed.T is not None
-        grid, c = self.grid, self._on_cells(self.fluid.heat_capacity)
+        grid, where, share = self.grid, places.where, places.share
+        c = self._on_cells(self.fluid.heat_capacity)
         exchange = self.convection(local, 2.0 * bed.radius) * 4.0 * np.pi * bed.radius**2
         own, from_bed = (kernels.scatter(where, share, value, grid.cells) for value in (exchange, exchange * bed.T))
         flux = self._on_faces(self.density) * self.q * self._area
         upwind = kernels.limited(self.T, self.inlet_T, flux, grid.tables)
         carried = kernels.divergence(flux * upwind, grid.cell_face) - self.T * kernels.divergence(flux, grid.cell_face)
-        conducted = self._conduction(eps_face)
+        conducted = self._conduction(places.eps_face)
         held = np.where(grid.open_cells, self.mass, 1.0) * c / dt
         T = (held * self.T - c * carried + conducted + from_bed) / (held + own)
         given = np.where(grid.open_cells, from_bed - own * T, 0.0)

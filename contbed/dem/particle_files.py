@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from contbed.dem import dumps
 from contbed.errors import SceneError
+from contbed.fields import field
 from contbed.output.files import atomic
 
 Array = NDArray[np.float64]
@@ -91,9 +92,23 @@ def missing_step(frames: list[dumps.Frame]) -> str:
 
 
 def write_particles(path: Path | str, x: Array, columns: Mapping[str, Array]) -> None:
-    """Write centres (n, 3) and columns of shape (n,) or (n, 3)."""
+    """Write centres and columns of particles, in SI, as points of a VTU file.
+
+    Parameters
+    ----------
+    path : the file
+    x : centres (n, 3) [m]
+    columns : values (n,) or (n, 3) by the name of a field; `contbed.fields` says unit and meaning
+
+    Raises
+    ------
+    ValueError : a column is no field
+    """
     import meshio
 
+    for name in columns:
+        if field(name) is None:
+            raise ValueError(f"{path}: column {name!r} is not listed in contbed.fields")
     grid = meshio.Mesh(x, [("vertex", np.arange(len(x))[:, None])], dict(columns))
     with atomic(path) as temporary:
         meshio.write(temporary, grid, file_format="vtu")

@@ -116,6 +116,7 @@ class Simulation:
             raise SceneError(f"dem: skin = {self.skin:g} m must be positive")
         domain.require_wide(2.0 * float(particles.radius.max()) + self.skin)
         self.radius, self.kind = particles.radius.copy(), particles.material.copy()
+        self._equal = bool(np.ptp(self.radius) == 0.0 and np.ptp(self.kind) == 0)
         self.mass = particles.volume * np.array([material.density for material in materials])[self.kind]
         self.inertia = 0.4 * self.mass * self.radius**2
         self.position, self.velocity = particles.position.copy(), particles.velocity.copy()
@@ -297,10 +298,6 @@ class Simulation:
             self.T[:] = T
             self.heat_capacity = self.mass * heat.capacities(self.materials)[self.kind]
             self._heat_pairs = heat.table(self.materials)
-
-    @property
-    def _equal(self) -> bool:
-        return bool(np.ptp(self.radius) == 0.0 and np.ptp(self.kind) == 0)
 
     def _require_inside(self) -> None:
         lower, upper, periodic = self._box
