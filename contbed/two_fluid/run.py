@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from copy import copy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -128,7 +130,7 @@ def run(
     if start is not None:
         run.resume(*start)
     result.warnings += plan.warnings
-    _raise_first(_fill(run, Result(plan)))  # what cannot be evaluated is told before the steps, not after them
+    _raise_first(_rehearse(run))  # what cannot be evaluated is told before the steps, not after them
     stops = np.arange(1, max(1, round(scene.time.end / run.interval)) + 1) * run.interval
     stops[-1] = scene.time.end
     failed: list[ContbedError] = []
@@ -156,6 +158,17 @@ def run(
         text = f"{run.cut_steps} of {run.bed.state.steps} steps were shortened; particles would cross more than a cell"
         result.warnings.append(f"{where}: time.step = {step:g} s: {text}")
     result.warnings += plausibility.judge(scene, run.bed, result.profiles, run.largest_speed)
+
+
+def _rehearse(run: Run) -> list[ContbedError]:
+    """Evaluate all that a run reports as if its present state were its last; return the errors of parts that fail."""
+    trial, bed = copy(run), copy(run.bed)
+    bed.state = replace(bed.state, dt=1.0, time=run.scene.time.end)
+    trial.bed, trial.rows = bed, [*run.rows, findings.row(bed) + probes.row(bed, run.plan.probes)]
+    if run.averages is not None:
+        trial.averages = Averages(run.averages.start, run.averages.end)
+        trial.averages.add(bed)
+    return _fill(trial, Result(run.plan))
 
 
 def _raise_first(failed: list[ContbedError]) -> None:

@@ -11,6 +11,7 @@ from contbed.loading import from_dict
 from contbed.two_fluid import plausibility
 from contbed.two_fluid import results as findings
 from contbed.two_fluid import run as study
+from contbed.two_fluid.averages import Averages
 
 STUDIES = Path(__file__).parents[2] / "studies"
 WALLS = {name: {"type": "wall"} for name in ("left", "right", "bottom", "top")}
@@ -74,21 +75,22 @@ def test_closures_with_parameters_of_heat_run_to_the_end():
     assert any("power" in closure["name"] for closure in result.closures)
 
 
-def test_what_cannot_be_evaluated_is_told_before_the_steps(monkeypatch):
+@pytest.mark.parametrize(("owner", "name"), [(findings, "tables"), (Averages, "means")])
+def test_what_cannot_be_evaluated_is_told_before_the_steps(monkeypatch, owner, name):
     def broken(*arguments):
         raise ValueError("zero-size array")
 
-    monkeypatch.setattr(findings, "tables", broken)
+    monkeypatch.setattr(owner, name, broken)
     monkeypatch.setattr(study.Simulation, "step", lambda *_: pytest.fail("the bed has been stepped"))
     with pytest.raises(ContbedError, match="tables cannot be evaluated: ValueError: zero-size array"):
-        cb.run(from_dict(BED))
+        cb.run(from_dict(BED | {"time": {"end": 0.02, "average_from": 0.01}}))
 
 
 def test_a_table_that_fails_does_not_lose_the_others(tmp_path, monkeypatch):
     tables = findings.tables
 
     def broken(plan, bed, *rest):
-        if bed.state.time > 0.0:
+        if bed.state.steps > 0:
             raise ValueError("zero-size array")
         return tables(plan, bed, *rest)
 
