@@ -9,14 +9,15 @@ import numpy as np
 from contbed.two_fluid.boundary import OUTLET, Edge
 from contbed.two_fluid.compiled import UNDERFLOW, Array, kernel
 from contbed.two_fluid.face_velocities import Cells, Velocities
-from contbed.two_fluid.fv.gradient import FEW_PARTICLES, NO_PARTICLES
+from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
 
-# weight of a face [-] below which it has no say in the velocity of a cell's particles
+# weight of a face [-] below which it is left out of the least squares of a cell's particle velocity
 # (test_level_bed_on_triangles_calms_down)
-SILENT = 1e-4
-# weight of all faces in the moment [-]: along directions that no face gives, particles keep H
-LEAST_WEIGHT = 1e-12
+MIN_FACE_WEIGHT = 1e-4
+# weight [-] that every face has in the moment, so that it can be inverted: in directions without faces the least
+# squares give 0, and add_reconstruction_remainder gives H (test_cell_without_particles_on_its_faces)
+MIN_MOMENT_WEIGHT = 1e-12
 
 
 class FaceVelocities(NamedTuple):
@@ -36,12 +37,6 @@ class Gathered(NamedTuple):
     solid: Array
     h_gas: Array
     h_solid: Array
-
-
-@kernel
-def face_weight(there: float, here: float) -> float:
-    """Weight of a face with the solids fraction `there` for a cell with `here`: less where few particles reach it."""
-    return min(1.0, (there + NO_PARTICLES) / (FEW_PARTICLES * here + NO_PARTICLES))
 
 
 @kernel
@@ -85,7 +80,7 @@ def gather_gas(
 def gather_solid(
     g: Geometry, faces: FaceVelocities, s: Array, grad_new: Array, grad_h: Array, corrected: bool, out: Gathered
 ) -> None:
-    """Gather cell vectors of the particles; a face that few of a cell's particles reach has little weight."""
+    """Cell vectors of the particles as `gather_gas`; a face with far fewer particles than the cell has less weight."""
     ni, dim = len(g.right), len(g.axes)
     new, old = out.solid, out.h_solid
     moment = np.zeros((len(s), dim, dim))
@@ -94,8 +89,8 @@ def gather_solid(
     for f in range(len(g.left)):
         for side in range(2 if f < ni else 1):
             c = g.left[f] if side == 0 else g.right[f]
-            share = face_weight(faces.eps_s[f], s[c])
-            weight = g.face_size[f] * share if share > SILENT else 0.0
+            share = neighbour_weight(faces.eps_s[f], s[c])
+            weight = g.face_size[f] * share if share > MIN_FACE_WEIGHT else 0.0
             u, h = faces.solid[f], faces.h_solid[f]
             if corrected:
                 for k in range(dim):
@@ -108,7 +103,7 @@ def gather_solid(
                 new[c, k] += n * u
                 old[c, k] += n * h
                 for d in range(k, dim):
-                    moment[c, k, d] += (weight + LEAST_WEIGHT * g.face_size[f]) * g.normal[f, k] * g.normal[f, d]
+                    moment[c, k, d] += (weight + MIN_MOMENT_WEIGHT * g.face_size[f]) * g.normal[f, k] * g.normal[f, d]
     for c in range(len(g.volume)):
         # Cholesky's decomposition without roots: the moment is small, symmetric and positive
         for i in range(dim):
@@ -128,14 +123,14 @@ def gather_solid(
 
 @kernel
 def divergence_solid(g: Geometry, faces: FaceVelocities, s: Array, u: Array, out: Array) -> None:
-    """Divergence (nc,) [1/s] of the velocity of the solids, without faces that few of a cell's particles reach."""
+    """Divergence (nc,) [1/s] of the velocity of the solids, weighted as in `gather_solid`."""
     ni, dim = len(g.right), len(g.axes)
     for c in range(len(s)):
         out[c] = u[c, 0] / g.radius[c] if g.radius[c] > 0.0 else 0.0
     for f in range(len(g.left)):
         for side in range(2 if f < ni else 1):
             c = g.left[f] if side == 0 else g.right[f]
-            weight = face_weight(faces.eps_s[f], s[c]) * g.area[f] / g.volume[c]
+            weight = neighbour_weight(faces.eps_s[f], s[c]) * g.area[f] / g.volume[c]
             speed = faces.solid[f]
             for k in range(dim):
                 speed -= u[c, k] * g.normal[f, k]
@@ -144,11 +139,11 @@ def divergence_solid(g: Geometry, faces: FaceVelocities, s: Array, u: Array, out
 
 @kernel
 def face_residual(g: Geometry, edge: Edge, face: Array, u: Array, grad: Array, out: Array) -> None:
-    """Set the part `out` (nf,) [m/s] of the normal gas velocity that the cells beside a face do not give back.
+    """Set the Rhie-Chow residual `out` (nf,) [m/s]: normal gas velocity less the interpolated cell velocity.
 
-    Zero but on interior faces and outlets.
+    It is zero on boundary faces other than outlets.
 
-    u (nc, dim) are the gathered velocities, `grad` (nc, dim, dim) their gradients, used on skewed grids.
+    u (nc, dim) [m/s] are the cell velocities, `grad` (nc, dim, dim) their gradients, used on skewed grids.
     """
     ni, dim = len(g.right), len(g.axes)
     for f in range(len(g.left)):
@@ -167,13 +162,13 @@ def face_residual(g: Geometry, edge: Edge, face: Array, u: Array, grad: Array, o
 
 
 @kernel
-def add_unseen_velocity(
+def add_reconstruction_remainder(
     dt: float, cells: Cells, velocities: Velocities, gathered: Gathered, force_gas: Array, force_solid: Array
 ) -> None:
-    """Add to the gathered velocities, in place, what gathering the normal H leaves of H, after drag.
+    """Add to the cell velocities, in place, the remainder of H that interpolation and least squares lose.
 
-    The rests of the phases damp without moving each other: in a bed at rest gas that speeds up towards the surface
-    would lift particles. The forces (nc, dim) [m/s2] are the changes from H over the step.
+    Drag damps the remainder of each phase but couples it not to the other phase: in a bed at rest, the gas that speeds
+    up towards the surface would lift particles. The forces (nc, dim) [m/s2] are (velocity - H)/dt.
     """
     new_g, new_s, h_g, h_s = gathered.gas, gathered.solid, velocities.h_gas, velocities.h_solid
     s = cells.eps_s
@@ -182,9 +177,9 @@ def add_unseen_velocity(
         a_g = dt * cells.drag[c] * s[c] / ((1.0 - s[c]) * cells.rho_gas[c])
         damp_g, damp_s = 1.0 / (1.0 + a_g), (1.0 + a_g) / (1.0 + a_g + a_s)
         for k in range(h_g.shape[1]):
-            rest_g = damp_g * (h_g[c, k] - gathered.h_gas[c, k])
-            rest_s = damp_s * (h_s[c, k] - gathered.h_solid[c, k])
-            new_g[c, k] = new_g[c, k] + rest_g if abs(new_g[c, k] + rest_g) > UNDERFLOW else 0.0
-            new_s[c, k] = new_s[c, k] + rest_s if abs(new_s[c, k] + rest_s) > UNDERFLOW else 0.0
+            remainder_g = damp_g * (h_g[c, k] - gathered.h_gas[c, k])
+            remainder_s = damp_s * (h_s[c, k] - gathered.h_solid[c, k])
+            new_g[c, k] = new_g[c, k] + remainder_g if abs(new_g[c, k] + remainder_g) > UNDERFLOW else 0.0
+            new_s[c, k] = new_s[c, k] + remainder_s if abs(new_s[c, k] + remainder_s) > UNDERFLOW else 0.0
             force_gas[c, k] = (new_g[c, k] - h_g[c, k]) / dt
             force_solid[c, k] = (new_s[c, k] - h_s[c, k]) / dt

@@ -90,7 +90,7 @@ def closures_exist(two_fluid: t.TwoFluid, origin: Origin) -> Mistakes:
 
 
 def fractions_fit(initial: t.Initial, boundary: dict[str, t.Boundary], solid: t.Solid, see: See) -> Mistakes:
-    """Check that no fraction is above the packing limit."""
+    """Check that fractions and the onset of friction are below the packing limit, and that layers have a height."""
     known = see("solid.packing")
     if initial.eps_s * (1.0 + initial.noise) > solid.packing:
         yield ("initial", "eps_s"), f"denser than the densest packing with its noise; see {known}"

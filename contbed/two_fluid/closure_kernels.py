@@ -1,15 +1,15 @@
 """The closures of a two-fluid model as functions of all cells.
 
 The very functions of `contbed.closures` are compiled and called cell by cell, see `closures.compiled`. Near packing
-the radial distribution is taken at most at DENSEST of eps_max; friction keeps its own distance. What guards and this
-limit touch is counted.
+the radial distribution is evaluated at most at MAX_RADIAL_FRACTION of eps_max; friction has a limit of its own. The
+cells in which this limit or a guard of dilute flow acts are counted.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,15 +22,18 @@ from contbed.two_fluid.model import Materials
 from contbed.two_fluid.rheology import Closures, Rheology
 
 Array = NDArray[np.float64]
+Counter = NDArray[np.int64]
 
-DENSEST = 0.997  # of eps_max, up to which the radial distribution follows its law
-DILUTEST = 1e-9  # fraction below which the drag on one particle no longer changes
-EMPTY = 1e-4  # fraction below which kinetic stress fades: it would heat particles that are not there
-GUARDED = 0.99  # a kinetic part counts as guarded where less than this is left
-STEP = 1e-7  # of eps_max, for the slope of the pressure
-ENTRIES = 4001  # of the tables of friction
+MAX_RADIAL_FRACTION = 0.997  # eps_s/eps_max [-] up to which the radial distribution, singular at 1, is evaluated
+MIN_DRAG_FRACTION = 1e-9  # eps_s [-] below which K = beta/eps_s is that of one particle
+MIN_KINETIC_FRACTION = (
+    1e-4  # eps_s [-] below which kinetic viscosity and conductivity fade: they do not vanish with eps_s
+)
+MIN_UNGUARDED_SHARE = 0.99  # share of a kinetic part [-] below which its cell counts as guarded
+SLOPE_STEP = 1e-7  # step of eps_s over eps_max [-] in the difference quotient of the pressure
+TABLE_SIZE = 4001  # entries of the friction tables, evenly spaced in eps_s
 
-THEORY = (
+KINETIC_THEORY = (
     "radial_distribution",
     "granular_pressure",
     "granular_viscosity",
@@ -39,11 +42,44 @@ THEORY = (
     "granular_dissipation",
 )  # fmt: skip
 ROOT_PI = np.pi**0.5
-COUNTED = ("drag_guard_cells", "free_path_guard_cells", "packed_cells")
+
+
+class FrictionTables(NamedTuple):
+    """Friction at TABLE_SIZE solids fractions from friction_from to eps_max.
+
+    h [m2/s2] : integral of d p_friction/(rho_s eps_s)
+    p_friction [Pa] : frictional pressure
+    """
+
+    h: Array
+    p_friction: Array
+
+
+class GuardCounts(NamedTuple):
+    """Cells, summed over all steps, in which a limit acted; arrays of one number each, to which the kernel adds.
+
+    drag_guard_cells, free_path_guard_cells : guards of dilute flow left less than MIN_UNGUARDED_SHARE
+    packed_cells : above MAX_RADIAL_FRACTION
+    """
+
+    drag_guard_cells: Counter
+    free_path_guard_cells: Counter
+    packed_cells: Counter
+
+
+class GranularConstants(NamedTuple):
+    """Numbers that the granular closures take in all cells; free_path [m] is infinite without guards."""
+
+    rho_solid: float
+    d_p: float
+    eps_max: float
+    restitution: float
+    free_path: float
+    friction_from: float
 
 
 @dataclass(frozen=True)
-class Particles:
+class ParticleProperties:
     """What the closures need of the particles besides `Materials`.
 
     restitution : of two particles [-]
@@ -59,123 +95,140 @@ class Particles:
 
 
 @dataclass(frozen=True)
-class Laws:
-    """`closures` for the step, made of `bound`; `counts` of cells in steps, in the order of COUNTED."""
+class CompiledClosures:
+    """`closures` are what the step calls, made of the `bound` closures by kind; `counts` are added to by each call."""
 
     closures: Closures
     bound: Bound
-    counts: NDArray[np.int64]
+    counts: GuardCounts
 
 
-def make(materials: Materials, particles: Particles, bound: Bound) -> Laws:
-    """Make the functions of all cells from closures by kind; None where there is no such physics."""
-    counts = np.zeros(3, dtype=np.int64)
+def make(materials: Materials, particles: ParticleProperties, bound: Bound) -> CompiledClosures:
+    """Compile the bound closures into functions of all cells; a closure that is None contributes nothing."""
+    counts = GuardCounts(*(np.zeros(1, dtype=np.int64) for _ in GuardCounts._fields))
     drag, own = _drag(bound["drag"]), own_values(bound["drag"])
-    theory = tuple(bound[kind] for kind in THEORY)
-    granular, constants_of_theory = _granular(theory), tuple(own_values(closure) for closure in theory)
-    table = _friction(materials, particles, bound["granular_friction"])
+    theory = tuple(bound[kind] for kind in KINETIC_THEORY)
+    granular, parameters = _granular(theory), tuple(own_values(closure) for closure in theory)
+    tables = _friction(materials, particles, bound["granular_friction"])
     gas, m = (materials.rho_gas, materials.mu_gas, materials.d_p), materials
     path = particles.free_path if particles.free_path is not None else np.inf
-    constants = (m.rho_solid, m.d_p, m.eps_max, particles.restitution, path, particles.friction_from)
+    constants = GranularConstants(m.rho_solid, m.d_p, m.eps_max, particles.restitution, path, particles.friction_from)
 
-    def exchange(eps_s: Array, slip: Array) -> Array:
+    def drag_coefficient(eps_s: Array, slip: Array) -> Array:
+        """K = beta/eps_s (nc,) [kg/m3/s]."""
         out = np.empty_like(eps_s)
         drag(eps_s, slip, gas, own, out)
         return out
 
     def rheology(eps_s: Array, theta: Array, K: Array) -> Rheology:
+        """Kinetic theory and frictional pressure in all cells."""
         out = Rheology(*(np.empty_like(eps_s) for _ in Rheology._fields))
-        granular(eps_s, theta, K, constants, constants_of_theory, table, counts, out)
+        granular(eps_s, theta, K, constants, parameters, tables, counts, out)
         return out
 
     viscosity = bound["granular_friction_viscosity"]
     sheared = viscosity is not None and "shear_rate" in viscosity.takes
 
-    def friction(p: Array, shear_rate: Array) -> Array:
+    def friction_viscosity(p: Array, shear_rate: Array) -> Array:
+        """Frictional viscosity (nc,) [Pa s] from the frictional pressure p [Pa] and the shear rate [1/s]."""
         if viscosity is None:
             return 0.0 * p
         mu = viscosity(p_friction=p, angle=particles.friction_angle, shear_rate=shear_rate)
         return mu if sheared else mu + 0.0 * p  # type: ignore[no-any-return]
 
     first = particles.friction_from
-    packing = (first, (m.eps_max - first) / (ENTRIES - 1), table[1] / m.rho_solid)
-    return Laws(Closures(exchange, rheology, friction, sheared, packing), bound, counts)
+    packing = (first, (m.eps_max - first) / (TABLE_SIZE - 1), tables.p_friction / m.rho_solid)
+    return CompiledClosures(Closures(drag_coefficient, rheology, friction_viscosity, sheared, packing), bound, counts)
 
 
 def _drag(closure: BoundClosure | None) -> Callable[..., None]:
-    """K = beta/eps_s in all cells."""
+    """Compile the kernel that evaluates K = beta/eps_s in all cells."""
     return kernel(_drag_in_cells, {"beta": face(closure, GIVES["drag"])})
 
 
-# what the two functions below call: `kernel` puts closures in the place of these names
+# names that the two kernels below call; `kernel` binds them to the closures of a scene
 beta: Any = None
-contact = pressure = viscosity = bulk = conductivity = dissipation = by_drag = by_path = beta
-packs = True
+radial_distribution = pressure = viscosity = bulk = conductivity = dissipation = beta
+drag_guard = free_path_guard = beta
+singular = True  # whether the radial distribution is singular at eps_max
 
 
 def _drag_in_cells(eps_s: Any, slip: Any, gas: Any, own: Any, out: Any) -> None:
+    """Set out = K (nc,) [kg/m3/s]; gas = (rho, mu, d_p), own = parameters of the closure."""
     rho, mu, d_p = gas
     for i in range(len(eps_s)):
-        s = max(eps_s[i], DILUTEST)
+        s = max(eps_s[i], MIN_DRAG_FRACTION)
         out[i] = beta((1.0 - s) * rho * slip[i] * d_p / mu, 1.0 - s, d_p, mu, own) / s
 
 
 def _granular(theory: tuple[BoundClosure | None, ...]) -> Callable[..., None]:
-    """Compile the kinetic theory of closures in the order of THEORY, and friction from its table."""
-    names = ("contact", "pressure", "viscosity", "bulk", "conductivity", "dissipation")
-    faces = {name: face(closure, GIVES[kind]) for name, kind, closure in zip(names, THEORY, theory, strict=True)}
-    packs = theory[0] is not None and "eps_max" in theory[0].takes
-    return kernel(_granular_in_cells, faces | {"by_drag": share_drag, "by_path": share_free_path}, packs=packs)
+    """Compile the kinetic theory of closures in the order of KINETIC_THEORY, and friction from its table."""
+    names = ("radial_distribution", "pressure", "viscosity", "bulk", "conductivity", "dissipation")
+    faces = {
+        name: face(closure, GIVES[kind]) for name, kind, closure in zip(names, KINETIC_THEORY, theory, strict=True)
+    }
+    singular = theory[0] is not None and "eps_max" in theory[0].takes
+    guards: dict[str, Any] = {"drag_guard": share_drag, "free_path_guard": share_free_path}
+    return kernel(_granular_in_cells, faces | guards, singular=singular)
 
 
 def _granular_in_cells(
-    eps_s: Any, theta: Any, K: Any, constants: Any, own: Any, table: Any, counts: Any, out: Any
+    eps_s: Any, theta: Any, K: Any, constants: Any, own: Any, tables: Any, counts: Any, out: Any
 ) -> None:
-    rho, d_p, eps_max, e, path, first = constants
-    eta, spacing = 0.5 * (1.0 + e), (eps_max - first) / (ENTRIES - 1)
+    """Set the `Rheology` out; `own` are the parameters of the closures in the order of KINETIC_THEORY.
+
+    The guards limit the kinetic parts of viscosity and conductivity in dilute flow; they take the dilute limits of both
+    over rho_s d_p sqrt(theta). The factor of `share_drag` is 2 for viscosity and 1.2 for conductivity.
+    """
+    rho, d_p, eps_max, e = constants.rho_solid, constants.d_p, constants.eps_max, constants.restitution
+    path, first = constants.free_path, constants.friction_from
+    h_table, p_table = tables.h, tables.p_friction
+    eta, spacing = 0.5 * (1.0 + e), (eps_max - first) / (TABLE_SIZE - 1)
     dilute_mu, dilute_k = 5.0 / 96.0 * ROOT_PI, 75.0 * ROOT_PI / (48.0 * eta * (41.0 - 33.0 * eta))
     for i in range(len(eps_s)):
         s, t = eps_s[i], theta[i]
-        if packs and s > DENSEST * eps_max:
-            s = DENSEST * eps_max
-            counts[2] += 1
-        g0, further = contact(s, eps_max, own[0]), s + STEP * eps_max
+        if singular and s > MAX_RADIAL_FRACTION * eps_max:
+            s = MAX_RADIAL_FRACTION * eps_max
+            counts.packed_cells[0] += 1
+        g0, s_ahead = radial_distribution(s, eps_max, own[0]), s + SLOPE_STEP * eps_max
         p = pressure(s, g0, e, own[1])
-        slope = (pressure(further, contact(further, eps_max, own[0]), e, own[1]) - p) / (STEP * eps_max)
-        left_mu = s * s / (s * s + EMPTY * EMPTY)
-        left_k = left_mu
+        slope = (pressure(s_ahead, radial_distribution(s_ahead, eps_max, own[0]), e, own[1]) - p) / (
+            SLOPE_STEP * eps_max
+        )
+        kinetic_mu = s * s / (s * s + MIN_KINETIC_FRACTION * MIN_KINETIC_FRACTION)
+        kinetic_k = kinetic_mu
         if path < np.inf:
-            share = by_drag(K[i], t, s, g0, rho, d_p, dilute_mu, 2.0)
-            counts[0] += share < GUARDED
-            left_mu *= share
-            left_k *= by_drag(K[i], t, s, g0, rho, d_p, dilute_k, 1.2)
-            share = by_path(s, g0, d_p, path)
-            counts[1] += share < GUARDED
-            left_mu *= share
-            left_k *= share
+            share = drag_guard(K[i], t, s, g0, rho, d_p, dilute_mu, 2.0)
+            counts.drag_guard_cells[0] += share < MIN_UNGUARDED_SHARE
+            kinetic_mu *= share
+            kinetic_k *= drag_guard(K[i], t, s, g0, rho, d_p, dilute_k, 1.2)
+            share = free_path_guard(s, g0, d_p, path)
+            counts.free_path_guard_cells[0] += share < MIN_UNGUARDED_SHARE
+            kinetic_mu *= share
+            kinetic_k *= share
         scale = rho * d_p * t**0.5
         out.g0[i] = g0
         out.pressure[i] = p * eps_s[i] / s if s > 0 else p
         out.stiffness[i] = t * slope
-        out.mu[i] = scale * viscosity(s, g0, e, left_mu, own[2])
+        out.mu[i] = scale * viscosity(s, g0, e, kinetic_mu, own[2])
         out.bulk[i] = scale * bulk(s, g0, e, own[3])
-        out.conductivity[i] = scale * conductivity(s, g0, e, left_k, own[4])
+        out.conductivity[i] = scale * conductivity(s, g0, e, kinetic_k, own[4])
         out.dissipation[i] = rho / d_p * dissipation(s, g0, e, own[5])
         out.h[i] = 0.0
         out.p_friction[i] = 0.0
         if eps_s[i] > first:
-            j = min(int((eps_s[i] - first) / spacing), ENTRIES - 2)
+            j = min(int((eps_s[i] - first) / spacing), TABLE_SIZE - 2)
             w = (eps_s[i] - first) / spacing - j
-            out.h[i] = table[0, j] + w * (table[0, j + 1] - table[0, j])
-            out.stiffness[i] += eps_s[i] * (table[0, j + 1] - table[0, j]) / spacing
-            out.p_friction[i] = table[1, j] + w * (table[1, j + 1] - table[1, j])
+            out.h[i] = h_table[j] + w * (h_table[j + 1] - h_table[j])
+            out.stiffness[i] += eps_s[i] * (h_table[j + 1] - h_table[j]) / spacing
+            out.p_friction[i] = p_table[j] + w * (p_table[j + 1] - p_table[j])
 
 
-def _friction(materials: Materials, particles: Particles, closure: BoundClosure | None) -> Array:
-    """Integral of d p_friction/(rho_s eps_s), and p_friction, from first contact to densest packing."""
-    s, p = np.linspace(particles.friction_from, materials.eps_max, ENTRIES), np.zeros(ENTRIES)
+def _friction(materials: Materials, particles: ParticleProperties, closure: BoundClosure | None) -> FrictionTables:
+    """Tabulate friction from its onset to the packing limit; zero without a closure."""
+    s, p = np.linspace(particles.friction_from, materials.eps_max, TABLE_SIZE), np.zeros(TABLE_SIZE)
     if closure is not None:
         first, strength = particles.friction_from, particles.friction_strength
-        p = closure(eps_s=s, eps_max=materials.eps_max, eps_min=first, strength=strength) * np.ones(ENTRIES)
+        p = closure(eps_s=s, eps_max=materials.eps_max, eps_min=first, strength=strength) * np.ones(TABLE_SIZE)
     h = np.concatenate(([0.0], np.cumsum(2.0 * np.diff(p) / (s[1:] + s[:-1])))) / materials.rho_solid
-    return np.stack((h, p))
+    return FrictionTables(h, p)

@@ -30,7 +30,7 @@ KINDS = {
 HEAT_KINDS = {"nusselt": "nusselt", "conductivity_bed": "conductivity"}
 """Kinds by the keys of [heat]."""
 
-SCANT = 1e-6  # fraction of particles below which closures say nothing
+MIN_REPORTED_FRACTION = 1e-6  # solids fraction below which the range use of closures is not recorded
 _THEORY = ("eps_s", "g0", "e")
 GIVES: dict[str, tuple[str, ...]] = {
     "drag": ("Re", "eps", "d_p", "mu"),
@@ -87,7 +87,7 @@ def known(bed: Simulation, scene: t.TwoFluidScene) -> dict[str, Any]:
     from contbed.two_fluid.properties import density_ratio
     from contbed.two_fluid.stress import shear_rate
 
-    there = bed.state.eps_s > SCANT
+    there = bed.state.eps_s > MIN_REPORTED_FRACTION
     if not there.any():
         there[:] = True
     s, m = bed.state.eps_s[there], bed.model.materials

@@ -19,16 +19,16 @@ from contbed.two_fluid.packing import FrictionTable, Solids, add_compaction_flux
 from contbed.two_fluid.state import Counters, State
 from contbed.two_fluid.timing import phase
 
-# rounds of a step in which tangents of friction move (test_slug_thrown_on_a_wall_packs_and_stays)
-MAX_TANGENTS = 8
+# linearizations of the frictional pressure in a step, at most (test_slug_thrown_on_a_wall_packs_and_stays)
+MAX_TANGENT_ROUNDS = 8
 
 
 class Moved(NamedTuple):
     """The solids after a step.
 
-    eps_s (nc,), rate_eps_s (nc, 1) [1/s] : new fraction; memory of its rate plus the change over the step
+    eps_s (nc,), rate_eps_s (nc, 1) [1/s] : new fraction; its rate of change, convection left out
     flux, flux_gas (nf,) [m3/s] : volume fluxes of solids and gas in the step
-    compaction_velocity (nf,) [m/s] : what the particles keep of the motion by their pressure
+    compaction_velocity (nf,) [m/s] : velocity that the implicit solids pressure gives the particles
     upwind_cells (nc,) : cells that lost many of their particles; they give their own values to all faces
     """
 
@@ -49,10 +49,10 @@ def advance(state: State, dt: float, model: Model) -> Moved:
     solids = Solids(old, state.properties.drag, state.properties.rheology.stiffness, model.materials.rho_solid)
     system, flux, counters = empty_system(g, 1), state.fluxes.solid.copy(), state.counters
     assemble_compaction(g, dt, solids, flux, source, system)
-    # everywhere: beside a front, the faint trace that it sends ahead keeps nearly empty cells smooth
+    # solved for in all cells: the small change ahead of a front keeps nearly empty cells smooth
     y = solve_system(state, "eps_s", system, model, explicit=0.0)
     links, shift = system.links, np.zeros(len(old))
-    for _ in range(MAX_TANGENTS):
+    for _ in range(MAX_TANGENT_ROUNDS):
         if not move_tangents(g, table, solids, links, y, system, shift):
             break
         counters = counters.add(packing_rounds=1)

@@ -9,8 +9,8 @@ a face obey
 where H are the velocities after convection and stress, rho_s P is the kinetic and collisional pressure of the particles
 and h(eps_s) = integral of d p_friction/(rho_s eps_s): a bed at rest has h + z g constant, on any mesh. Both equations
 are solved together on each face (partial elimination of drag, Spalding 1980, in Numerical Computation of Multi-Phase
-Fluid Flow, PCH). The interpolation of H less its memory on faces is a Rhie-Chow type correction (Rhie and Chow 1983,
-AIAA J. 21, 1525-1532).
+Fluid Flow, PCH). The residual of the last step, added to the interpolation of H, is a Rhie-Chow type correction (Rhie
+and Chow 1983, AIAA J. 21, 1525-1532).
 """
 
 from __future__ import annotations
@@ -60,10 +60,10 @@ class Velocities(NamedTuple):
 
 
 class FaceGradients(NamedTuple):
-    """What faces see beside two cell values.
+    """What interpolation to faces needs besides two cell values.
 
-    Gradients (nc, dim, dim) of H and of the forces, used on skewed grids, and the memory (nf,) [m/s] of the gas
-    velocity that cell velocities did not give back.
+    Gradients (nc, dim, dim) of H and of the forces, used on skewed grids, and the Rhie-Chow residual (nf,) [m/s] of the
+    gas from the last step.
     """
 
     h_gas: Array
@@ -75,7 +75,8 @@ class FaceGradients(NamedTuple):
 class FacePredictor(NamedTuple):
     """Normal velocities (nf,) [m/s] without the pressure, with the last pressure, and without any force; mobilities.
 
-    star_gas, star_solid : without the pressure gradient; mobility_gas, mobility_solid [m3 s/kg] : what it takes off
+    star_gas, star_solid : without the pressure gradient
+    mobility_gas, mobility_solid [m3 s/kg] : velocity per pressure gradient
     upwind_gas, upwind_solid : with the last pressure, which choose the cell that fractions come from
     h_gas, h_solid : normal H
     """
@@ -117,8 +118,8 @@ def predict_on_faces(
 ) -> None:
     """Set the face velocities `out` without the pressure gradient.
 
-    The memory of a face is kept while the gas crosses a cell, longer where drag holds it, or p would be noise that
-    grows as the steps become small.
+    The Rhie-Chow residual of the last step decays over the time in which gas crosses a cell, more slowly with drag.
+    Without it p would have noise that grows as the steps become small.
     """
     s, drag, kinetic, friction, p = cells.eps_s, cells.drag, cells.kinetic, cells.friction, cells.p
     h_g, h_s = velocities.h_gas, velocities.h_solid
@@ -198,7 +199,7 @@ def predict_on_faces(
                     face_h_solid[f] += g.normal[f, k] * (h_s[left, k] - velocities.old_solid[left, k])
             continue
         a_s = dt * k_face / rho_s
-        # particles that stay, with none to come after them, do not hold the gas
+        # drag acts on the gas as far as particles follow from the upwind cell
         upwind = s[left] if hs + dt * force >= 0.0 or b >= 0 else s[g.right[f]]
         a_g = dt * k_face * mean * neighbour_weight(upwind, mean) / ((1.0 - mean) * rho_g)
         hg += (1.0 + a_g) / (1.0 + a_g + dt * abs(hg) / g.distance[f]) * residual[f]

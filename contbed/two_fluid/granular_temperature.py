@@ -27,7 +27,7 @@ from contbed.two_fluid.implicit import solve_system
 from contbed.two_fluid.linear.cg import System, empty_system
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import Predicted
-from contbed.two_fluid.packing import FAINT
+from contbed.two_fluid.packing import MIN_PUSHED_FRACTION
 from contbed.two_fluid.state import Counters, Properties, State
 from contbed.two_fluid.timing import phase
 
@@ -150,7 +150,7 @@ def max_compression_rate(
         links[g.left[f]] += link
         links[g.right[f]] += link
     for c in range(len(s)):
-        if s[c] > FAINT:
+        if s[c] > MIN_PUSHED_FRACTION:
             both = 4.0 / 3.0 * theta[c] * (pressure[c] / s[c]) ** 2 * links[c] / g.volume[c]
             d, b = sink[c] / (1.5 * rho_s * s[c]), drag[c] / rho_s
             fastest = max(fastest, 0.25 * (np.sqrt((d - b) ** 2 + 4.0 * both) - d - b))

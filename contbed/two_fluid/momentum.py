@@ -8,7 +8,13 @@ import numpy as np
 
 from contbed.two_fluid import boundary
 from contbed.two_fluid.boundary import Particles, Side, boundary_velocity, wall_slip
-from contbed.two_fluid.cell_velocities import Gathered, add_unseen_velocity, face_residual, gather_gas, gather_solid
+from contbed.two_fluid.cell_velocities import (
+    Gathered,
+    add_reconstruction_remainder,
+    face_residual,
+    gather_gas,
+    gather_solid,
+)
 from contbed.two_fluid.compiled import Array, Flags, kernel
 from contbed.two_fluid.continuity import Moved
 from contbed.two_fluid.fv.gradient import NO_PARTICLES, gradient, gradient_solid
@@ -18,7 +24,7 @@ from contbed.two_fluid.implicit import solve_system
 from contbed.two_fluid.linear.cg import empty_system
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.packing import add_compaction_velocity
-from contbed.two_fluid.pressure import Projection, level_gradient
+from contbed.two_fluid.pressure import Projection, zero_slope_gradient
 from contbed.two_fluid.properties import density_ratio
 from contbed.two_fluid.state import Energy, Properties, State
 from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress, add_stress
@@ -67,9 +73,10 @@ class Accelerations(NamedTuple):
 class Predicted(NamedTuple):
     """One phase after convection and stress.
 
-    h, gradient : velocity (nc, dim) without forces, gradient (nc, dim, dim) of the velocity before
+    h (nc, dim) [m/s] : H, the velocity after convection and stress, without pressure, drag and gravity
+    gradient (nc, dim, dim) [1/s] : of the velocity at the start of the step
     convected (nc, dim) [m/s2] : rate of change by convection
-    shear_production (nc,) [W] : work of the stress that the mean motion loses
+    shear_production (nc,) [W] : production of granular energy by the stress
     slip (nb,) : share of the tangential velocity that walls leave
     wall_force [N] : of the walls along the last axis
     """
@@ -94,9 +101,9 @@ class Velocity(NamedTuple):
 
 @kernel
 def add_forces(dt: float, rho: float, mass: Array, source: Array, force: Array, rhs: Array, content: Array) -> None:
-    """Turn what is convected, `rhs` (nc, m) [m3/s times u], into forces with the accelerations `source` and `force`.
+    """Turn the convection `rhs` (nc, m) [m3/s times u] into a force, and add the accelerations `source` and `force`.
 
-    mass (nc,) : of the phase over the step [kg/s], which each component gets as its `content`
+    mass (nc,) [kg/s] : mass of the phase over dt, the diagonal `content` of each component
     """
     for c in range(rhs.shape[0]):
         for k in range(rhs.shape[1]):
@@ -115,7 +122,7 @@ def convect_in_subcycles(
     volume: Array,
     out: Array,
 ) -> None:
-    """Set `out` (nc, dim) [m3/s times u] to the mean of what is convected in the subcycles of a step.
+    """Set `out` (nc, dim) [m3/s times u] to the mean convection of the subcycles of a step.
 
     The velocity of each subcycle is reconstructed anew. `volume` (nc, 1) [m3] is that of the phase, times its relative
     density; the half step of `field` is a workspace.
@@ -218,7 +225,7 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
 
 @phase("reconstruction")
 def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
-    """Cell velocities from those of the faces, with what the faces do not see of the cells."""
+    """Cell velocities by least squares from the normal velocities of faces, plus the remainder of H that these lose."""
     g, faces, cells, velocities = model.grid.geometry, projection.faces, projection.cells, projection.velocities
     h_gas, h_solid, s = velocities.h_gas, velocities.h_solid, cells.eps_s
     grad_gas, grad_solid = projection.gradients.h_gas, projection.gradients.h_solid
@@ -227,13 +234,13 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
     gather_solid(g, faces, s, grad_solid, grad_solid, False, gathered)
     force_gas, force_solid, residual = np.empty_like(h_gas), np.empty_like(h_solid), np.empty(len(g.left))
     if g.skewed:
-        # once more, with the gradients of H and of what became of it
-        add_unseen_velocity(dt, cells, velocities, gathered, force_gas, force_solid)
-        change_gas = level_gradient(gathered.gas - h_gas, None, model)
-        change_solid = level_gradient(gathered.solid - h_solid, s, model)
+        # second pass, exact for linear fields: corrected with the gradients of H and of the first result
+        add_reconstruction_remainder(dt, cells, velocities, gathered, force_gas, force_solid)
+        change_gas = zero_slope_gradient(gathered.gas - h_gas, None, model)
+        change_solid = zero_slope_gradient(gathered.solid - h_solid, s, model)
         gather_gas(g, faces, grad_gas + change_gas, grad_gas, True, gathered)
         gather_solid(g, faces, s, grad_solid + change_solid, grad_solid, True, gathered)
-        grad_gas = grad_gas + level_gradient(gathered.gas - h_gas, None, model)
+        grad_gas = grad_gas + zero_slope_gradient(gathered.gas - h_gas, None, model)
     face_residual(g, model.edge, faces.gas, gathered.gas, grad_gas, residual)
-    add_unseen_velocity(dt, cells, velocities, gathered, force_gas, force_solid)
+    add_reconstruction_remainder(dt, cells, velocities, gathered, force_gas, force_solid)
     return Velocity(gathered.gas, gathered.solid, force_gas, force_solid, residual)

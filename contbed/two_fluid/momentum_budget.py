@@ -29,7 +29,10 @@ def momentum(bed: Simulation) -> float:
 
 
 def forces(bed: Simulation, before: float) -> Array:
-    """Return the SHARES and the weight [N] in the last step; `before` it the momentum was that."""
+    """Return the SHARES and the weight [N] in the last step.
+
+    before : momentum [kg m/s] at the start of the step, per metre or square metre as in `momentum`
+    """
     state, model = bed.state, bed.model
     g, first, edge, s = model.grid.geometry, model.grid.interior, model.edge, state.eps_s
     cells, area, n = model.boundary_cells, g.area[first:], g.normal[first:, -1]

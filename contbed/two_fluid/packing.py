@@ -11,18 +11,20 @@ from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.linear.cg import System
 
-# stiffness [m2/s2] of particles that do not touch, so that its inverse exists
-SOFT = 1e-12
+# least stiffness d p_solid/d eps_s/rho_s [m2/s2]: cold particles have none, and its inverse must exist
+# (test_cold_particles_have_hardly_any_stiffness)
+MIN_STIFFNESS = 1e-12
 # change of eps_s [-] by the pressure that a tangent may miss before it is taken elsewhere
 # (test_slug_thrown_on_a_wall_packs_and_stays)
 TANGENT_ERROR = 1e-3
 # steps in which the fraction of a tangent is found (test_slug_thrown_on_a_wall_packs_and_stays)
 BISECTIONS = 40
-# solids fraction [-] below which a cloud is not pushed within a step, as it would fly off
+# solids fraction [-] below which the compaction velocity of a cell fades: so few particles would be thrown away
 # (test_slug_thrown_on_a_wall_packs_and_stays)
-FAINT = 1e-4
-# share of the packing limit [-] from which on particles keep none of the velocity of compaction
-LOOSE = 0.6
+MIN_PUSHED_FRACTION = 1e-4
+# eps_s/eps_max [-] from which on particles keep none of the compaction velocity: friction may stop them at once
+# (test_compaction_velocity_fades_towards_packing)
+COMPACTION_VELOCITY_LIMIT = 0.6
 
 
 class FrictionTable(NamedTuple):
@@ -54,7 +56,7 @@ def assemble_compaction(g: Geometry, dt: float, solids: Solids, flux: Array, sou
     ni, s, drag = len(g.right), solids.eps_s, solids.drag
     coef, content, rhs = system.coef, system.content, system.rhs
     for c in range(len(drag)):
-        content[c, 0] = g.volume[c] / (solids.stiffness[c] + SOFT)
+        content[c, 0] = g.volume[c] / (solids.stiffness[c] + MIN_STIFFNESS)
         rhs[c, 0] = dt * g.volume[c] * source[c]
     for f in range(len(g.left)):
         rhs[g.left[f], 0] -= dt * flux[f]
@@ -75,8 +77,9 @@ def assemble_compaction(g: Geometry, dt: float, solids: Solids, flux: Array, sou
 def add_compaction_flux(g: Geometry, dt: float, system: System, y: Array, flux: Array, velocity: Array) -> None:
     """Add the flux that the change y (nc, 1) of p_solid/rho_s drives.
 
-    velocity (nf,) [m/s] is the part of it, per area, that the particles keep. Without, the next step has the new
-    pressure push them, and a wave passes without loss; where sound crosses cells within a step, it would ring.
+    velocity (nf,) [m/s] : the part of this flux, per area, that becomes velocity of the particles. It is negligible
+    while a step resolves the sound of the particles: the new pressure then accelerates them in the next step. Where
+    sound crosses cells within a step, that explicit acceleration alone would oscillate.
     """
     coef, content = system.coef, system.content
     velocity[:] = 0.0
@@ -91,18 +94,24 @@ def add_compaction_flux(g: Geometry, dt: float, system: System, y: Array, flux: 
 
 @kernel
 def add_compaction_velocity(g: Geometry, velocity: Array, eps_max: float, s: Array, u: Array) -> None:
-    """Add to the velocity u (nc, dim) of the particles what compaction gives them.
+    """Add the compaction velocity of the faces to the velocity u (nc, dim) [m/s] of the particles.
 
-    `velocity` (nf,) is that of `add_compaction_flux`; the cells of a face share it by mass. Not to a faint cloud, and
-    less and less towards packing, where a limit or friction may stop what was pushed.
+    `velocity` (nf,) [m/s] is that of `add_compaction_flux`. Each cell gets the least-squares vector of its faces. Very
+    dilute cells get less of it, and dense cells too, because the limiter or friction may stop what was pushed.
     """
     ni, dim = len(g.right), len(g.axes)
     change, out = np.zeros(u.shape), np.empty(dim)
     for f in range(ni):
         left, right, w = g.left[f], g.right[f], g.weight[f]
         mean = (1.0 - w) * s[left] + w * s[right]
-        loose = 1.0 - (max(s[left], s[right]) / (LOOSE * eps_max)) ** 4
-        speed = g.face_size[f] * velocity[f] / max(mean, FAINT) * min(1.0, mean / FAINT) * max(0.0, loose)
+        kept = 1.0 - (max(s[left], s[right]) / (COMPACTION_VELOCITY_LIMIT * eps_max)) ** 4
+        speed = (
+            g.face_size[f]
+            * velocity[f]
+            / max(mean, MIN_PUSHED_FRACTION)
+            * min(1.0, mean / MIN_PUSHED_FRACTION)
+            * max(0.0, kept)
+        )
         for k in range(dim):
             change[left, k] += speed * g.normal[f, k]
             change[right, k] += speed * g.normal[f, k]
@@ -130,11 +139,11 @@ def frictional_pressure(table: FrictionTable, s: float) -> tuple[float, float]:
 def move_tangents(
     g: Geometry, table: FrictionTable, solids: Solids, links: Array, y: Array, system: System, shift: Array
 ) -> bool:
-    """Take the tangent of friction where it is needed; return whether any was moved.
+    """Linearize the frictional pressure anew where the tangent misses it; return whether that was so in any cell.
 
-    Cells that a step packs, or sets free, feel far more than the tangent at their old fraction says, and would be
-    thrown apart. In such cells the tangent is taken at the fraction that the cell would have if its neighbours kept
-    their y (a nonlinear Jacobi iteration for one cell, by bisection).
+    Where a step packs or loosens a cell, the frictional pressure differs much from its tangent at the old solids
+    fraction. There the tangent is taken at the fraction that the cell has if its neighbours keep their y (one nonlinear
+    Jacobi iteration for one cell, solved by bisection).
 
     links (nc, 1) : sum of the links of a cell; shift (nc,) : what the tangents so far have added to the right-hand side
     """
@@ -146,7 +155,7 @@ def move_tangents(
         if max(old, predicted) <= table.start:
             continue
         before, slope = frictional_pressure(table, old)
-        kinetic = max(0.0, solids.stiffness[c] - slope) + SOFT
+        kinetic = max(0.0, solids.stiffness[c] - slope) + MIN_STIFFNESS
         missed = kinetic * (predicted - old) + frictional_pressure(table, predicted)[0] - before - y[c, 0]
         if missed * links[c, 0] <= TANGENT_ERROR * volume:
             continue

@@ -51,8 +51,8 @@ class TwoFluidPlan:
         flow = {"flow": cells * (2 + theta + 2 * self.grid.dimension)}
         return flow if self.scene.heat is None else flow | {"heat": 2 * cells}
 
-    def bed(self) -> tuple[Simulation, closure_kernels.Laws]:
-        """Build the bed at its start, and its closures."""
+    def bed(self) -> tuple[Simulation, closure_kernels.CompiledClosures]:
+        """Build the bed with its initial fields, and its compiled closures."""
         scene = self.scene
         gravity = np.zeros(self.grid.dimension)
         gravity[-1] = -scene.two_fluid.gravity
@@ -236,9 +236,9 @@ def _condition(part: Any) -> boundary.Condition:
     return boundary.Outlet(part.pressure) if isinstance(part, t.Outlet) else boundary.symmetry()
 
 
-def _particles(scene: t.TwoFluidScene) -> closure_kernels.Particles:
+def _particles(scene: t.TwoFluidScene) -> closure_kernels.ParticleProperties:
     table, friction = scene.two_fluid, scene.solid.friction
-    return closure_kernels.Particles(
+    return closure_kernels.ParticleProperties(
         scene.solid.restitution,
         friction.start,
         friction.strength,

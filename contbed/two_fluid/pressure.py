@@ -133,8 +133,8 @@ def project(
     forces, resting = state.memory.gradients, model.no_cells
     if g.skewed:
         forces, resting = force_gradients(state.p, kinetic, properties, forces, model)
-        grad_gas = grad_gas + level_gradient(h_gas - state.u_gas, None, model)
-        grad_solid = grad_solid + level_gradient(h_solid - state.u_solid, eps_s, model)
+        grad_gas = grad_gas + zero_slope_gradient(h_gas - state.u_gas, None, model)
+        grad_solid = grad_solid + zero_slope_gradient(h_solid - state.u_solid, eps_s, model)
     rho_gas = materials.rho_gas * density_ratio(energy) * np.ones(len(eps_s))
     friction = properties.rheology.h
     cells = Cells(rho_gas, eps_s, properties.drag, kinetic, friction, state.p, resting, materials.rho_solid)
@@ -159,7 +159,7 @@ def project(
     fluxes = Fluxes(np.empty(nf), np.empty(nf), state.fluxes.moved, np.empty_like(p), np.empty_like(p))
     correct_fluxes(g, edge, p, fractions, predictor, faces, fluxes)
     if model.closed:
-        # layers follow buoyancy within a step: on what faces carried its waves would grow, for N dt of about 1
+        # with the convected rate of the faces, buoyancy waves of N dt of about 1 would grow
         rate_eps_s = rate_eps_s - 2.0 / dt * field.half_step
     else:
         net, convected = np.empty_like(p), np.empty_like(p)
@@ -179,8 +179,8 @@ def _half_step_fraction(state: State, eps_s: Array, rate: Array, dt: float, mode
     return Reconstruction(column, grad, half_step, given, model.no_cells, model.options.limited)
 
 
-def level_gradient(u: Array, eps_s: Array | None, model: Model) -> Array:
-    """Gradient (nc, dim, dim) of a cell vector (nc, dim) level at the boundaries; of the solids with `eps_s`."""
+def zero_slope_gradient(u: Array, eps_s: Array | None, model: Model) -> Array:
+    """Gradient (nc, dim, dim) of u (nc, dim) with the values of the cells at boundaries; of the solids with `eps_s`."""
     out, g, given = np.empty((*u.shape, u.shape[1])), model.grid.geometry, u[model.boundary_cells]
     if eps_s is None:
         gradient(g, u, given, out)
@@ -192,7 +192,7 @@ def level_gradient(u: Array, eps_s: Array | None, model: Model) -> Array:
 def force_gradients(
     p: Array, kinetic: Array, properties: Properties, last: ForceGradients, model: Model
 ) -> tuple[ForceGradients, Flags]:
-    """Gradients of p [Pa], kinetic pressure and rest potential [m2/s2], for skewed grids; and the cells that rest.
+    """Gradients of p [Pa], kinetic pressure and potential at rest [m2/s2], for skewed grids; cells at rest.
 
     The `last` gradients extend p and kinetic pressure to the walls.
     """

@@ -10,9 +10,9 @@ from contbed.two_fluid.state import Energy, Properties, State
 from contbed.two_fluid.stress import shear_rate
 from contbed.two_fluid.timing import phase
 
-# solids fraction [-] below which particles exchange nothing with other cells but by moving
+# solids fraction [-] below which pressure, viscosities and conductivity of the particles fade
 # (test_random_fields_calm_down)
-RARE = 1e-8
+MIN_INTERACTING_FRACTION = 1e-8
 
 
 @kernel
@@ -38,8 +38,8 @@ def evaluate_closures(state: State, eps_s: Array, energy: Energy | None, model: 
     # the slip acts through a Reynolds number with the density of `materials`
     drag = model.closures.drag(eps_s, speed * density_ratio(energy))
     r = model.closures.granular(eps_s, state.theta, drag)
-    # the few particles of a nearly empty cell do not push, shear or conduct
-    share = eps_s / (eps_s + RARE)
+    # particles of a nearly empty cell have no pressure, stress or conduction
+    share = eps_s / (eps_s + MIN_INTERACTING_FRACTION)
     faded = {name: getattr(r, name) * share for name in ("pressure", "mu", "bulk", "conductivity")}
     r = r._replace(**faded)
     rate = shear_rate(state.u_solid, eps_s, model) if model.closures.sheared else eps_s

@@ -11,7 +11,7 @@ from contbed.balance import Balance
 from contbed.two_fluid import momentum_budget
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages, along, spectrum
-from contbed.two_fluid.closures import SCANT
+from contbed.two_fluid.closures import MIN_REPORTED_FRACTION
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.simulation import Simulation
 
@@ -72,7 +72,7 @@ def _temperatures(bed: Simulation, heat: Energy) -> list[float]:
     """Means by mass, and the hottest gas and particles."""
     volume = bed.model.grid.geometry.volume
     gas, solid = heat.mass * volume, bed.state.eps_s * volume
-    hottest = float(np.max(heat.T_solid, where=bed.state.eps_s > SCANT, initial=0.0))
+    hottest = float(np.max(heat.T_solid, where=bed.state.eps_s > MIN_REPORTED_FRACTION, initial=0.0))
     return [
         float(gas @ heat.T_gas / gas.sum()),
         float(solid @ heat.T_solid / max(solid.sum(), 1e-300)),
@@ -94,7 +94,7 @@ def pressure_at(bed: Simulation, side: int) -> float:
 def fastest(bed: Simulation) -> float:
     """Largest speed of particles [m/s]."""
     speed = np.linalg.norm(bed.state.u_solid, axis=1)
-    return float(np.max(speed, where=bed.state.eps_s > SCANT, initial=0.0))
+    return float(np.max(speed, where=bed.state.eps_s > MIN_REPORTED_FRACTION, initial=0.0))
 
 
 def balances(bed: Simulation, start: dict[str, float]) -> dict[str, dict[str, Any]]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from contbed.errors import ContbedError, SceneError
 from contbed.result import Result, timed
-from contbed.two_fluid import closure_kernels, momentum_budget, plausibility, probes
+from contbed.two_fluid import momentum_budget, plausibility, probes
 from contbed.two_fluid import plan as planning
 from contbed.two_fluid import results as findings
 from contbed.two_fluid import scene as t
@@ -30,8 +30,8 @@ class Run:
 
     def __init__(self, plan: planning.TwoFluidPlan):
         self.plan, self.scene = plan, plan.scene
-        self.bed, self.laws = plan.bed()
-        self.closures = {kind: closure for kind, closure in self.laws.bound.items() if closure is not None}
+        self.bed, self.compiled = plan.bed()
+        self.closures = {kind: closure for kind, closure in self.compiled.bound.items() if closure is not None}
         time = self.scene.time
         self.contents_at_start = findings.contents(self.bed)
         inlets = (getattr(part, "until", None) for part in self.scene.boundary.values())
@@ -69,7 +69,7 @@ class Run:
         return True
 
     def after_step(self, bed: Simulation) -> None:
-        """Add a step to what every step adds to."""
+        """Count steps that were cut, change inlets that have ended, and add the step to the averages."""
         self.cut_steps += bed.state.dt_wanted < (self.scene.time.step or 0.0)
         if self.end_pulses():
             bed.find_fluxes(bed.state.dt)
@@ -83,7 +83,7 @@ class Run:
         arrays = {name: value for name, value in state.items() if isinstance(value, np.ndarray)}
         arrays |= {
             "rows": np.array(self.rows),
-            "counts": self.laws.counts,
+            "counts": np.concatenate(self.compiled.counts),
             "contents_at_start": np.array(list(self.contents_at_start.values())),
         }
         arrays |= {f"ranges_{kind}": closure.state() for kind, closure in self.closures.items()}
@@ -95,7 +95,8 @@ class Run:
         """Go on from a checkpoint, bit for bit."""
         self.bed.restore({**arrays, **json.loads(meta["state"])})
         self.rows = np.asarray(arrays["rows"]).tolist()
-        self.laws.counts[:] = arrays["counts"]
+        for count, saved in zip(self.compiled.counts, arrays["counts"], strict=True):
+            count[0] = saved
         self.contents_at_start = dict(
             zip(self.contents_at_start, np.asarray(arrays["contents_at_start"]).tolist(), strict=True)
         )
@@ -137,13 +138,13 @@ def run(
     try:
         with Progress(scene.time.end, quiet=quiet) as progress:
 
-            def after(bed: Simulation) -> None:
+            def after_each_step(bed: Simulation) -> None:
                 run.after_step(bed)
                 progress.advance_to(bed.state.time, f"step {bed.state.dt:.2g} s")
 
             for stop in stops[stops > run.bed.state.time * (1.0 + 1e-12)]:
                 for time in (*(end for end in run.ends if run.bed.state.time < end < stop), stop):
-                    run.bed.advance(time, after)
+                    run.bed.advance(time, after_each_step)
                 run.take_row()
                 if folder is not None:
                     _keep(run, folder, label)
@@ -232,8 +233,8 @@ def _fill_results(run: Run, result: Result) -> None:
     """Named results, counts, and the wall time of each phase of the steps."""
     bed = run.bed
     result.timings |= {f"flow: {name}": seconds for name, seconds in bed.model.timer.seconds.items()}
-    counted = zip(closure_kernels.COUNTED, run.laws.counts.tolist(), strict=True)
-    counts = {name: int(number) for name, number in [*bed.state.counters._asdict().items(), *counted] if number}
+    guarded = {name: count[0] for name, count in run.compiled.counts._asdict().items()}
+    counts = {name: int(number) for name, number in (bed.state.counters._asdict() | guarded).items() if number}
     found = findings.results(run.plan, bed, run.contents_at_start, run.averages, result.profiles, result.tables)
     result.qoi |= found | counts
 

@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 COMPRESSION_LIMIT = 0.7
 # share of a cell that particles cross in a fixed step at most [-]; beyond, a cell would give more than it holds
 FIXED_COURANT = 1.0
-SEEN = 1e-6  # [-] solids fraction above which particles bind the step
+# solids fraction [-] above which the particles of a cell count in the Courant number
+# (test_few_particles_do_not_bind_the_step)
+MIN_COURANT_FRACTION = 1e-6
 ROUNDING = 1e-9  # share of a step by which a number of steps, or a time, may be off
 
 
@@ -106,10 +108,12 @@ class Simulation:
         """
         o, state = self.model.options, self.state
         if o.dt is not None:
-            crossed = o.dt * float(np.max(state.fluxes.outflow_solid, where=state.eps_s > SEEN, initial=0.0))
+            crossed = o.dt * float(
+                np.max(state.fluxes.outflow_solid, where=state.eps_s > MIN_COURANT_FRACTION, initial=0.0)
+            )
             return o.dt / max(1, int(np.ceil(crossed / FIXED_COURANT * (1.0 - ROUNDING))))
         gas = float(np.max(state.fluxes.outflow_gas, initial=0.0))
-        solid = float(np.max(state.fluxes.outflow_solid, where=state.eps_s > SEEN, initial=0.0))
+        solid = float(np.max(state.fluxes.outflow_solid, where=state.eps_s > MIN_COURANT_FRACTION, initial=0.0))
         courant_gas = MAX_SUBCYCLES * SUBCYCLE_COURANT if state.energy is None else o.courant
         rate = max(solid / o.courant, gas / courant_gas, state.memory.compression_rate / COMPRESSION_LIMIT)
         longest = min(o.dt_max, 1.0 / rate if rate > 0 else np.inf)

@@ -35,7 +35,10 @@ class Fluxes(NamedTuple):
 
 
 class ForceGradients(NamedTuple):
-    """Gradients (nc, dim) of p, of kinetic pressure over rho_s, and of the rest potential; zero on orthogonal grids."""
+    """Gradients (nc, dim) of p, of kinetic pressure over rho_s, and of the potential at rest; zero on orthogonal grids.
+
+    The potential at rest is h + p/rho_s - gravity . x, uniform where particles rest on each other.
+    """
 
     p: Array
     kinetic: Array
@@ -43,13 +46,13 @@ class ForceGradients(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What the next step needs of the last one besides its fields.
+    """Rates, accelerations and gradients of the last step that the next step uses.
 
     rate_gas, rate_solid (nc, dim) [m/s2], rate_eps_s (nc, 1) [1/s], rate_theta (nc, 1) [m2/s3] : rates of change
         without convection, for the predictor of half a step
     force_gas, force_solid (nc, dim) [m/s2] : accelerations by pressure, drag and gravity
     face_residual (nf,) [m/s] : normal velocity of the gas less the interpolated cell velocity, as in Rhie-Chow
-    gradients : of the forces, with which the next step extends boundary values
+    gradients : of the forces, with which the next step extrapolates boundary values
     compression_rate [1/s] : 1 over the longest step that is stable with the heat of compression
     """
 

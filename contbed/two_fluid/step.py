@@ -17,9 +17,9 @@ from contbed.two_fluid.state import Memory, State
 if TYPE_CHECKING:
     from contbed.two_fluid.state import Energy
 
-# rounds in which gradients of forces extend initial fields to the walls of skewed grids
+# iterations in which the gradients of the initial forces converge, whose boundary values they extrapolate themselves
 # (test_uniform_suspension_hangs_in_the_gas)
-EXTENSIONS = 60
+WALL_EXTRAPOLATION_ROUNDS = 60
 
 
 def step(state: State, dt: float, model: Model) -> State:
@@ -74,7 +74,7 @@ def initial_fluxes(state: State, dt: float, model: Model) -> State:
     properties, memory = evaluate_closures(state, state.eps_s, state.energy, model), state.memory
     if model.grid.skewed:
         kinetic, forces = properties.rheology.pressure * state.theta, memory.gradients
-        for _ in range(EXTENSIONS):
+        for _ in range(WALL_EXTRAPOLATION_ROUNDS):
             forces, _ = pressure.force_gradients(state.p, kinetic, properties, forces, model)
         state = replace(state, memory=memory._replace(gradients=forces))
     flat = np.zeros((*state.u_gas.shape, model.grid.dimension))

@@ -14,8 +14,9 @@ from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.linear.cg import System
 from contbed.two_fluid.model import Model
 
-# implicit over explicit excess of viscosity [-]: a loose cell that follows a stiff one feeds back through its shear
-EXCESS_IMPLICIT = 2.0
+# implicit over explicit coefficient [-] of the excess of viscosity: a cell of low viscosity follows a viscous
+# neighbour, and its shear acts back on that one in the next step (test_excess_of_viscosity_is_over_relaxed)
+EXCESS_IMPLICIT_FACTOR = 2.0
 
 
 class Fluid(NamedTuple):
@@ -45,9 +46,9 @@ def add_stress(g: Geometry, side: Side, fluid: Fluid, motion: Motion, system: Sy
 
     The links are the part that goes with the jump of each component across a face. At the face mu and bulk are harmonic
     means: where there are no particles no stress passes. The excess of the linear mean of mu over the harmonic one acts
-    on the jump of the velocity alone: so the loose top of a bed rests on the bed. A wall takes the shear that `slip`
-    leaves and the normal stress; an outlet takes none. `work` (nc,) gets the work [W] of the stress on the velocities
-    in each cell, which the mean motion loses (shear production), without that of the excess.
+    on the jump of the velocity alone: so the bed carries its loose top layer. A wall takes the shear that `slip` leaves
+    and the normal stress; an outlet takes none. `work` (nc,) gets the work [W] of the stress on the velocities
+    in each cell (shear production), without that of the excess.
     """
     ni, dim = len(g.right), len(g.axes)
     mu, bulk, eps = fluid.mu, fluid.bulk, fluid.eps
@@ -89,7 +90,7 @@ def add_stress(g: Geometry, side: Side, fluid: Fluid, motion: Motion, system: Sy
                 force = area * (traction + excess * (there - here))
                 out[left, k] += force
                 out[right, k] -= force
-                coef[f, k] = area * (inverse_distance * (m + (m / 3.0 + lam) * n * n) + EXCESS_IMPLICIT * excess)
+                coef[f, k] = area * (inverse_distance * (m + (m / 3.0 + lam) * n * n) + EXCESS_IMPLICIT_FACTOR * excess)
             work[left] += lost_left
             work[right] += lost_right
             continue

@@ -11,7 +11,7 @@ import numpy as np
 from contbed.two_fluid.compiled import Array, Flags, kernel
 from contbed.two_fluid.fv.grid import Geometry
 
-# ratio of two solids fractions [-] below which the smaller one counts less and less
+# ratio of two solids fractions [-] below which the weight of the smaller one falls with the ratio
 # (test_level_bed_on_triangles_calms_down)
 FEW_PARTICLES = 1e-2
 NO_PARTICLES = 1e-30  # [-] solids fraction that makes the ratio of two empty cells 1
@@ -25,7 +25,7 @@ def neighbour_weight(there: float, here: float) -> float:
 
 @kernel
 def _extend_stencil(g: Geometry, s: Array, out: Array) -> None:
-    """Turn the sums of slope times jump in `out` into gradients over a cell and its neighbours."""
+    """Turn the least-squares right-hand sides in `out` into gradients over a cell and its neighbours."""
     sums = out.copy()
     for f in range(len(g.right)):
         left, right = g.left[f], g.right[f]
@@ -68,7 +68,7 @@ def gradient(g: Geometry, values: Array, edge: Array, out: Array) -> None:
 def gradient_solid(g: Geometry, s: Array, values: Array, edge: Array, out: Array) -> None:
     """Set the gradients `out` of a field of the particles with solids fraction s (nc,).
 
-    A neighbour with few particles counts as level, as its value says nothing.
+    A neighbour with far fewer particles has less weight: where it has none, its difference counts as zero.
     """
     ni, dim = len(g.right), len(g.axes)
     out[:] = 0.0
@@ -94,8 +94,8 @@ def gradient_solid(g: Geometry, s: Array, values: Array, edge: Array, out: Array
 def gradient_rest_potential(g: Geometry, h: Array, q: Array, gravity: Array, out: Array, resting: Flags) -> None:
     """Gradient `out` (nc, 1, dim) of h + q - gravity . x with the friction potential h and q = p/rho_s [m2/s2].
 
-    This potential is level where particles rest on each other. A neighbour without friction, h = 0, counts as level.
-    `resting` (nc,) gets the cells with friction, and those beside one.
+    This potential is uniform where particles rest on each other. The difference to a neighbour without friction, h = 0,
+    counts as zero. `resting` (nc,) marks the cells with friction, and their neighbours.
     """
     dim = len(g.axes)
     out[:] = 0.0

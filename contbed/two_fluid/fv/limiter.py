@@ -16,9 +16,11 @@ import numpy as np
 from contbed.two_fluid.compiled import UNDERFLOW, Array, Flags, kernel
 from contbed.two_fluid.fv.grid import Geometry
 
-MAX_ROUNDS = 50  # of the limiter before each inflow shrinks to the room of its cell
-SAFE, SAFER = 1.0 - 1e-12, 1.0 - 2e-12  # share of a content that may leave: room for rounding
-NOTABLE = 1e-9  # [-] change of eps_s from which on a limited flux is counted
+MAX_LIMITER_ROUNDS = 50  # then each inflow shrinks to the room of its cell (test_limiter_fills_a_row_cell_by_cell)
+# share of its particles [-] that may leave a cell in a step, and that a limited outflow takes, smaller by rounding
+# (test_limiter_empties_a_cell_in_one_round)
+MAX_OUTFLOW, LIMITED_OUTFLOW = 1.0 - 1e-12, 1.0 - 2e-12
+MIN_COUNTED_CHANGE = 1e-9  # [-] change of eps_s from which on a limited flux is counted
 MIN_LEFT = 0.75  # share of its particles left in a cell, below which it gives its own values to its faces
 
 
@@ -54,18 +56,18 @@ def limit(
     count, nf, ni = len(s), len(g.left), len(g.right)
     touched = np.zeros(nf, dtype=np.bool_)
     gain, loss, into, away = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
-    for turn in range(MAX_ROUNDS + 2):
+    for turn in range(MAX_LIMITER_ROUNDS + 2):
         _fill(g, dt, s, source, flux, gain, loss, out)
-        last = turn >= MAX_ROUNDS
+        last = turn >= MAX_LIMITER_ROUNDS
         right = True
         for c in range(count):
             into[c] = away[c] = 1.0
             content, room = s[c] * g.volume[c] / dt, (highest - s[c]) * g.volume[c] / dt
-            if loss[c] > SAFE * content:
-                away[c] = SAFER * content / loss[c]
+            if loss[c] > MAX_OUTFLOW * content:
+                away[c] = LIMITED_OUTFLOW * content / loss[c]
                 right = False
             if out[c] > highest or (last and gain[c] > room):
-                into[c] = SAFER * max(0.0, room + (0.0 if last else loss[c] * away[c])) / gain[c]
+                into[c] = LIMITED_OUTFLOW * max(0.0, room + (0.0 if last else loss[c] * away[c])) / gain[c]
                 right = False
         if right:
             break
@@ -75,8 +77,8 @@ def limit(
             if f < ni:
                 part = min(part, into[g.right[f]] if forward else away[g.right[f]])
             if part < 1.0:
-                # the trickle out of cells that are empty but for rounding is not worth a mention
-                touched[f] |= dt * abs(flux[f]) * (1.0 - part) > NOTABLE * g.volume[g.left[f]]
+                # a smaller change is rounding, as in cells that are empty but for rounding
+                touched[f] |= dt * abs(flux[f]) * (1.0 - part) > MIN_COUNTED_CHANGE * g.volume[g.left[f]]
                 flux[f] *= part
     for c in range(count):
         if out[c] < UNDERFLOW:

@@ -45,9 +45,9 @@ from contbed.two_fluid.state import Energy, HeatAccount, State, check_finite
 from contbed.two_fluid.timing import phase
 
 TOLERANCE, MAX_ITERATIONS = 1e-10, 500  # of implicit conduction: residual over the right-hand side
-# dt times rate of exchange [-] below which the weight of the new difference is its series
+# dt times rate of exchange [-] below which the weight of the new difference is taken from its power series
 # (test_conduction_in_one_phase)
-SERIES = 1e-3
+MIN_EXCHANGE_NUMBER = 1e-3
 
 
 class Exchange(NamedTuple):
@@ -90,7 +90,7 @@ def initial_energy(state: State, heat: HeatModel, model: Model) -> Energy:
 
 
 def fill_with_gas(energy: Energy, eps_s: Array, heat: HeatModel, model: Model) -> Energy:
-    """Return the same temperatures with the mass of the gas that belongs to them."""
+    """Set mass [kg/m3] and density ratio of the gas by its equation of state at the given temperatures."""
     rho = density_times_T(energy.p0, heat, model) / energy.T_gas if heat.ideal else model.materials.rho_gas
     mass = (1.0 - eps_s) * rho
     return replace(energy, mass=mass, rho_ratio=_density_ratio(mass, eps_s, heat, model))
@@ -132,7 +132,7 @@ def advance(
     for part in through:
         # what cells give each other cancels in the sum
         walls += part
-    lift = _over(dt * rates, content)
+    lift = _divide_or_zero(dt * rates, content)
     at_gas, at_solid = _exchange(state, energy, s, content, lift, heat, dt, model)
     exchange = Exchange(content, links, at_gas, at_solid)
     change, lost = _implicit(state, exchange, lift, model)
@@ -207,8 +207,8 @@ def _conduct(
 ) -> tuple[Array | None, list[float]]:
     """Add what is conducted now to `rates` (nc, 2) [W].
 
-    Return what a kelvin more would conduct through each face in a step (nf, 2) [J/K], None if that is little beside the
-    `content` of the cells and need not be solved for; and the heat [J] that each phase takes from walls.
+    Return the conductance of each face times dt (nf, 2) [J/K], None if it is so small beside the `content` of the cells
+    that explicit conduction is stable; and the heat [J] that each phase takes from walls.
     """
     if heat.physics.conductivity is None:
         return None, []
@@ -259,8 +259,8 @@ def _exchange(
     lift[:, 0] += of_gas * apart
     lift[:, 1] -= of_solid * apart
     z = of_gas + of_solid
-    weight = np.where(z < SERIES, 0.5 + z / 12.0, 0.0)
-    fast = z >= SERIES
+    weight = np.where(z < MIN_EXCHANGE_NUMBER, 0.5 + z / 12.0, 0.0)
+    fast = z >= MIN_EXCHANGE_NUMBER
     weight[fast] = -1.0 / np.expm1(-z[fast]) - 1.0 / z[fast]
     return weight * of_gas, weight * of_solid
 
@@ -272,17 +272,17 @@ def _implicit(state: State, exchange: Exchange, lift: Array, model: Model) -> tu
     """
     through = 0.0
     if exchange.links is not None:
-        conducted = _conducted(state, exchange, exchange.links, lift, model)
+        conducted = _solve_conduction(state, exchange, exchange.links, lift, model)
         # exchange follows exactly whatever the iteration has left
-        lift = lift - _over(conducted, exchange.content)
+        lift = lift - _divide_or_zero(conducted, exchange.content)
         through = float(conducted.sum())
     return np.stack(eliminate_drag(lift[:, 0], lift[:, 1], exchange.at_gas, exchange.at_solid), axis=1), through
 
 
-def _conducted(state: State, exchange: Exchange, links: Array, lift: Array, model: Model) -> Array:
-    """Return what the changes conduct out of cells (nc, 2) [J].
+def _solve_conduction(state: State, exchange: Exchange, links: Array, lift: Array, model: Model) -> Array:
+    """Solve for implicit conduction with exchange; return the heat (nc, 2) [J] that the changes conduct out of cells.
 
-    By conjugate gradients, preconditioned with the two temperatures of a cell.
+    Conjugate gradients, preconditioned with the 2x2 block of each cell.
     """
     g, content, size = model.grid.geometry, exchange.content, exchange.content.shape
     both, out = content[:, 0] * exchange.at_gas, np.empty(size)
@@ -360,6 +360,6 @@ def _book(account: HeatAccount, dt: float, gas: Array, heat: Array, model: Model
     )
 
 
-def _over(heat: Array, content: Array) -> Array:
-    """heat/content, 0 where there is nothing."""
+def _divide_or_zero(heat: Array, content: Array) -> Array:
+    """heat/content, 0 where the content is 0."""
     return np.divide(heat, content, out=np.zeros_like(heat), where=content > 0.0)

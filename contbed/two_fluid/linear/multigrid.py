@@ -146,10 +146,12 @@ def _cycle(
     along: list[Array],
     q: list[Array],
 ) -> None:
-    """Approximate solution x[0] for b[0]; each list holds one vector for each level.
+    """One K-cycle (Notay 2010): approximate solution x[0] for the right-hand side b[0].
 
-    A level sweeps, goes `down` and corrects; below the first level the answer is a step of conjugate gradients along
-    what the correction gives, and where that leaves much a second step.
+    Each list holds one vector for each level. A level is smoothed by Gauss-Seidel, corrected from the next coarser one
+    and smoothed again. On coarse levels the result is the direction of one step of conjugate gradients, or of two where
+    the residual is above SECOND_STEP. `first` and `along` keep the first direction and the matrix times it, `q` is a
+    workspace, `down` is true on the way to the coarsest level.
     """
     last, at, down = len(levels) - 1, 0, True
     again, rho, alpha = np.zeros(last + 1, dtype=np.bool_), np.zeros(last + 1), np.zeros(last + 1)
