@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.cfd_dem.gas import Local
+from contbed.cfd_dem.gas_quantities import Local
 from contbed.dem import heat, heat_impact
 from contbed.dem.heat_pair import IMPACT, STATIC, correction
 from contbed.dem.particles import pair_table

@@ -26,7 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.cfd_dem.conduction import Solid
-from contbed.cfd_dem.gas import Gas, Motion
+from contbed.cfd_dem.gas import Gas
+from contbed.cfd_dem.gas_quantities import Motion
 from contbed.dem import heat
 from contbed.dem.interrupts import deferred_interrupt
 from contbed.dem.simulation import Simulation

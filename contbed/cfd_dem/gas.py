@@ -25,13 +25,13 @@ Syamlal and Gidaspow 1985, as in Patil, Peters, Kuipers.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contbed.cfd_dem import kernels
+from contbed.cfd_dem.gas_quantities import Drag, Local, Motion, Places, Prediction
 from contbed.cfd_dem.grid import INLET, INNER, OUTLET, Grid
 from contbed.errors import ConvergenceError, SceneError
 
@@ -41,70 +41,6 @@ MIN_POROSITY = 0.2  # of a cell or a face; lower ones, of overlapping spheres on
 MAX_ITERATIONS = 4000  # of conjugate gradients; 1e-7 takes 100 on 4 x 4 x 60 cells, 250 on 40 x 40 x 60
 NEWTON_ITERATIONS = 3  # from enthalpy to temperature; a step of 100 K in air of 300 to 1500 K leaves 3e-15 of T
 _STATE = ("u", "q", "p", "eps", "mass", "heat", "T", "inlet_mass", "inlet_T")
-
-
-@dataclass
-class Motion:
-    """The particles as the gas sees them: positions, velocities (n, 3), radii, temperatures [K] or None (n,)."""
-
-    x: Array
-    v: Array
-    radius: Array
-    T: Array | None = None
-
-    @property
-    def volume(self) -> Array:
-        """Of each particle [m3]."""
-        return 4.0 / 3.0 * np.pi * self.radius**3
-
-
-@dataclass
-class Local:
-    """The gas around each particle (n,): porosity, superficial Reynolds number of the slip, Pr, mu, k, T [SI]."""
-
-    eps: Array
-    Re: Array
-    Pr: Array
-    mu: Array
-    k: Array
-    T: Array
-
-
-class Places(NamedTuple):
-    """Where the particles are: cells (n, k) and shares in them, faces (n, 3, 8) and weights on them, porosities.
-
-    `eps` (c,) of the cells, `eps_at` (n,) at the particles, `eps_face` (f,) on faces; `solid` (f,) [m3] is the volume
-    of particles that belongs to a face.
-    """
-
-    where: NDArray[np.int32]
-    share: Array
-    faces: NDArray[np.int32]
-    weight: Array
-    eps: Array
-    eps_at: Array
-    solid: Array
-    eps_face: Array
-
-
-class Drag(NamedTuple):
-    """Drag of the superficial slip q - eps v, implicit in q.
-
-    `coefficient` [kg/s] and eps v [m/s], `carried`, of each particle and axis (n, 3); sums on faces (f,) of the
-    coefficients, `resisted` [kg/s], and of their products with eps v, `pushed` [N].
-    """
-
-    coefficient: Array
-    carried: Array
-    resisted: Array
-    pushed: Array
-
-
-class Prediction(NamedTuple):
-    """Velocity without the pressure gradient (f,) [m/s], and what a gradient is divided by to correct it [kg/m3/s]."""
-
-    u: Array
-    resistance: Array
 
 
 class Gas:

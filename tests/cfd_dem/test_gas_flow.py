@@ -8,7 +8,8 @@ from scipy.special import i0e
 
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
-from contbed.cfd_dem.gas import Gas, Motion
+from contbed.cfd_dem.gas import Gas
+from contbed.cfd_dem.gas_quantities import Motion
 from contbed.cfd_dem.grid import Grid
 from contbed.closures import drag_di_felice, drag_gidaspow, drag_wen_yu, nusselt_gunn
 from contbed.dem.packing import pack
