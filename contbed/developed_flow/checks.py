@@ -9,7 +9,7 @@ from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.toml_lines import Origin
 
-ROOM = 5.0  # least number of particles between centre and wall
+MIN_PARTICLES_PER_RADIUS = 5.0  # least number of particles between centre and wall
 
 
 def closures_exist(fully_developed: d.FullyDeveloped, origin: Origin) -> Mistakes:
@@ -23,10 +23,13 @@ def closures_exist(fully_developed: d.FullyDeveloped, origin: Origin) -> Mistake
 
 def particles_fit(fully_developed: d.FullyDeveloped, solid: d.Solid, see: See) -> Mistakes:
     """Check that the section is wide enough for the particles to be treated as a continuum."""
-    if fully_developed.radius < ROOM * solid.particle_diameter:
+    if fully_developed.radius < MIN_PARTICLES_PER_RADIUS * solid.particle_diameter:
         known = see("solid.particle_diameter")
         room = f"only {fully_developed.radius / solid.particle_diameter:.3g} particles from centre to wall"
-        yield ("fully_developed", "radius"), f"{room}, at least {ROOM:g} make a continuum; see {known}"
+        yield (
+            ("fully_developed", "radius"),
+            f"{room}, at least {MIN_PARTICLES_PER_RADIUS:g} make a continuum; see {known}",
+        )
 
 
 CHECKS = (closures_exist, particles_fit)

@@ -34,10 +34,10 @@ import numpy as np
 
 from contbed.closures.binding import BoundClosure
 
-ITERATIONS = 60  # of Newton's method for the fraction
-ROUNDING = 1e-13  # of the logarithm of its pressure
-IMAGINARY = 1e-30  # part of the fraction whose image is the derivative
-STILL = 1e-12  # [m2/s2] added to the square of the slip, whose root has no derivative at 0
+MAX_FRACTION_ITERATIONS = 60  # of Newton's method for eps_s at a given pressure
+FRACTION_TOLERANCE = 1e-13  # residual of ln p [-], relative
+COMPLEX_STEP = 1e-30  # imaginary part of eps_s [-]: Im(p) over it is dp/d eps_s (complex-step derivative)
+MIN_SQUARED_SLIP = 1e-12  # [m2/s2] added to the square of the slip, whose root has no derivative at 0
 
 
 @dataclass(frozen=True)
@@ -83,16 +83,16 @@ class Coefficients:
         """
         wanted = np.log(np.asarray(ratio, dtype=float))
         x = wanted - np.log(self.eps_max)
-        for _ in range(ITERATIONS):
+        for _ in range(MAX_FRACTION_ITERATIONS):
             eps_s = self.eps_max / (1.0 + np.exp(-x))
-            known = self.relative_pressure(eps_s + 1j * IMAGINARY)
-            value, slope = known.real, known.imag / IMAGINARY
+            known = self.relative_pressure(eps_s + 1j * COMPLEX_STEP)
+            value, slope = known.real, known.imag / COMPLEX_STEP
             miss = np.log(value) - wanted
-            if np.all(np.abs(miss) <= ROUNDING * (1.0 + np.abs(wanted))):
+            if np.all(np.abs(miss) <= FRACTION_TOLERANCE * (1.0 + np.abs(wanted))):
                 break
             with np.errstate(all="ignore"):  # no fraction has the pressure: nan
                 x = x - miss * value / (slope * eps_s * (1.0 - eps_s / self.eps_max))
-        return np.where(np.abs(miss) < 1e3 * ROUNDING * (1.0 + np.abs(wanted)), eps_s, np.nan), slope
+        return np.where(np.abs(miss) < 1e3 * FRACTION_TOLERANCE * (1.0 + np.abs(wanted)), eps_s, np.nan), slope
 
 
 @dataclass
@@ -112,7 +112,7 @@ def local(u: Any, c: Coefficients) -> Local:
     """Return the state and the closures for the unknowns at the points of a domain."""
     eps_s = c.fraction(u.pressure / (c.rho_solid * u.root**2))
     g0 = c.evaluate("radial_distribution", eps_s=eps_s)
-    eps, slip = 1.0 - eps_s, np.sqrt((u.u_gas - u.u_solid) ** 2 + STILL)
+    eps, slip = 1.0 - eps_s, np.sqrt((u.u_gas - u.u_solid) ** 2 + MIN_SQUARED_SLIP)
     Re = eps * c.rho_gas * slip * c.d_p / c.mu_gas
     state, scale = {"eps_s": eps_s, "g0": g0}, c.rho_solid * c.d_p * u.root
     return Local(

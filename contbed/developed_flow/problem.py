@@ -16,12 +16,15 @@ from contbed.solvers.continuation import relax
 from contbed.solvers.newton import newton
 
 Array = Any
-EXTRA = 4  # order of quadrature beyond the product of two basis functions
-BLUNT = 20  # power of the distance in the profile of the gas that the search starts from
-TYPICAL = 0.03  # granular temperature [m2/s2]
-SMOOTH = 0.05  # specularity that a level start suits
-ROUGHER, SLOWEST = 2.0, 1.01  # factors on it from one solution to the next
-FIRST, LAST = 1e-5, 1e3  # steps in pseudo-time [s]; granular energy settles within a second
+EXTRA_QUADRATURE_ORDER = 4  # order of quadrature beyond the product of two basis functions
+START_PROFILE_POWER = 20  # power of the distance in the profile of the gas that the search starts from
+START_THETA = 0.03  # [m2/s2] granular temperature from which the search starts unless the scene gives one
+START_SPECULARITY = 0.05  # specularity [-] of the first problem, for which uniform starting profiles converge
+SPECULARITY_FACTOR, MIN_SPECULARITY_FACTOR = (
+    2.0,
+    1.01,
+)  # on the specularity from one solution to the next: first and least [-]
+FIRST_PSEUDO_STEP, LAST_PSEUDO_STEP = 1e-5, 1e3  # steps in pseudo-time [s]; granular energy settles within a second
 
 
 class DevelopedProblem:
@@ -36,12 +39,12 @@ class DevelopedProblem:
         fields = {"u_gas": (degree, 0), "gradient": (0, 0)}
         if self.particles:
             fields |= {"u_solid": (degree, 0), "root": (degree, 0), "pressure": (0, 0)}
-        self.system = make_system(plan.mesh, fields, 2 * degree + EXTRA, pointwise=True)
+        self.system = make_system(plan.mesh, fields, 2 * degree + EXTRA_QUADRATURE_ORDER, pointwise=True)
         (self.wall,) = self.system.boundary("wall")
         self.fixed = self.system.nodes("u_gas", plan.mesh.skfem.boundaries["wall"])
         self.weights = np.ones(self.system.size)  # what compares steps of pressures with those of velocities
         for name in ("gradient", "pressure") if self.particles else ("gradient",):
-            self.system.part(self.weights, name)[:] = self.c.velocity / self.system.part(self.start(TYPICAL), name)
+            self.system.part(self.weights, name)[:] = self.c.velocity / self.system.part(self.start(START_THETA), name)
         self.lower = np.full(self.system.size, -np.inf)
         for name in ("root", "pressure") if self.particles else ():
             self.system.part(self.lower, name)[:] = 0.0
@@ -67,7 +70,7 @@ class DevelopedProblem:
         c, x = self.c, np.zeros(self.system.size)
         eps_s = model.uniform_fraction(c) if self.particles else 0.0
         place = self.r / self.r.max()
-        self.system.part(x, "u_gas")[:] = c.velocity / (1.0 - eps_s) * (1.0 - place**BLUNT)
+        self.system.part(x, "u_gas")[:] = c.velocity / (1.0 - eps_s) * (1.0 - place**START_PROFILE_POWER)
         self.system.part(x, "gradient")[:] = ((1.0 - eps_s) * c.rho_gas + eps_s * c.rho_solid) * c.gravity
         if self.particles:
             self.system.part(x, "u_solid")[:] = c.solid_flux / (c.rho_solid * eps_s)
@@ -84,18 +87,20 @@ class DevelopedProblem:
         if not self.particles:
             return self.solve_from(x)
         rough = self.c.specularity
-        smooth = self.with_values(specularity=min(rough, SMOOTH))
+        smooth = self.with_values(specularity=min(rough, START_SPECULARITY))
         x, history = smooth.solve_from(
-            relax(smooth, x, self.plan.policy, self.lower, first=FIRST, last=LAST, tolerance=1e-5)
+            relax(
+                smooth, x, self.plan.policy, self.lower, first=FIRST_PSEUDO_STEP, last=LAST_PSEUDO_STEP, tolerance=1e-5
+            )
         )
-        done, step = smooth.c.specularity, ROUGHER
+        done, step = smooth.c.specularity, SPECULARITY_FACTOR
         while done < rough:
             ahead = min(rough, step * done)
             try:
                 x, history = self.with_values(specularity=ahead).solve_from(x)
             except ConvergenceError:
                 step **= 0.5
-                if step < SLOWEST:
+                if step < MIN_SPECULARITY_FACTOR:
                     raise
                 continue
             done = ahead

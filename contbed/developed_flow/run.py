@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.developed_flow.problem import SMOOTH, TYPICAL, DevelopedProblem
+from contbed.developed_flow.problem import START_SPECULARITY, START_THETA, DevelopedProblem
 from contbed.developed_flow.results import fill
 from contbed.errors import ConvergenceError
 from contbed.result import Result, timed
@@ -15,12 +15,13 @@ from contbed.solvers.branch import trace
 from contbed.solvers.linear import constrain
 
 Array = Any
-ALIGNED = 3  # rounds that move a node to where gas and particles are equally fast
-NEAR = 1e-3  # share of a cell within which it is there
-APART = 1e-4  # relative difference of granular temperatures at the centre of two solutions
-MEANT = 0.1  # within which a solution is the one that was asked for
+MAX_ALIGNMENT_ROUNDS = 3  # rounds that move a node to where gas and particles have the same velocity
+ALIGNMENT_TOLERANCE = 1e-3  # distance to such a place over the size of the cells, within which a node stays [-]
+MIN_BRANCH_DIFFERENCE = 1e-4  # least relative difference of theta at the centre of two different solutions [-]
+BRANCH_TOLERANCE = 0.1  # relative difference of theta at the centre within which a solution is the wanted one [-]
 GUESSES = (0.01, 0.1, 10.0)  # factors on a granular temperature from which no solution is found
-SPAN, POINTS = 1.5, 60  # factor on the velocity both ways, and solutions on the way, where others are looked for
+VELOCITY_FACTOR = 1.5  # on the superficial velocity, both ways, between which other solutions are searched [-]
+MAX_BRANCH_POINTS = 60  # solutions along the branch in that search
 
 
 @timed("flow")
@@ -30,7 +31,7 @@ def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any)
     result.warnings += plan.warnings
     problem = DevelopedProblem(plan)
     try:
-        state, history = problem.solve(meant or TYPICAL)
+        state, history = problem.solve(meant or START_THETA)
         result.history += history
         problem, state = aligned(problem, state)
     except ConvergenceError as error:
@@ -42,7 +43,7 @@ def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any)
         problem, state = aligned(problem, state)
     result.plan = problem.plan
     fill(problem, state, result)
-    if problem.particles and meant is not None and abs(result.qoi["theta_centre"] / meant - 1.0) > MEANT:
+    if problem.particles and meant is not None and abs(result.qoi["theta_centre"] / meant - 1.0) > BRANCH_TOLERANCE:
         where = plan.scene.origin.at(("fully_developed", "theta_centre"))
         more = "" if plan.scene.solver.branches else "; solver.branches = true looks for others"
         found = result.qoi["theta_centre"]
@@ -55,23 +56,23 @@ def advice(problem: DevelopedProblem) -> str:
     if not problem.particles:
         return "raise solver.newton_tolerance"
     others = ", ".join(
-        f"{factor * (problem.plan.scene.fully_developed.theta_centre or TYPICAL):.2g}" for factor in GUESSES
+        f"{factor * (problem.plan.scene.fully_developed.theta_centre or START_THETA):.2g}" for factor in GUESSES
     )
     tries = f"try theta_centre = {others} m2/s2, or more solver.cells"
     easier = f"a solid_flux below {c.solid_flux:g} kg/m2/s, a velocity above {c.velocity:g} m/s"
-    if c.specularity > SMOOTH:
+    if c.specularity > START_SPECULARITY:
         easier += f", a specularity below {c.specularity:g}"
     return f"{tries}; then reach the scene from one that is easier: {easier}"
 
 
 def aligned(problem: DevelopedProblem, state: Array) -> tuple[DevelopedProblem, Array]:
     """Solve again with a node wherever gas and particles are equally fast, because drag has a kink there."""
-    for _ in range(ALIGNED if problem.particles else 0):
+    for _ in range(MAX_ALIGNMENT_ROUNDS if problem.particles else 0):
         nodes = np.sort(problem.plan.mesh.skfem.p[0])
         moved = nodes.copy()
         for place in _crossings(problem, state):
             k = 1 + int(np.argmin(np.abs(nodes[1:-1] - place)))
-            if abs(nodes[k] - place) > NEAR * (nodes[k + 1] - nodes[k - 1]):
+            if abs(nodes[k] - place) > ALIGNMENT_TOLERANCE * (nodes[k + 1] - nodes[k - 1]):
                 moved[k] = place
         if np.array_equal(moved, nodes):
             break
@@ -115,9 +116,20 @@ def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Arra
         return residual, constrain(matrix, problem.fixed) if jacobian else None
 
     found = [state]
-    for stop, back in ((velocity / SPAN, velocity * SPAN), (velocity * SPAN, velocity / SPAN)):
+    for stop, back in (
+        (velocity / VELOCITY_FACTOR, velocity * VELOCITY_FACTOR),
+        (velocity * VELOCITY_FACTOR, velocity / VELOCITY_FACTOR),
+    ):
         branch = trace(
-            assemble, state, velocity, stop, policy, weights=problem.weights, size=velocity, points=POINTS, back=back
+            assemble,
+            state,
+            velocity,
+            stop,
+            policy,
+            weights=problem.weights,
+            size=velocity,
+            points=MAX_BRANCH_POINTS,
+            back=back,
         )
         if not branch.complete:
             end = branch.parameter[-1]
@@ -130,7 +142,9 @@ def others(problem: DevelopedProblem, state: Array, result: Result) -> list[Arra
         for k in np.flatnonzero(ahead[:-1] * ahead[1:] < 0):
             share = ahead[k] / (ahead[k] - ahead[k + 1])
             other, _ = problem.solve_from((1.0 - share) * states[k] + share * states[k + 1])
-            if all(abs(_centre(problem, other) / _centre(problem, known) - 1.0) > APART for known in found):
+            if all(
+                abs(_centre(problem, other) / _centre(problem, known) - 1.0) > MIN_BRANCH_DIFFERENCE for known in found
+            ):
                 found.append(other)
     return found[1:]
 
