@@ -234,7 +234,7 @@ def sweep(
 
 
 def _interrupted() -> str:
-    """What to say after Ctrl-C: how to go on, where there is a state to go on from."""
+    """Return what to say after Ctrl-C: how to go on, where there is a state to go on from."""
     for needed, command in _resume:
         if needed.exists():
             return f"interrupted; to go on: {command}"
@@ -262,6 +262,6 @@ def _assignment(text: str) -> tuple[str, Any]:
 
 
 def _complain(text: str) -> None:
-    """A message on stderr; of the processes that mpirun started the first speaks for all."""
+    """Print a message on stderr; of the processes that mpirun started the first speaks for all."""
     if not any(os.environ.get(name, "0").strip("0") for name in RANK):
         print(text, file=sys.stderr)

@@ -27,7 +27,7 @@ _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 def load(
     path: str | Path, overrides: Mapping[str, Any] | None = None, *, trust: bool = False, allow_large: bool = False
 ) -> SceneBase:
-    """The scene of a file, whose tables name its kind; see `contbed.models.MODELS`.
+    """Return the scene of a file, whose tables name its kind; see `contbed.models.MODELS`.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def _former_name_is_given(path: KeyPath, values: dict[str, Any], renamed: Mappin
 
 
 def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str, Any]) -> tuple[KeyPath, str]:
-    """The key path without pydantic's union tags, and what is wrong in our words."""
+    """Return the key path without pydantic's union tags, and what is wrong in our words."""
     path, node = _locate(error["loc"], root)
     kind, context = error["type"], error.get("ctx", {})
     found = _value(values, path)

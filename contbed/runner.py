@@ -189,7 +189,7 @@ def _checkpoint(scene: SceneBase, plan: Any, folder: Path) -> tuple[Any, Any]:
 
 
 def _keep_last(scene: Any, error: ConvergenceError, folder: Path | None) -> None:
-    """A steady run keeps its last Newton state beside the summary."""
+    """Keep the last Newton state of a steady run beside the summary."""
     if folder is None or error.state is None or scene.time is not None:
         return
     from contbed.output import checkpoint

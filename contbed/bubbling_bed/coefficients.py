@@ -77,7 +77,7 @@ class Computed:
             self.above = FreeboardProblem(scene, self)
 
     def _chemistry(self) -> Any:
-        """The reacting part, whose gas makes the mixtures and the flows."""
+        """Return the reacting part, whose gas makes the mixtures and the flows."""
         from contbed.bubbling_bed.chemistry.problem import chemistry
 
         mixing = {name: partial(self._dispersion, name) for name in self.names}
@@ -118,7 +118,7 @@ class Computed:
         return sum(self.share[name] * getattr(u, f"T_{name}") for name in self.names)
 
     def state(self, u: Any, flow: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """What closures may ask for, and the gases, where all gas flows at `flow` [kg/s]."""
+        """Return what closures may ask for, and the gases, where all gas flows at `flow` [kg/s]."""
         T, gases = self.temperature(u), self.mixtures(u)
         gas = gases["emulsion"]
         rho, mu, cp, k = gas.density(T), gas.viscosity(T), gas.heat_capacity(T), gas.conductivity(T)
@@ -168,7 +168,7 @@ class Computed:
         return self.coefficients[path](state, self.ranges)
 
     def __call__(self, u: Any, o: Any) -> model.Local:
-        """The coefficients at the points of a domain."""
+        """Return the coefficients at the points of a domain."""
         scene = self.scene
         flow = self.flow
         part = self.chemistry.part if self.chemistry is not None else None
@@ -230,7 +230,7 @@ class Computed:
             local.shares[name] = share
 
     def recorded(self, values: dict[str, Any], z: Any) -> tuple[model.Local, list[Any]]:
-        """The coefficients at heights where the unknowns have `values`, and how they used their closures."""
+        """Return the coefficients at heights where the unknowns have `values`, and how they used their closures."""
         self.ranges = []
         local = self(SimpleNamespace(**values), SimpleNamespace(grad=lambda field: (np.zeros_like(z),), x=(z,)))
         found, self.ranges = self.ranges, None
@@ -285,7 +285,7 @@ class Computed:
         return self.coefficients[key, "coefficient"](state | {"eps": state["eps_bed"]}, self.ranges)
 
     def surface_state(self, T: float) -> dict[str, Any]:
-        """What closures see at the surface of a bed of one temperature."""
+        """Return what closures see at the surface of a bed of one temperature."""
         u = SimpleNamespace(**{f"T_{name}": np.full(1, T) for name in self.names}, T_emulsion=T, T_bubble=T)
         state, gases = self.state(u, self.flow)
         if self.bubbling:
@@ -324,7 +324,7 @@ class Computed:
         return out
 
     def start(self, T: float, z: Any) -> dict[str, Any]:
-        """The unknown fields in a bed of one temperature."""
+        """Return the unknown fields in a bed of one temperature."""
         out: dict[str, Any] = {}
         if self.bubbling:
             out["flow_bubble"], out["d_bubble"] = self.march(T, z)
@@ -380,7 +380,7 @@ class Computed:
 
 
 def _positive(x: Any, unit: Any) -> Any:
-    """x where it is above zero, bent to zero below over a thousandth of `unit`."""
+    """Return x where it is above zero, bent to zero below over a thousandth of `unit`."""
     return 0.5 * (x + (x**2 + (SMOOTHED * unit) ** 2) ** 0.5)
 
 

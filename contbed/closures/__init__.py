@@ -43,7 +43,7 @@ _TOOLS = tuple(name for name in globals() if not name.startswith("_") and name n
 
 
 def __getattr__(name: str) -> Any:
-    """A closure by its name; the modules that hold closures are imported when the first one is asked for."""
+    """Return a closure by its name; the modules that hold closures are imported when the first one is asked for."""
     if name == "__all__":
         return __dir__()
     if not name.startswith("__") and name in names():

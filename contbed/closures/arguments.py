@@ -126,5 +126,5 @@ RESULTS: dict[str, str] = {
 
 
 def argument(name: str, kind: str) -> Argument | None:
-    """Unit and meaning of an argument in a closure of a kind, None where only the closure itself can say it."""
+    """Return unit and meaning of an argument in a closure of a kind, None where only the closure itself can say it."""
     return OF_KIND.get(kind, {}).get(name) or ARGUMENTS.get(name)

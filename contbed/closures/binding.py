@@ -50,16 +50,16 @@ class BoundClosure:
         return self.sheet.name
 
     def __call__(self, **known: Any) -> Any:
-        """The value at a state of which `known` holds at least what the closure takes."""
+        """Return the value at a state of which `known` holds at least what the closure takes."""
         self._last = {key: known[key] for key in self.takes} | self.parameters
         return self.function(**self._last)
 
     def at(self, gives: Mapping[str, Callable[[State], Any]], state: State) -> Any:
-        """The value at a state of a model that gives its arguments as functions of the state."""
+        """Return the value at a state of a model that gives its arguments as functions of the state."""
         return self(**{key: gives[key](state) for key in self.takes})
 
     def use(self, **known: Any) -> ranges.RangeUse:
-        """Used ranges: those recorded; without a record those of `known` or, if that is empty, of the last call."""
+        """Return the used ranges: those recorded, else those of `known` or, if that is empty, of the last call."""
         if not self._record.empty:
             return self._record.use()
         return ranges.usage(self.function, **self._plain(known))
@@ -70,7 +70,7 @@ class BoundClosure:
             self._record.add({**self.sheet.options, **self._plain(known)})
 
     def state(self) -> NDArray[np.float64]:
-        """The record of used ranges for a checkpoint: lowest, highest, points outside, points of each range."""
+        """Return the record of used ranges for a checkpoint: lowest, highest, points outside, points of each range."""
         return self._record.rows.copy()
 
     def restore(self, state: NDArray[np.float64]) -> None:
@@ -108,7 +108,7 @@ def is_phase(spec: object) -> bool:
 
 
 def bind(spec: Spec, kind: str, gives: Iterable[str], base: Path = Path()) -> BoundClosure:
-    """The closure that a scene names, where a model gives the arguments `gives`.
+    """Return the closure that a scene names, where a model gives the arguments `gives`.
 
     A closure's file is looked for in `base`, the folder of the scene.
 
@@ -131,7 +131,7 @@ def bind(spec: Spec, kind: str, gives: Iterable[str], base: Path = Path()) -> Bo
 
 
 def bind_dispersion(spec: str | Closure, gives: Iterable[str]) -> BoundDispersion:
-    """The axial and the transverse closure of the dispersion that a scene names; raises what `bind` raises."""
+    """Return the axial and the transverse closure of the dispersion that a scene names; raises what `bind` raises."""
     name, parameters = _split(spec)
     stems = [known.removesuffix("_axial") for known in registry.names("dispersion") if known.endswith("_axial")]
     pair = registry.dispersion_pair(_full_name(name, "dispersion", stems))

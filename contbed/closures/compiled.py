@@ -21,7 +21,7 @@ from contbed.closures.binding import BoundClosure, Function
 
 @cache
 def compiled(function: Function) -> Function:
-    """A closure compiled for numbers, and with it the closures that it calls."""
+    """Compile a closure for numbers, and with it the closures that it calls."""
     known = function.__globals__
     called = {name: compiled(known[name]) for name in function.__code__.co_names if hasattr(known.get(name), "sheet")}
     plain = FunctionType(function.__code__, known | called, function.__name__, function.__defaults__)
@@ -34,7 +34,7 @@ def own_values(closure: BoundClosure | None) -> tuple[float, ...]:
 
 
 def face(closure: BoundClosure | None, names: tuple[str, ...]) -> Face:
-    """The compiled closure as a function of the arguments `names`, in this order, and of a tuple of `own_values`.
+    """Compile the closure as a function of the arguments `names`, in this order, and of a tuple of `own_values`.
 
     Without a closure the function is 0.
     """
@@ -62,7 +62,7 @@ class Face:
         return f"{self.function.__name__} {_text(self.function.__code__.co_filename)} {self.source}"
 
     def compile(self) -> Function:
-        """The compiled function."""
+        """Return the compiled function."""
         return _compiled_face(self.function, self.source)
 
 

@@ -44,7 +44,7 @@ class Volatiles:
 
 
 def molar_mass(formula: Mapping[str, float]) -> float:
-    """[kg/mol]"""
+    """Return the molar mass [kg/mol]."""
     return sum(count * ATOMIC[element] for element, count in formula.items())
 
 
@@ -83,7 +83,7 @@ def volatiles(ultimate: Mapping[str, float], volatile_matter: float) -> Volatile
 
 
 def balanced(guess: Mapping[str, float], elements: list[float]) -> dict[str, float]:
-    """The amounts nearest to the guess that hold the elements C, H, O [mol]; see the module's docstring."""
+    """Return the amounts nearest to the guess that hold the elements C, H, O [mol]; see the module's docstring."""
     A = np.array([[FORMULAS[name].get(element, 0.0) for name in guess] for element in BALANCED])
     b, start = np.array(elements), np.array(list(guess.values()))
     m = np.zeros(len(b))

@@ -21,7 +21,7 @@ _POWER = ("base", "a", "b", "c")
 
 
 def closure_of(file: str, base: Path, kind: str) -> Transferred:
-    """The closure in a file, which is looked for in `base`. SceneError with the file's line if it cannot be used."""
+    """Return the closure in a file in the folder `base`; SceneError with the file's line if it cannot be used."""
     path = base / file
     try:
         stamp = path.stat().st_mtime_ns, path.stat().st_size
@@ -43,7 +43,7 @@ def _cached(path: str, name: str, stamp: tuple[int, int]) -> Transferred:
 
 
 def _mistakes(content: Mapping[str, Any]) -> list[tuple[KeyPath, str]]:
-    """What is wrong with the content of a closure file."""
+    """Return what is wrong with the content of a closure file."""
     if "format" not in content:
         return [(("format",), "missing: this is no closure file of contbed")]
     if type(content["format"]) is not int or content["format"] != FORMAT:
@@ -92,7 +92,7 @@ def _value_mistakes(content: Mapping[str, Any]) -> list[tuple[KeyPath, str]]:
 
 
 def _value(content: Mapping[str, Any], corner: Sequence[float]) -> float:
-    """The value of a form, without its unit, where its variables are those of `corner`."""
+    """Return the value of a form, without its unit, where its variables are those of `corner`."""
     try:
         if content["form"] == "power":
             base, a, b, c = (content["parameters"][name]["value"] for name in _POWER)

@@ -75,12 +75,12 @@ class Optics:
 
     @property
     def extinction(self) -> Any:
-        """beta = K_a + K_s [1/m]."""
+        """Extinction beta = K_a + K_s [1/m]."""
         return self.absorption_total + self.scattering_total
 
     @property
     def albedo(self) -> Any:
-        """omega = K_s / beta [-]."""
+        """Albedo omega = K_s / beta [-]."""
         return self.scattering_total / self.extinction
 
     @property
@@ -136,7 +136,7 @@ def optical_coefficients(
 
 
 def optics(species: Sequence[Species], packing: str = "close_packed", anisotropy: float = 0.0) -> Optics:
-    """The coefficients of a bed of these species; arrays of shape (nspecies,)."""
+    """Return the coefficients of a bed of these species; arrays of shape (nspecies,)."""
     if not species:
         raise SceneError("radiation needs at least one solid species")
     fractions = np.array([each.volume_fraction for each in species])

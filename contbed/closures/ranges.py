@@ -82,7 +82,7 @@ class RangeRecord:
             row[2:] += use.share_outside * values.size, values.size
 
     def use(self) -> RangeUse:
-        """What was added so far."""
+        """Return what was added so far."""
         uses = {
             key: ArgumentUse(declared, (float(low), float(high)), float(outside / points) if points else 0.0)
             for (key, declared), (low, high, outside, points) in zip(self.sheet.ranges.items(), self.rows, strict=True)

@@ -51,7 +51,7 @@ class Law:
         return stoichiometry(self.reaction)
 
     def constant(self, T: Any) -> Any:
-        """A T^b exp(-E/T)"""
+        """Return the rate constant A T^b exp(-E/T)."""
         k = self.A * np.exp(-self.E / T)
         return k * T**self.b if self.b else k
 
@@ -111,12 +111,12 @@ _CGS = 1e6  # mol/cm3/s in mol/m3/s
 
 
 def _from_cm(A: float, order: float) -> float:
-    """A for mol/cm3 as one for mol/m3."""
+    """Convert A for mol/cm3 to A for mol/m3."""
     return A * _CGS * float((1e-6) ** order)
 
 
 def _from_kmol(A: float, order: float) -> float:
-    """A for kmol/m3 as one for mol/m3."""
+    """Convert A for kmol/m3 to A for mol/m3."""
     return A * float(1e3 ** (1.0 - order))
 
 

@@ -105,7 +105,7 @@ def char_combustion(k: Any, film: Any, phi: Any) -> Any:
 
 
 def in_series(a: Any, b: Any) -> Any:
-    """1/(1/a + 1/b)"""
+    """Return 1/(1/a + 1/b), two resistances in series."""
     return a * b / (a + b)
 
 
@@ -136,5 +136,5 @@ def lime_surface(T: Any) -> Any:
 
 
 def positive(x: Any, width: Any) -> Any:
-    """x for x >> width, 0 for x << -width, smooth between."""
+    """Return x for x >> width and 0 for x << -width, smooth between."""
     return 0.5 * (x + (x * x + width * width) ** 0.5)

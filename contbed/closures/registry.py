@@ -90,13 +90,13 @@ def _load() -> None:
 
 
 def names(kind: str | None = None) -> tuple[str, ...]:
-    """The names of all closures, or of those of one kind, in alphabetical order."""
+    """Return the names of all closures, or of those of one kind, in alphabetical order."""
     _load()
     return tuple(sorted(name for name in _register if kind is None or _sheet(name).kind == kind))
 
 
 def get(name: str, kind: str | None = None) -> Callable[..., Any]:
-    """The closure of that name. An unknown name, or one of another kind, raises SceneError with the nearest names."""
+    """Return the closure of that name; an unknown one, or one of another kind, raises SceneError with the nearest."""
     _load()
     function = _register.get(name)
     if function is None:
@@ -115,7 +115,7 @@ class DispersionPair(NamedTuple):
 
 
 def dispersion_pair(stem: str) -> DispersionPair:
-    """The axial and the transverse closure whose names begin with `stem`; SceneError names the nearest stems."""
+    """Return the axial and the transverse closure whose names begin with `stem`; SceneError names the nearest stems."""
     known = [name.removesuffix("_axial") for name in names("dispersion") if name.endswith("_axial")]
     if stem not in known:
         raise unknown(stem, known, "dispersion")
@@ -123,13 +123,13 @@ def dispersion_pair(stem: str) -> DispersionPair:
 
 
 def sheet(name: str) -> Sheet:
-    """The data sheet of the closure of that name."""
+    """Return the data sheet of the closure of that name."""
     get(name)
     return _sheet(name)
 
 
 def data_sheet(name: str) -> str:
-    """The data sheet as text: what is registered, then the docstring."""
+    """Return the data sheet as text: what is registered, then the docstring."""
     facts = sheet(name)
     options = [f"{key}={value:.6g}" for key, value in facts.options.items()]
     head = [
@@ -140,7 +140,7 @@ def data_sheet(name: str) -> str:
 
 
 def unknown(name: str, known: Iterable[str], kind: str | None = None) -> SceneError:
-    """The error for a name that is not among the known ones: the nearest come first, else all are listed."""
+    """Return the error for a name that is not among the known ones: the nearest come first, else all are listed."""
     known = list(known)
     what = f"{kind} closure" if kind else "closure"
     if near := get_close_matches(name, known, n=3, cutoff=0.5):

@@ -40,7 +40,7 @@ class Interval(NamedTuple):
 
     @classmethod
     def read(cls, text: str) -> Interval:
-        """The interval written as `text`; ValueError if it is none."""
+        """Return the interval written as `text`; ValueError if it is none."""
         found = re.fullmatch(r"([\[(])(\S+), (\S+)([\])])", text)
         if found is None or not float(found[2]) < float(found[3]):
             raise ValueError(f"{text!r} is no interval such as '[0, 1)'")
@@ -112,7 +112,7 @@ def assembled(
     bounds: Mapping[str, Interval],
     source: str,
 ) -> str:
-    """The text of a data sheet, a docstring in numpy's convention."""
+    """Return the text of a data sheet, a docstring in numpy's convention."""
     rows = [line for name in parameters for line in doc.rows.get(name) or _row(name, kind)]
     result = doc.sections.get("Result") or [RESULTS.get(kind, kind.replace("_", " "))]
     sections = {

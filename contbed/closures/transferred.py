@@ -73,6 +73,7 @@ class Transferred:
         )
 
     def __call__(self, **arguments: Any) -> Any:
+        """Return the value of the fit for its arguments by name."""
         if self.content["form"] == "power":
             value = {key: part["value"] for key, part in self.content["parameters"].items()}
             powers = arguments["Re"] ** value["b"] * arguments["Pr"] ** value["c"]

@@ -25,7 +25,7 @@ SYSTEM_LIBRARIES = "libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp
 
 
 def read(settings: MeshFile, base: str = ".") -> skfem.Mesh:
-    """The mesh of a `type = "file"` table in m, with `boundaries` and `subdomains`.
+    """Return the mesh of a `type = "file"` table in m, with `boundaries` and `subdomains`.
 
     Groups of facets between two regions are left out of `boundaries`.
 

@@ -127,7 +127,7 @@ def _read(file: Path) -> dict[str, Any]:
 
 
 def _refusal(file: Path, plan: dict[str, Any]) -> str:
-    """What to say about programs that are not trusted."""
+    """Return what to say about programs that are not trusted."""
     cases = [*plan.get("curves", {}).get("case", ()), *(case for race in plan.get("race", ()) for case in race["case"])]
     programs = ", ".join(dict.fromkeys(" ".join(case["command"]) for case in cases))
     return f"{file}: runs programs: {programs}; look at them, then add --trust, in Python bench(..., trust=True)"
@@ -140,7 +140,7 @@ def _present(cases: list[dict[str, Any]], skipped: list[str]) -> list[dict[str, 
 
 
 def _run(command: list[str], study: Path, out: Path) -> tuple[str, float]:
-    """What a program prints, and the user time [s] of its process."""
+    """Return what a program prints, and the user time [s] of its process."""
     parent = str(Path(__file__).parents[2])
     path = os.pathsep.join(filter(None, (parent, os.environ.get("PYTHONPATH"))))
     environment = os.environ | dict.fromkeys(THREADS, "1") | {"PYTHONPATH": path}
