@@ -91,14 +91,18 @@ Streams = dict[str, tuple[float, float]]
 def _streams(problem: Any, state: Any) -> tuple[Streams, Streams]:
     """Return mass flow and mass-weighted mean temperature by phase, of the streams that leave and that enter."""
     sums: dict[tuple[str, bool], list[float]] = {}
-    for _, part, wall in problem.walls:
+    for name, part, wall in sorted(problem.walls, key=lambda item: item[2].name):
         if wall.mass_flux is None:
             continue
         out = problem.system.integrate(lambda u, o, c=wall: o.dot(c.mass_flux, o.n), [part], state)
         carried = problem.system.integrate(
             lambda u, o, c=wall: o.dot(c.mass_flux, o.n) * getattr(u, c.name), [part], state
         )
-        total = sums.setdefault((wall.name.removeprefix("T_"), out > 0), [0.0, 0.0])
+        phase = wall.name.removeprefix("T_")
+        condition = problem.build.condition(name, phase)
+        if out < 0 and condition is not None and condition.inflow is not None:
+            carried = out * condition.inflow  # conduction makes the bed differ from the stream that enters it
+        total = sums.setdefault((phase, out > 0), [0.0, 0.0])
         total[0] += abs(out)
         total[1] += carried if out > 0 else -carried
     leaving, entering = (
@@ -122,7 +126,9 @@ def _exchanger(plan: Plan, problem: Any, entering: Streams, fluxes: Any, result:
         return
     duty = -sum(flux["T_fluid"] for flux in fluxes.values() if "T_fluid" in flux)
     result.qoi |= {"duty_W": duty, "heat_reference_K": problem.T_span[0]}
-    if len(entering) < 2:
+    # a prescribed temperature at an inlet conducts heat in beside what the stream carries
+    fixed = any(table.fixed for b in plan.solved.boundary.values() for table in (b.fluid, b.solid) if table is not None)
+    if len(entering) < 2 or fixed:
         return
     temperatures = [T for _, T in entering.values()]
     contents = [

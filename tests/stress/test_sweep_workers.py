@@ -212,7 +212,7 @@ def test_an_interrupted_sweep_ends_clean(folder, whole_group):
     wait_for(lambda: len(outcomes("out")) >= 4)
     (os.killpg if whole_group else os.kill)(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=60)
-    assert (process.returncode, out, err) == (130, "", "interrupted\n")
+    assert (process.returncode, out, err) == (130, "", "interrupted; to go on: the same command\n")
     with open("out/table.csv", newline="") as file:
         assert 4 <= len(list(csv.DictReader(file))) < 24
     with pytest.raises(ProcessLookupError):  # no worker is left

@@ -122,3 +122,17 @@ def test_duty_and_effectiveness():
     plane = cb.run(from_dict(values | {"mesh": {"type": "rectangle", "length": 1.0, "height": 0.2}}))
     assert plane.summary["units"]["heat_left_W"] == "W/m"
     assert plane.qoi["duty_W"] == pytest.approx(0.2 * result.qoi["duty_W"], rel=1e-9)
+
+
+def test_effectiveness_counts_from_the_stream_that_enters():
+    """Below one where both streams enter with a known temperature; not reported where an end also conducts."""
+    values = bed(CONSTANT, flow={"velocity": U, "velocity_solid": -1.0e-3})
+    values["solid"]["conductivity"] = 300.0
+    values["heat"] = {"nusselt": 200.0}
+    values["boundary"] = {"left": {"fluid": {"inflow": 400.0}}, "right": {"solid": {"inflow": 500.0}}}
+    result = cb.run(from_dict(values))
+    largest = 1.2 * 1000.0 * U * 100.0
+    assert result.qoi["effectiveness"] == pytest.approx(result.qoi["duty_W"] / largest, rel=1e-9)
+    assert result.qoi["effectiveness"] < 1.0
+    values["boundary"]["right"] = {"solid": {"fixed": 500.0}}
+    assert "effectiveness" not in cb.run(from_dict(values)).qoi  # the end conducts as well
