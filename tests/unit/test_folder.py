@@ -8,6 +8,7 @@ import textwrap
 from pathlib import Path
 
 import pytest
+from small_scenes import STEADY
 
 import contbed as cb
 from contbed import cli
@@ -16,30 +17,6 @@ from contbed.loading import loads
 from contbed.output.files import atomic
 from contbed.output.folder import LOCK, occupied, read_summary
 
-STEADY = """\
-[mesh]
-type = "line"
-length = 1.0
-cells = 10
-[fluid]
-density = 1.0
-heat_capacity = 1000.0
-conductivity = 0.05
-viscosity = 2e-5
-[solid]
-density = 2000.0
-heat_capacity = 900.0
-conductivity = 1.0
-[bed]
-porosity = 0.4
-particle_diameter = 0.01
-[flow]
-velocity = 0.3
-[heat]
-nusselt = "wakao_kaguei"
-[boundary.left]
-fluid.inflow = 300.0
-"""
 TRANSIENT = STEADY + "[time]\nend = 2.0\ntimes = [1.0]\ninitial_fluid = 300.0\ninitial_solid = 400.0\n"
 
 

@@ -8,35 +8,12 @@ import textwrap
 from pathlib import Path
 
 import pytest
+from small_scenes import STEADY
 
 import contbed
 from contbed import cli
 from contbed.errors import SceneError, interrupt_in
 
-SCENE = """\
-[mesh]
-type = "line"
-length = 1.0
-cells = 10
-[fluid]
-density = 1.0
-heat_capacity = 1000.0
-conductivity = 0.05
-viscosity = 2e-5
-[solid]
-density = 2000.0
-heat_capacity = 900.0
-conductivity = 1.0
-[bed]
-porosity = 0.4
-particle_diameter = 0.01
-[flow]
-velocity = 0.3
-[heat]
-nusselt = "wakao_kaguei"
-[boundary.left]
-fluid.inflow = 300.0
-"""
 HOME = str(Path(contbed.__file__).parents[1])
 
 
@@ -50,7 +27,7 @@ def python(code: str, *arguments, cwd=None, **options) -> subprocess.CompletedPr
     "module", ["typer", "contbed.errors", "pydantic", "numpy", "contbed.runner", "skfem", "contbed.packed_bed.run"]
 )
 def test_an_interrupt_while_modules_are_imported(tmp_path, module):
-    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "scene.toml").write_text(STEADY)
     code = """
         import os, signal, sys
         wanted, sys.argv = sys.argv[1], ["contbed", "run", "scene.toml", "--quiet", "--out", "out"]
@@ -86,7 +63,7 @@ def test_an_address_that_is_none(tmp_path, monkeypatch, capsys, address):
 
 @pytest.mark.parametrize("backend", ["bogus", "agg"])
 def test_a_backend_of_matplotlib_that_does_not_exist(tmp_path, backend):
-    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "scene.toml").write_text(STEADY)
     code = """
         import contbed as cb
         cb.run(cb.load("scene.toml"), out="out")
