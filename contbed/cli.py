@@ -39,6 +39,10 @@ Settings = Annotated[
 Trust = Annotated[
     bool, Option("--trust", help="let files of the scene run programs: commands in a .geo, extensions of Cantera")
 ]
+Threads = Annotated[
+    int | None,
+    Option("--threads", metavar="N", min=1, help="cores to use; by default all, where faster"),
+]
 AllowLarge = Annotated[
     bool, Option("--allow-large", help="take sizes that are refused otherwise: memory, numbers of cells, files")
 ]
@@ -103,6 +107,7 @@ def run(
     engine: Annotated[
         Literal["skfem", "dolfinx"] | None, Option("--engine", help="dolfinx: PETSc, the default under mpirun")
     ] = None,
+    threads: Threads = None,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
@@ -121,7 +126,7 @@ def run(
     command = f"contbed run {shlex.quote(str(scene))} --restart {shlex.quote(str(folder))}"
     _resume[:] = [(folder / "checkpoint.npz", command)]
     engine = engine or ("dolfinx" if any(int(os.environ.get(name, "1")) > 1 for name in SIZE) else "skfem")
-    result = solve(loaded, out=folder, quiet=quiet, restart=restart, engine=engine)
+    result = solve(loaded, out=folder, quiet=quiet, restart=restart, engine=engine, threads=threads)
     if not quiet and result is not None:
         print(result.table())
         print(f"results are in {folder}")

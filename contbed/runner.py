@@ -14,6 +14,7 @@ from contbed.result import Result, outside
 from contbed.scene.identity import identity
 from contbed.scene.inputs import all_inputs
 from contbed.scene.tables import SceneBase
+from contbed.threads import using
 
 if TYPE_CHECKING:
     from contbed.output.folder import RunFolder
@@ -34,6 +35,7 @@ def run(
     quiet: bool = True,
     restart: str | Path | None = None,
     engine: str = "skfem",
+    threads: int | None = None,
 ) -> Result:
     """Solve a scene.
 
@@ -44,17 +46,19 @@ def run(
     quiet : no progress bar
     restart : folder of an earlier run of the same scene whose checkpoint is continued
     engine : "skfem", or "dolfinx" for PETSc under MPI; then only the first rank returns a result, others None
+    threads : cores to compute on; None: all that may be used, where that is faster. The numbers do not depend on it
 
     Raises
     ------
     SceneError, ConvergenceError, ClosureRangeError, BalanceError : after what was found has been written to `out`
     ContbedError : a file cannot be written, after all others have been; another run is writing to `out`
     """
-    if engine != "skfem":
-        from contbed.fem.ranks import run_on_root
+    with using(threads):
+        if engine != "skfem":
+            from contbed.fem.ranks import run_on_root
 
-        return run_on_root(lambda: _run(scene, out, quiet, restart, engine))
-    return _run(scene, out, quiet, restart, engine)
+            return run_on_root(lambda: _run(scene, out, quiet, restart, engine))
+        return _run(scene, out, quiet, restart, engine)
 
 
 def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | Path | None, engine: str) -> Result:

@@ -29,9 +29,9 @@ from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.gas_quantities import Motion
 from contbed.dem import heat
-from contbed.dem.interrupts import deferred_interrupt
 from contbed.dem.simulation import Simulation
 from contbed.errors import SceneError
+from contbed.interrupts import deferred_interrupt
 from contbed.output.progress import Progress
 
 Array = NDArray[np.float64]

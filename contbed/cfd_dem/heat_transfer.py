@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
 from contbed.dem import heat
-from contbed.dem.interrupts import deferred_interrupt
+from contbed.interrupts import deferred_interrupt
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from contbed.dem import loop
 from contbed.dem.contact import largest_safe_step, require_safe_step
 from contbed.dem.contact_heat import ContactHeat
-from contbed.dem.interrupts import deferred_interrupt
 from contbed.dem.kernel_arrays import (
     HEAT_PAIR,
     HISTORY,
@@ -34,6 +33,7 @@ from contbed.dem.neighbours import BITS, MASK, half_list, image_shifts, wall_gap
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.walls import Domain, Wall, wall_table
 from contbed.errors import ConvergenceError, SceneError
+from contbed.interrupts import deferred_interrupt
 from contbed.output.progress import Progress
 
 LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start

@@ -16,12 +16,12 @@ import pytest
 
 from contbed.dem import neighbours
 from contbed.dem import simulation as simulation_module
-from contbed.dem.interrupts import deferred_interrupt
 from contbed.dem.kernel_arrays import Box
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Cylinder, Domain, Plane, Tube, box
 from contbed.errors import ConvergenceError, SceneError
+from contbed.interrupts import deferred_interrupt
 from contbed.output import checkpoint
 
 RADIUS = 1e-3

@@ -26,7 +26,8 @@ LAYERS = (
     ("fem", "mesh"),
     ("solvers", "materials", "closures"),
     ("scene",),
-    ("fields", "errors", "versions"),
+    ("threads",),
+    ("fields", "errors", "versions", "interrupts"),
 )
 
 

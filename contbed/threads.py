@@ -1,0 +1,187 @@
+"""Compiled loops on several cores of one machine.
+
+A kernel is compiled with `nogil=True` and takes a range: `kernel(begin, end, *arguments)` computes the elements from
+begin to before end. `parallel` calls it for equal parts of the range, one for each thread; a kernel whose elements do
+not depend on each other gives the same bits for any number of threads. Sums need an order that does not depend on the
+number of threads: `sums` calls the kernel for parts of a fixed length and adds what it returns in the order of parts.
+
+    @njit(nogil=True, cache=True)
+    def squares(begin, end, x, out):
+        for k in range(begin, end):
+            out[k] = x[k] ** 2
+
+    with threads.using(2):
+        threads.parallel(squares, len(x), x, out)
+
+The calling thread takes the first part; the others wait for work in threads that are started once. A kernel is compiled
+once, whatever the number of threads, and no library for threads is needed.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from queue import SimpleQueue
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import SceneError
+from contbed.interrupts import deferred_interrupt
+
+VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS")  # the least of those set bounds the default
+PART = 4096  # elements of a part of `sums`; a kernel of 10 ns an element takes 40 us for it, a hand-over 10 us
+ALIGNED = 64  # parts of `parallel` begin at multiples of it, so that two threads seldom write to one cache line
+LEAST = 4096  # elements that a thread must have by default; below, handing over costs more than it saves
+
+_limit: int | None = None
+_in_use = threading.Lock()  # held while the workers compute for one caller
+_workers: list[_Worker] = []
+
+
+def available() -> int:
+    """Count the cores that this process may use, at most what the variables VARIABLES say."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    values = (os.environ.get(name, "") for name in VARIABLES)
+    return max(1, min([cores, *(int(value) for value in values if value.isdigit())]))
+
+
+def count(elements: int | None = None, least: int = LEAST) -> int:
+    """Return how many threads to compute on: at most those that are allowed, each with `least` of the `elements`."""
+    allowed = available() if _limit is None else _limit
+    return allowed if elements is None else max(1, min(allowed, elements // least))
+
+
+@contextmanager
+def using(number: int | None) -> Iterator[None]:
+    """Allow a number of threads in a block; None leaves what is allowed.
+
+    Raises
+    ------
+    SceneError : the number is below 1
+    """
+    global _limit
+    if number is not None and number < 1:
+        raise SceneError(f"threads: {number} given; at least 1 is needed")
+    before = _limit
+    _limit = before if number is None else number
+    try:
+        yield
+    finally:
+        _limit = before
+
+
+def parallel(kernel: Callable[..., Any], n: int, *arguments: Any, least: int = LEAST) -> None:
+    """Call `kernel(begin, end, *arguments)` for parts of the range 0 to n, one for each thread.
+
+    Parameters
+    ----------
+    kernel : compiled with nogil=True; writes only what belongs to its range
+    n : number of elements; below 2 `least` the calling thread takes all of them
+    arguments : passed on to the kernel
+    least : elements that a thread must have
+
+    Raises
+    ------
+    KeyboardInterrupt : SIGINT arrived; all parts are complete
+    """
+    number = count(n, least)
+    if number == 1:
+        kernel(0, n, *arguments)
+        return
+    bounds = [ALIGNED * (n * k // (number * ALIGNED)) for k in range(number)] + [n]
+    calls = [(kernel, (bounds[k], bounds[k + 1], *arguments)) for k in range(number)]
+    together(calls)
+
+
+def sums(kernel: Callable[..., Any], n: int, *arguments: Any, part: int = PART) -> Any:
+    """Add what `kernel(begin, end, *arguments)` returns for parts of a fixed length, in the order of the parts.
+
+    Parameters
+    ----------
+    kernel : compiled with nogil=True; returns a number, or a tuple of numbers
+    n : number of elements
+    arguments : passed on to the kernel
+    part : elements of a part; the sum depends on it, not on the number of threads
+
+    Returns
+    -------
+    float, or an array (m,) of the sums of a tuple of m numbers
+
+    Raises
+    ------
+    KeyboardInterrupt : SIGINT arrived
+    """
+    starts = range(0, max(n, 1), part)
+    found: list[Any] = [None] * len(starts)
+
+    def some(first: int, step: int) -> None:
+        for k in range(first, len(starts), step):
+            found[k] = kernel(starts[k], min(starts[k] + part, n), *arguments)
+
+    number = min(count(n), len(starts))
+    together([(some, (first, number)) for first in range(number)])
+    return np.sum(np.array(found, dtype=np.float64), axis=0)
+
+
+def together(calls: list[tuple[Callable[..., Any], tuple[Any, ...]]]) -> list[Any]:
+    """Make calls at the same time, each in a thread of its own, the first in the calling one; return their results.
+
+    Calls that come while others are under way, as from another thread, are made one after the other; so these may not
+    wait for each other.
+
+    Raises
+    ------
+    KeyboardInterrupt : SIGINT arrived; all calls have ended
+    Exception : of the first call that failed, after all have ended
+    """
+    if len(calls) == 1 or not _in_use.acquire(blocking=False):
+        return [function(*arguments) for function, arguments in calls]
+    try:
+        with deferred_interrupt():
+            while len(_workers) < len(calls) - 1:
+                _workers.append(_Worker())
+            busy = list(zip(_workers, calls[1:], strict=False))
+            for worker, call in busy:
+                worker.work.put(call)
+            outcomes = [_outcome(*calls[0]), *(worker.done.get() for worker, _ in busy)]
+    finally:
+        _in_use.release()
+    for _, error in outcomes:
+        if error is not None:
+            raise error
+    return [value for value, _ in outcomes]
+
+
+class _Worker:
+    """A thread that makes calls from a queue and hands back results."""
+
+    def __init__(self) -> None:
+        self.work: SimpleQueue[Any] = SimpleQueue()
+        self.done: SimpleQueue[Any] = SimpleQueue()
+        # a daemon: it only waits, and must not keep the interpreter from ending
+        threading.Thread(target=self._serve, name="contbed", daemon=True).start()
+
+    def _serve(self) -> None:
+        while True:
+            self.done.put(_outcome(*self.work.get()))
+
+
+def _outcome(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, BaseException | None]:
+    try:
+        return function(*arguments), None
+    except BaseException as error:
+        return None, error
+
+
+def _forget() -> None:
+    """Start anew in a process that was forked: threads of the parent do not exist there."""
+    global _in_use
+    _in_use = threading.Lock()
+    _workers.clear()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget)

@@ -1,0 +1,139 @@
+"""Kernels on several threads: every element once, the same bits for any number, errors and interrupts passed on."""
+
+import multiprocessing
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+from numba import njit
+
+from contbed import threads
+from contbed.errors import SceneError
+
+
+@njit(nogil=True)
+def count_up(begin, end, out):
+    for k in range(begin, end):
+        out[k] += k
+
+
+@njit(nogil=True)
+def total(begin, end, x):
+    low, high = 0.0, 0.0
+    for k in range(begin, end):
+        low += x[k]
+        high += x[k] * x[k]
+    return low, high
+
+
+@pytest.mark.parametrize("n", [0, 1, 63, 64, 1000, 10_001])
+@pytest.mark.parametrize("number", [1, 2, 3, 7])
+def test_every_element_once(n, number):
+    out = np.zeros(n)
+    with threads.using(number):
+        threads.parallel(count_up, n, out, least=1)
+    assert (out == np.arange(n)).all()
+
+
+def test_sums_do_not_depend_on_the_number_of_threads():
+    x = np.random.default_rng(1).normal(size=100_003)
+    found = []
+    for number in (1, 2, 5):
+        with threads.using(number):
+            found.append(threads.sums(total, len(x), x))
+    assert found[0].tobytes() == found[1].tobytes() == found[2].tobytes()
+    assert found[0] == pytest.approx([x.sum(), (x**2).sum()], rel=1e-12)
+    assert (threads.sums(total, 0, x) == 0.0).all()
+
+
+def test_calls_run_at_the_same_time():
+    """Each waits for the other, which calls one after the other would do for ever."""
+    meet = threading.Barrier(2, timeout=60.0)
+    assert threads.together([(meet.wait, ()), (meet.wait, ())]) in ([0, 1], [1, 0])
+
+
+def test_calls_within_calls_are_made_one_after_the_other():
+    def outer(k):
+        return threads.together([(int, (10 * k,)), (int, (10 * k + 1,))])
+
+    assert threads.together([(outer, (0,)), (outer, (1,))]) == [[0, 1], [10, 11]]
+
+
+def test_an_error_comes_after_all_have_ended():
+    ended = []
+
+    def fails():
+        raise ValueError("the second")
+
+    def slow():
+        time.sleep(0.05)
+        ended.append(True)
+
+    with pytest.raises(ValueError, match="the second"):
+        threads.together([(int, (1,)), (fails, ()), (slow, ())])
+    assert ended
+    assert threads.together([(int, (1,)), (int, (2,)), (int, (3,))]) == [1, 2, 3]
+
+
+def test_an_interrupt_waits_for_all_parts():
+    ended = []
+
+    def slow():
+        time.sleep(0.3)
+        ended.append(True)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT))
+    try:
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            threads.together([(slow, ()), (slow, ())])
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, before)
+    assert len(ended) == 2
+
+
+def test_number_of_threads(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    assert threads.available() == threads.count() == 1
+    monkeypatch.setenv("OMP_NUM_THREADS", "")
+    monkeypatch.delenv("NUMBA_NUM_THREADS", raising=False)
+    assert threads.available() == len(os.sched_getaffinity(0))
+    with threads.using(4):
+        assert threads.count() == 4
+        assert [threads.count(n, 100) for n in (0, 199, 200, 10**6)] == [1, 1, 2, 4]
+        with threads.using(None):
+            assert threads.count() == 4
+    assert threads.count() == threads.available()
+    with pytest.raises(SceneError, match="at least 1 is needed"), threads.using(0):
+        pass
+
+
+def _in_child(queue):
+    queue.put(threads.together([(int, (1,)), (int, (2,))]))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_forked_process_starts_threads_of_its_own():
+    threads.together([(int, (1,)), (int, (2,))])
+    context = multiprocessing.get_context("fork")
+    queue = context.SimpleQueue()
+    process = context.Process(target=_in_child, args=(queue,))
+    process.start()
+    process.join(60.0)
+    assert process.exitcode == 0
+    assert queue.get() == [1, 2]
+
+
+def test_a_run_is_allowed_its_threads(monkeypatch):
+    from contbed import runner
+
+    seen = []
+    monkeypatch.setattr(runner, "_run", lambda *_: seen.append(threads.count()))
+    runner.run(None, threads=3)
+    assert seen == [3]
