@@ -40,7 +40,7 @@ def runner(monkeypatch):
     module = types.ModuleType("contbed.runner")
     module.calls, module.error = [], None
 
-    def run(scene, out=None, quiet=False, restart=None, progress=None, engine="skfem"):
+    def run(scene, out=None, quiet=False, restart=None, progress=None, engine="skfem", threads=None):
         module.calls.append((scene, out, quiet, restart))
         if module.error:
             raise module.error
