@@ -6,6 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+# share of what a bed holds, heat above 0 K in streams and solids or emission of medium and walls, below which rounding
+# blurs a balance: rounding is 1e-13 of it (test_computed_flow_conserves_and_keeps_a_uniform_temperature)
+HELD_SHARE = 1e-2
+
 
 @dataclass(frozen=True)
 class Balance:

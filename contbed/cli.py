@@ -143,11 +143,13 @@ def check(
     problems = []
     for scene in scenes:
         try:
-            _load(scene, settings, trust, allow_large)
+            loaded = _load(scene, settings, trust, allow_large)
         except SceneError as error:
             problems += error.problems
         else:
-            print(f"{scene}: ok")
+            for text in loaded.warnings:
+                print(f"warning: {text}")
+            print(f"{scene}: ok{', with warnings' if loaded.warnings else ''}")
     if problems:
         raise SceneError(problems)
 

@@ -90,6 +90,9 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
         raise SceneError(list(dict.fromkeys(_line(origin, values, path, text) for path, text in problems)))
     scene = model(**{name: part for name, part in parts.items() if part is not None})
     scene._origin = origin
+    remarks = mistakes(parts, set(), origin, MODELS[kind].find("checks", "WARNINGS"))
+    remarks.sort(key=lambda remark: origin.line(remark[0]))
+    scene._warnings = tuple(_line(origin, values, path, text) for path, text in remarks)
     return scene
 
 

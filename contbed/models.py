@@ -3,7 +3,8 @@
 Every physics is a package with the same modules, which are imported when they are used:
 
     scene.py    tables and keys of its scenes, with unit, bounds, default and meaning
-    checks.py   CHECKS, mistakes in a scene that remain although every single value is valid
+    checks.py   CHECKS, mistakes in a scene that remain although every single value is valid, and WARNINGS, what is
+                possible but seldom meant
     plan.py     plan(scene) -> Plan: what is built, what is left out and why, unknowns and cost
     run.py      run(plan, result, folder, quiet, start): solves and fills the result
     plots.py    plot(result, folder): the plots of a run
@@ -176,4 +177,4 @@ def described(plan: Plan, *more: str) -> str:
     lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
     for part, size in plan.unknowns().items():
         lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * plan.policy.predicted_GB(size)):.0f} MB")
-    return "\n".join([*lines, *more])
+    return "\n".join([*lines, *more, *(f"WARNING {text}" for text in plan.scene.warnings)])

@@ -97,6 +97,7 @@ def _found(
             place.mark_failed(_status(error), str(error))
         raise
     result = Result(plan)
+    result.warnings += scene.warnings
     result.timings["plan"] = clock.perf_counter() - start
     if place is not None:
         about = {key: result.summary[key] for key in ("versions", "scene", "dofs", "built", "skipped")}

@@ -278,3 +278,4 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
     the_parameter_is_a_number,
     *chemistry_checks.CHECKS,
 )
+WARNINGS: tuple[Callable[..., Mistakes], ...] = ()

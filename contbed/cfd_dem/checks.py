@@ -5,11 +5,13 @@ from __future__ import annotations
 from contbed.cfd_dem import scene as g
 from contbed.cfd_dem.closures import GIVES
 from contbed.closures.binding import bind
-from contbed.dem.dumps import is_dump
+from contbed.dem.particle_files import read_particles, tells_radii
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.tables import FluidCantera, FluidConstant
 from contbed.scene.toml_lines import Origin
+
+ROUNDING = 1e-9  # relative, of lengths that are meant to be equal
 
 
 def one_source(particles: g.GasParticles, origin: Origin, see: See) -> Mistakes:
@@ -25,8 +27,21 @@ def one_source(particles: g.GasParticles, origin: Origin, see: See) -> Mistakes:
     path = origin.base / particles.file
     if "\0" in particles.file or not path.is_file():
         yield ("particles", "file"), f"no such file; looked for {path.absolute()}"
-    elif particles.radius is None and not is_dump(path):
+    elif particles.radius is None and not tells_radii(path):
         yield ("particles", "radius"), f"missing; {particles.file} has none"
+
+
+def cells_fit_into_the_box(particles: g.GasParticles, gas: g.GasFlow, origin: Origin, see: See) -> Mistakes:
+    """Require at least two cells of the gas above each other."""
+    if particles.file is not None and ("\0" in particles.file or not (origin.base / particles.file).is_file()):
+        return
+    high = _cell(particles, gas, origin)[1]
+    if high > 0.0 and round(gas.height / high) < 2:
+        yield (
+            ("gas", "cell", 1),
+            f"cells of {high:.3g} m leave {max(1, round(gas.height / high))} in the height of {gas.height:.3g} m, at "
+            f"least 2 are needed; cells count in particle diameters; see {see('gas.height')}",
+        )
 
 
 def fluid_is_complete(fluid: FluidConstant | FluidCantera) -> Mistakes:
@@ -80,7 +95,7 @@ def file_can_be_used(particles: g.GasParticles, gas: g.GasFlow, origin: Origin) 
     if particles.file is None or particles.count is not None or "\0" in particles.file:
         return
     path = origin.base / particles.file
-    if not path.is_file() or (particles.radius is None and not is_dump(path)):
+    if not path.is_file() or (particles.radius is None and not tells_radii(path)):
         return
     from contbed.cfd_dem.plan import read, require_room, simulation_of
 
@@ -92,8 +107,38 @@ def file_can_be_used(particles: g.GasParticles, gas: g.GasFlow, origin: Origin) 
         yield ("particles", "file"), str(error)
 
 
+def poisson_ratio_is_of_a_solid(particles: g.GasParticles) -> Mistakes:
+    """Look for a Poisson's ratio that only special foams have."""
+    if particles.poisson_ratio < 0.0:
+        yield (
+            ("particles", "poisson_ratio"),
+            "is negative: only re-entrant foams have this; glass, metals, rock and polymers have 0.1 to 0.5",
+        )
+
+
+def cells_lie_inside_of_the_bed(particles: g.GasParticles, gas: g.GasFlow, origin: Origin) -> Mistakes:
+    """Look for cells of the gas wider than the bed, which become one cell."""
+    for axis, (width, cell) in enumerate(zip(particles.width, (_cell(particles, gas, origin)[0],) * 2, strict=True)):
+        if cell > width * (1.0 + ROUNDING):
+            yield (
+                ("gas", "cell", 0),
+                f"{cell:.3g} m in {'xy'[axis]}, the bed is {width:.3g} m wide: one cell, which tells nothing across; "
+                "cells count in particle diameters",
+            )
+
+
+def _cell(particles: g.GasParticles, gas: g.GasFlow, origin: Origin) -> tuple[float, float]:
+    """Width and height of the cells of the gas [m] that the scene asks for; 0 where no radius is known."""
+    radius = particles.radius
+    if radius is None and particles.file is not None and tells_radii(origin.base / particles.file):
+        radius = float(read_particles(origin.base / particles.file).radius.max())
+    wide, high = (2.0 * (radius or 0.0) * size for size in gas.cell)
+    return wide, high
+
+
 CHECKS = (
     one_source,
+    cells_fit_into_the_box,
     fluid_is_complete,
     closures_exist,
     jet_is_in_the_floor,
@@ -102,3 +147,4 @@ CHECKS = (
     closure_is_of_a_fixed_bed,
     file_can_be_used,
 )
+WARNINGS = (poisson_ratio_is_of_a_solid, cells_lie_inside_of_the_bed)

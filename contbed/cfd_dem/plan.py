@@ -142,10 +142,8 @@ def read(table: GasParticles, base: Path) -> Particles:
     """
     assert table.file is not None
     found = read_particles(base / table.file, table.radius)
-    if found.low is None:
-        return Particles(found.x, found.radius)
     velocity = 0.0 if table.fixed or found.velocity is None else found.velocity
-    return Particles(found.x - found.low, found.radius, velocity=velocity)
+    return Particles(found.x - (0.0 if found.low is None else found.low), found.radius, velocity=velocity)
 
 
 def require_room(table: GasParticles, gas: GasFlow, particles: Particles, origin: Origin) -> None:

@@ -44,8 +44,12 @@ class GasParticles(Table):
     """Equal spheres in a box that is open above; those of a file keep their own radii and speeds if it has them."""
 
     count: Annotated[Whole, Field(ge=1)] | None = Field(None, description="settled from a random start")
-    file: str | None = Field(None, description="in place of count: text with x,y,z in metres, or a dump")
-    radius: Length | None = Field(None, description="of equal spheres; a dump brings its own")
+    file: str | None = Field(
+        None, description="in place of count: x,y,z in metres with commas, a .vtu of contbed, or a dump"
+    )
+    radius: Length | None = Field(
+        None, description="of equal spheres; a dump, a .vtu and a column radius bring their own"
+    )
     width: Width
     periodic: Switch = Field(False, description="sides")
     seed: Annotated[Whole, Field(ge=0)] = 0
@@ -59,7 +63,10 @@ class GasParticles(Table):
     exponents: tuple[Positive, Positive] = Field(
         (1 / 3, 1 / 5), description="of the correction of contacts at rest and of impacts; the paper: 1/5, 2/15"
     )
-    poisson_ratio: Annotated[Number, Field(gt=-1, le=0.5)] = 0.3
+    # re-entrant foams reach -0.7: Lakes 1987, Science 235, 1038, doi:10.1126/science.235.4792.1038
+    poisson_ratio: Annotated[Number, Field(ge=-0.7, le=0.5)] = Field(
+        0.3, description="0.1 to 0.5 of solids; only foams made for it are negative, down to -0.7"
+    )
     restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
     sliding_friction: NonNegative = 0.3
     rolling_friction: NonNegative = Field(0.0, description="arm over the effective radius")

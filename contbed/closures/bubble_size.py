@@ -17,7 +17,13 @@ _DARTON = "Darton, LaNauze, Davidson, Harrison 1977, Trans. Inst. Chem. Eng. 55,
 _MIWA = "Miwa, Mori, Kato, Muchi 1972, Int. Chem. Eng. 12, 181-187"
 
 
-@closure(kind="bubble_size", unit="m", ranges={"D_bed": (0.3, 1.3), "u_excess": (0.0, 0.48)}, source=_MORI_WEN)
+@closure(
+    kind="bubble_size",
+    unit="m",
+    ranges={"D_bed": (0.3, 1.3), "u_excess": (0.0, 0.48)},
+    source=_MORI_WEN,
+    bounds={"d_b0": "(0, inf)"},
+)
 def bubble_size_mori_wen(z: Value, d_b0: Value, u_excess: Value, D_bed: Value) -> Value:
     """Mori and Wen (1975): growth of bubbles from the distributor to a largest size.
 

@@ -10,7 +10,7 @@ _SOUZA = "Souza-Santos 2010, Solid Fuels Combustion and Gasification, 2nd editio
 _TOOMEY = "Toomey, Johnstone 1952, Chem. Eng. Prog. 48, 220-226"
 
 
-@closure(kind="bubble_fraction", unit="-", ranges={"u/u_mf": (1.0, _INF)}, source=_KL)
+@closure(kind="bubble_fraction", unit="-", ranges={"u/u_mf": (1.0, _INF)}, source=_KL, bounds={"u": "(0, inf)"})
 def bubble_fraction_kunii_levenspiel(u: Value, u_mf: Value, u_b: Value, eps_mf: Value) -> Value:
     """Kunii and Levenspiel (1991): volume of bubbles, by how fast they rise past the gas of the emulsion.
 
@@ -31,7 +31,7 @@ def bubble_fraction_kunii_levenspiel(u: Value, u_mf: Value, u_b: Value, eps_mf: 
     return (1.0 - vigorous) * (u - u_mf) / (u_b + s * u_mf) + vigorous * u / u_b
 
 
-@closure(kind="bubble_fraction", unit="-", ranges={"u/u_mf": (1.0, _INF)}, source=_TOOMEY)
+@closure(kind="bubble_fraction", unit="-", ranges={"u/u_mf": (1.0, _INF)}, source=_TOOMEY, bounds={"u": "(0, inf)"})
 def bubble_fraction_two_phase(u: Value, u_mf: Value, u_b: Value) -> Value:
     """Toomey and Johnstone (1952): all gas beyond minimum fluidization flows as bubbles.
 

@@ -146,7 +146,13 @@ def optics(species: Sequence[Species], packing: str = "close_packed", anisotropy
     return optical_coefficients(fractions, sizes, emissivities, packing, anisotropy)
 
 
-@closure(kind="radiation", unit="W/m/K", ranges={"T": (0, float("inf")), "beta": (0, float("inf"))}, source=_ROSSELAND)
+@closure(
+    kind="radiation",
+    unit="W/m/K",
+    ranges={"T": (0, float("inf")), "beta": (0, float("inf"))},
+    source=_ROSSELAND,
+    bounds={"beta": "(0, inf)"},
+)
 def radiation_rosseland(T: Value, beta: Value) -> Value:
     """Rosseland (1931): radiation in a thick medium as heat conduction.
 

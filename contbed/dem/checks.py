@@ -6,9 +6,9 @@ import numpy as np
 
 from contbed.dem import dumps
 from contbed.dem import scene as p
-from contbed.dem.particle_files import FileParticles, missing_step, read_particles
+from contbed.dem.particle_files import FileParticles, missing_step, read_particles, tells_radii
 from contbed.dem.plan import porosity_of
-from contbed.scene.checking import Mistakes, See
+from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.toml_lines import Origin
 
 
@@ -86,7 +86,7 @@ def file_can_be_used(
         if particles.step not in [frame.step for frame in frames]:
             yield ("particles", "step"), missing_step(frames)
             return
-    if particles.radius is None and not dumps.is_dump(path):
+    if particles.radius is None and not tells_radii(path):
         yield ("particles", "radius"), f"missing; {particles.file} has none"
         return
     found = read_particles(path, particles.radius, particles.step)
@@ -125,3 +125,4 @@ CHECKS = (
     columns_have_no_radiation,
     file_can_be_used,
 )
+WARNINGS: tuple[Check, ...] = ()

@@ -1,4 +1,4 @@
-"""Particles of other programs: text dumps of LIGGGHTS and LAMMPS (`dump custom`), and plain tables of positions.
+"""Particles of other programs: text dumps of LIGGGHTS and LAMMPS (`dump custom`).
 
 A dump needs x y z (or xu yu zu, unwrapped, or the scaled xs ys zs) and radius or diameter; a temperature is taken from
 a column `temperature`, `Temp` or `f_Temp`, as the programs' heat fixes write it. Files ending in .gz are unpacked.
@@ -83,7 +83,7 @@ def read_dump(path: Path | str) -> list[Frame]:
     ------
     SceneError : with file and line, where the dump is truncated, has no radius, or is no dump at all
     """
-    lines = _Lines(Path(path))
+    lines = Lines(Path(path))
     frames = []
     while (line := lines.next_or_none()) is not None:
         if not line.strip() or _skip_optional(line, lines):
@@ -98,23 +98,13 @@ def read_dump(path: Path | str) -> list[Frame]:
 
 def is_dump(path: Path | str) -> bool:
     """Check whether a file starts as a dump does."""
-    line = _Lines(Path(path)).next_or_none()
+    if Path(path).suffix.lower() == ".vtu":  # which may be binary
+        return False
+    line = Lines(Path(path)).next_or_none()
     return line is not None and line.startswith("ITEM:")
 
 
-def read_positions(path: Path | str) -> Array:
-    """Read centres x,y,z [m] of a table with commas; lines that start with # are comments."""
-    lines = _Lines(Path(path))
-    rows = []
-    while (line := lines.next_or_none()) is not None:
-        if line.strip() and not line.lstrip().startswith("#"):
-            rows.append(lines.numbers(line, 3, ","))
-    if not rows:
-        raise SceneError(f"{path}:1: no particle in this file")
-    return np.array(rows)
-
-
-class _Lines:
+class Lines:
     """Lines of a file with their numbers."""
 
     def __init__(self, path: Path):
@@ -130,21 +120,25 @@ class _Lines:
         self.lines, self.ended = text.splitlines(), text.endswith("\n")
 
     def next_or_none(self) -> str | None:
+        """Return the next line; None after the last one."""
         if self.number >= len(self.lines):
             return None
         self.number += 1
         return self.lines[self.number - 1]
 
     def next(self, wanted: str) -> str:
+        """Return the next line, where `wanted` should stand; SceneError after the last one."""
         line = self.next_or_none()
         if line is None:
             raise self.error(f"truncated: the file ends where {wanted} should follow")
         return line
 
     def error(self, text: str) -> SceneError:
+        """Return an error at the present line."""
         return SceneError(f"{self.path}:{max(self.number, 1)}: {text}")
 
     def numbers(self, line: str, count: int, separator: str | None = None) -> list[float]:
+        """Return the `count` finite numbers of a line; SceneError if these are not what it holds."""
         words = line.split(separator)
         try:
             found = [float(word) for word in words]
@@ -155,7 +149,7 @@ class _Lines:
         return found
 
 
-def _skip_optional(line: str, lines: _Lines) -> bool:
+def _skip_optional(line: str, lines: Lines) -> bool:
     """Skip units and times, which LAMMPS may write before a step; return whether the line was one."""
     if not line.startswith(_OPTIONAL) or line.startswith("ITEM: TIMESTEP"):
         return False
@@ -163,7 +157,7 @@ def _skip_optional(line: str, lines: _Lines) -> bool:
     return True
 
 
-def _frame(line: str, lines: _Lines) -> Frame:
+def _frame(line: str, lines: Lines) -> Frame:
     if line.strip() != "ITEM: TIMESTEP":
         raise lines.error(f"no text dump of LIGGGHTS or LAMMPS: expected 'ITEM: TIMESTEP', found {line[:60]!r}")
     step = int(lines.numbers(lines.next("the step"), 1)[0])
@@ -199,7 +193,7 @@ def _frame(line: str, lines: _Lines) -> Frame:
     return Frame(step, x, radius, T, *box, columns, where[order], line_count, line_box)
 
 
-def _rows(lines: _Lines, have: int, names: list[str]) -> Array:
+def _rows(lines: Lines, have: int, names: list[str]) -> Array:
     """Read the columns of the next `have` lines; columns of text, such as an element, are nan."""
     rows: list[list[float]] = []
     for _ in range(have):
@@ -218,7 +212,7 @@ def _floats(words: list[str]) -> Iterator[float]:
             yield float("nan")
 
 
-def _box(line: str, lines: _Lines) -> tuple[Array, Array, tuple[bool, ...]]:
+def _box(line: str, lines: Lines) -> tuple[Array, Array, tuple[bool, ...]]:
     words = line.split()[3:]
     if "xy" in words:
         raise lines.error("a tilted box; contbed reads orthogonal ones")
@@ -228,7 +222,7 @@ def _box(line: str, lines: _Lines) -> tuple[Array, Array, tuple[bool, ...]]:
     return bounds[:, 0], bounds[:, 1], tuple(kind == "pp" for kind in kinds)
 
 
-def _positions(columns: dict[str, Array], box: tuple[Array, Array, tuple[bool, ...]], lines: _Lines) -> Array:
+def _positions(columns: dict[str, Array], box: tuple[Array, Array, tuple[bool, ...]], lines: Lines) -> Array:
     low, high, _ = box
     for names, scaled in ((("x", "y", "z"), False), (("xu", "yu", "zu"), False), (("xs", "ys", "zs"), True)):
         if all(name in columns for name in names):
@@ -237,7 +231,7 @@ def _positions(columns: dict[str, Array], box: tuple[Array, Array, tuple[bool, .
     raise lines.error(f"no positions: the columns are {' '.join(columns)}; dump x y z")
 
 
-def _radii(columns: dict[str, Array], lines: _Lines) -> Array:
+def _radii(columns: dict[str, Array], lines: Lines) -> Array:
     if "radius" in columns:
         return columns["radius"]
     if "diameter" in columns:

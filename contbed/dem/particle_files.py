@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.dem import dumps
+from contbed.dem.particle_tables import has_radii, read_table
 from contbed.errors import SceneError
 from contbed.fields import field
 from contbed.output.files import atomic
@@ -41,12 +42,12 @@ class FileParticles(NamedTuple):
 
 
 def read_particles(path: Path, radius: float | None = None, step: int | None = None) -> FileParticles:
-    """Read the particles of a dump, or of a table of positions.
+    """Read the particles of a dump or of a table.
 
     Parameters
     ----------
-    path : dump of LIGGGHTS or LAMMPS, or a table x,y,z; .gz is unpacked
-    radius : of all spheres [m]; None: as the dump says
+    path : dump of LIGGGHTS or LAMMPS, a table with commas, or a VTU file of contbed; .gz of text is unpacked
+    radius : of all spheres [m]; None: as the file says
     step : of a dump; None: the last one
 
     Raises
@@ -64,10 +65,11 @@ def read_particles(path: Path, radius: float | None = None, step: int | None = N
 def _read(path: Path, radius: float | None, step: int | None, stamp: tuple[int, int]) -> FileParticles:
     """Read a file and keep it for the checks of a scene and its plan, until `stamp` changes."""
     if not dumps.is_dump(path):
-        x = dumps.read_positions(path)
-        if radius is None:
-            raise SceneError(f"{path}:1: no radius; set particles.radius")
-        return FileParticles(x, np.full(len(x), radius))
+        table = read_table(path)
+        given = table.radius if radius is None else np.full(len(table.x), radius)
+        if given is None:
+            raise SceneError(f"{path}:1: no radius; set particles.radius, or add a column radius")
+        return FileParticles(table.x, given, table.velocity)
     frames = dumps.read_dump(path)
     frame = frames[-1] if step is None else next((frame for frame in frames if frame.step == step), None)
     if frame is None:
@@ -78,6 +80,11 @@ def _read(path: Path, radius: float | None, step: int | None, stamp: tuple[int, 
     velocity = np.stack(known, axis=1) if len(known) == 3 else None
     radii = frame.radius if radius is None else np.full(len(frame.x), radius)
     return FileParticles(_wrapped(frame), radii, velocity, frame.low, frame.high, frame.periodic)
+
+
+def tells_radii(path: Path) -> bool:
+    """Whether a file of particles has their radii, so that the scene need not give one."""
+    return dumps.is_dump(path) or has_radii(path)
 
 
 def _wrapped(frame: dumps.Frame) -> Array:

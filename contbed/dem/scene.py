@@ -45,7 +45,7 @@ class Lattice(Table):
 
 
 class Particles(Table):
-    """Spheres from a file: text with x,y,z in metres, or a dump (`ITEM: TIMESTEP` first); .gz is unpacked."""
+    """Spheres from a file: x,y,z in metres with commas, a .vtu of contbed, or a dump (`ITEM: TIMESTEP` first)."""
 
     file: str = Field(description="path relative to the scene")
     radius: Length | None = Field(None, description="of equal spheres; a dump brings its own")

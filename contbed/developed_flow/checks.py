@@ -8,7 +8,9 @@ from contbed.developed_flow.closures import GIVES, KINDS
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.toml_lines import Origin
+from contbed.two_fluid.scene import Gas
 
+LAMINAR = 2300.0  # Reynolds number of the section's width up to which the flow of a gas alone is laminar
 MIN_PARTICLES_PER_RADIUS = 5.0  # least number of particles between centre and wall
 
 
@@ -32,4 +34,16 @@ def particles_fit(fully_developed: d.FullyDeveloped, solid: d.Solid, see: See) -
         )
 
 
+def gas_is_laminar(fully_developed: d.FullyDeveloped, gas: Gas) -> Mistakes:
+    """Look for a gas that would be turbulent, which the model leaves out."""
+    Re = 2.0 * fully_developed.radius * fully_developed.velocity * gas.density / gas.viscosity
+    if Re > LAMINAR:
+        yield (
+            ("fully_developed", "velocity"),
+            f"the gas alone would be turbulent, Re = {Re:.3g} above {LAMINAR:g}, and the model has no turbulence of "
+            "the gas; profiles hold where particles carry the stress; compare them with a measurement",
+        )
+
+
 CHECKS = (closures_exist, particles_fit)
+WARNINGS = (gas_is_laminar,)

@@ -17,8 +17,6 @@ from contbed.scene.mesh import REGION
 
 GRADED = 3.5  # of tanh: the last cell is thinner than the first by a factor of cosh^2
 
-LAMINAR = 2300.0  # Reynolds number of the section's width up to which the flow of a gas alone is laminar
-
 
 @dataclass(frozen=True)
 class DevelopedPlan:
@@ -29,7 +27,6 @@ class DevelopedPlan:
     mesh: Mesh
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
-    warnings: tuple[str, ...] = ()
     without_weak_form: str = ""
     steps: bool = False
 
@@ -50,7 +47,7 @@ class DevelopedPlan:
         return replace(self, mesh=replace(line(nodes, self.mesh.axisymmetric), engine=self.mesh.engine))
 
     def __str__(self) -> str:
-        return described(self, *(f"WARNING {text}" for text in self.warnings))
+        return described(self)
 
 
 def plan(scene: d.DevelopedScene) -> DevelopedPlan:
@@ -68,20 +65,7 @@ def plan(scene: d.DevelopedScene) -> DevelopedPlan:
     (built if scene.solver.branches and table.solid_flux else skipped).append(
         ("other branches", "looked for" if scene.solver.branches else "solver.branches = false")
     )
-    return DevelopedPlan(scene, coefficients(scene), mesh, tuple(built), tuple(skipped), _warnings(scene))
-
-
-def _warnings(scene: d.DevelopedScene) -> tuple[str, ...]:
-    """Return what the model leaves out though the flow has it."""
-    table, gas = scene.fully_developed, scene.gas
-    Re = 2.0 * table.radius * table.velocity * gas.density / gas.viscosity
-    if Re <= LAMINAR:
-        return ()
-    text = (
-        f"the gas alone would be turbulent, Re = {Re:.3g} above {LAMINAR:g}, and the model has no turbulence of the gas"
-    )
-    more = "profiles hold where particles carry the stress; compare them with a measurement"
-    return (f"{scene.origin.at(('fully_developed', 'velocity'))}: fully_developed.velocity: {text}; {more}",)
+    return DevelopedPlan(scene, coefficients(scene), mesh, tuple(built), tuple(skipped))
 
 
 def coefficients(scene: d.DevelopedScene) -> Coefficients:

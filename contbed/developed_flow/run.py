@@ -28,7 +28,6 @@ MAX_BRANCH_POINTS = 60  # solutions along the branch in that search
 def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
     """Solve and fill the result; a steady run is quick, so that `folder`, `quiet` and `start` are not used."""
     meant = plan.scene.fully_developed.theta_centre
-    result.warnings += plan.warnings
     problem = DevelopedProblem(plan)
     try:
         state, history = problem.solve(meant or START_THETA)

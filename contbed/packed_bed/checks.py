@@ -12,6 +12,7 @@ from contbed.packed_bed.inlets import enters, role, velocity_vector
 from contbed.radiation.checks import (
     particles_have_a_size_and_fit_together,
     radiation_is_complete,
+    species_fill_the_solids,
     tubes_see_radiation,
 )
 from contbed.radiation.scene import Radiation
@@ -287,6 +288,7 @@ CHECKS: tuple[Check, ...] = (
     a_steady_temperature_is_determined,
     closures_exist,
 )
+WARNINGS: tuple[Check, ...] = (species_fill_the_solids,)
 
 
 def _temperatures(phases: Iterable[str], boundary: Boundaries, time: s.Time | None) -> Iterator[tuple[KeyPath, float]]:

@@ -76,13 +76,6 @@ class Plan:
         return "fronts tracked along characteristics (a bed at rest without conduction)" if self.fronts else ""
 
     @property
-    def power_unit(self) -> str:
-        """Unit of a heat flow: per area of the section on a line, per depth in a plane."""
-        mesh = self.scene.mesh
-        round_bed = isinstance(mesh, MeshAxisymmetric) or getattr(mesh, "axisymmetric", False)
-        return "W" if round_bed else {1: "W/m2", 2: "W/m", 3: "W"}[mesh.dimension]
-
-    @property
     def adaptations(self) -> int:
         """How often the mesh of a steady scene may be refined where the estimated error exceeds the tolerance."""
         rounds, grid = self.solved.solver.adapt, self.solved.mesh

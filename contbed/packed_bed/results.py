@@ -13,6 +13,7 @@ from contbed.packed_bed.heat import INSIDE
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.pressure import along_bed
 from contbed.result import Result
+from contbed.scene.mesh import power_units
 
 VARIES = 1.05  # ratio of densities along a bed with no-slip walls beyond which a warning is given
 APART = 0.01  # difference of theta at which the phases count as being in equilibrium
@@ -63,8 +64,7 @@ def steady_findings(
         # a boundary may be called tubes as well
         name = "heat_tubes_W" if "tubes" not in reactions else "heat_immersed_tubes_W"
         result.qoi[name] = fluxes[INSIDE]["tubes"]
-    result.units |= {key: plan.power_unit for key in result.qoi if key.startswith("heat_") and key.endswith("_W")}
-    result.units |= {key: plan.power_unit for key in ("duty_W",) if key in result.qoi}
+    result.units |= power_units(result.qoi, plan.scene.mesh)
     if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
         x = result.profiles[header(plan.coordinate)]
         gap = _theta(solid, span) - _theta(fluid, span)

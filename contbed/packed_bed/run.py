@@ -8,15 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from contbed.balance import Balance
+from contbed.balance import HELD_SHARE, Balance
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Line, line_along
 from contbed.packed_bed.plan import Plan
 from contbed.result import Result, outside
 
-# share of the heat above 0 K in streams and bed below which rounding of temperatures blurs a balance: rounding is 1e-13
-# of that heat (test_computed_flow_conserves_and_keeps_a_uniform_temperature, where nothing else crosses)
-NOTICED = 1e-2
 RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "output", "solver.memory_GB")
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
 
@@ -105,7 +102,7 @@ def _heat_balance(fluxes: Any, reactions: Any, source: float, stored: float, uni
     `held` is the heat that streams and bed hold, the scale of the balance.
     """
     parts = [value for flux in fluxes.values() for value in flux.values()] + list(reactions.values())
-    return Balance.of_fluxes(parts, unit, source, stored, NOTICED * held).as_dict()
+    return Balance.of_fluxes(parts, unit, source, stored, HELD_SHARE * held).as_dict()
 
 
 def _steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, dict[str, Any]]:

@@ -18,6 +18,8 @@ from contbed.scene.mesh_checks import (
 )
 from contbed.scene.tables import Packing
 
+MISSING_SOLIDS = 1e-3  # share of the solids that species may leave out without a word: rounding of what is written
+
 
 def tubes_see_radiation(heat: Any | None, radiation: Radiation | None, region: Mapping[str, Any]) -> Mistakes:
     """Check that tubes come with [heat] and a radiation level that includes them."""
@@ -104,6 +106,20 @@ def particles_have_a_size_and_fit_together(radiation: Radiation | None, bed: Pac
         yield ("radiation",), "nothing stops a ray: absorption, or scattering with anisotropy < 1, must be above 0"
 
 
+def species_fill_the_solids(radiation: Radiation | None, bed: Packing | None, see: See) -> Mistakes:
+    """Look for solids of the bed that no species describes."""
+    if radiation is None or bed is None or not radiation.species:
+        return
+    filled = sum(species.volume_fraction for species in radiation.species.values())
+    solids = 1.0 - bed.porosity
+    if filled < solids * (1.0 - MISSING_SOLIDS):
+        yield (
+            ("radiation", "species"),
+            f"the volume fractions sum to {filled:g}, the solids of the bed are {solids:g} of its volume: the others "
+            f"neither absorb nor scatter; see {see('bed.porosity')}",
+        )
+
+
 def walls_without_solid_temperature(heat: Any, boundary: Mapping[str, Any]) -> list[str]:
     """Return the radiating boundaries on which the solid does not have the wall's temperature."""
     found = []
@@ -132,3 +148,4 @@ CHECKS: tuple[Check, ...] = (
     positions_lie_in_the_bed,
     the_line_of_profiles_fits_the_mesh,
 )
+WARNINGS: tuple[Check, ...] = (species_fill_the_solids,)

@@ -10,6 +10,7 @@ from contbed.fem.probe import Line
 from contbed.fields import header
 from contbed.radiation.plan import Plan
 from contbed.result import Result
+from contbed.scene.mesh import power_units
 
 
 def fill(
@@ -38,6 +39,7 @@ def fill(
     extent = float(np.ptp(plan.mesh.skfem.p[plan.mesh.axis]))
     result.qoi |= {"optical_thickness": optics.extinction * extent, "albedo": optics.scattering / optics.extinction}
     result.qoi |= {f"heat_{name}_W": value + conducted[name] for name, value in fluxes.items()}
+    result.units |= power_units(result.qoi, plan.scene.mesh)
     plates = [surface.power for _, _, surface in problem.surfaces]
     if plan.mesh.skfem.dim() == 1 and len(plates) == 2 and plates[0] != plates[1]:
         first = problem.surfaces[0][0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contbed.balance import Balance
+from contbed.balance import HELD_SHARE, Balance
 from contbed.fem.probe import line_along
 from contbed.radiation.plan import Plan
 from contbed.radiation.problem import RadiationProblem, emission
@@ -14,8 +14,6 @@ from contbed.result import Result
 
 if TYPE_CHECKING:
     from contbed.radiation.ordinates import OrdinatesProblem
-
-NOTICED = 1e-2  # share of the emission of medium and walls below which rounding blurs a balance
 
 
 def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
@@ -29,7 +27,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     fluxes, conducted = problem.fluxes(state), problem.conducted(problem.assemble(state, False)[0])
     held = emission(problem.optics, problem.surfaces, plan.mesh, 1.0)
     result.balances["energy"] = Balance.of_fluxes(
-        [*fluxes.values(), *conducted.values()], "W", problem.released(state), floor=NOTICED * held
+        [*fluxes.values(), *conducted.values()], "W", problem.released(state), floor=HELD_SHARE * held
     ).as_dict()
     fill(plan, line, problem, state, fluxes, conducted, result)
 

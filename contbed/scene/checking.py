@@ -3,6 +3,7 @@
 A check is a generator over the tables that its parameters name, and yields (key path, what is wrong). It is left out
 when the schema has rejected one of these tables, or when one is absent that its parameter does not allow to be None.
 `see` says where the other one of two contradicting keys stands; `origin` knows the file and its folder.
+Warnings are such generators too: they yield what is possible but seldom meant.
 """
 
 from __future__ import annotations

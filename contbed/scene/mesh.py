@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
@@ -97,6 +98,13 @@ class MeshFile(Table):
     scale: Positive = Field(1.0, description="factor from the file's length unit to metres")
     size: Length | None = Field(None, description="target cell size for a .geo; its own sizes if absent")
     refine: Whole = Field(0, ge=0, le=8)
+
+
+def power_units(names: Iterable[str], mesh: Mesh) -> dict[str, str]:
+    """Return the unit of each heat flow among named results: per area of section on a line, per depth in a plane."""
+    round_bed = isinstance(mesh, MeshAxisymmetric) or getattr(mesh, "axisymmetric", False)
+    unit = "W" if round_bed else {1: "W/m2", 2: "W/m", 3: "W"}[mesh.dimension]
+    return {name: unit for name in names if name == "duty_W" or (name.startswith("heat_") and name.endswith("_W"))}
 
 
 Mesh = Annotated[MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox | MeshFile, Field(discriminator="type")]

@@ -145,8 +145,14 @@ class SceneBase(Table):
     title: str = ""
 
     _origin: Origin = PrivateAttr(default_factory=Origin)
+    _warnings: tuple[str, ...] = PrivateAttr(())
 
     @property
     def origin(self) -> Origin:
         """Where the values come from: a name for messages, the lines of the keys, the folder of the file."""
         return self._origin
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the scene says that is possible but seldom meant, each with file, line and key."""
+        return self._warnings

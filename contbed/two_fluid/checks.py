@@ -14,6 +14,7 @@ from contbed.scene.toml_lines import Origin
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, GIVES, HEAT_KINDS, KINDS
 from contbed.two_fluid.heat.scene import Heat
+from contbed.two_fluid.warnings import WARNINGS as WARNINGS
 
 MIN_PRESSURE = 1e3  # [Pa] of an ideal gas; below, its mean free path is no longer small beside the particles
 MAX_TEMPERATURE = 6000.0  # [K]; above, gases dissociate and no particle is solid

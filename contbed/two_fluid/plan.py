@@ -12,7 +12,7 @@ from contbed.mesh.build import build
 from contbed.mesh.mesh import Mesh
 from contbed.models import described
 from contbed.scene.mesh import MeshFile
-from contbed.two_fluid import boundary, closure_kernels, plausibility, probes
+from contbed.two_fluid import boundary, closure_kernels, probes, warnings
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, bound
 from contbed.two_fluid.fv import grid
@@ -122,8 +122,8 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
     if scene.output.window is not None and cells.dimension > 1:
         skipped.append(("fully developed flow", "[fully_developed] gives profiles far from the inlet in a second"))
     points = probes.cells(mesh, cells, scene.output.probes)
-    warnings = plausibility.warnings(scene, mesh, cells)
-    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, warnings)
+    seldom_meant = warnings.of_the_mesh(scene, mesh, cells)
+    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, seldom_meant)
 
 
 def _require_resolved(scene: t.TwoFluidScene, mesh: Mesh, cells: grid.Grid) -> None:

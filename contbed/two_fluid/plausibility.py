@@ -1,4 +1,4 @@
-"""What is possible in a two-fluid scene but seldom meant, and what a run cannot have found."""
+"""What a two-fluid run cannot have found: speeds, pressures and temperatures beyond all that its scene gives."""
 
 from __future__ import annotations
 
@@ -8,82 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed.errors import ConvergenceError
-from contbed.mesh.mesh import Mesh
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.boundary import GIVEN, OUTLET
-from contbed.two_fluid.closures import ABSENT
-from contbed.two_fluid.fv.grid import Grid
 
 if TYPE_CHECKING:
     from contbed.two_fluid.simulation import Simulation
 
-Remark = tuple[tuple[str | int, ...], str]  # key path and what is said of it
 DOUBTED, REFUSED = 1.5, 10.0  # factors on a bound beyond which a run warns, and fails
 EXPANSION = 3.0  # speed of particles that expand into an empty space, over the root of their granular temperature
-AXIS = 1e-9  # share of the extent from which a mesh counts as off the axis
 REMEDY = "the run is not stable: leave out time.step or lower it, lower time.courant, or refine the mesh"
-
-
-def warnings(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> tuple[str, ...]:
-    """Return what the scene says that is possible but seldom meant, each with file:line and key."""
-    found: list[Remark] = [*_of_times(scene), *_of_particles(scene), *_of_inlets(scene)]
-    extents = np.ptp(mesh.skfem.p[:, mesh.skfem.t], axis=1)  # (dim, nc)
-    d_p = scene.solid.particle_diameter
-    if (smallest := float(extents.min())) < d_p:
-        text = f"larger than the smallest cell, {smallest:.3g} m; averages over a cell need many particles in it"
-        found.append((("solid", "particle_diameter"), text))
-    low, high = float(mesh.skfem.p[-1].min()), float(mesh.skfem.p[-1].max())
-    for k, layer in enumerate(scene.initial.layer):
-        for key in layer.model_fields_set & {"start", "end"}:
-            if not low - AXIS * (high - low) <= (place := getattr(layer, key)) <= high + AXIS * (high - low):
-                text = f"{place:g} m is outside of the vessel, which reaches from {low:.6g} to {high:.6g} m"
-                found.append((("initial", "layer", k, key), text))
-    if grid.axisymmetric and (inner := float(mesh.skfem.p[0].min())) > AXIS * float(np.ptp(mesh.skfem.p[0])):
-        found.append((("mesh",), f"axisymmetric, but no cell touches the axis: an annulus from r = {inner:.4g} m"))
-    return tuple(f"{scene.origin.at(where)}: {_dotted(where)}: {text}" for where, text in found)
-
-
-def _dotted(where: tuple[str | int, ...]) -> str:
-    return ".".join(str(step + 1 if isinstance(step, int) else step) for step in where)
-
-
-def _of_times(scene: t.TwoFluidScene) -> list[Remark]:
-    time = scene.time
-    found: list[Remark] = []
-    for key in ("sample", "fields"):
-        if (value := getattr(time, key)) is not None and value > time.end:
-            found.append((("time", key), f"{value:g} s is longer than the run of {time.end:g} s: written at its end"))
-    for name, part in scene.boundary.items():
-        if isinstance(part, t.Inlet) and part.until is not None and part.until >= time.end:
-            found.append((("boundary", name, "until"), f"{part.until:g} s is not before the end, {time.end:g} s"))
-    return found
-
-
-def has_particles(scene: t.TwoFluidScene) -> bool:
-    """Whether there are particles at the start, or some enter."""
-    start = scene.initial.eps_s, *(layer.eps_s or 0.0 for layer in scene.initial.layer)
-    return any(start) or any(isinstance(part, t.Inlet) and part.eps_s > 0 for part in scene.boundary.values())
-
-
-def _of_particles(scene: t.TwoFluidScene) -> list[Remark]:
-    found: list[Remark] = []
-    if not has_particles(scene):
-        found.append((("initial", "eps_s"), "no particles at the start, and none enter: a flow of gas alone"))
-    if scene.gas.density >= scene.solid.density:
-        found.append((("gas", "density"), f"the gas is not lighter than the particles, {scene.solid.density:g} kg/m3"))
-    return found
-
-
-def _of_inlets(scene: t.TwoFluidScene) -> list[Remark]:
-    found: list[Remark] = []
-    inlets = {name: part for name, part in scene.boundary.items() if isinstance(part, t.Inlet)}
-    for name, part in inlets.items():
-        if part.velocity == 0.0 and part.eps_s == 0.0:
-            found.append((("boundary", name, "velocity"), "0 m/s: nothing enters; a closed boundary is a wall"))
-    blows = any(part.velocity > 0 for part in inlets.values())
-    if scene.two_fluid.drag == ABSENT and blows and scene.two_fluid.gravity > 0 and has_particles(scene):
-        found.append((("two_fluid", "drag"), "without drag the gas that enters does not carry the particles"))
-    return found
 
 
 def largest_speed(scene: t.TwoFluidScene, bed: Simulation) -> float:

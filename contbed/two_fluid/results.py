@@ -69,15 +69,16 @@ def row(bed: Simulation) -> list[float]:
 
 
 def _temperatures(bed: Simulation, heat: Energy) -> list[float]:
-    """Means by mass, and the hottest gas and particles."""
+    """Means by mass, and the hottest gas and particles; those of particles are nan where none are left."""
     volume = bed.model.grid.geometry.volume
     gas, solid = heat.mass * volume, bed.state.eps_s * volume
-    hottest = float(np.max(heat.T_solid, where=bed.state.eps_s > MIN_REPORTED_FRACTION, initial=0.0))
+    hottest = float(np.max(heat.T_solid, where=bed.state.eps_s > MIN_REPORTED_FRACTION, initial=-np.inf))
+    held = float(solid.sum())
     return [
         float(gas @ heat.T_gas / gas.sum()),
-        float(solid @ heat.T_solid / max(solid.sum(), 1e-300)),
+        float(solid @ heat.T_solid) / held if held > 0.0 else np.nan,
         float(heat.T_gas.max()),
-        hottest,
+        hottest if hottest > 0.0 else np.nan,
         *([heat.p0] if bed.model.heat is not None and bed.model.heat.ideal else []),
     ]
 

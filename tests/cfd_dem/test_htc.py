@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import contbed as cb
 from contbed.cfd_dem.conduction import Solid
@@ -15,6 +16,7 @@ from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
 from contbed.cfd_dem.heat_transfer import Average, coefficients
 from contbed.cfd_dem.history import History
+from contbed.cli import app
 from contbed.closures import drag_di_felice, nusselt_power
 from contbed.dem import heat_impact
 from contbed.dem.heat_pair import correction
@@ -217,6 +219,8 @@ def test_an_interrupted_scene_continues_bit_for_bit(tmp_path, monkeypatch):
         ("velocity = 0.5", 'velocity = 0.5\ndrag = "ergon"', "unknown drag closure"),
         ("step = 1e-2", "jet = { slot = [0.01, 0.5], mass_flux = 1.0, T = 300.0 }", "gas.jet.slot"),
         ("step = 1e-2", "jet = { slot = [0.0, 0.01], mass_flux = 1.0, T = 500.0 }", "gas.jet.T"),
+        ("fixed = true", "fixed = true\npoisson_ratio = -0.99", "particles.poisson_ratio = -0.99: out of range"),
+        ("cell = [2.997, 2.997]", "cell = [2.997, 20.0]", "gas.cell[1] = 20.0: cells of 0.04 m leave 1 in the height"),
         ("end = 0.1", "end = 0.1\naverage_from = 0.2", "scene.toml:27: time.average_from"),
         ("fixed = true", "fixed = false\n[closure]\nvelocities = [0.1, 0.2, 0.3, 0.4]\n[particlez]", "closure"),
         ("conductivity = 0.026", "", "fluid.conductivity: missing"),
@@ -229,6 +233,19 @@ def test_mistakes_are_named_with_their_line(folder, old, new, wanted):
     with pytest.raises(SceneError) as error:
         cb.run(loads(SCENE.replace(old, new, 1), "scene.toml", base=folder))
     assert any(wanted in problem for problem in error.value.problems), error.value.problems
+
+
+def test_what_is_seldom_meant_is_a_warning(folder, tmp_path):
+    doubtful = SCENE.replace("fixed = true", "fixed = true\npoisson_ratio = -0.1").replace("[2.997", "[12.0")
+    scene = loads(doubtful, "scene.toml", base=folder)
+    for told in ("particles.poisson_ratio = -0.1: is negative", "gas.cell[0] = 12.0: 0.024 m in x, the bed is 0.018 m"):
+        assert any(text.startswith("scene.toml:") and told in text for text in scene.warnings), scene.warnings
+    assert set(scene.warnings) <= set(cb.run(scene).warnings)
+    (tmp_path / "scene.toml").write_text(doubtful.replace("bed.csv", str(folder / "bed.csv")))
+    shown = CliRunner().invoke(app, ["check", str(tmp_path / "scene.toml")]).output
+    assert (
+        "warning: " in shown and "poisson_ratio = -0.1" in shown and shown.endswith("scene.toml: ok, with warnings\n")
+    )
 
 
 def test_the_check_refuses_particles_that_the_run_refuses(folder):

@@ -83,6 +83,8 @@ def test_what_cannot_be_given_is_listed():
         ("nusselt", Closure(name="gunn", exponent_Pr=-0.3), r"'exponent_Pr' of closure 'gunn' is in \[0, inf\)"),
         ("conductivity", Closure(name="zehner_bauer_schluender", emissivity=0.0), r"'emissivity' .* is in \(0, 1\]"),
         ("conductivity", Closure(name="zehner_bauer_schluender", emissivity=1.5), r"'emissivity' .* is in \(0, 1\]"),
+        ("nusselt", Closure(name="gunn", eps=1.5), r"'eps' of closure 'gunn' is in \(0, 1\]"),
+        ("nusselt", Closure(name="gunn", Pr=-0.7), r"'Pr' of closure 'gunn' is in \(0, inf\)"),
         ("bubble_start", Closure(name="darton", area=-1.0), r"'area' of closure 'darton' is in \(0, inf\)"),
     ],
 )
@@ -91,8 +93,22 @@ def test_parameters_have_bounds(kind, spec, message):
         bind(spec, kind, ("Re", "Pr", "eps", "k_fluid", "k_solid", "T", "d_p", "u_excess"))
 
 
+ANY_SIGN = {"pressure_gradient_ergun": {"u"}}  # arguments without bounds
+
+
+@pytest.mark.parametrize("name", closures.names())
+def test_every_number_that_a_scene_may_give_has_bounds(name):
+    facts = closures.sheet(name)
+    numbers = {key for key in (*facts.arguments, *facts.options) if not isinstance(facts.options.get(key), str)}
+    assert numbers - set(facts.bounds) == ANY_SIGN.get(name, set())
+    for key in numbers & set(facts.bounds):
+        assert -1.0 not in facts.bounds[key], key
+        if key in facts.options:
+            assert facts.options[key] in facts.bounds[key], key
+
+
 def test_bounds_stand_in_the_data_sheet():
-    assert "Bounds\n------\na : [0, inf)\nb : [0, inf)\n" in closures.data_sheet("nusselt_power")
+    assert "a : [0, inf)\nb : [0, inf)\n" in closures.data_sheet("nusselt_power")
     assert "emissivity : (0, 1]" in closures.data_sheet("conductivity_zehner_bauer_schluender")
 
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from contbed.dem import dumps
+from contbed.dem.particle_files import read_particles, write_particles
+from contbed.dem.particle_tables import has_radii, read_table
 from contbed.errors import SceneError
 
 # six spheres on a plane, written by LIGGGHTS 3.8.0 and LAMMPS 2022-01-06; contacts conduct in the first
@@ -115,13 +117,58 @@ def test_files_that_are_not_there_or_not_text(tmp_path):
     assert "cannot be read" in failure(path)
 
 
-def test_positions(tmp_path):
+TWO = np.array([[1.0, 2, 3], [4e-3, 5, 6]])
+
+
+@pytest.mark.parametrize(
+    ("text", "radius", "velocity"),
+    [
+        ("# x,y,z\n1,2,3\n\n4e-3,5,6\n", None, None),
+        ("x,y,z\n1,2,3\n4e-3,5,6\n", None, None),
+        ("z [m],radius [m],x (m),Y\n3,0.1,1,2\n6,0.2,4e-3,5\n", [0.1, 0.2], None),
+        ("x,y,z,diameter,vx,vy,vz\n1,2,3,0.2,7,8,9\n4e-3,5,6,0.4,0,0,1\n", [0.1, 0.2], [[7, 8, 9], [0, 0, 1]]),
+        ('"radius","Points:0","Points:1","Points:2"\n0.1,1,2,3\n0.2,4e-3,5,6\n', [0.1, 0.2], None),
+    ],
+)
+def test_tables(tmp_path, text, radius, velocity):
     path = tmp_path / "x.csv"
-    path.write_text("# x,y,z\n1,2,3\n\n4e-3,5,6\n")
-    assert dumps.read_positions(path) == pytest.approx(np.array([[1.0, 2, 3], [4e-3, 5, 6]]))
-    path.write_text("1,2,3\n1,2\n")
-    with pytest.raises(SceneError, match=r"x\.csv:2: 2 numbers where 3 finite ones"):
-        dumps.read_positions(path)
+    path.write_text(text)
+    table = read_table(path)
+    assert table.x == pytest.approx(TWO)
+    for found, wanted in ((table.radius, radius), (table.velocity, velocity)):
+        assert (found is None) == (wanted is None)
+        assert wanted is None or found == pytest.approx(np.array(wanted))
+    assert has_radii(path) == (radius is not None)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("1,2,3\n1,2\n", r"x\.csv:2: 2 numbers where 3 finite ones"),
+        ("x,y\n1,2\n", r"x\.csv:1: neither three numbers nor a header with z: 'x,y'; write a header such as x,y,z"),
+        ("# one\n1;2;3\n", r"x\.csv:2: neither three numbers nor a header with x, y, z: '1;2;3'; write a header"),
+        ("x [mm],y,z\n1,2,3\n", r"x\.csv:1: x is in \[mm\]; convert it to m$"),
+        ("x,y,z\n1,2,a\n", r"x\.csv:2: not 3 numbers: '1,2,a'"),
+        ("x,y,z,radius\n1,2,3,0\n", r"x\.csv:1: the radius of particle 1 is not above 0"),
+        ("x,y,z\n", r"x\.csv:1: no particle in this file"),
+    ],
+)
+def test_tables_that_cannot_be_read(tmp_path, text, told):
+    path = tmp_path / "x.csv"
+    path.write_text(text)
+    with pytest.raises(SceneError, match=told):
+        read_table(path)
+
+
+def test_own_files_of_particles_are_read(tmp_path):
+    path = tmp_path / "particles_0000.vtu"
+    write_particles(path, TWO, {"radius": np.array([0.1, 0.2]), "velocity": 2.0 * TWO})
+    found = read_particles(path)
+    assert (found.x.tolist(), found.radius.tolist()) == (TWO.tolist(), [0.1, 0.2])
+    assert found.velocity.tolist() == (2.0 * TWO).tolist()
+    path.write_text("no xml")
+    with pytest.raises(SceneError, match=r"particles_0000\.vtu:1: no VTU file that can be read"):
+        read_particles(path)
 
 
 def test_a_dump_that_liggghts_wrote():

@@ -66,6 +66,23 @@ def test_temperatures_beyond_those_given_end_the_run():
         cb.run(from_dict(scene | {"time": {"end": 2.0}}))
 
 
+def test_particles_that_are_not_there_have_no_temperature():
+    inlet = {"bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 400.0}}
+    start = {"eps_s": 0.0, "T_gas": 300.0}
+    result = cb.run(from_dict(BED | {"heat": HEAT, "initial": start, "boundary": BED["boundary"] | inlet}))
+    assert np.isnan(result.qoi["T_solid_mean [K]"]) and np.isnan(result.qoi["T_solid_max [K]"])
+    assert np.isnan(result.profiles["T_solid_mean [K]"]).all()
+
+
+def test_a_temperature_below_zero_names_the_remedy():
+    """Negative heat flux of a wall, in one step so long that the plausibility check does not see it coming."""
+    cold = BED["boundary"] | {"left": {"type": "wall", "heat_flux": -1e9}}
+    cold |= {"bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 300.0}}
+    scene = BED | {"heat": HEAT, "initial": BED["initial"] | {"T_gas": 300.0}, "boundary": cold}
+    with pytest.raises(ConvergenceError, match=r"T_(gas|solid) falls to -\S+ K, not above 0 K: a wall with a negative"):
+        cb.run(from_dict(scene))
+
+
 def test_closures_with_parameters_of_heat_run_to_the_end():
     nusselt = {"name": "power", "a": 1.2, "b": 0.5}
     inlet = {"bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 400.0}}

@@ -299,3 +299,25 @@ def test_equilibrium_by_every_level_at_any_albedo():
             result = run(slab(level, 50.0, wall(1000.0, 0.7), wall(300.0, 0.2), albedo))
             expected = equilibrium_flux(50.0, D, (0.7, 0.2))
             assert result.qoi["flux_dimensionless"] == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize(("shape", "unit"), [("line", "W/m2"), ("rectangle", "W/m")])
+def test_heat_flows_are_per_area_or_per_depth(shape, unit):
+    values = slab("p1", 1.0, wall(1000.0), wall(300.0), conductivity=1.0)
+    values["mesh"] = {"type": shape, "length": 1.0} | ({"height": 0.5, "cells": [8, 2]} if shape == "rectangle" else {})
+    assert cb.run(from_dict(values)).summary["units"]["heat_left_W"] == unit
+
+
+def test_solids_without_optics_are_told():
+    """Half of the solids of a bed of porosity 0.4 belong to no species."""
+    sand = {"volume_fraction": 0.3, "diameter": 1e-3, "emissivity": 0.9}
+    values = {
+        "mesh": {"type": "line", "length": 0.1},
+        "bed": {"porosity": 0.4, "particle_diameter": 1e-3},
+        "radiation": {"level": "p1", "species": {"sand": sand}},
+        "boundary": {name: {"radiation": wall(T)} for name, T in (("left", 1000.0), ("right", 300.0))},
+    }
+    result = cb.run(from_dict(values))
+    assert any("the volume fractions sum to 0.3, the solids of the bed are 0.6" in text for text in result.warnings)
+    sand["volume_fraction"] = 0.6
+    assert from_dict(values).warnings == ()

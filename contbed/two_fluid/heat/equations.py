@@ -344,9 +344,14 @@ def _expansion(old: Energy, new: Energy, change: Array, eps_s: Array, carried: A
 
 
 def _check_temperatures(state: State, energy: Energy, model: Model) -> None:
-    if not (energy.T_gas.min() > 0.0 and energy.T_solid.min() > 0.0):
+    coldest, name = min((float(energy.T_gas.min()), "T_gas"), (float(energy.T_solid.min()), "T_solid"))
+    if not coldest > 0.0:
         check_finite(replace(state, energy=energy), model.grid)
-        raise ConvergenceError(f"t = {state.time:.6g} s, step {state.steps}: a temperature is not above 0 K")
+        raise ConvergenceError(
+            f"t = {state.time:.6g} s, step {state.steps}: {name} falls to {coldest:.4g} K, not above 0 K: a wall with "
+            "a negative heat_flux takes more heat than comes to it, or the steps are too long; give the wall a "
+            "temperature in place of the flux, leave out time.step or lower time.courant"
+        )
 
 
 def _book(account: HeatAccount, dt: float, gas: Array, heat: Array, model: Model) -> HeatAccount:

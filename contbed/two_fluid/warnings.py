@@ -1,0 +1,77 @@
+"""What is possible in a two-fluid scene but seldom meant: what the tables tell, and what the mesh tells."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contbed.scene.checking import Mistakes
+from contbed.scene.toml_lines import KeyPath, dotted
+from contbed.two_fluid import scene as t
+from contbed.two_fluid.closures import ABSENT
+
+if TYPE_CHECKING:
+    from contbed.mesh.mesh import Mesh
+    from contbed.two_fluid.fv.grid import Grid
+
+AXIS = 1e-9  # share of the extent from which a mesh counts as off the axis
+
+
+def times_are_within_the_run(time: t.Time, boundary: Mapping[str, t.Boundary]) -> Mistakes:
+    """Look for what is written or switched after the end of the run."""
+    for key in ("sample", "fields"):
+        if (value := getattr(time, key)) is not None and value > time.end:
+            yield ("time", key), f"longer than the run of {time.end:g} s: written at its end"
+    for name, part in boundary.items():
+        if isinstance(part, t.Inlet) and part.until is not None and part.until >= time.end:
+            yield ("boundary", name, "until"), f"not before the end, {time.end:g} s: nothing changes"
+
+
+def there_are_particles(initial: t.Initial, boundary: Mapping[str, t.Boundary], gas: t.Gas, solid: t.Solid) -> Mistakes:
+    """Look for particles, and for a gas that is heavier than they are."""
+    if not _has_particles(initial, boundary):
+        yield ("initial", "eps_s"), "no particles at the start, and none enter: a flow of gas alone"
+    if gas.density >= solid.density:
+        yield ("gas", "density"), f"the gas is not lighter than the particles, {solid.density:g} kg/m3"
+
+
+def gas_enters_and_carries(initial: t.Initial, boundary: Mapping[str, t.Boundary], two_fluid: t.TwoFluid) -> Mistakes:
+    """Look for inlets without flow, and gas that does not move the particles."""
+    inlets = {name: part for name, part in boundary.items() if isinstance(part, t.Inlet)}
+    for name, part in inlets.items():
+        if part.velocity == 0.0 and part.eps_s == 0.0:
+            yield ("boundary", name, "velocity"), "nothing enters; a closed boundary is a wall"
+    blows = any(part.velocity > 0 for part in inlets.values())
+    if two_fluid.drag == ABSENT and blows and two_fluid.gravity > 0 and _has_particles(initial, boundary):
+        yield ("two_fluid", "drag"), "without drag the gas that enters does not carry the particles"
+
+
+def of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> tuple[str, ...]:
+    """Return what is seldom meant of particles, layers and axis in this mesh, each with file, line and key."""
+    return tuple(f"{scene.origin.at(key)}: {dotted(key)}: {text}" for key, text in _of_the_mesh(scene, mesh, grid))
+
+
+def _of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> Iterator[tuple[KeyPath, str]]:
+    extents = np.ptp(mesh.skfem.p[:, mesh.skfem.t], axis=1)  # (dim, nc)
+    if (smallest := float(extents.min())) < scene.solid.particle_diameter:
+        text = f"larger than the smallest cell, {smallest:.3g} m; averages over a cell need many particles in it"
+        yield ("solid", "particle_diameter"), text
+    low, high = float(mesh.skfem.p[-1].min()), float(mesh.skfem.p[-1].max())
+    for k, layer in enumerate(scene.initial.layer):
+        for key in sorted(layer.model_fields_set & {"start", "end"}):
+            if not low - AXIS * (high - low) <= (place := getattr(layer, key)) <= high + AXIS * (high - low):
+                text = f"{place:g} m is outside of the vessel, which reaches from {low:.6g} to {high:.6g} m"
+                yield ("initial", "layer", k, key), text
+    if grid.axisymmetric and (inner := float(mesh.skfem.p[0].min())) > AXIS * float(np.ptp(mesh.skfem.p[0])):
+        yield ("mesh",), f"axisymmetric, but no cell touches the axis: an annulus from r = {inner:.4g} m"
+
+
+def _has_particles(initial: t.Initial, boundary: Mapping[str, t.Boundary]) -> bool:
+    """Whether there are particles at the start, or some enter."""
+    start = initial.eps_s, *(layer.eps_s or 0.0 for layer in initial.layer)
+    return any(start) or any(isinstance(part, t.Inlet) and part.eps_s > 0 for part in boundary.values())
+
+
+WARNINGS = (times_are_within_the_run, there_are_particles, gas_enters_and_carries)
