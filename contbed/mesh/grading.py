@@ -129,3 +129,14 @@ def equidistributed(length: float, layers: Sequence[tuple[float, float]], cells:
         right = count(middle) < target
         low, high = np.where(right, middle, low), np.where(right, high, middle)
     return np.concatenate(([0.0], 0.5 * (low + high), [length]))
+
+
+def finest(grids: Sequence[Array]) -> Array:
+    """Return node coordinates that are nowhere coarser than those of any of the `grids` over the same length [m]."""
+    ends = np.unique(np.concatenate(grids))
+    middle = 0.5 * (ends[1:] + ends[:-1])
+    density = np.max([1.0 / np.diff(grid)[np.searchsorted(grid, middle) - 1] for grid in grids], axis=0)
+    total = np.concatenate(([0.0], np.cumsum(density * np.diff(ends))))
+    nodes: Array = np.interp(np.linspace(0.0, total[-1], int(np.ceil(total[-1])) + 1), total, ends)
+    nodes[0], nodes[-1] = ends[0], ends[-1]
+    return nodes

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable, Iterator, Mapping
+from functools import wraps
+from typing import Any
 
 from contbed.closures.binding import is_phase, named
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import bound, places
 from contbed.packed_bed.inlets import enters, role, velocity_vector
+from contbed.packed_bed.schedule import Schedule, series_of
 from contbed.radiation.checks import (
     particles_have_a_size_and_fit_together,
     radiation_is_complete,
@@ -25,11 +29,105 @@ from contbed.scene.mesh_checks import (
     the_line_of_profiles_fits_the_mesh,
 )
 from contbed.scene.quantities import ClosureFile
+from contbed.scene.series import ProfileFile
 from contbed.scene.tables import Closure, Fluid, FluidCantera, FluidConstant, FluidCoolProp, Solid
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
-Boundaries = Mapping[str, s.Boundary]
+Boundaries = dict[str, s.Boundary]
 PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
+MOST_CUTS = 100_000  # jumps and kinks of one series in a run; each takes some milliseconds
+LENGTH_SLACK = 1e-6  # share of the length by which positions in a file may lie outside of the bed, for their rounding
+
+
+def series_are_usable(
+    flow: s.Flow | None, boundary: Boundaries, time: s.Time | None, see: See, origin: Origin
+) -> Mistakes:
+    """Check that series can be read, begin at 0 and last as long as the run."""
+    for path, series in series_of(flow, boundary):
+        if time is None:
+            yield path, "changes with time, and the scene is steady; add a [time] table, or give one number"
+            continue
+        try:
+            samples = series.samples(origin.base)
+        except SceneError as error:
+            yield path, str(error)
+            continue
+        if not samples.reaches(time.end):
+            last = f"ends at {samples.times[-1]:g} s, before the run; give a later value, or a period"
+            yield path, f"{last}; see {see('time.end')}"
+        if samples.period is not None and time.end / samples.period * len(samples.times) > MOST_CUTS:
+            yield path, f"repeats more than {MOST_CUTS / len(samples.times):.0f} times until {see('time.end')}"
+
+
+def initial_profiles_fit_the_bed(time: s.Time | None, mesh: Mesh, see: See, origin: Origin) -> Mistakes:
+    """Check that the files of initial temperatures can be read and lie within the bed."""
+    for phase in PHASES:
+        given = None if time is None else getattr(time, f"initial_{phase}")
+        if not isinstance(given, ProfileFile):
+            continue
+        try:
+            positions, _ = given.samples(origin.base, f"T_{phase}")
+        except SceneError as error:
+            yield ("time", f"initial_{phase}"), str(error)
+            continue
+        if isinstance(mesh, MeshFile):
+            continue
+        if positions[0] < -LENGTH_SLACK * mesh.length or positions[-1] > (1.0 + LENGTH_SLACK) * mesh.length:
+            text = f"positions from {positions[0]:g} to {positions[-1]:g} m, the bed is {mesh.length:g} m long"
+            yield ("time", f"initial_{phase}"), f"{text}; see {see('mesh.length')}"
+
+
+def at_each_time(check: Check) -> Check:
+    """Return a check of a scene whose series are replaced by the values of each of their times, one after another."""
+    signature = inspect.signature(check)
+    takes_origin = "origin" in signature.parameters
+
+    @wraps(check)
+    def each(**given: Any) -> Mistakes:
+        origin = given["origin"]
+        flow, boundary = given.get("flow"), given.get("boundary", {})
+        if not takes_origin:
+            del given["origin"]
+        try:
+            schedule = Schedule.of(flow, boundary, origin.base)
+        except SceneError:
+            return  # `series_are_usable` says so
+        if not schedule:
+            yield from check(**given)
+            return
+        said = set()
+        for moment in sorted({float(t) for samples in schedule.samples.values() for t in samples.times}):
+            if flow is not None:
+                given["flow"] = schedule.frozen_flow(flow, moment)
+            if "boundary" in given:
+                frozen = schedule.frozen_boundary(boundary, moment)
+                given["boundary"] = _without_idle_inflow(frozen, given.get("mesh"), given.get("flow"))
+            for mistake in check(**given):
+                if mistake not in said:
+                    said.add(mistake)
+                    yield mistake
+
+    if not takes_origin:
+        extra = inspect.Parameter("origin", inspect.Parameter.KEYWORD_ONLY, annotation=Origin)
+        signature = signature.replace(parameters=[*signature.parameters.values(), extra])
+    each.__signature__ = signature  # type: ignore[attr-defined]
+    return each
+
+
+def _without_idle_inflow(boundary: Boundaries, mesh: Mesh | None, flow: s.Flow | None) -> Boundaries:
+    """Return the conditions without those of streams that do not enter at the moment."""
+    if mesh is None or flow is None or isinstance(mesh, MeshFile):
+        return boundary
+    found = dict(boundary)
+    for name, table in boundary.items():
+        for phase, key in PHASES.items():
+            condition = getattr(table, phase)
+            velocity = velocity_vector(mesh, getattr(flow, key))
+            if condition is None or condition.inflow is None or len(velocity) != mesh.dimension:
+                continue
+            if enters(mesh, velocity, name) != 1:
+                found[name] = found[name].model_copy(update={phase: None})
+    return found
 
 
 def tables_are_complete(
@@ -75,6 +173,7 @@ def heat_alone_uses_temperatures(
         yield ("time",), "needs a [heat] table: the flow is steady"
 
 
+@at_each_time
 def velocities_fit_the_mesh(mesh: Mesh, flow: s.Flow, see: See) -> Mistakes:
     """Check that velocities have as many components as the mesh has dimensions."""
     for key in PHASES.values():
@@ -114,6 +213,7 @@ def fluids_make_sense(fluid: Fluid) -> Mistakes:
             yield ("fluid", "composition"), str(error)
 
 
+@at_each_time
 def temperatures_lie_in_the_fluid_table(fluid: Fluid, boundary: Boundaries, time: s.Time | None, see: See) -> Mistakes:
     """Check that the fluid's temperatures lie in the range of its table."""
     if not isinstance(fluid, FluidCoolProp):
@@ -124,6 +224,7 @@ def temperatures_lie_in_the_fluid_table(fluid: Fluid, boundary: Boundaries, time
             yield path, f"outside of the fluid's table, {low:g} to {high:g} K; see {see('fluid.T_range')}"
 
 
+@at_each_time
 def polynomials_stay_positive(solid: Solid | None, boundary: Boundaries, time: s.Time | None) -> Mistakes:
     """Check that properties of the solid are positive at the temperatures of the scene."""
     if solid is None:
@@ -154,6 +255,7 @@ def times_are_in_order(time: s.Time | None, see: See) -> Mistakes:
         yield ("time", "tolerance"), f"has no meaning with a fixed step; remove one; see {see('time.step')}"
 
 
+@at_each_time
 def flow_has_a_way_through(mesh: Mesh, flow: s.Flow, boundary: Boundaries, see: See) -> Mistakes:
     """Check that the flow conditions of the boundaries let the fluid enter and leave."""
     velocity = velocity_vector(mesh, flow.velocity)
@@ -190,6 +292,7 @@ def flow_has_a_way_through(mesh: Mesh, flow: s.Flow, boundary: Boundaries, see: 
             yield at, f"the fluid cannot {verb}: {remedy}; see {see('flow.velocity')}"
 
 
+@at_each_time
 def streams_have_a_temperature(
     mesh: Mesh, flow: s.Flow, heat: s.Heat | None, boundary: Boundaries, see: See
 ) -> Mistakes:
@@ -267,6 +370,8 @@ def closures_exist(mesh: Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Bounda
 
 
 CHECKS: tuple[Check, ...] = (
+    series_are_usable,
+    initial_profiles_fit_the_bed,
     tables_are_complete,
     radiation_is_complete,
     tubes_see_radiation,
@@ -292,12 +397,13 @@ WARNINGS: tuple[Check, ...] = (species_fill_the_solids,)
 
 
 def _temperatures(phases: Iterable[str], boundary: Boundaries, time: s.Time | None) -> Iterator[tuple[KeyPath, float]]:
-    """Yield the key and value of every temperature that the scene gives for these phases."""
+    """Yield the key and value of every temperature that the scene gives for these phases; none of a file."""
     for phase in phases:
         for name, conditions in boundary.items():
             condition = getattr(conditions, phase)
             for key in ("fixed", "inflow", "ambient"):
                 if condition is not None and getattr(condition, key) is not None:
                     yield ("boundary", name, phase, key), getattr(condition, key)
-        if time is not None:
-            yield ("time", f"initial_{phase}"), getattr(time, f"initial_{phase}")
+        given = None if time is None else getattr(time, f"initial_{phase}")
+        if given is not None and not isinstance(given, ProfileFile):
+            yield ("time", f"initial_{phase}"), given

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.equations import two_energy
 from contbed.packed_bed.heat_coefficients import HeatCoefficients, Motion, plain
 from contbed.packed_bed.medium import Medium
+from contbed.packed_bed.schedule import Piece, initial_range
+from contbed.scene.series import ProfileFile
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
 
@@ -29,11 +32,20 @@ class HeatProblem:
     """Residual, Jacobian and heat content of both phases; see `contbed.packed_bed.equations.two_energy`.
 
     `linear` is true for constant properties; `fixed` and `fixed_values` are the prescribed temperatures, `idle` names
-    those that nothing carries into the bed and that are left out.
+    those that nothing carries into the bed and that are left out. In a `piece` of a run in which values change with
+    time, `at` puts those of a time in place.
     """
 
-    def __init__(self, scene: s.Scene, mesh: Mesh, medium: Medium, motion: Motion, section: float = 1.0):
-        self.scene, self.mesh, self.medium, self.motion = scene, mesh, medium, motion
+    def __init__(
+        self,
+        scene: s.Scene,
+        mesh: Mesh,
+        medium: Medium,
+        motion: Motion,
+        section: float = 1.0,
+        piece: Piece | None = None,
+    ):
+        self.scene, self.mesh, self.medium, self.motion, self.piece = scene, mesh, medium, motion, piece
         self.degree = degree = scene.solver.degree
         order = 2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
         if motion.flow is not None:
@@ -57,12 +69,36 @@ class HeatProblem:
             for phase in PHASES
             for part in self.system.boundary(name)
         ]
-        self._boundary: list[Any] = [(two_energy.boundary, part, wall) for _, part, wall in self.walls if wall.crossed]
+        self._boundary = self._crossed()
+        self._radiating: list[Any] = []
         if self.radiation is not None:
             self._interior.append(self.radiation.interior(cells))
-            self._boundary += self.radiation.boundaries(mesh, self.system)
+            self._radiating = self.radiation.boundaries(mesh, self.system)
         self.idle: list[str] = []
         self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
+
+    def _crossed(self) -> list[Any]:
+        return [(two_energy.boundary, part, wall) for _, part, wall in self.walls if wall.crossed]
+
+    @property
+    def changes(self) -> bool:
+        """Whether temperatures or fluxes of boundaries change with time."""
+        return self.piece is not None and self.piece.changes
+
+    def at(self, time: float) -> None:
+        """Put the temperatures and fluxes of boundaries at a time [s] in place."""
+        if self.piece is None or not self.piece.changes:
+            return
+        walls = []
+        for name, part, wall in self.walls:
+            phase = wall.name.removeprefix("T_")
+            condition = self.piece.condition(name, phase, time)
+            if condition is not None:
+                wall = replace(wall, **self.build.given(phase, condition, wall.inflow is not None))
+            walls.append((name, part, wall))
+        self.walls = walls
+        self._boundary = self._crossed()
+        self.fixed_values = self._fixed(time)[1]
 
     def _span(self) -> tuple[float, float]:
         found = [
@@ -75,15 +111,21 @@ class HeatProblem:
         ]
         if self.radiation is not None:
             found += self.radiation.temperatures(self.mesh)
-        if self.scene.time is not None:
-            found += [self.scene.time.initial_fluid, self.scene.time.initial_solid]
+        if (time := self.scene.time) is not None:
+            base = self.scene.origin.base
+            for phase in PHASES:
+                found += initial_range(getattr(time, f"initial_{phase}"), phase, base)
+        if self.piece is not None:
+            found += self.piece.temperatures
         return min(found), max(found)
 
-    def _fixed(self) -> tuple[Any, Any, Any]:
+    def _fixed(self, time: float | None = None) -> tuple[Any, Any, Any]:
         nodes, values, owners = [], [], []
         for name in self.mesh.boundaries:
             for phase in PHASES:
                 condition = self.build.condition(name, phase)
+                if self.piece is not None and time is not None:
+                    condition = self.piece.condition(name, phase, time)
                 if condition is not None and condition.fixed is not None:
                     if not self._reaches(name, phase):
                         why = f"the {phase} neither conducts nor enters there"
@@ -111,7 +153,7 @@ class HeatProblem:
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the residual of the steady balances and its Jacobian."""
-        return self.system.assemble(self._interior + self._boundary, state, jacobian)
+        return self.system.assemble(self._interior + self._boundary + self._radiating, state, jacobian)
 
     def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the tested heat content and its Jacobian."""
@@ -125,19 +167,26 @@ class HeatProblem:
         time, state = self.scene.time, np.empty(self.system.size)
         low, high = self.T_span
         for phase in PHASES:
-            start = getattr(time, f"initial_{phase}") if time is not None else 0.5 * (low + high)
-            self.system.part(state, f"T_{phase}")[:] = start
+            self.system.part(state, f"T_{phase}")[:] = 0.5 * (low + high) if time is None else self._start(time, phase)
         state[self.fixed] = self.fixed_values
         if self.radiation is not None:
             self.system.part(state, "G")[:] = self.radiation.emitted(self.system.part(state, "T_solid"))
         return state
 
-    def begin(self, policy: Policy) -> Any:
-        """Return the state at the start of a transient.
+    def _start(self, time: s.Time, phase: str) -> Any:
+        """Return the temperature at the start, a number or one for each node by its position along the bed [K]."""
+        given = getattr(time, f"initial_{phase}")
+        if not isinstance(given, ProfileFile):
+            return given
+        positions, T = given.samples(self.scene.origin.base, f"T_{phase}")
+        return np.interp(self.system.fields[f"T_{phase}"][0].points[self.mesh.axis], positions, T)
 
-        Incident radiation stores no heat and follows from the temperatures.
-        """
-        state = self.initial()
+    def begin(self, policy: Policy) -> Any:
+        """Return the state at the start of a transient."""
+        return self.consistent(self.initial(), policy)
+
+    def consistent(self, state: Any, policy: Policy) -> Any:
+        """Return the state with the incident radiation of its temperatures, which stores no heat."""
         if self.radiation is None:
             return state
         residual, matrix = self.steady(state, True)

@@ -154,18 +154,27 @@ class HeatCoefficients:
             if np.abs(normal).max() > 1e-12 * max(np.abs(plain(v)).max() for v in velocity.items):
                 flux = velocity * self._density(phase)
         condition = self.condition(name, phase)
-        options: dict[str, Any] = {}
-        if condition is not None and condition.inflow is not None:
-            options["inflow"] = float(material.enthalpy(condition.inflow))
-        if condition is not None and condition.flux is not None:
-            options["flux"] = condition.flux
-        if condition is not None and condition.coefficient is not None:
+        if condition is None:
+            return two_energy.Wall(f"T_{phase}", flux, material.enthalpy)
+        enters = flux is not None and np.min(plain(Ops.dot(flux, where.n))) < 0
+        options = self.given(phase, condition, enters)
+        if condition.coefficient is not None:
             spec, speed = condition.coefficient, self._speed(where)
-            options["ambient"] = condition.ambient
             options["coefficient"] = lambda unknowns: self.medium.wall(spec, unknowns.T_fluid, speed)
-        if condition is not None and condition.emissivity is not None:
-            options |= {"ambient": condition.ambient, "emission": condition.emissivity * SIGMA}
+        if condition.emissivity is not None:
+            options["emission"] = condition.emissivity * SIGMA
         return two_energy.Wall(f"T_{phase}", flux, material.enthalpy, **options)
+
+    def given(self, phase: str, condition: s.PhaseCondition, enters: bool) -> dict[str, Any]:
+        """Return the values of a condition that may change with time; that of a stream only where it `enters`."""
+        options: dict[str, Any] = {}
+        if condition.inflow is not None and enters:
+            options["inflow"] = float(getattr(self.medium, phase).enthalpy(condition.inflow))
+        if condition.flux is not None:
+            options["flux"] = condition.flux
+        if condition.ambient is not None:
+            options["ambient"] = condition.ambient
+        return options
 
 
 def plain(item: Any) -> Any:

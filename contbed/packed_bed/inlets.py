@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from contbed.packed_bed import scene as s
 from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile
 
 
-def velocity_vector(mesh: Mesh, velocity: float | tuple[float, ...]) -> tuple[float, ...]:
-    """Return the velocity as a vector; a number is along the bed axis: x, or z when axisymmetric."""
+def velocity_vector(mesh: Mesh, velocity: Any) -> tuple[float, ...]:
+    """Return a velocity, a number or a tuple, as a vector; a number is along the bed axis: x, or z if axisymmetric."""
     if isinstance(velocity, tuple):
         return velocity
     axis = 1 if isinstance(mesh, MeshAxisymmetric) or getattr(mesh, "axisymmetric", False) else 0

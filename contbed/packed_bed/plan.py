@@ -8,13 +8,15 @@ A mesh without prescribed cells is graded to the layers that the closed-form rat
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from contbed.errors import SceneError
 from contbed.mesh.build import build, require_names
+from contbed.mesh.grading import finest
 from contbed.mesh.mesh import Mesh
 from contbed.models import described
 from contbed.packed_bed import scene as s
@@ -22,8 +24,10 @@ from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.inlets import role, velocity_vector
 from contbed.packed_bed.medium import Medium
+from contbed.packed_bed.schedule import Piece, Schedule, initial_range
 from contbed.scene.mesh import Mesh as MeshSettings
 from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshFile, MeshLine, MeshRectangle
+from contbed.scene.series import ProfileFile
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
@@ -35,7 +39,7 @@ class Plan:
     """What a run builds: `scene` as written, `solved` the scene after reduction to a line and to a cheaper radiation.
 
     `velocity` and `velocity_solid` are vectors on `mesh`, `section` is the cross-section [m2] of a reduced bed,
-    `conditions` has one entry for each boundary.
+    `conditions` has one entry for each boundary. Where a `schedule` changes values, all this holds at the start.
     """
 
     scene: s.Scene
@@ -51,6 +55,7 @@ class Plan:
     fronts: bool
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
+    schedule: Schedule = field(default_factory=lambda: Schedule({}))
 
     def as_written(self, boundary: str) -> str:
         """Name in the scene of a boundary of the mesh that is solved on."""
@@ -73,6 +78,8 @@ class Plan:
     @property
     def without_weak_form(self) -> str:
         """Equations without a weak form for another engine, as text; empty if all have one."""
+        if self.schedule:
+            return "values that change with time"
         return "fronts tracked along characteristics (a bed at rest without conduction)" if self.fronts else ""
 
     @property
@@ -90,6 +97,39 @@ class Plan:
         from contbed.packed_bed.adapt import refined
 
         return replace(self, mesh=refined(self.mesh, error))
+
+    def pieces(self) -> list[Piece | None]:
+        """Return the parts of a transient in which all is linear in time; one None where nothing changes."""
+        time, schedule = self.scene.time, self.schedule
+        if not schedule or time is None:
+            return [None]
+        temperatures = tuple(schedule.temperatures())
+        return [
+            Piece(start, end, self._frozen(start), self._frozen(end, before=True), temperatures)
+            for start, end in pairwise(schedule.cuts(time.end))
+        ]
+
+    def at(self, time: float) -> Plan:
+        """Return the plan with the velocities of a time, on the same mesh.
+
+        The mass flux is that of the inlet temperature when the velocity took its value.
+        """
+        assert self.scene.time is not None
+        target = self._frozen(time)
+        velocity, solid = _velocities(target)
+        since = self.schedule.frozen(self.scene, self.schedule.flow_since(time, self.scene.time.end))
+        medium = Medium.of(target, _inlet_temperature(since), _bed_diameter(self.scene.mesh))
+        conditions = {name: _role(target, self.mesh, name, velocity) for name in self.mesh.boundaries}
+        return replace(
+            self, solved=target, medium=medium, velocity=velocity, velocity_solid=solid, conditions=conditions
+        )
+
+    def _frozen(self, time: float, before: bool = False) -> s.Scene:
+        """Return the scene that is solved with the values at a time, just after or `before` a jump."""
+        frozen = self.schedule.frozen(self.scene, time, before)
+        frozen = frozen.model_copy(update={"radiation": self.solved.radiation})
+        line = None if self.solved.mesh is self.scene.mesh else _reduced(frozen)
+        return frozen if line is None else line[0]
 
     @property
     def policy(self) -> Policy:
@@ -124,19 +164,27 @@ def plan(scene: s.Scene) -> Plan:
     ------
     SceneError : the mesh or the flow cannot be used
     """
-    written, scene, thick = scene, *_cheapest_radiation(scene)
+    schedule = Schedule({})
+    written = scene
+    if scene.time is not None:
+        schedule = Schedule.of(scene.flow, scene.boundary, scene.origin.base)
+        scene = schedule.frozen(scene, 0.0)
+    scene, thick = _cheapest_radiation(scene)
     built: list[tuple[str, str]] = []
     skipped: list[tuple[str, str]] = []
     medium = Medium.of(scene, _inlet_temperature(scene), _bed_diameter(scene.mesh))
-    line = _reduced(scene) if scene.solver.reduce else None
+    flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
+    lines = [_reduced(each) if scene.solver.reduce else None for each in flows]
+    line = lines[0] if all(lines) else None
     if line is not None:
         skipped.append(("2-D and 3-D mesh", "plug flow between adiabatic walls varies along the bed only"))
     target, section = line or (scene, 1.0)
     grid = target.mesh
-    velocity = np.array(velocity_vector(grid, target.flow.velocity), dtype=float)
-    solid = np.array(velocity_vector(grid, target.flow.velocity_solid), dtype=float)
-    fronts = _tracks_fronts(target, medium)
-    mesh = build(grid, nodes(target, medium, velocity, solid, fronts), str(scene.origin.base))
+    velocity, solid = _velocities(target)
+    fronts = not schedule and _tracks_fronts(target, medium)
+    targets = [each[0] if line and each else frozen for each, frozen in zip(lines, flows, strict=True)]
+    grids = [nodes(each, medium, *_velocities(each), fronts) for each in targets]
+    mesh = build(grid, grids[0] if len(grids) == 1 else _finest_each(grids), str(scene.origin.base))
     require_names(target.origin, mesh, {"boundary": target.boundary, "region": target.region})
     if scene.solver.adapt and not refinable(mesh):
         raise SceneError(
@@ -145,6 +193,12 @@ def plan(scene: s.Scene) -> Plan:
         )
     conditions = {name: _role(target, mesh, name, velocity) for name in mesh.boundaries}
     plug = "no_slip" not in conditions.values()
+    if schedule.flows and not plug:
+        raise SceneError(
+            f"{written.origin.at(('flow',))}: flow: velocities that change with time are for plug flow, and a wall has "
+            'type = "no_slip"; make it "slip", or run one scene for each velocity, each with initial_fluid and '
+            "initial_solid from the profiles.csv of the one before"
+        )
     if plug and scene.heat is None:
         raise SceneError(
             scene.origin.at(("flow",)) + ': flow: nothing to solve: no wall has type = "no_slip" and '
@@ -169,6 +223,9 @@ def plan(scene: s.Scene) -> Plan:
             skipped.append(("Newton for temperatures", "constant properties: linear"))
         if scene.time is None:
             skipped.append(("time stepping", "no [time] table"))
+        elif schedule:
+            parts = len(schedule.cuts(scene.time.end)) - 1
+            built.append(("schedule", f"{len(schedule.samples)} series, {parts} parts without jump or kink"))
         (skipped if scene.radiation is None else built).append(_how_radiation(scene, thick))
     return Plan(
         written,
@@ -184,7 +241,32 @@ def plan(scene: s.Scene) -> Plan:
         fronts,
         tuple(built),
         tuple(skipped),
+        schedule,
     )
+
+
+def _velocities(scene: s.Scene) -> tuple[Any, Any]:
+    """Return the superficial velocities of both phases as vectors on the mesh of the scene [m/s]."""
+    fluid, solid = (velocity_vector(scene.mesh, v) for v in (scene.flow.velocity, scene.flow.velocity_solid))
+    return np.array(fluid, dtype=float), np.array(solid, dtype=float)
+
+
+def _changes_of_flow(schedule: Schedule, scene: s.Scene) -> list[float]:
+    """Return the times at which a velocity takes values that it has not had before, the first 0 [s]."""
+    if not schedule.flows or scene.time is None:
+        return [0.0]
+    found: dict[Any, float] = {}
+    for time in schedule.cuts(scene.time.end)[:-1]:
+        flow = schedule.frozen_flow(scene.flow, time)
+        found.setdefault((flow.velocity, flow.velocity_solid), time)
+    return list(found.values())
+
+
+def _finest_each(grids: list[list[Any] | None]) -> list[Any] | None:
+    """Return coordinates for each direction that are nowhere coarser than those of any of the grids."""
+    if grids[0] is None:
+        return None
+    return [finest([grid[k] for grid in grids if grid is not None]) for k in range(len(grids[0]))]
 
 
 def _cheapest_radiation(scene: s.Scene) -> tuple[s.Scene, str]:
@@ -229,8 +311,10 @@ def _inlet_temperature(scene: s.Scene) -> float:
     for _, condition in ranked:
         for value in (condition.inflow, condition.fixed, condition.ambient):
             if value is not None:
-                return value
-    return scene.time.initial_fluid if scene.time is not None else 300.0
+                return float(value)  # type: ignore[arg-type]  # frozen: numbers stand in place of series
+    if scene.time is None:
+        return 300.0
+    return 0.5 * sum(initial_range(scene.time.initial_fluid, "fluid", scene.origin.base))
 
 
 def _bed_diameter(mesh: MeshSettings) -> float:
@@ -285,6 +369,8 @@ def _tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
     if scene.flow.velocity_solid or scene.heat.dispersion is not None or scene.heat.tortuosity is not None:
         return False
     ends = [table.fluid for table in scene.boundary.values() if table.fluid is not None]
+    if isinstance(scene.time.initial_fluid, ProfileFile) or isinstance(scene.time.initial_solid, ProfileFile):
+        return False
     only_inlet = all(condition.fixed is not None or condition.inflow is not None for condition in ends)
     solid_free = all(table.solid is None for table in scene.boundary.values())
     T = medium.T_fluid_in

@@ -12,6 +12,8 @@ from contbed.balance import HELD_SHARE, Balance
 from contbed.errors import ConvergenceError
 from contbed.fem.probe import Line, line_along
 from contbed.packed_bed.plan import Plan
+from contbed.packed_bed.scene import Time
+from contbed.packed_bed.schedule import Piece
 from contbed.result import Result, outside
 
 RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "output", "solver.memory_GB")
@@ -45,10 +47,10 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
                 flow = _flow(plan, line, result)
         if scene.heat is None:
             return
-        problem = _heat_problem(plan, flow, result)
         if scene.time is not None:
-            _transient(plan, line, problem, result, folder, quiet, start)
+            _transient(plan, line, flow, result, folder, quiet, start)
             return
+        problem = _heat_problem(plan, flow, result)
         error = _steady(plan, line, problem, result, last=attempt == plan.adaptations)
         if error is None:
             return
@@ -56,13 +58,13 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         result.adaptations += 1
 
 
-def _heat_problem(plan: Plan, flow: Any, result: Result) -> Any:
+def _heat_problem(plan: Plan, flow: Any, result: Result, piece: Piece | None = None) -> Any:
     from contbed.packed_bed.heat import HeatProblem
     from contbed.packed_bed.heat_coefficients import Motion
 
     with result.timed("heat setup"):
         motion = Motion(plan.velocity, plan.velocity_solid, flow)
-        problem = HeatProblem(plan.solved, plan.mesh, plan.medium, motion, plan.section)
+        problem = HeatProblem(plan.solved, plan.mesh, plan.medium, motion, plan.section, piece)
     result.warnings += [text for text in problem.idle if text not in result.warnings]
     return problem
 
@@ -139,7 +141,7 @@ def _steady(plan: Plan, line: Line, problem: Any, result: Result, last: bool) ->
 def _transient(
     plan: Plan,
     line: Line,
-    problem: Any,
+    flow: Any,
     result: Result,
     folder: Path | None,
     quiet: bool,
@@ -148,40 +150,54 @@ def _transient(
     from contbed.output import checkpoint
     from contbed.output.progress import Progress
     from contbed.packed_bed.results import transient_findings
-    from contbed.packed_bed.transient import History, integrated_fluxes, run_transient
+    from contbed.packed_bed.transient import History, enter, integrated_fluxes, run_transient
     from contbed.scene.identity import identity
 
     scene = plan.scene
     assert scene.time is not None
     label = identity(scene)
-    history = (
-        History(problem.begin(plan.policy))
-        if start is None
-        else History.unpack(*start).fitted(scene.time, scene.origin)
-    )
+    history = None if start is None else History.unpack(*start).fitted(scene.time, scene.origin)
 
     def save(arrays: dict[str, Any], meta: dict[str, Any]) -> None:
         assert folder is not None
         checkpoint.save(folder, arrays, meta | {"identity": label})
 
+    pieces = plan.pieces()
+    if history is not None:  # of those that have passed only the last is needed, for the results
+        reached = history.time * (1 + 1e-12)
+        pieces = [piece for piece in pieces if piece is None or piece.end > reached] or pieces[-1:]
     try:
-        with result.timed("heat"), Progress(scene.time.end, "s", quiet) as progress:
-            run_transient(
-                problem, history, plan.policy, advance=progress.advance_to, save=save if folder is not None else None
-            )
+        with Progress(scene.time.end, "s", quiet) as progress:
+            for piece in pieces:
+                if piece is not None:
+                    plan = plan.at(piece.start)
+                problem = _heat_problem(plan, flow, result, piece)
+                with result.timed("heat"):
+                    history = history or History(problem.begin(plan.policy))
+                    if piece is not None and piece.start > 0.0 and history.time <= piece.start * (1 + 1e-12):
+                        enter(problem, history, plan.policy, None if plan.schedule.jumps(piece.start) else history.size)
+                    run_transient(
+                        problem,
+                        history,
+                        plan.policy,
+                        end=scene.time.end if piece is None else piece.end,
+                        advance=progress.advance_to,
+                        save=save if folder is not None else None,
+                    )
     finally:
-        with result.timed("results"):
-            if history.steps:
-                fluxes, reactions = integrated_fluxes(problem, history), problem.reaction_sums(history.reaction)
-                source = problem.source() * history.time
-                held = problem.throughput() * history.time + problem.capacity()
-                result.balances["energy"] = _heat_balance(fluxes, reactions, source, history.gain, "J", held)
-            transient_findings(plan, line, problem, history, result)
-            if history.snapshots:
-                problem.steady(history.snapshots[-1], False)  # closures as used at the last output
-            _check_state(plan, problem, history.snapshots, result)
-        if folder is not None:
-            save(*history.pack())
+        if history is not None:
+            with result.timed("results"):
+                if history.steps:
+                    fluxes, reactions = integrated_fluxes(problem, history), history.reactions(problem)
+                    source = problem.source() * history.time
+                    held = problem.throughput() * history.time + problem.capacity()
+                    result.balances["energy"] = _heat_balance(fluxes, reactions, source, history.gain, "J", held)
+                transient_findings(plan, line, problem, history, result)
+                if history.snapshots:
+                    problem.steady(history.snapshots[-1], False)  # closures as used at the last output
+                _check_state(plan, problem, history.snapshots, result)
+            if folder is not None:
+                save(*history.pack())
 
 
 def _track_fronts(plan: Plan, result: Result) -> None:
@@ -201,13 +217,18 @@ def _track_fronts(plan: Plan, result: Result) -> None:
         (1.0 - bed.porosity) * medium.solid.density(300.0) * medium.solid.heat_capacity(300.0),
         float(medium.exchange(medium.T_fluid_in, lambda density: abs(u))),
         medium.T_fluid_in,
-        (time.initial_fluid, time.initial_solid),
+        _start_of_fronts(time),
         times,
     )
     result.closures = [use.to_dict() for use in medium.ranges()]
     sums = {name: value * plan.section for name, value in sums.items()}
     result.balances["energy"] = Balance(sums["in"], sums["out"], "J", stored=sums["stored"]).as_dict()
     front_findings(plan, snapshots, u < 0, result)
+
+
+def _start_of_fronts(time: Time) -> tuple[float, float]:
+    assert isinstance(time.initial_fluid, float) and isinstance(time.initial_solid, float)  # `plan` sees to it
+    return time.initial_fluid, time.initial_solid
 
 
 def _require_physical(phase: str, material: Any, T: Any) -> None:

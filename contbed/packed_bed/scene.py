@@ -18,15 +18,18 @@ from contbed.scene.quantities import (
     Conductivity,
     Emissivity,
     Fraction,
-    HeatFlux,
     HeatSource,
     Instant,
     NonNegative,
     Seconds,
     Table,
-    Temperature,
-    Velocity,
     form,
+)
+from contbed.scene.series import (
+    HeatFluxOrSeries,
+    TemperatureOrProfile,
+    TemperatureOrSeries,
+    VelocityOrSeries,
 )
 from contbed.scene.tables import (
     ConductivityOrClosure,
@@ -60,8 +63,8 @@ class Bed(Packing):
 class Flow(Table):
     """Superficial velocities; a number is along the bed axis (x, or z when axisymmetric), a list is a vector."""
 
-    velocity: Velocity = Field(description="fluid, mean over the inlet")
-    velocity_solid: Velocity = 0.0
+    velocity: VelocityOrSeries = Field(description="fluid, mean over the inlet")
+    velocity_solid: VelocityOrSeries = 0.0
 
 
 class Dispersion(Table):
@@ -96,12 +99,14 @@ class Heat(Table):
 class PhaseCondition(Table):
     """Thermal condition of one phase on one boundary: exactly one of the five."""
 
-    fixed: Temperature | None = Field(None, description="prescribed temperature")
-    inflow: Temperature | None = Field(None, description="Danckwerts: temperature of the entering stream")
-    flux: HeatFlux | None = Field(None, description="heat into the bed")
+    fixed: TemperatureOrSeries | None = Field(None, description="prescribed temperature")
+    inflow: TemperatureOrSeries | None = Field(
+        None, description="Danckwerts: temperature of the stream while it enters; nothing while it leaves"
+    )
+    flux: HeatFluxOrSeries | None = Field(None, description="heat into the bed")
     coefficient: WallCoefficientOrClosure | None = Field(None, description="Robin: wall coefficient to `ambient`")
     emissivity: Emissivity | None = Field(None, description="of a surface that radiates to surroundings at `ambient`")
-    ambient: Temperature | None = None
+    ambient: TemperatureOrSeries | None = None
 
     @model_validator(mode="after")
     def _exactly_one(self) -> PhaseCondition:
@@ -148,8 +153,8 @@ class Time(Table):
     """A transient run; absent means steady."""
 
     end: Seconds
-    initial_fluid: Temperature
-    initial_solid: Temperature
+    initial_fluid: TemperatureOrProfile
+    initial_solid: TemperatureOrProfile
     times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
     step: Seconds | None = Field(None, description="fixed step; error-controlled if absent")
     tolerance: Fraction = Field(1e-4, description="local error over the span of temperatures")

@@ -14,7 +14,9 @@ from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.scene import Time
 from contbed.scene.toml_lines import Origin
 from contbed.solvers.linear import Policy
-from contbed.solvers.timestep import WEIGHTS, march
+from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, march
+
+ONE_KELVIN = 1.0  # [K] scale of the errors of a bed that only fluxes or sources drive from one temperature
 
 Save = Callable[[dict[str, Any], dict[str, Any]], None]
 
@@ -23,9 +25,9 @@ Save = Callable[[dict[str, Any], dict[str, Any]], None]
 class History:
     """State of a transient run and its integrals over time so far.
 
-    `mean` is the time integral of the state, `reaction` of the heat that prescribed temperatures conduct in, `flux` of
-    the boundary fluxes where properties vary, `gain` of the content; `ranges` is the record of how closures were used,
-    see `Medium.state`.
+    `mean` is the time integral of the state, `reaction` of the heat that prescribed temperatures conduct in by
+    boundary, `flux` of the boundary fluxes where properties or boundary values vary, `gain` of the content; `ranges` is
+    the record of how closures were used, see `Medium.state`.
     """
 
     state: Any
@@ -101,9 +103,28 @@ class History:
             text = f"{missing[0]:g} s lies before {self.time:g} s, which the checkpoint has reached, and was not kept"
             raise SceneError(f"{where.at(('time', 'times'))}: time.times: {text}")
         self.times, self.snapshots = passed, [kept.get(moment, self.state) for moment in passed]
-        if time.end != self.end:  # another ladder, from here
-            self.origin, self.end, self.tick, self.level = self.time, time.end, 0, None
         return self
+
+    def reactions(self, problem: HeatProblem) -> dict[str, float]:
+        """Return the heat that prescribed temperatures have conducted in so far by boundary [J]."""
+        names = problem.mesh.boundaries
+        return dict(zip(names, np.broadcast_to(self.reaction, len(names)).tolist(), strict=True))
+
+    @property
+    def size(self) -> float | None:
+        """Size of the next step of the present ladder [s]; None before the first."""
+        return None if self.level is None else (self.end - self.origin) * 2.0 ** (self.level - LEVELS)
+
+    def climb(self, end: float, size: float | None = None) -> None:
+        """Begin another ladder of steps from here to `end` [s], the first not longer than `size` [s] if that is given.
+
+        Nothing changes if the present ladder ends there.
+        """
+        if self.end == end:
+            return
+        self.origin, self.end, self.tick, self.level = self.time, end, 0, None
+        if size is not None:
+            self.level = max(0, min(LEVELS, int(np.floor(LEVELS + np.log2(size / (end - self.time))))))
 
 
 def run_transient(
@@ -111,27 +132,28 @@ def run_transient(
     history: History,
     policy: Policy,
     *,
+    end: float,
     advance: Callable[[float], None],
     save: Save | None,
 ) -> History:
-    """March `history` to the end of the scene's [time]; it always holds the last accepted step, whatever happens."""
+    """March `history` to `end` [s]; it always holds the last accepted step, whatever happens."""
     time = problem.scene.time
     assert time is not None
     wanted = sorted({*time.times, time.end})
     problem.medium.restore(history.ranges)
     low, high = problem.T_span
-    history.end = history.end or time.end
+    history.climb(end)
     if not history.times and wanted[0] == 0.0:
         _keep(history, 0.0, history.state)
     solver = problem.scene.solver
     steps = march(
         problem,
         history.state,
-        time.end,
+        end,
         problem.system.ordered(policy),
         start=history.origin,
         tolerance=time.tolerance,
-        span=max(high - low, 1e-9 * high),
+        span=high - low if high > low else ONE_KELVIN,
         origin=low,
         step=time.step,
         tick=history.tick,
@@ -163,6 +185,28 @@ def run_transient(
     return history
 
 
+def enter(problem: HeatProblem, history: History, policy: Policy, size: float | None) -> None:
+    """Begin a piece of a run: prescribed temperatures take their values after a jump, and give the heat that it takes.
+
+    `size` is the first step [s] where nothing jumps; None for the shortest.
+    """
+    assert problem.piece is not None
+    problem.at(problem.piece.start)
+    state = np.array(history.state)
+    state[problem.fixed] = problem.fixed_values
+    state = problem.consistent(state, policy)
+    given = problem.content(state, False)[0] - problem.content(history.state, False)[0]
+    parts = np.abs(_by_boundary(problem, given[problem.fixed]))
+    after = replace(history, state=state, gain=history.gain + float(np.sum(given)))
+    after.reaction = after.reaction + float(np.sum(given)) * parts / max(float(parts.sum()), np.finfo(float).tiny)
+    after.climb(problem.piece.end, size)
+    vars(history).update(vars(after))
+
+
+def _by_boundary(problem: HeatProblem, reaction: Any) -> Any:
+    return np.array(list(problem.reaction_sums(reaction).values()))
+
+
 def _keep(history: History, time: float, state: Any) -> None:
     history.times.append(time)
     history.snapshots.append(np.array(state))
@@ -173,10 +217,11 @@ def _account(problem: HeatProblem, history: History, step: Any) -> None:
     weights = [weight * step.size for weight in WEIGHTS]
     history.gain += float(np.sum(step.gain))
     supplied = step.gain + sum(w * rate for w, rate in zip(weights, step.rates, strict=True))
-    history.reaction = history.reaction + supplied[problem.fixed]
+    history.reaction = history.reaction + _by_boundary(problem, supplied[problem.fixed])
     history.mean = history.mean + sum(w * state for w, state in zip(weights, step.states, strict=True))
-    if not problem.linear:
-        for w, state in zip(weights, step.states, strict=True):
+    if not problem.linear or problem.piece is not None:
+        for w, state, share in zip(weights, step.states, STAGES, strict=True):
+            problem.at(step.start + share * step.size)
             for name, parts in problem.fluxes(state).items():
                 for kind, value in parts.items():
                     history.flux[f"{name}.{kind}"] = history.flux.get(f"{name}.{kind}", 0.0) + w * value
@@ -187,7 +232,7 @@ def integrated_fluxes(problem: HeatProblem, history: History) -> dict[str, dict[
 
     Linear fluxes are those of the mean state times the duration.
     """
-    if problem.linear:
+    if problem.linear and problem.piece is None:
         fluxes = problem.fluxes(history.mean / history.time)
         return {name: {kind: value * history.time for kind, value in parts.items()} for name, parts in fluxes.items()}
     out: dict[str, dict[str, float]] = {}

@@ -71,6 +71,25 @@ def to_si(text: str, unit: str) -> float:
 
 
 @cache
+def factor_and_offset(name: str, unit: str) -> tuple[float, float] | None:
+    """Return (a, b) so that a value x in the unit `name` is a x + b in the SI unit `unit`.
+
+    None if `name` is unknown or measures something else.
+
+    >>> factor_and_offset("mm", "m")
+    (0.001, 0.0)
+    """
+    if name == unit:
+        return 1.0, 0.0
+    try:
+        zero = to_si(f"0 {name}" if name != "1" else "0", unit)
+        thousand = to_si(f"1000 {name}" if name != "1" else "1000", unit)
+    except ValueError:
+        return None
+    return (thousand - zero) / 1000.0, zero
+
+
+@cache
 def _registry() -> UnitRegistry[float]:
     from pint import UnitRegistry
 

@@ -1,6 +1,6 @@
 """TR-BDF2 in conservative form with error control; steps are halved or doubled.
 
-For m(U)' + R(U) = 0, where m is the tested heat content and R the tested steady residual, one step of size dt is
+For m(U)' + R(U, t) = 0, where m is the tested heat content and R the tested steady residual, one step of size dt is
 
     m(U1) + d dt R(U1) = m(U0) - d dt R(U0)                      U1 at t + gamma dt
     m(U2) + d dt R(U2) = m(U0) - w dt (R(U0) + R(U1))            U2 at t + dt
@@ -29,6 +29,7 @@ GAMMA = 2.0 - 2.0**0.5
 D = GAMMA / 2.0
 W = 2.0**0.5 / 4.0
 WEIGHTS = (W, W, D)
+STAGES = (0.0, GAMMA, 1.0)  # times of the states of a step, from its start, over its size
 _ERROR = (W - (1 - W) / 3, W - (3 * W + 1) / 3, D - D / 3)
 
 LEVELS = 48  # the shortest step is end * 2**-LEVELS
@@ -48,6 +49,19 @@ class Problem(Protocol):
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Return the tested steady residual R(U) and, if wanted, its Jacobian."""
+
+
+class TransientProblem(Problem, Protocol):
+    """A problem whose boundary values may change with time."""
+
+    fixed_values: Any
+
+    @property
+    def changes(self) -> bool:
+        """Whether boundary values change, linearly in time."""
+
+    def at(self, time: float) -> None:
+        """Put the boundary values of a time [s] in place."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +97,7 @@ class Step:
 
 
 def march(
-    problem: Problem,
+    problem: TransientProblem,
     state: Any,
     end: float,
     policy: Policy,
@@ -110,12 +124,12 @@ def march(
         total = 2**LEVELS if end > start else 0
         unit, adaptive = (end - start) / max(total, 1), True
         level = LEVELS - FIRST_LEVEL if level is None else level
-    solved = _Affine(problem, np.full_like(state, origin)) if problem.linear else problem
+    solved = _Affine(problem, np.full_like(state, origin), (start, end)) if problem.linear else problem
     stage = _Stages(solved, policy, newton_options or {})
     while tick < total:
         width = 2**level
         dt = unit * width
-        states, rates, gain, error = stage.take(state, dt, level)
+        states, rates, gain, error = stage.take(state, start + tick * unit, dt, level)
         if adaptive:
             norm = float(np.abs(error * problem.weights).max()) / (tolerance * span)
             if level == 0 and not np.isfinite(norm):
@@ -131,14 +145,32 @@ def march(
 
 
 class _Affine:
-    """A linear problem as two matrices and two vectors: a residual costs a product instead of an assembly."""
+    """A linear problem as two matrices and vectors: a residual costs a product instead of an assembly.
+
+    `window` are two times; boundary values that change are linear in time, and so is the vector of the residual.
+    """
 
     linear = True
 
-    def __init__(self, problem: Problem, origin: Any):
+    def __init__(self, problem: TransientProblem, origin: Any, window: tuple[float, float]):
         self.fixed, self.weights, self._origin = problem.fixed, problem.weights, origin
+        self.changes = problem.changes
+        self._window = window
+        self._ends: list[tuple[Any, Any]] = []
+        for time in window if problem.changes else window[:1]:
+            problem.at(time)
+            vector, matrix = problem.steady(origin, True)
+            self._ends.append((vector, np.array(problem.fixed_values)))
         self._content = problem.content(origin, True)
-        self._steady = problem.steady(origin, True)
+        self._steady = vector, matrix
+        self.fixed_values = self._ends[0][1]
+
+    def at(self, time: float) -> None:
+        if self.changes:
+            start, end = self._window
+            share = (time - start) / (end - start)
+            vector, self.fixed_values = (a + share * (b - a) for a, b in zip(*self._ends, strict=True))
+            self._steady = vector, self._steady[1]
 
     def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         vector, matrix = self._content
@@ -152,18 +184,21 @@ class _Affine:
 class _Stages:
     """The two stages of a step, with factorisations kept for each size of step."""
 
-    def __init__(self, problem: Problem, policy: Policy, options: dict[str, Any]):
+    def __init__(self, problem: TransientProblem, policy: Policy, options: dict[str, Any]):
         self.problem, self.policy, self.options = problem, policy, options
         self.solvers: dict[int, Solver] = {}
         self.last: tuple[Any, Any, Any] | None = None
 
-    def take(self, state: Any, dt: float, level: int) -> tuple[Any, Any, Any, Any]:
+    def take(self, state: Any, start: float, dt: float, level: int) -> tuple[Any, Any, Any, Any]:
         problem, fixed = self.problem, self.problem.fixed
         if self.last is None or self.last[0] is not state:
+            problem.at(start)
             self.last = (state, problem.content(state, False)[0], problem.steady(state, False)[0])
         _, content, steady = self.last
+        problem.at(start + GAMMA * dt)
         first = self._solve(state, content - D * dt * steady, dt, level)
         steady_first = problem.steady(first, False)[0]
+        problem.at(start + dt)
         last = self._solve(first, content - W * dt * (steady + steady_first), dt, level)
         steady_last = problem.steady(last, False)[0]
         defect = -dt * (_ERROR[0] * steady + _ERROR[1] * steady_first + _ERROR[2] * steady_last)
@@ -195,6 +230,9 @@ class _Stages:
 
     def _solve(self, guess: Any, rhs: Any, dt: float, level: int) -> Any:
         assemble = self._system(dt)
+        if self.problem.changes:
+            guess = guess.copy()
+            guess[self.problem.fixed] = self.problem.fixed_values
         if self.problem.linear:
             residual = rhs - assemble(guess, False)[0]
             residual[self.problem.fixed] = 0.0

@@ -29,6 +29,11 @@ class Problem:
     linear: bool
     fixed: Any = field(default_factory=lambda: np.empty(0, dtype=int))
     weights: Any = 1.0
+    fixed_values: Any = 0.0
+    changes: bool = False
+
+    def at(self, time: float) -> None:
+        """Nothing changes with time."""
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Residual of the steady forms."""

@@ -1,0 +1,144 @@
+"""Tables of numbers in CSV files, each column with its unit in the header: measured data, schedules, profiles.
+
+    # lines that begin with # are comments
+    t [h],T_inlet [degC]
+    0,396
+    0.5,390.5
+
+Mistakes are told with file, line and column.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import SceneError
+from contbed.scene.names import nearest
+from contbed.scene.units import QUANTITIES, factor_and_offset
+
+_HEADER = re.compile(r"\s*(.+?)\s*\[(.+)\]\s*")
+
+
+@dataclass(frozen=True)
+class DataTable:
+    """The columns of a CSV file.
+
+    names, units : of the columns; "" is the unit of a column without brackets, whose cells are texts
+    cells : texts, row by row; lines : line of each row in the file
+    """
+
+    path: Path
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    cells: tuple[tuple[str, ...], ...]
+    lines: tuple[int, ...]
+    header_line: int
+
+    def name_in(self, unit: str) -> str:
+        """Return the name of the first column whose unit measures the same as `unit`.
+
+        Raises
+        ------
+        SceneError : there is none
+        """
+        for name, given in zip(self.names, self.units, strict=True):
+            if given and factor_and_offset(given, unit) is not None:
+                return name
+        wanted = QUANTITIES.get(unit, "quantity")
+        raise self.error(self.header_line, f"no column with a {wanted}, such as 'name [{unit}]'; found {self._found()}")
+
+    def column(self, name: str, unit: str) -> NDArray[np.float64]:
+        """Return the values of a column in the SI unit `unit`, shape (rows,).
+
+        Raises
+        ------
+        SceneError : no such column, another kind of quantity, or a cell that is no finite number
+        """
+        if name not in self.names:
+            raise self.error(self.header_line, f"no column '{name}'; {nearest(name, list(self.names))}")
+        index = self.names.index(name)
+        scale = factor_and_offset(self.units[index] or "1", unit)
+        if scale is None:
+            found = f"'{name} [{self.units[index]}]'" if self.units[index] else f"'{name}' without a unit"
+            raise self.error(
+                self.header_line, f"expected a {QUANTITIES.get(unit, 'quantity')} in {unit}, found {found}"
+            )
+        values = np.empty(len(self.cells))
+        for row, (cells, line) in enumerate(zip(self.cells, self.lines, strict=True)):
+            try:
+                values[row] = float(cells[index])
+            except ValueError:
+                raise self.error(line, f"column '{name}': expected a number, found '{cells[index][:40]}'") from None
+            if not isfinite(values[row]):
+                raise self.error(line, f"column '{name}': not a finite number")
+        factor, offset = scale
+        return values * factor + offset
+
+    def texts(self, name: str) -> tuple[str, ...]:
+        """Return the cells of a column as they are written."""
+        if name not in self.names:
+            raise self.error(self.header_line, f"no column '{name}'; {nearest(name, list(self.names))}")
+        index = self.names.index(name)
+        return tuple(cells[index] for cells in self.cells)
+
+    def error(self, line: int, text: str) -> SceneError:
+        """Return a mistake of this file at a line."""
+        return SceneError(f"{self.path.name}:{line}: {text}")
+
+    def _found(self) -> str:
+        return ", ".join(
+            f"'{name} [{unit}]'" if unit else f"'{name}'" for name, unit in zip(self.names, self.units, strict=True)
+        )
+
+
+def read_table(path: Path) -> DataTable:
+    """Read a CSV file with one header line.
+
+    Raises
+    ------
+    SceneError : the file cannot be read, is empty, or a line has too few or too many cells
+    """
+    try:
+        status = path.stat()
+    except OSError:
+        raise SceneError(f"no such file; looked for {path.absolute()}") from None
+    return _read(path, status.st_ino, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=64)
+def _read(path: Path, inode: int, changed: int, size: int) -> DataTable:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise SceneError(f"{path.name}: cannot be read as text: {error}") from None
+    names: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+    header_line, cells, lines = 0, [], []
+    for number, line in enumerate(text.splitlines(), 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        row = tuple(cell.strip() for cell in next(csv.reader([line])))
+        if not header_line:
+            parts = [_HEADER.fullmatch(cell) for cell in row]
+            names = tuple(part[1] if part else cell for part, cell in zip(parts, row, strict=True))
+            units, header_line = tuple(part[2] if part else "" for part in parts), number
+            if twice := [name for name in names if names.count(name) > 1]:
+                raise SceneError(f"{path.name}:{number}: column '{twice[0]}' is there twice")
+        elif len(row) != len(names):
+            raise SceneError(
+                f"{path.name}:{number}: {len(row)} cells, the header in line {header_line} has {len(names)}"
+            )
+        else:
+            cells.append(row)
+            lines.append(number)
+    if not cells:
+        raise SceneError(f"{path.name}: a table needs a header line and at least one line of numbers")
+    return DataTable(path, names, units, tuple(cells), tuple(lines), header_line)

@@ -1,0 +1,204 @@
+"""Values of a scene that change with time or along the bed: pairs in the scene, or a column of a CSV file.
+
+inflow = {times = ["0 h", "6 h"], values = ["290 degC", "390 degC"], form = "step", period = "24 h"}
+ambient = {file = "weather.csv", column = "T_ambient"}
+initial_solid = {file = "results/charge/profiles.csv"}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from contbed.errors import SceneError
+from contbed.scene.data_table import read_table
+from contbed.scene.quantities import FiniteFloat, HeatFlux, Instant, Seconds, Table, Temperature, Velocity, in_unit
+
+Array = NDArray[np.float64]
+TINY = 1e-12  # of the time, below which two times are the same
+
+
+class Series(Table):
+    """A value as a function of time."""
+
+    quantity: ClassVar[str] = "1"
+
+    times: tuple[Instant, ...] = Field((), description="when the values hold; the first is 0")
+    values: tuple[Any, ...] = Field((), description="one for each time")
+    file: str | None = Field(None, description="CSV file instead, path relative to the scene")
+    column: str | None = Field(None, description="of the file; absent: the first column with the right kind of unit")
+    form: Literal["linear", "step"] = Field("linear", description="between the times; step holds until the next")
+    period: Seconds | None = Field(None, description="the series repeats after this time")
+
+    @model_validator(mode="after")
+    def _pairs_or_file(self) -> Self:
+        if (self.file is None) == (not self.times):
+            raise ValueError("give times and values, or a file")
+        if self.file is not None and self.values:
+            raise ValueError("a file has the values already; remove values")
+        if self.file is None and len(self.times) != len(self.values):
+            raise ValueError(f"{len(self.times)} times and {len(self.values)} values; each time needs one value")
+        if self.file is None and self.column is not None:
+            raise ValueError("column is for a file")
+        return self
+
+    def samples(self, base: Path) -> Samples:
+        """Return times and values, from a file if there is one.
+
+        Raises
+        ------
+        SceneError : the file cannot be used, or times that do not increase from 0
+        """
+        if self.file is None:
+            times, values, where = np.array(self.times), np.array(self.values, dtype=float), [""] * len(self.times)
+        else:
+            table = read_table(base / self.file)
+            times = table.column(table.name_in("s"), "s")
+            values = table.column(self.column or table.name_in(self.quantity), self.quantity)
+            where = [f"{table.path.name}:{line}: " for line in table.lines]
+        if times[0] != 0.0:
+            raise SceneError(f"{where[0]}the first time is {times[0]:g} s; a series begins at 0 s")
+        late = np.flatnonzero(np.diff(times) <= 0.0)
+        if len(late):
+            k = int(late[0]) + 1
+            raise SceneError(f"{where[k]}times must increase: {times[k]:g} s comes after {times[k - 1]:g} s")
+        if self.period is not None and times[-1] > self.period:
+            raise SceneError(f"{where[-1]}{times[-1]:g} s lies beyond the period of {self.period:g} s")
+        if self.quantity == "K" and np.min(values, initial=1.0) <= 0.0:
+            raise SceneError(
+                f"{where[int(np.argmin(values.ravel()))]}a temperature of {values.min():g} K; it must be > 0"
+            )
+        return Samples(times, values, self.form, self.period)
+
+
+class TemperatureSeries(Series):
+    """A temperature that changes with time."""
+
+    quantity: ClassVar[str] = "K"
+    values: tuple[Temperature, ...] = Field((), description="one for each time")
+
+
+class HeatFluxSeries(Series):
+    """A heat flux that changes with time."""
+
+    quantity: ClassVar[str] = "W/m**2"
+    values: tuple[HeatFlux, ...] = Field((), description="one for each time")
+
+
+class VelocitySeries(Series):
+    """A velocity that changes in steps; the flow may start, stop and reverse."""
+
+    quantity: ClassVar[str] = "m/s"
+    values: tuple[Velocity, ...] = Field((), description="one for each time")
+    form: Literal["step"] = Field("step", description="a velocity holds until the next time")
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Times [s] and values in SI of a series, the first time 0; values (times,) or (times, dimension)."""
+
+    times: Array
+    values: Array
+    form: str
+    period: float | None
+
+    def at(self, time: float, before: bool = False) -> Any:
+        """Return the value at a time, at a jump that after it, or `before` it."""
+        turns = 0.0
+        if self.period is not None:
+            turns = np.floor(time / self.period * (1.0 + (-TINY if before else TINY)))
+        local = max(time - turns * (self.period or 0.0), 0.0)
+        slack = (-TINY if before else TINY) * max(time, local)
+        k = max(int(np.searchsorted(self.times, local + slack, side="right")) - 1, 0)
+        if self.form == "step":
+            return self.values[k]
+        if k + 1 < len(self.times):
+            end, value = self.times[k + 1], self.values[k + 1]
+        elif self.period is not None and self.times[-1] < self.period:
+            end, value = self.period, self.values[0]
+        else:
+            return self.values[-1]
+        share = (local - self.times[k]) / (end - self.times[k])
+        return self.values[k] + share * (value - self.values[k])
+
+    def breaks(self, end: float) -> Iterator[float]:
+        """Yield the times in (0, end) at which the value jumps or its slope changes [s]."""
+        start = 0.0
+        while start < end:
+            for time in self.times:
+                if 0.0 < start + time < end * (1.0 - TINY):
+                    yield float(start + time)
+            if self.period is None:
+                return
+            start += self.period
+
+    def reaches(self, end: float) -> bool:
+        """Return whether the series says what holds until `end`; the last step holds for ever."""
+        return self.period is not None or self.form == "step" or self.times[-1] >= end * (1.0 - TINY)
+
+
+class ProfileFile(Table):
+    """Temperatures along the bed from a CSV file, such as the profiles.csv of an earlier run."""
+
+    file: str = Field(description="CSV file with a column of positions and one of temperatures, relative to the scene")
+    column: str | None = Field(None, description="absent: T_fluid or T_solid, or the first with a temperature")
+
+    def samples(self, base: Path, name: str) -> tuple[Array, Array]:
+        """Return positions [m] in increasing order and temperatures [K]; at the last time if the file has several.
+
+        Parameters
+        ----------
+        base : folder of the scene
+        name : the column to take if the scene names none and the file has it
+
+        Raises
+        ------
+        SceneError : the file cannot be used, positions that are given twice, a temperature not above 0 K
+        """
+        table = read_table(base / self.file)
+        chosen = self.column or (name if name in table.names else table.name_in("K"))
+        where, values = table.column(table.name_in("m"), "m"), table.column(chosen, "K")
+        lines = np.array(table.lines)
+        if "t" in table.names:
+            times = table.column("t", "s")
+            last = times == times.max()
+            where, values, lines = where[last], values[last], lines[last]
+        order = np.argsort(where, kind="stable")
+        where, values, lines = where[order], values[order], lines[order]
+        if (twice := np.flatnonzero(np.diff(where) == 0.0)).size:
+            raise table.error(int(lines[twice[0] + 1]), f"the position {where[twice[0]]:g} m is given twice")
+        if values.min() <= 0.0:
+            raise table.error(int(lines[np.argmin(values)]), f"a temperature of {values.min():g} K; it must be above 0")
+        return where, values
+
+
+def how_written(value: Any) -> str:
+    """Return "series" for a table, "list" for a list, else "number", the tags of the unions below."""
+    if isinstance(value, (dict, Table)):
+        return "series"
+    return "list" if isinstance(value, (list, tuple)) else "number"
+
+
+TemperatureOrSeries = Annotated[
+    Annotated[Temperature, Tag("number")] | Annotated[TemperatureSeries, Tag("series")], Discriminator(how_written)
+]
+HeatFluxOrSeries = Annotated[
+    Annotated[HeatFlux, Tag("number")] | Annotated[HeatFluxSeries, Tag("series")], Discriminator(how_written)
+]
+VelocityOrSeries = Annotated[
+    Annotated[FiniteFloat, Tag("number")]
+    | Annotated[tuple[FiniteFloat, ...], Tag("list")]
+    | Annotated[VelocitySeries, Tag("series")],
+    Field(json_schema_extra={"unit": "m/s"}),
+    Discriminator(how_written),
+    in_unit("m/s"),
+]
+TemperatureOrProfile = Annotated[
+    Annotated[Temperature, Tag("number")] | Annotated[ProfileFile, Tag("series")], Discriminator(how_written)
+]

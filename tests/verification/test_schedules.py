@@ -1,0 +1,294 @@
+"""Values that change with time, and states that begin with a profile, against closed forms and symmetries."""
+
+import copy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import contbed as cb
+from contbed.errors import SceneError
+from contbed.loading import from_dict
+from contbed.scene.series import Samples
+
+SLAB = {
+    "mesh": {"type": "line", "length": 0.1, "cells": 20},
+    "fluid": {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.5, "viscosity": 2e-5},
+    "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 2.0},
+    "bed": {"porosity": 0.4, "particle_diameter": 0.005},
+    "flow": {"velocity": 0.0},
+    "heat": {"nusselt": 0.0},
+    "boundary": {},
+    "time": {"end": 1000.0, "initial_fluid": 300.0, "initial_solid": 300.0},
+    "output": {"positions": [0.0, 0.02, 0.05, 0.07, 0.1]},
+}
+
+STORE = {
+    "mesh": {"type": "line", "length": 1.0, "cells": 60},
+    "fluid": {"density": 800.0, "heat_capacity": 2000.0, "conductivity": 0.1, "viscosity": 1e-3},
+    "solid": {"density": 2500.0, "heat_capacity": 900.0, "conductivity": 2.0},
+    "bed": {"porosity": 0.4, "particle_diameter": 0.01},
+    "flow": {"velocity": {"times": [0.0, 600.0, 900.0], "values": [1e-3, 0.0, -1e-3]}},
+    "heat": {"nusselt": 10.0},
+    "boundary": {"left": {"fluid": {"inflow": 400.0}}, "right": {"fluid": {"inflow": 300.0}}},
+    "time": {"end": 1500.0, "times": [600.0, 900.0], "initial_fluid": 300.0, "initial_solid": 300.0},
+}
+
+
+def changed(scene: dict, **tables: dict) -> dict:
+    """A copy of the scene with these tables in place of its own."""
+    return copy.deepcopy(scene) | tables
+
+
+def ramp(low: float, slope: float, end: float) -> dict:
+    """A temperature that rises with `slope` [K/s] until `end` [s]."""
+    return {"times": [0.0, end], "values": [low, low + slope * end]}
+
+
+def run(scene: dict, base: Path | str = ".") -> cb.Result:
+    return cb.run(from_dict(scene, base=base), quiet=True)
+
+
+def last(result: cb.Result, name: str) -> np.ndarray:
+    """Profile at the last time."""
+    t = result.profiles["t [s]"]
+    return result.profiles[name][t == t.max()]
+
+
+def test_ramp_of_prescribed_walls_is_exact(tmp_path):
+    """T = T0 + b t + b x (x - L)/(2 a) solves the heat equation, is quadratic in x and linear in t.
+
+    Elements of degree 2 and the time steps hold it exactly, so that only rounding remains: 1e-9 K of 300.
+    """
+    slope, length = 0.01, 0.1
+    x = np.linspace(0.0, length, 41)  # the nodes of 20 quadratic cells
+    diffusivity = {
+        "fluid": 0.4 * 0.5 / (0.4 * 1.2 * 1000.0),
+        "solid": 0.6 * 2.0 / (0.6 * 2000.0 * 900.0),
+    }
+
+    def exact(phase, x, t):
+        return 300.0 + slope * t + slope * x * (x - length) / (2.0 * diffusivity[phase])
+
+    rows = np.column_stack([x, exact("fluid", x, 0.0), exact("solid", x, 0.0)])
+    text = "x [m],T_fluid [K],T_solid [K]\n" + "\n".join(",".join(f"{v:.17g}" for v in row) for row in rows)
+    (tmp_path / "start.csv").write_text(text)
+    wall = {phase: {"fixed": ramp(300.0, slope, 1000.0)} for phase in ("fluid", "solid")}
+    scene = changed(SLAB, boundary={"left": wall, "right": wall})
+    scene["time"] |= {"initial_fluid": {"file": "start.csv"}, "initial_solid": {"file": "start.csv"}}
+    result = run(scene, tmp_path)
+    for phase in ("fluid", "solid"):
+        found = last(result, f"T_{phase} [K]")
+        np.testing.assert_allclose(found, exact(phase, last(result, "x [m]"), 1000.0), rtol=0, atol=1e-9)
+    assert abs(result.balances["energy"]["relative_residual"]) < 1e-12
+
+
+@pytest.mark.parametrize("kind", ["ambient", "flux"])
+def test_thin_bed_follows_what_its_wall_gives(kind):
+    """A bed that conducts well is one tank: C dT/dt = h (T_a(t) - T), or C dT/dt = q(t), both solved in closed form.
+
+    The local error of the steps is 1e-7 of the span; the bed is not quite one tank: h L/(3 k) = 3e-5 of some 60 K.
+    """
+    h, length, end = 10.0, 0.01, 2000.0
+    scene = changed(SLAB, mesh={"type": "line", "length": length, "cells": 4}, output={"positions": [0.5 * length]})
+    scene["solid"] |= {"conductivity": 1e3}
+    content = 0.6 * 2000.0 * 900.0 * length
+    if kind == "ambient":
+        scene["boundary"] = {"left": {"solid": {"coefficient": h, "ambient": ramp(300.0, 0.05, end)}}}
+        rate = h / content
+        expected = 300.0 + 0.05 * (end - (1.0 - np.exp(-rate * end)) / rate)
+    else:
+        times, values = [0.0, 500.0, 1000.0], [0.0, 400.0, 100.0]
+        scene["boundary"] = {"left": {"solid": {"flux": {"times": times, "values": values, "form": "step"}}}}
+        expected = 300.0 + (500.0 * 400.0 + 1000.0 * 100.0) / content
+    scene["time"] |= {"end": end, "tolerance": 1e-7}
+    assert last(run(scene), "T_solid [K]")[0] == pytest.approx(expected, rel=0, abs=5e-3)
+
+
+def test_series_with_equal_values_change_nothing():
+    """Series that hold the same number at all times give what the number gives, to the tolerance of the steps."""
+    scene = changed(STORE, flow={"velocity": 1e-3}, boundary={"left": {"fluid": {"inflow": 400.0}}})
+    constant = run(scene)
+    scene["flow"] = {"velocity": {"times": [0.0, 700.0], "values": [1e-3, 1e-3]}}
+    scene["boundary"]["left"] = {"fluid": {"inflow": {"times": [0.0, 500.0, 1500.0], "values": [400.0] * 3}}}
+    series = run(scene)
+    np.testing.assert_allclose(last(series, "T_fluid [K]"), last(constant, "T_fluid [K]"), rtol=0, atol=3e-4 * 100.0)
+    assert series.balances["energy"]["in"] == pytest.approx(constant.balances["energy"]["in"], rel=1e-5)
+
+
+def test_reversal_is_symmetric():
+    """The bed mirrored, with mirrored velocities and inlets, has mirrored temperatures, to rounding."""
+    result = run(STORE)
+    flow = STORE["flow"]["velocity"]
+    mirrored = changed(
+        STORE,
+        flow={"velocity": flow | {"values": [-v for v in flow["values"]]}},
+        boundary={"left": STORE["boundary"]["right"], "right": STORE["boundary"]["left"]},
+    )
+    other = run(mirrored)
+    for name in ("T_fluid [K]", "T_solid [K]"):
+        a, b = (r.profiles[name].reshape(3, -1) for r in (result, other))
+        np.testing.assert_allclose(a, b[:, ::-1], rtol=0, atol=1e-8)
+
+
+def test_charge_rest_and_discharge_against_method_of_lines():
+    """An independent solution by upwind finite volumes on 4000 cells and LSODA; the heat balance closes to 1e-10.
+
+    Finite volumes of order 1 leave an error of some u dx/2 in conductivity, 0.2 % of that in the scene: 0.3 K.
+    """
+    result = run(STORE)
+    balance = result.balances["energy"]
+    assert abs(balance["relative_residual"]) < 1e-10
+    n, length, eps = 4000, 1.0, 0.4
+    dx = length / n
+    capacity = {"fluid": eps * 800.0 * 2000.0, "solid": (1 - eps) * 2500.0 * 900.0}
+    k = {"fluid": eps * 0.1, "solid": (1 - eps) * 2.0}
+    exchange = 10.0 * 0.1 / 0.01 * 6.0 * (1 - eps) / 0.01
+
+    def rates(u, inlet):
+        def of(t, y):
+            T_f, T_s = y[::2], y[1::2]
+            upwind = np.concatenate(([inlet], T_f[:-1])) if u > 0 else np.concatenate((T_f[1:], [inlet]))
+            carried = abs(u) * 800.0 * 2000.0 * (upwind - T_f) / dx if u else 0.0
+            out = np.empty_like(y)
+            for T, key, into in ((T_f, "fluid", carried), (T_s, "solid", 0.0)):
+                flux = np.zeros(n + 1)
+                flux[1:-1] = k[key] * np.diff(T) / dx
+                gain = exchange * ((T_s - T_f) if key == "fluid" else (T_f - T_s))
+                out[(0 if key == "fluid" else 1) :: 2] = (np.diff(flux) / dx + into + gain) / capacity[key]
+            return out
+
+        return of
+
+    y = np.full(2 * n, 300.0)
+    for begin, end, u, inlet in ((0, 600, 1e-3, 400.0), (600, 900, 0.0, 0.0), (900, 1500, -1e-3, 300.0)):
+        y = solve_ivp(rates(u, inlet), (begin, end), y, "LSODA", rtol=1e-6, atol=1e-4, lband=2, uband=2).y[:, -1]
+        found = result.profiles["T_fluid [K]"][np.isclose(result.profiles["t [s]"], end)]
+        x = result.profiles["x [m]"][np.isclose(result.profiles["t [s]"], end)]
+        expected = np.interp(x, (np.arange(n) + 0.5) * dx, y[::2])
+        np.testing.assert_allclose(found[1:-1], expected[1:-1], rtol=0, atol=0.3)
+
+
+def test_jump_of_a_prescribed_wall_is_in_the_balance():
+    """The heat that prescribed nodes take when they jump is supplied by their wall: the balance closes to 1e-12."""
+    step = {"times": [0.0, 300.0, 600.0], "values": [350.0, 320.0, 360.0], "form": "step"}
+    scene = changed(SLAB, boundary={"left": {"solid": {"fixed": step}, "fluid": {"fixed": 300.0}}})
+    balance = run(scene).balances["energy"]
+    assert abs(balance["relative_residual"]) < 1e-12
+    assert balance["stored"] > 0.0
+
+
+def test_cycles_repeat():
+    """A period of the series is cut at the same places in each turn, and values jump where the next turn begins."""
+    samples = Samples(np.array([0.0, 4.0]), np.array([1.0, 2.0]), "step", 10.0)
+    assert list(samples.breaks(25.0)) == [4.0, 10.0, 14.0, 20.0, 24.0]
+    assert samples.at(10.0) == 1.0 and samples.at(10.0, before=True) == 2.0
+    assert samples.at(23.999) == 1.0 and samples.at(24.0) == 2.0
+    linear = Samples(np.array([0.0, 4.0]), np.array([1.0, 3.0]), "linear", 8.0)
+    assert linear.at(2.0) == 2.0 and linear.at(6.0) == 2.0 and linear.at(14.0) == 2.0
+
+
+def test_initial_profile_of_an_earlier_run(tmp_path):
+    """Two runs after each other, the second from the profiles of the first, are the one long run.
+
+    profiles.csv has the temperatures at 1001 positions; interpolation between them is below 1e-3 K here.
+    """
+    first = changed(STORE, flow={"velocity": 1e-3}, boundary={"left": {"fluid": {"inflow": 400.0}}})
+    first["time"] |= {"end": 600.0, "times": []}
+    cb.run(from_dict(first), tmp_path / "first", quiet=True)
+    start = {"file": "first/profiles.csv"}
+    second = changed(first)
+    second["time"] |= {"initial_fluid": start, "initial_solid": start}
+    long = changed(first)
+    long["time"] |= {"end": 1200.0}
+    a, b = run(second, tmp_path), run(long)
+    np.testing.assert_allclose(last(a, "T_solid [K]"), last(b, "T_solid [K]"), rtol=0, atol=2e-2)
+
+
+@pytest.mark.parametrize(
+    ("table", "value", "words"),
+    [
+        ("inflow", {"times": [0.0, 5.0, 5.0], "values": [1.0, 2.0, 3.0]}, "times must increase"),
+        ("inflow", {"times": [1.0, 5.0], "values": [300.0, 310.0]}, "a series begins at 0 s"),
+        ("inflow", {"times": [0.0, 5.0], "values": [300.0, 310.0]}, "before the run; give a later value, or a period"),
+        ("inflow", {"times": [0.0, 5.0], "values": [300.0]}, "2 times and 1 values"),
+        ("inflow", {"times": [0.0, 5.0], "values": ["3 m", 300.0]}, "expected a temperature"),
+        ("inflow", {"times": [0.0], "values": [300.0], "form": "spline"}, "unknown choice"),
+        ("inflow", {"times": [0.0, 8.0], "values": [300.0, 310.0], "period": 4.0}, "beyond the period"),
+        ("inflow", {"times": [0.0], "values": [300.0], "period": 1e-9}, "repeats more than"),
+        ("inflow", {"file": "missing.csv"}, "no such file"),
+        ("inflow", {"file": "text.csv"}, "text.csv:3: column 'T': expected a number, found 'warm'"),
+        ("inflow", {"file": "unit.csv"}, "no column with a temperature"),
+        ("inflow", {"file": "short.csv"}, "short.csv:3: 1 cells, the header in line 1 has 2"),
+        ("inflow", {"file": "good.csv", "column": "T_in"}, "no column 'T_in'"),
+        ("inflow", {}, "give times and values, or a file"),
+        ("velocity", {"times": [0.0, 5.0], "values": [1e-3, -1e-3], "form": "linear"}, "unknown choice"),
+        ("velocity", {"times": [0.0, 5.0], "values": [1e-3, -1e-3]}, "the fluid enters here without a temperature"),
+    ],
+)
+def test_bad_series(tmp_path, table, value, words):
+    """Mistakes name the key, or the file with line and column, before anything runs."""
+    (tmp_path / "text.csv").write_text("t [s],T [K]\n0,300\n1,warm\n")
+    (tmp_path / "unit.csv").write_text("t [s],T [m]\n0,300\n1,310\n")
+    (tmp_path / "short.csv").write_text("t [s],T [K]\n0,300\n1\n")
+    (tmp_path / "good.csv").write_text("t [h],T [degC]\n0,20\n1,30\n")
+    scene = changed(STORE, flow={"velocity": 1e-3}, boundary={"left": {"fluid": {"inflow": 400.0}}})
+    if table == "inflow":
+        scene["boundary"]["left"]["fluid"]["inflow"] = value
+    else:
+        scene["flow"]["velocity"] = value
+    with pytest.raises(SceneError, match="scene") as caught:
+        from_dict(scene, base=tmp_path)
+    assert words in str(caught.value), str(caught.value)
+
+
+def test_bad_profiles(tmp_path):
+    """A profile that does not lie in the bed, or whose file lacks a position, is told before anything runs."""
+    (tmp_path / "long.csv").write_text("z [m],T [K]\n0,300\n1.5,310\n")
+    (tmp_path / "twice.csv").write_text("z [m],T [K]\n0.5,300\n0.5,310\n")
+    (tmp_path / "none.csv").write_text("T [K]\n300\n")
+    for name, words in (
+        ("long.csv", "positions from 0 to 1.5 m, the bed is 1 m long"),
+        ("twice.csv", "twice.csv:3: the position 0.5 m is given twice"),
+        ("none.csv", "no column with a length"),
+    ):
+        scene = changed(STORE)
+        scene["time"]["initial_solid"] = {"file": name}
+        with pytest.raises(SceneError) as caught:
+            from_dict(scene, base=tmp_path)
+        assert words in str(caught.value)
+
+
+def test_a_steady_scene_has_no_series():
+    """A series without a [time] table is a mistake, told at its key."""
+    scene = changed(STORE)
+    del scene["time"]
+    with pytest.raises(SceneError, match=r"flow\.velocity.*changes with time, and the scene is steady"):
+        from_dict(scene)
+
+
+def test_restart_across_a_jump_is_bit_for_bit(tmp_path, monkeypatch):
+    """A run that is stopped before a jump and restarted gives the bytes of the run that was not."""
+    scene = from_dict(STORE)
+    whole = cb.run(scene, tmp_path / "whole", quiet=True)
+    from contbed.packed_bed import transient
+
+    marched, stop = transient.march, {"at": 450.0}
+
+    def stopping(*args, **options):
+        for step in marched(*args, **options):
+            yield step
+            if step.end > stop["at"]:
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(transient, "march", stopping)
+    for moment in (450.0, 899.0):
+        stop["at"] = moment
+        with pytest.raises(KeyboardInterrupt):
+            cb.run(scene, tmp_path / "parts", quiet=True, restart=tmp_path / "parts" if moment > 450.0 else None)
+    monkeypatch.undo()
+    part = cb.run(scene, tmp_path / "parts", quiet=True, restart=tmp_path / "parts")
+    for name in whole.profiles:
+        np.testing.assert_array_equal(part.profiles[name], whole.profiles[name])
+    assert part.balances == whole.balances
