@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from contbed.errors import SceneError
-from contbed.scene.data_table import read_table
 from contbed.scene.quantities import FiniteFloat, HeatFlux, Instant, Seconds, Table, Temperature, Velocity, in_unit
 
 Array = NDArray[np.float64]
@@ -58,6 +57,8 @@ class Series(Table):
         if self.file is None:
             times, values, where = np.array(self.times), np.array(self.values, dtype=float), [""] * len(self.times)
         else:
+            from contbed.scene.data_table import read_table  # with it the conversion of units
+
             table = read_table(base / self.file)
             times = table.column(table.name_in("s"), "s")
             values = table.column(self.column or table.name_in(self.quantity), self.quantity)
@@ -161,6 +162,8 @@ class ProfileFile(Table):
         ------
         SceneError : the file cannot be used, positions that are given twice, a temperature not above 0 K
         """
+        from contbed.scene.data_table import read_table
+
         table = read_table(base / self.file)
         chosen = self.column or (name if name in table.names else table.name_in("K"))
         where, values = table.column(table.name_in("m"), "m"), table.column(chosen, "K")
