@@ -121,8 +121,13 @@ def run(
 
             mark_failed(folder, "bad scene", str(error))
         raise
+    from contbed.models import model_of
     from contbed.runner import run as solve
 
+    if not quiet and model_of(loaded).compiles:
+        from contbed.compiled_cache import tell_when_compiling
+
+        tell_when_compiling()
     command = f"contbed run {shlex.quote(str(scene))} --restart {shlex.quote(str(folder))}"
     _resume[:] = [(folder / "checkpoint.npz", command)]
     engine = engine or ("dolfinx" if any(int(os.environ.get(name, "1")) > 1 for name in SIZE) else "skfem")
@@ -169,6 +174,18 @@ def explain(name: Annotated[str, Argument(metavar="NAME", help="nusselt_gunn, tw
     from contbed.explain import explain as sheet
 
     print(sheet(name))
+
+
+@app.command()
+def warm() -> None:
+    """Compile all loops now, at install time, so that no run has to wait for it."""
+    from contbed.warm import warm as each
+
+    total = 0.0
+    for name, seconds in each():
+        print(f"{name}: {seconds:.1f} s", flush=True)
+        total += seconds
+    print(f"ready after {total:.1f} s of CPU")
 
 
 @app.command("list")

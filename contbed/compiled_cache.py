@@ -9,8 +9,13 @@ import os
 import stat
 import sys
 from pathlib import Path
+from typing import Any
 
 VARIABLE = "NUMBA_CACHE_DIR"
+COMPILING = (
+    "contbed: compiling for this processor, once for an installation and up to a minute; `contbed warm` does it "
+    "beforehand"
+)
 
 
 def choose_cache() -> None:
@@ -18,8 +23,8 @@ def choose_cache() -> None:
     if VARIABLE in os.environ or "numba" in sys.modules:
         return
     package = Path(__file__).parent / "dem"  # each of its folders is as writable as the others
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser())
-    if _can_write(package / "__pycache__") or _can_write(home / "numba"):
+    home = _cache_of_the_user()
+    if _can_write(package / "__pycache__") or (home is not None and _can_write(home / "numba")):
         return
     import tempfile  # takes longer to import than all of this
 
@@ -33,11 +38,39 @@ def choose_cache() -> None:
         folder, made = Path(tempfile.mkdtemp(prefix="contbed-")), True
     os.environ[VARIABLE] = str(folder)
     if made:
+        others = f"neither {package.parent} nor {home or 'a home folder'} can be written"
         print(
-            f"contbed: compiled code is kept in {folder}, as neither {package.parent} nor {home} can be written; "
-            f"{VARIABLE} names another folder",
+            f"contbed: compiled code is kept in {folder}, as {others}; {VARIABLE} names another folder",
             file=sys.stderr,
         )
+
+
+def tell_when_compiling() -> None:
+    """Say on stderr, once for a process, that kernels are compiled, as soon as the first one is."""
+    from numba.core import event
+
+    class Teller(event.Listener):
+        told = False
+
+        def on_start(self, event: Any) -> None:
+            if not self.told:
+                print(COMPILING, file=sys.stderr, flush=True)
+            self.told = True
+
+        def on_end(self, event: Any) -> None:
+            """Nothing is said when a kernel is ready."""
+
+    event.register("numba:compile", Teller())
+
+
+def _cache_of_the_user() -> Path | None:
+    """Return the folder for caches of this user; None for an account without a home folder."""
+    if named := os.environ.get("XDG_CACHE_HOME"):
+        return Path(named)
+    try:
+        return Path("~/.cache").expanduser()
+    except RuntimeError:
+        return None
 
 
 def _can_write(folder: Path) -> bool:

@@ -66,12 +66,14 @@ class Model:
     settings : name of the pydantic model of its scenes in scene.py
     means : whether the top-level tables of a file make it a scene of this physics
     equations : modules in the package whose docstrings `contbed explain` shows, by name
+    compiles : whether its loops are compiled at their first use, which takes a while
     """
 
     package: str
     settings: str
     means: Callable[[Mapping[str, Any]], bool]
     equations: Mapping[str, str]
+    compiles: bool = False
 
     def find(self, module: str, name: str) -> Any:
         """Import a module of the package and return its attribute `name`."""
@@ -107,7 +109,7 @@ def _only_radiates(values: Mapping[str, Any]) -> bool:
 
 # the first that a scene fits; the packed bed takes all others
 MODELS: dict[str, Model] = {
-    "two_fluid": Model("two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "equations"}),
+    "two_fluid": Model("two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "equations"}, True),
     "fully_developed": Model(
         "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}
     ),
@@ -124,9 +126,9 @@ MODELS: dict[str, Model] = {
         },
     ),
     "particles_gas": Model(
-        "cfd_dem", "GasScene", lambda values: "particles" in values and "gas" in values, {"particles_gas": "gas"}
+        "cfd_dem", "GasScene", lambda values: "particles" in values and "gas" in values, {"particles_gas": "gas"}, True
     ),
-    "particles": Model("dem", "ParticleScene", _is_particles, {"particles": "network"}),
+    "particles": Model("dem", "ParticleScene", _is_particles, {"particles": "network"}, True),
     "radiation": Model(
         "radiation", "RadiationScene", _only_radiates, {"radiation": "equations.p1", "ordinates": "equations.ordinates"}
     ),

@@ -160,8 +160,9 @@ def _place(
     """Draw positions without overlap; equal spheres are numbered column by column, which keeps memory near."""
     top = 4.0 / 3.0 * np.pi * (radii**3).sum() / (LOOSE * area) + 2.0 * radii.max()
     limits = np.array([sides[0], sides[1], top])
+    order = np.argsort(-radii, kind="stable")
     for _ in range(8):
-        placed, position = _add_at_random(radii, limits, cylinder or 0.0, np.array(periodic), rng)
+        placed, position = _add_at_random(radii, order, limits, cylinder or 0.0, np.array(periodic), rng)
         if placed:
             if np.ptp(radii) > 0.0:
                 return np.asarray(position)
@@ -174,13 +175,14 @@ def _place(
 @njit(cache=True)
 def _add_at_random(
     radius: NDArray[np.float64],
+    order: NDArray[np.int64],
     limits: NDArray[np.float64],
     cylinder: float,
     periodic: NDArray[np.bool_],
     rng: np.random.Generator,
 ) -> tuple[bool, NDArray[np.float64]]:
-    """Add spheres at random, large ones first; return whether all found a place, and positions [m]."""
-    n, top = len(radius), radius.max()
+    """Add spheres at random, large ones first by `order`; return whether all found a place, and positions [m]."""
+    n, top = len(radius), radius[order[0]]
     x = np.zeros((n, 3))
     count = np.empty(3, np.int64)
     for axis in range(3):
@@ -190,7 +192,7 @@ def _add_at_random(
     at, p, low = np.empty(3, np.int64), np.empty(3), np.empty(3)
     for axis in range(3):
         low[axis] = -0.5 * limits[axis] if cylinder > 0.0 and axis < 2 else 0.0
-    for i in np.argsort(-radius, kind="mergesort"):
+    for i in order:
         free = False
         for _ in range(TRIES):
             for axis in range(3):
@@ -221,7 +223,8 @@ def _add_at_random(
                 break
         if not free:
             return False, x
-        x[i] = p
+        for axis in range(3):  # to assign a row makes the compiler build numba's functions of texts, for its error
+            x[i, axis] = p[axis]
         after[i] = head[at[0], at[1], at[2]]
         head[at[0], at[1], at[2]] = i
     return True, x

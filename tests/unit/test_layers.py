@@ -16,7 +16,7 @@ PACKAGE = Path(contbed.__file__).parent
 # from the top to the bottom; a layer imports itself and what is below
 LAYERS = (
     ("cli", "__main__"),
-    ("sweep", "verify"),
+    ("sweep", "verify", "warm"),
     ("runner",),
     ("explain", "loading"),
     ("cfd_dem", "developed_flow", "bubbling_bed", "packed_bed"),
@@ -27,7 +27,7 @@ LAYERS = (
     ("solvers", "materials", "closures"),
     ("scene",),
     ("threads",),
-    ("fields", "errors", "versions", "interrupts"),
+    ("fields", "errors", "versions", "interrupts", "compiled_cache"),
 )
 
 

@@ -92,6 +92,52 @@ def test_a_read_only_installation_without_a_home(tmp_path):
     assert done[0].stderr.startswith(f"contbed: compiled code is kept in {tmp_path}/contbed-") and done[1].stderr == ""
 
 
+def test_an_account_without_a_home(tmp_path):
+    """A user id that no account has, as in containers: there is no home folder to find."""
+    code = """
+        import os, pathlib
+        def none(self): raise RuntimeError("Could not determine home directory.")
+        pathlib.Path.expanduser = none
+        os.access = lambda *arguments, **options: False
+        import contbed
+        print(os.environ["NUMBA_CACHE_DIR"])
+    """
+    done = python(code, environment={"TMPDIR": str(tmp_path), "XDG_CACHE_HOME": ""})
+    assert (done.returncode, done.stdout) == (0, f"{tmp_path / f'contbed-{os.getuid()}'}\n"), done.stderr
+    assert "nor a home folder can be written" in done.stderr
+
+
+def test_compiling_is_told_once(tmp_path):
+    code = """
+        from contbed.compiled_cache import tell_when_compiling
+        tell_when_compiling()
+        from numba import njit
+        one = njit(lambda x: x + 1.0, cache=False)
+        print("before", flush=True)
+        assert one(1.0) == 2.0 and one(1) == 2
+    """
+    done = python(code, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("contbed: compiling for this processor") == 1 and "contbed warm" in done.stderr
+
+
+@pytest.mark.slow
+def test_nothing_is_left_to_compile_after_warm(tmp_path):
+    """The second `contbed warm` compiles nothing, in a new folder of compiled code."""
+    code = """
+        from numba.core import event
+        from contbed.warm import SCENES, warm
+        with event.install_recorder("numba:compile") as record:
+            names = [name for name, seconds in warm()]
+        assert names == list(SCENES)
+        print(len(record.buffer))
+    """
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path)}
+    first, second = (python(code, environment=environment) for _ in range(2))
+    assert first.returncode == 0 and int(first.stdout) > 100, first.stderr
+    assert second.returncode == 0 and int(second.stdout) == 0, second.stderr
+
+
 def test_the_folder_of_another_user_is_not_taken(tmp_path, monkeypatch):
     from contbed import compiled_cache
 

@@ -40,7 +40,11 @@ def _extend_stencil(g: Geometry, s: Array, out: Array) -> None:
                 sums[c, k, d] = 0.0
                 for e in range(out.shape[2]):
                     sums[c, k, d] += g.gradient_inverse[c, d, e] * out[c, k, e]
-    out[:] = sums
+    # one by one: to assign an array makes the compiler build numba's functions of texts, for the error of its shapes
+    for c in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            for d in range(out.shape[2]):
+                out[c, k, d] = sums[c, k, d]
 
 
 @kernel

@@ -1,0 +1,71 @@
+"""Compile all kernels once, at install time, so that no run has to wait for it: `contbed warm`.
+
+Small scenes run through every compiled loop. Kernels that hold the closures of a scene are compiled with the default
+closures here, and with others when a scene first names them, which takes about a second.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+_GAS = {"density": 1.2, "viscosity": 1.8e-5}
+_WALLS = {name: {"type": "wall"} for name in ("left", "right", "bottom", "top")}
+_BED = {
+    "mesh": {"type": "rectangle", "length": 0.02, "height": 0.04, "cells": [4, 8]},
+    "two_fluid": {},
+    "gas": _GAS,
+    "solid": {"particle_diameter": 275e-6, "density": 2500.0},
+    "initial": {"layer": [{"end": 0.02, "eps_s": 0.5}]},
+    "boundary": _WALLS | {"bottom": {"type": "inlet", "velocity": 0.3}, "top": {"type": "outlet"}},
+    "time": {"end": 1e-3, "sample": 5e-4, "average_from": 5e-4},
+}
+_HOT = {
+    "heat": {"heat_capacity_gas": 1000.0, "heat_capacity_solid": 800.0, "conductivity_gas": 0.025},
+    "initial": {"layer": [{"end": 0.02, "eps_s": 0.5}], "T_gas": 300.0},
+    "boundary": _WALLS | {"bottom": {"type": "inlet", "velocity": 0.3, "T_gas": 400.0}, "top": {"type": "outlet"}},
+}
+_BOX = {
+    "mesh": {"type": "box", "length": 0.02, "width": 0.02, "height": 0.04, "cells": [8, 8, 16]},
+    "boundary": _BED["boundary"] | {name: {"type": "wall"} for name in ("front", "back")},  # type: ignore[operator]
+}
+_PARTICLES = {
+    "particles": {
+        "count": 150,
+        "radius": 1e-3,
+        "width": [0.009, 0.009],
+        "density": 2500.0,
+        "conductivity": 0.84,
+        "emissivity": 0.9,
+        "sliding_friction": 0.3,
+        "rolling_friction": 0.04,
+    },
+    "fluid": _GAS | {"model": "constant", "heat_capacity": 1005.0, "conductivity": 0.026},
+    "gas": {"velocity": 0.6, "height": 0.04, "nusselt": "gunn"},
+    "heat": {"T": 400.0},
+    "time": {"end": 2e-3, "sample": 1e-3},
+}
+_LINE = {
+    "mesh": {"type": "line", "length": 0.04, "cells": 8},
+    "boundary": {"left": {"type": "inlet", "velocity": 0.3}, "right": {"type": "outlet"}},
+}
+SCENES: dict[str, dict[str, Any]] = {
+    "two fluids": _BED,
+    "two fluids with heat": _BED | _HOT,
+    "two fluids on triangles": _BED | {"mesh": _BED["mesh"] | {"shape": "triangle"}},  # type: ignore[operator]
+    "two fluids on a line": _BED | _LINE,
+    "two fluids in 3-D": _BED | _BOX,
+    "particles in a gas": _PARTICLES,
+}
+
+
+def warm() -> Iterator[tuple[str, float]]:
+    """Compile what runs need; yields the name of each physics and the CPU time that it took [s]."""
+    from contbed.loading import from_dict
+    from contbed.runner import run
+
+    for name, values in SCENES.items():
+        start = time.process_time()
+        run(from_dict(values, name="contbed warm"))
+        yield name, time.process_time() - start
