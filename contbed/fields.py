@@ -126,6 +126,7 @@ _RESULTS = (
     Field("residence_time_s", "t", "s", "mean time that the fluid takes through a bed in plug flow"),
     Field("pressure_gradient_Pa_m", r"\mathrm{d}p/\mathrm{d}x", "Pa/m", "pressure gradient of the developed flow"),
     Field("estimated_error", r"e", "1", "estimated error of theta"),
+    Field("estimated_error_velocity", r"e_u", "1", "estimated error of the velocity over that at the inlet"),
     Field("theta_equilibrium", r"\theta_\mathrm{eq}", "1", "scaled temperature at which both phases meet"),
     Field("equilibrium_length_m", r"L_\mathrm{eq}", "m", "distance after which both phases differ by 1 % of the span"),
     Field("theta_overshoot", r"o", "1", "by how much theta leaves [0, 1]"),

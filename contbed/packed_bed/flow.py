@@ -11,6 +11,7 @@ from contbed.errors import SceneError
 from contbed.fem import system as make_system
 from contbed.fem.dual import Components
 from contbed.fem.skfem import System
+from contbed.fem.tensor_error import TensorGrid
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed.equations import porous_flow
 from contbed.solvers.linear import Policy
@@ -60,8 +61,11 @@ def solve_flow(
     *,
     tolerance: float,
     iterations: int,
+    before: Flow | None = None,
 ) -> Flow:
-    """Newton from uniform flow. `conditions` maps each boundary to inlet, outlet, no_slip or slip.
+    """Newton from uniform flow, or from the flow `before` on another mesh of the same bed.
+
+    `conditions` maps each boundary to inlet, outlet, no_slip or slip.
 
     Inlet nodes keep the inlet velocity also where a no-slip wall begins, so that the volume flow is the prescribed one.
     """
@@ -70,6 +74,8 @@ def solve_flow(
     system = make_system(mesh, {"u": (2, dim), "p": (1, 0)}, 9 if kink else 5)
     state = np.zeros(system.size)
     system.part(state, "u")[:] = np.asarray(inlet, dtype=float)[:, None]
+    if before is not None:
+        _carry(before, system, state)
     fixed: list[Any] = []
     for kind in ("slip", "no_slip", "inlet"):
         for name in (name for name, condition in conditions.items() if condition == kind):
@@ -91,6 +97,21 @@ def solve_flow(
         what="flow",
     )
     return Flow(system, state, history, c.porosity)
+
+
+def _carry(before: Flow, system: System, state: Any) -> None:
+    """Interpolate a flow on a tensor-product mesh to another one."""
+    old, new = before.system, system
+    for name in new.fields:
+        former, grid = (TensorGrid.of(one.fields[name][0]) for one in (old, new))
+        if former is None or grid is None:
+            return
+        for row, values in zip(_rows(new, state, name), _rows(old, before.state, name), strict=True):
+            row[:] = grid.nodal(former.interpolated(former.values(values), grid.coordinates))
+
+
+def _rows(system: System, state: Any, name: str) -> Any:
+    return np.atleast_2d(system.part(state, name))
 
 
 def _values(mesh: Mesh, name: str, kind: str, inlet: Any) -> dict[int, float]:

@@ -254,11 +254,14 @@ class HeatProblem:
         Conduction over small cells turns the last digit of a temperature into heat that can exceed what the streams
         carry. The residual of the corrected state without rounding is that of the state plus Jacobian times step.
         """
+        solver = None
         for _ in range(REFINEMENTS):
             residual, matrix = self.steady(state, True)
             free = residual.copy()
             free[self.fixed] = 0.0
-            step = -Solver(constrain(matrix, self.fixed), self.system.ordered(policy))(free)
+            if solver is None or not self.linear:
+                solver = Solver(constrain(matrix, self.fixed), self.system.ordered(policy))
+            step = -solver(free)
             state = state + step
             if np.abs(step).max() <= ROUNDING * np.abs(state).max():
                 return state, residual + matrix @ step

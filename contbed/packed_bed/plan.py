@@ -31,7 +31,9 @@ from contbed.scene.series import ProfileFile
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
-AUTOMATIC = 4  # adaptive refinements of an automatic mesh
+AUTOMATIC = 4  # adaptive refinements of an automatic line
+AUTOMATIC_TENSOR = 6  # new meshes of a plane or volume at most; two or three bring the error to the tolerance
+AUTOMATIC_CELLS = {2: 30_000, 3: 8_000}  # by dimension: about 10 s of processor for two temperatures
 
 
 @dataclass(frozen=True)
@@ -83,14 +85,35 @@ class Plan:
         return "fronts tracked along characteristics (a bed at rest without conduction)" if self.fronts else ""
 
     @property
+    def tensor(self) -> bool:
+        """Whether a built-in plane or volume is solved on, whose errors are estimated direction by direction."""
+        return not isinstance(self.solved.mesh, MeshFile | MeshLine)
+
+    @property
+    def balanced(self) -> bool:
+        """Whether the coordinates of an automatic plane or volume are chosen anew until its errors are small."""
+        grid = self.solved.mesh
+        if isinstance(grid, MeshFile | MeshLine):
+            return False
+        local = self.solved.solver.adapt is not None and refinable(self.mesh)
+        return grid.cells is None and not grid.refine and self.scene.time is None and not local
+
+    @property
     def adaptations(self) -> int:
         """How often the mesh of a steady scene may be refined where the estimated error exceeds the tolerance."""
         rounds, grid = self.solved.solver.adapt, self.solved.mesh
+        if self.balanced:
+            return AUTOMATIC_TENSOR if rounds is None else rounds
         if self.scene.heat is None or self.scene.time is not None:
             return 0
         if rounds is None:
             return AUTOMATIC if isinstance(grid, MeshLine) and grid.cells is None and not grid.refine else 0
         return rounds
+
+    @property
+    def most_cells(self) -> int:
+        """Number of cells that an automatic plane or volume may have."""
+        return AUTOMATIC_CELLS[self.mesh.skfem.dim()]
 
     def refined(self, error: Any) -> Plan:
         """Return the plan on a mesh refined where `error` (ncells,) is large."""
@@ -130,6 +153,10 @@ class Plan:
         frozen = frozen.model_copy(update={"radiation": self.solved.radiation})
         line = None if self.solved.mesh is self.scene.mesh else _reduced(frozen)
         return frozen if line is None else line[0]
+
+    def on(self, vertices: Any) -> Plan:
+        """Return the plan on a mesh with other coordinates in each direction [m]."""
+        return replace(self, mesh=replace(self.mesh, skfem=build(self.solved.mesh, vertices).skfem))
 
     @property
     def policy(self) -> Policy:
@@ -186,10 +213,11 @@ def plan(scene: s.Scene) -> Plan:
     grids = [nodes(each, medium, *_velocities(each), fronts) for each in targets]
     mesh = build(grid, grids[0] if len(grids) == 1 else _finest_each(grids), str(scene.origin.base))
     require_names(target.origin, mesh, {"boundary": target.boundary, "region": target.region})
-    if scene.solver.adapt and not refinable(mesh):
+    automatic = not isinstance(grid, MeshFile) and grid.cells is None and not grid.refine
+    if scene.solver.adapt and not refinable(mesh) and not automatic:
         raise SceneError(
-            scene.origin.at(("solver", "adapt")) + ": solver.adapt: only lines and triangles are refined "
-            "locally; use triangles, or mesh.refine for all cells"
+            scene.origin.at(("solver", "adapt")) + ": solver.adapt: only lines, triangles and meshes without given "
+            "cells are refined by errors; use triangles, leave out mesh.cells, or use mesh.refine for all cells"
         )
     conditions = {name: _role(target, mesh, name, velocity) for name in mesh.boundaries}
     plug = "no_slip" not in conditions.values()

@@ -37,25 +37,50 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         with result.timed("heat"):
             _track_fronts(plan, result)
         return
+    flow, estimate = None, None
     for attempt in range(plan.adaptations + 1):
         # before anything is solved, as a line that leaves the mesh is a mistake of the scene
         line = line_along(plan.mesh, scene.output.positions, scene.output.across)
         result.warnings += [line.note] if line.note and line.note not in result.warnings else []
-        flow = None
         if not plan.plug:
             with result.timed("flow"):
-                flow = _flow(plan, line, result)
+                flow = _flow(plan, line, flow, result)
+        last = attempt == plan.adaptations
         if scene.heat is None:
+            better, estimate = _better(plan, flow, None, None, estimate, last, result)
+        else:
+            if scene.time is not None:
+                _transient(plan, line, flow, result, folder, quiet, start)
+                return
+            problem = _heat_problem(plan, flow, result)
+            better, estimate = _steady(plan, line, problem, result, estimate, last)
+        if better is None:
             return
-        if scene.time is not None:
-            _transient(plan, line, flow, result, folder, quiet, start)
-            return
-        problem = _heat_problem(plan, flow, result)
-        error = _steady(plan, line, problem, result, last=attempt == plan.adaptations)
-        if error is None:
-            return
-        plan = result.plan = plan.refined(error)
+        plan = result.plan = better
         result.adaptations += 1
+
+
+def _better(
+    plan: Plan, flow: Any, problem: Any, state: Any, before: Any, last: bool, result: Result
+) -> tuple[Plan | None, Any]:
+    """Return the plan on a better mesh, None where the errors are small or the mesh is the last one, and the estimate.
+
+    `before` is the estimate on the former mesh.
+    """
+    from contbed.packed_bed import accuracy
+
+    if plan.tensor and (plan.balanced or not plan.adaptations):
+        estimate = accuracy.estimated(plan, flow, problem, state, before)
+        if not last and accuracy.exceeded(estimate):
+            return plan.on(accuracy.next_vertices(estimate, plan.most_cells)), estimate
+        accuracy.report(plan, estimate, result)
+        return None, estimate
+    if plan.adaptations:
+        error = problem.estimated_error(state)
+        if not last and error.max() > plan.scene.solver.tolerance:
+            return plan.refined(error), None
+        result.qoi["estimated_error"] = float(error.max())
+    return None, None
 
 
 def _heat_problem(plan: Plan, flow: Any, result: Result, piece: Piece | None = None) -> Any:
@@ -69,7 +94,7 @@ def _heat_problem(plan: Plan, flow: Any, result: Result, piece: Piece | None = N
     return problem
 
 
-def _flow(plan: Plan, line: Line, result: Result) -> Any:
+def _flow(plan: Plan, line: Line, before: Any, result: Result) -> Any:
     from contbed.packed_bed.flow import coefficients, solve_flow
 
     scene, options = plan.scene, plan.scene.solver
@@ -82,6 +107,7 @@ def _flow(plan: Plan, line: Line, result: Result) -> Any:
         plan.policy,
         tolerance=options.newton_tolerance,
         iterations=options.newton_iterations,
+        before=before,
     )
     result.history += flow.history
     outflow = {name: flow.outflow(name) for name in plan.mesh.boundaries}
@@ -114,28 +140,31 @@ def _steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, 
     return fluxes, reactions, balance
 
 
-def _steady(plan: Plan, line: Line, problem: Any, result: Result, last: bool) -> Any | None:
-    """Solve and report; or, on a mesh that may still be refined and should be, return the error of each cell."""
+def _steady(plan: Plan, line: Line, problem: Any, result: Result, before: Any, last: bool) -> tuple[Plan | None, Any]:
+    """Solve and report; or, on a mesh that may still be bettered and should be, return the plan on a better one.
+
+    The estimated errors are returned as well; `before` are those on the former mesh.
+    """
     from contbed.packed_bed.results import steady_findings
 
     with result.timed("heat"):
         state, history = problem.solve(plan.policy)
         result.history += history
+    with result.timed("results"):
+        better, estimate = _better(plan, problem.motion.flow, problem, state, before, last, result)
+    if better is not None:
+        return better, estimate
+    with result.timed("heat"):
         residual, _ = problem.steady(state, False)
         fluxes, reactions, balance = _steady_balance(problem, state, residual)
         if abs(balance["relative_residual"]) > 0.1 * plan.scene.solver.balance_tolerance:
             state, residual = problem.refined(state, plan.policy)
             fluxes, reactions, balance = _steady_balance(problem, state, residual)
     with result.timed("results"):
-        if plan.adaptations:
-            error = problem.estimated_error(state)
-            if not last and error.max() > plan.scene.solver.tolerance:
-                return error
-            result.qoi["estimated_error"] = float(error.max())
         result.balances["energy"] = balance
         steady_findings(plan, line, problem, state, fluxes, reactions, result)
         _check_state(plan, problem, [state], result)
-    return None
+    return None, estimate
 
 
 def _transient(

@@ -1,0 +1,128 @@
+"""Random planes and round beds whose walls conduct or exchange heat, and their true errors from far finer meshes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contbed.fem.tensor_error import TensorGrid
+from contbed.loading import from_dict
+from contbed.mesh.build import build
+from contbed.packed_bed import accuracy
+from contbed.packed_bed.flow import coefficients, solve_flow
+from contbed.packed_bed.heat import HeatProblem
+from contbed.packed_bed.heat_coefficients import Motion
+
+FINEST = 1e-5  # smallest cell of a reference mesh over the extent of the bed, at every side
+RATIO = 2.0  # growth of its cells towards the inside
+
+
+def scene(seed: int, **solver: Any) -> Any:
+    """Return a bed with one to three walls that conduct or exchange heat.
+
+    Peclet numbers of the bed from 1 to 1e5, Biot numbers of walls from 0.1 to 100, exchange layers from a thousandth of
+    the width of the bed to its width.
+    """
+    rng = np.random.default_rng(seed)
+
+    def spread(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    width, round_bed = spread(0.05, 0.5), bool(rng.integers(2))
+    length = width * spread(0.5, 6.0)
+    k_fluid, k_solid = spread(0.02, 0.6), spread(0.2, 20.0)
+    velocity = spread(0.02, 1.0)
+    solid = {0: 0.0, 1: spread(1e-5, 1e-3), 2: -spread(1e-5, 1e-3)}[int(rng.integers(3))]
+    start, end, walls = ("bottom", "top", ["wall"]) if round_bed else ("left", "right", ["bottom", "top"])
+
+    def wall() -> dict[str, Any]:
+        ambient = float(rng.uniform(300.0, 900.0))
+        biot = spread(0.1, 100.0)
+        kind = int(rng.integers(5))
+        if kind == 0:
+            return {"solid": {"fixed": ambient}, "fluid": {"fixed": ambient}}
+        if kind == 1:
+            return {"solid": {"fixed": ambient}}
+        if kind == 2:
+            return {"fluid": {"coefficient": biot * k_fluid / width, "ambient": ambient}}
+        if kind == 3:
+            return {"solid": {"coefficient": biot * k_solid / width, "ambient": ambient}}
+        return {"solid": {"flux": float(rng.uniform(0.0, 300.0)) * k_solid / width}}
+
+    boundary: dict[str, Any] = {name: wall() for name in walls if rng.random() < 0.8}
+    boundary = boundary or {walls[0]: wall()}
+    boundary[start] = {"fluid": {"inflow": 300.0}}
+    if solid:
+        entrance = start if solid > 0 else end
+        boundary.setdefault(entrance, {})["solid"] = {"inflow" if rng.random() < 0.5 else "fixed": 900.0}
+    mesh = {"type": "axisymmetric", "radius": width} if round_bed else {"type": "rectangle", "height": width}
+    return from_dict(
+        {
+            "mesh": mesh | {"length": length},
+            "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": k_fluid, "viscosity": 2e-5},
+            "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": k_solid},
+            "bed": {"porosity": 0.4, "particle_diameter": 0.01},
+            "flow": {"velocity": velocity, "velocity_solid": solid},
+            "heat": {"nusselt": spread(0.02, 200.0)},
+            "boundary": boundary,
+            "solver": solver,
+            "output": {"plots": False, "fields": False},
+        }
+    )
+
+
+def solved(plan: Any) -> tuple[Any, HeatProblem, Any]:
+    """Return flow, problem and temperatures of a plan on its mesh."""
+    flow = None
+    if not plan.plug:
+        c = coefficients(plan.scene, plan.medium, plan.velocity, plan.velocity_solid)
+        flow = solve_flow(plan.mesh, c, plan.velocity, plan.conditions, plan.policy, tolerance=1e-10, iterations=30)
+    motion = Motion(plan.velocity, plan.velocity_solid, flow)
+    problem = HeatProblem(plan.solved, plan.mesh, plan.medium, motion, plan.section)
+    return flow, problem, problem.solve(plan.policy)[0]
+
+
+def reference(plan: Any, split: int = 2) -> Any:
+    """Return the plan on a mesh with the vertices of this one, `split` cells in each of its cells, layers at all sides
+    and elements of degree 3.
+    """
+    space = HeatProblem(plan.solved, plan.mesh, plan.medium, Motion(plan.velocity, plan.velocity_solid, None)).system
+    grid = TensorGrid.of(space.fields["T_fluid"][0])
+    vertices = []
+    for ends in grid.vertices:
+        extent = ends[-1] - ends[0]
+        near = extent * FINEST * RATIO ** np.arange(np.log(0.3 / FINEST) / np.log(RATIO))
+        inner = [ends[:-1] + np.diff(ends) * part / split for part in range(split)]
+        new = np.sort(np.concatenate((*inner, near, extent - near, ends[-1:])))
+        gap = np.diff(new)  # vertices closer than a tenth of the cells beside them add nothing
+        keep = np.concatenate(([True], gap[1:] > 0.1 * np.maximum(gap[:-1], FINEST * extent), [True]))
+        keep[0] = True
+        vertices.append(new[keep])
+    scene = plan.solved.model_copy(update={"solver": plan.solved.solver.model_copy(update={"degree": 3})})
+    return replace(plan, solved=scene, mesh=replace(plan.mesh, skfem=build(scene.mesh, vertices).skfem))
+
+
+def true_errors(plan: Any, problem: HeatProblem, state: Any, exact: tuple[HeatProblem, Any]) -> tuple[float, float]:
+    """Return the largest errors of theta and of the heat through a boundary over the largest, against a reference."""
+    low, high = problem.T_span
+    worst = 0.0
+    for phase in ("fluid", "solid"):
+        name = f"T_{phase}"
+        coarse, fine = (
+            (TensorGrid.of(p.system.fields[name][0]), p.system.part(x, name)) for p, x in ((problem, state), exact)
+        )
+        corners = accuracy._jumps(plan, accuracy._temperature_jumps(plan.solved, phase))
+        found = fine[0].interpolated(fine[0].values(fine[1]), coarse[0].coordinates)
+        difference = accuracy._weight(coarse[0], corners) * np.abs(found - coarse[0].values(coarse[1]))
+        worst = max(worst, float(difference.max()) / (high - low))
+    one, other = heats(problem, state), heats(*exact)
+    scale = max(abs(value) for value in other.values())
+    return worst, max(abs(one[name] - other[name]) for name in other) / scale
+
+
+def heats(problem: HeatProblem, state: Any) -> dict[str, float]:
+    """Return the heat into the bed through each boundary [W]."""
+    fluxes, reactions = problem.fluxes(state), problem.reactions(problem.steady(state, False)[0])
+    return {name: reactions[name] + sum(fluxes[name].values()) for name in reactions}
