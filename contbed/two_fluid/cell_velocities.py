@@ -40,6 +40,13 @@ class Gathered(NamedTuple):
 
 
 @kernel
+def solid_face_weight(there: float, here: float) -> float:
+    """Weight in the least squares of a cell of a face with solids fraction `there`; tiny ones are left out."""
+    share = neighbour_weight(there, here)
+    return share if share > MIN_FACE_WEIGHT else 0.0
+
+
+@kernel
 def gather_gas(
     g: Geometry, faces: FaceVelocities, grad_new: Array, grad_h: Array, corrected: bool, out: Gathered
 ) -> None:
@@ -89,8 +96,7 @@ def gather_solid(
     for f in range(len(g.left)):
         for side in range(2 if f < ni else 1):
             c = g.left[f] if side == 0 else g.right[f]
-            share = neighbour_weight(faces.eps_s[f], s[c])
-            weight = g.face_size[f] * share if share > MIN_FACE_WEIGHT else 0.0
+            weight = g.face_size[f] * solid_face_weight(faces.eps_s[f], s[c])
             u, h = faces.solid[f], faces.h_solid[f]
             if corrected:
                 for k in range(dim):
@@ -170,16 +176,20 @@ def add_reconstruction_remainder(
     Drag damps the remainder of each phase but couples it not to the other phase: in a bed at rest, the gas that speeds
     up towards the surface would lift particles. The forces (nc, dim) [m/s2] are (velocity - H)/dt.
     """
-    new_g, new_s, h_g, h_s = gathered.gas, gathered.solid, velocities.h_gas, velocities.h_solid
     s = cells.eps_s
-    for c in range(len(s)):
-        a_s = dt * cells.drag[c] / cells.rho_solid
-        a_g = dt * cells.drag[c] * s[c] / ((1.0 - s[c]) * cells.rho_gas[c])
-        damp_g, damp_s = 1.0 / (1.0 + a_g), (1.0 + a_g) / (1.0 + a_g + a_s)
-        for k in range(h_g.shape[1]):
-            remainder_g = damp_g * (h_g[c, k] - gathered.h_gas[c, k])
-            remainder_s = damp_s * (h_s[c, k] - gathered.h_solid[c, k])
-            new_g[c, k] = new_g[c, k] + remainder_g if abs(new_g[c, k] + remainder_g) > UNDERFLOW else 0.0
-            new_s[c, k] = new_s[c, k] + remainder_s if abs(new_s[c, k] + remainder_s) > UNDERFLOW else 0.0
-            force_gas[c, k] = (new_g[c, k] - h_g[c, k]) / dt
-            force_solid[c, k] = (new_s[c, k] - h_s[c, k]) / dt
+    for k in range(velocities.h_gas.shape[1]):
+        h_g, h_s, old_g, old_s = (
+            velocities.h_gas[:, k],
+            velocities.h_solid[:, k],
+            gathered.h_gas[:, k],
+            gathered.h_solid[:, k],
+        )
+        new_g, new_s, force_g, force_s = gathered.gas[:, k], gathered.solid[:, k], force_gas[:, k], force_solid[:, k]
+        for c in range(len(s)):
+            a_s = dt * cells.drag[c] / cells.rho_solid
+            a_g = dt * cells.drag[c] * s[c] / ((1.0 - s[c]) * cells.rho_gas[c])
+            gas = new_g[c] + (h_g[c] - old_g[c]) / (1.0 + a_g)
+            solid = new_s[c] + (1.0 + a_g) / (1.0 + a_g + a_s) * (h_s[c] - old_s[c])
+            new_g[c] = gas = gas if abs(gas) > UNDERFLOW else 0.0
+            new_s[c] = solid = solid if abs(solid) > UNDERFLOW else 0.0
+            force_g[c], force_s[c] = (gas - h_g[c]) / dt, (solid - h_s[c]) / dt

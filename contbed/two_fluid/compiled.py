@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar, cast
 
+import llvmlite.binding as llvm
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -18,7 +19,14 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 Function = TypeVar("Function", bound=Callable[..., object])
 
+# pairs of arrays in a loop up to which LLVM compares their addresses, so as to make vectors of the loop; with its
+# defaults of 8 and 128 it leaves out loops over faces, which read 17 arrays and write 8
+MAX_ALIAS_CHECKS = 300
+for option in ("runtime-memory-check-threshold", "vectorize-memory-check-threshold"):
+    llvm.set_option("", f"-{option}={MAX_ALIAS_CHECKS}")
+
 SMALLEST = 1e-300  # added to a denominator that may be zero
+ZERO = np.uint64(0)  # where loops over a row start: an unsigned number as its indices are
 UNDERFLOW = 1e-60  # magnitudes below count as zero: products of two of them would be slow subnormal numbers
 
 

@@ -106,6 +106,41 @@ def eliminate_drag(first: Value, second: Value, a_g: Value, a_s: Value) -> tuple
 
 
 @kernel
+def particle_force(weight: float, steep: float, opposite_mean: float, friction: float) -> float:
+    """Acceleration of particles by gravity and by their own pressure.
+
+    `steep` is the gradient of the kinetic pressure P, `friction` that of h. With the mean of eps_s whose weights are
+    those of the opposite cells, the force of P on both cells together is its jump, as momentum needs.
+    """
+    return weight - steep / (opposite_mean + SMALLEST) - friction
+
+
+@kernel
+def drag_numbers(
+    dt: float, drag: float, mean: float, upwind: float, rho_gas: float, rho_solid: float
+) -> tuple[float, float]:
+    """a_g and a_s of a face with the mean of eps_s; drag acts on the gas as far as particles follow from upwind."""
+    a_g = dt * drag * mean * neighbour_weight(upwind, mean) / ((1.0 - mean) * rho_gas)
+    return a_g, dt * drag / rho_solid
+
+
+@kernel
+def kept_residual(dt: float, hg: float, a_g: float, distance: float) -> float:
+    """Share of the Rhie-Chow residual that is left after a step.
+
+    It decays over the time in which gas crosses a cell, more slowly with drag.
+    """
+    return (1.0 + a_g) / (1.0 + a_g + dt * abs(hg) / distance)
+
+
+@kernel
+def mobilities(dt: float, a_g: float, a_s: float, rho_gas: float, rho_solid: float) -> tuple[float, float]:
+    """Velocity of both phases per pressure gradient [m3 s/kg], with implicit drag."""
+    scale = dt / (1.0 + a_g + a_s)
+    return scale * ((1.0 + a_s) / rho_gas + a_g / rho_solid), scale * (a_s / rho_gas + (1.0 + a_g) / rho_solid)
+
+
+@kernel
 def predict_on_faces(
     g: Geometry,
     edge: Edge,
@@ -118,98 +153,104 @@ def predict_on_faces(
 ) -> None:
     """Set the face velocities `out` without the pressure gradient.
 
-    The Rhie-Chow residual of the last step decays over the time in which gas crosses a cell, more slowly with drag.
-    Without it p would have noise that grows as the steps become small.
+    Without the Rhie-Chow residual of the last step p would have noise that grows as the steps become small.
     """
     s, drag, kinetic, friction, p = cells.eps_s, cells.drag, cells.kinetic, cells.friction, cells.p
     h_g, h_s = velocities.h_gas, velocities.h_solid
     grad_p, grad_kinetic, grad_rest = gradients.forces.p, gradients.forces.kinetic, gradients.forces.rest
     rho_gas, rho_s, resting = cells.rho_gas, cells.rho_solid, cells.resting
     grad_h_gas, grad_h_solid, residual = gradients.h_gas, gradients.h_solid, gradients.residual
-    gas, solid = edge.gas, edge.solid
-    star_gas, star_solid, upwind_gas, upwind_solid = out.star_gas, out.star_solid, out.upwind_gas, out.upwind_solid
-    mobility_gas, mobility_solid, face_h_gas, face_h_solid = (
-        out.mobility_gas,
-        out.mobility_solid,
-        out.h_gas,
-        out.h_solid,
-    )
-    ni, dim = len(g.right), len(g.axes)
-    for f in range(len(g.left)):
-        left = g.left[f]
-        rho_g = rho_gas[left]
-        b = f - ni
+    dim = len(g.axes)
+    for f in range(len(g.right)):
+        left, right, w, distance = g.left[f], g.right[f], g.weight[f], g.distance[f]
         hg = hs = weight = cross_p = cross_kinetic = cross_rest = cross_solid = 0.0
-        if b < 0:
-            right = g.right[f]
-            w = g.weight[f]
-            for k in range(dim):
-                n = g.normal[f, k]
-                hg += n * (w * h_g[left, k] + (1.0 - w) * h_g[right, k])
-                hs += n * (w * h_s[left, k] + (1.0 - w) * h_s[right, k])
-                weight += n * gravity[k]
-            if g.skewed:
-                for d in range(dim):
-                    for k in range(dim):
-                        along = g.normal[f, k] * g.skew[f, d]
-                        hg += along * (w * grad_h_gas[left, k, d] + (1.0 - w) * grad_h_gas[right, k, d])
-                        hs += along * (w * grad_h_solid[left, k, d] + (1.0 - w) * grad_h_solid[right, k, d])
-                    cross = g.non_orthogonal[f, d]
-                    cross_p += cross * (w * grad_p[left, d] + (1.0 - w) * grad_p[right, d])
-                    cross_kinetic += cross * (w * grad_kinetic[left, d] + (1.0 - w) * grad_kinetic[right, d])
-                    cross_rest += cross * (w * grad_rest[left, d] + (1.0 - w) * grad_rest[right, d])
-                # the gradients of cells around must not push where there are no particles
-                most = (kinetic[left] + kinetic[right]) / g.distance[f]
-                cross_kinetic = min(max(cross_kinetic, -most), most)
-                cross_solid = cross_p / rho_s
-                if resting[left] or resting[right]:
-                    # between two centres the forces have a potential, and particles come to rest where it is level
-                    most = 2.0 * min(friction[left], friction[right]) / g.distance[f]
-                    cross_solid = min(max(cross_rest, -most), most)
-                    for k in range(dim):
-                        cross_solid += g.non_orthogonal[f, k] * gravity[k]
-            rho_g += (1.0 - w) * (rho_gas[right] - rho_g)
-            mean = w * s[left] + (1.0 - w) * s[right]
-            k_face = w * drag[left] + (1.0 - w) * drag[right]
-            # with this mean the force of P on both cells together is its jump, as momentum needs
-            opposite_mean = (1.0 - w) * s[left] + w * s[right] + SMALLEST
-            steep = (kinetic[right] - kinetic[left]) / g.distance[f] + cross_kinetic
-            force = weight - steep / opposite_mean - (friction[right] - friction[left]) / g.distance[f]
-            drop = (p[right] - p[left]) / g.distance[f]
-        elif gas.kind[b] == OUTLET:
-            for k in range(dim):
-                hg += g.normal[f, k] * h_g[left, k]
-                hs += g.normal[f, k] * h_s[left, k]
-                weight += g.normal[f, k] * gravity[k]
-                if g.skewed:
-                    cross_p += g.non_orthogonal[f, k] * grad_p[left, k]
+        for k in range(dim):
+            n = g.normal[f, k]
+            hg += n * (w * h_g[left, k] + (1.0 - w) * h_g[right, k])
+            hs += n * (w * h_s[left, k] + (1.0 - w) * h_s[right, k])
+            weight += n * gravity[k]
+        if g.skewed:
+            for d in range(dim):
+                for k in range(dim):
+                    along = g.normal[f, k] * g.skew[f, d]
+                    hg += along * (w * grad_h_gas[left, k, d] + (1.0 - w) * grad_h_gas[right, k, d])
+                    hs += along * (w * grad_h_solid[left, k, d] + (1.0 - w) * grad_h_solid[right, k, d])
+                cross = g.non_orthogonal[f, d]
+                cross_p += cross * (w * grad_p[left, d] + (1.0 - w) * grad_p[right, d])
+                cross_kinetic += cross * (w * grad_kinetic[left, d] + (1.0 - w) * grad_kinetic[right, d])
+                cross_rest += cross * (w * grad_rest[left, d] + (1.0 - w) * grad_rest[right, d])
+            # the gradients of cells around must not push where there are no particles
+            most = (kinetic[left] + kinetic[right]) / distance
+            cross_kinetic = min(max(cross_kinetic, -most), most)
             cross_solid = cross_p / rho_s
-            mean, k_face, force = s[left], drag[left], weight
-            drop = (edge.p[b] - p[left]) / g.distance[f]
-        else:
-            eps = edge.eps_s[b] if solid.kind[b] == GIVEN else s[left]
-            face_h_gas[f] = star_gas[f] = gas.flux[b] / (1.0 - eps)
-            face_h_solid[f] = star_solid[f] = solid.flux[b] / eps if solid.flux[b] != 0.0 else 0.0
-            mobility_gas[f] = mobility_solid[f] = 0.0
+            if resting[left] or resting[right]:
+                # between two centres the forces have a potential, and particles come to rest where it is level
+                most = 2.0 * min(friction[left], friction[right]) / distance
+                cross_solid = min(max(cross_rest, -most), most)
+                for k in range(dim):
+                    cross_solid += g.non_orthogonal[f, k] * gravity[k]
+        rho_g = rho_gas[left] + (1.0 - w) * (rho_gas[right] - rho_gas[left])
+        mean = w * s[left] + (1.0 - w) * s[right]
+        steep = (kinetic[right] - kinetic[left]) / distance + cross_kinetic
+        opposite_mean = (1.0 - w) * s[left] + w * s[right]
+        force = particle_force(weight, steep, opposite_mean, (friction[right] - friction[left]) / distance)
+        upwind = s[left] if hs + dt * force >= 0.0 else s[right]
+        a_g, a_s = drag_numbers(dt, w * drag[left] + (1.0 - w) * drag[right], mean, upwind, rho_g, rho_s)
+        hg += kept_residual(dt, hg, a_g, distance) * residual[f]
+        move_g, move_s = mobilities(dt, a_g, a_s, rho_g, rho_s)
+        u_g, u_s = eliminate_drag(hg + dt * (weight - cross_p / rho_g), hs + dt * (force - cross_solid), a_g, a_s)
+        drop = (p[right] - p[left]) / distance
+        out.star_gas[f], out.star_solid[f], out.mobility_gas[f], out.mobility_solid[f] = u_g, u_s, move_g, move_s
+        out.upwind_gas[f], out.upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
+        out.h_gas[f], out.h_solid[f] = hg, hs
+    predict_on_boundary(g, edge, dt, gravity, cells, velocities, gradients, out)
+
+
+@kernel
+def predict_on_boundary(
+    g: Geometry,
+    edge: Edge,
+    dt: float,
+    gravity: Array,
+    cells: Cells,
+    velocities: Velocities,
+    gradients: FaceGradients,
+    out: FacePredictor,
+) -> None:
+    """Set the velocities of boundary faces, see `predict_on_faces`; forces act on outlets alone."""
+    h_g, h_s, gas, solid, rho_s = velocities.h_gas, velocities.h_solid, edge.gas, edge.solid, cells.rho_solid
+    ni, dim = len(g.right), len(g.axes)
+    for f in range(ni, len(g.left)):
+        b, c, distance = f - ni, g.left[f], g.distance[f]
+        s, rho_g = cells.eps_s[c], cells.rho_gas[c]
+        if gas.kind[b] != OUTLET:
+            eps = edge.eps_s[b] if solid.kind[b] == GIVEN else s
+            hg, hs = gas.flux[b] / (1.0 - eps), solid.flux[b] / eps if solid.flux[b] != 0.0 else 0.0
+            out.star_gas[f], out.star_solid[f] = hg, hs
+            out.mobility_gas[f] = out.mobility_solid[f] = 0.0
             # where velocities are given, the force is the one that keeps them so; at a wall there is none
             for k in range(dim):
                 if gas.kind[b] == GIVEN:
-                    face_h_gas[f] += g.normal[f, k] * (h_g[left, k] - velocities.old_gas[left, k])
+                    hg += g.normal[f, k] * (h_g[c, k] - velocities.old_gas[c, k])
                 if solid.kind[b] == GIVEN:
-                    face_h_solid[f] += g.normal[f, k] * (h_s[left, k] - velocities.old_solid[left, k])
+                    hs += g.normal[f, k] * (h_s[c, k] - velocities.old_solid[c, k])
+            out.h_gas[f], out.h_solid[f] = hg, hs
             continue
-        a_s = dt * k_face / rho_s
-        # drag acts on the gas as far as particles follow from the upwind cell
-        upwind = s[left] if hs + dt * force >= 0.0 or b >= 0 else s[g.right[f]]
-        a_g = dt * k_face * mean * neighbour_weight(upwind, mean) / ((1.0 - mean) * rho_g)
-        hg += (1.0 + a_g) / (1.0 + a_g + dt * abs(hg) / g.distance[f]) * residual[f]
-        scale = dt / (1.0 + a_g + a_s)
-        move_g = scale * ((1.0 + a_s) / rho_g + a_g / rho_s)
-        move_s = scale * (a_s / rho_g + (1.0 + a_g) / rho_s)
-        u_g, u_s = eliminate_drag(hg + dt * (weight - cross_p / rho_g), hs + dt * (force - cross_solid), a_g, a_s)
-        star_gas[f], star_solid[f], mobility_gas[f], mobility_solid[f] = u_g, u_s, move_g, move_s
-        upwind_gas[f], upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
-        face_h_gas[f], face_h_solid[f] = hg, hs
+        hg = hs = weight = cross_p = 0.0
+        for k in range(dim):
+            hg += g.normal[f, k] * h_g[c, k]
+            hs += g.normal[f, k] * h_s[c, k]
+            weight += g.normal[f, k] * gravity[k]
+            if g.skewed:
+                cross_p += g.non_orthogonal[f, k] * gradients.forces.p[c, k]
+        a_g, a_s = drag_numbers(dt, cells.drag[c], s, s, rho_g, rho_s)
+        hg += kept_residual(dt, hg, a_g, distance) * gradients.residual[f]
+        move_g, move_s = mobilities(dt, a_g, a_s, rho_g, rho_s)
+        u_g, u_s = eliminate_drag(hg + dt * (weight - cross_p / rho_g), hs + dt * (weight - cross_p / rho_s), a_g, a_s)
+        drop = (edge.p[b] - cells.p[c]) / distance
+        out.star_gas[f], out.star_solid[f], out.mobility_gas[f], out.mobility_solid[f] = u_g, u_s, move_g, move_s
+        out.upwind_gas[f], out.upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
+        out.h_gas[f], out.h_solid[f] = hg, hs
 
 
 @kernel
@@ -217,35 +258,44 @@ def reconstruct_fractions(
     g: Geometry, edge: Edge, field: Reconstruction, predictor: FacePredictor, out: FaceFractions
 ) -> None:
     """Set the fractions `out` of both phases on faces, each from the cell that its velocity comes from."""
+    s, grad, half_step, limited = field.values, field.gradient, field.half_step, field.limited
+    for f in range(len(g.right)):
+        out.gas[f] = 1.0 - face_value(g, f, predictor.upwind_gas[f] >= 0.0, s, grad, half_step, limited)
+        forward = predictor.upwind_solid[f] >= 0.0
+        found = face_value(g, f, forward, s, grad, half_step, limited)
+        out.solid[f] = carried_fraction(found, s[g.left[f], 0] if forward else s[g.right[f], 0], limited)
+    reconstruct_boundary_fractions(g, edge, field, predictor, out)
+
+
+@kernel
+def carried_fraction(found: float, upwind: float, limited: bool) -> float:
+    """Solids fraction `found` on a face within bounds: an empty cell gives nothing, whatever its slope is."""
+    return min(max(0.0, found), MAX_OVERSHOOT * upwind) if limited else max(0.0, found)
+
+
+@kernel
+def reconstruct_boundary_fractions(
+    g: Geometry, edge: Edge, field: Reconstruction, predictor: FacePredictor, out: FaceFractions
+) -> None:
+    """Set the fractions of boundary faces, see `reconstruct_fractions`."""
     ni, s, grad, half_step, limited = len(g.right), field.values, field.gradient, field.half_step, field.limited
-    kind, solid_kind, solid_flux = edge.gas.kind, edge.solid.kind, edge.solid.flux
-    upwind_gas, upwind_solid, eps_gas, eps_solid = predictor.upwind_gas, predictor.upwind_solid, out.gas, out.solid
-    for f in range(len(g.left)):
-        left = g.left[f]
-        if f < ni:
-            eps_gas[f] = 1.0 - face_value(g, f, upwind_gas[f] >= 0.0, s, grad, half_step, limited)
-            forward = upwind_solid[f] >= 0.0
-            eps_solid[f] = max(0.0, face_value(g, f, forward, s, grad, half_step, limited))
-            if limited:
-                # an empty cell gives nothing, whatever its slope is on a skewed mesh
-                eps_solid[f] = min(eps_solid[f], MAX_OVERSHOOT * (s[left, 0] if forward else s[g.right[f], 0]))
-            continue
-        b = f - ni
-        if kind[b] == OUTLET:
+    for f in range(ni, len(g.left)):
+        b, left = f - ni, g.left[f]
+        if edge.gas.kind[b] == OUTLET:
             # gas may come back, without particles
-            eps_gas[f] = 1.0 - s[left, 0] if upwind_gas[f] > 0.0 else 1.0
-            eps_solid[f] = s[left, 0] if upwind_solid[f] > 0.0 else 0.0
+            out.gas[f] = 1.0 - s[left, 0] if predictor.upwind_gas[f] > 0.0 else 1.0
+            out.solid[f] = s[left, 0] if predictor.upwind_solid[f] > 0.0 else 0.0
         else:
-            eps = edge.eps_s[b] if solid_kind[b] == GIVEN else s[left, 0]
-            eps_gas[f] = 1.0 - eps
-            if solid_flux[b] > 0.0:
+            eps = edge.eps_s[b] if edge.solid.kind[b] == GIVEN else s[left, 0]
+            out.gas[f] = 1.0 - eps
+            if edge.solid.flux[b] > 0.0:
                 # what leaves has the fraction of the cell
                 part = half_step[left, 0]
                 for d in range(len(g.axes)):
                     part += grad[left, 0, d] * g.arm_left[f, d]
                 jump = eps - s[left, 0]
                 eps = s[left, 0] + (min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part)
-            eps_solid[f] = eps
+            out.solid[f] = eps
 
 
 @kernel

@@ -20,14 +20,16 @@ from contbed.two_fluid.boundary import WALL, Edge, Particles
 from contbed.two_fluid.cell_velocities import FaceVelocities, divergence_solid
 from contbed.two_fluid.compiled import SMALLEST, UNDERFLOW, Array, Flags, kernel
 from contbed.two_fluid.continuity import Moved
-from contbed.two_fluid.fv.gradient import NO_PARTICLES, gradient
+from contbed.two_fluid.fv.gradient import NO_PARTICLES
 from contbed.two_fluid.fv.grid import Geometry
-from contbed.two_fluid.fv.reconstruction import Reconstruction, convect, predictor_half_step
+from contbed.two_fluid.fv.operators import convect, gradient, predictor_half_step
+from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.implicit import solve_system
 from contbed.two_fluid.linear.cg import System, empty_system
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import Predicted
 from contbed.two_fluid.packing import MIN_PUSHED_FRACTION
+from contbed.two_fluid.rectangular import cells
 from contbed.two_fluid.state import Counters, Properties, State
 from contbed.two_fluid.timing import phase
 
@@ -189,9 +191,12 @@ def advance(
     memory = state.memory
     if model.options.theta == "frozen":
         return Granular(state.theta, memory.rate_theta, memory.compression_rate, moved.counters)
-    g, r = model.grid.geometry, properties.rheology
+    g, rows, r = model.grid.geometry, model.grid.rows, properties.rheology
     divergence = np.empty_like(state.theta)
-    divergence_solid(g, faces, moved.eps_s, u_solid, divergence)
+    if rows is None:
+        divergence_solid(g, faces, moved.eps_s, u_solid, divergence)
+    else:
+        cells.divergence_solid(g, rows, faces, moved.eps_s, u_solid.T, divergence)
     kinetic_share = solid.shear_production / g.volume * r.mu / (r.mu + properties.mu_friction + SMALLEST)
     production = kinetic_share + model.sources.theta
     if model.options.theta == "algebraic":
@@ -218,14 +223,14 @@ def _transport(
     rho_s, old, counters = model.materials.rho_solid, state.theta, moved.counters
     column, entering = old.reshape(-1, 1), edge.solid.kind == boundary.GIVEN
     given = np.where(entering, edge.theta, old[model.boundary_cells]).reshape(-1, 1)
-    grad, half_step = np.empty((len(s), 1, model.grid.dimension)), np.empty_like(column)
-    gradient(g, column, given, grad)
-    predictor_half_step(dt, column, grad, u_solid, state.memory.rate_theta, half_step)
+    grad = gradient(model.grid, column, given)
+    half_step = predictor_half_step(model.grid, dt, column, grad, u_solid, state.memory.rate_theta)
     system, first_order = empty_system(g, 1), moved.upwind_cells.copy()
     rhs = system.rhs
     while True:
         rhs[:] = 0.0
-        convect(g, moved.flux, Reconstruction(column, grad, half_step, given, first_order, model.options.limited), rhs)
+        field = Reconstruction(column, grad, half_step, given, first_order, model.options.limited)
+        convect(model.grid, moved.flux, field, rhs)
         if not mark_negative(g, dt, s, old, rhs, first_order):
             break
     counters = counters.add(theta_upwind_cells=int(first_order.sum()) - int(moved.upwind_cells.sum()))

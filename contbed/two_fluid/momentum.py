@@ -17,15 +17,18 @@ from contbed.two_fluid.cell_velocities import (
 )
 from contbed.two_fluid.compiled import Array, Flags, kernel
 from contbed.two_fluid.continuity import Moved
-from contbed.two_fluid.fv.gradient import NO_PARTICLES, gradient, gradient_solid
-from contbed.two_fluid.fv.grid import Geometry
-from contbed.two_fluid.fv.reconstruction import Reconstruction, convect, predictor_half_step
+from contbed.two_fluid.fv.gradient import NO_PARTICLES
+from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.fv.operators import convect, gradient, predictor_half_step
+from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.implicit import solve_system
-from contbed.two_fluid.linear.cg import empty_system
+from contbed.two_fluid.linear.cg import empty_system, transposed
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.packing import add_compaction_velocity
 from contbed.two_fluid.pressure import Projection, zero_slope_gradient
 from contbed.two_fluid.properties import density_ratio
+from contbed.two_fluid.rectangular import cells as cells_of_rows
+from contbed.two_fluid.rectangular import stress as stress_of_rows
 from contbed.two_fluid.state import Energy, Properties, State
 from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress, add_stress
 from contbed.two_fluid.timing import phase
@@ -105,48 +108,42 @@ def add_forces(dt: float, rho: float, mass: Array, source: Array, force: Array, 
 
     mass (nc,) [kg/s] : mass of the phase over dt, the diagonal `content` of each component
     """
-    for c in range(rhs.shape[0]):
-        for k in range(rhs.shape[1]):
+    for k in range(rhs.shape[1]):
+        for c in range(rhs.shape[0]):
             content[c, k] = mass[c]
             rhs[c, k] = rho * rhs[c, k] + dt * mass[c] * (source[c, k] + force[c, k])
 
 
 @kernel
-def convect_in_subcycles(
-    g: Geometry,
-    flux: Array,
-    field: Reconstruction,
-    dt: float,
-    subcycles: int,
-    accelerations: Accelerations,
-    volume: Array,
-    out: Array,
-) -> None:
+def advance_subcycle(part: float, n: int, now: Array, rhs: Array, volume: Array, given: Accelerations) -> None:
+    """Set `now` (nc, dim), the velocity at the start of the step, to that after `n` subcycles of `part` [s].
+
+    rhs (nc, dim) is the sum of their convection. The last forces go along, so that a steady flow stays as it is.
+    """
+    source, force = given.source, given.force
+    for k in range(now.shape[1]):
+        for c in range(now.shape[0]):
+            now[c, k] += part * (rhs[c, k] / volume[c, 0] + n * (source[c, k] + force[c, k]))
+
+
+def convect_in_subcycles(one: Phase, field: Reconstruction, dt: float, volume: Array, out: Array, grid: Grid) -> None:
     """Set `out` (nc, dim) [m3/s times u] to the mean convection of the subcycles of a step.
 
     The velocity of each subcycle is reconstructed anew. `volume` (nc, 1) [m3] is that of the phase, times its relative
-    density; the half step of `field` is a workspace.
+    density; `field` is the velocity at the start, without a half step.
     """
-    now, slopes, part = field.values, field.gradient, dt / subcycles
-    rate, source, force = accelerations.rate, accelerations.source, accelerations.force
-    out[:] = 0.0
-    if subcycles > 1:
-        next_now, next_slopes = np.empty_like(now), np.empty_like(slopes)
-    for n in range(subcycles):
+    part, out[:] = dt / one.subcycles, 0.0
+    given = Accelerations(one.rate, one.source, one.force)
+    for n in range(one.subcycles):
+        now, slopes = field.values, field.gradient
         if n > 0:
-            # the last forces go along, so that a steady flow stays as it is
-            for c in range(out.shape[0]):
-                for k in range(out.shape[1]):
-                    change = part * (out[c, k] / volume[c, 0] + n * (source[c, k] + force[c, k]))
-                    next_now[c, k] = field.values[c, k] + change
-            gradient(g, next_now, field.edge, next_slopes)
-            now, slopes = next_now, next_slopes
-        predictor_half_step(part, now, slopes, now, rate, field.half_step)
-        sub_field = Reconstruction(now, slopes, field.half_step, field.edge, field.first_order, field.limited)
-        convect(g, flux, sub_field, out)
-    for c in range(out.shape[0]):
-        for k in range(out.shape[1]):
-            out[c, k] /= subcycles
+            now = now.copy(order="K")
+            advance_subcycle(part, n, now, out, volume, given)
+            slopes = gradient(grid, now, field.edge)
+        half_step = predictor_half_step(grid, part, now, slopes, now, one.rate)
+        convect(grid, one.flux, field._replace(values=now, gradient=slopes, half_step=half_step), out)
+    if one.subcycles > 1:
+        out /= one.subcycles
 
 
 @phase("momentum")
@@ -197,23 +194,23 @@ def predict(
 def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
     """Convection (MUSCL, sub-cycled) and implicit stress of one phase."""
     g, u, side, eps = model.grid.geometry, one.u, one.side, one.fluid.eps
-    given, grad, half_step = np.empty_like(side.u), np.empty((*u.shape, u.shape[1])), np.empty_like(u)
+    given = np.empty_like(side.u)
     boundary_velocity(g, side, one.slip, u, eps, given)
-    if one.name == "u_gas":
-        gradient(g, u, given, grad)
-    else:
-        gradient_solid(g, eps, u, given, grad)
-    system = empty_system(g, u.shape[1])
+    grad = gradient(model.grid, u, given, None if one.name == "u_gas" else eps)
+    system = empty_system(g, u.shape[1], model.grid.order)
     # a cell without the phase keeps its velocity
     volume = ((eps * one.rho_ratio + NO_PARTICLES) * g.volume)[:, None]
-    field = Reconstruction(u, grad, half_step, given, one.first_order, model.options.limited)
-    accelerations = Accelerations(one.rate, one.source, one.force)
-    convect_in_subcycles(g, one.flux, field, dt, one.subcycles, accelerations, volume, system.rhs)
+    field = Reconstruction(u, grad, u, given, one.first_order, model.options.limited)
+    convect_in_subcycles(one, field, dt, volume, system.rhs, model.grid)
     convected = system.rhs / volume
     # with the last forces the change vanishes in a steady state, which the implicit part then leaves alone
     add_forces(dt, one.rho, one.rho / dt * volume[:, 0], one.source, one.force, system.rhs, system.content)
     work, motion = np.zeros(len(eps)), Motion(u, grad, given, one.slip)
-    add_stress(g, side, one.fluid, motion, system, work)
+    if model.grid.rows is None:
+        add_stress(g, side, one.fluid, motion, system, work)
+    else:
+        by_component = Motion(u.T, grad.T, given, one.slip)
+        stress_of_rows.add_stress(g, model.grid.rows, side, one.fluid, by_component, transposed(system), work)
     if model.grid.axisymmetric:
         add_hoop_stress(g, one.fluid, motion, system, work)
     change = solve_system(state, one.name, system, model)
@@ -226,12 +223,16 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
 @phase("reconstruction")
 def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
     """Cell velocities by least squares from the normal velocities of faces, plus the remainder of H that these lose."""
-    g, faces, cells, velocities = model.grid.geometry, projection.faces, projection.cells, projection.velocities
+    g, rows, faces = model.grid.geometry, model.grid.rows, projection.faces
+    cells, velocities = projection.cells, projection.velocities
     h_gas, h_solid, s = velocities.h_gas, velocities.h_solid, cells.eps_s
     grad_gas, grad_solid = projection.gradients.h_gas, projection.gradients.h_solid
     gathered = Gathered(*(np.empty_like(h_gas) for _ in Gathered._fields))
-    gather_gas(g, faces, grad_gas, grad_gas, False, gathered)
-    gather_solid(g, faces, s, grad_solid, grad_solid, False, gathered)
+    if rows is None:
+        gather_gas(g, faces, grad_gas, grad_gas, False, gathered)
+        gather_solid(g, faces, s, grad_solid, grad_solid, False, gathered)
+    else:
+        cells_of_rows.gather(g, rows, faces, s, Gathered(*(u.T for u in gathered)))
     force_gas, force_solid, residual = np.empty_like(h_gas), np.empty_like(h_solid), np.empty(len(g.left))
     if g.skewed:
         # second pass, exact for linear fields: corrected with the gradients of H and of the first result
@@ -241,6 +242,9 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
         gather_gas(g, faces, grad_gas + change_gas, grad_gas, True, gathered)
         gather_solid(g, faces, s, grad_solid + change_solid, grad_solid, True, gathered)
         grad_gas = grad_gas + zero_slope_gradient(gathered.gas - h_gas, None, model)
-    face_residual(g, model.edge, faces.gas, gathered.gas, grad_gas, residual)
+    if rows is None:
+        face_residual(g, model.edge, faces.gas, gathered.gas, grad_gas, residual)
+    else:
+        cells_of_rows.face_residual(g, rows, model.edge, faces.gas, gathered.gas.T, residual)
     add_reconstruction_remainder(dt, cells, velocities, gathered, force_gas, force_solid)
     return Velocity(gathered.gas, gathered.solid, force_gas, force_solid, residual)

@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from contbed.two_fluid import boundary
-from contbed.two_fluid.boundary import OUTLET, Edge
 from contbed.two_fluid.cell_velocities import FaceVelocities
-from contbed.two_fluid.compiled import Array, Flags, kernel
+from contbed.two_fluid.compiled import Array, Flags
 from contbed.two_fluid.face_velocities import (
     Cells,
     FaceFractions,
@@ -20,11 +19,13 @@ from contbed.two_fluid.face_velocities import (
     predict_on_faces,
     reconstruct_fractions,
 )
-from contbed.two_fluid.fv.gradient import gradient, gradient_rest_potential, gradient_solid
-from contbed.two_fluid.fv.grid import Geometry
-from contbed.two_fluid.fv.reconstruction import Reconstruction, divergence, predictor_half_step
+from contbed.two_fluid.fluxes import assemble_pressure, correct_fluxes
+from contbed.two_fluid.fv.gradient import gradient_rest_potential
+from contbed.two_fluid.fv.operators import gradient, predictor_half_step, transposed
+from contbed.two_fluid.fv.reconstruction import Reconstruction, divergence
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.properties import density_ratio
+from contbed.two_fluid.rectangular import faces as faces_of_rows
 from contbed.two_fluid.state import Energy, Fluxes, ForceGradients, Properties, State
 from contbed.two_fluid.timing import phase
 
@@ -46,72 +47,6 @@ class Projection(NamedTuple):
     rate_eps_s: Array
 
 
-@kernel
-def assemble_pressure(
-    g: Geometry, edge: Edge, fractions: FaceFractions, predictor: FacePredictor, coef: Array, rhs: Array
-) -> None:
-    """Assemble sum of coef (nf,) (p - p_neighbour) = rhs (nc,) from the sum of both fluxes; `rhs` holds the sources."""
-    ni, gas, solid = len(g.right), edge.gas, edge.solid
-    for f in range(len(g.left)):
-        left = g.left[f]
-        if f >= ni and gas.kind[f - ni] != OUTLET:
-            coef[f] = 0.0
-            rhs[left] -= g.area[f] * (gas.flux[f - ni] + solid.flux[f - ni])
-            continue
-        eps_g, eps_s = fractions.gas[f], fractions.solid[f]
-        flux = g.area[f] * (eps_g * predictor.star_gas[f] + eps_s * predictor.star_solid[f])
-        mobility = eps_g * predictor.mobility_gas[f] + eps_s * predictor.mobility_solid[f]
-        coef[f] = g.area[f] * mobility / g.distance[f]
-        rhs[left] -= flux
-        if f < ni:
-            rhs[g.right[f]] += flux
-        else:
-            rhs[left] += coef[f] * edge.p[f - ni]
-
-
-@kernel
-def correct_fluxes(
-    g: Geometry,
-    edge: Edge,
-    p: Array,
-    fractions: FaceFractions,
-    predictor: FacePredictor,
-    faces: FaceVelocities,
-    fluxes: Fluxes,
-) -> None:
-    """Set the velocities of `faces` with the pressure p (nc,), and the `fluxes` but for `moved`."""
-    ni = len(g.right)
-    outflow_gas, outflow_solid = fluxes.outflow_gas, fluxes.outflow_solid
-    outflow_gas[:] = 0.0
-    outflow_solid[:] = 0.0
-    for f in range(len(g.left)):
-        left = g.left[f]
-        area = g.area[f]
-        drop = ((p[g.right[f]] if f < ni else edge.p[f - ni]) - p[left]) / g.distance[f]
-        u_g = predictor.star_gas[f] - predictor.mobility_gas[f] * drop
-        u_s = predictor.star_solid[f] - predictor.mobility_solid[f] * drop
-        fluxes.solid[f] = area * fractions.solid[f] * u_s
-        fluxes.total[f] = area * (fractions.gas[f] * u_g + fractions.solid[f] * u_s)
-        if f >= ni:
-            if edge.gas.kind[f - ni] == OUTLET:
-                if u_s < 0.0:
-                    # no particles come back: as at a wall
-                    fluxes.solid[f] = u_s = faces.h_solid[f] = 0.0
-            else:
-                fluxes.total[f] = area * (edge.gas.flux[f - ni] + edge.solid.flux[f - ni])
-        faces.gas[f], faces.solid[f] = u_g, u_s
-        out_g, out_s = area * u_g, area * u_s
-        outflow_gas[left] += max(0.0, out_g)
-        outflow_solid[left] += max(0.0, out_s)
-        if f < ni:
-            right = g.right[f]
-            outflow_gas[right] -= min(0.0, out_g)
-            outflow_solid[right] -= min(0.0, out_s)
-    for c in range(len(g.volume)):
-        outflow_gas[c] /= g.volume[c]
-        outflow_solid[c] /= g.volume[c]
-
-
 @phase("pressure")
 def project(
     state: State,
@@ -127,7 +62,7 @@ def project(
 
     predicted : H (nc, dim) of gas and solids, and the gradients (nc, dim, dim) of both velocities before
     """
-    g, edge, materials = model.grid.geometry, model.edge, model.materials
+    g, rows, edge, materials = model.grid.geometry, model.grid.rows, model.edge, model.materials
     h_gas, h_solid, grad_gas, grad_solid = predicted
     kinetic = properties.rheology.pressure * state.theta
     forces, resting = state.memory.gradients, model.no_cells
@@ -142,22 +77,34 @@ def project(
     gradients = FaceGradients(grad_gas, grad_solid, forces, state.memory.face_residual)
     nf = len(g.left)
     predictor = FacePredictor(*(np.empty(nf) for _ in FacePredictor._fields))
-    predict_on_faces(g, edge, dt, model.gravity, cells, velocities, gradients, predictor)
+    if rows is None:
+        predict_on_faces(g, edge, dt, model.gravity, cells, velocities, gradients, predictor)
+    else:
+        faces_of_rows.predict_on_faces(g, rows, edge, dt, model.gravity, cells, velocities, gradients, predictor)
 
     field = _half_step_fraction(state, eps_s, rate_eps_s, dt, model)
     fractions = FaceFractions(np.empty(nf), np.empty(nf))
-    reconstruct_fractions(g, edge, field, predictor, fractions)
+    if rows is None:
+        reconstruct_fractions(g, edge, field, predictor, fractions)
+    else:
+        faces_of_rows.reconstruct_fractions(g, rows, edge, transposed(field), predictor, fractions)
     if model.closed:
         damp_buoyancy_waves(g, dt, model.gravity, cells, fractions, predictor)
 
     coef, rhs = np.empty(nf), g.volume * (model.sources.solid + model.sources.gas)
     if energy is not None:
         rhs += g.volume * energy.expansion
-    assemble_pressure(g, edge, fractions, predictor, coef, rhs)
+    if rows is None:
+        assemble_pressure(g, edge, fractions, predictor, coef, rhs)
+    else:
+        faces_of_rows.assemble_pressure(g, rows, edge, fractions, predictor, coef, rhs)
     p = model.pressure_solver.solve(coef, rhs, state.p)
     faces = FaceVelocities(np.empty(nf), np.empty(nf), predictor.h_gas, predictor.h_solid, fractions.solid)
     fluxes = Fluxes(np.empty(nf), np.empty(nf), state.fluxes.moved, np.empty_like(p), np.empty_like(p))
-    correct_fluxes(g, edge, p, fractions, predictor, faces, fluxes)
+    if rows is None:
+        correct_fluxes(g, edge, p, fractions, predictor, faces, fluxes)
+    else:
+        faces_of_rows.correct_fluxes(g, rows, edge, p, fractions, predictor, faces, fluxes)
     if model.closed:
         # with the convected rate of the faces, buoyancy waves of N dt of about 1 would grow
         rate_eps_s = rate_eps_s - 2.0 / dt * field.half_step
@@ -170,23 +117,17 @@ def project(
 
 def _half_step_fraction(state: State, eps_s: Array, rate: Array, dt: float, model: Model) -> Reconstruction:
     """Solids fraction with its gradient and its change in half a step."""
-    g, edge = model.grid.geometry, model.edge
+    edge = model.edge
     column, nb = eps_s.reshape(-1, 1), len(model.boundary_cells)
-    grad, half_step = np.empty((len(eps_s), 1, model.grid.dimension)), np.empty((len(eps_s), 1))
     given = np.where(edge.solid.kind == boundary.GIVEN, edge.eps_s, eps_s[model.boundary_cells]).reshape(nb, 1)
-    gradient(g, column, given, grad)
-    predictor_half_step(dt, column, grad, state.u_solid, rate, half_step)
+    grad = gradient(model.grid, column, given)
+    half_step = predictor_half_step(model.grid, dt, column, grad, state.u_solid, rate)
     return Reconstruction(column, grad, half_step, given, model.no_cells, model.options.limited)
 
 
 def zero_slope_gradient(u: Array, eps_s: Array | None, model: Model) -> Array:
     """Gradient (nc, dim, dim) of u (nc, dim) with the values of the cells at boundaries; of the solids with `eps_s`."""
-    out, g, given = np.empty((*u.shape, u.shape[1])), model.grid.geometry, u[model.boundary_cells]
-    if eps_s is None:
-        gradient(g, u, given, out)
-    else:
-        gradient_solid(g, eps_s, u, given, out)
-    return out
+    return gradient(model.grid, u, u[model.boundary_cells], eps_s)
 
 
 def force_gradients(
@@ -202,9 +143,8 @@ def force_gradients(
     given = values[cells] + np.einsum("bkd,bd->bk", slopes[cells], arm)
     outlet = edge.gas.kind == boundary.OUTLET
     given[outlet, 0] = edge.p[outlet]
-    grad, rest = np.empty((*values.shape, arm.shape[1])), np.empty((len(values), 1, arm.shape[1]))
+    grad, rest = gradient(model.grid, values, given), np.empty((len(values), 1, arm.shape[1]))
     resting = np.zeros(len(p), dtype=np.bool_)
-    gradient(g, values, given, grad)
     potential = properties.rheology.h
     gradient_rest_potential(g, potential, p / model.materials.rho_solid, model.gravity, rest, resting)
     parts = (np.ascontiguousarray(part) for part in (grad[:, 0], grad[:, 1], rest[:, 0]))

@@ -177,7 +177,9 @@ class State:
     def with_fields(self, given: Mapping[str, Any]) -> State:
         """Return the same state with other fields, arrays or numbers by name."""
         known = self.fields()
-        new = known | {name: np.array(np.broadcast_to(v, known[name].shape), float) for name, v in given.items()}
+        new = known | {name: np.empty_like(known[name]) for name in given}
+        for name, values in given.items():
+            new[name][...] = values
         energy = None if self.energy is None else replace(self.energy, T_gas=new["T_gas"], T_solid=new["T_solid"])
         eps_s, u_gas, u_solid, theta, p = (new[name] for name in ("eps_s", "u_gas", "u_solid", "theta", "p"))
         return replace(self, eps_s=eps_s, u_gas=u_gas, u_solid=u_solid, theta=theta, p=p, energy=energy)
@@ -191,7 +193,7 @@ def zero_state(grid: Grid) -> State:
         return np.zeros(nc)
 
     def vector() -> Array:
-        return np.zeros((nc, dim))
+        return np.zeros((nc, dim), order=grid.order)
 
     gradients = ForceGradients(vector(), vector(), vector())
     rates = np.zeros((nc, 1)), np.zeros((nc, 1))

@@ -77,7 +77,7 @@ def initial_fluxes(state: State, dt: float, model: Model) -> State:
         for _ in range(WALL_EXTRAPOLATION_ROUNDS):
             forces, _ = pressure.force_gradients(state.p, kinetic, properties, forces, model)
         state = replace(state, memory=memory._replace(gradients=forces))
-    flat = np.zeros((*state.u_gas.shape, model.grid.dimension))
+    flat = np.zeros((*state.u_gas.shape, model.grid.dimension), order=model.grid.order)
     predicted = state.u_gas, state.u_solid, flat, flat
     found = pressure.project(state, state.eps_s, memory.rate_eps_s, predicted, properties, state.energy, dt, model)
     memory = memory._replace(

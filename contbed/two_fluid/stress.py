@@ -9,8 +9,9 @@ import numpy as np
 from contbed.two_fluid import boundary
 from contbed.two_fluid.boundary import OUTLET, WALL, Side
 from contbed.two_fluid.compiled import SMALLEST, Array, kernel
-from contbed.two_fluid.fv.gradient import gradient_solid, neighbour_weight
+from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
+from contbed.two_fluid.fv.operators import gradient
 from contbed.two_fluid.linear.cg import System
 from contbed.two_fluid.model import Model
 
@@ -41,61 +42,90 @@ class Motion(NamedTuple):
 
 
 @kernel
+def face_viscosity(left: float, right: float) -> float:
+    """Viscosity of a face: the harmonic mean, so that where there are no particles no stress passes."""
+    return 2.0 * left * right / (left + right + SMALLEST)
+
+
+@kernel
+def excess_viscosity(w: float, left: float, right: float, to_left: float, to_right: float) -> float:
+    """Excess of the linear mean of the viscosities of two cells over the harmonic one, by `neighbour_weight`."""
+    excess = w * left + (1.0 - w) * right - face_viscosity(left, right)
+    return float(excess * min(to_left, to_right))
+
+
+@kernel
+def traction(m: float, lam: float, divergence: float, n: float, shear: float) -> float:
+    """Component of the stress on a face [Pa]; n of its normal, `shear` of (grad u + grad u^T) n."""
+    return (lam - 2.0 / 3.0 * m) * divergence * n + m * shear
+
+
+@kernel
+def stress_link(m: float, lam: float, excess: float, n: float, inverse_distance: float) -> float:
+    """Link [Pa s/m] of one velocity component across a face, n of its normal."""
+    return inverse_distance * (m + (m / 3.0 + lam) * n * n + EXCESS_IMPLICIT_FACTOR * excess)
+
+
+@kernel
 def add_stress(g: Geometry, side: Side, fluid: Fluid, motion: Motion, system: System, work: Array) -> None:
     """Add the force [N] of the stress on each cell to the right-hand side, and its links to the coefficients.
 
     The links are the part that goes with the jump of each component across a face. At the face mu and bulk are harmonic
-    means: where there are no particles no stress passes. The excess of the linear mean of mu over the harmonic one acts
-    on the jump of the velocity alone: so the bed carries its loose top layer. A wall takes the shear that `slip` leaves
-    and the normal stress; an outlet takes none. `work` (nc,) gets the work [W] of the stress on the velocities
-    in each cell (shear production), without that of the excess.
+    means. The excess of the linear mean of mu over the harmonic one acts on the jump of the velocity alone: so the bed
+    carries its loose top layer. A wall takes the shear that `slip` leaves and the normal stress; an outlet takes none.
+    `work` (nc,) gets the work [W] of the stress on the velocities in each cell (shear production), without that of the
+    excess.
     """
-    ni, dim = len(g.right), len(g.axes)
+    dim = len(g.axes)
     mu, bulk, eps = fluid.mu, fluid.bulk, fluid.eps
+    u, grad, out, coef = motion.u, motion.gradient, system.rhs, system.coef
+    local = np.empty((dim, dim))
+    for f in range(len(g.right)):
+        left, right = g.left[f], g.right[f]
+        m, lam = face_viscosity(mu[left], mu[right]), face_viscosity(bulk[left], bulk[right])
+        w, area, inverse_distance = g.weight[f], g.area[f], 1.0 / g.distance[f]
+        to_left, to_right = neighbour_weight(eps[right], eps[left]), neighbour_weight(eps[left], eps[right])
+        excess = excess_viscosity(w, mu[left], mu[right], to_left, to_right)
+        divergence = 0.0
+        for k in range(dim):
+            missing = u[right, k] - u[left, k]
+            for d in range(dim):
+                local[k, d] = w * grad[left, k, d] + (1.0 - w) * grad[right, k, d]
+                missing -= local[k, d] * (g.arm_left[f, d] - g.arm_right[f, d])
+            for d in range(dim):
+                local[k, d] += missing * inverse_distance * g.normal[f, d]
+            divergence += local[k, k]
+        if g.radius[left] > 0.0:
+            divergence += (w * u[left, 0] + (1.0 - w) * u[right, 0]) / (g.radius[left] + g.arm_left[f, 0])
+        lost_left = lost_right = 0.0
+        for k in range(dim):
+            n, here, there = g.normal[f, k], u[left, k], u[right, k]
+            shear, middle = 0.0, w * here + (1.0 - w) * there
+            for d in range(dim):
+                shear += (local[k, d] + local[d, k]) * g.normal[f, d]
+                middle += local[k, d] * g.skew[f, d]
+            stress = traction(m, lam, divergence, n, shear)
+            lost_left += area * stress * (middle - here)
+            lost_right += area * stress * (there - middle)
+            force = area * (stress + excess * inverse_distance * (there - here))
+            out[left, k] += force
+            out[right, k] -= force
+            coef[f, k] = area * stress_link(m, lam, excess, n, inverse_distance)
+        work[left] += lost_left
+        work[right] += lost_right
+    add_boundary_stress(g, side, fluid, motion, system, work)
+
+
+@kernel
+def add_boundary_stress(g: Geometry, side: Side, fluid: Fluid, motion: Motion, system: System, work: Array) -> None:
+    """Add the stress on boundary faces, see `add_stress`."""
+    ni, dim = len(g.right), len(g.axes)
     u, grad, edge, slip = motion.u, motion.gradient, motion.edge, motion.slip
     out, coef = system.rhs, system.coef
     local = np.empty((dim, dim))
-    for f in range(len(g.left)):
-        left = g.left[f]
-        if f < ni:
-            right = g.right[f]
-            m = 2.0 * mu[left] * mu[right] / (mu[left] + mu[right] + SMALLEST)
-            lam = 2.0 * bulk[left] * bulk[right] / (bulk[left] + bulk[right] + SMALLEST)
-            w, area, inverse_distance = g.weight[f], g.area[f], 1.0 / g.distance[f]
-            excess = w * mu[left] + (1.0 - w) * mu[right] - m
-            excess *= (
-                min(neighbour_weight(eps[left], eps[right]), neighbour_weight(eps[right], eps[left])) * inverse_distance
-            )
-            divergence = 0.0
-            for k in range(dim):
-                missing = u[right, k] - u[left, k]
-                for d in range(dim):
-                    local[k, d] = w * grad[left, k, d] + (1.0 - w) * grad[right, k, d]
-                    missing -= local[k, d] * (g.arm_left[f, d] - g.arm_right[f, d])
-                for d in range(dim):
-                    local[k, d] += missing * inverse_distance * g.normal[f, d]
-                divergence += local[k, k]
-            if g.radius[left] > 0.0:
-                divergence += (w * u[left, 0] + (1.0 - w) * u[right, 0]) / (g.radius[left] + g.arm_left[f, 0])
-            lost_left = lost_right = 0.0
-            for k in range(dim):
-                n, here, there = g.normal[f, k], u[left, k], u[right, k]
-                traction = (lam - 2.0 / 3.0 * m) * divergence * n
-                middle = w * here + (1.0 - w) * there
-                for d in range(dim):
-                    traction += m * (local[k, d] + local[d, k]) * g.normal[f, d]
-                    middle += local[k, d] * g.skew[f, d]
-                lost_left += area * traction * (middle - here)
-                lost_right += area * traction * (there - middle)
-                force = area * (traction + excess * (there - here))
-                out[left, k] += force
-                out[right, k] -= force
-                coef[f, k] = area * (inverse_distance * (m + (m / 3.0 + lam) * n * n) + EXCESS_IMPLICIT_FACTOR * excess)
-            work[left] += lost_left
-            work[right] += lost_right
-            continue
-        b = f - ni
-        m, lam = mu[left], bulk[left]
+    for f in range(ni, len(g.left)):
+        b, left = f - ni, g.left[f]
+        m, lam = fluid.mu[left], fluid.bulk[left]
         scale = g.area[f] / g.distance[f]
         if side.kind[b] == OUTLET:
             for k in range(dim):
@@ -123,12 +153,13 @@ def add_stress(g: Geometry, side: Side, fluid: Fluid, motion: Motion, system: Sy
             if g.radius[left] > 0.0:
                 divergence += edge[b, 0] / (g.radius[left] + g.arm_left[f, 0])
             for k in range(dim):
-                traction = (lam - 2.0 / 3.0 * m) * divergence * g.normal[f, k]
+                shear = 0.0
                 for d in range(dim):
-                    traction += m * (local[k, d] + local[d, k]) * g.normal[f, d]
-                out[left, k] += g.area[f] * traction
-                work[left] += g.area[f] * traction * (edge[b, k] - u[left, k])
-                coef[f, k] = scale * (m + (m / 3.0 + lam) * g.normal[f, k] ** 2)
+                    shear += (local[k, d] + local[d, k]) * g.normal[f, d]
+                stress = traction(m, lam, divergence, g.normal[f, k], shear)
+                out[left, k] += g.area[f] * stress
+                work[left] += g.area[f] * stress * (edge[b, k] - u[left, k])
+                coef[f, k] = g.area[f] * stress_link(m, lam, 0.0, g.normal[f, k], 1.0 / g.distance[f])
 
 
 @kernel
@@ -148,9 +179,9 @@ def add_hoop_stress(g: Geometry, fluid: Fluid, motion: Motion, system: System, w
 def shear_rate(u_solid: Array, eps_s: Array, model: Model) -> Array:
     """Square root (nc,) of the second invariant of the particles' strain rate [1/s]; partial-slip walls slip."""
     g, u, side = model.grid.geometry, u_solid, model.edge.solid
-    given, grad = np.empty_like(side.u), np.empty((*u.shape, u.shape[1]))
+    given = np.empty_like(side.u)
     boundary.boundary_velocity(g, side, np.abs(side.slip), u, eps_s, given)
-    gradient_solid(g, eps_s, u, given, grad)
+    grad = gradient(model.grid, u, given, eps_s)
     ring = u[:, 0] / g.radius if model.grid.axisymmetric else np.zeros(len(u))
     strain = 0.5 * (grad + grad.transpose(0, 2, 1))
     trace = np.einsum("cii->c", strain) + ring

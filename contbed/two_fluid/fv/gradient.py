@@ -48,22 +48,29 @@ def _extend_stencil(g: Geometry, s: Array, out: Array) -> None:
 
 
 @kernel
-def gradient(g: Geometry, values: Array, edge: Array, out: Array) -> None:
-    """Least-squares gradients `out` (nc, m, dim) of `values` (nc, m) with boundary values `edge` (nb, m)."""
-    ni, dim = len(g.right), len(g.axes)
-    out[:] = 0.0
-    for f in range(len(g.left)):
+def add_boundary_gradient(g: Geometry, values: Array, edge: Array, out: Array) -> None:
+    """Add the jumps from the cells to the boundary values `edge` (nb, m)."""
+    ni = len(g.right)
+    for f in range(ni, len(g.left)):
         left = g.left[f]
         for k in range(values.shape[1]):
-            if f < ni:
-                right = g.right[f]
-                jump = values[right, k] - values[left, k]
-                for d in range(dim):
-                    out[right, k, d] += g.slope_right[f, d] * jump
-            else:
-                jump = edge[f - ni, k] - values[left, k]
+            for d in range(len(g.axes)):
+                out[left, k, d] += g.slope_left[f, d] * (edge[f - ni, k] - values[left, k])
+
+
+@kernel
+def gradient(g: Geometry, values: Array, edge: Array, out: Array) -> None:
+    """Least-squares gradients `out` (nc, m, dim) of `values` (nc, m) with boundary values `edge` (nb, m)."""
+    dim = len(g.axes)
+    out[:] = 0.0
+    for f in range(len(g.right)):
+        left, right = g.left[f], g.right[f]
+        for k in range(values.shape[1]):
+            jump = values[right, k] - values[left, k]
             for d in range(dim):
+                out[right, k, d] += g.slope_right[f, d] * jump
                 out[left, k, d] += g.slope_left[f, d] * jump
+    add_boundary_gradient(g, values, edge, out)
     if g.skewed:
         _extend_stencil(g, np.ones(len(values)), out)
 
@@ -74,22 +81,17 @@ def gradient_solid(g: Geometry, s: Array, values: Array, edge: Array, out: Array
 
     A neighbour with far fewer particles has less weight: where it has none, its difference counts as zero.
     """
-    ni, dim = len(g.right), len(g.axes)
+    dim = len(g.axes)
     out[:] = 0.0
-    for f in range(len(g.left)):
-        left = g.left[f]
-        if f < ni:
-            right = g.right[f]
-            to_left, to_right = neighbour_weight(s[right], s[left]), neighbour_weight(s[left], s[right])
-            for k in range(values.shape[1]):
-                jump = values[right, k] - values[left, k]
-                for d in range(dim):
-                    out[left, k, d] += to_left * jump * g.slope_left[f, d]
-                    out[right, k, d] += to_right * jump * g.slope_right[f, d]
-        else:
-            for k in range(values.shape[1]):
-                for d in range(dim):
-                    out[left, k, d] += (edge[f - ni, k] - values[left, k]) * g.slope_left[f, d]
+    for f in range(len(g.right)):
+        left, right = g.left[f], g.right[f]
+        to_left, to_right = neighbour_weight(s[right], s[left]), neighbour_weight(s[left], s[right])
+        for k in range(values.shape[1]):
+            jump = values[right, k] - values[left, k]
+            for d in range(dim):
+                out[left, k, d] += to_left * jump * g.slope_left[f, d]
+                out[right, k, d] += to_right * jump * g.slope_right[f, d]
+    add_boundary_gradient(g, values, edge, out)
     if g.skewed:
         _extend_stencil(g, s, out)
 

@@ -1,15 +1,16 @@
 """Cells and faces of a mesh as flat lists: who is left and right of a face, areas, normals, weights of gradients.
 
-Cells are numbered so that neighbours are near (reverse Cuthill-McKee). Interior faces come first and point from the
-cell on their left, which has the smaller number, to the cell on their right; boundary faces follow and point outwards.
-A periodic pair is one interior face. In axisymmetric grids, coordinates (r, z), areas and volumes carry 2 pi r.
+Cells are numbered so that neighbours are near (reverse Cuthill-McKee), on rectangular grids place by place (rows.py).
+Interior faces come first and point from the cell on their left, which has the smaller number, to the cell on their
+right; on rectangular grids along their axis. Boundary faces follow and point outwards. A periodic pair is one interior
+face. In axisymmetric grids, coordinates (r, z), areas and volumes carry 2 pi r.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -18,6 +19,7 @@ from skfem.quadrature import get_quadrature
 
 from contbed.errors import SceneError
 from contbed.mesh.mesh import Mesh
+from contbed.two_fluid.fv.rows import Rows, build_rows, numbering, places
 
 Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
@@ -73,7 +75,9 @@ class Grid:
     centres (nc, dim), middles (nf, dim) : of cells and faces [m]
     boundaries : faces of each named boundary that is not periodic
     regions : cells of each named region
-    bandwidth : largest distance of neighbours in the numbering
+    bandwidth : largest distance of neighbours in the numbering by reverse Cuthill-McKee
+    rows : of a rectangular grid, else None
+    places (nc, dim) : of the cells on the lattice of a rectangular grid that no periodic pair closes, else None
     """
 
     geometry: Geometry
@@ -84,6 +88,8 @@ class Grid:
     regions: dict[str, np.ndarray]
     axisymmetric: bool
     bandwidth: int
+    rows: Rows | None
+    places: np.ndarray | None
 
     @property
     def dimension(self) -> int:
@@ -94,6 +100,11 @@ class Grid:
     def skewed(self) -> bool:
         """Whether any face needs corrections for skewness or non-orthogonality."""
         return self.geometry.skewed
+
+    @property
+    def order(self) -> Literal["C", "F"]:
+        """Order in memory of vectors (nc, dim): with rows by component, so that each row is contiguous."""
+        return "C" if self.rows is None else "F"
 
     @property
     def interior(self) -> int:
@@ -131,17 +142,27 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     cells = np.asarray(reverse_cuthill_mckee(graph + graph.T, symmetric_mode=True), dtype=np.int64)
     rank = np.empty(count, dtype=np.int64)
     rank[cells] = np.arange(count)
+    bandwidth = int(np.abs(rank[left] - rank[right]).max(initial=0))
+    place = places(centres, vector / flat[:, None], left[: len(interior)], right[: len(interior)])
+    if place is not None:
+        cells = numbering(place)
+        rank[cells] = np.arange(count)
 
     left, right = rank[left], rank[right]
-    turned = left > right
-    order = np.lexsort((np.maximum(left, right), np.minimum(left, right)))
+    if place is None:
+        turned = left > right
+        order = np.lexsort((np.maximum(left, right), np.minimum(left, right)))
+    else:
+        turned = vector[front].sum(axis=1) < 0
+        low, high = np.where(turned, right, left), np.where(turned, left, right)
+        order = np.lexsort((low, high - low, np.argmax(np.abs(vector[front]), axis=1)))
     edge = np.setdiff1d(np.flatnonzero(second < 0), np.concatenate(joined))
     seen = np.where(turned, back, front)[order], np.where(turned, front, back)[order]
     face = np.concatenate((front[order], edge))  # facet that lends area and normal
     sign = np.concatenate((np.where(turned, -1.0, 1.0)[order], np.ones(len(edge))))
     left, right = (
-        np.concatenate((np.minimum(left, right)[order], rank[first[edge]])),
-        np.maximum(left, right)[order],
+        np.concatenate((np.where(turned, right, left)[order], rank[first[edge]])),
+        np.where(turned, left, right)[order],
     )
     centres, volume = centres[cells], weight[cells]
     normal = sign[:, None] * vector[face] / flat[face][:, None]
@@ -163,6 +184,7 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     outer = flat[face][:, None, None] * normal[:, :, None] * normal[:, None, :]
     np.add.at(moment, left, outer)
     np.add.at(moment, right, outer[:ni])
+    slopes = _slopes(d, left, right, count, bool(skewed))
     arrays = (
         left,
         right,
@@ -175,7 +197,7 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
         skew,
         arm_left,
         arm_right,
-        *_slopes(d, left, right, count, bool(skewed)),
+        *slopes,
         volume,
         np.linalg.inv(moment),
         centres[:, 0] if mesh.axisymmetric else np.zeros(count),
@@ -191,7 +213,9 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
         {name: np.sort(f[f >= 0]) for name, f in named.items() if (f >= 0).any()},
         {name: np.sort(rank[c]) for name, c in old.subdomains.items()},
         mesh.axisymmetric,
-        int((right - left[:ni]).max(initial=0)),
+        bandwidth,
+        None if place is None else build_rows(left, right, normal, (arm_left, arm_right), (slopes[0], slopes[1])),
+        None if place is None or periodic else place[cells],
     )
 
 

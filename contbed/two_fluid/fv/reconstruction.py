@@ -67,40 +67,47 @@ def convect(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None
     """Add -sum over faces of flux (u_face - u_cell) [m3/s times u] to `out` (nc, m); `flux` (nf,) is a volume flux."""
     ni, dim = len(g.right), len(g.axes)
     # taken out of the loop, where each would be counted as a reference
-    u, grad, half_step, edge = field.values, field.gradient, field.half_step, field.edge
+    u, grad, half_step = field.values, field.gradient, field.half_step
     first_order, limited = field.first_order, field.limited
-    for f in range(len(g.left)):
-        rate = flux[f]
-        left = g.left[f]
-        inner = f < ni
-        right = g.right[f] if inner else left
+    for f in range(ni):
+        rate, left, right = flux[f], g.left[f], g.right[f]
         forward = rate >= 0.0
         c = left if forward else right
         for k in range(u.shape[1]):
-            if inner:
-                slope = along = 0.0
-                for d in range(dim):
-                    if forward:
-                        slope += grad[c, k, d] * g.arm_left[f, d]
-                        along += grad[c, k, d] * (g.arm_left[f, d] - g.arm_right[f, d])
-                    else:
-                        slope += grad[c, k, d] * g.arm_right[f, d]
-                        along += grad[c, k, d] * (g.arm_right[f, d] - g.arm_left[f, d])
-                jump = (u[right, k] - u[left, k]) if forward else (u[left, k] - u[right, k])
-                value = u[c, k]
-                if not first_order[c]:
-                    value += limited_increment(slope, along, jump, half_step[c, k], limited)
-                out[right, k] += rate * (value - u[right, k])
-            elif forward:
-                slope = 0.0
-                for d in range(dim):
+            slope = along = 0.0
+            for d in range(dim):
+                if forward:
                     slope += grad[c, k, d] * g.arm_left[f, d]
-                jump = edge[f - ni, k] - u[c, k]
-                part = slope + half_step[c, k] if not first_order[c] else 0.0
-                value = u[c, k] + (min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part)
-            else:
-                value = edge[f - ni, k]
+                    along += grad[c, k, d] * (g.arm_left[f, d] - g.arm_right[f, d])
+                else:
+                    slope += grad[c, k, d] * g.arm_right[f, d]
+                    along += grad[c, k, d] * (g.arm_right[f, d] - g.arm_left[f, d])
+            jump = (u[right, k] - u[left, k]) if forward else (u[left, k] - u[right, k])
+            value = u[c, k]
+            if not first_order[c]:
+                value += limited_increment(slope, along, jump, half_step[c, k], limited)
+            out[right, k] += rate * (value - u[right, k])
             out[left, k] -= rate * (value - u[left, k])
+    convect_at_boundary(g, flux, field, out)
+
+
+@kernel
+def convect_at_boundary(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None:
+    """Add what crosses the boundary, see `convect`."""
+    u, grad, half_step, edge = field.values, field.gradient, field.half_step, field.edge
+    first_order, limited, ni = field.first_order, field.limited, len(g.right)
+    for f in range(ni, len(g.left)):
+        rate, c = flux[f], g.left[f]
+        for k in range(u.shape[1]):
+            value = edge[f - ni, k]
+            if rate >= 0.0:
+                jump, part = value - u[c, k], 0.0
+                if not first_order[c]:
+                    part = half_step[c, k]
+                    for d in range(len(g.axes)):
+                        part += grad[c, k, d] * g.arm_left[f, d]
+                value = u[c, k] + (min(max(part, min(0.0, jump)), max(0.0, jump)) if limited else part)
+            out[c, k] -= rate * (value - u[c, k])
 
 
 @kernel

@@ -33,8 +33,9 @@ from contbed.errors import ConvergenceError
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.continuity import Moved
 from contbed.two_fluid.face_velocities import eliminate_drag
-from contbed.two_fluid.fv.gradient import FEW_PARTICLES, NO_PARTICLES, gradient, gradient_solid
-from contbed.two_fluid.fv.reconstruction import Reconstruction, divergence, face_values, predictor_half_step
+from contbed.two_fluid.fv.gradient import FEW_PARTICLES, NO_PARTICLES
+from contbed.two_fluid.fv.operators import gradient, predictor_half_step
+from contbed.two_fluid.fv.reconstruction import Reconstruction, divergence, face_values
 from contbed.two_fluid.granular_temperature import conduct
 from contbed.two_fluid.heat.kernels import conducted_out
 from contbed.two_fluid.heat.model import HeatModel
@@ -175,9 +176,9 @@ def _face_temperatures(
         (energy.T_gas, heat.T_gas, energy.rate_gas, state.u_gas, moved.flux_gas, model.no_cells, None),
         (energy.T_solid, heat.T_solid, energy.rate_solid, state.u_solid, moved.flux, moved.upwind_cells, moved.eps_s),
     ):
-        column, half_step, face = T[:, None], np.empty((len(T), 1)), np.empty_like(flux)
+        column, face = T[:, None], np.empty_like(flux)
         given, grad = _slope(T, entering, eps_s, model)
-        predictor_half_step(dt, column, grad, u, rate, half_step)
+        half_step = predictor_half_step(model.grid, dt, column, grad, u, rate)
         face_values(g, flux, Reconstruction(column, grad, half_step, given[:, None], first_order, True), face)
         found.append(face)
     return found[0], found[1]
@@ -186,12 +187,7 @@ def _face_temperatures(
 def _slope(T: Array, outside: Array, eps_s: Array | None, model: Model) -> tuple[Array, Array]:
     """Temperature (nb,) at boundaries, `outside` or level, and gradient (nc, 1, dim); of the solids with `eps_s`."""
     given = np.where(np.isnan(outside), T[model.boundary_cells], outside)
-    grad = np.empty((len(T), 1, model.grid.dimension))
-    if eps_s is None:
-        gradient(model.grid.geometry, T[:, None], given[:, None], grad)
-    else:
-        gradient_solid(model.grid.geometry, eps_s, T[:, None], given[:, None], grad)
-    return given, grad
+    return given, gradient(model.grid, T[:, None], given[:, None], eps_s)
 
 
 def _heat_walls(eps_s: Array, rates: Array, heat: HeatModel, dt: float, model: Model) -> float:

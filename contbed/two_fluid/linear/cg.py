@@ -8,7 +8,7 @@ diagonal as preconditioner (Hestenes and Stiefel 1952, J. Res. Natl. Bur. Stand.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -34,10 +34,16 @@ class System(NamedTuple):
     rhs: Array
 
 
-def empty_system(g: Geometry, components: int) -> System:
-    """Make a system without links of cells; the rest is not set."""
+def empty_system(g: Geometry, components: int, order: Literal["C", "F"] = "C") -> System:
+    """Make a system without links of cells, in the memory `order` of the grid; the rest is not set."""
     size = (len(g.volume), components)
-    return System(np.empty((len(g.left), components)), np.zeros(size), np.empty(size), np.empty(size))
+    coef = np.empty((len(g.left), components), order=order)
+    return System(coef, np.zeros(size, order=order), np.empty(size, order=order), np.empty(size, order=order))
+
+
+def transposed(system: System) -> System:
+    """Return the system by component, for kernels over rows."""
+    return System(*(part.T for part in system))
 
 
 @kernel
