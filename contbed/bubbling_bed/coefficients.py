@@ -25,6 +25,17 @@ from contbed.materials.common import integrated, polynomial
 from contbed.scene.toml_lines import KeyPath
 
 SMOOTHED = 1e-3  # share of u_mf over which the excess of gas bends to zero where there is none
+LEAST = 1e-6  # share of u_mf that bubbles and emulsion carry at least, so that both have a temperature
+QUOTED = {"u": "m/s", "u_mf": "m/s", "u_e": "m/s", "u_b": "m/s", "d_b": "m", "delta": ""}
+COEFFICIENTS = {
+    "delta": "the volume of the bubbles",
+    "gas": "heat transfer to the gas",
+    "conduction": "axial mixing",
+    "pairs": "heat exchange between species",
+    "exchange": "heat exchange of the bubbles",
+    "contact": "heat transfer to surfaces",
+    "flows": "the flow",
+}
 STEPS = 200  # of the march that gives a first guess of the bubbles
 
 
@@ -42,6 +53,7 @@ class Computed:
     def __init__(self, scene: b.BubblingScene, gas: Any):
         self.scene, self.gas = scene, gas
         self.ranges: list[Any] | None = None
+        self.smoothed = SMOOTHED
         self.mixtures: Callable[[Any], dict[str, Any]] = lambda u: {"emulsion": gas, "bubble": gas}
         self.flow = float(scene.gas.mass_flow or 0.0)
         bed, present = scene.bubbling_bed, scene.present
@@ -148,21 +160,31 @@ class Computed:
         state["u_mf"] = found if given else found * mu / (rho * self.d_p)
         if not self.bubbling:
             state["u"] = state["u_e"] = flow / (rho * self.section)
-            state["u_excess"] = _positive(state["u"] - state["u_mf"], state["u_mf"])
+            state["u_excess"] = _positive(state["u"] - state["u_mf"], self.smoothed * state["u_mf"])
         state["slip"] = state.get("u_excess")
         return state, gases
 
     def bubbles(self, state: dict[str, Any], rho_bubble: Any, flow: Any, flow_bubble: Any, d_b: Any) -> Any:
-        """Put velocities and volume of bubbles into the state; the flow of bubbles that the closures give [kg/s]."""
+        """Put velocities and volume of bubbles into the state; the flow of bubbles that the closures give [kg/s].
+
+        Where the emulsion would take more gas than there is, the bed is not fluidized: all gas flows through the
+        emulsion. Where a closure lets gas flow down it rests; `u_emulsion_closure` keeps that, by which such a bed is
+        refused.
+        """
         rho, A = state["rho_gas"], self.section
         state["u"] = (flow - flow_bubble) / (rho * A) + flow_bubble / (rho_bubble * A)
-        state["u_excess"] = state["slip"] = _positive(state["u"] - state["u_mf"], state["u_mf"])
+        bend = self.smoothed * state["u_mf"]
+        state["u_excess"] = state["slip"] = _positive(state["u"] - state["u_mf"], bend)
         state["u"] = state["u_mf"] + state["u_excess"]
         state["d_b"] = d_b
         state["u_b"] = self._call(("bubbles", "rise"), state)
         state["delta"] = self._call(("bubbles", "fraction"), state)
-        state["u_e"] = self._call(("bubbles", "emulsion_gas"), state)
-        return flow - rho * A * (1.0 - state["delta"]) * state["u_e"]
+        state["u_emulsion_closure"] = self._call(("bubbles", "emulsion_gas"), state)
+        least, all_gas = LEAST * state["u_mf"], flow / (rho * A * (1.0 - state["delta"]))
+        rising = least + _bent(state["u_emulsion_closure"] - least, bend)
+        bubbles = least + _bent(all_gas - rising - least, bend)
+        state["u_e"] = all_gas - bubbles
+        return rho * A * (1.0 - state["delta"]) * bubbles
 
     def _call(self, path: KeyPath, state: dict[str, Any]) -> Any:
         return self.coefficients[path](state, self.ranges)
@@ -363,25 +385,31 @@ class Computed:
             "contact": {n: number(v) for n, v in local.contact.items()},
             "flows": {n: number(v * cp[n]) for n, v in local.flows.items()},
         }
-        for key in ("gas", "conduction", "exchange"):
-            if not np.isfinite(list(found[key].values()) if isinstance(found[key], dict) else found[key]).all():
-                self._refuse(T, number(local.state["u_e"]))
+        for key, value in found.items():
+            for name, each in value.items() if isinstance(value, dict) else (("", value),):
+                if not np.isfinite(each):
+                    self._refuse(T, key, name, {k: number(v) for k, v in local.state.items() if np.size(v) == 1})
         return found
 
-    def _refuse(self, T: float, u_e: float) -> NoReturn:
-        """Tell why closures have no value at the temperature of the guess."""
-        where = self.scene.origin.at(("solver", "guess"))
-        text = f"{where}: closures have no value in a bed of {T:g} K"
-        if u_e <= 0.0 and self.bubbling:
-            where = self.scene.origin.at(("bubbles", "emulsion_gas"))
-            text = f"{where}: bubbles.emulsion_gas: the gas would flow down through the emulsion, {u_e:.3g} m/s"
-            text += f" in a bed of {T:g} K; take another closure, a smaller wake or a number"
-        raise SceneError(text)
+    def _refuse(self, T: float, key: str, name: Any, state: dict[str, float]) -> NoReturn:
+        """Tell which coefficient has no value at the temperature at which layers are predicted."""
+        of = f" of {' and '.join(name) if isinstance(name, tuple) else name}" if name else ""
+        known = ", ".join(f"{k} = {state[k]:.3g} {unit}" for k, unit in QUOTED.items() if k in state)
+        raise SceneError(
+            f"{self.scene.origin.at(('species',))}: {COEFFICIENTS[key]}{of} has no value in a bed of {T:g} K, where "
+            f"{known}; choose other closures, or change gas.mass_flow"
+        )
 
 
-def _positive(x: Any, unit: Any) -> Any:
-    """Return x where it is above zero, bent to zero below over a thousandth of `unit`."""
-    return 0.5 * (x + (x**2 + (SMOOTHED * unit) ** 2) ** 0.5)
+def _positive(x: Any, bend: Any) -> Any:
+    """Return x where it is far above `bend`, zero far below; positive everywhere."""
+    return 0.5 * (x + (x**2 + bend**2) ** 0.5)
+
+
+def _bent(x: Any, bend: Any) -> Any:
+    """Return exactly x above `bend`, zero below -`bend`, and a parabola with the same slopes between."""
+    between = np.minimum(np.maximum(x, -bend), bend)
+    return (between + bend) ** 2 / (4.0 * bend) + np.maximum(x - bend, 0.0)
 
 
 def _coefficients(given: Any) -> tuple[float, ...]:

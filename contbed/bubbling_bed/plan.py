@@ -25,6 +25,7 @@ COARSE = 16  # cells of an automatic mesh away from layers
 ERROR = {1: 3e-3, 2: 1e-4, 3: 1e-5}  # relative error of temperatures on a mesh of grading scale 1, by degree
 HOT = 1000.0  # temperature at which layers are predicted where the scene gives lower ones [K]
 THIN = 1e-9  # share of the height below which a layer is not resolved
+CONTINUUM = 1e-2  # share of the least diameter of particles to which thinner layers are resolved: no continuum is finer
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,8 @@ class BubblingPlan:
 def plan(scene: b.BubblingScene) -> BubblingPlan:
     """Decide what a scene needs and build its mesh."""
     c, albedo = coefficients(scene)
-    layers = predicted_layers(c, scene.bubbling_bed.height, _hot(scene))
+    finest = CONTINUUM * min(item.diameter for item in scene.present.values()) if c.computed is not None else 0.0
+    layers = predicted_layers(c, scene.bubbling_bed.height, _hot(scene), finest)
     mesh = _mesh(scene, layers)
     built = [("mesh, 1-D", f"{mesh.skfem.nelements} cells, graded to {len(layers)} layers")]
     built += [(f"species {name}", f"degree {scene.solver.degree}") for name in c.species]
@@ -303,8 +305,10 @@ def _hot(scene: b.BubblingScene) -> float:
     return max(*given, HOT)
 
 
-def predicted_layers(c: model.Coefficients, height: float, hot: float) -> list[tuple[float, float]]:
-    """Return position and width [m] of the modes exp(rate z) of the equations linearised at a temperature.
+def predicted_layers(
+    c: model.Coefficients, height: float, hot: float, finest: float = 0.0
+) -> list[tuple[float, float]]:
+    """Return position and width [m], `finest` at least, of the modes exp(rate z) of the equations at a temperature.
 
     (-K rate^2 + W rate + S) x = 0 for temperatures scaled with 16 sigma T^3 where G takes part; modes that decay
     upward start at the distributor, the others at the top.
@@ -348,7 +352,8 @@ def predicted_layers(c: model.Coefficients, height: float, hot: float) -> list[t
     )
     finite = np.abs(beta) > 1e-14 * np.abs(alpha)
     rates = np.real(alpha[finite] / beta[finite])
-    return [(0.0 if rate < 0 else height, 1.0 / abs(rate)) for rate in rates if 1.0 < abs(rate) * height < 1.0 / THIN]
+    kept = [rate for rate in rates if 1.0 < abs(rate) * height < 1.0 / THIN]
+    return [(0.0 if rate < 0 else height, max(1.0 / abs(rate), finest)) for rate in kept]
 
 
 def _mesh(scene: b.BubblingScene, layers: list[tuple[float, float]]) -> Mesh:

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from contbed.bubbling_bed.coefficients import SMOOTHED
+from contbed.bubbling_bed.diagnosis import explain, fluidization
 from contbed.bubbling_bed.equations import bed as model
 from contbed.bubbling_bed.plan import BubblingPlan
 from contbed.closures.optics import SIGMA
@@ -22,6 +24,10 @@ EXTRA = 4  # order of quadrature beyond the product of two basis functions, for 
 CAPACITY = 5e5  # heat capacity of a phase, only to approach a steady state in time [J/m3/K]
 TYPICAL = 1e3  # temperature [K]
 MISSED = 0.01  # share of a typical flow or inventory by which Newton's method may undershoot zero
+ROUNDED = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003)  # shares of u_mf over which the excess of gas bends, one after another
+FAR_STEP = 1e-5  # relative step from which a residual of rounding does not count as converged: see `_newton`
+PATIENCE = 16  # steps in time, none longer than one before, after which closures have no steady state or none is found
+MAX_ITERATIONS = 15  # of Newton's method in such a step: one that needs more is shortened
 SHARPENED = 2  # Newton steps at the end: rounding in thin cells hides what is left of a smooth error
 
 
@@ -91,23 +97,70 @@ class BubblingProblem:
         """
         x = self._start(self.plan.scene.solver.guess if guess is None else guess)
         if self.chemistry is not None:  # heat and char take hours to settle, gas a second: no guess serves both
-            x = relax(self, x, self.plan.policy, self.lower, first=1e-3, last=1e7, growth=8.0, tolerance=1e-3)
-        try:
-            x, history = self._newton(x)
-        except ConvergenceError as error:
-            x, history = self._newton(relax(self, x, self.plan.policy, self.lower))
-            history = error.history + history
-        return self._sharpened(x), history
+            try:
+                with np.errstate(all="ignore"):
+                    x = relax(self, x, self.plan.policy, self.lower, first=1e-3, last=1e7, growth=8.0, tolerance=1e-3)
+            except ConvergenceError as error:
+                raise self._explained([x if error.state is None else error.state], error.history) from error
+        return self.solve_from(x)
 
+    @np.errstate(all="ignore")  # states that no method accepts may leave the range of a property
     def solve_from(self, x: Array) -> tuple[Array, list[float]]:
-        """Solve by Newton's method from known temperatures and other unknowns."""
-        x, history = self._newton(x)
-        return self._sharpened(x), history
+        """Solve by Newton's method from known temperatures and other unknowns, or by what is slower and safer.
+
+        Raises
+        ------
+        ConvergenceError
+            Where no steady state is found; its message says where, by how much, and what to change.
+
+        """
+        history: list[float] = []
+        failed: list[Array] = []
+        for way in (self._newton, self._unbent, self._marched):
+            if way == self._marched and any(fluidization(self, each) for each in failed):
+                break  # steps in time would come to rest at the same edge
+            try:
+                found, steps = way(x)
+                return self._sharpened(found), history + steps
+            except ConvergenceError as error:
+                history += error.history
+                failed.append(x if error.state is None else error.state)
+        raise self._explained(failed, history)
+
+    def _explained(self, failed: list[Array], history: list[float]) -> ConvergenceError:
+        """Return the error of states at which no method went on."""
+        text = f"{self.plan.scene.origin.at(('bubbling_bed',))}: bubbling_bed: no steady state is found: "
+        return ConvergenceError(text + explain(self, failed), history, failed[-1])
+
+    def _unbent(self, x: Array) -> tuple[Array, list[float]]:
+        """Solve with the edge between a fluidized bed and one at rest rounded, less and less.
+
+        Where the bed comes to rest at a height that is not known beforehand, bubbles and mixing end within a cell, and
+        Newton's method finds the place only from a state near by.
+        """
+        if self.c.computed is None or not self.c.computed.bubbling:
+            raise ConvergenceError("coefficients have no edge to round", [], x)
+        history: list[float] = []
+        try:
+            for self.c.computed.smoothed in (*ROUNDED, SMOOTHED):
+                x, steps = self._newton(x)
+                history += steps
+        finally:
+            self.c.computed.smoothed = SMOOTHED
+        return x, history
+
+    def _marched(self, x: Array) -> tuple[Array, list[float]]:
+        """Solve by steps in time."""
+        bounds = {"patience": PATIENCE, "iterations": MAX_ITERATIONS} if self.c.computed is not None else {}
+        return self._newton(relax(self, x, self.plan.policy, self.lower, **bounds))
 
     def _sharpened(self, x: Array) -> Array:
         for _ in range(SHARPENED):
             residual, matrix = self.steady(x, True)
-            x = x - Solver(matrix, self.plan.policy)(residual)
+            try:
+                x = x - Solver(matrix, self.plan.policy)(residual)
+            except ConvergenceError:
+                break  # the residual is rounding, which no factors reduce
         return self._state(x)
 
     def _start(self, T: float) -> Array:
@@ -136,6 +189,8 @@ class BubblingProblem:
             iterations=options.newton_iterations,
             lower=self.lower,
             floor=rounding,
+            # conduction over thin cells rounds one balance by more than another whole balance is worth
+            far_step=FAR_STEP if self.c.computed is not None else np.inf,
             weights=self.weights,
             what="bubbling bed",
         )

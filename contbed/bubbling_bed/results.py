@@ -9,6 +9,7 @@ import numpy as np
 from scipy.integrate import trapezoid
 
 from contbed.balance import Balance
+from contbed.bubbling_bed.diagnosis import flows_down
 from contbed.bubbling_bed.plan import BubblingPlan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.closures import optics
@@ -17,6 +18,7 @@ from contbed.errors import ConvergenceError
 from contbed.fem.probe import Probe, line_along
 from contbed.result import Result
 
+UNFLUIDIZED = 2e-3  # share of u_mf: with less excess gas a place counts as not fluidized
 EVEN = 201  # heights at which the use of closures is counted
 
 
@@ -140,12 +142,17 @@ def _computed(plan: BubblingPlan, values: dict[str, Any], z: Any, used: list[Any
     if computed.bubbling:
         emulsion = 1.0 - np.broadcast_to(local.delta, z.shape)
         result.qoi["height_at_minimum_fluidization_m"] = float(trapezoid(emulsion, z))
-        if (share := float(np.mean(local.flows["T_emulsion"] <= 0))) > 0:
-            message = f"gas flows down through the emulsion on {100 * share:.3g} % of the height: bubbles.emulsion_gas"
-            raise ConvergenceError(message, result.history)
-    bare = found["u"] - found["u_mf"] <= 2e-3 * found["u_mf"]
+        text = flows_down(plan.scene, np.broadcast_to(local.state["u_emulsion_closure"], z.shape), z)
+        if text is not None:
+            raise ConvergenceError(text, result.history)
+    bare = found["u"] - found["u_mf"] <= UNFLUIDIZED * found["u_mf"]
     if computed.bubbling and np.any(bare):
-        result.warnings.append(f"{100 * float(np.mean(bare)):.3g} % of the height is not fluidized: u is that of u_mf")
+        low, high = z[np.broadcast_to(bare, z.shape)][[0, -1]]
+        result.warnings.append(
+            f"{100 * float(np.mean(bare)):.3g} % of the height is not fluidized, between {low:.3g} and {high:.3g} m: "
+            "all gas flows through the emulsion there, and u is that of u_mf; more gas.mass_flow or hotter gas "
+            "fluidizes it"
+        )
     for gas in {phase for phase in ("T_emulsion", "T_bubble") if phase in values}:
         if (share := computed.gas.share_outside(values[gas])) > 0:
             low, high = computed.gas.T_range

@@ -10,7 +10,7 @@ from contbed.solvers.newton import newton
 from contbed.solvers.timestep import Problem
 
 GROWTH = 4.0
-STEPS = 200
+MAX_STEPS = 200
 
 
 def relax(
@@ -22,14 +22,23 @@ def relax(
     last: float = 1e12,
     growth: float = GROWTH,
     tolerance: float = 1e-6,
+    patience: int = MAX_STEPS,
+    iterations: int = 30,
 ) -> Any:
     """March from `state` to a steady state with steps that grow from `first` to `last` [s].
 
-    A step that fails is shortened. Unknowns stay above `lower`.
+    A step that needs more than `iterations` of Newton's method, or fails, is shortened. Unknowns stay above `lower`.
+    After `patience` steps of which none is the longest so far the march is given up.
+
+    Raises
+    ------
+    ConvergenceError
+        Where steps no longer grow; it carries the last state.
+
     """
-    dt = first
+    dt, longest, stale = first, 0.0, 0
     history: list[float] = []
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         before = problem.content(state, False)[0]
 
         def assemble(x: Any, jacobian: bool, before: Any = before, dt: float = dt) -> tuple[Any, Any]:
@@ -37,16 +46,28 @@ def relax(
             steady, stiffness = problem.steady(x, jacobian)
             return (content - before) / dt + steady, mass / dt + stiffness if jacobian else None
 
+        stale += 1
+        if stale > patience:
+            break
         try:
             state, history = newton(
-                assemble, state, problem.fixed, policy, tolerance=tolerance, lower=lower, what="continuation"
+                assemble,
+                state,
+                problem.fixed,
+                policy,
+                tolerance=tolerance,
+                iterations=iterations,
+                lower=lower,
+                what="continuation",
             )
-        except ConvergenceError:
+        except ConvergenceError as error:
+            history = error.history
             dt /= growth**2
-            if dt < 1e-6 * first:
-                raise
             continue
+        if dt > longest:
+            longest, stale = dt, 0
         if dt >= last:
             return state
         dt *= growth
-    raise ConvergenceError(f"continuation: no steady state after {STEPS} steps, step {dt:.3g} s", history, state)
+    message = f"no steady state by steps in time, of which the longest that converged is {longest:.3g} s"
+    raise ConvergenceError(message, history, state)

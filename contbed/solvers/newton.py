@@ -27,6 +27,7 @@ def newton(
     linear: bool = False,
     lower: Any = -np.inf,
     floor: float | None = None,
+    far_step: float = np.inf,
     weights: Any = 1.0,
     what: str = "Newton",
 ) -> tuple[Any, list[float]]:
@@ -34,9 +35,9 @@ def newton(
 
     `state` already holds the fixed values. The norm is that of the residual relative to the first one. A step that
     raises it is halved, and none takes an unknown further than `MAX_SHARE_TO_BOUND` of its distance to `lower`. A
-    linear problem takes one step. Residuals below `floor` count as rounding; if `floor` is None, it is estimated from
-    the terms that cancel in them. `weights` make the steps of all unknowns comparable. Returns the state and the
-    history of norms.
+    linear problem takes one step. Residuals below `floor` count as rounding where the relative step is below
+    `far_step`; if `floor` is None, it is estimated from the terms that cancel in them. `weights` make the steps of all
+    unknowns comparable. Returns the state and the history of norms.
     """
     state = state.copy()
     residual, matrix = assemble(state, True)
@@ -48,7 +49,12 @@ def newton(
     solver = None
     goal = 1e-2 * tolerance
     for _ in range(iterations):
-        solver, step = _direction(solver, constrain(matrix, fixed), -residual, policy, history, goal)
+        try:
+            solver, step = _direction(solver, constrain(matrix, fixed), -residual, policy, history, goal)
+        except ConvergenceError:
+            if history[-1] * scale > floor or not np.isfinite(far_step):
+                raise
+            return state, history  # the residual is rounding, which no factors reduce
         if linear:
             return state + step, history
         damping = 1.0
@@ -62,7 +68,9 @@ def newton(
             if np.isfinite(norm) and (norm <= (1 - 0.1 * damping) * history[-1] * scale or norm <= floor):
                 break
             damping /= 2
-            if damping < 1e-3 and history[-1] <= tolerance:
+            if damping < 1e-3 and (
+                history[-1] <= tolerance or (np.isfinite(far_step) and history[-1] * scale <= floor)
+            ):
                 return state, history  # as low as rounding lets it
             if damping < 1e-3:
                 message = f"{what}: no descent after {len(history)} iterations"
@@ -70,10 +78,14 @@ def newton(
         state = trial
         history.append(norm / scale)
         largest = max(1e-300, np.abs(weights * state).max())
-        small = damping == 1.0 and np.abs(weights * step).max() <= tolerance * largest
-        if norm <= goal * scale or norm <= floor or small:
+        length = float(np.abs(weights * step).max()) / largest
+        small = damping == 1.0 and length <= tolerance
+        rounded = norm <= floor and length <= far_step
+        if norm <= goal * scale or rounded or small:
             return _polish(assemble, state, residual, fixed, solver), history
         _, matrix = assemble(state, True)
+    if norm <= floor and np.isfinite(far_step):
+        return state, history
     message = f"{what}: not converged in {iterations} iterations, residual {history[-1]:.2g}"
     raise ConvergenceError(message, history, state)
 

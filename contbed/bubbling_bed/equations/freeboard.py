@@ -41,6 +41,7 @@ from contbed.radiation.equations import p1 as radiation
 CLEAR = 1e-3  # optical depth of a freeboard without particles
 MOLES = 4e5  # what makes a flow of gas compare with heat [J/mol]
 JOINED = 1e8  # radiation through the surface of the bed over the jump of (G / 4 sigma)^(1/4) there [W/m2/K]
+LEAST = 1e-9  # [kg/m2/s], flow of particles whose heat passes to the gas over L in any case: where none fly, T is T_f
 TEMPERATURES = ("T_freeboard", "T_up", "T_down")
 
 
@@ -127,7 +128,8 @@ class Freeboard:
         gain: dict[str, Any] = {"T_freeboard": 0.0}
         for name, flow in (("T_up", u.flow_up), ("T_down", u.flow_up - u.carryover)):
             surface = self.section * self.surface * flow / here.density_flow
-            passed = surface * here.exchange * (u.T_freeboard - getattr(u, name))
+            rest = LEAST * self.section * self.capacity(getattr(u, name)) / self.height
+            passed = (surface * here.exchange + rest) * (u.T_freeboard - getattr(u, name))
             gain["T_freeboard"] = gain["T_freeboard"] - passed
             gain[name] = passed
             if self.radiates:
