@@ -257,6 +257,37 @@ def sweep(
         raise typer.Exit(3)
 
 
+@app.command()
+def validate(
+    names: Annotated[
+        list[str] | None, Argument(metavar="NAME...", help="measured beds; all short ones if absent")
+    ] = None,
+    out: OutFolder = None,
+    as_json: Annotated[bool, Option("--json", help="print summary.json instead of the table")] = False,
+    long: Annotated[bool, Option("--long", help="those that take more than a minute as well")] = False,
+) -> None:
+    """Compare the models with measured beds: deviation, uncertainty and verdict of each, a table and a picture."""
+    import json
+
+    from contbed.validation import case, report, score
+
+    cases = [case.read_case(name) for name in names or case.names()]
+    folder = out or Path("results") / "validation"
+    folder.mkdir(parents=True, exist_ok=True)
+    chosen = [one for one in cases if names or long or not one.settings.long]
+    done = [score.validate(one, folder / one.name) for one in chosen]
+    report.write(done, folder)
+    print(json.dumps(report.summary(done), indent=1) if as_json else report.table(done))
+    for one in done:
+        for text in one.result.warnings:
+            _complain(f"{one.case.name}: warning: {text}")
+    left = [one.name for one in cases if one not in chosen]
+    if left:
+        _complain(f"left out, as they take more than a minute: {', '.join(left)}; --long runs them")
+    if not as_json:
+        print(f"results are in {folder}")
+
+
 def _interrupted() -> str:
     """Return what to say after Ctrl-C: how to go on, where there is a state to go on from."""
     for needed, command in _resume:

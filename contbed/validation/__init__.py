@@ -1,0 +1,1 @@
+"""Measured beds: their scenes and data, and the score of the models against them."""

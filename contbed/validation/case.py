@@ -1,0 +1,207 @@
+"""A measured bed: a folder with the scene, the measured table and case.toml, which says what is compared with what.
+
+title = "Molten-salt thermocline, discharge"
+source = "Pacheco, Showalter & Kolb (2002), doi:10.1115/1.1464123"
+licence = "numbers read from a published figure"
+scene = "scene.toml"
+quantity = "T_fluid"                    # column of the profiles, and first part of the names of what is reported
+uncertainty = "3 K"                     # standard uncertainty of a measured point
+each = "time"                           # a score for each "time" or each "position"
+[measured]
+file = "measured.csv"
+column = "T_fluid"                      # with its unit in the header; so are the next two
+time = "time"
+position = "z"                          # the coordinate of the scene along the bed
+where = { kind = "exp" }                # rows with these texts only
+[report]                                # predictions that are reported by name: T_0.073m_1000s_K
+positions = [0.073]
+times = [1000, 2000]
+[uncertain]                             # standard uncertainty of inputs of the scene, in SI or as a share
+bed.porosity = 0.01
+solid.conductivity = "20 %"
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, ValidationError
+
+from contbed.errors import SceneError
+from contbed.fields import FIELDS
+from contbed.loading import load
+from contbed.scene.data_table import read_table
+from contbed.scene.identity import resolved
+from contbed.scene.names import nearest
+from contbed.scene.quantities import Instant, Position, Switch, Table
+from contbed.scene.tables import SceneBase
+from contbed.scene.toml_lines import Origin, dotted, parse_key, read
+from contbed.scene.units import to_si
+
+Array = NDArray[np.float64]
+SHIPPED = Path(__file__).parent / "cases"
+_PERCENT = re.compile(r"\s*([0-9.eE+-]+)\s*%\s*")
+
+
+class Measured(Table):
+    """The measured table."""
+
+    file: str
+    column: str
+    time: str
+    position: str
+    where: dict[str, str] = Field(default_factory=dict, description="rows with these texts in these columns only")
+
+
+class Report(Table):
+    """Positions and times at which the prediction is reported by name."""
+
+    positions: tuple[Position, ...] = ()
+    times: tuple[Instant, ...] = ()
+
+
+class Settings(Table):
+    """case.toml."""
+
+    kind: ClassVar[str] = "case"
+
+    title: str
+    source: str
+    licence: str
+    scene: str
+    quantity: str
+    uncertainty: str
+    each: Literal["time", "position"]
+    measured: Measured
+    report: Report = Report()
+    uncertain: dict[str, Any] = Field(default_factory=dict)
+    long: Switch = Field(False, description="more than a minute; run with --long")
+
+
+@dataclass(frozen=True)
+class Points:
+    """Measured points: times [s], positions [m] and values in SI, all of shape (points,)."""
+
+    t: Array
+    x: Array
+    value: Array
+
+
+@dataclass(frozen=True)
+class Case:
+    """A measured bed.
+
+    uncertainty : standard uncertainty of a measured point in the unit of the quantity
+    unit : of the quantity
+    """
+
+    folder: Path
+    settings: Settings
+    origin: Origin
+    unit: str
+    uncertainty: float
+
+    @property
+    def name(self) -> str:
+        """Name of the folder."""
+        return self.folder.name
+
+    @cached_property
+    def points(self) -> Points:
+        """The measured points, those at the start of the run left out, as the scene begins with them.
+
+        Raises
+        ------
+        SceneError : the table cannot be used, or none of its rows is asked for
+        """
+        wanted = self.settings.measured
+        table = read_table(self.folder / wanted.file)
+        keep = np.ones(len(table.cells), dtype=bool)
+        for column, text in wanted.where.items():
+            keep &= np.array([cell == text for cell in table.texts(column)])
+        t, x = table.column(wanted.time, "s"), table.column(wanted.position, "m")
+        keep &= t > 0.0
+        if not keep.any():
+            raise SceneError(f"{self.origin.at(('measured',))}: no row of {wanted.file} fits measured.where after 0 s")
+        return Points(t[keep], x[keep], table.column(wanted.column, self.unit)[keep])
+
+    def scene(self, **changes: Any) -> SceneBase:
+        """Return the scene with outputs where something is measured or reported.
+
+        Parameters
+        ----------
+        changes : values by key of the scene in place of its own
+        """
+        report = self.settings.report
+        times = sorted({*self.points.t.tolist(), *report.times})
+        positions = sorted({*self.points.x.tolist(), *report.positions})
+        outputs = {"time.end": times[-1], "time.times": times, "output.positions": positions}
+        return load(self.folder / self.settings.scene, {**outputs, **changes})
+
+    def uncertain(self) -> Iterator[tuple[str, float, float]]:
+        """Yield key, value and standard uncertainty in SI of the inputs that are not known exactly.
+
+        Raises
+        ------
+        SceneError : a key that the scene does not have as a number, or an uncertainty that is none
+        """
+        values = resolved(self.scene())
+        for key, given in _flat(self.settings.uncertain):
+            where = self.origin.at(("uncertain", *parse_key(key)))
+            value: Any = values
+            for step in parse_key(key):
+                value = value.get(step) if isinstance(value, dict) else None
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise SceneError(f"{where}: uncertain.{key}: the scene has no number under this key")
+            share = _PERCENT.fullmatch(given) if isinstance(given, str) else None
+            if share is None and (isinstance(given, bool) or not isinstance(given, int | float) or given <= 0):
+                raise SceneError(f'{where}: uncertain.{key}: expected a number > 0 in SI, or a share like "5 %"')
+            yield key, float(value), float(share[1]) / 100.0 * abs(value) if share else float(given)
+
+
+def _flat(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{above}{key}.")
+        else:
+            yield above + key, value
+
+
+def names() -> list[str]:
+    """Return the names of the cases that are part of contbed."""
+    return sorted(path.parent.name for path in SHIPPED.glob("*/case.toml"))
+
+
+def read_case(name: str) -> Case:
+    """Return a case by its name, or by the path of its folder.
+
+    Raises
+    ------
+    SceneError : there is none, or a mistake in its case.toml, with file and line
+    """
+    folder = SHIPPED / name if name in names() else Path(name)
+    if not (folder / "case.toml").is_file():
+        raise SceneError(f"'{name}' is neither a folder with a case.toml nor a measured bed; {nearest(name, names())}")
+    values, origin = read(folder / "case.toml")
+    try:
+        settings = Settings.model_validate(values)
+    except ValidationError as invalid:
+        errors = invalid.errors(include_url=False)
+        raise SceneError([f"{origin.at(e['loc'])}: {dotted(e['loc'])}: {e['msg']}" for e in errors]) from None
+    if settings.quantity not in FIELDS:
+        raise SceneError(
+            f"{origin.at(('quantity',))}: quantity: no such quantity; {nearest(settings.quantity, [*FIELDS])}"
+        )
+    unit = FIELDS[settings.quantity].unit
+    try:
+        uncertainty = to_si(settings.uncertainty, unit)
+    except ValueError as error:
+        raise SceneError(f"{origin.at(('uncertainty',))}: uncertainty: {error}") from None
+    return Case(folder, settings, origin, unit, uncertainty)

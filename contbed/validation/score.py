@@ -1,0 +1,142 @@
+"""Prediction of a measured bed, its uncertainty, and its distance from what was measured.
+
+The deviation of a point is E = predicted - measured. Uncertainties of inputs are propagated to the prediction to first
+order, each input moved by its standard uncertainty to both sides: u_p^2 = sum ((p+ - p-)/2)^2. With the standard
+uncertainty u_d of a measured point the deviations are within the uncertainty if RMS(E) <= 2 RMS(sqrt(u_d^2 + u_p^2)),
+a coverage of 95 % for normal deviations (ASME V&V 20-2009). Numerical errors are far below both.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.fields import header
+from contbed.result import Result
+from contbed.runner import run
+from contbed.validation.case import Case
+
+Array = NDArray[np.float64]
+COVERAGE = 2.0  # standard uncertainties in which 95 % of normal deviations lie
+SAME = 1e-9  # relative difference of two times or positions that are the same
+
+
+@dataclass(frozen=True)
+class Score:
+    """Deviations of one group of points, in the unit of the quantity.
+
+    group : "2 h", or "0.04 m"
+    data, band : root mean square of the standard uncertainties of data and prediction
+    """
+
+    group: str
+    points: int
+    rms: float
+    bias: float
+    data: float
+    band: float
+
+    @property
+    def within(self) -> bool:
+        """Whether the deviations are within the uncertainty."""
+        return self.rms <= COVERAGE * float(np.hypot(self.data, self.band))
+
+
+@dataclass(frozen=True)
+class Validated:
+    """A case that was run: predictions and their standard uncertainty at its points, shape (points,).
+
+    reported : predictions by name; influence : RMS change of the prediction by each uncertain input; cpu [s]
+    """
+
+    case: Case
+    predicted: Array
+    band: Array
+    reported: dict[str, float]
+    influence: dict[str, float]
+    cpu: float
+    result: Result
+
+    @property
+    def scores(self) -> list[Score]:
+        """The score of each group, then of all points."""
+        points, by_time = self.case.points, self.case.settings.each == "time"
+        of, unit = (points.t, "s") if by_time else (points.x, "m")
+        groups = [(f"{value:g} {unit}", of == value) for value in np.unique(of)]
+        if by_time and len(groups) > len(points.value) / 3:
+            groups = []  # a time of its own for nearly each point is no group
+        return [self._score(name, chosen) for name, chosen in [*groups, ("all", np.ones(len(of), dtype=bool))]]
+
+    def _score(self, group: str, chosen: Any) -> Score:
+        deviation = (self.predicted - self.case.points.value)[chosen]
+        return Score(
+            group,
+            len(deviation),
+            float(np.sqrt(np.mean(deviation**2))),
+            float(np.mean(deviation)),
+            self.case.uncertainty,
+            float(np.sqrt(np.mean(self.band[chosen] ** 2))),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what summary.json says of the case."""
+        settings = self.case.settings
+        return {
+            "title": settings.title,
+            "source": settings.source,
+            "licence": settings.licence,
+            "quantity": settings.quantity,
+            "unit": self.case.unit,
+            "scores": [asdict(score) | {"within": score.within} for score in self.scores],
+            "influence": self.influence,
+            "qoi": self.reported,
+            "cpu_s": self.cpu,
+        }
+
+
+def validate(case: Case, out: Path | None = None) -> Validated:
+    """Run a case and its variations; the files of the run itself go to `out`.
+
+    Raises
+    ------
+    SceneError, ConvergenceError : of the runs
+    """
+    begin = clock.process_time()
+    result = run(case.scene(), out)
+    points, report = case.points, case.settings.report
+    predicted = at(case, result, points.t, points.x)
+    squares, influence = np.zeros_like(predicted), {}
+    for key, value, spread in case.uncertain():
+        low, high = (
+            at(case, run(case.scene(**{key: value + side * spread})), points.t, points.x) for side in (-1.0, 1.0)
+        )
+        change = 0.5 * (high - low)
+        squares += change**2
+        influence[key] = float(np.sqrt(np.mean(change**2)))
+    reported = {}
+    symbol = case.settings.quantity.partition("_")[0]
+    for x in report.positions:
+        for t in report.times:
+            name = f"{symbol}_{x:g}m_{t:g}s_{case.unit.replace('/', '_')}"
+            reported[name] = float(at(case, result, np.array([t]), np.array([x]))[0])
+    return Validated(case, predicted, np.sqrt(squares), reported, influence, clock.process_time() - begin, result)
+
+
+def at(case: Case, result: Result, t: Array, x: Array) -> Array:
+    """Return the predicted quantity at times [s] and positions [m] at which the run has output, shape (points,)."""
+    profiles = result.profiles
+    axis = profiles[header(result.plan.coordinate)]  # type: ignore[attr-defined]
+    values, times = profiles[header(case.settings.quantity)], profiles[header("t")]
+    scale_t, scale_x = max(float(np.max(times)), SAME), max(float(np.max(np.abs(axis))), SAME)
+    out = np.empty(len(t))
+    for k, (moment, place) in enumerate(zip(t, x, strict=True)):
+        distance = np.abs(times - moment) / scale_t + np.abs(axis - place) / scale_x
+        nearest = int(np.argmin(distance))
+        assert distance[nearest] <= SAME, "the scene of a case has output at all its points"
+        out[k] = values[nearest]
+    return out
