@@ -1,0 +1,127 @@
+"""Measured beds: the score of the models against them, and what the data of one bed cannot say."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contbed.runner import run
+from contbed.validation import case, score
+from contbed.validation.score import COVERAGE, Score, Validated
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
+
+NOT_COMPARED = ("CPU [s]",)
+STONE = "alonso_2022"
+# changes of the stone bed that each make the heat supplied in the first hour that which was stored
+MENDS = {"as stated": {}, "more air": {"flow.velocity": "gain"}, "lighter stone": {"solid.density": "loss"}}
+
+
+def compute(cases: tuple[str, ...] = ()) -> Tables:
+    """Scores, points and influence of inputs of the measured beds, and the heat of the stone bed."""
+    scores, points, influence = [], [], []
+    for name in cases or case.names():
+        done = score.validate(case.read_case(name))
+        scores += [_row(name, each, done) for each in done.scores]
+        points += [
+            {"case": name, "t [s]": t, "position [m]": x, "measured [K]": m, "predicted [K]": p, "band [K]": b}
+            for t, x, m, p, b in zip(
+                done.case.points.t, done.case.points.x, done.case.points.value, done.predicted, done.band, strict=True
+            )
+        ]
+        influence += [{"case": name, "input": key, "RMS change [K]": value} for key, value in done.influence.items()]
+    tables = {"scores": Table.of(scores, ".4g"), "points": Table.of(points, ".6g")}
+    return tables | {"influence": Table.of(influence, ".3g"), "stone": Table.of(_stone(), ".4g")}
+
+
+def reference(name: str) -> Table:
+    """Measured points of one bed."""
+    points = case.read_case(name).points
+    return Table.from_columns({"t [s]": points.t, "position [m]": points.x, "measured [K]": points.value})
+
+
+def _row(name: str, each: Score, done: Validated) -> dict[str, Any]:
+    return {
+        "case": name,
+        "group": each.group,
+        "points": str(each.points),
+        "RMS [K]": each.rms,
+        "bias [K]": each.bias,
+        "data [K]": each.data,
+        "band [K]": each.band,
+        "verdict": "within" if each.within else "beyond",
+        "CPU [s]": done.cpu if each.group == "all" else None,
+    }
+
+
+def heat_of_the_stone_bed() -> tuple[float, float]:
+    """Heat stored and heat supplied in the first hour [J/m2], from the measured temperatures and the stated inputs."""
+    stone = case.read_case(STONE)
+    scene: Any = stone.scene()
+    start, T_start = scene.time.initial_solid.samples(scene.origin.base, "T_solid")
+    x, T = stone.points.x, stone.points.value
+    order = np.argsort(x)
+
+    def mean(positions: Any, values: Any) -> float:
+        z = np.linspace(0.0, scene.mesh.length, 2001)
+        return float(np.trapezoid(np.interp(z, positions, values), z))
+
+    capacity = (1.0 - scene.bed.porosity) * scene.solid.density * scene.solid.heat_capacity
+    stored = capacity * (mean(x[order], T[order]) - mean(start, T_start))
+    from contbed.packed_bed.medium import fluid_of
+
+    air, T_in = fluid_of(scene.fluid, scene.origin.base), scene.boundary["right"].fluid.inflow
+    # what leaves has the lowest measured temperature, the mean of begin and end
+    leaving = 0.5 * (float(air.enthalpy(T_start[0])) + float(air.enthalpy(T[order][0])))
+    flux = abs(scene.flow.velocity) * float(air.density(T_in))
+    return stored, flux * float(np.max(stone.points.t)) * (float(air.enthalpy(T_in)) - leaving)
+
+
+def _stone() -> list[dict[str, Any]]:
+    stored, supplied = heat_of_the_stone_bed()
+    stone = case.read_case(STONE)
+    scene: Any = stone.scene()
+    gain = {"gain": scene.flow.velocity * stored / supplied, "loss": scene.solid.density * supplied / stored}
+    rows = []
+    for name, changes in MENDS.items():
+        result = run(stone.scene(**{key: gain[how] for key, how in changes.items()}))
+        deviation = score.at(stone, result, stone.points.t, stone.points.x) - stone.points.value
+        factor = 1.0 if not changes else supplied / stored
+        rows.append(
+            {
+                "bed": name,
+                "stored over supplied [1]": stored / supplied * factor,
+                "RMS [K]": np.sqrt(np.mean(deviation**2)),
+                "bias [K]": np.mean(deviation),
+            }
+        )
+    return rows
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Measured and predicted temperatures of each bed with their uncertainty."""
+    names = list(dict.fromkeys(tables["points"]["case"]))
+    figure, axes = gallery.figure(1, len(names))
+    for panel, name in zip(np.atleast_1d(axes), names, strict=True):
+        one = case.read_case(name)
+        rows = [row for row in tables["points"] if row["case"] == name]
+        by_time = one.settings.each == "time"
+        of, along = ("t [s]", "position [m]") if by_time else ("position [m]", "t [s]")
+        groups = sorted({float(row[of]) for row in rows})
+        for group, colour in zip(groups, gallery.PALETTE, strict=False):
+            chosen = sorted((row for row in rows if float(row[of]) == group), key=lambda row: float(row[along]))
+            x, measured, predicted, band = (
+                np.array([float(row[key]) for row in chosen])
+                for key in (along, "measured [K]", "predicted [K]", "band [K]")
+            )
+            text = f"{group:g} {'s' if by_time else 'm'}"
+            spread = COVERAGE * one.uncertainty
+            panel.errorbar(x, measured, spread, fmt="o", ms=2, lw=0.5, alpha=0.6, color=colour)
+            panel.plot(x, predicted, color=colour, label=text)
+            panel.fill_between(
+                x, predicted - COVERAGE * band, predicted + COVERAGE * band, color=colour, alpha=0.2, lw=0
+            )
+        panel.set(title=name, xlabel="position [m]" if by_time else "time [s]", ylabel="temperature [K]")
+        panel.legend()
+    return {"measured_beds": figure}
