@@ -164,8 +164,12 @@ def plan(scene: SceneFile, settings: Settings = None, trust: Trust = False, allo
     """Show what a scene builds and what it leaves out, with unknowns and memory."""
     loaded = _load(scene, settings, trust, allow_large)
     from contbed.models import plan as make
+    from contbed.trial import predicted_time
 
-    print(make(loaded))
+    planned = make(loaded)
+    print(planned, flush=True)
+    if time := predicted_time(planned):
+        print(time)
 
 
 @app.command()

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
-from typing import Any
+from typing import Any, ClassVar
 
 INTERVAL = 0.1  # s between redraws
 
@@ -16,6 +18,8 @@ class Progress:
     >>> with Progress(10.0, "s", quiet=True) as progress:
     ...     progress.advance_to(2.5, "step 0.1 s")
     """
+
+    _watcher: ClassVar[Callable[[Progress, float], None] | None] = None
 
     def __init__(self, total: float, unit: str = "s", quiet: bool = False):
         self.total, self.unit = total, unit
@@ -49,8 +53,20 @@ class Progress:
             self._bar.stop()
             self._bar = None
 
+    @classmethod
+    @contextmanager
+    def watched(cls, watcher: Callable[[Progress, float], None]) -> Iterator[None]:
+        """Call `watcher` with each bar and what it reaches, for the duration of the block; it may raise."""
+        before, Progress._watcher = Progress._watcher, watcher
+        try:
+            yield
+        finally:
+            Progress._watcher = before
+
     def advance_to(self, value: float, note: str = "") -> None:
         """Show that `value` of the total is reached."""
+        if Progress._watcher is not None:
+            Progress._watcher(self, value)
         if self._bar is None:
             return
         now = time.monotonic()

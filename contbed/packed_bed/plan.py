@@ -180,6 +180,16 @@ class Plan:
             out["radiation"] = Space(grid, self.scene.solver.degree).size
         return out
 
+    def on_a_coarse_mesh(self, cells: int) -> Plan | None:
+        """Return the plan with `cells` along the bed, a quarter across; None where it has few or a mesh of a file."""
+        mesh = self.scene.mesh
+        if isinstance(mesh, MeshFile) or self.mesh.skfem.nelements <= 2 * cells:
+            return None
+        each: Any = [cells // 4] * mesh.dimension
+        each[1 if isinstance(mesh, MeshAxisymmetric) else 0] = cells
+        changes = {"cells": tuple(each) if mesh.dimension > 1 else cells, "graded": True, "refine": 0}
+        return plan(self.scene.model_copy(update={"mesh": mesh.model_copy(update=changes)}))
+
     def __str__(self) -> str:
         return described(self) if self.fronts else described(self, advice(self.unknowns(), self.policy))
 

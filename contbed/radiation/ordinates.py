@@ -210,6 +210,13 @@ class OrdinatesProblem:
         """Return the heat that walls conduct into the medium [W], from an unconstrained residual."""
         return {name: float(residual[end]) if end in self.fixed_values else 0.0 for name, end in self.ends.items()}
 
+    def rounding(self, state: Any) -> float:
+        """Return what the last digit of the temperatures makes of conducted and emitted heat, over all points [W]."""
+        if not self.conductivity:
+            return 0.0
+        parts = np.abs(self.stiffness) @ np.abs(state) + self.mass @ (self.optics.active * radiation.emitted(state))
+        return self.section * float(np.finfo(float).eps * np.linalg.norm(parts))
+
     def released(self, state: Any) -> float:
         """Return what species of given temperature emit less what they absorb [W]."""
         c = self.optics

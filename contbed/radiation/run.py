@@ -15,6 +15,8 @@ from contbed.result import Result
 if TYPE_CHECKING:
     from contbed.radiation.ordinates import OrdinatesProblem
 
+TOLERANCE = 1e-10  # share of its scale that a balance may be open by as a rule, solver.balance_tolerance
+
 
 def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
     """Solve and fill the result; a steady solution keeps no checkpoint and needs no folder."""
@@ -25,9 +27,10 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         state, history = problem.solve(plan.policy)
         result.history += history
     fluxes, conducted = problem.fluxes(state), problem.conducted(problem.assemble(state, False)[0])
-    held = emission(problem.optics, problem.surfaces, plan.mesh, 1.0)
+    held = HELD_SHARE * emission(problem.optics, problem.surfaces, plan.mesh, 1.0)
+    rounding = problem.rounding(state) / TOLERANCE
     result.balances["energy"] = Balance.of_fluxes(
-        [*fluxes.values(), *conducted.values()], "W", problem.released(state), floor=HELD_SHARE * held
+        [*fluxes.values(), *conducted.values()], "W", problem.released(state), floor=max(held, rounding)
     ).as_dict()
     fill(plan, line, problem, state, fluxes, conducted, result)
 

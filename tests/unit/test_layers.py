@@ -16,7 +16,7 @@ PACKAGE = Path(contbed.__file__).parent
 # from the top to the bottom; a layer imports itself and what is below
 LAYERS = (
     ("cli", "__main__"),
-    ("sweep", "verify", "validation", "warm"),
+    ("sweep", "verify", "validation", "warm", "trial"),
     ("runner",),
     ("explain", "loading"),
     ("cfd_dem", "developed_flow", "bubbling_bed", "packed_bed"),

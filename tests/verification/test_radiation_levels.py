@@ -13,6 +13,7 @@ from contbed.closures.optics import SIGMA
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.radiation.equations.ordinates import Wall, solve_ordinates
+from contbed.radiation.ordinates import OrdinatesProblem
 from contbed.radiation.rosseland import estimate
 from contbed.verify.exact_conduction_radiation import conduction_diffusion
 from contbed.verify.exact_radiation import P1, TWO_FLUX, equilibrium_flux, isothermal_body
@@ -321,3 +322,27 @@ def test_solids_without_optics_are_told():
     assert any("the volume fractions sum to 0.3, the solids of the bed are 0.6" in text for text in result.warnings)
     sand["volume_fraction"] = 0.6
     assert from_dict(values).warnings == ()
+
+
+@pytest.mark.parametrize("level", ["two_flux", "p1"])
+@pytest.mark.parametrize("N", [1e-5, 1e-2, 1.0])
+@pytest.mark.parametrize("tau", [1e3, 1e5])
+def test_very_thick_conducting_beds_tend_to_rosseland(level, tau, N):
+    """Newton's method starts from the diffusion limit; the jumps at the walls are of the order of 1/tau."""
+    k = conductivity(N, tau)
+    result = run(slab(level, tau, wall(1000.0), wall(500.0), conductivity=k))
+    radiated = 4.0 * SIGMA * (1000.0**4 - 500.0**4) * {"p1": 1 / 3, "two_flux": 1 / 4}[level] / tau
+    assert result.qoi["heat_left_W"] == pytest.approx(500.0 * k + radiated, rel=5.0 / tau)
+    assert len(result.history) < 10
+
+
+@pytest.mark.parametrize(("tau", "N", "tolerance"), [(0.1, 10.0, 1e-7), (1e5, 1.0, 1e-5)])
+def test_conducting_ordinates_close_as_far_as_temperatures_have_digits(tau, N, tolerance):
+    values = slab("ordinates", tau, wall(1000.0), wall(500.0), conductivity=conductivity(N, tau))
+    result = run(values | {"solver": {"tolerance": tolerance}})
+    balance = result.balances["energy"]
+    # at tau 1e5 emission, 1e5 times the flux, cancels between neighbours
+    assert abs(balance["in"] - balance["out"]) < (1e-6 if tau > 1.0 else 1e-9) * balance["in"]
+    # a part in 100 000 of what is conducted, left out, opens the balance
+    problem = OrdinatesProblem(result.plan.solved, result.plan.mesh)
+    assert problem.rounding(np.full(len(problem.bed.points), 1000.0)) < 1e-5 * balance["in"]

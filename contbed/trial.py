@@ -1,0 +1,124 @@
+"""How long a run with time steps will take, from a trial of its first steps on this machine.
+
+The trial runs the scene itself for `BUDGET` seconds of processor time and reads what a step costs here. How many steps
+are to come follows from the pace of its second half; in a packed bed, whose steps grow or shrink over the whole run,
+from a run on a coarse mesh instead, as the steps follow the temperatures and hardly the mesh.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from contbed import models
+from contbed.models import Plan
+from contbed.output.progress import Progress
+from contbed.result import Result
+
+BUDGET = 2.0  # s of processor time of a trial, after its first step, which may compile
+COARSE = 40  # cells along the bed of the run that counts the steps; across it a quarter
+OUTPUT = 0.5  # s of processor time for pictures and fields
+FEWEST = 3  # steps from which a pace is read
+
+
+class _Enough(Exception):
+    """The trial has seen what it needs."""
+
+
+@dataclass
+class Trial:
+    """Times that a trial reached [s], and the processor time from its start to each [s].
+
+    `ended` tells a run that came to its end before the budget was spent.
+    """
+
+    reached: list[float] = field(default_factory=list)
+    spent: list[float] = field(default_factory=list)
+    ended: bool = False
+
+    @property
+    def middle(self) -> int:
+        """Number of the step after half of the processor time since the first one."""
+        return int(np.searchsorted(self.spent, 0.5 * (self.spent[0] + self.spent[-1])))
+
+    def cost_of_a_step(self) -> float:
+        """Return the processor time of a step in the second half [s]."""
+        first = min(self.middle, len(self.spent) - 2)
+        return (self.spent[-1] - self.spent[first]) / (len(self.spent) - 1 - first)
+
+    def steps_to(self, end: float) -> float:
+        """Return the number of steps to a time [s], by the size of those in the second half."""
+        first = min(self.middle, len(self.reached) - 2)
+        size = (self.reached[-1] - self.reached[first]) / (len(self.reached) - 1 - first)
+        return len(self.reached) + max(end - self.reached[-1], 0.0) / size
+
+
+def predicted_time(plan: Plan) -> str:
+    """Return a line with the processor time of a run with time steps; empty for one without, or that fails at once."""
+    if not plan.steps:
+        return ""
+    before = clock.process_time()
+    seconds, steps = _predict(plan, plan.scene.time.end)
+    if not steps:
+        return ""
+    return f"time: about {_text(before + seconds + OUTPUT)} of processor for some {steps:.2g} steps, by a trial"
+
+
+def _predict(plan: Plan, end: float) -> tuple[float, float]:
+    """Return the processor time of the run itself [s] and its number of steps; zeros where no steps can be made."""
+    fine = _tried(plan)
+    if len(fine.spent) < FEWEST:
+        return 0.0, 0.0
+    # the first step of compiled loops may have compiled them
+    setup = 0.0 if models.model_of(plan.scene).compiles else fine.spent[0]
+    if fine.ended:
+        return setup + fine.spent[-1] - fine.spent[0], len(fine.spent)
+    steps = fine.steps_to(end)
+    if (coarse := _on_a_coarse_mesh(plan)) is not None:
+        counted = _tried(coarse)
+        if len(counted.spent) >= FEWEST:
+            steps = len(counted.spent) if counted.ended else counted.steps_to(end)
+    steps = max(steps, len(fine.spent))
+    return setup + fine.cost_of_a_step() * steps, steps
+
+
+def _tried(plan: Plan) -> Trial:
+    """Run the scene until the budget is spent, without writing anything."""
+    trial, start = Trial(), clock.process_time()
+    base, last = 0.0, 0.0
+    owner: Any = None
+
+    def watch(progress: Progress, value: float) -> None:
+        nonlocal base, last, owner
+        if progress is not owner:  # a physics may have a bar for each piece of its run
+            base, owner = base + last, progress
+        last = value
+        trial.reached.append(base + value)
+        trial.spent.append(clock.process_time() - start)
+        if trial.spent[-1] - trial.spent[0] >= BUDGET and len(trial.spent) >= FEWEST:
+            raise _Enough
+
+    run: Callable[..., None] = models.model_of(plan.scene).find("run", "run")
+    with Progress.watched(watch), suppress(Exception):  # a run that fails is told by the run
+        run(plan, Result(plan), None, True, None)
+        trial.ended = True
+    return trial
+
+
+def _on_a_coarse_mesh(plan: Plan) -> Plan | None:
+    """Return the same plan on few cells where the physics has such a mesh."""
+    coarse: Callable[[int], Plan | None] | None = getattr(plan, "on_a_coarse_mesh", None)
+    with suppress(Exception):
+        return None if coarse is None else coarse(COARSE)
+    return None
+
+
+def _text(seconds: float) -> str:
+    if seconds >= 3600.0:
+        return f"{seconds / 3600.0:.2g} h"
+    return f"{seconds / 60.0:.2g} min" if seconds >= 120.0 else f"{seconds:.2g} s"

@@ -1,0 +1,100 @@
+"""Processor time that a plan predicts for runs with time steps: how it follows from a trial, and that it is right."""
+
+import time
+
+import pytest
+from small_scenes import STEADY
+
+import contbed as cb
+from contbed import cli, trial
+from contbed.loading import from_dict, loads
+from contbed.models import plan
+from contbed.output.progress import Progress
+from contbed.trial import Trial, predicted_time
+
+WARMING = STEADY.replace("cells = 10", "cells = 200") + (
+    "[time]\nend = 2000.0\ninitial_fluid = 400.0\ninitial_solid = 400.0\ntolerance = 1e-5\n"
+)
+
+
+def test_cost_and_number_of_steps_follow_from_the_second_half():
+    """Ten short and dear steps, then ten that take 0.1 s of processor for 1 s each."""
+    seen = Trial([0.01 * k for k in range(1, 11)], [0.05 * k for k in range(1, 11)])
+    seen.reached += [0.1 + k for k in range(1, 11)]
+    seen.spent += [0.5 + 0.1 * k for k in range(1, 11)]
+    assert seen.cost_of_a_step() == pytest.approx(0.1)
+    assert seen.steps_to(100.1) == pytest.approx(20 + 90)
+
+
+def test_bars_are_watched_only_inside_of_the_block():
+    seen = []
+    with Progress(2.0, quiet=True) as bar:
+        bar.advance_to(0.5)
+        with Progress.watched(lambda progress, value: seen.append(value)):
+            bar.advance_to(1.0)
+        bar.advance_to(1.5)
+    assert seen == [1.0]
+
+
+def test_a_steady_scene_has_no_line():
+    assert predicted_time(plan(loads(STEADY))) == ""
+
+
+def test_the_plan_says_how_long_a_transient_takes(tmp_path, capsys, monkeypatch):
+    """The number of steps is that of a run on a coarse mesh where the budget is too small for the run itself."""
+    monkeypatch.setattr(trial, "BUDGET", 0.05)
+    monkeypatch.setattr(trial, "COARSE", 20)
+    (tmp_path / "scene.toml").write_text(WARMING)
+    assert cli.main(["plan", str(tmp_path / "scene.toml")]) == 0
+    line = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("time: "))
+    assert line.endswith("steps, by a trial")
+    assert not list(tmp_path.glob("*/"))
+
+
+def test_predicted_steps_and_time_of_a_transient():
+    """Within a factor of 2: the promise of the plan."""
+    scene = loads(WARMING)
+    seconds, steps = trial._predict(plan(scene), scene.time.end)
+    start = time.process_time()
+    result = cb.run(scene)
+    spent = time.process_time() - start
+    assert 0.5 < steps / result.qoi["time_steps"] < 2.0
+    assert 0.5 < seconds / spent < 2.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("scene", "changes"),
+    [
+        ("taghipour_bed/bed_0.46.toml", {"time.end": 2.5, "time.average_from": 2.0}),
+        ("vaishali_2007/dpt_wenyu.toml", {"time.end": 1.5, "time.average_from": 1.0}),
+        ("zhou_2009_htc/bubbling.toml", {"time.end": 0.05, "time.average_from": 0.04}),
+        ("patil_packed_bed/dispersion.toml", {}),
+    ],
+)
+def test_predicted_time_of_studies(scene, changes):
+    """The second run has everything compiled; planning, which settles particles, is not counted."""
+    loaded = cb.load(f"studies/{scene}", changes)
+    trial._predict(plan(loaded), loaded.time.end)  # compiles
+    planned = plan(loaded)
+    seconds, _ = trial._predict(planned, loaded.time.end)
+    result = cb.run(loaded)
+    assert 0.5 < seconds / (result.timings["total"] - result.timings["plan"]) < 2.0
+
+
+def test_a_run_that_fails_at_once_has_no_line():
+    bed = {"type": "line", "length": 0.1, "cells": 4}
+    scene = from_dict(
+        {
+            "mesh": bed,
+            "two_fluid": {},
+            "gas": {"density": 1.2, "viscosity": 1.8e-5},
+            "solid": {"particle_diameter": 1e-3, "density": 2500.0},
+            "initial": {"eps_s": 0.3},
+            "boundary": {"left": {"type": "wall"}, "right": {"type": "outlet"}},
+            "time": {"end": 0.01},
+        }
+    )
+    planned = plan(scene)
+    object.__setattr__(planned, "probes", {"nowhere": 10**6})
+    assert predicted_time(planned) == ""
