@@ -12,11 +12,13 @@ from contbed.bubbling_bed.chemistry import thermo
 from contbed.bubbling_bed.chemistry.problem import Chemistry
 from contbed.closures import devolatilisation as dv
 from contbed.closures.reactions import LAWS
+from contbed.errors import ConvergenceError
 from contbed.materials.common import share_outside
 from contbed.result import Result
 
 ELEMENTS = ("C", "H", "O", "N", "S", "Ca")
 SOLIDS = {"moisture": "H2O(l)", "char": "C", "CaCO3": "CaCO3", "CaO": "CaO", "CaSO4": "CaSO4"}
+ROUNDING = 1e-14  # mole fraction either side of zero that balances of the others cannot tell from zero
 UNDERSHOT = 1e-4  # mole fraction below zero that is worth a warning
 
 
@@ -66,7 +68,8 @@ def profiles(chemistry: Chemistry, values: dict[str, Any]) -> dict[str, Any]:
     part, out = chemistry.part, dict[str, Any]()
     for phase in part.phases:
         total = sum(values[f"N_{name}_{phase}"] for name in part.gases)
-        out |= {f"x_{name}_{phase} [1]": values[f"N_{name}_{phase}"] / total for name in part.gases}
+        for name in part.gases:
+            out[f"x_{name}_{phase} [1]"] = without_rounding(values[f"N_{name}_{phase}"], total) / total
     for name in part.solids:
         out[f"{name} [{'kg' if name == 'volatiles' else 'mol'}/m]"] = values[f"n_{name}"]
     return out
@@ -82,8 +85,9 @@ def fill(problem: Any, chemistry: Chemistry, state: Any, result: Result) -> None
     dry = total - leaving.get("H2O", 0.0)
     qoi = result.qoi
     qoi["gas_out_mol_s"] = total
-    qoi |= {f"x_{name}_wet": n / total for name, n in leaving.items()}
-    qoi |= {f"x_{name}_dry": n / dry for name, n in leaving.items() if name != "H2O"}
+    shown = {name: float(without_rounding(n, total)) for name, n in leaving.items()}
+    qoi |= {f"x_{name}_wet": n / total for name, n in shown.items()}
+    qoi |= {f"x_{name}_dry": n / dry for name, n in shown.items() if name != "H2O"}
     if data is not None:
         _fuel(chemistry, entering, leaving, drained, qoi)
     held = {name: problem.total(lambda u, o, n=name: getattr(u, f"n_{n}"), state) for name in part.solids}
@@ -178,6 +182,22 @@ def _fuel(chemistry: Chemistry, entering: Any, leaving: Any, drained: Any, qoi: 
     qoi["ignited"] = float(qoi["combustion_efficiency"] > 0.5 * min(1.0, qoi["oxygen_ratio"]))
 
 
+def _fits(scene: Any, share: float, result: Result) -> None:
+    """Raise ConvergenceError where the char that the balances leave does not fit between the particles of the bed."""
+    if share > 1.0:
+        raise ConvergenceError(
+            f"{scene.origin.at(('fuel',))}: fuel: the bed cannot hold its char, which would fill {100 * share:.3g} % "
+            "of the volume of the solids (char_volume_fraction): feed less fuel, more oxygen or steam, drain faster by "
+            "drain.time, or enlarge bubbling_bed.section",
+            result.history,
+        )
+
+
+def without_rounding(amounts: Any, total: Any) -> Any:
+    """Return amounts, zero where they are below `ROUNDING` of the total either way; larger negative ones stay."""
+    return np.where(np.abs(amounts) <= ROUNDING * np.abs(total), 0.0, amounts)
+
+
 def _warnings(problem: Any, chemistry: Chemistry, state: Any, held: dict[str, float], result: Result) -> None:
     part, scene = chemistry.part, problem.plan.scene
     for name in chemistry.idle:
@@ -192,10 +212,17 @@ def _warnings(problem: Any, chemistry: Chemistry, state: Any, held: dict[str, fl
         delta = problem.total(lambda u, o: problem.c.at(u, o).delta, state) / chemistry.height
         solids = part.section * chemistry.height * (1.0 - delta) * (1.0 - part.voidage)
         result.qoi["char_volume_fraction"] = volume / solids
+        _fits(scene, volume / solids, result)
     for name, where, law in cr.used_laws(chemistry.reactions):
         fields = [f"T_{phase}" for phase in part.phases] if where == "gas" else [f"T_{where}"]
         T = np.concatenate([problem.system.part(state, field) for field in fields])
         outside = share_outside(T, law.T_range)
+        if outside > 0:
+            low, high = law.T_range
+            result.warnings.append(
+                f"reactions.{name}: {law.name} is used out of its range on {100 * outside:.3g} % of the height, "
+                f"{T.min():.4g} to {T.max():.4g} K, declared {low:g} to {high:g} K"
+            )
         kind = "gas reaction" if name in LAWS else "reaction of particles"
         result.closures.append(
             {
