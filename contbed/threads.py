@@ -140,19 +140,50 @@ def together(calls: list[tuple[Callable[..., Any], tuple[Any, ...]]]) -> list[An
     if len(calls) == 1 or not _in_use.acquire(blocking=False):
         return [function(*arguments) for function, arguments in calls]
     try:
-        with deferred_interrupt():
-            while len(_workers) < len(calls) - 1:
-                _workers.append(_Worker())
-            busy = list(zip(_workers, calls[1:], strict=False))
-            for worker, call in busy:
-                worker.work.put(call)
-            outcomes = [_outcome(*calls[0]), *(worker.done.get() for worker, _ in busy)]
+        return _together(calls)
     finally:
         _in_use.release()
+
+
+def _together(calls: list[tuple[Callable[..., Any], tuple[Any, ...]]]) -> list[Any]:
+    """Make calls at the same time in the workers, which the caller holds."""
+    with deferred_interrupt():
+        while len(_workers) < len(calls) - 1:
+            _workers.append(_Worker())
+        busy = list(zip(_workers, calls[1:], strict=False))
+        for worker, call in busy:
+            worker.work.put(call)
+        outcomes = [_outcome(*calls[0]), *(worker.done.get() for worker, _ in busy)]
     for _, error in outcomes:
         if error is not None:
             raise error
     return [value for value, _ in outcomes]
+
+
+def team(crews: Callable[[int], list[Any]], kernel: Callable[..., Any], most: int, *arguments: Any) -> Any:
+    """Call `kernel(member, *arguments)` for every member of a team at the same time; `contbed.barrier` makes members.
+
+    Parameters
+    ----------
+    crews : makes the members of a team of a size
+    kernel : compiled with nogil=True; its threads may wait for each other
+    most : size of the team; it is 1 while the workers compute for another caller
+    arguments : passed on to the kernel
+
+    Returns
+    -------
+    what the first member's call returns
+
+    Raises
+    ------
+    KeyboardInterrupt : SIGINT arrived; all calls have ended
+    """
+    if most > 1 and _in_use.acquire(blocking=False):
+        try:
+            return _together([(kernel, (member, *arguments)) for member in crews(most)])[0]
+        finally:
+            _in_use.release()
+    return kernel(crews(1)[0], *arguments)
 
 
 class _Worker:

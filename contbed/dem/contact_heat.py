@@ -17,9 +17,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from contbed.dem.contact import Vector
 from contbed.dem.heat_impact import DURATION5, conductance_of, impact_of
-from contbed.dem.kernel_arrays import HEAT_PAIR, Array, Heat, Neighbours, Spheres, Table
-from contbed.dem.neighbours import BITS, MASK
+from contbed.dem.kernel_arrays import HEAT_PAIR, Row, Table
 from contbed.dem.particles import Material
 from contbed.errors import SceneError
 
@@ -64,50 +64,24 @@ class ContactHeat:
         return np.broadcast_to(found, (len(materials),)).copy()
 
 
-@njit(error_model="numpy")
-def contact_heat(
-    position: Array,
-    heat: Heat,
-    spheres: Spheres,
-    pairs: Table,
-    neighbours: Neighbours,
-    image: Array,
-    now: float,
-    dt: float,
-) -> None:
-    """Advance the temperatures by explicit Euler over a step `dt` [s]; histories are those of step number `now`.
+@njit(error_model="numpy", nogil=True)
+def impact_conductance(at_rest: float, pair: Row, contact: Vector, speed: float, age: float, dt: float) -> float:
+    """Evaluate the conductance [W/K] of a contact in a step: Eq. 7 as long as the impact lasts, Eq. 6 afterwards.
 
     Batchelor and O'Brien (Eq. 6) for contacts at rest, Zhou, Yu and Horio (Eq. 7) for impacts.
+
+    Parameters
+    ----------
+    at_rest : Eq. 6 at the present overlap [W/K]
+    pair : a row of `kernel_arrays.HEAT_PAIR`
+    contact : effective radius [m], mass [kg] and modulus [Pa]
+    speed : normal speed at the first touch [m/s]
+    age, dt : steps since the first touch, length of a step [s]
     """
-    x, T, gained, radius, mass, kind = position, heat.T, heat.gained, spheres.radius, spheres.mass, spheres.material
-    start, entry, history = neighbours.start, neighbours.entry, neighbours.history
-    for i in range(len(x)):
-        gained[i] = heat.source[i]
-    for i in range(len(x)):
-        for k in range(start[i], start[i + 1]):
-            if history[k].first_step < 0.0:
-                continue
-            j = entry[k] & MASK
-            shift = entry[k] >> BITS
-            far2 = 0.0
-            for a in range(3):
-                far2 += (x[i, a] - x[j, a] - image[shift, a]) ** 2
-            overlap = max(radius[i] + radius[j] - np.sqrt(far2), 0.0)
-            r_eff = radius[i] * radius[j] / (radius[i] + radius[j])
-            pair = heat.pairs[kind[i], kind[j]]
-            G = pair.at_rest * np.sqrt(r_eff * overlap)
-            share = 0.0
-            age, speed = now - history[k].first_step, history[k].impact_speed
-            if speed > 0.0:
-                m_eff = mass[i] * mass[j] / (mass[i] + mass[j])
-                modulus = pairs[kind[i], kind[j]].youngs_modulus
-                if speed * (age * dt) ** 5 < DURATION5 * m_eff**2 / (r_eff * modulus**2):
-                    _, duration, area = impact_of(r_eff, m_eff, modulus, speed)
-                    share = min(duration / dt - age, 1.0)
-                    hit = conductance_of(duration, area, pair.diffusivity, pair.capacity_ratio, pair.effusivity)
-                    G = share * pair.impact * hit + (1.0 - share) * G
-            flow = G * (T[j] - T[i])
-            gained[i] += flow
-            gained[j] -= flow
-    for i in range(len(x)):
-        T[i] += dt * gained[i] * heat.inverse_capacity[i]
+    r_eff, m_eff, modulus = contact.x, contact.y, contact.z
+    if speed * (age * dt) ** 5 >= DURATION5 * m_eff**2 / (r_eff * modulus**2):
+        return at_rest
+    _, duration, area = impact_of(r_eff, m_eff, modulus, speed)
+    share = min(duration / dt - age, 1.0)
+    hit = conductance_of(duration, area, pair.diffusivity, pair.capacity_ratio, pair.effusivity)
+    return float(share * pair.impact * hit + (1.0 - share) * at_rest)

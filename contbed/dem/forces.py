@@ -1,7 +1,9 @@
-"""Forces and torques of all contacts of a step: pairs in blocks, walls one by one.
+"""Forces, torques and heat of the contacts of a block of particles in one pass.
 
-Closed contacts are found along the Verlet list and copied, by column, into a block that fits into the first cache. The
-law then runs over the block in vector instructions, and the results are added to the particles and to the histories.
+Closed contacts are found along the Verlet list and copied, by column, into a batch that fits into the first cache. The
+laws then run over the batch in vector instructions, and the results are added to the particles and to the histories.
+What belongs to a particle of another block is left in `Crossing`, from where the thread that advances it takes it: so
+no two threads add to one number, and all sums are taken in an order that does not depend on the number of threads.
 """
 
 from __future__ import annotations
@@ -13,78 +15,108 @@ from numba import njit
 from numpy.typing import NDArray
 
 from contbed.dem.contact import FAST, ContactConstants, Vector, contact_law, rolling_torque
-from contbed.dem.kernel_arrays import Array, Neighbours, Spheres, State, Table, Walls
-from contbed.dem.neighbours import BITS, MASK, open_contact, wall_distance
+from contbed.dem.contact_heat import impact_conductance
+from contbed.dem.kernel_arrays import BLOCK, Array, Laws, Side, Spheres, Sums, Table
+from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK
 
-BLOCK = 64  # contacts: 26 columns of 64 numbers are 13 kB, less than half of the first cache
-# where the columns of a block start, all in one array, so that the compiler sees that they do not overlap
+BATCH = 64  # contacts: 31 columns of 64 numbers are 16 kB, less than half of the first cache
+# where the columns of a batch start, all in one array, so that the compiler sees that they do not overlap
 (
     DX, DY, DZ, DISTANCE2,  # vector from j to i and its square
     VX, VY, VZ,  # velocity of i against j at the contact
     SPRING_X, SPRING_Y, SPRING_Z, NORMAL_SPEED,
     FX, FY, FZ, NORMAL_FORCE,  # on i
     TX, TY, TZ,  # half the vector times the force
+    CONTACT_RADIUS,
+    ROLL_X, ROLL_Y, ROLL_Z,  # torque on i against rolling
+    MORE,  # by which the arm of i is longer than half the distance, over it
     TOUCH,  # sum of the radii
     RADIUS, MASS, YOUNGS, SHEAR, DAMPING_N, DAMPING_T, SLIDING,  # `ContactConstants`
-) = (column * BLOCK for column in range(26))  # fmt: skip
+) = (column * BATCH for column in range(31))  # fmt: skip
 
 
-class Block(NamedTuple):
-    """Contacts that the law takes at a time: columns, and particle i, particle j and entry of the list of each."""
+class Batch(NamedTuple):
+    """Contacts that the law takes at a time: columns, and particle i, particle j and place in the list of each.
+
+    `new` : numbers in the batch of contacts that have closed in this step
+    """
 
     column: NDArray[np.float64]
-    i: NDArray[np.int64]
-    j: NDArray[np.int64]
-    entry: NDArray[np.int64]
+    i: NDArray[np.uint64]
+    j: NDArray[np.uint64]
+    place: NDArray[np.uint64]
+    new: NDArray[np.int64]
 
 
-@njit()
-def empty_block() -> Block:
-    """Allocate room for BLOCK contacts."""
-    return Block(np.empty(26 * BLOCK), np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64))
+class Now(NamedTuple):
+    """Number of the step, its length [s], what a place exceeds that in `carried` by; -1 for pairs within a block."""
+
+    step: float
+    dt: float
+    across: int
 
 
-@njit(error_model="numpy", fastmath=set(FAST))
-def pair_forces(
-    state: State,
-    spheres: Spheres,
-    pairs: Table,
-    neighbours: Neighbours,
-    image: Array,
-    now: float,
-    dt: float,
-    block: Block,
-) -> None:
-    """Add the forces and torques of all pairs of particles; `now` is the number of the step, `dt` its length [s]."""
-    x, radius, b = state.position, spheres.radius, block.column
-    start, entry, history = neighbours.start, neighbours.entry, neighbours.history
-    if spheres.equal:
-        for k in range(BLOCK):
-            _set_constants(b, k, 0, 0, spheres, pairs)
-    # not the literal 0, for which numba would compile `_close_block` once more
-    touch2, count = 4.0 * radius[0] * radius[0], np.int64(0)
-    for i in range(len(x)):
-        xi, yi, zi = x[i, 0], x[i, 1], x[i, 2]
-        for k in range(start[i], start[i + 1]):
-            j = entry[k] & MASK
-            dx, dy, dz = xi - x[j, 0], yi - x[j, 1], zi - x[j, 2]
-            shift = entry[k] >> BITS
-            if shift:
-                dx, dy, dz = dx - image[shift, 0], dy - image[shift, 1], dz - image[shift, 2]
-            if not spheres.equal:
+@njit(nogil=True)
+def empty_batch() -> Batch:
+    """Allocate room for BATCH contacts, and for one more that is being looked at."""
+    whole = np.empty((3, BATCH + 1), np.uint64)
+    return Batch(np.zeros(31 * BATCH + 1), whole[0], whole[1], whole[2], np.empty(BATCH, np.int64))
+
+
+@njit(error_model="numpy", fastmath=set(FAST), nogil=True)
+def pair_forces(block: int, side: Side, sums: Sums, laws: Laws, step: float, dt: float, batch: Batch) -> None:
+    """Find forces, torques and heat of the contacts of the rows of a block.
+
+    Parameters
+    ----------
+    block : its number
+    side : the particles in the present order of memory
+    sums : `load` and `gained` of the block become those of its contacts; `crossing` takes what is for other blocks
+    laws : constants of contacts
+    step, dt : number of the step, its length [s]
+    batch : room
+    """
+    x, radius, equal, b = side.bodies.position, side.spheres.radius, side.spheres.equal, batch.column
+    pairs, entry, image = side.pairs, side.pairs.entry, laws.image
+    for i in range(block * BLOCK, min((block + 1) * BLOCK, len(x))):
+        sums.load[i, 0], sums.load[i, 1], sums.load[i, 2] = 0.0, 0.0, 0.0
+        sums.load[i, 3], sums.load[i, 4], sums.load[i, 5] = 0.0, 0.0, 0.0
+        if len(side.heat.T):
+            sums.gained[i] = 0.0
+    if equal:
+        for k in range(BATCH):
+            _set_constants(b, k, 0, 0, side.spheres, laws.pairs)
+    touch2 = 4.0 * radius[0] * radius[0]
+    for zone in range(2):
+        base = block * (pairs.room[0] + pairs.room[1]) + zone * pairs.room[0]
+        now = Now(step, dt, base - block * pairs.room[1] if zone else -1)
+        last, count, fresh = base + pairs.used[zone, block] - 1, 0, 0
+        for k in range(base, last + 1):
+            # no branch depends on the image, or on whether the pair touches: it would often be mispredicted
+            e, i = entry[k], pairs.row[k]
+            j, shift = e & MASK, (e >> BITS) & IMAGE
+            dx = x[i, 0] - x[j, 0] - image[shift, 0]
+            dy = x[i, 1] - x[j, 1] - image[shift, 1]
+            dz = x[i, 2] - x[j, 2] - image[shift, 2]
+            if not equal:
                 touch2 = (radius[i] + radius[j]) ** 2
             distance2 = dx * dx + dy * dy + dz * dz
-            if distance2 >= touch2:
-                if history[k].first_step >= 0.0:
-                    open_contact(history[k])
-                continue
+            touches, touched = distance2 < touch2, e >= CLOSED
             b[DX + count], b[DY + count], b[DZ + count], b[DISTANCE2 + count] = dx, dy, dz, distance2
-            block.i[count], block.j[count], block.entry[count] = i, j, k
-            count += 1
-            if count == BLOCK:
-                _close_block(block, count, state, spheres, pairs, history, now, dt)
-                count = np.int64(0)
-    _close_block(block, count, state, spheres, pairs, history, now, dt)
+            batch.i[count], batch.j[count], batch.place[count] = i, j, k
+            if touches != touched:
+                entry[k] = e ^ CLOSED
+                if touches:
+                    pairs.spring[k, 0], pairs.spring[k, 1], pairs.spring[k, 2] = 0.0, 0.0, 0.0
+                    batch.new[fresh] = count
+                    fresh += 1
+                elif zone:
+                    for m in range(7):
+                        sums.crossing.carried[k - now.across, m] = 0.0
+            count += touches
+            if count == BATCH or k == last:
+                _close_batch(batch, count, fresh, side, sums, laws, now)
+                count, fresh = 0, 0
 
 
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
@@ -100,55 +132,80 @@ def _set_constants(b: Array, k: int, i: int, j: int, spheres: Spheres, pairs: Ta
 
 
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def _close_block(
-    block: Block,
-    count: np.int64,
-    state: State,
-    spheres: Spheres,
-    pairs: Table,
-    history: Table,
-    now: float,
-    dt: float,
-) -> None:
-    """Gather velocities and springs, apply the law, scatter. An arm is half the distance, `more` of it longer for i."""
-    b, v, w, f, q = block.column, state.velocity, state.spin, state.force, state.torque
-    radius, kind, unequal = spheres.radius, spheres.material, not spheres.equal
-    more, rolls = 0.0, pairs[kind[0], kind[0]].rolling_friction > 0.0 or unequal
+def _close_batch(batch: Batch, count: int, fresh: int, side: Side, sums: Sums, laws: Laws, now: Now) -> None:
+    """Gather velocities and springs, apply the laws, add. An arm is half the distance, MORE of it longer for i."""
+    b, motion, pairs, spheres, load = batch.column, side.bodies.motion, side.pairs, side.spheres, sums.load
+    if not spheres.equal:
+        for k in range(count):
+            i, j = batch.i[k], batch.j[k]
+            _set_constants(b, k, i, j, spheres, laws.pairs)
+            b[MORE + k] = (spheres.radius[i] - spheres.radius[j]) / np.sqrt(b[DISTANCE2 + k])
     for k in range(count):
-        i, j = block.i[k], block.j[k]
+        i, j, m = batch.i[k], batch.j[k], batch.place[k]
         dx, dy, dz = b[DX + k], b[DY + k], b[DZ + k]
-        if unequal:
-            _set_constants(b, k, i, j, spheres, pairs)
-            more = (radius[i] - radius[j]) / np.sqrt(b[DISTANCE2 + k])
-        on_i, on_j = 0.5 + 0.5 * more, 0.5 - 0.5 * more
-        wx = on_i * w[i, 0] + on_j * w[j, 0]
-        wy = on_i * w[i, 1] + on_j * w[j, 1]
-        wz = on_i * w[i, 2] + on_j * w[j, 2]
-        b[VX + k] = v[i, 0] - v[j, 0] - (wy * dz - wz * dy)
-        b[VY + k] = v[i, 1] - v[j, 1] - (wz * dx - wx * dz)
-        b[VZ + k] = v[i, 2] - v[j, 2] - (wx * dy - wy * dx)
-        past = history[block.entry[k]]
-        b[SPRING_X + k], b[SPRING_Y + k], b[SPRING_Z + k] = past.spring_x, past.spring_y, past.spring_z
-    _apply_law(b, count, dt)
+        arm_i, arm_j = 0.5 + 0.5 * b[MORE + k], 0.5 - 0.5 * b[MORE + k]
+        wx = arm_i * motion[i, 3] + arm_j * motion[j, 3]
+        wy = arm_i * motion[i, 4] + arm_j * motion[j, 4]
+        wz = arm_i * motion[i, 5] + arm_j * motion[j, 5]
+        b[VX + k] = motion[i, 0] - motion[j, 0] - (wy * dz - wz * dy)
+        b[VY + k] = motion[i, 1] - motion[j, 1] - (wz * dx - wx * dz)
+        b[VZ + k] = motion[i, 2] - motion[j, 2] - (wx * dy - wy * dx)
+        b[SPRING_X + k], b[SPRING_Y + k] = pairs.spring[m, 0], pairs.spring[m, 1]
+        b[SPRING_Z + k] = pairs.spring[m, 2]
+    _apply_law(b, count, now.dt)
+    for n in range(fresh):
+        k = batch.new[n]
+        m = batch.place[k]
+        pairs.onset[m, 0], pairs.onset[m, 1] = now.step, abs(b[NORMAL_SPEED + k])
+    if laws.pairs[spheres.material[0], spheres.material[0]].rolling_friction > 0.0 or not spheres.equal:
+        for k in range(count):
+            _roll(b, k, batch.i[k], batch.j[k], motion, spheres, laws.pairs, now.dt)
     for k in range(count):
-        i, j = block.i[k], block.j[k]
-        past = history[block.entry[k]]
-        past.spring_x, past.spring_y, past.spring_z = b[SPRING_X + k], b[SPRING_Y + k], b[SPRING_Z + k]
-        if past.first_step < 0.0:
-            past.first_step, past.impact_speed = now, abs(b[NORMAL_SPEED + k])
-        if unequal:
-            more = (radius[i] - radius[j]) / np.sqrt(b[DISTANCE2 + k])
-        force, torque = Vector(b[FX + k], b[FY + k], b[FZ + k]), Vector(b[TX + k], b[TY + k], b[TZ + k])
-        _add(f, i, force, 1.0)
-        _add(f, j, force, -1.0)
-        _add(q, i, torque, 1.0 + more)
-        _add(q, j, torque, 1.0 - more)
-        if rolls:
-            _roll(b, k, i, j, state, spheres, pairs[kind[i], kind[j]].rolling_friction, dt)
+        i, j, m = batch.i[k], batch.j[k], batch.place[k]
+        pairs.spring[m, 0], pairs.spring[m, 1] = b[SPRING_X + k], b[SPRING_Y + k]
+        pairs.spring[m, 2] = b[SPRING_Z + k]
+        arm, more = 1.0 + b[MORE + k], 1.0 - b[MORE + k]
+        add(
+            load,
+            i,
+            Vector(b[FX + k], b[FY + k], b[FZ + k]),
+            Vector(arm * b[TX + k] + b[ROLL_X + k], arm * b[TY + k] + b[ROLL_Y + k], arm * b[TZ + k] + b[ROLL_Z + k]),
+        )
+        on_j = Vector(
+            more * b[TX + k] - b[ROLL_X + k], more * b[TY + k] - b[ROLL_Y + k], more * b[TZ + k] - b[ROLL_Z + k]
+        )
+        if now.across < 0:
+            add(load, j, Vector(-b[FX + k], -b[FY + k], -b[FZ + k]), on_j)
+        else:
+            to = sums.crossing.carried[m - now.across]
+            to[0], to[1], to[2] = -b[FX + k], -b[FY + k], -b[FZ + k]
+            to[3], to[4], to[5] = on_j
+    if len(side.heat.T):
+        _exchange_heat(batch, count, side, sums, laws, now)
+
+
+@njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
+def _exchange_heat(batch: Batch, count: int, side: Side, sums: Sums, laws: Laws, now: Now) -> None:
+    """Add the heat [W] that flows through the contacts of a batch."""
+    b, T, kind, onset = batch.column, side.heat.T, side.spheres.material, side.pairs.onset
+    for k in range(count):
+        i, j, m = batch.i[k], batch.j[k], batch.place[k]
+        pair = laws.heat[kind[i], kind[j]]
+        conductance = pair.at_rest * b[CONTACT_RADIUS + k]
+        speed, age = onset[m, 1], now.step - onset[m, 0]
+        if speed > 0.0:
+            contact = Vector(b[RADIUS + k], b[MASS + k], b[YOUNGS + k])
+            conductance = impact_conductance(conductance, pair, contact, speed, age, now.dt)
+        flow = conductance * (T[j] - T[i])
+        sums.gained[i] += flow
+        if now.across < 0:
+            sums.gained[j] -= flow
+        else:
+            sums.crossing.carried[m - now.across, 6] = -flow
 
 
 @njit(error_model="numpy", fastmath=set(FAST))
-def _apply_law(b: Array, count: np.int64, dt: float) -> None:
+def _apply_law(b: Array, count: int, dt: float) -> None:
     """Find the columns of forces, torques and springs from those of vectors and velocities."""
     for k in range(count):
         dx, dy, dz = b[DX + k], b[DY + k], b[DZ + k]
@@ -171,6 +228,7 @@ def _apply_law(b: Array, count: np.int64, dt: float) -> None:
         )
         (fx, fy, fz), b[NORMAL_FORCE + k], spring, b[NORMAL_SPEED + k] = found
         b[SPRING_X + k], b[SPRING_Y + k], b[SPRING_Z + k] = spring
+        b[CONTACT_RADIUS + k] = np.sqrt(b[RADIUS + k] * (b[TOUCH + k] - distance))
         b[FX + k], b[FY + k], b[FZ + k] = fx, fy, fz
         b[TX + k], b[TY + k], b[TZ + k] = (
             0.5 * (dz * fy - dy * fz),
@@ -180,76 +238,25 @@ def _apply_law(b: Array, count: np.int64, dt: float) -> None:
 
 
 @njit(error_model="numpy", fastmath=set(FAST))
-def _roll(b: Array, k: int, i: int, j: int, state: State, spheres: Spheres, friction: float, dt: float) -> None:
-    w, inertia = state.spin, spheres.inertia
-    distance = np.sqrt(b[DISTANCE2 + k])
-    torque = rolling_torque(
+def _roll(b: Array, k: int, i: int, j: int, motion: Array, spheres: Spheres, pairs: Table, dt: float) -> None:
+    inertia, distance = spheres.inertia, np.sqrt(b[DISTANCE2 + k])
+    b[ROLL_X + k], b[ROLL_Y + k], b[ROLL_Z + k] = rolling_torque(
         Vector(b[DX + k] / distance, b[DY + k] / distance, b[DZ + k] / distance),
-        Vector(w[i, 0] - w[j, 0], w[i, 1] - w[j, 1], w[i, 2] - w[j, 2]),
+        Vector(motion[i, 3] - motion[j, 3], motion[i, 4] - motion[j, 4], motion[i, 5] - motion[j, 5]),
         b[RADIUS + k],
         inertia[i] * inertia[j] / (inertia[i] + inertia[j]),
-        friction,
+        pairs[spheres.material[i], spheres.material[j]].rolling_friction,
         b[NORMAL_FORCE + k],
         dt,
     )
-    _add(state.torque, i, torque, 1.0)
-    _add(state.torque, j, torque, -1.0)
 
 
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def _add(total: Array, i: int, vector: Vector, factor: float) -> None:
-    total[i, 0] += factor * vector.x
-    total[i, 1] += factor * vector.y
-    total[i, 2] += factor * vector.z
-
-
-@njit(error_model="numpy", fastmath=set(FAST))
-def wall_forces(state: State, spheres: Spheres, pairs: Table, walls: Walls, now: float, dt: float) -> None:
-    """Add the forces and torques of walls at rest; a wall counts as a plane of infinite mass."""
-    x, v, w = state.position, state.velocity, state.spin
-    for entry in range(len(walls.near)):
-        i, side = walls.near[entry].particle, walls.near[entry].wall
-        gap, nx, ny, nz = wall_distance(x[i, 0], x[i, 1], x[i, 2], walls.surface[side])
-        overlap, past = spheres.radius[i] - gap, walls.history[side, i]
-        if overlap <= 0.0:
-            if past.first_step >= 0.0:
-                open_contact(past)
-            continue
-        pair, normal = pairs[spheres.material[i], walls.surface[side].material], Vector(nx, ny, nz)
-        found = contact_law(
-            normal,
-            overlap,
-            Vector(
-                v[i, 0] - gap * (w[i, 1] * nz - w[i, 2] * ny),
-                v[i, 1] - gap * (w[i, 2] * nx - w[i, 0] * nz),
-                v[i, 2] - gap * (w[i, 0] * ny - w[i, 1] * nx),
-            ),
-            Vector(past.spring_x, past.spring_y, past.spring_z),
-            ContactConstants(
-                spheres.radius[i],
-                spheres.mass[i],
-                pair.youngs_modulus,
-                pair.shear_modulus,
-                pair.damping_normal,
-                pair.damping_tangential,
-                pair.sliding_friction,
-            ),
-            dt,
-        )
-        c = found.force
-        past.spring_x, past.spring_y, past.spring_z = found.spring.x, found.spring.y, found.spring.z
-        if past.first_step < 0.0:
-            past.first_step, past.impact_speed = now, abs(found.normal_speed)
-        _add(state.force, i, c, 1.0)
-        _add(state.torque, i, Vector(nz * c.y - ny * c.z, nx * c.z - nz * c.x, ny * c.x - nx * c.y), gap)
-        if pair.rolling_friction > 0.0:
-            torque = rolling_torque(
-                normal,
-                Vector(w[i, 0], w[i, 1], w[i, 2]),
-                spheres.radius[i],
-                spheres.inertia[i],
-                pair.rolling_friction,
-                found.normal_force,
-                dt,
-            )
-            _add(state.torque, i, torque, 1.0)
+def add(load: Array, i: int, force: Vector, torque: Vector) -> None:
+    """Add a force [N] and a torque [N m] to those of a particle."""
+    load[i, 0] += force.x
+    load[i, 1] += force.y
+    load[i, 2] += force.z
+    load[i, 3] += torque.x
+    load[i, 4] += torque.y
+    load[i, 5] += torque.z

@@ -1,7 +1,9 @@
 """The arrays that the compiled kernels share, grouped by role, and the columns of their tables by name.
 
-Tables are structured arrays, one row a pair of materials, a contact or a wall: `pairs[i, j].shear_modulus`,
-`history[k].first_step`. All quantities are in SI.
+Tables are structured arrays, one row a pair of materials or a wall: `pairs[i, j].shear_modulus`. All is in SI.
+
+Particles are computed in an order of memory in which neighbours in space are mostly neighbours in memory (`ordering`).
+BLOCK of them in a row are a block: the piece of work that a thread takes.
 """
 
 from __future__ import annotations
@@ -13,9 +15,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Entries = NDArray[np.int32]  # of a Verlet list, see `neighbours`
+Entries = NDArray[np.int32]
+Unsigned = NDArray[np.uint32]  # as an index it needs no check whether it counts from the end
 Table = NDArray[np.void]
 Row = Any  # of a Table; its columns are attributes in compiled code
+
+
+BLOCK = 1024  # particles; of 0.6 kB each, half of a second cache of 1 MB
 
 
 def _columns(*names: str) -> np.dtype:
@@ -26,8 +32,6 @@ def _columns(*names: str) -> np.dtype:
 PAIR = _columns(
     "youngs_modulus", "shear_modulus", "damping_normal", "damping_tangential", "sliding_friction", "rolling_friction"
 )
-# tangential spring [m], number of the step of first touch (-1 for an open contact), normal impact speed [m/s]
-HISTORY = _columns("spring_x", "spring_y", "spring_z", "first_step", "impact_speed")
 # of a pair of materials in `contact_heat`: 4 c/(1/k_i + 1/k_j) [W/m/K]; c^3 of impacts [-]; the smaller rho c over the
 # larger [-]; k/(rho c) of the smaller [m2/s]; 1/((rho c k)_i^(-1/2) + (rho c k)_j^(-1/2)) [W s^0.5/m2/K]
 HEAT_PAIR = _columns("at_rest", "impact", "capacity_ratio", "diffusivity", "effusivity")
@@ -40,17 +44,6 @@ WALL = np.dtype(
     ],
     align=True,
 )
-NEAR_WALL = np.dtype([("particle", np.int32), ("wall", np.int32)], align=True)
-
-
-class State(NamedTuple):
-    """What a step changes, each (n, 3): position [m], velocity [m/s], spin [rad/s], force [N] and torque [N m]."""
-
-    position: Array
-    velocity: Array
-    spin: Array
-    force: Array
-    torque: Array
 
 
 class Spheres(NamedTuple):
@@ -66,6 +59,121 @@ class Spheres(NamedTuple):
     equal: bool
 
 
+class Bodies(NamedTuple):
+    """What moves, in the order of memory.
+
+    position (n, 3) [m]; motion (n, 6), velocity [m/s] and spin [rad/s] at the time of the position; half (n, 6), both
+    half a step earlier; pushed (n, 3), external force [N]; user (n,), the index that the particle has for the user
+    """
+
+    position: Array
+    motion: Array
+    half: Array
+    pushed: Array
+    user: Entries
+
+
+class Heat(NamedTuple):
+    """Temperatures [K], heat sources [W] and 1/(m c) [K/J], each (n,) or empty."""
+
+    T: Array
+    source: Array
+    inverse_capacity: Array
+
+
+class Pairs(NamedTuple):
+    """Verlet list with the histories of closed contacts; each block of rows has a segment of its own.
+
+    A segment has two zones, for pairs within the block and for those whose j is in a later block, each sorted by row;
+    of zone z of a block the first `used[z, block]` of `room[z]` places hold pairs.
+
+    row, entry (m,) : i, and j as `neighbours` says
+    spring (m, 3) : tangential displacement [m]; onset (m, 2) : number of the step of first touch, normal impact speed
+    [m/s]; both meaningful for closed contacts only
+    start, stop (2, n) : those of row i in zone z are the places from `start[z, i]` to before `stop[z, i]`
+    listed (n, 3) : positions for which the list was made [m]
+    """
+
+    room: tuple[int, int]
+    used: NDArray[np.int32]
+    start: NDArray[np.int32]
+    stop: NDArray[np.int32]
+    row: Unsigned
+    entry: Unsigned
+    spring: Array
+    onset: Array
+    listed: Array
+
+
+class NearWalls(NamedTuple):
+    """Particles near to walls in segments by block: how many in each block, particle and wall, and their histories.
+
+    `onset` has the step -1 while the contact is open.
+    """
+
+    used: Entries
+    particle: Entries
+    wall: Entries
+    spring: Array
+    onset: Array
+
+
+class Side(NamedTuple):
+    """All arrays in one order of memory; a new list is made on the other side, in the order that fits it."""
+
+    bodies: Bodies
+    spheres: Spheres
+    heat: Heat
+    pairs: Pairs
+    near: NearWalls
+
+
+class Crossing(NamedTuple):
+    """What contacts between two blocks give to the particle j, so that every thread adds to particles of its own block.
+
+    carried (m, 7) : force [N], torque [N m] and heat [W] on j by place in the zones across blocks; zero while open
+    start (n + 1,), slot (m,) : the places that belong to particle j are `slot[start[j]:start[j + 1]]`
+    """
+
+    carried: Array
+    start: Entries
+    slot: Entries
+
+
+class Sums(NamedTuple):
+    """Force [N] and torque [N m] (n, 6) and heat [W] (n,) or (0,) that particles get, and those that cross blocks.
+
+    Between intervals `load` is the whole sum; in a step that of the contacts within a block.
+    """
+
+    load: Array
+    gained: Array
+    crossing: Crossing
+
+
+class Sorting(NamedTuple):
+    """Room for sorting: cell of each particle, sorted order and its inverse (n,), first particle of each cell."""
+
+    cell: Entries
+    order: Entries
+    place: Entries
+    first: Entries
+
+
+class Blocks(NamedTuple):
+    """What is found for each block: largest speed squared or distance squared, particle to blame or -1, corners, needs.
+
+    largest, culprit : (blocks,)
+    extent : (blocks, 6) lower and upper corner [m]
+    needed : (blocks, 3) places of pairs within blocks, across them and near walls
+    """
+
+    largest: Array
+    culprit: Indices
+    extent: Array
+    needed: Indices
+
+
 class Box(NamedTuple):
     """Corners [m] and periodic sides of the domain, each (3,)."""
 
@@ -74,68 +182,37 @@ class Box(NamedTuple):
     periodic: NDArray[np.bool_]
 
 
-class Neighbours(NamedTuple):
-    """Verlet list with the contact histories of its entries.
+class Room(NamedTuple):
+    """What the threads that make a list share besides the two sides."""
 
-    Row i is `entry[start[i]:start[i + 1]]`; `neighbours` says what an entry means. `listed` (n, 3) [m] holds the
-    positions for which the list was made.
-    """
-
-    start: Indices
-    entry: Entries
-    history: Table
-    listed: Array
+    sorting: Sorting
+    blocks: Blocks
+    crossing: Crossing
 
 
-class Walls(NamedTuple):
-    """Walls (w,), the particles near to them (k,) and the contact histories (w, n)."""
+class Laws(NamedTuple):
+    """Constants of contacts: tables of pairs of materials and of heat, walls (w,), shifts of images (27, 3) [m]."""
 
-    surface: Table
-    near: Table
-    history: Table
-
-
-class Heat(NamedTuple):
-    """Temperatures [K], heat sources [W] and 1/(m c) [K/J], each (n,) or empty; table (m, m) and room for n numbers."""
-
-    T: Array
-    source: Array
-    inverse_capacity: Array
     pairs: Table
-    gained: Array
+    heat: Table
+    walls: Table
+    image: Array
 
 
 class Interval(NamedTuple):
-    """Steps of a run: external force (n, 3) [N], gravity (3,) [m/s2], time step [s], how many steps after step `first`.
+    """Steps of a run: gravity (3,) [m/s2], time step [s], how many steps after step `first`.
 
-    `skin` [m] of the Verlet list, `moved` [m] the farthest that a particle can have moved since the list was made,
-    `stale` whether the list is to be made anew, `speed_limit` [m/s] of a particle.
+    `enough` [m] is the move after which the list is made anew, `moved` [m] the farthest that a particle can have moved
+    since it was made, `begun` whether the first step has moved the particles already, `speed_limit` [m/s] of a
+    particle, `is_pushed` whether there are external forces.
     """
 
-    force: Array
     gravity: Array
     time_step: float
     first: int
     steps: int
-    skin: float
+    enough: float
     moved: float
-    stale: bool
+    begun: bool
     speed_limit: float
-
-
-def blank_history(*shape: int) -> Table:
-    """Return histories of open contacts."""
-    history = np.zeros(shape, HISTORY)
-    history["first_step"] = -1.0
-    return history
-
-
-def as_numbers(table: Table) -> NDArray[np.number]:
-    """View a table as a plain array, its columns along the last axis; numpy copies it much faster."""
-    names = table.dtype.names or ()
-    return table.view(table.dtype[0]).reshape(*table.shape, len(names))
-
-
-def as_table(numbers: NDArray[np.number], columns: np.dtype) -> Table:
-    """View a plain array as a table, the inverse of `as_numbers`."""
-    return numbers.view(columns)[..., 0]
+    is_pushed: bool

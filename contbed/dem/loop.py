@@ -1,8 +1,12 @@
-"""The time loop: velocity Verlet, forces, heat of contacts, neighbours and blow-up detection in one compiled kernel.
+"""The time loop: velocity Verlet, contacts and their heat, blow-up detection in one compiled kernel; lists in another.
 
 Each step kicks by half a step, moves, and finds the forces at the new positions with velocities extrapolated by half a
 step, so that dashpots are of second order too. The two half kicks between steps are rounded in the same way whether or
 not an interval ends there: a run cut into intervals gives what the uncut run gives, bit for bit.
+
+All threads of a team run the kernel; they share the blocks of particles of each phase (`contbed.barrier`). What they
+decide upon, such as a new list, each finds by itself from what all blocks have reported. One thread advances a block as
+soon as its contacts are done, while it is in the cache: rows of later blocks do not look back at it.
 """
 
 from __future__ import annotations
@@ -10,156 +14,217 @@ from __future__ import annotations
 import zlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple, cast
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from contbed.dem import contact, forces, heat_impact, kernel_arrays, neighbours
-from contbed.dem import contact_heat as conduction
-from contbed.dem.contact_heat import contact_heat
-from contbed.dem.forces import empty_block, pair_forces, wall_forces
-from contbed.dem.kernel_arrays import Array, Box, Heat, Interval, Neighbours, Spheres, State, Table, Walls
-from contbed.dem.neighbours import carry_over, half_list, image_shifts, wall_list, wrap
+from contbed import barrier
+from contbed.barrier import Crew, finish, take, wait
+from contbed.dem import contact, contact_heat, forces, heat_impact, kernel_arrays, neighbours, ordering, wall_forces
+from contbed.dem.forces import empty_batch, pair_forces
+from contbed.dem.kernel_arrays import BLOCK, Array, Blocks, Box, Indices, Interval, Laws, Room, Side, Sums, Table
+from contbed.dem.neighbours import carry_pairs, carry_walls, find_incoming, find_near_walls, find_pairs
+from contbed.dem.ordering import cells_around, find_cells, reorder, sort, wrap
+from contbed.dem.wall_forces import wall_forces as add_wall_forces
 
-OK, TOO_FAST, LOST, BEYOND_WALL = range(4)  # how an interval ends
-
-
-class HalfStep(NamedTuple):
-    """Velocities between two steps, and what turns forces and torques into accelerations: 1/m (n,) and 1/I (n,)."""
-
-    velocity: NDArray[np.float64]
-    spin: NDArray[np.float64]
-    inverse_mass: NDArray[np.float64]
-    inverse_inertia: NDArray[np.float64]
+OK, LIST_IS_OLD, TOO_FAST, LOST, BEYOND_WALL, TOO_SMALL = range(6)  # how a kernel ends; TOO_SMALL: for the list
+# what `_advance` does: the first half of a step; the second and the first of the next; the second
+BEGIN, GO_ON, END = range(3)
 
 
 class Outcome(NamedTuple):
-    """How an interval ended: status, the particle to blame or -1, steps completed, and what has changed."""
+    """How a kernel ended: status, the particle to blame or -1, steps completed.
+
+    moved : farthest that a particle can have moved since the list was made [m]
+    """
 
     status: int
     particle: int
     done: int
     moved: float
-    neighbours: Neighbours
-    walls: Walls
 
 
-@njit(error_model="numpy")
-def _advance(
-    state: State, half: HalfStep, force: Array, gravity: Array, dt: float, fresh: bool, limit2: float
-) -> tuple[float, int]:
-    """Finish the last step of velocity Verlet, unless `fresh`, and begin the next one.
+@njit(error_model="numpy", nogil=True)
+def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int, blocks: Blocks) -> None:
+    """Take both half kicks of velocity Verlet, and move: after the second half of a step comes the first of the next.
 
-    Returns the largest speed squared and a particle above the limit or -1. `force` [N] is the external one, which is
-    what the next sum of forces starts from.
+    First what other blocks and external forces give is added to the sums, and the heat to the temperatures. `largest`
+    and `culprit` of the block become the largest speed squared and a particle above the limit or -1.
     """
-    x, v, w, f, q = state
-    vh, wh = half.velocity, half.spin
-    h, worst, top = 0.5 * dt, -1, 0.0
-    for i in range(len(x)):
+    bodies, spheres, heat, crossing = side.bodies, side.spheres, side.heat, sums.crossing
+    load, half, motion, dt = sums.load, side.bodies.half, side.bodies.motion, interval.time_step
+    h, top, worst, is_warm = 0.5 * interval.time_step, 0.0, -1, len(side.heat.T) > 0
+    for i in range(block * BLOCK, min((block + 1) * BLOCK, len(bodies.position))):
+        m = 0 if spheres.equal else i
+        per_mass, per_inertia = 1.0 / spheres.mass[m], 1.0 / spheres.inertia[m]
+        if phase != BEGIN:
+            gained = 0.0
+            for k in range(crossing.start[i], crossing.start[i + 1]):
+                for a in range(6):
+                    load[i, a] += crossing.carried[crossing.slot[k], a]
+                gained += crossing.carried[crossing.slot[k], 6]
+            if interval.is_pushed:
+                for a in range(3):
+                    load[i, a] += bodies.pushed[i, a]
+            if is_warm:
+                heat.T[i] += dt * (gained + sums.gained[i] + heat.source[i]) * heat.inverse_capacity[i]
         speed2 = 0.0
-        for a in range(3):
-            rate, turn = f[i, a] * half.inverse_mass[i] + gravity[a], q[i, a] * half.inverse_inertia[i]
-            vi = v[i, a] if fresh else vh[i, a] + h * rate
-            wi = w[i, a] if fresh else wh[i, a] + h * turn
-            u, s = vi + h * rate, wi + h * turn
-            vh[i, a], wh[i, a] = u, s
-            v[i, a], w[i, a] = u + h * rate, s + h * turn
-            x[i, a] += dt * u
-            speed2 += u * u
-            f[i, a], q[i, a] = force[i, a], 0.0
-        if not speed2 <= limit2:  # a NaN is never below
+        for a in range(6):
+            rate = load[i, a] * per_mass + interval.gravity[a] if a < 3 else load[i, a] * per_inertia
+            v = motion[i, a] if phase == BEGIN else half[i, a] + h * rate
+            u = v + h * rate
+            if phase == END:
+                motion[i, a] = v
+                continue
+            half[i, a], motion[i, a] = u, u + h * rate
+            if a < 3:
+                bodies.position[i, a] += dt * u
+                speed2 += u * u
+        if not speed2 <= interval.speed_limit * interval.speed_limit:  # a NaN is never below
             worst = i
         top = max(top, speed2)
-    return top, worst
+    blocks.largest[block], blocks.culprit[block] = top, worst
 
 
-@njit(error_model="numpy")
-def _finish(state: State, half: HalfStep, gravity: Array, dt: float) -> None:
-    """Apply the second half kick of the last step, in strict arithmetic as in `_advance`."""
-    _, v, w, f, q = state
-    for i in range(len(v)):
-        for a in range(3):
-            v[i, a] = half.velocity[i, a] + 0.5 * dt * (f[i, a] * half.inverse_mass[i] + gravity[a])
-            w[i, a] = half.spin[i, a] + 0.5 * dt * (q[i, a] * half.inverse_inertia[i])
-
-
-@njit(error_model="numpy")
-def _largest_move(x: Array, x0: Array) -> float:
-    """Find the largest distance from the positions at which the list was made [m]."""
+@njit(error_model="numpy", nogil=True)
+def _measure_move(block: int, x: Array, x0: Array, largest: Array) -> None:
+    """Find the largest distance squared from the positions at which the list was made [m2]."""
     top = 0.0
-    for i in range(len(x)):
+    for i in range(block * BLOCK, min((block + 1) * BLOCK, len(x))):
         top = max(top, (x[i, 0] - x0[i, 0]) ** 2 + (x[i, 1] - x0[i, 1]) ** 2 + (x[i, 2] - x0[i, 2]) ** 2)
-    return float(np.sqrt(top))
+    largest[block] = top
 
 
-@njit()
-def _steps(
-    state: State,
-    spheres: Spheres,
-    pairs: Table,
-    walls: Walls,
-    box: Box,
-    neighbours: Neighbours,
-    heat: Heat,
-    interval: Interval,
-) -> Outcome:
-    half = HalfStep(np.empty_like(state.velocity), np.empty_like(state.spin), 1.0 / spheres.mass, 1.0 / spheres.inertia)
-    image, block, x = image_shifts(box), empty_block(), state.position
-    dt, skin, limit2 = interval.time_step, interval.skin, interval.speed_limit * interval.speed_limit
-    status, culprit, done, moved, stale = OK, -1, 0, interval.moved, interval.stale
-    for step in range(interval.steps):
-        fastest2, culprit = _advance(state, half, interval.force, interval.gravity, dt, step == 0, limit2)
-        if culprit >= 0:
-            status = TOO_FAST
-            break
-        moved += np.sqrt(fastest2) * dt
-        if moved > 0.5 * skin:
-            moved = _largest_move(x, neighbours.listed)
-        if stale or moved > 0.5 * skin:
-            culprit = wrap(x, box)
-            if culprit >= 0:
-                status = LOST
-                break
-            near, culprit = wall_list(x, spheres.radius, walls.surface, skin)
-            walls = Walls(walls.surface, near, walls.history)
-            if culprit >= 0:
-                status = BEYOND_WALL
-                break
-            start, entry = half_list(x, spheres.radius, box, skin)
-            for i in range(len(x)):
-                for a in range(3):
-                    neighbours.listed[i, a] = x[i, a]
-            neighbours = Neighbours(start, entry, carry_over(neighbours, start, entry), neighbours.listed)
-            moved, stale = 0.0, False
-        now = float(interval.first + step + 1)
-        pair_forces(state, spheres, pairs, neighbours, image, now, dt, block)
-        wall_forces(state, spheres, pairs, walls, now, dt)
-        if len(heat.T):
-            contact_heat(x, heat, spheres, pairs, neighbours, image, now, dt)
-        done += 1
-    if status == OK and interval.steps > 0:
-        _finish(state, half, interval.gravity, dt)
-    return Outcome(status, culprit, done, moved, neighbours, walls)
+@njit(nogil=True)
+def _culprit(culprits: Indices) -> int:
+    """Return a particle that a block has reported, or -1."""
+    for particle in culprits:
+        if particle >= 0:
+            return int(particle)
+    return -1
 
 
-def _compiled(stamp: int) -> Callable[..., Outcome]:
-    """Compile the kernel, cached on disk for this content of its files: numba itself watches one of them."""
+def _step_kernel(stamp: int) -> Callable[..., Outcome]:
+    """Compile the steps, cached on disk for this content of its files: numba itself watches one of them."""
 
-    @njit(cache=True)
-    def kernel(*state: Any) -> Any:
-        return (_steps(*state), stamp)[0]
+    @njit(cache=True, nogil=True)
+    def take_steps(crew: Crew, side: Side, laws: Laws, interval: Interval, sums: Sums, blocks: Blocks) -> Outcome:
+        """Take the steps of an interval, up to its end or until the list is too old."""
+        batch, pieces, moved, done = empty_batch(), len(blocks.largest), interval.moved, min(stamp, 0)
+        begun = interval.begun
+        while done < interval.steps:
+            if not begun:
+                # the first half of the first step; each later one is taken with the second half of the step before
+                if done == 0:
+                    piece = take(crew)
+                    while piece < pieces:
+                        _advance(piece, side, sums, interval, BEGIN, blocks)
+                        piece = take(crew)
+                    finish(crew, pieces)
+                culprit = _culprit(blocks.culprit)
+                if culprit >= 0:
+                    return Outcome(TOO_FAST, culprit, done, moved)
+                moved += np.sqrt(blocks.largest.max()) * interval.time_step
+                if moved > interval.enough:
+                    wait(crew)
+                    piece = take(crew)
+                    while piece < pieces:
+                        _measure_move(piece, side.bodies.position, side.pairs.listed, blocks.largest)
+                        piece = take(crew)
+                    finish(crew, pieces)
+                    moved = float(np.sqrt(blocks.largest.max()))
+                if moved > interval.enough:
+                    return Outcome(LIST_IS_OLD, -1, done, moved)
+            begun = False
+            phase, now = GO_ON if done < interval.steps - 1 else END, float(interval.first + done + 1)
+            stages = 1 if crew.size == 1 else 2
+            for stage in range(stages):
+                piece = take(crew)
+                while piece < pieces:
+                    if stage == 0:
+                        pair_forces(piece, side, sums, laws, now, interval.time_step, batch)
+                        add_wall_forces(piece, side, sums, laws, now, interval.time_step)
+                    if stage == stages - 1:
+                        _advance(piece, side, sums, interval, phase, blocks)
+                    piece = take(crew)
+                finish(crew, pieces)
+            done += 1
+        return Outcome(OK, -1, done, moved)
 
-    return cast("Callable[..., Outcome]", kernel)
+    return cast("Callable[..., Outcome]", take_steps)
+
+
+def _list_kernel(stamp: int) -> Callable[..., Outcome]:
+    """Compile what makes a list, cached on disk like the steps."""
+
+    @njit(cache=True, nogil=True)
+    def make_list(
+        crew: Crew,
+        old: Side,
+        new: Side,
+        walls: Table,
+        box: Box,
+        skin: float,
+        room: Room,
+    ) -> Outcome:
+        """Sort the particles and list pairs and near walls anew on the side `new`."""
+        blocks, sorting, n = room.blocks, room.sorting, max(len(old.bodies.position), min(stamp, 0))
+        pieces = len(blocks.largest)
+        widest = old.spheres.radius[0] if old.spheres.equal else old.spheres.radius.max()
+        piece = take(crew)
+        while piece < pieces:
+            wrap(piece, old.bodies.position, box, blocks.culprit, blocks.extent)
+            piece = take(crew)
+        finish(crew, pieces)
+        lost = _culprit(blocks.culprit)
+        if lost >= 0:
+            return Outcome(LOST, lost, 0, 0.0)
+        cells = cells_around(blocks.extent, box, 2.0 * widest + skin, n)
+        piece = take(crew)
+        while piece < pieces:
+            find_cells(piece, old.bodies.position, cells, sorting.cell)
+            piece = take(crew)
+        finish(crew, pieces)
+        if crew.number == 0:
+            sort(sorting, cells)
+        wait(crew)
+        piece = take(crew)
+        while piece < pieces:
+            reorder(piece, old, new, sorting.order)
+            piece = take(crew)
+        finish(crew, pieces)
+        x, radius = new.bodies.position, new.spheres.radius
+        piece = take(crew)
+        while piece < pieces:
+            needed = find_pairs(piece, x, radius, new.pairs, cells, sorting.first, box, skin)
+            blocks.needed[piece, 0], blocks.needed[piece, 1] = needed
+            blocks.needed[piece, 2], blocks.culprit[piece] = find_near_walls(piece, x, radius, new.near, walls, skin)
+            piece = take(crew)
+        finish(crew, pieces)
+        lost = _culprit(blocks.culprit)
+        if lost >= 0:
+            return Outcome(BEYOND_WALL, int(np.int64(sorting.order[lost])), 0, 0.0)
+        for piece in range(pieces):
+            enough = blocks.needed[piece, 0] <= new.pairs.room[0] and blocks.needed[piece, 1] <= new.pairs.room[1]
+            if not enough or blocks.needed[piece, 2] > len(new.near.wall) // pieces:
+                return Outcome(TOO_SMALL, -1, 0, 0.0)
+        if crew.number == 0:
+            find_incoming(new.pairs, room.crossing)
+        piece = take(crew)
+        while piece < pieces:
+            carry_pairs(piece, old.pairs, new.pairs, sorting.place)
+            carry_walls(piece, old.near, new.near, sorting.place)
+            piece = take(crew)
+        finish(crew, pieces)
+        return Outcome(OK, -1, 0, 0.0)
+
+    return cast("Callable[..., Outcome]", make_list)
 
 
 def _content() -> int:
-    files = (
-        Path(str(module.__file__)) for module in (contact, conduction, forces, heat_impact, kernel_arrays, neighbours)
-    )
-    return zlib.crc32(b"".join(file.read_bytes() for file in files))
+    modules = (barrier, contact, contact_heat, forces, heat_impact, kernel_arrays, neighbours, ordering, wall_forces)
+    return zlib.crc32(b"".join(Path(str(module.__file__)).read_bytes() for module in modules))
 
 
-run_steps = _compiled(_content())
+take_steps, make_list = _step_kernel(_content()), _list_kernel(_content())

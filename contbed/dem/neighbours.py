@@ -1,8 +1,9 @@
-"""Verlet list with a skin from linked cells, every pair once (i < j), and the contact histories that move with it.
+"""Verlet list with a skin from sorted cells, every pair once (i < j in memory), and the contact histories kept with it.
 
-Row i of the list is `entry[start[i]:start[i + 1]]`. An entry holds the index of j in its lower BITS and, above them,
-which periodic image of j is meant. Positions are wrapped into the periodic sides only when the list is made: images
-stay valid in between.
+An entry holds the index of j in its lower BITS, above them which periodic image of j is meant, and the highest bit is
+set while the contact is closed. Positions are wrapped into the periodic sides only when the list is made: images stay
+valid in between. Particles are sorted by cell (`ordering`), so that those of a cell follow each other in memory, and
+only cells with higher numbers are searched.
 
 Source: Allen and Tildesley (2017), Computer Simulation of Liquids, sections 5.3.1 (Verlet list) and 5.3.2 (cells).
 """
@@ -12,10 +13,24 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from contbed.dem.kernel_arrays import HISTORY, NEAR_WALL, Array, Box, Entries, Indices, Neighbours, Row, Table
+from contbed.dem.kernel_arrays import (
+    BLOCK,
+    Array,
+    Box,
+    Crossing,
+    Entries,
+    Indices,
+    NearWalls,
+    Pairs,
+    Row,
+    Table,
+)
+from contbed.dem.ordering import Cells, number_of, place_of
 
-BITS = 26  # of an entry for the index of j; the image is above
-MASK = (1 << BITS) - 1
+BITS = np.uint32(26)  # of an entry for the index of j; the image is above
+MASK = np.uint32((1 << 26) - 1)
+IMAGE = np.uint32(31)  # of 27 images, in five bits
+CLOSED = np.uint32(1 << 31)
 
 
 @njit(cache=True)
@@ -34,156 +49,170 @@ def image_shifts(box: Box) -> Array:
     return table
 
 
-@njit()
-def wrap(x: Array, box: Box) -> int:
-    """Bring positions into the periodic sides; return a particle outside the other sides, or -1."""
-    lower, upper, periodic = box.lower, box.upper, box.periodic
-    lost = -1
-    for i in range(len(x)):
-        for axis in range(3):
-            if periodic[axis]:
-                length = upper[axis] - lower[axis]
-                x[i, axis] -= length * np.floor((x[i, axis] - lower[axis]) / length)
-            elif not (lower[axis] <= x[i, axis] <= upper[axis]):
-                lost = i
-    return lost
+@njit(nogil=True)
+def find_pairs(
+    block: int, x: Array, radius: Array, pairs: Pairs, cells: Cells, first: Entries, box: Box, skin: float
+) -> tuple[int, int]:
+    """Fill the rows of a block; return how many places it needs within the block and across blocks.
 
-
-@njit()
-def _grid(x: Array, box: Box, width: float) -> tuple[Array, Array, Indices]:
-    """Choose origin, size and number of the cells; not many more cells than particles."""
-    lower, upper, periodic = box.lower, box.upper, box.periodic
-    origin, size = np.empty(3), np.empty(3)
-    count = np.ones(3, np.int64)
-    extent = np.empty(3)
-    for axis in range(3):
-        if periodic[axis]:
-            origin[axis], extent[axis] = lower[axis], upper[axis] - lower[axis]
-        else:
-            low, high = x[0, axis], x[0, axis]
-            for i in range(len(x)):
-                low, high = min(low, x[i, axis]), max(high, x[i, axis])
-            origin[axis], extent[axis] = low, high - low
-    while True:
-        for axis in range(3):
-            least = 3 if periodic[axis] else 1
-            count[axis] = max(least, int(min(extent[axis] / width, 1e6)))
-            size[axis] = max(extent[axis] / count[axis], width * 1e-3)
-        if count[0] * count[1] * count[2] <= 4 * len(x) + 27:
-            return origin, size, count
-        width *= 1.25
-
-
-@njit(cache=True)
-def half_list(x: Array, radius: Array, box: Box, skin: float) -> tuple[Indices, Entries]:
-    """Make the Verlet list, `start` and `entry`: pairs whose surfaces are closer than `skin` [m]."""
-    n, periodic = len(x), box.periodic
-    origin, size, count = _grid(x, box, 2.0 * radius.max() + skin)
-    cell = np.empty((n, 3), np.int64)
-    first = np.zeros(count[0] * count[1] * count[2] + 1, np.int64)
-    for i in range(n):
-        for axis in range(3):
-            cell[i, axis] = min(int((x[i, axis] - origin[axis]) / size[axis]), count[axis] - 1)
-        first[(cell[i, 0] * count[1] + cell[i, 1]) * count[2] + cell[i, 2] + 1] += 1
-    filled = np.empty_like(first)
-    for home in range(len(first)):
-        if home > 0:
-            first[home] += first[home - 1]
-        filled[home] = first[home]
-    member = np.empty(n, np.int64)
-    for i in range(n):
-        home = (cell[i, 0] * count[1] + cell[i, 1]) * count[2] + cell[i, 2]
-        member[filled[home]] = i
-        filled[home] += 1
-    table = image_shifts(box)
-    start = np.zeros(n + 1, np.int64)
-    entry = np.empty(8 * n + 64, np.int32)
-    total = 0
-    at = np.empty(3, np.int64)
-    for i in range(n):
-        for step in range(27):
-            image, power, inside, digit = 0, 1, True, step
-            for axis in range(3):
-                at[axis] = cell[i, axis] + digit % 3 - 1
-                digit //= 3
-                if at[axis] < 0:
-                    inside = inside and periodic[axis]
-                    at[axis] += count[axis]
-                    image += 2 * power
-                elif at[axis] >= count[axis]:
-                    inside = inside and periodic[axis]
-                    at[axis] -= count[axis]
-                    image += power
-                power *= 3
-            if not inside:
-                continue
-            home = (at[0] * count[1] + at[1]) * count[2] + at[2]
-            for slot in range(first[home], first[home + 1]):
-                j = member[slot]
-                if j <= i:
-                    continue
-                dx = x[i, 0] - x[j, 0] - table[image, 0]
-                dy = x[i, 1] - x[j, 1] - table[image, 1]
-                dz = x[i, 2] - x[j, 2] - table[image, 2]
+    Where that is more than there is room for, the list is not complete.
+    """
+    begin, end, image = block * BLOCK, min((block + 1) * BLOCK, len(x)), image_shifts(box)
+    base, count = np.empty(2, np.int64), np.zeros(2, np.int64)
+    base[0] = block * (pairs.room[0] + pairs.room[1])
+    base[1] = base[0] + pairs.room[0]
+    near = np.empty((28, 3), np.int64)  # first and last particle of each cell around, and its image
+    home, groups = -1, 0
+    for i in range(begin, end):
+        for zone in range(2):
+            pairs.start[zone, i] = base[zone] + min(count[zone], pairs.room[zone])
+        at = (place_of(cells, x[i, 0], 0), place_of(cells, x[i, 1], 1), place_of(cells, x[i, 2], 2))
+        number = number_of(cells, at[0], at[1], at[2])
+        if number != home:
+            home = number
+            groups = _cells_after(home, at, cells, first, box, near)
+        for g in range(groups):
+            shift = near[g, 2]
+            sx, sy, sz = x[i, 0] - image[shift, 0], x[i, 1] - image[shift, 1], x[i, 2] - image[shift, 2]
+            for j in range(max(near[g, 0], i + 1), near[g, 1]):
+                dx, dy, dz = sx - x[j, 0], sy - x[j, 1], sz - x[j, 2]
                 reach = radius[i] + radius[j] + skin
                 if dx * dx + dy * dy + dz * dz < reach * reach:
-                    if total == len(entry):
-                        entry = _resized(entry, total, 2 * total)
-                    entry[total] = j | (image << BITS)
-                    total += 1
-        start[i + 1] = total
-    return start, _resized(entry, total, total)
+                    zone = 0 if j < end else 1
+                    if count[zone] < pairs.room[zone]:
+                        m = base[zone] + count[zone]
+                        pairs.row[m], pairs.entry[m] = i, j | (shift << 26)
+                    count[zone] += 1
+        for zone in range(2):
+            pairs.stop[zone, i] = base[zone] + min(count[zone], pairs.room[zone])
+    for zone in range(2):
+        pairs.used[zone, block] = min(count[zone], pairs.room[zone])
+    return count[0], count[1]
 
 
-@njit()
-def _resized(entry: Entries, used: int, length: int) -> Entries:
-    """Copy the first `used` entries to an array of another length; loops compile much faster than slices."""
-    out = np.empty(length, entry.dtype)
-    for k in range(used):
-        out[k] = entry[k]
-    return out
+@njit(nogil=True)
+def _cells_after(home: int, at: tuple[int, int, int], cells: Cells, first: Entries, box: Box, near: Indices) -> int:
+    """Find the particles in the cell `home` and in those around with a higher number; return the number of cells."""
+    groups = 0
+    place = np.empty(3, np.int64)
+    for step in range(27):
+        image, power, inside, digit = 0, 1, True, step
+        for axis in range(3):
+            place[axis] = at[axis] + digit % 3 - 1
+            digit //= 3
+            if place[axis] < 0:
+                inside = inside and box.periodic[axis]
+                place[axis] += cells.along[axis]
+                image += 2 * power
+            elif place[axis] >= cells.along[axis]:
+                inside = inside and box.periodic[axis]
+                place[axis] -= cells.along[axis]
+                image += power
+            power *= 3
+        if not inside:
+            continue
+        number = number_of(cells, place[0], place[1], place[2])
+        if number >= home and first[number] < first[number + 1]:
+            near[groups, 0], near[groups, 1], near[groups, 2] = first[number], first[number + 1], image
+            groups += 1
+    return groups
 
 
-@njit(error_model="numpy", forceinline=True)
-def open_contact(history: Row) -> None:
-    """Forget the history of a contact that has opened."""
-    history.spring_x, history.spring_y, history.spring_z = 0.0, 0.0, 0.0
-    history.first_step, history.impact_speed = -1.0, 0.0
+@njit(nogil=True, cache=True)
+def find_incoming(pairs: Pairs, crossing: Crossing) -> None:
+    """List for every particle the pairs across blocks in which it is j, in ascending order; nothing is carried yet."""
+    start, slot, n = crossing.start, crossing.slot, len(crossing.start) - 1
+    inner, across = pairs.room
+    start[:] = 0
+    for turn in range(2):
+        for block in range(pairs.used.shape[1]):
+            for m in range(pairs.used[1, block]):
+                j = pairs.entry[block * (inner + across) + inner + m] & MASK
+                if turn == 0:
+                    start[j + 1] += 1
+                    for a in range(7):
+                        crossing.carried[block * across + m, a] = 0.0
+                else:
+                    slot[start[j]] = block * across + m
+                    start[j] += 1
+        if turn == 0:
+            for i in range(n):
+                start[i + 1] += start[i]
+    for i in range(n, 0, -1):
+        start[i] = start[i - 1]
+    start[0] = 0
 
 
-@njit()
-def carry_over(old: Neighbours, start: Indices, entry: Entries) -> Table:
-    """Copy the histories of closed contacts of an old list to the entries of a new one."""
-    new = np.empty(len(entry), HISTORY)
-    for k in range(len(entry)):
-        open_contact(new[k])
-    for i in range(len(start) - 1):
-        for k in range(old.start[i], old.start[i + 1]):
-            if old.history[k].first_step >= 0.0:
-                for m in range(start[i], start[i + 1]):
-                    if entry[m] & MASK == old.entry[k] & MASK:
-                        new[m] = old.history[k]
-                        break
-    return new
+@njit(nogil=True)
+def carry_pairs(block: int, old: Pairs, new: Pairs, place: Entries) -> None:
+    """Copy the histories of closed contacts of a block of the old order to the new list.
+
+    The spring is the displacement of i against j: its sign changes where i and j change places.
+    """
+    for zone in range(2):
+        base = block * (old.room[0] + old.room[1]) + zone * old.room[0]
+        for k in range(base, base + old.used[zone, block]):
+            if old.entry[k] < CLOSED:
+                continue
+            row, other, sign = place[old.row[k]], place[old.entry[k] & MASK], 1.0
+            if row > other:
+                row, other, sign = other, row, -1.0
+            to = 0 if row // BLOCK == other // BLOCK else 1
+            for m in range(new.start[to, row], new.stop[to, row]):
+                if new.entry[m] & MASK == other:
+                    new.entry[m] |= CLOSED
+                    for axis in range(3):
+                        new.spring[m, axis] = sign * old.spring[k, axis]
+                    new.onset[m, 0], new.onset[m, 1] = old.onset[k, 0], old.onset[k, 1]
+                    break
 
 
-@njit()
-def wall_list(x: Array, radius: Array, walls: Table, skin: float) -> tuple[Table, int]:
-    """Find particles closer to walls than `skin` [m], and a particle beyond a wall or -1."""
-    found = np.empty(len(x) * len(walls), NEAR_WALL)
-    total, lost = 0, -1
-    for i in range(len(x)):
+@njit(nogil=True)
+def find_near_walls(block: int, x: Array, radius: Array, near: NearWalls, walls: Table, skin: float) -> tuple[int, int]:
+    """List the particles of a block near to walls; return how many there are, and one beyond a wall or -1."""
+    room = len(near.wall) // len(near.used)
+    total, lost, base = 0, -1, block * room
+    for i in range(block * BLOCK, min((block + 1) * BLOCK, len(x))):
         for w in range(len(walls)):
             gap, _, _, _ = wall_distance(x[i, 0], x[i, 1], x[i, 2], walls[w])
             if not gap > 0.0:
                 lost = i
             if gap < radius[i] + skin:
-                found[total].particle, found[total].wall = i, w
+                if total < room:
+                    near.particle[base + total], near.wall[base + total] = i, w
+                    near.onset[base + total, 0], near.onset[base + total, 1] = -1.0, 0.0
+                    for axis in range(3):
+                        near.spring[base + total, axis] = 0.0
                 total += 1
-    return found[:total].copy(), lost
+    near.used[block] = min(total, room)
+    return total, lost
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(nogil=True)
+def carry_walls(block: int, old: NearWalls, new: NearWalls, place: Entries) -> None:
+    """Copy the histories of closed contacts with walls of a block of the old order to the new list."""
+    room, room_new = len(old.wall) // len(old.used), len(new.wall) // len(new.used)
+    for k in range(block * room, block * room + old.used[block]):
+        if old.onset[k, 0] < 0.0:
+            continue
+        i = place[old.particle[k]]
+        base = i // BLOCK * room_new
+        low, high = base, base + new.used[i // BLOCK]
+        while low < high:  # particles ascend
+            middle = (low + high) // 2
+            if new.particle[middle] < i:
+                low = middle + 1
+            else:
+                high = middle
+        while low < base + new.used[i // BLOCK] and new.particle[low] == i:
+            if new.wall[low] == old.wall[k]:
+                for axis in range(3):
+                    new.spring[low, axis] = old.spring[k, axis]
+                new.onset[low, 0], new.onset[low, 1] = old.onset[k, 0], old.onset[k, 1]
+            low += 1
+
+
+@njit(error_model="numpy", forceinline=True, nogil=True)
 def wall_distance(x: float, y: float, z: float, wall: Row) -> tuple[float, float, float, float]:
     """Find the distance [m] of a point from a wall, positive in the bed, and the unit normal into the bed.
 

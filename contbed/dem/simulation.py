@@ -9,27 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from contbed import barrier, threads
 from contbed.dem import loop
 from contbed.dem.contact import largest_safe_step, require_safe_step
 from contbed.dem.contact_heat import ContactHeat
-from contbed.dem.kernel_arrays import (
-    HEAT_PAIR,
-    HISTORY,
-    NEAR_WALL,
-    Array,
-    Box,
-    Heat,
-    Indices,
-    Interval,
-    Neighbours,
-    Spheres,
-    State,
-    Walls,
-    as_numbers,
-    as_table,
-    blank_history,
-)
-from contbed.dem.neighbours import BITS, MASK, half_list, image_shifts, wall_gaps
+from contbed.dem.kernel_arrays import HEAT_PAIR, Array, Box, Indices, Interval, Laws, Spheres
+from contbed.dem.memory import Memory, Record
+from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, image_shifts, wall_gaps
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.walls import Domain, Wall, wall_table
 from contbed.errors import ConvergenceError, SceneError
@@ -40,11 +26,9 @@ LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start
 STRIDE = 0.1  # of the smallest radius: nothing may move farther in one step
 SKIN = 0.1  # of the smallest radius, unless given
 CHUNK = 2_000_000  # steps times particles of one call of the kernel, about 0.2 s, so that Ctrl-C is heard
-_STATE = (
-    "position", "velocity", "spin", "force",
-    "_load", "_torque", "_listed", "_start", "_entry", "T",
-)  # fmt: skip
-_TABLES = {"_history": HISTORY, "_near": NEAR_WALL, "_wall_history": HISTORY}
+LEAST = 2000  # particles that a thread must have; a step of them takes 0.1 ms, threads meet twice in it for 5 us
+NO_ROOM = "the lists of neighbours need more room"
+_STATE = ("position", "velocity", "spin", "force", "T")
 
 
 @dataclass(frozen=True)
@@ -122,17 +106,21 @@ class Simulation:
         self.position, self.velocity = particles.position.copy(), particles.velocity.copy()
         self.spin, self.force = particles.spin.copy(), np.zeros((n, 3))
         self.gravity = np.array(gravity, dtype=np.float64)
-        self._pairs, self._walls = pair_table(materials), wall_table(walls)
+        self.heat_capacity, self.T, self.heat_source = np.ones(n), np.empty(0), np.zeros(0)
+        heat_pairs = self._set_temperatures(heat, T)
         self._box = Box(np.array(domain.lower), np.array(domain.upper), np.array(domain.periodic))
-        self._load, self._torque, self._listed = np.zeros((n, 3)), np.zeros((n, 3)), self.position.copy()
-        self._wall_history = blank_history(len(walls), n)
-        self._near = np.zeros(0, NEAR_WALL)
-        self._set_temperatures(heat, T)
+        with deferred_interrupt():
+            self._laws = Laws(pair_table(materials), heat_pairs, wall_table(walls), image_shifts(self._box))
+        spheres = Spheres(self.radius, self.mass, self.inertia, self.kind, self._equal)
+        self._memory = Memory(spheres, heat is not None)
         self._moved, self._stale = 0.0, True
         self._require_inside()
         with deferred_interrupt():
-            self._start, self._entry = half_list(self.position, self.radius, self._box, self.skin)
-        self._history = blank_history(len(self._entry))
+            self._load()
+            while self._make_list().status == loop.TOO_SMALL:
+                self._memory.grow()
+                self._memory.start()
+                self._load()
         self._require_apart(largest_overlap)
 
     @property
@@ -177,10 +165,7 @@ class Simulation:
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that changes as arrays for a checkpoint."""
-        arrays = {name.lstrip("_"): np.array(getattr(self, name)) for name in _STATE}
-        arrays |= {name.lstrip("_"): as_numbers(getattr(self, name)).copy() for name in _TABLES}
-        numbers = (self._moved, self._stale, self.steps_done, self.time_step)
-        return arrays | {"numbers": np.array(numbers, dtype=np.float64)}
+        return self._state(self._memory.read())
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from the arrays of `state`: what follows is what would have followed there, bit for bit.
@@ -189,80 +174,87 @@ class Simulation:
         ------
         SceneError : the arrays belong to another simulation
         """
-        missing = {*(name.lstrip("_") for name in (*_STATE, *_TABLES)), "numbers"} - set(state)
+        missing = {*_STATE, *Record._fields, "numbers"} - set(state)
         if missing:
             raise SceneError(f"dem: the checkpoint lacks {', '.join(sorted(missing))}")
-        own = self.state()
-        for name in ("position", "wall_history"):
-            found, wanted = np.shape(state[name]), own[name].shape
-            if found != wanted:
-                raise SceneError(f"dem: checkpoint of another simulation: {name} has shape {found}, expected {wanted}")
-        moved, stale, steps, time_step = (float(value) for value in state["numbers"])
+        found, wanted = np.shape(state["position"]), self.position.shape
+        if found != wanted:
+            raise SceneError(f"dem: checkpoint of another simulation: position has shape {found}, expected {wanted}")
+        moved, stale, steps, time_step, walls = (float(value) for value in state["numbers"])
+        if walls != len(self.walls):
+            raise SceneError(
+                f"dem: checkpoint of another simulation: it has {walls:.0f} walls, expected {len(self.walls)}"
+            )
         if time_step != self.time_step:
             raise SceneError(f"dem: the checkpoint has time step {time_step:g} s, expected {self.time_step:g} s")
         for name in _STATE:
-            setattr(self, name, np.array(state[name.lstrip("_")], order="C"))
-        for name, columns in _TABLES.items():
-            setattr(self, name, as_table(np.array(state[name.lstrip("_")], order="C"), columns))
+            setattr(self, name, np.array(state[name], order="C"))
+        self._go_back(Record(*(np.array(state[name], order="C") for name in Record._fields)))
         self._moved, self._stale, self.steps_done = moved, bool(stale), int(steps)
 
     def contacts(self) -> Contacts:
-        """Return the closed contacts of pairs as they are now."""
-        i, j, gap, normal = self._listed_pairs()
-        closed = gap < 0.0
-        history = self._history[closed]
-        since = np.where(history["first_step"] < 0.0, float(self.steps_done), history["first_step"])
-        return Contacts(
-            i[closed], j[closed], -gap[closed], normal[closed], since * self.time_step, history["impact_speed"]
-        )
+        """Return the closed contacts of pairs as they are now, in the order of i and j, i < j."""
+        record = self._memory.read()
+        row, other, gap, normal = self._listed_pairs(record)
+        first, impact = np.full(len(row), float(self.steps_done)), np.zeros(len(row))
+        first[record.entry >= CLOSED], impact[record.entry >= CLOSED] = record.onset.T
+        user = record.user.astype(np.int64)
+        i, j = user[row], user[other]
+        normal = np.where((i < j)[:, None], normal, -normal)
+        i, j = np.minimum(i, j), np.maximum(i, j)
+        order = np.lexsort((j, i))
+        kept = order[gap[order] < 0.0]
+        return Contacts(i[kept], j[kept], -gap[kept], normal[kept], first[kept] * self.time_step, impact[kept])
 
-    def _listed_pairs(self) -> tuple[Indices, Indices, Array, Array]:
-        """Find i, j, gap [m] and unit normal from j to i of every entry of the list."""
-        i = np.repeat(np.arange(len(self.position)), np.diff(self._start))
-        j = (self._entry & MASK).astype(np.int64)
-        with deferred_interrupt():
-            images = image_shifts(self._box)
-        apart = self.position[i] - self.position[j] - images[self._entry >> BITS]
+    def _state(self, record: Record) -> dict[str, NDArray[Any]]:
+        arrays: dict[str, NDArray[Any]] = {name: np.array(getattr(self, name)) for name in _STATE}
+        numbers = (self._moved, self._stale, self.steps_done, self.time_step, len(self.walls))
+        return arrays | record._asdict() | {"numbers": np.array(numbers, dtype=np.float64)}
+
+    def _listed_pairs(self, record: Record) -> tuple[Indices, Indices, Array, Array]:
+        """Find i and j in the order of memory, gap [m] and unit normal from j to i of every entry of the list."""
+        i, j = record.row.astype(np.int64), (record.entry & MASK).astype(np.int64)
+        x, radius = self.position[record.user], self.radius[record.user]
+        apart = x[i] - x[j] - self._laws.image[(record.entry >> BITS) & IMAGE]
         distance = np.linalg.norm(apart, axis=1)
-        gap = distance - self.radius[i] - self.radius[j]
+        gap = distance - radius[i] - radius[j]
         with np.errstate(invalid="ignore", divide="ignore"):
             return i, j, gap, apart / distance[:, None]
 
     def _advance(self, steps: int) -> None:
         """Advance by the steps of one interval; if it fails, the simulation is back at its start."""
-        before = self.state()
-        longest = max(1, CHUNK // len(self.position))
-        done = 0
-        while done < steps:
-            part = min(longest, steps - done)
-            failure = self._call_kernel(part)
-            if failure is not None:
-                self.restore(before)
-                raise ConvergenceError(failure, state=before)
-            done += part
-
-    def _call_kernel(self, steps: int) -> str | None:
-        """Run the steps in compiled code; return what went wrong, or None."""
-        state = State(self.position, self.velocity, self.spin, self._load, self._torque)
         with deferred_interrupt():
-            found = loop.run_steps(
-                state,
-                Spheres(self.radius, self.mass, self.inertia, self.kind, self._equal),
-                self._pairs,
-                Walls(self._walls, self._near, self._wall_history),
-                self._box,
-                Neighbours(self._start, self._entry, self._history, self._listed),
-                self._heat(),
-                self._interval(steps),
-            )
-            self._start, self._entry, self._history, self._listed = found.neighbours
-            self._near, self._moved = found.walls.near, found.moved
-            if found.status == loop.OK:
-                self.steps_done += steps
-                self._stale = False
+            before, now = self._memory.read(), (self._moved, self._stale, self.steps_done)
+            start = {name: getattr(self, name).copy() for name in ("position", "velocity", "spin", "T")}
+            self._load()
+        end, longest = self.steps_done + steps, max(1, CHUNK // len(self.position))
+        while self.steps_done < end:
+            failure = self._take_part(min(longest, end - self.steps_done))
+            if failure is None:
+                continue
+            with deferred_interrupt():
+                for name, array in start.items():
+                    getattr(self, name)[:] = array
+                self._moved, self._stale, self.steps_done = now
+                if failure == NO_ROOM:
+                    self._memory.grow()
+                self._memory.write(before)
+                if failure != NO_ROOM:
+                    raise ConvergenceError(failure, state=self._state(before))
+                self._load()
+
+    @deferred_interrupt()
+    def _take_part(self, steps: int) -> str | None:
+        """Run the steps in compiled code; return what went wrong, or None."""
+        found, memory = self._take_steps(steps), self._memory
+        if found.status == loop.TOO_SMALL:
+            return NO_ROOM
         if found.status != loop.OK:
             i, time = found.particle, (self.steps_done + found.done + 1) * self.time_step
-            return _description(found.status, i, self.position[i], self.velocity[i], time)
+            bodies = memory.side.bodies
+            return _description(found.status, memory.user[i], bodies.position[i], bodies.motion[i, :3], time)
+        memory.store(self.position, self.velocity, self.spin, self.T)
+        self.steps_done, self._moved = self.steps_done + steps, found.moved
         if not np.isfinite(self.T).all():
             i = int((~np.isfinite(self.T)).argmax())
             return (
@@ -271,33 +263,74 @@ class Simulation:
             )
         return None
 
-    def _heat(self) -> Heat:
-        source = np.ascontiguousarray(self.heat_source, np.float64)
-        return Heat(self.T, source, 1.0 / self.heat_capacity, self._heat_pairs, np.empty_like(self.T))
+    def _take_steps(self, steps: int) -> loop.Outcome:
+        """Take steps, with new lists in between; how they ended, with the number of all that were completed."""
+        memory, done, moved, begun, is_pushed = self._memory, 0, self._moved, False, bool(self.force.any())
+        size, limit = self._threads(), STRIDE * float(self.radius.min()) / self.time_step
+        while True:
+            if self._stale:
+                listed = self._make_list()
+                if listed.status != loop.OK:
+                    return listed._replace(done=done)
+                self._stale, moved = False, 0.0
+            interval = Interval(
+                self.gravity,
+                self.time_step,
+                self.steps_done + done,
+                steps - done,
+                0.5 * self.skin,
+                moved,
+                begun,
+                limit,
+                is_pushed,
+            )
+            arrays = (memory.side, self._laws, interval, memory.sums, memory.room.blocks)
+            found: loop.Outcome = barrier.run(loop.take_steps, size, *arrays)
+            done += found.done
+            if found.status != loop.LIST_IS_OLD:
+                return found._replace(done=done)
+            self._stale = begun = True
 
-    def _interval(self, steps: int) -> Interval:
-        return Interval(
-            np.ascontiguousarray(self.force, np.float64),
-            self.gravity,
-            self.time_step,
-            self.steps_done,
-            steps,
+    def _make_list(self) -> loop.Outcome:
+        """Sort the particles and make a list for their present positions."""
+        memory = self._memory
+        found: loop.Outcome = barrier.run(
+            loop.make_list,
+            self._threads(),
+            memory.side,
+            memory.other,
+            self._laws.walls,
+            self._box,
             self.skin,
-            self._moved,
-            self._stale,
-            STRIDE * float(self.radius.min()) / self.time_step,
+            memory.room,
         )
+        if found.status == loop.OK:
+            memory.swap()
+        return found
 
-    def _set_temperatures(self, heat: ContactHeat | None, T: ArrayLike | None) -> None:
+    def _threads(self) -> int:
+        return threads.count(len(self.position), LEAST)
+
+    def _load(self) -> None:
+        """Copy the user's arrays to the order of memory."""
+        pushed = np.ascontiguousarray(self.force, np.float64) if self.force.any() else None
+        self._memory.load(self.position, self.velocity, self.spin, pushed)
+        if len(self.T):
+            self._memory.load_heat(self.T, np.asarray(self.heat_source, np.float64), self.heat_capacity)
+
+    @deferred_interrupt()
+    def _go_back(self, record: Record) -> None:
+        self._memory.write(record)
+
+    def _set_temperatures(self, heat: ContactHeat | None, T: ArrayLike | None) -> NDArray[np.void]:
         if (heat is None) != (T is None):
             raise SceneError("dem: give both heat and T, or neither")
-        n = 0 if heat is None else len(self.position)
-        self.T, self.heat_source = np.empty(n), np.zeros(n)
-        self.heat_capacity, self._heat_pairs = np.ones(n), np.zeros((0, 0), HEAT_PAIR)
-        if heat is not None and T is not None:
-            self.T[:] = T
-            self.heat_capacity = self.mass * heat.capacities(self.materials)[self.kind]
-            self._heat_pairs = heat.table(self.materials)
+        if heat is None or T is None:
+            return np.zeros((0, 0), HEAT_PAIR)
+        self.T, self.heat_source = np.empty(len(self.position)), np.zeros(len(self.position))
+        self.T[:] = T
+        self.heat_capacity = self.mass * heat.capacities(self.materials)[self.kind]
+        return heat.table(self.materials)
 
     def _require_inside(self) -> None:
         lower, upper, periodic = self._box
@@ -311,7 +344,9 @@ class Simulation:
         self.position -= turns * lengths
 
     def _require_apart(self, largest: float) -> None:
-        i, j, gap, _ = self._listed_pairs()
+        record = self._memory.read()
+        row, other, gap, _ = self._listed_pairs(record)
+        i, j = np.sort([record.user[row], record.user[other]], axis=0)
         deep = -gap / np.minimum(self.radius[i], self.radius[j])
         if len(deep) and deep.max() > largest:
             k = int(deep.argmax())
@@ -320,7 +355,7 @@ class Simulation:
                 f"smaller radius; at most {largest:g} is accepted; move them apart or settle them with dem.packing"
             )
         with deferred_interrupt():
-            gaps = wall_gaps(self.position, self._walls) / self.radius
+            gaps = wall_gaps(self.position, self._laws.walls) / self.radius
         if gaps.size and gaps.min() < 1.0 - largest:
             number, k = divmod(int(gaps.argmin()), len(self.position))
             where = "is beyond" if gaps.min() < 0.0 else "overlaps"

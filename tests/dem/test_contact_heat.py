@@ -103,15 +103,9 @@ def crowd(**change):
     spheres = Particles(position, radius, np.arange(64) % 2, velocity=rng.normal(0, 0.3, lattice.shape))
     materials = [Material(), Material(density=7800.0, youngs_modulus=3e7)]
     heat = ContactHeat([0.84, 30.0], [0.2, 0.1])  # small capacities, so that much heat moves
+    settings = {"time_step": 2e-6, "heat": heat, "T": rng.uniform(300.0, 400.0, 64)} | change
     return Simulation(
-        spheres,
-        materials,
-        domain=Domain((0,) * 3, (side,) * 3, (True,) * 3),
-        gravity=(0, 0, 0),
-        time_step=2e-6,
-        heat=heat,
-        T=rng.uniform(300.0, 400.0, 64),
-        **change,
+        spheres, materials, domain=Domain((0,) * 3, (side,) * 3, (True,) * 3), gravity=(0, 0, 0), **settings
     )
 
 
@@ -136,8 +130,7 @@ def test_restart_is_bitwise():
 
 
 def test_temperatures_do_not_change_the_motion():
-    with_heat, without = crowd(), crowd()
-    without.T = np.empty(0)
+    with_heat, without = crowd(), crowd(heat=None, T=None)
     with_heat.run(1000)
     without.run(1000)
     assert with_heat.position.tobytes() == without.position.tobytes()

@@ -14,9 +14,9 @@ import time
 import numpy as np
 import pytest
 
+from contbed import threads
 from contbed.dem import neighbours
 from contbed.dem import simulation as simulation_module
-from contbed.dem.kernel_arrays import Box
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Cylinder, Domain, Plane, Tube, box
@@ -58,7 +58,7 @@ def test_energy_of_smooth_elastic_spheres():
         stored = 0.0
         for delta in simulation.contacts().overlap:
             stored += 8 / 15 * modulus * np.sqrt(RADIUS / 2) * delta**2.5
-        for delta in RADIUS - neighbours.wall_gaps(simulation.position, simulation._walls).ravel():
+        for delta in RADIUS - neighbours.wall_gaps(simulation.position, simulation._laws.walls).ravel():
             stored += 8 / 15 * 2 * modulus / 2 * np.sqrt(RADIUS) * max(delta, 0.0) ** 2.5
         energies.append(simulation.kinetic_energy + stored)
     assert energies == pytest.approx([before] * 5, rel=1e-4)
@@ -130,18 +130,24 @@ def test_contact_across_a_periodic_side():
     assert simulation.velocity[0, 0] > 0.0 > simulation.velocity[1, 0]
 
 
-def test_half_list_finds_every_pair():
+@pytest.mark.parametrize(("count", "number"), [(300, 1), (3000, 1), (3000, 2)])
+@pytest.mark.parametrize("domain", [AROUND, CLOSED])
+def test_the_list_has_every_pair_once(domain, count, number):
+    """Also across blocks of memory, for particles of several sizes and on two threads."""
     rng = np.random.default_rng(3)
-    for periodic in (AROUND, CLOSED):
-        sides = np.array(periodic.lower), np.array(periodic.upper), np.array(periodic.periodic)
-        x, radius = rng.uniform(0, SIDE, (300, 3)), rng.uniform(0.3, 1.0, 300) * RADIUS
-        start, entry = neighbours.half_list(x, radius, Box(*sides), 2e-4)
-        apart = x[:, None] - x[None]
-        apart -= np.where(sides[2], SIDE * np.rint(apart / SIDE), 0.0)
-        near = np.linalg.norm(apart, axis=-1) < radius[:, None] + radius + 2e-4
-        expected = {(i, j) for i, j in np.argwhere(near).tolist() if i < j}
-        rows = np.repeat(np.arange(300), np.diff(start))
-        assert sorted(expected) == sorted(zip(rows.tolist(), (entry & neighbours.MASK).tolist(), strict=True))
+    x, radius = rng.uniform(0, SIDE, (count, 3)), rng.uniform(0.3, 1.0, count) * RADIUS * (300 / count) ** (1 / 3)
+    with threads.using(number):
+        simulation = Simulation(Particles(x, radius), [GLASS], domain=domain, skin=2e-4, largest_overlap=10.0)
+    record = simulation._memory.read()
+    row, other, gap, normal = simulation._listed_pairs(record)
+    apart = x[:, None] - x[None]
+    apart -= np.where(domain.periodic, SIDE * np.rint(apart / SIDE), 0.0)
+    distance = np.linalg.norm(apart, axis=-1)
+    near = distance < radius[:, None] + radius + 2e-4
+    pairs = np.sort([record.user[row], record.user[other]], axis=0)
+    assert sorted(zip(*pairs.tolist(), strict=True)) == [(i, j) for i, j in np.argwhere(near).tolist() if i < j]
+    assert gap == pytest.approx(distance[tuple(pairs)] - radius[pairs[0]] - radius[pairs[1]], abs=1e-15)
+    assert np.linalg.norm(normal, axis=1) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -209,8 +215,8 @@ def test_restart_of_another_simulation():
     alone = Simulation(Particles([[0, 0, 0]], RADIUS), [GLASS])
     with pytest.raises(SceneError, match=r"checkpoint of another simulation: position has shape \(64, 3\)"):
         alone.restore(state)
-    with pytest.raises(SceneError, match="the checkpoint lacks near"):
-        falling().restore({name: array for name, array in state.items() if name != "near"})
+    with pytest.raises(SceneError, match="the checkpoint lacks row"):
+        falling().restore({name: array for name, array in state.items() if name != "row"})
 
 
 def test_history_keeps_first_touch_and_impact_speed():

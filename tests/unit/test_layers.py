@@ -26,6 +26,7 @@ LAYERS = (
     ("fem", "mesh"),
     ("solvers", "materials", "closures"),
     ("scene",),
+    ("barrier",),
     ("threads",),
     ("fields", "errors", "versions", "interrupts", "compiled_cache"),
 )

@@ -1,0 +1,235 @@
+"""The arrays of a simulation in the order of memory, and their passage from and to the order of the user.
+
+Two sides hold the particles in two orders: the list of one is made from the other. `Record` is the list and the
+histories of closed contacts without the room between them, which checkpoints hold and a failed interval goes back to.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.dem.kernel_arrays import (
+    BLOCK,
+    Array,
+    Blocks,
+    Bodies,
+    Crossing,
+    Entries,
+    Heat,
+    NearWalls,
+    Pairs,
+    Room,
+    Side,
+    Sorting,
+    Spheres,
+    Sums,
+    Unsigned,
+)
+from contbed.dem.neighbours import CLOSED, MASK, find_incoming
+from contbed.dem.ordering import CUBE, MOST_CELLS
+
+ROOM = (6, 2, 1)  # places for a particle at first: of pairs within its block, across blocks and near walls
+_EACH = ("radius", "mass", "inertia", "material")  # of `Spheres`, one for each particle
+MARGIN = 1.25  # of what was needed when there was too little room
+
+
+class Record(NamedTuple):
+    """What a step depends on besides positions, velocities and temperatures, in the order of memory.
+
+    user (n,) : index of each particle for the user
+    load (n, 6), listed (n, 3) : force and torque [N, N m], positions when the list was made [m]
+    row, entry (e,) : the Verlet list; spring (c, 3) [m] and onset (c, 2) of its closed contacts
+    wall_particle, wall (k,), wall_spring (k, 3), wall_onset (k, 2) : particles near to walls
+    """
+
+    user: Entries
+    load: Array
+    listed: Array
+    row: Unsigned
+    entry: Unsigned
+    spring: Array
+    onset: Array
+    wall_particle: Entries
+    wall: Entries
+    wall_spring: Array
+    wall_onset: Array
+
+
+class Memory:
+    """Both sides of a simulation and what its threads share.
+
+    Parameters
+    ----------
+    spheres : in the order of the user
+    is_warm : whether particles have temperatures
+    """
+
+    side: Side
+    other: Side
+
+    def __init__(self, spheres: Spheres, is_warm: bool):
+        self._given, self._is_warm, n = spheres, is_warm, len(spheres.radius)
+        self.blocks = -(-n // BLOCK)
+        self._places = tuple(most * min(n, BLOCK) for most in ROOM)
+        self._allocate()
+        self.start()
+
+    @property
+    def user(self) -> Entries:
+        """Index that each particle has for the user."""
+        user: Entries = self.side.bodies.user
+        return user
+
+    @property
+    def bytes(self) -> int:
+        """Size of all arrays; the operating system gives memory only to the part that is in use."""
+        parts: list[Any] = [self.side, self.other, self.room, self.sums]
+        found: dict[int, int] = {}
+        while parts:
+            part = parts.pop()
+            if isinstance(part, np.ndarray):
+                found[part.ctypes.data] = part.nbytes
+            elif isinstance(part, tuple):
+                parts += part
+        return sum(found.values())
+
+    def start(self) -> None:
+        """Begin with the order of the user and an empty list."""
+        n = len(self._given.radius)
+        history = np.zeros((0, 3)), np.zeros((0, 2))
+        order, pairs, near = np.arange(n, dtype=np.int32), np.zeros(0, np.uint32), np.zeros(0, np.int32)
+        self.write(Record(order, np.zeros((n, 6)), np.zeros((n, 3)), pairs, pairs, *history, near, near, *history))
+
+    def swap(self) -> None:
+        """Take the other side as the present one."""
+        self.side, self.other = self.other, self.side
+
+    def grow(self) -> None:
+        """Make room for what the last list needed, with a margin. What the sides held is lost."""
+        self._make_room(self.room.blocks.needed.max(axis=0).tolist())
+
+    def load(self, position: Array, velocity: Array, spin: Array, pushed: Array | None) -> None:
+        """Copy positions [m], velocities [m/s], spins [rad/s] and external forces [N] from the user's order."""
+        bodies = self.side.bodies
+        np.take(position, self.user, axis=0, out=bodies.position)
+        bodies.motion[:, :3], bodies.motion[:, 3:] = velocity[self.user], spin[self.user]
+        if pushed is not None:
+            np.take(pushed, self.user, axis=0, out=bodies.pushed)
+
+    def load_heat(self, T: Array, source: Array, capacity: Array) -> None:
+        """Copy temperatures [K], heat sources [W] and heat capacities [J/K] from the user's order."""
+        heat = self.side.heat
+        heat.T[:], heat.source[:], heat.inverse_capacity[:] = T[self.user], source[self.user], 1.0 / capacity[self.user]
+
+    def store(self, position: Array, velocity: Array, spin: Array, T: Array) -> None:
+        """Copy positions, velocities, spins and temperatures to the user's order."""
+        bodies = self.side.bodies
+        position[self.user] = bodies.position
+        velocity[self.user], spin[self.user] = bodies.motion[:, :3], bodies.motion[:, 3:]
+        if self._is_warm:
+            T[self.user] = self.side.heat.T
+
+    def read(self) -> Record:
+        """Return what a step depends on, as copies."""
+        pairs, near = self.side.pairs, self.side.near
+        inner, across = pairs.room
+        lane = np.arange(inner + across)
+        in_use = np.where(lane < inner, lane < pairs.used[0][:, None], lane - inner < pairs.used[1][:, None])
+        place = np.flatnonzero(in_use)
+        entry = pairs.entry[place]
+        closed = place[entry >= CLOSED]
+        close = np.flatnonzero(np.arange(len(near.wall) // self.blocks) < near.used[:, None])
+        return Record(
+            self.user.copy(),
+            self.sums.load.copy(),
+            pairs.listed.copy(),
+            pairs.row[place],
+            entry,
+            pairs.spring[closed],
+            pairs.onset[closed],
+            near.particle[close],
+            near.wall[close],
+            near.spring[close],
+            near.onset[close],
+        )
+
+    def write(self, record: Record) -> None:
+        """Take up a state of `read`."""
+        block, across = record.row // BLOCK, record.row // BLOCK != (record.entry & MASK) // BLOCK
+        group, wall_block = 2 * block.astype(np.int64) + across, record.wall_particle.astype(np.int64) // BLOCK
+        used, close = np.bincount(group, minlength=2 * self.blocks), np.bincount(wall_block, minlength=self.blocks)
+        self._make_room([int(used[0::2].max()), int(used[1::2].max()), int(close.max())])
+        pairs, near, bodies, spheres = self.side.pairs, self.side.near, self.side.bodies, self.side.spheres
+        place = _places(group, used, pairs.room)
+        pairs.used[0], pairs.used[1] = used[0::2], used[1::2]
+        pairs.row[place], pairs.entry[place] = record.row, record.entry
+        closed = place[record.entry >= CLOSED]
+        pairs.spring[closed], pairs.onset[closed] = record.spring, record.onset
+        place = _places(wall_block, close, (len(near.wall) // self.blocks,))
+        near.used[:] = close
+        near.particle[place], near.wall[place] = record.wall_particle, record.wall
+        near.spring[place], near.onset[place] = record.wall_spring, record.wall_onset
+        find_incoming(pairs, self.sums.crossing)
+        self.sums.load[:], bodies.user[:], pairs.listed[:] = record.load, record.user, record.listed
+        if not spheres.equal:
+            for name in _EACH:
+                getattr(spheres, name)[:] = getattr(self._given, name)[record.user]
+
+    def _make_room(self, needed: list[int]) -> None:
+        if all(need <= places for need, places in zip(needed, self._places, strict=True)):
+            return
+        pairs = zip(needed, self._places, strict=True)
+        self._places = tuple(places if need <= places else int(MARGIN * need) + 1 for need, places in pairs)
+        self._allocate()
+
+    def _allocate(self) -> None:
+        n, warm, blocks = len(self._given.radius), len(self._given.radius) if self._is_warm else 0, self.blocks
+        across, cells = blocks * self._places[1], MOST_CELLS * n + (1 << (3 * CUBE)) + 1
+        self.side, self.other = self._make_side(), self._make_side()
+        crossing = Crossing(np.empty((across, 7)), _whole(n + 1), _whole(across))
+        self.sums = Sums(np.zeros((n, 6)), np.zeros(warm), crossing)
+        self.room = Room(
+            Sorting(_whole(n), _whole(n), _whole(n), _whole(cells)),
+            Blocks(np.zeros(blocks), np.full(blocks, -1), np.zeros((blocks, 6)), np.zeros((blocks, 3), np.int64)),
+            crossing,
+        )
+
+    def _make_side(self) -> Side:
+        given, n, blocks = self._given, len(self._given.radius), self.blocks
+        warm = n if self._is_warm else 0
+        inner, across, near = self._places
+        size, close = blocks * (inner + across), blocks * near
+        return Side(
+            Bodies(np.zeros((n, 3)), np.zeros((n, 6)), np.zeros((n, 6)), np.zeros((n, 3)), _whole(n)),
+            given if given.equal else given._replace(**{name: given._asdict()[name].copy() for name in _EACH}),
+            Heat(np.empty(warm), np.empty(warm), np.empty(warm)),
+            Pairs(
+                (inner, across),
+                np.zeros((2, blocks), np.int32),
+                np.zeros((2, n), np.int32),
+                np.zeros((2, n), np.int32),
+                np.empty(size, np.uint32),
+                np.empty(size, np.uint32),
+                np.empty((size, 3)),
+                np.empty((size, 2)),
+                np.zeros((n, 3)),
+            ),
+            NearWalls(
+                np.zeros(blocks, np.int32), _whole(close), _whole(close), np.empty((close, 3)), np.empty((close, 2))
+            ),
+        )
+
+
+def _whole(size: int) -> Entries:
+    return np.empty(size, np.int32)
+
+
+def _places(group: NDArray[np.int64], used: NDArray[np.int64], room: tuple[int, ...]) -> NDArray[np.int64]:
+    """Find the places of rows that are sorted by group, where the groups in turn have room for so many of them."""
+    sizes = np.tile(room, len(used) // len(room))
+    first, begin = np.cumsum(used) - used, np.cumsum(sizes) - sizes
+    found: NDArray[np.int64] = np.arange(len(group)) - first[group] + begin[group]
+    return found
