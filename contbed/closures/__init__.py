@@ -17,7 +17,8 @@ Or by name, as a scene does, and ask what was used outside of the declared range
 
 `closures.names(kind)` lists them and `print(closures.data_sheet(name))` shows one. Kinds: nusselt [-],
 conductivity [W/m/K], tortuosity [-], dispersion [W/m/K], permeability [m2], forchheimer [-],
-pressure_gradient [Pa/m], radiation [W/m/K or -], wall [W/m2/K]; of fluidized beds
+pressure_gradient [Pa/m], radiation [W/m/K or -], wall [W/m2/K]; of rough solids that touch
+contact [W/m2/K], contact_separation [m], temperature_jump [m]; of fluidized beds
 minimum_fluidization [-], drag [kg/m3/s], bubble_size [m], bubble_rise [m/s], gas_exchange [1/s],
 bubble_heat [W/m3/K]; of granular flow radial_distribution, granular_pressure, granular_viscosity,
 granular_bulk_viscosity, granular_conductivity, granular_dissipation, without units, granular_friction [Pa]

@@ -6,6 +6,7 @@ import numpy as np
 
 from contbed.dem import dumps
 from contbed.dem import scene as p
+from contbed.dem.heat import VORONOI
 from contbed.dem.particle_files import FileParticles, missing_step, read_particles, tells_radii
 from contbed.dem.plan import porosity_of
 from contbed.scene.checking import Check, Mistakes, See
@@ -46,8 +47,8 @@ def fluid_is_there(conduction: p.Conduction, closure: p.Closure | None, see: See
     """Require a fluid where columns or a closure need one."""
     if conduction.fluid is not None:
         return
-    if conduction.paths == "columns":
-        yield ("conduction", "paths"), f"columns lead through a fluid; see {see('conduction.fluid')}"
+    if conduction.paths in VORONOI:
+        yield ("conduction", "paths"), f"{conduction.paths} lead through a fluid; see {see('conduction.fluid')}"
     if closure is not None:
         yield ("closure",), f"its ratios are those to the fluid, which is missing; see {see('conduction.fluid')}"
 
@@ -64,11 +65,28 @@ def closure_has_points(closure: p.Closure | None, see: See) -> Mistakes:
 
 def columns_have_no_radiation(conduction: p.Conduction, radiation: p.Radiation | None, see: See) -> Mistakes:
     """Refuse columns together with radiation."""
-    if conduction.paths == "columns" and radiation is not None:
+    if conduction.paths in VORONOI and radiation is not None:
         yield (
             ("conduction", "paths"),
-            f"columns are for equal particles without [radiation]; use cones; see {see('radiation')}",
+            f"{conduction.paths} are for equal particles without [radiation]; use cones; see {see('radiation')}",
         )
+
+
+def spreading_suits(
+    conduction: p.Conduction, surface: p.Surface | None, closure: p.Closure | None, see: See
+) -> Mistakes:
+    """Require particles that conduct no worse than the fluid, and spreading paths for rough surfaces."""
+    if surface is not None and conduction.paths != "spreading":
+        yield ("surface",), f'is for paths = "spreading" alone; see {see("conduction.paths")}'
+    if conduction.paths != "spreading" or conduction.fluid is None:
+        return
+    if conduction.particles < conduction.fluid:
+        yield (
+            ("conduction", "particles"),
+            f"is below that of the fluid; spreading paths are for better conductors; see {see('conduction.fluid')}",
+        )
+    if closure is not None and min(closure.ratios) < 1.0:
+        yield ("closure", "ratios"), f"go below 1, where spreading paths end; see {see('conduction.paths')}"
 
 
 def file_can_be_used(
@@ -95,8 +113,8 @@ def file_can_be_used(
 
 def _fits(found: FileParticles, particles: p.Particles, layers: p.Layers | None, conduction: p.Conduction) -> Mistakes:
     """Require that the other tables suit the particles of the file."""
-    if conduction.paths == "columns" and np.ptp(found.radius) > 0:
-        yield ("conduction", "paths"), "columns are for equal particles without [radiation]; use cones"
+    if conduction.paths in VORONOI and np.ptp(found.radius) > 0:
+        yield ("conduction", "paths"), f"{conduction.paths} are for equal particles without [radiation]; use cones"
     if layers is None:
         if not all(found.periodic):
             yield (
@@ -123,6 +141,7 @@ CHECKS = (
     fluid_is_there,
     closure_has_points,
     columns_have_no_radiation,
+    spreading_suits,
     file_can_be_used,
 )
 WARNINGS: tuple[Check, ...] = ()

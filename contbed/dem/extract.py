@@ -88,7 +88,7 @@ def conductivity_sweep(
         x, R = packing.x, packing.radius
         box = packing.box or (x.min(axis=0) - R, x.max(axis=0) + R)
         sides = packing.box is not None
-        if paths == "columns":
+        if paths in heat.VORONOI:
             pairs = heat.voronoi_pairs(x, box, (sides, sides, False))
         else:
             pairs = heat.near_pairs(x, 3.0 * R, box, (sides, sides, False))

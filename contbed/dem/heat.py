@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import Voronoi, cKDTree
 
 from contbed.dem import heat_pair
+from contbed.dem.heat_spreading import spreading_conductance
+from contbed.dem.surface import Surface
 
 Array = NDArray[np.float64]
 Box = tuple[ArrayLike, ArrayLike]
@@ -22,6 +24,7 @@ Box = tuple[ArrayLike, ArrayLike]
 STEFAN_BOLTZMANN = 5.670374419e-8  # [W/m2/K4]
 VIEW = 1.5  # radius of a particle's radiating environment over its diameter (below Eq. 9)
 CLOSED = (False, False, False)
+VORONOI = ("columns", "spreading")  # paths that need the faces of Voronoi cells
 
 
 @dataclass(frozen=True)
@@ -46,7 +49,9 @@ class Conduction(NamedTuple):
     """How particles conduct: conductivities [W/m/K], porosity at the particles (one or each), contact correction c.
 
     `k_fluid` None leaves out the fluid, `contact_radius` [m] is given to touching pairs instead of Hertz's. `paths`:
-    cones are the paper's Eq. 5; columns over Voronoi faces are exact where fluid and particles conduct alike.
+    cones are the paper's Eq. 5; columns over Voronoi faces are exact where fluid and particles conduct alike; spreading
+    columns draw heat together at the contact as well, which counts where the particles conduct far better than the
+    fluid, and may have a rough `surface` with a gas between.
     """
 
     k_particle: ArrayLike
@@ -54,7 +59,8 @@ class Conduction(NamedTuple):
     eps: ArrayLike = 0.4
     factor: float = 1.0
     contact_radius: float | None = None
-    paths: Literal["cones", "columns"] = "cones"
+    paths: Literal["cones", "columns", "spreading"] = "cones"
+    surface: Surface | None = None
 
 
 def near_pairs(x: Array, reach: float, box: Box | None = None, periodic: tuple[bool, ...] = CLOSED) -> Pairs:
@@ -110,16 +116,30 @@ def conductances(pairs: Pairs, radius: ArrayLike, heat: Conduction) -> dict[str,
     found = {"contact": heat_pair.contact_conductance(r_c, k_i, k_j)}
     if heat.k_fluid is None:
         return found
-    if heat.paths == "columns":
+    if heat.paths != "cones":
         if pairs.face is None or (R.ndim and np.ptp(R) > 0):
-            raise ValueError("columns need equal particles and the Voronoi faces of `voronoi_pairs`")
-        fluid = heat_pair.column_conductance(R_i, distance, pairs.face, k_i, k_j, heat.k_fluid)
-        found["contact"] = heat_pair.contact_excess(r_c, k_i, k_j, heat.k_fluid)
+            raise ValueError(f"{heat.paths} need equal particles and the Voronoi faces of `voronoi_pairs`")
+        if heat.paths == "spreading":
+            fluid, found["contact"] = _spreading(distance, pairs.face, float(R.flat[0]), r_c, heat)
+        else:
+            fluid = heat_pair.column_conductance(R_i, distance, pairs.face, k_i, k_j, heat.k_fluid)
+            found["contact"] = heat_pair.contact_excess(r_c, k_i, k_j, heat.k_fluid)
     else:
         eps = np.asarray(heat.eps, dtype=float)
         mean = eps if eps.ndim == 0 else 0.5 * (eps[pairs.i] + eps[pairs.j])
         fluid = heat_pair.gap_conductance(R_i, R_j, distance, k_i, k_j, heat.k_fluid, mean, r_c)
     return found | {"fluid_touching": np.where(touching, fluid, 0.0), "fluid_apart": np.where(touching, 0.0, fluid)}
+
+
+def _spreading(distance: Array, face: Array, R: float, r_contact: Array, heat: Conduction) -> tuple[Array, Array]:
+    """Find the conductances [W/K] through fluid and contact along spreading paths."""
+    k, k_fluid = np.asarray(heat.k_particle, dtype=float), heat.k_fluid
+    if k.ndim or k_fluid is None:
+        raise ValueError("spreading paths need a fluid and particles of one conductivity")
+    if heat.surface is None:
+        return spreading_conductance(R, distance, face, float(k), float(k), k_fluid, r_contact)
+    joint, jump = heat.surface.resistances(r_contact, R, float(k), k_fluid)
+    return spreading_conductance(R, distance, face, float(k), float(k), k_fluid, r_contact, joint, jump)
 
 
 def convection(Re: Any, Pr: Any, k_fluid: Any, d_p: Any, a: float = 1.2, b: float = 0.5) -> Any:

@@ -13,6 +13,7 @@ from contbed.dem.heat_pair import correction
 from contbed.dem.plan import ParticlePlan
 from contbed.dem.results import fill
 from contbed.dem.scene import ParticleScene
+from contbed.dem.surface import Surface
 from contbed.errors import SceneError
 from contbed.result import Result, timed
 
@@ -40,10 +41,10 @@ def run(plan: ParticlePlan, result: Result, folder: Path | None, quiet: bool, st
 def _pairs(plan: ParticlePlan) -> heat.Pairs:
     """Find the pairs that exchange heat: with a fluid or radiation within 1.5 diameters, else those that touch."""
     table = plan.scene.conduction
-    if table.paths == "columns":
+    if table.paths in heat.VORONOI:
         if np.ptp(plan.radius) > 0:
             where = plan.scene.origin.at(("conduction", "paths")) + ": conduction.paths"
-            raise SceneError(f"{where}: columns are for equal particles without [radiation]; use cones")
+            raise SceneError(f"{where}: {table.paths} are for equal particles without [radiation]; use cones")
         return heat.voronoi_pairs(plan.x, plan.box, plan.periodic)
     reach = 2.0 * float(plan.radius.max())
     reach *= heat.VIEW if table.fluid is not None or plan.scene.radiation is not None else 1.0 + TOUCH
@@ -54,7 +55,7 @@ def _conductances(plan: ParticlePlan, pairs: heat.Pairs, k: float) -> dict[str, 
     """Find the conductances [W/K] by mechanism of particles of conductivity k [W/m/K]."""
     scene = plan.scene
     table, radius = scene.conduction, None if scene.lattice is None else scene.lattice.contact_radius
-    how = heat.Conduction(k, table.fluid, plan.porosity, _correction(scene), radius, table.paths)
+    how = heat.Conduction(k, table.fluid, plan.porosity, _correction(scene), radius, table.paths, _surface(scene))
     equal = np.ptp(plan.radius) == 0
     parts = heat.conductances(pairs, plan.radius[0] if equal else plan.radius, how)
     if scene.radiation is not None:
@@ -76,6 +77,10 @@ def _solve(plan: ParticlePlan, pairs: heat.Pairs, parts: dict[str, Array]) -> ne
 def _correction(scene: ParticleScene) -> float:
     table = scene.conduction.correction
     return 1.0 if table is None else float(correction(table.simulated, table.real, table.exponent))
+
+
+def _surface(scene: ParticleScene) -> Surface | None:
+    return None if scene.surface is None else Surface(**scene.surface.model_dump())
 
 
 def _fit_closure(plan: ParticlePlan, pairs: heat.Pairs, result: Result, folder: Path | None) -> None:

@@ -3,6 +3,7 @@
 [lattice]       touching spheres in a periodic cell, or
 [particles]     a table of positions or a dump of LIGGGHTS or LAMMPS
 [conduction]    materials and mechanisms
+[surface]       roughness and rarefied gas at the contacts; absent: smooth spheres, no temperature jump
 [layers]        which particles of a file are held at temperatures; absent: a periodic cell
 [radiation]     between the particles; absent: none
 [closure]       ratios of conductivity for which a closure file is fitted; absent: none
@@ -65,11 +66,25 @@ class Conduction(Table):
 
     particles: Above = Field(description="conductivity of the particles")
     fluid: Above | None = Field(None, description="conductivity of the fluid between them; absent: a vacuum")
-    paths: Literal["cones", "columns"] = Field(
-        "cones", description="of heat through the fluid: the paper's, or exact at equal conductivities"
+    paths: Literal["cones", "columns", "spreading"] = Field(
+        "cones", description="of heat: the paper's; exact at equal conductivities; that and Batchelor-O'Brien at large"
     )
     porosity: Fraction | None = Field(None, description="around all pairs; absent: counted")
     correction: Correction | None = None
+
+
+class Surface(Table):
+    """Rough particles with a gas between, for spreading paths; roughness and slope are those of one particle."""
+
+    roughness: Length = Field(description="root mean square")
+    slope: Positive = Field(description="mean slope of the asperities")
+    microhardness: Pressure
+    youngs_modulus: Pressure = Field(description="of the material, not of a softer simulation")
+    poisson_ratio: Annotated[Number, Field(gt=-1, le=0.5)] = 0.3
+    mean_free_path: Length = Field(description="of the gas")
+    accommodation: Annotated[Number, Field(gt=0, le=1)] = Field(0.9, description="thermal, of the gas on the surface")
+    heat_capacity_ratio: Annotated[Number, Field(gt=1, lt=2)] = Field(1.4, description="of the gas")
+    prandtl: Positive = Field(0.71, description="of the gas")
 
 
 class Layers(Table):
@@ -120,6 +135,7 @@ class ParticleScene(SceneBase):
     lattice: Lattice | None = None
     particles: Particles | None = None
     conduction: Conduction
+    surface: Surface | None = None
     layers: Layers | None = None
     radiation: Radiation | None = None
     closure: Closure | None = None

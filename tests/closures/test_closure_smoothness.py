@@ -68,6 +68,13 @@ BOX = {
     "p_friction": (1.0, 1e4),
     "angle": (0.2, 0.8),
     "shear_rate": (0.1, 100.0),
+    "roughness": (1e-8, 1e-5),
+    "slope": (0.02, 0.3),
+    "pressure": (1e5, 1e8),
+    "hardness": (1e9, 1e10),
+    "mean_free_path": (1e-8, 1e-6),
+    "accommodation": (0.1, 1.0),
+    "gamma": (1.05, 1.67),
 }
 # zero or almost on a part of the line: differences of terms, and an exponential of -5.4 u_t / u
 VANISHES = {
