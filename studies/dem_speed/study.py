@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import resource
 import tempfile
+import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from contbed import threads
 from contbed.dem import heat, heat_pair, network
 from contbed.dem.contact import hertz_impact
 from contbed.dem.packing import pack
@@ -23,7 +26,10 @@ STEPS = {2500: 12000, 16000: 3000}
 BEDS = {2500: (13, 1000.0), 16000: (24, 2500.0)}  # width in diameters, density
 DECKS = {"LIGGGHTS": "liggghts.in", "LAMMPS": "lammps.in"}
 OWN = "contbed"
-NOT_COMPARED = ("particle_steps_per_cpu_s", "times_LIGGGHTS", "cpu_s", "times_contbed", "cpu_s_per_step")
+NOT_COMPARED = (
+    "particle_steps_per_cpu_s", "times_LIGGGHTS", "cpu_s", "times_contbed", "cpu_s_per_step",
+    "wall_s_per_step", "cpu_s_per_step_of_all", "times_faster", "times_by_cpu",
+)  # fmt: skip
 SKINS = (5e-4, 1e-4)  # of the shared decks, and the default of contbed
 
 
@@ -149,10 +155,53 @@ def scaling() -> Table:
     return Table({"particles": "d", "cpu_s_per_step": ".3g", "particle_steps_per_cpu_s": ".3g"}, rows)
 
 
+def several_threads() -> Table:
+    """A bed of 50 000 particles in random order on one and two threads, in turn; the least of several.
+
+    `times_faster` compares times on the clock and needs two quiet cores. `times_by_cpu` is the number of threads times
+    the CPU of one over that of all, with their waiting for each other: what cores that are free would give.
+    """
+    position, material, domain = _repeated(10, 5)
+    position = position[np.random.default_rng(0).permutation(len(position))]
+    spheres = Particles(position, D / 2)
+    simulation = Simulation(spheres, [material], box(domain), domain, time_step=STEP, largest_overlap=0.1)
+    clock: dict[int, list[float]] = {1: [], 2: []}
+    cpu: dict[int, list[float]] = {1: [], 2: []}
+    for _ in range(2 * REPEATS):
+        for number in clock:
+            before, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
+            with threads.using(number):
+                simulation.run(40)
+            clock[number].append((time.perf_counter() - start) / 40)
+            after = resource.getrusage(resource.RUSAGE_SELF)
+            cpu[number].append((after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime) / 40)
+    rows = [
+        (len(position), number, min(clock[number]), min(cpu[number]), min(clock[1]) / min(clock[number]),
+         number * min(cpu[1]) / min(cpu[number]))
+        for number in clock
+    ]  # fmt: skip
+    return Table(
+        {"particles": "d", "threads": "d"}
+        | dict.fromkeys(("wall_s_per_step", "cpu_s_per_step_of_all"), ".3g")
+        | dict.fromkeys(("times_faster", "times_by_cpu"), ".2f"),
+        rows,
+    )
+
+
+def _repeated(x: int, y: int) -> tuple[Any, Material, Domain]:
+    """A settled bed of 1000 with periodic sides, repeated along x and y; centres, material and domain."""
+    width = 10 * D
+    bed = pack((width, width), count=1000, periodic=(True, True))
+    cells = np.stack(np.meshgrid(range(x), range(y), [0], indexing="ij"), axis=-1).reshape(-1, 1, 3)
+    domain = Domain((0, 0, 0), (x * width, y * width, np.inf), (True, True, False))
+    return (cells * width + bed.position).reshape(-1, 3), bed.material, domain
+
+
 def compute() -> Tables:
     """Speed, conduction, accuracy and scaling; the committed rows of peers are kept where they are not installed."""
     kept = {"speed": ("code", "particles", "skin_mm"), "conduction": ("code", "steps")}
     found = {"speed": speed(), "conduction": conduction(), "accuracy": accuracy(), "scaling": scaling()}
+    found["threads"] = several_threads()
     return {
         name: Table.read(HERE / f"{name}.csv").updated(table, kept[name]) if name in kept else table
         for name, table in found.items()
