@@ -58,6 +58,11 @@ class TensorGrid:
         return cls(tuple(vertices), degree, np.ravel_multi_index(indices, shape))
 
     @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return int(np.prod([len(ends) - 1 for ends in self.vertices]))
+
+    @property
     def coordinates(self) -> list[Array]:
         """Coordinates of the nodes in each direction [m]."""
         return [_subdivided(ends, self.degree) for ends in self.vertices]

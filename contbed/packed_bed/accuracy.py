@@ -26,6 +26,7 @@ GIVEN_THETA = 1e-3  # error of theta above which a mesh of given cells gets a wa
 GIVEN_VELOCITY = 1e-2  # the same for the velocity over that at the inlet
 RELAXATION, MOST_RELAXED = 1.1, 100.0  # factor by which cells grow until few enough, and its limit
 MOST_CELLS_TOLD = 10**9  # where only the number of cells needed is told
+FULL = 0.8  # share of the largest number of cells from which a mesh cannot be much better
 SHARE = 0.3  # share of the tolerance aimed at in each direction, as those of all directions add up
 
 
@@ -166,6 +167,12 @@ def _weight(grid: TensorGrid, corners: list[Corner]) -> Any:
 def exceeded(estimate: Estimate) -> bool:
     """Return whether the estimate of a field is above its tolerance."""
     return any(field.error > field.tolerance for field in estimate.values())
+
+
+def full(estimate: Estimate, before: Estimate | None, limit: int) -> bool:
+    """Return whether this mesh and the former one have nearly as many cells as `limit` allows."""
+    grids = [next(iter(each.values())).grid for each in (estimate, before) if each]
+    return len(grids) == 2 and all(grid.cells >= FULL * limit for grid in grids)
 
 
 def next_vertices(estimate: Estimate, limit: int) -> list[Any]:

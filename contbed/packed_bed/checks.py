@@ -30,10 +30,11 @@ from contbed.scene.mesh_checks import (
 )
 from contbed.scene.quantities import ClosureFile
 from contbed.scene.series import ProfileFile
-from contbed.scene.tables import Closure, Fluid, FluidCantera, FluidConstant, FluidCoolProp, Solid
+from contbed.scene.tables import Closure, Fluid, FluidCantera, FluidConstant, FluidCoolProp, Solid, Solver
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
 Boundaries = dict[str, s.Boundary]
+LOOSE_BALANCE = 1e-3  # tolerance of a balance above which a warning is given: the accuracy that engineers ask for
 PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
 MOST_CUTS = 100_000  # jumps and kinks of one series in a run; each takes some milliseconds
 LENGTH_SLACK = 1e-6  # share of the length by which positions in a file may lie outside of the bed, for their rounding
@@ -393,7 +394,29 @@ CHECKS: tuple[Check, ...] = (
     a_steady_temperature_is_determined,
     closures_exist,
 )
-WARNINGS: tuple[Check, ...] = (species_fill_the_solids,)
+
+
+def the_bed_has_more_than_one_cell(mesh: Mesh) -> Mistakes:
+    """Look for a given number of cells that cannot show how a temperature or a velocity varies."""
+    if isinstance(mesh, MeshFile) or mesh.cells is None or mesh.refine:
+        return
+    for k, count in enumerate((mesh.cells,) if isinstance(mesh.cells, int) else mesh.cells):
+        if count == 1:
+            path: KeyPath = ("mesh", "cells") if isinstance(mesh, MeshLine) else ("mesh", "cells", k)
+            yield path, "one cell cannot show how anything varies in this direction; leave out mesh.cells"
+
+
+def the_balance_can_fail(solver: Solver) -> Mistakes:
+    """Look for a tolerance within which every balance closes."""
+    if solver.balance_tolerance > LOOSE_BALANCE:
+        yield (
+            ("solver", "balance_tolerance"),
+            f"{solver.balance_tolerance:g} of what crosses and is released may be missing; results with a balance open "
+            f"by more than {LOOSE_BALANCE:g} mean little",
+        )
+
+
+WARNINGS: tuple[Check, ...] = (species_fill_the_solids, the_bed_has_more_than_one_cell, the_balance_can_fail)
 
 
 def _temperatures(phases: Iterable[str], boundary: Boundaries, time: s.Time | None) -> Iterator[tuple[KeyPath, float]]:

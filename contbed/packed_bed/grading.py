@@ -12,6 +12,8 @@ from contbed.packed_bed.medium import Medium
 from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 
 FRONT_CELLS = 4000  # cells of a bed with tracked fronts
+FIRST_CELLS_3D = 2000  # cells of the first automatic mesh of a box; it takes some 2 s, and errors tell the next one
+FEWEST = 4  # cells in each direction of it
 
 
 def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: bool) -> list[Any] | None:
@@ -32,11 +34,16 @@ def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: boo
         return [equidistributed(mesh.length, layers, mesh.cells, scene.solver.degree)]
     if mesh.cells is not None and not mesh.graded:
         return None
-    return [_graded(scene, medium, velocity, solid, k) for k in range(mesh.dimension)]
+    found = [_graded(scene, medium, velocity, solid, k) for k in range(mesh.dimension)]
+    excess = np.prod([len(x) - 1 for x in found]) / FIRST_CELLS_3D
+    if mesh.dimension < 3 or mesh.cells is not None or excess <= 1.0:
+        return found
+    counts = [max(FEWEST, int((len(x) - 1) / excess ** (1.0 / 3.0))) for x in found]
+    return [_graded(scene, medium, velocity, solid, k, count) for k, count in enumerate(counts)]
 
 
-def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction: int) -> Any:
-    """Return the graded coordinates of one direction of a 2-D or 3-D bed."""
+def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction: int, cells: int | None = None) -> Any:
+    """Return the graded coordinates of one direction of a 2-D or 3-D bed, of a given number of cells or of any."""
     mesh = scene.mesh
     axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
     assert not isinstance(mesh, MeshFile | MeshLine)
@@ -50,7 +57,9 @@ def _graded(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, direction
         if direction != axis and thermal:
             layers += [(position, max(width, 1e-3 * extent)) for width in _wall_layers(scene, medium, velocity, solid)]
     if mesh.cells is not None:
-        return equidistributed(extent, layers, mesh.cells[direction])
+        cells = mesh.cells[direction]
+    if cells is not None:
+        return equidistributed(extent, layers, cells)
     return graded(extent, layers, coarse=extent / (40 if direction == axis else 12))
 
 

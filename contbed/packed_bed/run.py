@@ -39,6 +39,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         return
     flow, estimate = None, None
     for attempt in range(plan.adaptations + 1):
+        plan.policy.check_memory(max(plan.unknowns().values()))  # before a matrix is assembled, which may take most
         # before anything is solved, as a line that leaves the mesh is a mistake of the scene
         line = line_along(plan.mesh, scene.output.positions, scene.output.across)
         result.warnings += [line.note] if line.note and line.note not in result.warnings else []
@@ -71,7 +72,7 @@ def _better(
 
     if plan.tensor and (plan.balanced or not plan.adaptations):
         estimate = accuracy.estimated(plan, flow, problem, state, before)
-        if not last and accuracy.exceeded(estimate):
+        if not last and accuracy.exceeded(estimate) and not accuracy.full(estimate, before, plan.most_cells):
             return plan.on(accuracy.next_vertices(estimate, plan.most_cells)), estimate
         accuracy.report(plan, estimate, result)
         return None, estimate

@@ -35,6 +35,8 @@ def choose(scene: Scene) -> tuple[Scene, str]:
         return scene, "Rosseland needs conduction and the solid at the temperature of its walls"
     if isinstance(scene.mesh, MeshFile):
         return scene, "Rosseland is not estimated on a mesh from a file"
+    if scene.heat is not None and np.any(scene.flow.velocity_solid):
+        return scene, "Rosseland is not estimated where the solids move: layers at walls may be thinner than the bed"
     thick = scene.model_copy(update={"radiation": table.model_copy(update={"level": "rosseland"})})
     error = estimate(thick, scene.mesh)
     text = f"Rosseland errs by about {100.0 * error:.2g} %, allowed are {100.0 * TOLERANCE:g} %"
