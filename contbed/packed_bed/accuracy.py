@@ -198,23 +198,31 @@ def next_vertices(estimate: Estimate, limit: int) -> list[Any]:
         relaxed *= RELAXATION
 
 
+def _worst(field: Field, axisymmetric: bool) -> str:
+    """Say in which cells of one direction the estimate is largest."""
+    k = int(np.argmax([float(error.max()) for error in field.errors]))
+    ends, cell = field.grid.vertices[k], int(np.argmax(field.errors[k]))
+    return f"{('r', 'z')[k] if axisymmetric else 'xyz'[k]} = {0.5 * (ends[cell] + ends[cell + 1]):.4g} m"
+
+
 def report(plan: Any, estimate: Estimate, result: Any) -> None:
     """Report the estimated errors, with a warning and its remedy where they are above what the scene asks for."""
     if not estimate:
         return
     given = not plan.balanced
-    for name, group, allowed in (("theta", "T", GIVEN_THETA), ("velocity", "u", GIVEN_VELOCITY)):
+    for name, group, allowed in (("temperature", "T", GIVEN_THETA), ("velocity", "u", GIVEN_VELOCITY)):
         fields = [field for key, field in estimate.items() if key.startswith(group)]
         if not fields:
             continue
         error = max(field.error for field in fields)
-        result.qoi["estimated_error" if name == "theta" else "estimated_error_velocity"] = error
+        result.qoi["estimated_error" if group == "T" else "estimated_error_velocity"] = error
         limit = max(allowed, fields[0].tolerance) if given else fields[0].tolerance
         if error <= limit:
             continue
         wanted = " x ".join(str(len(x) - 1) for x in next_vertices(estimate, MOST_CELLS_TOLD))
-        over = "of the span of temperatures" if name == "theta" else "of that at the inlet"
-        text = f"the {name} is wrong by up to about {error:.2g} {over}, by its estimate; "
+        over = "of the span of temperatures" if group == "T" else "of that at the inlet"
+        where = _worst(max(fields, key=lambda field: field.error), plan.mesh.axisymmetric)
+        text = f"the {name} is wrong by up to about {error:.2g} {over}, by its estimate, most at {where}; "
         if given:
             text += "layers are not resolved by the given cells: leave out mesh.cells"
         else:

@@ -47,5 +47,6 @@ def test_given_cells_that_miss_the_layer_are_told():
     result = cb.run(channel(cells=(4, 4)))
     assert result.qoi["estimated_error_velocity"] > 0.1
     text = next(text for text in result.warnings if "velocity" in text)
+    assert "most at " in text
     assert "leave out mesh.cells" in text
     assert "graded cells needed are about" in text
