@@ -106,10 +106,10 @@ def test_scale_of_the_balance() -> None:
 
 
 def test_a_balance_is_measured_against_what_crosses() -> None:
-    """A millionth of what crosses is missing and seen as that, also where streams hold 900 times as much above 0 K; a
+    """A millionth of what crosses is missing and seen as that, also where streams hold 300 times as much above 0 K; a
     larger floor would hide it.
     """
-    balance = _heat_balance({"left": {"T_fluid": 1.0}, "right": {"T_fluid": 1e-6 - 1.0}}, {}, 0.0, 0.0, "W", 900.0)
+    balance = _heat_balance({"left": {"T_fluid": 1.0}, "right": {"T_fluid": 1e-6 - 1.0}}, {}, 0.0, 0.0, "W", 300.0)
     assert balance["relative_residual"] == pytest.approx(1e-6)
 
 
