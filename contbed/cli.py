@@ -121,13 +121,10 @@ def run(
 
             mark_failed(folder, "bad scene", str(error))
         raise
-    from contbed.models import model_of
     from contbed.runner import run as solve
 
-    if not quiet and model_of(loaded).compiles:
-        from contbed.compiled_cache import tell_when_compiling
-
-        tell_when_compiling()
+    if not quiet:
+        _tell_when_compiling(loaded)
     command = f"contbed run {shlex.quote(str(scene))} --restart {shlex.quote(str(folder))}"
     _resume[:] = [(folder / "checkpoint.npz", command)]
     engine = engine or ("dolfinx" if any(int(os.environ.get(name, "1")) > 1 for name in SIZE) else "skfem")
@@ -166,6 +163,7 @@ def plan(scene: SceneFile, settings: Settings = None, trust: Trust = False, allo
     from contbed.models import plan as make
     from contbed.trial import predicted_time
 
+    _tell_when_compiling(loaded)
     planned = make(loaded)
     print(planned, flush=True)
     if time := predicted_time(planned):
@@ -298,6 +296,15 @@ def _interrupted() -> str:
         if needed.exists():
             return f"interrupted; to go on: {command}"
     return "interrupted"
+
+
+def _tell_when_compiling(scene: Any) -> None:
+    from contbed.models import model_of
+
+    if model_of(scene).compiles:
+        from contbed.compiled_cache import tell_when_compiling
+
+        tell_when_compiling()
 
 
 def _load(path: Path, settings: list[str] | None, trust: bool, allow_large: bool) -> Any:
