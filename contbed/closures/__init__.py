@@ -21,7 +21,8 @@ pressure_gradient [Pa/m], radiation [W/m/K or -], wall [W/m2/K]; of rough solids
 contact [W/m2/K], contact_separation [m], temperature_jump [m]; of fluidized beds
 minimum_fluidization [-], drag [kg/m3/s], bubble_size [m], bubble_rise [m/s], gas_exchange [1/s],
 bubble_heat [W/m3/K]; of granular flow radial_distribution, granular_pressure, granular_viscosity,
-granular_bulk_viscosity, granular_conductivity, granular_dissipation, without units, granular_friction [Pa]
+granular_bulk_viscosity, granular_conductivity, granular_dissipation,
+granular_production, without units, granular_friction [Pa]
 and granular_friction_viscosity [Pa s].
 """
 

@@ -119,6 +119,7 @@ RESULTS: dict[str, str] = {
     "granular_friction": "frictional pressure",
     "granular_friction_viscosity": "frictional viscosity",
     "granular_pressure": "p/(rho_s theta)",
+    "granular_production": "S d_p^3 rho_s theta^0.5/(mu^2 slip^2)",
     "granular_viscosity": "mu/(rho_s d_p sqrt(theta))",
     "minimum_fluidization": "Reynolds number of u_mf and the particle diameter",
     "nusselt": "Nusselt number on d_p and k_fluid",

@@ -17,6 +17,8 @@ MIN_PARTICLES_PER_RADIUS = 5.0  # least number of particles between centre and w
 def closures_exist(fully_developed: d.FullyDeveloped, origin: Origin) -> Mistakes:
     """Check that the closures exist and that the flow has the arguments that they need."""
     for key, kind in KINDS.items():
+        if getattr(fully_developed, key) is None:
+            continue
         try:
             bind(getattr(fully_developed, key), kind, GIVES[kind], origin.base)
         except SceneError as error:

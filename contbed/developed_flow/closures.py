@@ -12,6 +12,7 @@ KINDS = {
     "viscosity": "granular_viscosity",
     "conductivity": "granular_conductivity",
     "dissipation": "granular_dissipation",
+    "production": "granular_production",
 }
 _THEORY = frozenset({"eps_s", "eps_max", "e", "g0"})
 GIVES: dict[str, frozenset[str]] = {
@@ -25,4 +26,5 @@ GIVES: dict[str, frozenset[str]] = {
 def bound(scene: d.DevelopedScene) -> dict[str, BoundClosure]:
     """Return the closures of a scene by kind."""
     table, base = scene.fully_developed, scene.origin.base
-    return {kind: bind(getattr(table, key), kind, GIVES[kind], base) for key, kind in KINDS.items()}
+    named = {kind: getattr(table, key) for key, kind in KINDS.items()}
+    return {kind: bind(name, kind, GIVES[kind], base) for kind, name in named.items() if name is not None}

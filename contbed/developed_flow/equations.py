@@ -2,7 +2,7 @@
 
     0 = eps_g G + (r^n mu_g u_g')'/r^n - beta (u_g - u_s) - eps_g rho_g g
     0 = eps_s G + (r^n mu_s u_s')'/r^n + beta (u_g - u_s) - eps_s rho_s g
-    0 = (r^n k theta')'/r^n + mu_s u_s'^2 - gamma - 3 beta theta,       p_s(eps_s, theta) = P over the section
+    0 = (r^n k theta')'/r^n + mu_s u_s'^2 + S - gamma - 3 beta theta,       p_s(eps_s, theta) = P over the section
     r = 0:  u_g' = u_s' = theta' = 0
     r = R:  u_g = 0,  mu_s u_s' = -c u_s,  k theta' = c u_s^2 - c_w theta
     mean of eps_g u_g = U_g,  mean of rho_s eps_s u_s = G_s
@@ -11,7 +11,7 @@ r        distance from the centre [m]            n        0 in a channel, 1 in a
 u        intrinsic velocity upward [m/s]         theta    granular temperature [m2/s2]
 eps      fraction [1]                            G        -dp/dz [Pa/m]
 P        pressure of the particles [Pa]          beta     drag [kg/m3/s]
-mu_s, k, gamma    of the kinetic theory [Pa s, kg/m/s, W/m3]
+mu_s, k, gamma    of the kinetic theory [Pa s, kg/m/s, W/m3]          S    production by slip [W/m3], 0 where not named
 c        phi pi sqrt(3) rho_s eps_s g0 sqrt(theta)/(6 eps_max) [kg/m2/s], Johnson and Jackson's slip, specularity phi
 c_w      (1 - e_w^2) pi sqrt(3) rho_s eps_s g0 sqrt(theta)/(4 eps_max) [kg/m2/s]
 
@@ -106,6 +106,7 @@ class Local:
     mu: Any
     k: Any
     gamma: Any
+    production: Any
 
 
 def local(u: Any, c: Coefficients) -> Local:
@@ -123,7 +124,16 @@ def local(u: Any, c: Coefficients) -> Local:
         scale * c.evaluate("granular_viscosity", **state),
         scale * c.evaluate("granular_conductivity", **state),
         c.rho_solid / c.d_p * u.root**3 * c.evaluate("granular_dissipation", **state),
+        _production(u, c, state),
     )
+
+
+def _production(u: Any, c: Coefficients, state: dict[str, Any]) -> Any:
+    """Return the granular energy that the slip produces [W/m3]."""
+    if "granular_production" not in c.closures:
+        return 0.0
+    scale = c.mu_gas**2 * (u.u_gas - u.u_solid) ** 2 / (c.rho_solid * c.d_p**3 * u.root)
+    return scale * c.evaluate("granular_production", **state)
 
 
 def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
@@ -133,7 +143,7 @@ def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
     solid = at.mu * shear * o.grad(tests.u_solid)[0]
     solid = solid + (at.eps_s * (c.rho_solid * c.gravity - u.gradient) - drag) * tests.u_solid
     energy = 2.0 * at.k * u.root * o.grad(u.root)[0] * o.grad(tests.root)[0]
-    energy = energy + (at.gamma + 3.0 * at.beta * u.root**2 - at.mu * shear**2) * tests.root
+    energy = energy + (at.gamma + 3.0 * at.beta * u.root**2 - at.mu * shear**2 - at.production) * tests.root
     flow = (c.rho_solid * at.eps_s * u.u_solid - c.solid_flux) * tests.pressure
     return gas(u, tests, c, o, eps) + drag * tests.u_gas + solid + energy + flow
 

@@ -24,6 +24,7 @@ SPECULARITY_FACTOR, MIN_SPECULARITY_FACTOR = (
     2.0,
     1.01,
 )  # on the specularity from one solution to the next: first and least [-]
+PATIENCE = 16  # pseudo-time steps, none longer than one before, after which the search ends
 FIRST_PSEUDO_STEP, LAST_PSEUDO_STEP = 1e-5, 1e3  # steps in pseudo-time [s]; granular energy settles within a second
 
 
@@ -90,7 +91,14 @@ class DevelopedProblem:
         smooth = self.with_values(specularity=min(rough, START_SPECULARITY))
         x, history = smooth.solve_from(
             relax(
-                smooth, x, self.plan.policy, self.lower, first=FIRST_PSEUDO_STEP, last=LAST_PSEUDO_STEP, tolerance=1e-5
+                smooth,
+                x,
+                self.plan.policy,
+                self.lower,
+                first=FIRST_PSEUDO_STEP,
+                last=LAST_PSEUDO_STEP,
+                tolerance=1e-5,
+                patience=PATIENCE,
             )
         )
         done, step = smooth.c.specularity, SPECULARITY_FACTOR

@@ -54,6 +54,17 @@ def advice(problem: DevelopedProblem) -> str:
     c = problem.c
     if not problem.particles:
         return "raise solver.newton_tolerance"
+    if "granular_production" not in c.closures:
+        return (
+            'name fully_developed.production = "granular_production_koch": without it drag stops the fluctuations of '
+            f"particles of {c.d_p:g} m away from walls, and no fraction carries the pressure; or {_tries(problem)}"
+        )
+    return _tries(problem)
+
+
+def _tries(problem: DevelopedProblem) -> str:
+    """Say which easier scenes to start from."""
+    c = problem.c
     others = ", ".join(
         f"{factor * (problem.plan.scene.fully_developed.theta_centre or START_THETA):.2g}" for factor in GUESSES
     )

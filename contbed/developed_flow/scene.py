@@ -35,6 +35,9 @@ class FullyDeveloped(Table):
     viscosity: str = "granular_viscosity_gidaspow"
     conductivity: str = "granular_conductivity_syamlal"
     dissipation: str = "granular_dissipation_lun"
+    production: str | None = Field(
+        None, description="of fluctuations by the slip, for fine particles: granular_production_koch; absent: none"
+    )
 
 
 class Solid(Table):

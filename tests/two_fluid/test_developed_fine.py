@@ -1,0 +1,60 @@
+"""Fully developed flow of fine particles: production of fluctuations by the slip, and what is said without it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.developed_flow import equations as model
+from contbed.developed_flow.problem import DevelopedProblem
+from contbed.errors import ConvergenceError, SceneError
+from contbed.loading import from_dict
+
+
+def fcc(cells=60, **table):
+    """FCC of 75 um in a pipe of 100 mm; 5 m/s, 50 kg/m2/s."""
+    flow = {"section": "pipe", "radius": 0.05, "velocity": 5.0, "solid_flux": 50.0} | table
+    return from_dict(
+        {
+            "fully_developed": flow,
+            "gas": {"density": 1.2, "viscosity": 1.8e-5},
+            "solid": {"particle_diameter": 75e-6, "density": 1500.0},
+            "wall": {"specularity": 0.1},
+            "solver": {"cells": cells},
+            "output": {"plots": False, "fields": False},
+        }
+    )
+
+
+def test_fine_particles_have_a_solution_with_production_by_the_slip():
+    result = cb.run(fcc(production="granular_production_koch"))
+    for name in ("momentum", "gas flow", "solids flow"):
+        assert abs(result.balances[name]["relative_residual"]) < 1e-10
+    assert any(use["name"] == "granular_production_koch" for use in result.closures)
+    # Away from the wall nothing shears: what the slip produces, drag and collisions take. From that and the profile:
+    # S = 81 eps mu^2 slip^2/(g0 d^3 rho sqrt(pi theta)) = gamma + 3 beta theta, less what conduction brings
+    problem = DevelopedProblem(result.plan)
+    c = problem.c
+    centre = {name: column[0] for name, column in result.profiles.items()}
+    u = SimpleNamespace(
+        u_gas=centre["u_gas [m/s]"],
+        u_solid=centre["u_solid [m/s]"],
+        root=centre["theta [m2/s2]"] ** 0.5,
+        pressure=result.qoi["pressure_solid_Pa"],
+    )
+    at = model.local(u, c)
+    slip = u.u_gas - u.u_solid
+    S = 81.0 * at.eps_s * 1.8e-5**2 * slip**2 / (at.g0 * 75e-6**3 * 1500.0 * np.pi**0.5 * u.root)
+    assert at.production == pytest.approx(S, rel=1e-12)
+    assert at.gamma + 3.0 * at.beta * u.root**2 == pytest.approx(S, rel=0.1)  # conduction brings 4 %
+
+
+def test_fine_particles_without_it_end_with_advice():
+    with pytest.raises(ConvergenceError, match=r'no solution found .*production = "granular_production_koch"'):
+        cb.run(fcc(20))
+
+
+def test_a_name_that_does_not_exist_is_refused():
+    with pytest.raises(SceneError, match=r"fully_developed\.production"):
+        fcc(production="granular_production_kock")
