@@ -139,7 +139,7 @@ def granular_production_koch(eps_s: Value, g0: Value) -> Value:
     Source: As used for risers in secondary sources.
 
     >>> round(float(granular_production_koch(eps_s=0.03, g0=1.08)), 6)
-    1.269414
+    1.269427
     """
     return 81.0 * eps_s / (g0 * _PI**0.5)
 
