@@ -26,6 +26,7 @@ LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start
 STRIDE = 0.1  # of the smallest radius: nothing may move farther in one step
 SKIN = 0.1  # of the smallest radius, unless given
 CHUNK = 2_000_000  # steps times particles of one call of the kernel, about 0.2 s, so that Ctrl-C is heard
+FEWEST = 8  # steps of one call; what goes in and out of it then costs a tenth of them for 1e6 particles, Ctrl-C 1 s
 LEAST = 2000  # particles that a thread must have; a step of them takes 0.1 ms, threads meet twice in it for 5 us
 NO_ROOM = "the lists of neighbours need more room"
 _STATE = ("position", "velocity", "spin", "force", "T")
@@ -227,7 +228,7 @@ class Simulation:
             before, now = self._memory.read(), (self._moved, self._stale, self.steps_done)
             start = {name: getattr(self, name).copy() for name in ("position", "velocity", "spin", "T")}
             self._load()
-        end, longest = self.steps_done + steps, max(1, CHUNK // len(self.position))
+        end, longest = self.steps_done + steps, max(FEWEST, CHUNK // len(self.position))
         while self.steps_done < end:
             failure = self._take_part(min(longest, end - self.steps_done))
             if failure is None:
