@@ -107,7 +107,7 @@ def test_bad_scenes_say_what_is_wrong(key, value, said):
 def test_gas_that_would_be_turbulent_is_told():
     """9 m/s of air between plates 30.4 mm apart: Re = 18 240."""
     planned = cb.plan(load())
-    said = "fully_developed.velocity: the gas alone would be turbulent, Re = 1.82e+04"
+    said = "fully_developed.velocity = 9.0: the gas alone would be turbulent, Re = 1.82e+04"
     assert any(said in text for text in planned.scene.warnings)
     assert "WARNING" in str(planned)
     slow = load(**{"fully_developed.solid_flux": 0.0, "fully_developed.velocity": 0.1})
