@@ -13,9 +13,10 @@ import numpy as np
 from contbed.two_fluid.compiled import Array, Flags
 from contbed.two_fluid.fv import limiter
 from contbed.two_fluid.implicit import solve_system
-from contbed.two_fluid.linear.cg import empty_system
+from contbed.two_fluid.linear.cg import empty_system, transposed
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.packing import FrictionTable, Solids, add_compaction_flux, assemble_compaction, move_tangents
+from contbed.two_fluid.rectangular import solids as solids_of_rows
 from contbed.two_fluid.state import Counters, State
 from contbed.two_fluid.timing import phase
 
@@ -48,7 +49,11 @@ def advance(state: State, dt: float, model: Model) -> Moved:
     table = FrictionTable(*model.closures.packing)
     solids = Solids(old, state.properties.drag, state.properties.rheology.stiffness, model.materials.rho_solid)
     system, flux, counters = empty_system(g, 1), state.fluxes.solid.copy(), state.counters
-    assemble_compaction(g, dt, solids, flux, source, system)
+    rows = model.grid.rows
+    if rows is None:
+        assemble_compaction(g, dt, solids, flux, source, system)
+    else:
+        solids_of_rows.assemble_compaction(g, rows, dt, solids, flux, source, transposed(system))
     # solved for in all cells: the small change ahead of a front keeps nearly empty cells smooth
     y = solve_system(state, "eps_s", system, model, explicit=0.0)
     links, shift = system.links, np.zeros(len(old))
@@ -58,7 +63,12 @@ def advance(state: State, dt: float, model: Model) -> Moved:
         counters = counters.add(packing_rounds=1)
         y = solve_system(state, "eps_s", system._replace(links=np.zeros_like(links)), model, explicit=0.0)
     velocity = np.empty_like(flux)
-    add_compaction_flux(g, dt, system, y, flux, velocity)
+    if rows is None:
+        add_compaction_flux(g, dt, system, y, flux, velocity)
+    else:
+        solids_of_rows.add_compaction_flux(
+            g, rows, dt, system.coef[:, 0], system.content[:, 0], y[:, 0], flux, velocity
+        )
     new, upwind_cells = np.empty_like(old), np.zeros(len(old), dtype=np.bool_)
     touched, rounds = limiter.limit(g, dt, old, source, model.materials.eps_max, flux, new, upwind_cells)
     if touched:

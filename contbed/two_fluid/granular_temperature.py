@@ -30,6 +30,7 @@ from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import Predicted
 from contbed.two_fluid.packing import MIN_PUSHED_FRACTION
 from contbed.two_fluid.rectangular import cells
+from contbed.two_fluid.rectangular import solids as solids_of_rows
 from contbed.two_fluid.state import Counters, Properties, State
 from contbed.two_fluid.timing import phase
 
@@ -137,20 +138,17 @@ def assemble_theta(
 
 @kernel
 def max_compression_rate(
-    g: Geometry, particles: Particles, theta: Array, pressure: Array, sink: Array, drag: Array
+    g: Geometry, links: Array, particles: Particles, theta: Array, pressure: Array, sink: Array, drag: Array
 ) -> float:
     """Largest 1/dt [1/s] at which the part of sound that warmer particles make grows.
 
     The step follows a compression by its heat, and that by the velocity that it drives, so that
     K dt^2 < (2 + d dt)(2 + b dt) with the rates K of both, d of dissipation and b of drag.
+    links (nc,) : sum of area over distance of the interior faces of a cell
     theta (nc,) : new granular temperature; pressure (nc,) : p_solid/(rho_s theta); sink (nc,) as in `GranularTerms`
     """
     s, rho_s = particles.eps_s, particles.rho
-    links, fastest = np.zeros(len(s)), 0.0
-    for f in range(len(g.right)):
-        link = g.area[f] / g.distance[f]
-        links[g.left[f]] += link
-        links[g.right[f]] += link
+    fastest = 0.0
     for c in range(len(s)):
         if s[c] > MIN_PUSHED_FRACTION:
             both = 4.0 / 3.0 * theta[c] * (pressure[c] / s[c]) ** 2 * links[c] / g.volume[c]
@@ -220,7 +218,7 @@ def _transport(
 ) -> Granular:
     """Convected with the solids flux, conducted, produced, dissipated."""
     g, edge, r, s = model.grid.geometry, model.edge, properties.rheology, moved.eps_s
-    rho_s, old, counters = model.materials.rho_solid, state.theta, moved.counters
+    rho_s, old, counters, rows = model.materials.rho_solid, state.theta, moved.counters, model.grid.rows
     column, entering = old.reshape(-1, 1), edge.solid.kind == boundary.GIVEN
     given = np.where(entering, edge.theta, old[model.boundary_cells]).reshape(-1, 1)
     grad = gradient(model.grid, column, given)
@@ -231,12 +229,20 @@ def _transport(
         rhs[:] = 0.0
         field = Reconstruction(column, grad, half_step, given, first_order, model.options.limited)
         convect(model.grid, moved.flux, field, rhs)
-        if not mark_negative(g, dt, s, old, rhs, first_order):
+        if rows is None:
+            more = mark_negative(g, dt, s, old, rhs, first_order)
+        else:
+            more = solids_of_rows.mark_negative(g, rows, dt, s, old, rhs[:, 0], first_order)
+        if not more:
             break
     counters = counters.add(theta_upwind_cells=int(first_order.sum()) - int(moved.upwind_cells.sum()))
     convected = rhs / ((s + NO_PARTICLES) * g.volume)[:, None]
     rhs *= 1.5 * rho_s
-    conduct(g, r.conductivity, old, np.where(entering, edge.theta, np.nan), grad, rhs, system.coef)
+    outside = np.where(entering, edge.theta, np.nan)
+    if rows is None:
+        conduct(g, r.conductivity, old, outside, grad, rhs, system.coef)
+    else:
+        solids_of_rows.conduct(g, rows, r.conductivity, old, outside, rhs[:, 0], system.coef[:, 0])
     particles = Particles(rho_s, model.materials.eps_max, s, old, r.g0)
     assemble_theta(g, edge, dt, particles, terms, slip, u_solid, system)
     theta = old + solve_system(state, "theta", system, model)[:, 0]
@@ -244,7 +250,7 @@ def _transport(
         counters = counters.add(theta_clipped_cells=int((theta < 0.0).sum()))
         theta[low] = 0.0
     rate = (theta.reshape(-1, 1) - column) / dt - convected
-    compression = max_compression_rate(g, particles, theta, r.pressure, terms.sink, properties.drag)
+    compression = max_compression_rate(g, model.grid.links, particles, theta, r.pressure, terms.sink, properties.drag)
     return Granular(theta, rate, compression, counters)
 
 

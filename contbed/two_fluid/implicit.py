@@ -6,7 +6,8 @@ import numpy as np
 
 from contbed.errors import ConvergenceError
 from contbed.two_fluid.compiled import Array
-from contbed.two_fluid.linear.cg import EXPLICIT_SHARE, System, solve
+from contbed.two_fluid.linear.cg import EXPLICIT_SHARE, System, solve, transposed
+from contbed.two_fluid.linear.lattice_multigrid import solve_exchange
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.state import State, check_finite
 
@@ -24,7 +25,13 @@ def solve_system(state: State, name: str, system: System, model: Model, explicit
     ConvergenceError : a field is not finite, or too many iterations; with the name of the unknown
     """
     x = np.empty_like(system.rhs)
-    if solve(model.grid.geometry, system, explicit, TOLERANCE, MAX_ITERATIONS, x) < 0:
+    g, rows, lattice = model.grid.geometry, model.grid.rows, model.pressure_solver.lattice
+    if rows is None or lattice is None:
+        iterations = solve(g, system, explicit, TOLERANCE, MAX_ITERATIONS, x)
+    else:
+        by_component = transposed(system)
+        iterations = solve_exchange(lattice, rows, by_component, explicit, TOLERANCE, MAX_ITERATIONS, x.T)
+    if iterations < 0:
         check_finite(state, model.grid)
         raise ConvergenceError(
             f"t = {state.time:.6g} s, step {state.steps}: {name} did not converge in {MAX_ITERATIONS} iterations; "

@@ -28,6 +28,7 @@ from contbed.two_fluid.packing import add_compaction_velocity
 from contbed.two_fluid.pressure import Projection, zero_slope_gradient
 from contbed.two_fluid.properties import density_ratio
 from contbed.two_fluid.rectangular import cells as cells_of_rows
+from contbed.two_fluid.rectangular import solids as solids_of_rows
 from contbed.two_fluid.rectangular import stress as stress_of_rows
 from contbed.two_fluid.state import Energy, Properties, State
 from contbed.two_fluid.stress import Fluid, Motion, add_hoop_stress, add_stress
@@ -187,7 +188,11 @@ def predict(
         moved.upwind_cells,
     )
     predicted_gas, predicted_solid = _advance(gas, state, dt, model), _advance(solid, state, dt, model)
-    add_compaction_velocity(model.grid.geometry, moved.compaction_velocity, materials.eps_max, eps_s, predicted_solid.h)
+    g, rows, compaction, h = model.grid.geometry, model.grid.rows, moved.compaction_velocity, predicted_solid.h
+    if rows is None:
+        add_compaction_velocity(g, compaction, materials.eps_max, eps_s, h)
+    else:
+        solids_of_rows.add_compaction_velocity(g, rows, compaction, materials.eps_max, eps_s, h.T)
     return predicted_gas, predicted_solid
 
 

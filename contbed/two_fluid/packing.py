@@ -17,8 +17,11 @@ MIN_STIFFNESS = 1e-12
 # change of eps_s [-] by the pressure that a tangent may miss before it is taken elsewhere
 # (test_slug_thrown_on_a_wall_packs_and_stays)
 TANGENT_ERROR = 1e-3
-# steps in which the fraction of a tangent is found (test_slug_thrown_on_a_wall_packs_and_stays)
-BISECTIONS = 40
+# steps by Newton's method, or halvings where it leaves the interval, in which the fraction of a tangent is found; few
+# are needed, as the pressure is a chain of straight lines (test_slug_thrown_on_a_wall_packs_and_stays)
+MAX_TANGENT_STEPS = 40
+# change of the solids fraction [-] at which they end
+TANGENT_RESOLVED = 1e-15
 # solids fraction [-] below which the compaction velocity of a cell fades: so few particles would be thrown away
 # (test_slug_thrown_on_a_wall_packs_and_stays)
 MIN_PUSHED_FRACTION = 1e-4
@@ -48,6 +51,29 @@ class Solids(NamedTuple):
 
 
 @kernel
+def compaction_link(dt: float, drag: float, rho: float, area: float, distance: float) -> float:
+    """Link of two cells by the pressure of the solids, which drag holds back."""
+    return dt * dt * area / distance / (1.0 + dt * drag / rho)
+
+
+@kernel
+def sound_share(coef: float, content_left: float, content_right: float) -> float:
+    """Share of the compaction flux that becomes velocity, from the squared number of cells that sound crosses."""
+    crossed = coef / min(content_left, content_right)
+    return crossed / (1.0 + crossed)
+
+
+@kernel
+def kept_compaction(mean: float, s_left: float, s_right: float, eps_max: float) -> float:
+    """Compaction velocity over the flux per area; `mean` of eps_s on the face.
+
+    Very dilute cells get less of it, and dense cells too, because the limiter or friction may stop what was pushed.
+    """
+    kept = 1.0 - (max(s_left, s_right) / (COMPACTION_VELOCITY_LIMIT * eps_max)) ** 4
+    return min(1.0, mean / MIN_PUSHED_FRACTION) * max(0.0, kept) / max(mean, MIN_PUSHED_FRACTION)
+
+
+@kernel
 def assemble_compaction(g: Geometry, dt: float, solids: Solids, flux: Array, source: Array, system: System) -> None:
     """Assemble V y/c - sum of coef (y_neighbour - y) = rhs for the change y of p_solid/rho_s in a step.
 
@@ -66,8 +92,8 @@ def assemble_compaction(g: Geometry, dt: float, solids: Solids, flux: Array, sou
         left, right = g.left[f], g.right[f]
         rhs[right, 0] += dt * flux[f]
         w = g.weight[f]
-        hold = 1.0 + dt * (w * drag[left] + (1.0 - w) * drag[right]) / solids.rho
-        coef[f, 0] = dt * dt * g.area[f] / g.distance[f] / hold
+        mean_drag = w * drag[left] + (1.0 - w) * drag[right]
+        coef[f, 0] = compaction_link(dt, mean_drag, solids.rho, g.area[f], g.distance[f])
         if g.skewed and flux[f] != 0.0:
             # few particles that sink into many, from a cell that the surface hardly cuts, are not thrown back
             coef[f, 0] *= neighbour_weight(s[left], s[right]) if flux[f] > 0.0 else neighbour_weight(s[right], s[left])
@@ -87,31 +113,21 @@ def add_compaction_flux(g: Geometry, dt: float, system: System, y: Array, flux: 
         left, right = g.left[f], g.right[f]
         change = -coef[f, 0] * (y[right, 0] - y[left, 0]) / dt
         flux[f] += change
-        # squared number of cells that sound crosses in a step
-        crossed = coef[f, 0] / min(content[left, 0], content[right, 0])
-        velocity[f] = change / g.area[f] * crossed / (1.0 + crossed)
+        velocity[f] = change / g.area[f] * sound_share(coef[f, 0], content[left, 0], content[right, 0])
 
 
 @kernel
 def add_compaction_velocity(g: Geometry, velocity: Array, eps_max: float, s: Array, u: Array) -> None:
     """Add the compaction velocity of the faces to the velocity u (nc, dim) [m/s] of the particles.
 
-    `velocity` (nf,) [m/s] is that of `add_compaction_flux`. Each cell gets the least-squares vector of its faces. Very
-    dilute cells get less of it, and dense cells too, because the limiter or friction may stop what was pushed.
+    `velocity` (nf,) [m/s] is that of `add_compaction_flux`. Each cell gets the least-squares vector of its faces.
     """
     ni, dim = len(g.right), len(g.axes)
     change, out = np.zeros(u.shape), np.empty(dim)
     for f in range(ni):
         left, right, w = g.left[f], g.right[f], g.weight[f]
         mean = (1.0 - w) * s[left] + w * s[right]
-        kept = 1.0 - (max(s[left], s[right]) / (COMPACTION_VELOCITY_LIMIT * eps_max)) ** 4
-        speed = (
-            g.face_size[f]
-            * velocity[f]
-            / max(mean, MIN_PUSHED_FRACTION)
-            * min(1.0, mean / MIN_PUSHED_FRACTION)
-            * max(0.0, kept)
-        )
+        speed = g.face_size[f] * velocity[f] * kept_compaction(mean, s[left], s[right], eps_max)
         for k in range(dim):
             change[left, k] += speed * g.normal[f, k]
             change[right, k] += speed * g.normal[f, k]
@@ -143,7 +159,7 @@ def move_tangents(
 
     Where a step packs or loosens a cell, the frictional pressure differs much from its tangent at the old solids
     fraction. There the tangent is taken at the fraction that the cell has if its neighbours keep their y (one nonlinear
-    Jacobi iteration for one cell, solved by bisection).
+    Jacobi iteration for one cell, solved by Newton's method within bounds).
 
     links (nc, 1) : sum of the links of a cell; shift (nc,) : what the tangents so far have added to the right-hand side
     """
@@ -162,13 +178,21 @@ def move_tangents(
         found = True
         most = volume * (predicted - old) + links[c, 0] * y[c, 0]
         low, high = predicted - links[c, 0] * missed / volume, predicted
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            pushed = kinetic * (middle - old) + frictional_pressure(table, middle)[0] - before
-            if volume * (middle - old) + links[c, 0] * pushed < most:
+        middle = high
+        for _ in range(MAX_TANGENT_STEPS):
+            pushed, steep = frictional_pressure(table, middle)
+            pushed += kinetic * (middle - old) - before
+            over = volume * (middle - old) + links[c, 0] * pushed - most
+            if over < 0.0:
                 low = middle
             else:
                 high = middle
+            last, middle = middle, middle - over / (volume + links[c, 0] * (kinetic + steep))
+            if not low <= middle <= high:
+                middle = 0.5 * (low + high)
+            if abs(middle - last) <= TANGENT_RESOLVED:
+                break
+        low = middle
         pushed, steep = frictional_pressure(table, low)
         pushed += kinetic * (low - old) - before
         content[c, 0] = volume / (kinetic + steep)

@@ -26,6 +26,7 @@ from contbed.two_fluid.fv.reconstruction import Reconstruction, divergence
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.properties import density_ratio
 from contbed.two_fluid.rectangular import faces as faces_of_rows
+from contbed.two_fluid.rectangular import solids as solids_of_rows
 from contbed.two_fluid.state import Energy, Fluxes, ForceGradients, Properties, State
 from contbed.two_fluid.timing import phase
 
@@ -109,8 +110,11 @@ def project(
         # with the convected rate of the faces, buoyancy waves of N dt of about 1 would grow
         rate_eps_s = rate_eps_s - 2.0 / dt * field.half_step
     else:
-        net, convected = np.empty_like(p), np.empty_like(p)
-        divergence(g, faces.solid * g.area, fractions.solid, eps_s, net, convected)
+        convected, volume_flux = np.empty_like(p), faces.solid * g.area
+        if rows is None:
+            divergence(g, volume_flux, fractions.solid, eps_s, np.empty_like(p), convected)
+        else:
+            solids_of_rows.divergence(g, rows, volume_flux, fractions.solid, eps_s, convected)
         rate_eps_s = -(convected / g.volume)[:, None]
     return Projection(p, faces, fluxes, cells, velocities, gradients, rate_eps_s)
 

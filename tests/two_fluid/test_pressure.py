@@ -7,8 +7,13 @@ from gmsh_meshes import unstructured
 from test_core_exact import WALLS, fluidized
 
 from contbed.errors import ConvergenceError
+from contbed.mesh import build as meshing
+from contbed.scene.mesh import MeshBox
+from contbed.two_fluid.fv import grid
 from contbed.two_fluid.linear import pressure_solver
 from contbed.two_fluid.linear.elimination import Elimination
+from contbed.two_fluid.linear.lattice import build_levels
+from contbed.two_fluid.linear.lattice_multigrid import LatticeMultigrid
 from contbed.two_fluid.linear.multigrid import Multigrid
 
 
@@ -23,8 +28,16 @@ def system(on, seed=1):
     return coef, g.volume * random.standard_normal(len(g.volume))
 
 
+def box(cells):
+    """Grid of a box."""
+    mesh = MeshBox(type="box", length=0.1, width=0.2, height=0.3, cells=cells)
+    return grid.build(meshing.build(mesh))
+
+
 GRIDS = [
     lambda: rectangle(0.28, 1.0, (14, 50)),
+    lambda: rectangle(0.28, 2.0, (13, 51)),
+    lambda: box((5, 7, 12)),
     lambda: rectangle(0.28, 1.0, (14, 50), [("left", "right")]),
     lambda: rectangle(0.28, 1.0, (14, 50), [("left", "right"), ("bottom", "top")]),
     lambda: unstructured("triangles", 0.06, 0.12, 0.006),
@@ -32,9 +45,18 @@ GRIDS = [
 ]
 
 
+def of_lattice(on):
+    """Multigrid on the lattice, where the grid has one."""
+    levels = build_levels(on)
+    if levels is None:
+        pytest.skip("no lattice")
+    return LatticeMultigrid(on, levels)
+
+
 @pytest.mark.parametrize("make", GRIDS)
+@pytest.mark.parametrize("multigrid", [Multigrid, of_lattice])
 @pytest.mark.parametrize("floating", [False, True])
-def test_multigrid_agrees_with_elimination(make, floating):
+def test_multigrid_agrees_with_elimination(make, multigrid, floating):
     on = make()
     coef, rhs = system(on)
     floating = floating or len(coef) == on.interior
@@ -44,25 +66,27 @@ def test_multigrid_agrees_with_elimination(make, floating):
     exact = rhs.copy()
     assert Elimination(on).solve(on.geometry, coef, floating, exact)
     found = np.zeros_like(rhs)
-    assert 0 < Multigrid(on).solve(coef, floating, rhs, found) < 40
+    assert 0 < multigrid(on).solve(coef, floating, rhs, found) < 40
     # residuals of 1e-11 times the condition of the system
     np.testing.assert_allclose(found, exact, atol=1e-7 * np.ptp(exact))
 
 
-def test_iterations_hardly_grow():
+@pytest.mark.parametrize("multigrid", [Multigrid, of_lattice])
+def test_iterations_hardly_grow(multigrid):
     counts = []
     for cells in ((7, 25), (28, 100), (56, 200)):
         on = rectangle(0.28, 1.0, cells)
         coef, rhs = system(on)
-        counts.append(Multigrid(on).solve(coef, False, rhs, np.zeros_like(rhs)))
+        counts.append(multigrid(on).solve(coef, False, rhs, np.zeros_like(rhs)))
     assert counts[2] < 40 and counts[2] < 1.5 * counts[0], counts
 
 
-def test_exact_guess_needs_no_iteration():
+@pytest.mark.parametrize("multigrid", [Multigrid, of_lattice])
+def test_exact_guess_needs_no_iteration(multigrid):
     on = rectangle(0.28, 1.0, (14, 50))
     coef, rhs = system(on)
     p = np.zeros_like(rhs)
-    by = Multigrid(on)
+    by = multigrid(on)
     assert by.solve(coef, False, rhs, p) > 5
     assert by.solve(coef, False, rhs, p) == 0
     assert by.solve(coef, False, 0 * rhs, np.zeros_like(rhs)) == 0
@@ -71,7 +95,7 @@ def test_exact_guess_needs_no_iteration():
 def test_bed_by_multigrid(monkeypatch):
     """The same bed with either solver; the flux of both phases has no divergence to 1e-10, a restart gives the same."""
     one = fluidized(WALLS[2], noise=0.01)
-    monkeypatch.setattr(pressure_solver, "WIDEST_BAND", 0)
+    monkeypatch.setattr(pressure_solver, "WIDEST_BAND_OF_LATTICE", 0)
     two = fluidized(WALLS[2], noise=0.01)
     for _ in range(30):
         one.step(one.next_step())
@@ -93,7 +117,7 @@ def test_bed_by_multigrid(monkeypatch):
 
 
 def test_pressure_that_cannot_be_found(monkeypatch):
-    monkeypatch.setattr(pressure_solver, "WIDEST_BAND", 0)
+    monkeypatch.setattr(pressure_solver, "WIDEST_BAND_OF_LATTICE", 0)
     on = rectangle(0.28, 1.0, (14, 50))
     coef, rhs = system(on)
     coef[3] = np.nan

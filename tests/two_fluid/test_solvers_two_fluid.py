@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from core_closures import line, rectangle
 
-from contbed.two_fluid.linear.cg import System, solve
+from contbed.two_fluid.linear import cg
+from contbed.two_fluid.linear.cg import System
 from contbed.two_fluid.linear.elimination import Elimination
+from contbed.two_fluid.linear.lattice import build_levels
+from contbed.two_fluid.linear.lattice_multigrid import LatticeMultigrid, solve_exchange
 
 GRIDS = {
     "quadrilaterals": lambda: rectangle(0.1, 0.2, (7, 12)),
@@ -50,8 +53,26 @@ def test_elimination_refuses_a_matrix_that_is_not_positive():
     assert not Elimination(grid).solve(grid.geometry, coef, False, np.ones(20))
 
 
+def on_lattice(grid):
+    """Solution on the lattice of the grid, with the arguments of cg.solve."""
+    levels = build_levels(grid)
+    if levels is None:
+        pytest.skip("no lattice")
+
+    def solve(g, system, explicit, tolerance, most, x):
+        found = np.ascontiguousarray(x.T)
+        by_component = System(*(np.ascontiguousarray(part.T) for part in system))
+        lattice = LatticeMultigrid(grid, levels)
+        iterations = solve_exchange(lattice, grid.rows, by_component, explicit, tolerance, most, found)
+        x[:], system.links[:] = found.T, by_component.links.T
+        return iterations
+
+    return solve
+
+
+@pytest.mark.parametrize("lattice", [False, True], ids=["any mesh", "lattice"])
 @pytest.mark.parametrize("name", GRIDS)
-def test_implicit_exchange(name):
+def test_implicit_exchange(name, lattice):
     """All cells against a dense matrix; the stiff ones alone keep the sum and leave the quiet ones explicit."""
     grid, rng = GRIDS[name](), np.random.default_rng(2)
     count, ni = len(grid.cells), grid.interior
@@ -59,6 +80,7 @@ def test_implicit_exchange(name):
     coef = 10.0 ** rng.uniform(-4, 2, (len(g.left), 2)) * (grid.middles[:, :1] > grid.centres[:, 0].mean())
     content, rhs = rng.uniform(1, 2, (count, 2)), rng.normal(size=(count, 2))
     x = np.empty_like(rhs)
+    solve = on_lattice(grid) if lattice else cg.solve
     assert solve(g, System(coef, np.zeros_like(x), content, rhs), 0.0, 1e-12, 500, x) > 0
     for k in range(2):
         np.testing.assert_allclose(

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -100,6 +101,15 @@ class Grid:
     def skewed(self) -> bool:
         """Whether any face needs corrections for skewness or non-orthogonality."""
         return self.geometry.skewed
+
+    @cached_property
+    def links(self) -> np.ndarray:
+        """Sum (nc,) of area over distance of the interior faces of each cell."""
+        g, ni = self.geometry, self.interior
+        link, found = g.area[:ni] / g.distance[:ni], np.zeros(len(self.cells))
+        np.add.at(found, g.left[:ni], link)
+        np.add.at(found, g.right, link)
+        return found
 
     @property
     def order(self) -> Literal["C", "F"]:

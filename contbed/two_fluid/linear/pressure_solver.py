@@ -11,14 +11,17 @@ from contbed.errors import ConvergenceError
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.linear.elimination import Elimination
+from contbed.two_fluid.linear.lattice import build_levels
+from contbed.two_fluid.linear.lattice_multigrid import LatticeMultigrid
 from contbed.two_fluid.linear.multigrid import Multigrid
 
+WIDEST_BAND_OF_LATTICE = 40  # cells, up to which elimination is faster than multigrid on the lattice, measured
 WIDEST_BAND = 250  # cells, up to which elimination is faster, measured in 2-D and 3-D: studies/two_fluid_scaling
 
 
 def uses_elimination(grid: Grid) -> bool:
     """Whether the equation is solved by elimination."""
-    return grid.bandwidth <= WIDEST_BAND
+    return grid.bandwidth <= (WIDEST_BAND if grid.places is None else WIDEST_BAND_OF_LATTICE)
 
 
 class PressureSolver:
@@ -26,7 +29,13 @@ class PressureSolver:
 
     def __init__(self, grid: Grid, floating: bool):
         self.geometry, self.floating, self.iterations = grid.geometry, floating, 0
-        self.method: Elimination | Multigrid = Elimination(grid) if uses_elimination(grid) else Multigrid(grid)
+        levels = build_levels(grid)
+        self.lattice = None if levels is None else LatticeMultigrid(grid, levels)
+        self.method: Elimination | Multigrid | LatticeMultigrid
+        if uses_elimination(grid):
+            self.method = Elimination(grid)
+        else:
+            self.method = Multigrid(grid) if self.lattice is None else self.lattice
 
     def solve(self, coef: Array, rhs: Array, guess: Array) -> Array:
         """Pressure (nc,) [Pa]; `guess` is where iterations start."""

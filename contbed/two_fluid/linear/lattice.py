@@ -1,0 +1,220 @@
+"""Lattices of a rectangular grid and of coarser ones, on which its symmetric systems are loaded for iterations.
+
+A place (i, j, k) counts from 0 along the axes, the longest axis first. Its number is first + i + s (j + n k), and the
+numbers before and after a lattice are places without links, so that every place has neighbours in memory and one loop
+runs over all. Places without a cell (obstacles) have no links either.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contbed.two_fluid.compiled import Array, Indices, kernel
+from contbed.two_fluid.fv.grid import Grid
+
+# longest over shortest distance of places up to which an axis is coarsened with the shortest one; smoothing does not
+# even out what differs along a longer one
+MAX_ASPECT = 1.5
+COARSE_LINK = 0.5  # a coarse link spans twice the distance of the links that it is the sum of (Braess 1995)
+
+
+class Levels(NamedTuple):
+    """All lattices of a grid, nl of them, one after the other in memory.
+
+    first (nl,) : number of the first place; size (nl, 3) : places along the axes; by (nl, 3) : 2 where two become one
+    of_cell (nc,) : place of each cell of the grid
+    faces (3, 2) : first interior face across each axis, and the one after the last
+    place (ni,) : first place of each interior face
+    joined (3, n) : 1 where there is a face between a place and the next one along an axis, on the first lattice
+    axes : dim zeros; a tuple, so that its length is known to the compiler
+    """
+
+    first: Indices
+    size: Indices
+    by: Indices
+    of_cell: Indices
+    faces: Indices
+    place: Indices
+    joined: Array
+    axes: tuple[int, ...]
+
+
+class Stencil(NamedTuple):
+    """Symmetric system on all lattices: diagonal x - sum of links times the neighbours.
+
+    fast, middle, slow (total,) : links from each place to the next one along the first, second and third axis
+    diagonal (total,) and its inverse, 0 where there is no cell
+    """
+
+    fast: Array
+    middle: Array
+    slow: Array
+    diagonal: Array
+    inverse: Array
+
+
+def build_levels(grid: Grid) -> Levels | None:
+    """Lattices of a grid; None where it is not rectangular, or where a periodic pair closes it."""
+    if grid.places is None or grid.rows is None or grid.dimension == 1:
+        return None
+    order = np.argsort(-grid.places.max(axis=0), kind="stable")
+    place = grid.places[:, order]
+    n = np.ones(3, dtype=np.int64)
+    n[: grid.dimension] = place.max(axis=0) + 1
+    spacing = np.full(3, np.inf)
+    spacing[: grid.dimension] = np.ptp(grid.centres, axis=0)[order] / np.maximum(n[: grid.dimension] - 1, 1)
+    spacing[n == 1] = np.inf
+    first, sizes, halved, at = [], [], [], 0
+    while True:
+        around = n[0] * (n[1] if grid.dimension > 2 else 1)
+        first.append(at + around)
+        sizes.append(n.copy())
+        at += around + int(np.prod(n)) + around
+        by = np.where((n > 1) & (spacing <= MAX_ASPECT * spacing.min()), 2, 1)
+        halved.append(by)
+        if (n == 1).all():
+            break
+        n, spacing = -(-n // by), spacing * by
+        spacing[n == 1] = np.inf
+    strides = np.array([1, sizes[0][0], sizes[0][0] * sizes[0][1]])
+    index = first[0] + place @ strides[: grid.dimension]
+    g, joined = grid.geometry, np.zeros((3, at))
+    axis = np.repeat(np.argsort(order)[grid.rows.axis], grid.rows.length.astype(np.int64))
+    start = index[g.left[: grid.interior]]
+    joined[axis, start] = 1.0
+    faces = np.zeros((3, 2), dtype=np.int64)
+    for a in np.unique(axis):
+        of_axis = np.flatnonzero(axis == a)
+        faces[a] = of_axis[0], of_axis[-1] + 1
+    return Levels(
+        np.array(first), np.array(sizes), np.array(halved), index, faces, start, joined, (0,) * grid.dimension
+    )
+
+
+def empty_stencil(levels: Levels) -> Stencil:
+    """Make a system without links."""
+    total = levels.joined.shape[1]
+    return Stencil(*(np.zeros(total) for _ in Stencil._fields))
+
+
+@kernel
+def load_links(levels: Levels, coef: Array, out: Stencil) -> None:
+    """Set the links of the first lattice to those of the interior faces, `coef` (nf,)."""
+    faces, place = levels.faces, levels.place
+    for f in range(faces[0, 0], faces[0, 1]):
+        out.fast[place[f]] = coef[f]
+    for f in range(faces[1, 0], faces[1, 1]):
+        out.middle[place[f]] = coef[f]
+    for f in range(faces[2, 0], faces[2, 1]):
+        out.slow[place[f]] = coef[f]
+
+
+@kernel
+def load_diagonal(levels: Levels, rest: Array, out: Stencil) -> None:
+    """Set the diagonal of the first lattice: its links and the `rest` (nc,) of each cell."""
+    for c in range(len(rest)):
+        out.diagonal[levels.of_cell[c]] = rest[c]
+    _add_links(levels, 0, out)
+
+
+@kernel
+def add_neighbours(levels: Levels, stiff: Array, solved: Array) -> None:
+    """Set `solved` to 1 in stiff cells and their neighbours."""
+    begin, end, s1, s2 = span(levels, 0)
+    one, joined = np.uint64(1), levels.joined
+    for p in range(begin, end):
+        near = max(stiff[p], max(joined[0, p] * stiff[p + one], joined[0, p - one] * stiff[p - one]))
+        near = max(near, max(joined[1, p] * stiff[p + s1], joined[1, p - s1] * stiff[p - s1]))
+        if len(levels.axes) > 2:
+            near = max(near, max(joined[2, p] * stiff[p + s2], joined[2, p - s2] * stiff[p - s2]))
+        solved[p] = near
+
+
+@kernel
+def load_solved(levels: Levels, content: Array, rest: Array, solved: Array, out: Stencil) -> None:
+    """Keep the links between cells that are `solved` for; set the diagonal to content (nc,) and all links that stay.
+
+    rest (nc,) : links of each cell to given values
+    """
+    begin, end, s1, s2 = span(levels, 0)
+    one, fast, middle, slow = np.uint64(1), out.fast, out.middle, out.slow
+    for p in range(begin, end):
+        fast[p] *= solved[p] * solved[p + one]
+    for p in range(begin, end):
+        middle[p] *= solved[p] * solved[p + s1]
+    if len(levels.axes) > 2:
+        for p in range(begin, end):
+            slow[p] *= solved[p] * solved[p + s2]
+    for c in range(len(content)):
+        out.diagonal[levels.of_cell[c]] = content[c] + solved[levels.of_cell[c]] * rest[c]
+    _add_links(levels, 0, out)
+
+
+@kernel
+def span(levels: Levels, level: int) -> tuple[Any, Any, Any, Any]:
+    """First place of a lattice, the one after its last, and the distances of places along the second and third axis."""
+    begin, s1 = np.uint64(levels.first[level]), np.uint64(levels.size[level, 0])
+    s2 = np.uint64(levels.size[level, 0] * levels.size[level, 1])
+    return begin, begin + s2 * np.uint64(levels.size[level, 2]), s1, s2
+
+
+@kernel
+def _add_links(levels: Levels, level: int, out: Stencil) -> None:
+    """Add the links of each place of a lattice to the diagonal, and set its inverse."""
+    begin, end, s1, s2 = span(levels, level)
+    one = np.uint64(1)
+    fast, middle, slow, diagonal, inverse = out.fast, out.middle, out.slow, out.diagonal, out.inverse
+    for p in range(begin, end):
+        total = diagonal[p] + fast[p] + fast[p - one] + middle[p] + middle[p - s1]
+        if len(levels.axes) > 2:
+            total += slow[p] + slow[p - s2]
+        diagonal[p] = total
+        inverse[p] = 1.0 / total if total > 0.0 else 0.0
+
+
+@kernel
+def coarsen(levels: Levels, out: Stencil) -> None:
+    """Set the systems of all coarser lattices from that of the first one.
+
+    A coarse place has the sum of what its places have besides links, and of the links that lead out of it.
+    """
+    dim = len(levels.axes)
+    rest = np.empty(len(out.diagonal))
+    for level in range(len(levels.first) - 1):
+        nx, ny, nz = levels.size[level]
+        bx, by, bz = levels.by[level]
+        cx, cy, cz = levels.size[level + 1]
+        begin, coarse = levels.first[level], levels.first[level + 1]
+        s2, end = nx * ny, levels.first[level] + nx * ny * nz
+        for p in range(begin, end):
+            total = out.diagonal[p] - out.fast[p] - out.fast[p - 1] - out.middle[p] - out.middle[p - nx]
+            if dim > 2:
+                total -= out.slow[p] + out.slow[p - s2]
+            rest[p] = max(total, 0.0)
+        last = coarse + cx * cy * cz
+        out.fast[coarse:last] = 0.0
+        out.middle[coarse:last] = 0.0
+        out.diagonal[coarse:last] = 0.0
+        if dim > 2:
+            out.slow[coarse:last] = 0.0
+        along = COARSE_LINK if bx > 1 else 1.0
+        aside = COARSE_LINK if by > 1 else 1.0
+        across = COARSE_LINK if bz > 1 else 1.0
+        for k in range(nz):
+            for j in range(ny):
+                row, to = begin + nx * (j + ny * k), coarse + cx * (j // by + cy * (k // bz))
+                outer_j, outer_k = j % by == by - 1, k % bz == bz - 1
+                for b in range(bx):
+                    for i in range((nx - b + bx - 1) // bx):
+                        out.diagonal[to + i] += rest[row + bx * i + b]
+                    if outer_j:
+                        for i in range((nx - b + bx - 1) // bx):
+                            out.middle[to + i] += aside * out.middle[row + bx * i + b]
+                    if dim > 2 and outer_k:
+                        for i in range((nx - b + bx - 1) // bx):
+                            out.slow[to + i] += across * out.slow[row + bx * i + b]
+                for i in range(nx // bx):
+                    out.fast[to + i] += along * out.fast[row + bx * i + bx - 1]
+        _add_links(levels, level + 1, out)
