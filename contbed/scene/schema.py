@@ -151,7 +151,8 @@ def sheet(name: str, node: Node) -> Iterator[str]:
         for option in options(node)
         if "properties" in option and not is_closure(option) and not is_closure_file(option)
     ]
-    if not tables:
+    written_otherwise = any("properties" not in option for option in options(node))
+    if written_otherwise or not tables:
         yield f"{name} - {node['description']}" if "description" in node else name
         yield f"    allowed: {allowed(node)}"
         if any(is_closure(option) for option in options(node)):
@@ -159,7 +160,7 @@ def sheet(name: str, node: Node) -> Iterator[str]:
         if "default" in node:
             value = node["default"]
             yield f"    default: {'absent' if value is None else json.dumps(value)}"
-        return
+        yield from [""] * bool(tables)
     for table in tables:
         yield f"[{name}] {table.get('description', '')}"
         required = table.get("required", [])

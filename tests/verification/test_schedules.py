@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 import contbed as cb
 from contbed.errors import SceneError
+from contbed.explain import explain
 from contbed.loading import from_dict
 from contbed.scene.series import Samples
 
@@ -292,3 +293,10 @@ def test_restart_across_a_jump_is_bit_for_bit(tmp_path, monkeypatch):
     for name in whole.profiles:
         np.testing.assert_array_equal(part.profiles[name], whole.profiles[name])
     assert part.balances == whole.balances
+
+
+def test_a_key_that_takes_a_number_or_a_series_explains_both():
+    """The data sheet of such a key has the unit of the number and the keys of the series."""
+    text = explain("boundary.NAME.fluid.inflow")
+    assert "allowed: a number > 0 K, or a table with times, values" in text
+    assert "period: a number > 0 s" in text
