@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 CELLS_ALONG = 40  # cells along a bed without prescribed cells
 SMOOTH = 3.0  # share of the smooth part of a solution in `equidistributed`, where a layer takes degree + 1
 GRADING_ERROR = 4e-4  # error of theta on a mesh of grading scale 1 with quadratic elements, measured
+SMALLEST, SAMPLES = 1e-9, 2000  # of the places at which `of_size` looks: share of the length at the ends, number
 WIDENING = 8.0  # ratio of widths of layers around a corner
 
 Layers = list[tuple[float, float]]
@@ -129,6 +130,17 @@ def equidistributed(length: float, layers: Sequence[tuple[float, float]], cells:
         right = count(middle) < target
         low, high = np.where(right, middle, low), np.where(right, high, middle)
     return np.concatenate(([0.0], 0.5 * (low + high), [length]))
+
+
+def of_size(length: float, size: Callable[[Array], Array], scale: float = 1.0) -> Array:
+    """Return node coordinates [m] of cells of the size that a function of the coordinate gives, times `scale`."""
+    near = length * np.concatenate(([0.0], np.geomspace(SMALLEST, 0.5, SAMPLES)))
+    ends = np.unique(np.concatenate((near, length - near)))
+    middle = 0.5 * (ends[1:] + ends[:-1])
+    total = np.concatenate(([0.0], np.cumsum(np.diff(ends) / size(middle))))
+    nodes: Array = np.interp(np.linspace(0.0, total[-1], int(np.ceil(total[-1] / scale)) + 1), total, ends)
+    nodes[0], nodes[-1] = 0.0, length
+    return nodes
 
 
 def finest(grids: Sequence[Array]) -> Array:

@@ -6,14 +6,29 @@ from typing import Any
 
 import numpy as np
 
-from contbed.mesh.grading import GRADING_ERROR, Layers, equidistributed, graded, scale_for, widened
+from contbed.mesh.grading import (
+    CELLS_ALONG,
+    GRADING_ERROR,
+    Layers,
+    equidistributed,
+    finest,
+    graded,
+    of_size,
+    scale_for,
+    widened,
+)
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
 from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
+from contbed.scene.series import ProfileFile
 
 FRONT_CELLS = 4000  # cells of a bed with tracked fronts
 FIRST_CELLS_3D = 2000  # cells of the first automatic mesh of a box; it takes some 2 s, and errors tell the next one
 FEWEST = 4  # cells in each direction of it
+# cells of scale 1 over the standard deviation of a front: quadratic elements then miss it by some GRADING_ERROR
+FRONT_SHARE = 0.5
+PROFILE_CELLS = 20  # cells of scale 1 over a rise of an initial profile by the whole span of temperatures
+EARLIEST = 1e-3  # share of the run before which a front need not be resolved where no output is asked for
 
 
 def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: bool) -> list[Any] | None:
@@ -27,10 +42,12 @@ def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: boo
         layers = axial_layers(scene, medium, float(velocity[0]), float(solid[0]), mesh.length)
         layers += _radiation_layers(scene, medium, 0, mesh.length)
         if mesh.cells is None:
-            coarse = mesh.length / (400 if scene.time is not None else 40)
-            return [
-                graded(mesh.length, layers, scale=scale_for(scene.solver.tolerance, scene.solver.degree), coarse=coarse)
-            ]
+            tolerance, degree = scene.solver.tolerance, scene.solver.degree
+            if scene.time is None:
+                return [graded(mesh.length, layers, scale=scale_for(tolerance, degree))]
+            scale = scale_for(max(tolerance, scene.time.tolerance), degree)
+            moving = front_nodes(scene, medium, float(velocity[0]), float(solid[0]), scale)
+            return [finest([graded(mesh.length, layers, scale=scale), moving])]
         return [equidistributed(mesh.length, layers, mesh.cells, scene.solver.degree)]
     if mesh.cells is not None and not mesh.graded:
         return None
@@ -85,6 +102,75 @@ def _radiation_layers(scene: s.Scene, medium: Medium, direction: int, extent: fl
     from contbed.radiation.grading import radiation_layers
 
     return radiation_layers(scene, float(medium.conductivity("solid", medium.T_fluid_in)), direction, extent)
+
+
+def front_nodes(scene: s.Scene, medium: Medium, u: float, u_solid: float, scale: float) -> Any:
+    """Return coordinates that resolve what moves and spreads from both ends in a transient, from the first output on.
+
+    What both phases carry moves at v = (F_f + F_s)/C with the heat fluxes F = G c_p and the heat content C of both per
+    volume. It spreads by D = K/C + (F_f C_s - F_s C_f)^2/(C^3 h a), conduction and exchange (two phases that follow
+    each other, to first order), and has the standard deviation sqrt(2 D t). Where it has not come to by flow, it has by
+    spreading: the place x belongs to the time t = min(x/v, x^2/(2 D)).
+    """
+    mesh, time = scene.mesh, scene.time
+    assert isinstance(mesh, MeshLine) and time is not None
+    T, porosity = medium.T_fluid_in, scene.bed.porosity
+    heat = {
+        "fluid": medium.mass_flux_scale() * float(medium.fluid.heat_capacity(T)),
+        "solid": float(medium.solid.density(T)) * float(medium.solid.heat_capacity(T)),
+    }
+    flux = {"fluid": heat["fluid"] * u, "solid": heat["solid"] * u_solid}
+    content = {"fluid": porosity * heat["fluid"], "solid": (1.0 - porosity) * heat["solid"]}
+    total = sum(content.values())
+
+    def speed(density: Any) -> float:
+        return float(abs(medium.mass_flux_scale() / density * u - u_solid))
+
+    conduction = float(medium.stagnant(T))
+    if (dispersion := medium.dispersion(T, speed)) is not None:
+        conduction += float(dispersion[0])
+    lag = flux["fluid"] * content["solid"] - flux["solid"] * content["fluid"]
+    exchange = float(medium.exchange(T, speed))
+    spread = conduction / total + (lag**2 / (total**3 * exchange) if exchange else 0.0)
+    v = sum(flux.values()) / total
+    outputs = [moment for moment in time.times if moment > 0.0]
+    first = max(min([*outputs, time.end]), EARLIEST * time.end)
+    coarse = mesh.length / CELLS_ALONG
+    start = _slope_of_the_start(scene)
+
+    def size(x: Any) -> Any:
+        found = np.full_like(x, coarse)
+        for distance, velocity in ((x, v), (mesh.length - x, -v)):
+            reached = distance**2 / (2.0 * spread) if spread else np.full_like(x, np.inf)
+            if velocity > 0.0:
+                reached = np.minimum(reached, distance / velocity)
+            wide = np.sqrt(2.0 * spread * np.maximum(first, reached)) if spread else np.full_like(x, coarse)
+            found = np.minimum(found, FRONT_SHARE * wide)
+        return np.minimum(found, 1.0 / (PROFILE_CELLS * np.maximum(start(x), 1e-9 / mesh.length)))
+
+    return of_size(mesh.length, size, scale)
+
+
+def _slope_of_the_start(scene: s.Scene) -> Any:
+    """Return the slope of the initial profiles over the span of their temperatures as a function of place [1/m]."""
+    assert scene.time is not None
+    files = [
+        given.samples(scene.origin.base, f"T_{phase}")
+        for phase in ("fluid", "solid")
+        if isinstance(given := getattr(scene.time, f"initial_{phase}"), ProfileFile)
+    ]
+
+    def slope(x: Any) -> Any:
+        found = np.zeros_like(x)
+        for positions, T in files:
+            if len(positions) > 1 and np.ptp(T) > 0.0:
+                steep = np.abs(np.diff(T)) / np.diff(positions) / np.ptp(T)
+                piece = np.clip(np.searchsorted(positions, x) - 1, 0, len(steep) - 1)
+                inside = (x >= positions[0]) & (x <= positions[-1])
+                found = np.maximum(found, np.where(inside, steep[piece], 0.0))
+        return found
+
+    return slope
 
 
 def axial_layers(scene: s.Scene, medium: Medium, u: float, u_solid: float, length: float) -> Layers:

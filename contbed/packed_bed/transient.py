@@ -166,6 +166,9 @@ def run_transient(
         },
     )
     saved = clock.monotonic()
+    if problem.linear:  # closures have been evaluated once for all steps
+        problem.medium.record()
+        history.ranges = problem.medium.state()
     for step in steps:
         after = replace(history, times=[*history.times], snapshots=[*history.snapshots], flux={**history.flux})
         for moment in wanted[len(history.times) :]:
@@ -175,8 +178,9 @@ def run_transient(
         after.state, after.time = step.states[-1], step.end
         after.tick, after.level = step.tick + 2**step.level, step.next_level
         after.steps += 1
-        problem.medium.record()
-        after.ranges = problem.medium.state()
+        if not problem.linear:
+            problem.medium.record()
+            after.ranges = problem.medium.state()
         vars(history).update(vars(after))  # at once, so that an interrupt never leaves half a step
         advance(step.end)
         if save is not None and clock.monotonic() - saved >= time.checkpoint_every:
@@ -216,8 +220,9 @@ def _account(problem: HeatProblem, history: History, step: Any) -> None:
     """Add one step to the balance; the weights are those of the method, so the sums close to round-off."""
     weights = [weight * step.size for weight in WEIGHTS]
     history.gain += float(np.sum(step.gain))
-    supplied = step.gain + sum(w * rate for w, rate in zip(weights, step.rates, strict=True))
-    history.reaction = history.reaction + _by_boundary(problem, supplied[problem.fixed])
+    if len(problem.fixed):
+        supplied = step.gain + sum(w * rate for w, rate in zip(weights, step.rates, strict=True))
+        history.reaction = history.reaction + _by_boundary(problem, supplied[problem.fixed])
     history.mean = history.mean + sum(w * state for w, state in zip(weights, step.states, strict=True))
     if not problem.linear or problem.piece is not None:
         for w, state, share in zip(weights, step.states, STAGES, strict=True):

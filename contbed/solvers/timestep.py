@@ -22,6 +22,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from contbed.errors import ConvergenceError
+from contbed.solvers.banded import Ordering
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
 
@@ -124,8 +125,9 @@ def march(
         total = 2**LEVELS if end > start else 0
         unit, adaptive = (end - start) / max(total, 1), True
         level = LEVELS - FIRST_LEVEL if level is None else level
-    solved = _Affine(problem, np.full_like(state, origin), (start, end)) if problem.linear else problem
-    stage = _Stages(solved, policy, newton_options or {})
+    solved: Any = _Affine(problem, np.full_like(state, origin), (start, end)) if problem.linear else problem
+    narrow = Ordering.of(abs(solved.mass) + abs(solved.stiffness)) if isinstance(solved, _Affine) else None
+    stage = _Stages(solved, policy, newton_options or {}) if narrow is None else _LineStages(solved, narrow)
     while tick < total:
         width = 2**level
         dt = unit * width
@@ -153,7 +155,7 @@ class _Affine:
     linear = True
 
     def __init__(self, problem: TransientProblem, origin: Any, window: tuple[float, float]):
-        self.fixed, self.weights, self._origin = problem.fixed, problem.weights, origin
+        self.fixed, self.weights, self.origin = problem.fixed, problem.weights, origin
         self.changes = problem.changes
         self._window = window
         self._ends: list[tuple[Any, Any]] = []
@@ -165,6 +167,21 @@ class _Affine:
         self._steady = vector, matrix
         self.fixed_values = self._ends[0][1]
 
+    @property
+    def mass(self) -> Any:
+        """Jacobian of the content."""
+        return self._content[1]
+
+    @property
+    def stiffness(self) -> Any:
+        """Jacobian of the steady residual."""
+        return self._steady[1]
+
+    @property
+    def vector(self) -> Any:
+        """Steady residual of the uniform state."""
+        return self._steady[0]
+
     def at(self, time: float) -> None:
         if self.changes:
             start, end = self._window
@@ -174,11 +191,71 @@ class _Affine:
 
     def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         vector, matrix = self._content
-        return vector + matrix @ (state - self._origin), matrix
+        return vector + matrix @ (state - self.origin), matrix
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         vector, matrix = self._steady
-        return vector + matrix @ (state - self._origin), matrix
+        return vector + matrix @ (state - self.origin), matrix
+
+
+class _LineStages:
+    """The two stages of a step of a linear problem whose matrices are bands, with factors for each size of step.
+
+    All vectors are in the order of the bands and count from the uniform state of `_Affine`.
+    """
+
+    def __init__(self, problem: _Affine, ordering: Ordering):
+        self.problem, self.order, self.back = problem, ordering.order, ordering.back
+        self.mass, self.stiffness = ordering.band(problem.mass), ordering.band(problem.stiffness)
+        self.fixed = np.sort(ordering.back[problem.fixed])
+        self.solvers: dict[int, Callable[[Any], Any]] = {}
+        self.last: tuple[Any, Any, Any, Any] | None = None
+
+    def _vector(self, time: float) -> Any:
+        """Put the boundary values of a time in place; return the residual of the uniform state."""
+        self.problem.at(time)
+        return self.problem.vector[self.order]
+
+    def _prescribed(self, values: Any) -> Any:
+        if self.problem.changes:
+            values = values.copy()
+            change = self.problem.fixed_values - self.problem.origin[self.problem.fixed]
+            values[self.back[self.problem.fixed]] = change
+        return values
+
+    def take(self, state: Any, start: float, dt: float, level: int) -> tuple[Any, Any, Any, Any]:
+        if self.last is None or self.last[0] is not state:
+            vector = self._vector(start)
+            begin = (state - self.problem.origin)[self.order]
+            self.last = state, begin, self.mass @ begin, self.stiffness @ begin + vector
+        _, begin, content, steady = self.last
+        solve = self._solver(dt, level)
+
+        def stage(guess: Any, rhs: Any, time: float) -> tuple[Any, Any]:
+            vector = self._vector(time)
+            guess = self._prescribed(guess)
+            residual = rhs - self.mass @ guess - (D * dt) * (self.stiffness @ guess + vector)
+            residual[self.fixed] = 0.0
+            found = guess + solve(residual)
+            return found, self.stiffness @ found + vector
+
+        first, steady_first = stage(begin, content - (D * dt) * steady, start + GAMMA * dt)
+        last, steady_last = stage(first, content - (W * dt) * (steady + steady_first), start + dt)
+        defect = (-dt * _ERROR[0]) * steady - (dt * _ERROR[1]) * steady_first - (dt * _ERROR[2]) * steady_last
+        defect[self.fixed] = 0.0
+        error = solve(defect)
+        content_last = self.mass @ last
+        back, origin = self.back, self.problem.origin
+        states = state, origin + first[back], origin + last[back]
+        if np.isfinite(error).all():
+            self.last = states[-1], last, content_last, steady_last
+        rates = steady[back], steady_first[back], steady_last[back]
+        return states, rates, (content_last - content)[back], error[back]
+
+    def _solver(self, dt: float, level: int) -> Callable[[Any], Any]:
+        if level not in self.solvers:
+            self.solvers[level] = self.mass.plus(self.stiffness, D * dt).solver(self.fixed)
+        return self.solvers[level]
 
 
 class _Stages:
