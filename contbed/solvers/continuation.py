@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from contbed.errors import ConvergenceError
 from contbed.solvers.linear import Policy
 from contbed.solvers.newton import newton
@@ -50,16 +52,17 @@ def relax(
         if stale > patience:
             break
         try:
-            state, history = newton(
-                assemble,
-                state,
-                problem.fixed,
-                policy,
-                tolerance=tolerance,
-                iterations=iterations,
-                lower=lower,
-                what="continuation",
-            )
+            with np.errstate(over="ignore", invalid="ignore"):  # a step too far may overflow; it is shortened below
+                state, history = newton(
+                    assemble,
+                    state,
+                    problem.fixed,
+                    policy,
+                    tolerance=tolerance,
+                    iterations=iterations,
+                    lower=lower,
+                    what="continuation",
+                )
         except ConvergenceError as error:
             history = error.history
             dt /= growth**2

