@@ -65,10 +65,10 @@ def closure_has_points(closure: p.Closure | None, see: See) -> Mistakes:
 
 def columns_have_no_radiation(conduction: p.Conduction, radiation: p.Radiation | None, see: See) -> Mistakes:
     """Refuse columns together with radiation."""
-    if conduction.paths in VORONOI and radiation is not None:
+    if conduction.paths == "columns" and radiation is not None:
         yield (
             ("conduction", "paths"),
-            f"{conduction.paths} are for equal particles without [radiation]; use cones; see {see('radiation')}",
+            f"columns are for equal particles without [radiation]; use cones; see {see('radiation')}",
         )
 
 

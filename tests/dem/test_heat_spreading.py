@@ -179,6 +179,11 @@ accommodation = 0.7
     G = spreading_conductance(R, 2 * R, 4 * R**2, 42.0, 42.0, 0.027, 8e-6, joint, jump)
     # the distance carries the rounding of the lattice
     assert found["k_eff [W/m/K]"] == pytest.approx(float(sum(G)[0]) / (2 * R), rel=1e-6)
+    path.write_text(text + "[radiation]\nemissivity = 0.5\ntemperature = 1000.0\n")
+    # six neighbours, each with its share of the solid
+    radiation = 4.0 * heat.STEFAN_BOLTZMANN * 0.5 * 1e9 * np.pi * (2 * R) ** 2 * (np.pi / 6.0) / 6.0
+    more = cb.run(cb.load(path)).qoi["k_eff [W/m/K]"] - found["k_eff [W/m/K]"]
+    assert more == pytest.approx(radiation / (2 * R), rel=1e-6)
     smooth = text.replace("spreading", "cones")
     path.write_text(smooth)
     with pytest.raises(SceneError, match='paths = "spreading" alone'):
