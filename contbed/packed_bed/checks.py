@@ -11,6 +11,7 @@ from contbed.closures.binding import is_phase, named
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import bound, places
+from contbed.packed_bed.corners import prescribed_temperatures_agree_in_corners
 from contbed.packed_bed.inlets import enters, role, velocity_vector
 from contbed.packed_bed.schedule import Schedule, series_of
 from contbed.radiation.checks import (
@@ -416,7 +417,12 @@ def the_balance_can_fail(solver: Solver) -> Mistakes:
         )
 
 
-WARNINGS: tuple[Check, ...] = (species_fill_the_solids, the_bed_has_more_than_one_cell, the_balance_can_fail)
+WARNINGS: tuple[Check, ...] = (
+    species_fill_the_solids,
+    the_bed_has_more_than_one_cell,
+    the_balance_can_fail,
+    prescribed_temperatures_agree_in_corners,
+)
 
 
 def _temperatures(phases: Iterable[str], boundary: Boundaries, time: s.Time | None) -> Iterator[tuple[KeyPath, float]]:

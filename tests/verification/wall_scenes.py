@@ -17,6 +17,8 @@ from contbed.packed_bed.heat_coefficients import Motion
 
 FINEST = 1e-5  # smallest cell of a reference mesh over the extent of the bed, at every side
 RATIO = 2.0  # growth of its cells towards the inside
+TIP = 0.25  # smallest cell of a reference mesh over the first cell of the mesh that it judges, at most
+CLOSE = 0.2  # distance between vertices over that from the side, below which a further one adds nothing
 
 
 def scene(seed: int, **solver: Any) -> Any:
@@ -85,23 +87,33 @@ def solved(plan: Any) -> tuple[Any, HeatProblem, Any]:
 
 
 def reference(plan: Any, split: int = 2) -> Any:
-    """Return the plan on a mesh with the vertices of this one, `split` cells in each of its cells, layers at all sides
-    and elements of degree 3.
+    """Return the plan on a mesh that keeps the vertices of this one, with `split` cells in each of its cells, cells at
+    all sides that are finer than its own, and elements of degree 3.
     """
     space = HeatProblem(plan.solved, plan.mesh, plan.medium, Motion(plan.velocity, plan.velocity_solid, None)).system
     grid = TensorGrid.of(space.fields["T_fluid"][0])
-    vertices = []
-    for ends in grid.vertices:
-        extent = ends[-1] - ends[0]
-        near = extent * FINEST * RATIO ** np.arange(np.log(0.3 / FINEST) / np.log(RATIO))
-        inner = [ends[:-1] + np.diff(ends) * part / split for part in range(split)]
-        new = np.sort(np.concatenate((*inner, near, extent - near, ends[-1:])))
-        gap = np.diff(new)  # vertices closer than a tenth of the cells beside them add nothing
-        keep = np.concatenate(([True], gap[1:] > 0.1 * np.maximum(gap[:-1], FINEST * extent), [True]))
-        keep[0] = True
-        vertices.append(new[keep])
+    vertices = [_finer(ends, split) for ends in grid.vertices]
     scene = plan.solved.model_copy(update={"solver": plan.solved.solver.model_copy(update={"degree": 3})})
     return replace(plan, solved=scene, mesh=replace(plan.mesh, skfem=build(scene.mesh, vertices).skfem))
+
+
+def _finer(ends: Any, split: int) -> Any:
+    """Return the vertices `ends` of a line, those of `split` cells in each interval, and layers at both sides.
+
+    A vertex of a layer is left out where another one is closer than `CLOSE` times its distance from the side. No vertex
+    of `ends` is: at a corner where a stream enters beside a wall of fixed temperature the error is proportional to the
+    size of the cells, and a reference with larger ones would be wrong by more than the mesh that it judges.
+    """
+    extent = ends[-1] - ends[0]
+    inner = [ends[:-1] + np.diff(ends) * part / split for part in range(split)]
+    found = np.sort(np.concatenate((*inner, ends[-1:])))
+    for side, sign, cell in ((ends[0], 1.0, ends[1] - ends[0]), (ends[-1], -1.0, ends[-1] - ends[-2])):
+        first = min(FINEST * extent, TIP * cell)
+        away = first * RATIO ** np.arange(np.log(0.3 * extent / first) / np.log(RATIO))
+        near = side + sign * away
+        gap = np.abs(near[:, None] - found).min(axis=1)
+        found = np.sort(np.concatenate((found, near[gap > CLOSE * away])))
+    return found
 
 
 def true_errors(plan: Any, problem: HeatProblem, state: Any, exact: tuple[HeatProblem, Any]) -> tuple[float, float]:
