@@ -38,6 +38,7 @@ ARGUMENTS: dict[str, Argument] = {
     "d_b": Argument("m", "diameter of the bubbles", "(0, inf)"),
     "d_p": Argument("m", "particle diameter", "(0, inf)"),
     "delta": Argument("-", "share of bubbles in the volume", "[0, 1)"),
+    "drag_rate": Argument("1/s", "drag coefficient over the mass of gas in the volume", "[0, inf)"),
     "e": Argument("-", "restitution of two particles", "[0, 1]"),
     "emissivity": Argument("-", "emissivity of the particle surface", "(0, 1]"),
     "eps": Argument("-", "porosity", "(0, 1]"),
@@ -61,9 +62,11 @@ ARGUMENTS: dict[str, Argument] = {
     "modulus": Argument("Pa", "of the pair, 4/3 over the sum of (1 - nu^2) / E", "(0, inf)"),
     "molar_mass": Argument("kg/mol", "molar mass of the gas", "(0, inf)"),
     "mu": Argument("Pa s", "viscosity of the gas", "(0, inf)"),
+    "nu": Argument("m2/s", "kinematic viscosity of the gas", "(0, inf)"),
     "p": Argument("Pa", "pressure", "(0, inf)"),
     "p_friction": Argument("Pa", "frictional pressure", "[0, inf)"),
     "pressure": Argument("Pa", "load over the nominal area of the contact", "(0, inf)"),
+    "radius": Argument("m", "of the pipe, or half the width of the channel", "(0, inf)"),
     "restitution": Argument("-", "coefficient of restitution", "[0, 1]"),
     "rho": Argument("kg/m3", "density of the fluid", "(0, inf)"),
     "rho_1": Argument("kg/m3", "density of kind 1", "(0, inf)"),
@@ -79,10 +82,12 @@ ARGUMENTS: dict[str, Argument] = {
     "u": Argument("m/s", "superficial velocity"),
     "u_b": Argument("m/s", "velocity of the bubbles", "(0, inf)"),
     "u_excess": Argument("m/s", "u - u_mf", "[0, inf)"),
+    "u_friction": Argument("m/s", "friction velocity of the gas alone at the same flow", "(0, inf)"),
     "u_gas": Argument("m/s", "superficial velocity in the freeboard", "[0, inf)"),
     "u_mf": Argument("m/s", "superficial velocity at minimum fluidization", "(0, inf)"),
     "u_t": Argument("m/s", "terminal velocity", "(0, inf)"),
     "wake": Argument("-", "volume of wake over that of bubble", "[0, 1)"),
+    "y": Argument("m", "distance from the wall", "[0, inf)"),
     "z": Argument("m", "height above the distributor", "[0, inf)"),
 }
 """Unit and meaning of an argument in every kind of closure."""
@@ -105,6 +110,7 @@ RESULTS: dict[str, str] = {
     "contact_separation": "distance of the mean planes",
     "decay": "decay constant",
     "drag": "drag coefficient per volume of the bed",
+    "eddy_viscosity": "kinematic eddy viscosity of the gas",
     "ejection": "solids thrown up from the surface of the bed",
     "elutriation": (
         "elutriation rate constant, times the mass fraction of the size the flow above the disengaging height"

@@ -36,16 +36,32 @@ def particles_fit(fully_developed: d.FullyDeveloped, solid: d.Solid, see: See) -
         )
 
 
-def gas_is_laminar(fully_developed: d.FullyDeveloped, gas: Gas) -> Mistakes:
-    """Look for a gas that would be turbulent, which the model leaves out."""
-    Re = 2.0 * fully_developed.radius * fully_developed.velocity * gas.density / gas.viscosity
-    if Re > LAMINAR:
+def reynolds(fully_developed: d.FullyDeveloped, gas: Gas) -> float:
+    """Return the Reynolds number of the gas alone on the width of the section."""
+    return 2.0 * fully_developed.radius * fully_developed.velocity * gas.density / gas.viscosity
+
+
+def turbulence_needs_turbulence(fully_developed: d.FullyDeveloped, gas: Gas) -> Mistakes:
+    """Refuse a turbulence closure where the gas alone is laminar."""
+    Re = reynolds(fully_developed, gas)
+    if fully_developed.turbulence and Re <= LAMINAR:
         yield (
-            ("fully_developed", "velocity"),
-            f"the gas alone would be turbulent, Re = {Re:.3g} above {LAMINAR:g}, and the model has no turbulence of "
-            "the gas; profiles hold where particles carry the stress; compare them with a measurement",
+            ("fully_developed", "turbulence"),
+            f"the gas alone is laminar, Re = {Re:.3g} up to {LAMINAR:g}: leave this key out",
         )
 
 
-CHECKS = (closures_exist, particles_fit)
+def gas_is_laminar(fully_developed: d.FullyDeveloped, gas: Gas) -> Mistakes:
+    """Look for a gas that would be turbulent without a closure for it."""
+    Re = reynolds(fully_developed, gas)
+    if Re > LAMINAR and not fully_developed.turbulence:
+        yield (
+            ("fully_developed", "velocity"),
+            f"the gas alone would be turbulent, Re = {Re:.3g} above {LAMINAR:g}, and no turbulence is named: "
+            'profiles hold where particles carry the stress; fully_developed.turbulence = "eddy_viscosity_nikuradse" '
+            "adds it",
+        )
+
+
+CHECKS = (closures_exist, particles_fit, turbulence_needs_turbulence)
 WARNINGS = (gas_is_laminar,)

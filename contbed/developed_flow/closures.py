@@ -13,12 +13,14 @@ KINDS = {
     "conductivity": "granular_conductivity",
     "dissipation": "granular_dissipation",
     "production": "granular_production",
+    "turbulence": "eddy_viscosity",
 }
 _THEORY = frozenset({"eps_s", "eps_max", "e", "g0"})
 GIVES: dict[str, frozenset[str]] = {
     "drag": frozenset({"Re", "eps", "d_p", "mu"}),
     "radial_distribution": _THEORY - {"g0"},
-    **dict.fromkeys(tuple(KINDS.values())[2:], _THEORY),
+    **dict.fromkeys((kind for kind in KINDS.values() if kind.startswith("granular_")), _THEORY),
+    "eddy_viscosity": frozenset({"y", "radius", "u_friction", "nu", "shear_rate", "drag_rate", "eps_s"}),
 }
 """The arguments that closures of each kind can have."""
 

@@ -1,6 +1,6 @@
 """Fully developed flow of gas and particles up a channel or a pipe: profiles across, steady, nothing varies along.
 
-    0 = eps_g G + (r^n mu_g u_g')'/r^n - beta (u_g - u_s) - eps_g rho_g g
+    0 = eps_g G + (r^n mu_t u_g')'/r^n - beta (u_g - u_s) - eps_g rho_g g
     0 = eps_s G + (r^n mu_s u_s')'/r^n + beta (u_g - u_s) - eps_s rho_s g
     0 = (r^n k theta')'/r^n + mu_s u_s'^2 + S - gamma - 3 beta theta,       p_s(eps_s, theta) = P over the section
     r = 0:  u_g' = u_s' = theta' = 0
@@ -19,7 +19,8 @@ Unknowns are u_g, u_s, the root of theta, and two numbers, G and P; eps_s follow
 solutions may belong to one pair of U_g and G_s: the granular temperature at the centre names the branch.
 
 Source: Sinclair, Jackson 1989, AIChE J. 35, 1473-1486, doi:10.1002/aic.690350908; walls after Johnson, Jackson 1987,
-J. Fluid Mech. 176, 67-93, doi:10.1017/S0022112087000570.
+J. Fluid Mech. 176, 67-93, doi:10.1017/S0022112087000570; friction of smooth pipes: Prandtl 1935, in Durand (ed.),
+Aerodynamic Theory III, Springer, 34-208.
 
 Good values: particles of 0.1-1 mm in 10-100 mm, specularity 0.01-0.5, U_g 3-20 m/s, G_s 10-500 kg/m2/s.
 """
@@ -37,6 +38,7 @@ from contbed.closures.binding import BoundClosure
 MAX_FRACTION_ITERATIONS = 60  # of Newton's method for eps_s at a given pressure
 FRACTION_TOLERANCE = 1e-13  # residual of ln p [-], relative
 COMPLEX_STEP = 1e-30  # imaginary part of eps_s [-]: Im(p) over it is dp/d eps_s (complex-step derivative)
+FRICTION_ITERATIONS = 30  # of Prandtl's law, each of which gains a digit at least
 MIN_SQUARED_SLIP = 1e-12  # [m2/s2] added to the square of the slip, whose root has no derivative at 0
 
 
@@ -53,9 +55,12 @@ class Coefficients:
     gravity: float
     velocity: float  # U_g, superficial [m/s]
     solid_flux: float  # G_s [kg/m2/s]
+    radius: float
+    pipe: bool
     specularity: float
     wall_restitution: float
     closures: Mapping[str, BoundClosure]
+    eddies_share: float = 1.0  # of the eddy viscosity; below 1 on the way from laminar to turbulent gas
 
     def closure_arguments(self, **state: Any) -> dict[str, Any]:
         """Return the arguments of closures at a state."""
@@ -64,6 +69,32 @@ class Coefficients:
     def evaluate(self, kind: str, **state: Any) -> Any:
         """Evaluate a closure at a state."""
         return self.closures[kind](**self.closure_arguments(**state))
+
+    @property
+    def friction_velocity(self) -> float:
+        """Friction velocity of the gas alone [m/s]."""
+        diameter = (2.0 if self.pipe else 4.0) * self.radius
+        factor = prandtl_friction(self.rho_gas * self.velocity * diameter / self.mu_gas)
+        return float(self.velocity * (factor / 8.0) ** 0.5)
+
+    def eddy_viscosity(self, r: Any, shear: Any, eps_s: Any, beta: Any) -> Any:
+        """Return the dynamic eddy viscosity per volume of both phases [Pa s], 0 where no closure is named."""
+        if "eddy_viscosity" not in self.closures or not self.eddies_share:
+            return 0.0
+        kinematic = self.evaluate("eddy_viscosity", **self.eddies(r, shear, eps_s, beta))
+        return self.eddies_share * (1.0 - eps_s) * self.rho_gas * kinematic
+
+    def eddies(self, r: Any, shear: Any, eps_s: Any, beta: Any) -> dict[str, Any]:
+        """Return the arguments of the eddy viscosity."""
+        return {
+            "y": self.radius - r,
+            "radius": self.radius,
+            "u_friction": self.friction_velocity,
+            "nu": self.mu_gas / self.rho_gas,
+            "shear_rate": abs(shear),
+            "drag_rate": beta / ((1.0 - eps_s) * self.rho_gas),
+            "eps_s": eps_s,
+        }
 
     def relative_pressure(self, eps_s: Any) -> Any:
         """Return the pressure of the particles over rho_s theta [1]."""
@@ -139,18 +170,19 @@ def _production(u: Any, c: Coefficients, state: dict[str, Any]) -> Any:
 def residual(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
     """Return the weak form of both momentum balances, granular energy, and the two flow rates."""
     at = local(u, c)
-    eps, drag, shear = 1.0 - at.eps_s, at.beta * (u.u_gas - u.u_solid), o.grad(u.u_solid)[0]
+    drag, shear = at.beta * (u.u_gas - u.u_solid), o.grad(u.u_solid)[0]
     solid = at.mu * shear * o.grad(tests.u_solid)[0]
     solid = solid + (at.eps_s * (c.rho_solid * c.gravity - u.gradient) - drag) * tests.u_solid
     energy = 2.0 * at.k * u.root * o.grad(u.root)[0] * o.grad(tests.root)[0]
     energy = energy + (at.gamma + 3.0 * at.beta * u.root**2 - at.mu * shear**2 - at.production) * tests.root
     flow = (c.rho_solid * at.eps_s * u.u_solid - c.solid_flux) * tests.pressure
-    return gas(u, tests, c, o, eps) + drag * tests.u_gas + solid + energy + flow
+    return gas(u, tests, c, o, at.eps_s, at.beta) + drag * tests.u_gas + solid + energy + flow
 
 
-def gas(u: Any, tests: Any, c: Coefficients, o: Any, eps: Any = 1.0) -> Any:
+def gas(u: Any, tests: Any, c: Coefficients, o: Any, eps_s: Any = 0.0, beta: Any = 0.0) -> Any:
     """Return the weak form of the momentum of the gas without drag, and of its flow rate."""
-    momentum = c.mu_gas * o.grad(u.u_gas)[0] * o.grad(tests.u_gas)[0]
+    eps, shear = 1.0 - eps_s, o.grad(u.u_gas)[0]
+    momentum = (c.mu_gas + c.eddy_viscosity(o.x[0], shear, eps_s, beta)) * shear * o.grad(tests.u_gas)[0]
     momentum = momentum + eps * (c.rho_gas * c.gravity - u.gradient) * tests.u_gas
     return momentum + (eps * u.u_gas - c.velocity) * tests.gradient
 
@@ -176,6 +208,24 @@ def _wall_factor(u: Any, at: Local, c: Coefficients) -> Any:
 def content(u: Any, tests: Any, c: Coefficients, o: Any) -> Any:
     """Return the tested granular energy, which relaxes in time; all other unknowns follow it without delay."""
     return 1.5 * c.rho_solid * c.fraction(u.pressure / (c.rho_solid * u.root**2)) * u.root**2 * tests.root
+
+
+def prandtl_friction(Re: float) -> float:
+    """Return Darcy's friction factor [-] of a smooth pipe: 1/sqrt(f) = 2 log10(Re sqrt(f)) - 0.8 (Prandtl 1935)."""
+    inverse_root = 7.0  # of a friction factor of 0.02
+    for _ in range(FRICTION_ITERATIONS):
+        inverse_root = 2.0 * np.log10(Re / inverse_root) - 0.8
+    return float(inverse_root**-2)
+
+
+def reach_of_fluctuations(c: Coefficients, theta: float) -> float:
+    """Return the distance from a wall [m] over which drag stops fluctuations: sqrt(k/(3 beta)), evenly spread."""
+    eps_s = uniform_fraction(c)
+    slip = abs(c.velocity / (1.0 - eps_s) - c.solid_flux / (c.rho_solid * eps_s))
+    beta = c.evaluate("drag", Re=(1.0 - eps_s) * c.rho_gas * slip * c.d_p / c.mu_gas, eps=1.0 - eps_s)
+    g0 = c.evaluate("radial_distribution", eps_s=eps_s)
+    k = c.rho_solid * c.d_p * theta**0.5 * c.evaluate("granular_conductivity", eps_s=eps_s, g0=g0)
+    return float((k / (3.0 * beta)) ** 0.5)
 
 
 def uniform_fraction(c: Coefficients) -> float:

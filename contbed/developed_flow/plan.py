@@ -62,6 +62,7 @@ def plan(scene: d.DevelopedScene) -> DevelopedPlan:
         built.append(particles)
     else:
         skipped.append((particles[0], "solid_flux = 0"))
+    (built if table.turbulence else skipped).append(("turbulence of the gas", table.turbulence or "not named"))
     (built if scene.solver.branches and table.solid_flux else skipped).append(
         ("other branches", "looked for" if scene.solver.branches else "solver.branches = false")
     )
@@ -81,6 +82,8 @@ def coefficients(scene: d.DevelopedScene) -> Coefficients:
         gravity=table.gravity,
         velocity=table.velocity,
         solid_flux=table.solid_flux,
+        radius=table.radius,
+        pipe=table.section == "pipe",
         specularity=wall.specularity,
         wall_restitution=wall.restitution,
         closures=bound(scene),

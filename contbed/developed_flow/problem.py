@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import copy
 from dataclasses import replace
 from typing import Any
@@ -20,10 +21,7 @@ EXTRA_QUADRATURE_ORDER = 4  # order of quadrature beyond the product of two basi
 START_PROFILE_POWER = 20  # power of the distance in the profile of the gas that the search starts from
 START_THETA = 0.03  # [m2/s2] granular temperature from which the search starts unless the scene gives one
 START_SPECULARITY = 0.05  # specularity [-] of the first problem, for which uniform starting profiles converge
-SPECULARITY_FACTOR, MIN_SPECULARITY_FACTOR = (
-    2.0,
-    1.01,
-)  # on the specularity from one solution to the next: first and least [-]
+FIRST_SHARE, LEAST_SHARE = 0.5, 0.06  # of the way from one problem to another, in one step of Newton's method [-]
 PATIENCE = 16  # pseudo-time steps, none longer than one before, after which the search ends
 FIRST_PSEUDO_STEP, LAST_PSEUDO_STEP = 1e-5, 1e3  # steps in pseudo-time [s]; granular energy settles within a second
 
@@ -82,36 +80,55 @@ class DevelopedProblem:
     def solve(self, theta: float) -> tuple[Array, list[float]]:
         """Find the solution that granular energy relaxes to from a level `theta`; return it with Newton's history.
 
-        A rough wall, near which the solution differs most from the start, is reached from a smooth one.
+        A rough wall, near which the solution differs most from the start, is reached from a smooth one, turbulent gas
+        from laminar gas.
         """
         x = self.start(theta)
         if not self.particles:
             return self.solve_from(x)
-        rough = self.c.specularity
-        smooth = self.with_values(specularity=min(rough, START_SPECULARITY))
-        x, history = smooth.solve_from(
-            relax(
-                smooth,
-                x,
-                self.plan.policy,
-                self.lower,
-                first=FIRST_PSEUDO_STEP,
-                last=LAST_PSEUDO_STEP,
-                tolerance=1e-5,
-                patience=PATIENCE,
+        rough, turbulent = self.c.specularity, "eddy_viscosity" in self.c.closures
+        smooth = min(rough, START_SPECULARITY)
+        x = self.with_values(specularity=smooth, eddies_share=0.0)._relaxed(x)
+        x, history = self.with_values(specularity=smooth, eddies_share=0.0).solve_from(x)
+        if rough > smooth:
+            x, history = self._followed(
+                x, lambda s: {"specularity": smooth * (rough / smooth) ** s, "eddies_share": 0.0}
             )
+        if turbulent:
+            x, history = self._followed(x, lambda s: {"eddies_share": s})
+        return x, history
+
+    def _relaxed(self, x: Array) -> Array:
+        """Return the state to which granular energy relaxes in pseudo-time."""
+        return relax(
+            self,
+            x,
+            self.plan.policy,
+            self.lower,
+            first=FIRST_PSEUDO_STEP,
+            last=LAST_PSEUDO_STEP,
+            tolerance=1e-5,
+            patience=PATIENCE,
         )
-        done, step = smooth.c.specularity, SPECULARITY_FACTOR
-        while done < rough:
-            ahead = min(rough, step * done)
+
+    def _followed(self, x: Array, values: Callable[[float], dict[str, float]]) -> tuple[Array, list[float]]:
+        """Follow a solution while `values(share)` change from share 0, to which `x` belongs, to 1.
+
+        A step that Newton's method does not take is halved; one that is too short for that is taken in pseudo-time.
+        """
+        history: list[float] = []
+        done, step = 0.0, FIRST_SHARE
+        while done < 1.0:
+            ahead = min(1.0, done + step)
+            there = self.with_values(**values(ahead))
             try:
-                x, history = self.with_values(specularity=ahead).solve_from(x)
+                x, history = there.solve_from(x)
             except ConvergenceError:
-                step **= 0.5
-                if step < MIN_SPECULARITY_FACTOR:
-                    raise
-                continue
-            done = ahead
+                if step > LEAST_SHARE:
+                    step /= 2.0
+                    continue
+                x, history = there.solve_from(there._relaxed(x))
+            done, step = ahead, 2.0 * step
         return x, history
 
     def with_values(self, **values: Any) -> DevelopedProblem:
@@ -130,7 +147,7 @@ class DevelopedProblem:
             self.plan.policy,
             tolerance=options.newton_tolerance,
             iterations=options.newton_iterations,
-            linear=not self.particles,
+            linear=not self.particles and "eddy_viscosity" not in self.c.closures,
             lower=self.lower,
             weights=self.weights,
             what="developed flow",

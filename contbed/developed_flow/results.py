@@ -24,6 +24,7 @@ def fill(problem: DevelopedProblem, state: Array, result: Result) -> None:
     result.nodal["u_gas"] = (system.fields["u_gas"][0], values["u_gas"])
     result.qoi["pressure_gradient_Pa_m"] = float(values["gradient"][0])
     result.qoi["u_gas_centre"] = float(columns["u_gas [m/s]"][0])
+    known: dict[str, Any] = {}
     if problem.particles:
         at = model.local(SimpleNamespace(**values), c)
         profiles = {
@@ -44,11 +45,26 @@ def fill(problem: DevelopedProblem, state: Array, result: Result) -> None:
                 }
         result.qoi["pressure_solid_Pa"] = float(values["pressure"][0])
         result.qoi["eps_solid_mean"] = _mean(problem, state, lambda u, o: model.local(u, c).eps_s)
-        known = {"eps_s": at.eps_s, "g0": at.g0, "eps": 1.0 - at.eps_s, "Re": at.Re}
-        for closure in c.closures.values():
-            result.closures.append(closure.use(**c.closure_arguments(**known)).to_dict())
+        known = {"eps_s": at.eps_s, "g0": at.g0, "eps": 1.0 - at.eps_s, "Re": at.Re, "beta": at.beta}
+    _closures_used(problem, values, known, result)
     result.profiles |= columns
     result.balances |= balances(problem, state)
+
+
+def _closures_used(problem: DevelopedProblem, values: dict[str, Array], known: dict[str, Any], result: Result) -> None:
+    """Note the ranges that closures saw; the shear rate of the gas is that between nodes."""
+    c, order = problem.c, np.argsort(problem.r)
+    beta = known.pop("beta", 0.0)
+    for kind, closure in c.closures.items():
+        if kind == "eddy_viscosity":
+            shear = np.empty_like(problem.r)
+            shear[order] = np.gradient(values["u_gas"][order], problem.r[order])
+            arguments = c.eddies(problem.r, shear, known.get("eps_s", 0.0), beta)
+        elif problem.particles:
+            arguments = known
+        else:
+            continue
+        result.closures.append(closure.use(**c.closure_arguments(**arguments)).to_dict())
 
 
 def balances(problem: DevelopedProblem, state: Array) -> dict[str, dict[str, Any]]:

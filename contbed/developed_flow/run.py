@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.developed_flow.equations import reach_of_fluctuations
 from contbed.developed_flow.problem import START_SPECULARITY, START_THETA, DevelopedProblem
 from contbed.developed_flow.results import fill
 from contbed.errors import ConvergenceError
@@ -19,6 +20,8 @@ MAX_ALIGNMENT_ROUNDS = 3  # rounds that move a node to where gas and particles h
 ALIGNMENT_TOLERANCE = 1e-3  # distance to such a place over the size of the cells, within which a node stays [-]
 MIN_BRANCH_DIFFERENCE = 1e-4  # least relative difference of theta at the centre of two different solutions [-]
 BRANCH_TOLERANCE = 0.1  # relative difference of theta at the centre within which a solution is the wanted one [-]
+FINE_CELLS = 60  # cells from which a search that fails is not repeated on finer ones
+SHORT_REACH = 0.01  # share of the radius; FCC of 75 um in 100 mm, without a solution, has 0.005, 200 um, with one, 0.02
 GUESSES = (0.01, 0.1, 10.0)  # factors on a granular temperature from which no solution is found
 VELOCITY_FACTOR = 1.5  # on the superficial velocity, both ways, between which other solutions are searched [-]
 MAX_BRANCH_POINTS = 60  # solutions along the branch in that search
@@ -30,9 +33,8 @@ def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any)
     meant = plan.scene.fully_developed.theta_centre
     problem = DevelopedProblem(plan)
     try:
-        state, history = problem.solve(meant or START_THETA)
+        problem, state, history = _found(problem, meant or START_THETA, result)
         result.history += history
-        problem, state = aligned(problem, state)
     except ConvergenceError as error:
         where = plan.scene.origin.at(("fully_developed",))
         text = f"{where}: fully_developed: no solution found ({error}); {advice(problem)}"
@@ -49,12 +51,40 @@ def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any)
         result.warnings.append(f"{where}: theta at the centre is {found:.4g} m2/s2, not near {meant:g}{more}")
 
 
+def _found(problem: DevelopedProblem, theta: float, result: Result) -> tuple[DevelopedProblem, Array, list[float]]:
+    """Solve; where the cells are too coarse for the wall layer of fine particles, on half as large ones."""
+    cells, first = problem.plan.scene.solver.cells, None
+    for refinement in (1, 2, 4):
+        try:
+            if refinement > 1:
+                problem = DevelopedProblem(problem.plan.on(_halved(np.sort(problem.plan.mesh.skfem.p[0]))))
+            state, history = problem.solve(theta)
+            finished, state = aligned(problem, state)
+        except ConvergenceError as error:
+            first = first or error
+            if not problem.particles or refinement * cells >= FINE_CELLS:
+                break
+            continue
+        if refinement > 1:
+            where = problem.plan.scene.origin.at(("solver", "cells"))
+            result.warnings.append(f"{where}: no solution with {cells} cells; {refinement * cells} are used")
+        return finished, state, history
+    assert first is not None
+    raise first
+
+
+def _halved(nodes: Array) -> Array:
+    """Return nodes with one more in the middle of each pair."""
+    return np.sort(np.concatenate([nodes, 0.5 * (nodes[1:] + nodes[:-1])]))
+
+
 def advice(problem: DevelopedProblem) -> str:
     """Say what to try where no solution is found."""
     c = problem.c
     if not problem.particles:
         return "raise solver.newton_tolerance"
-    if "granular_production" not in c.closures:
+    theta = problem.plan.scene.fully_developed.theta_centre or START_THETA
+    if "granular_production" not in c.closures and reach_of_fluctuations(c, theta) < SHORT_REACH * c.radius:
         return (
             'name fully_developed.production = "granular_production_koch": without it drag stops the fluctuations of '
             f"particles of {c.d_p:g} m away from walls, and no fraction carries the pressure; or {_tries(problem)}"

@@ -38,6 +38,9 @@ class FullyDeveloped(Table):
     production: str | None = Field(
         None, description="of fluctuations by the slip, for fine particles: granular_production_koch; absent: none"
     )
+    turbulence: str | None = Field(
+        None, description="of the gas above Re 2300: eddy_viscosity_nikuradse; absent: the gas is laminar"
+    )
 
 
 class Solid(Table):

@@ -75,6 +75,11 @@ BOX = {
     "mean_free_path": (1e-8, 1e-6),
     "accommodation": (0.1, 1.0),
     "gamma": (1.05, 1.67),
+    "y": (1e-3, 0.04),
+    "radius": (0.05, 0.5),
+    "u_friction": (0.1, 2.0),
+    "nu": (1e-6, 1e-4),
+    "drag_rate": (0.1, 100.0),
 }
 # zero or almost on a part of the line: differences of terms, and an exponential of -5.4 u_t / u
 VANISHES = {

@@ -1,5 +1,6 @@
 """Fully developed flow of fine particles: production of fluctuations by the slip, and what is said without it."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -52,6 +53,21 @@ def test_fine_particles_have_a_solution_with_production_by_the_slip():
 def test_fine_particles_without_it_end_with_advice():
     with pytest.raises(ConvergenceError, match=r'no solution found .*production = "granular_production_koch"'):
         cb.run(fcc(20))
+
+
+@pytest.mark.slow
+def test_cells_that_are_too_coarse_are_halved_and_told():
+    result = cb.run(fcc(40, production="granular_production_koch"))
+    assert any("no solution with 40 cells; 80 are used" in text for text in result.warnings)
+    assert abs(result.balances["momentum"]["relative_residual"]) < 1e-10
+
+
+def test_coarse_particles_that_fail_are_not_told_of_production():
+    """1 mm: shear and walls reach all particles with fluctuations; a search that fails has another reason."""
+    scene = Path(__file__).parents[2] / "studies" / "two_fluid_checks" / "developed.toml"
+    with pytest.raises(ConvergenceError) as error:
+        cb.run(cb.load(scene, {"solver.newton_iterations": 1}))
+    assert "try theta_centre" in str(error.value) and "production" not in str(error.value)
 
 
 def test_a_name_that_does_not_exist_is_refused():
