@@ -19,7 +19,7 @@ from contbed.dem.contact_heat import impact_conductance
 from contbed.dem.kernel_arrays import BLOCK, Array, Laws, Side, Spheres, Sums, Table
 from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK
 
-BATCH = 64  # contacts: 31 columns of 64 numbers are 16 kB, less than half of the first cache
+BATCH = 64  # contacts: 28 columns of 64 numbers are 14 kB, less than half of the first cache
 # where the columns of a batch start, all in one array, so that the compiler sees that they do not overlap
 (
     DX, DY, DZ, DISTANCE2,  # vector from j to i and its square
@@ -28,11 +28,10 @@ BATCH = 64  # contacts: 31 columns of 64 numbers are 16 kB, less than half of th
     FX, FY, FZ, NORMAL_FORCE,  # on i
     TX, TY, TZ,  # half the vector times the force
     CONTACT_RADIUS,
-    ROLL_X, ROLL_Y, ROLL_Z,  # torque on i against rolling
     MORE,  # by which the arm of i is longer than half the distance, over it
     TOUCH,  # sum of the radii
     RADIUS, MASS, YOUNGS, SHEAR, DAMPING_N, DAMPING_T, SLIDING,  # `ContactConstants`
-) = (column * BATCH for column in range(31))  # fmt: skip
+) = (column * BATCH for column in range(28))  # fmt: skip
 
 
 class Batch(NamedTuple):
@@ -60,7 +59,7 @@ class Now(NamedTuple):
 def empty_batch() -> Batch:
     """Allocate room for BATCH contacts, and for one more that is being looked at."""
     whole = np.empty((3, BATCH + 1), np.uint64)
-    return Batch(np.zeros(31 * BATCH + 1), whole[0], whole[1], whole[2], np.empty(BATCH, np.int64))
+    return Batch(np.empty(28 * BATCH + 1), whole[0], whole[1], whole[2], np.empty(BATCH, np.int64))
 
 
 @njit(error_model="numpy", fastmath=set(FAST), nogil=True)
@@ -134,8 +133,9 @@ def _set_constants(b: Array, k: int, i: int, j: int, spheres: Spheres, pairs: Ta
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
 def _close_batch(batch: Batch, count: int, fresh: int, side: Side, sums: Sums, laws: Laws, now: Now) -> None:
     """Gather velocities and springs, apply the laws, add. An arm is half the distance, MORE of it longer for i."""
-    b, motion, pairs, spheres, load = batch.column, side.bodies.motion, side.pairs, side.spheres, sums.load
-    if not spheres.equal:
+    b, motion, pairs, spheres = batch.column, side.bodies.motion, side.pairs, side.spheres
+    unequal, more = not spheres.equal, 0.0
+    if unequal:
         for k in range(count):
             i, j = batch.i[k], batch.j[k]
             _set_constants(b, k, i, j, spheres, laws.pairs)
@@ -143,7 +143,9 @@ def _close_batch(batch: Batch, count: int, fresh: int, side: Side, sums: Sums, l
     for k in range(count):
         i, j, m = batch.i[k], batch.j[k], batch.place[k]
         dx, dy, dz = b[DX + k], b[DY + k], b[DZ + k]
-        arm_i, arm_j = 0.5 + 0.5 * b[MORE + k], 0.5 - 0.5 * b[MORE + k]
+        if unequal:
+            more = b[MORE + k]
+        arm_i, arm_j = 0.5 + 0.5 * more, 0.5 - 0.5 * more
         wx = arm_i * motion[i, 3] + arm_j * motion[j, 3]
         wy = arm_i * motion[i, 4] + arm_j * motion[j, 4]
         wz = arm_i * motion[i, 5] + arm_j * motion[j, 5]
@@ -157,31 +159,32 @@ def _close_batch(batch: Batch, count: int, fresh: int, side: Side, sums: Sums, l
         k = batch.new[n]
         m = batch.place[k]
         pairs.onset[m, 0], pairs.onset[m, 1] = now.step, abs(b[NORMAL_SPEED + k])
-    if laws.pairs[spheres.material[0], spheres.material[0]].rolling_friction > 0.0 or not spheres.equal:
+    _add_contacts(batch, count, unequal, pairs.spring, sums, now.across)
+    if unequal or laws.pairs[spheres.material[0], spheres.material[0]].rolling_friction > 0.0:
         for k in range(count):
-            _roll(b, k, batch.i[k], batch.j[k], motion, spheres, laws.pairs, now.dt)
-    for k in range(count):
-        i, j, m = batch.i[k], batch.j[k], batch.place[k]
-        pairs.spring[m, 0], pairs.spring[m, 1] = b[SPRING_X + k], b[SPRING_Y + k]
-        pairs.spring[m, 2] = b[SPRING_Z + k]
-        arm, more = 1.0 + b[MORE + k], 1.0 - b[MORE + k]
-        add(
-            load,
-            i,
-            Vector(b[FX + k], b[FY + k], b[FZ + k]),
-            Vector(arm * b[TX + k] + b[ROLL_X + k], arm * b[TY + k] + b[ROLL_Y + k], arm * b[TZ + k] + b[ROLL_Z + k]),
-        )
-        on_j = Vector(
-            more * b[TX + k] - b[ROLL_X + k], more * b[TY + k] - b[ROLL_Y + k], more * b[TZ + k] - b[ROLL_Z + k]
-        )
-        if now.across < 0:
-            add(load, j, Vector(-b[FX + k], -b[FY + k], -b[FZ + k]), on_j)
-        else:
-            to = sums.crossing.carried[m - now.across]
-            to[0], to[1], to[2] = -b[FX + k], -b[FY + k], -b[FZ + k]
-            to[3], to[4], to[5] = on_j
+            _roll(batch, k, side, sums, laws.pairs, now)
     if len(side.heat.T):
         _exchange_heat(batch, count, side, sums, laws, now)
+
+
+@njit(error_model="numpy", fastmath=set(FAST))
+def _add_contacts(batch: Batch, count: int, unequal: bool, spring: Array, sums: Sums, across: int) -> None:
+    """Keep the springs; add forces and torques to particles i and j, or to what is carried to another block."""
+    b, load, carried, more = batch.column, sums.load, sums.crossing.carried, 0.0
+    for k in range(count):
+        i, j, m = batch.i[k], batch.j[k], batch.place[k]
+        if unequal:
+            more = b[MORE + k]
+        fx, fy, fz, tx, ty, tz = b[FX + k], b[FY + k], b[FZ + k], b[TX + k], b[TY + k], b[TZ + k]
+        spring[m, 0], spring[m, 1], spring[m, 2] = b[SPRING_X + k], b[SPRING_Y + k], b[SPRING_Z + k]
+        add(load, i, Vector(fx, fy, fz), Vector(tx + more * tx, ty + more * ty, tz + more * tz))
+        torque = Vector(tx - more * tx, ty - more * ty, tz - more * tz)
+        if across < 0:
+            add(load, j, Vector(-fx, -fy, -fz), torque)
+        else:
+            to = carried[m - across]
+            to[0], to[1], to[2] = -fx, -fy, -fz
+            to[3], to[4], to[5] = torque
 
 
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
@@ -238,17 +241,25 @@ def _apply_law(b: Array, count: int, dt: float) -> None:
 
 
 @njit(error_model="numpy", fastmath=set(FAST))
-def _roll(b: Array, k: int, i: int, j: int, motion: Array, spheres: Spheres, pairs: Table, dt: float) -> None:
-    inertia, distance = spheres.inertia, np.sqrt(b[DISTANCE2 + k])
-    b[ROLL_X + k], b[ROLL_Y + k], b[ROLL_Z + k] = rolling_torque(
+def _roll(batch: Batch, k: int, side: Side, sums: Sums, pairs: Table, now: Now) -> None:
+    """Add the torque against rolling of a contact of a batch."""
+    b, i, j, motion, spheres = batch.column, batch.i[k], batch.j[k], side.bodies.motion, side.spheres
+    inertia, distance, load = spheres.inertia, np.sqrt(b[DISTANCE2 + k]), sums.load
+    torque = rolling_torque(
         Vector(b[DX + k] / distance, b[DY + k] / distance, b[DZ + k] / distance),
         Vector(motion[i, 3] - motion[j, 3], motion[i, 4] - motion[j, 4], motion[i, 5] - motion[j, 5]),
         b[RADIUS + k],
         inertia[i] * inertia[j] / (inertia[i] + inertia[j]),
         pairs[spheres.material[i], spheres.material[j]].rolling_friction,
         b[NORMAL_FORCE + k],
-        dt,
+        now.dt,
     )
+    for a in range(3):
+        load[i, 3 + a] += torque[a]
+        if now.across < 0:
+            load[j, 3 + a] -= torque[a]
+        else:
+            sums.crossing.carried[batch.place[k] - now.across, 3 + a] -= torque[a]
 
 
 @njit(error_model="numpy", fastmath=set(FAST), forceinline=True)

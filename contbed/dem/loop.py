@@ -55,9 +55,10 @@ def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int,
     bodies, spheres, heat, crossing = side.bodies, side.spheres, side.heat, sums.crossing
     load, half, motion, dt = sums.load, side.bodies.half, side.bodies.motion, interval.time_step
     h, top, worst, is_warm = 0.5 * interval.time_step, 0.0, -1, len(side.heat.T) > 0
+    per_mass, per_inertia = 1.0 / spheres.mass[0], 1.0 / spheres.inertia[0]
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(bodies.position))):
-        m = 0 if spheres.equal else i
-        per_mass, per_inertia = 1.0 / spheres.mass[m], 1.0 / spheres.inertia[m]
+        if not spheres.equal:
+            per_mass, per_inertia = 1.0 / spheres.mass[i], 1.0 / spheres.inertia[i]
         if phase != BEGIN:
             gained = 0.0
             for k in range(crossing.start[i], crossing.start[i + 1]):
@@ -70,17 +71,18 @@ def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int,
             if is_warm:
                 heat.T[i] += dt * (gained + sums.gained[i] + heat.source[i]) * heat.inverse_capacity[i]
         speed2 = 0.0
-        for a in range(6):
-            rate = load[i, a] * per_mass + interval.gravity[a] if a < 3 else load[i, a] * per_inertia
+        for a in range(3):
+            rate, turn = load[i, a] * per_mass + interval.gravity[a], load[i, 3 + a] * per_inertia
             v = motion[i, a] if phase == BEGIN else half[i, a] + h * rate
-            u = v + h * rate
+            w = motion[i, 3 + a] if phase == BEGIN else half[i, 3 + a] + h * turn
             if phase == END:
-                motion[i, a] = v
+                motion[i, a], motion[i, 3 + a] = v, w
                 continue
-            half[i, a], motion[i, a] = u, u + h * rate
-            if a < 3:
-                bodies.position[i, a] += dt * u
-                speed2 += u * u
+            u, s = v + h * rate, w + h * turn
+            half[i, a], half[i, 3 + a] = u, s
+            motion[i, a], motion[i, 3 + a] = u + h * rate, s + h * turn
+            bodies.position[i, a] += dt * u
+            speed2 += u * u
         if not speed2 <= interval.speed_limit * interval.speed_limit:  # a NaN is never below
             worst = i
         top = max(top, speed2)
