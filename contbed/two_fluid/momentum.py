@@ -22,7 +22,7 @@ from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.fv.operators import convect, gradient, predictor_half_step
 from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.implicit import solve_system
-from contbed.two_fluid.linear.cg import empty_system, transposed
+from contbed.two_fluid.linear.cg import System, empty_system, transposed
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.packing import add_compaction_velocity
 from contbed.two_fluid.pressure import Projection, zero_slope_gradient
@@ -104,15 +104,28 @@ class Velocity(NamedTuple):
 
 
 @kernel
-def add_forces(dt: float, rho: float, mass: Array, source: Array, force: Array, rhs: Array, content: Array) -> None:
-    """Turn the convection `rhs` (nc, m) [m3/s times u] into a force, and add the accelerations `source` and `force`.
+def add_forces(
+    dt: float, rho: float, volume: Array, source: Array, force: Array, system: System, convected: Array
+) -> None:
+    """Turn the convection of the right-hand side [m3/s times u] into a force, and add the given accelerations.
 
-    mass (nc,) [kg/s] : mass of the phase over dt, the diagonal `content` of each component
+    volume (nc, 1) [m3] : of the phase; its mass over dt is the content. `source` and `force` (nc, m) are accelerations;
+    `convected` (nc, m) becomes the rate of change by convection.
     """
+    rhs, content = system.rhs, system.content
     for k in range(rhs.shape[1]):
         for c in range(rhs.shape[0]):
-            content[c, k] = mass[c]
-            rhs[c, k] = rho * rhs[c, k] + dt * mass[c] * (source[c, k] + force[c, k])
+            convected[c, k] = rhs[c, k] / volume[c, 0]
+            content[c, k] = rho / dt * volume[c, 0]
+            rhs[c, k] = rho * rhs[c, k] + rho * volume[c, 0] * (source[c, k] + force[c, k])
+
+
+@kernel
+def add_change(dt: float, u: Array, force: Array, change: Array) -> None:
+    """Turn the `change` (nc, m) of u in a step into H: the new velocity without what `force` gave it."""
+    for k in range(u.shape[1]):
+        for c in range(u.shape[0]):
+            change[c, k] = u[c, k] + change[c, k] - dt * force[c, k]
 
 
 @kernel
@@ -207,9 +220,9 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
     volume = ((eps * one.rho_ratio + NO_PARTICLES) * g.volume)[:, None]
     field = Reconstruction(u, grad, u, given, one.first_order, model.options.limited)
     convect_in_subcycles(one, field, dt, volume, system.rhs, model.grid)
-    convected = system.rhs / volume
+    convected = np.empty_like(u)
     # with the last forces the change vanishes in a steady state, which the implicit part then leaves alone
-    add_forces(dt, one.rho, one.rho / dt * volume[:, 0], one.source, one.force, system.rhs, system.content)
+    add_forces(dt, one.rho, volume, one.source, one.force, system, convected)
     work, motion = np.zeros(len(eps)), Motion(u, grad, given, one.slip)
     if model.grid.rows is None:
         add_stress(g, side, one.fluid, motion, system, work)
@@ -219,10 +232,11 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
     if model.grid.axisymmetric:
         add_hoop_stress(g, one.fluid, motion, system, work)
     change = solve_system(state, one.name, system, model)
-    at_walls = side.u - (u + change)[model.boundary_cells]
+    at_walls = side.u[:, -1] - (u[model.boundary_cells, -1] + change[model.boundary_cells, -1])
     walls = side.kind == boundary.WALL
-    wall_force = float(np.sum(system.coef[model.grid.interior :, -1] * at_walls[:, -1], where=walls))
-    return Predicted(u + change - dt * one.force, grad, convected, work, one.slip, wall_force)
+    wall_force = float(np.sum(system.coef[model.grid.interior :, -1] * at_walls, where=walls))
+    add_change(dt, u, one.force, change)
+    return Predicted(change, grad, convected, work, one.slip, wall_force)
 
 
 @phase("reconstruction")

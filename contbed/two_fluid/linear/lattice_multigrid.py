@@ -127,30 +127,27 @@ def _cycle(levels: Levels, a: Stencil, b: Array, x: Array, other: Array) -> None
 
 
 @summing
-def _norms(begin: Any, end: Any, inverse: Array, r: Array) -> tuple[float, float]:
-    """Return the largest r, and its square in the norm of the inverse diagonal."""
-    largest = square = 0.0
+def _square(begin: Any, end: Any, inverse: Array, r: Array) -> float:
+    """Return r . r in the norm of the inverse diagonal."""
+    square = 0.0
     for i in range(begin, end):
-        largest = max(largest, abs(r[i]))
         square += inverse[i] * r[i] * r[i]
-    return largest, square
+    return square
 
 
 @kernel
-def _start(levels: Levels, a: Stencil, b: Array, x: Array, r: Array) -> tuple[float, float]:
-    """Set r to what x leaves of b; return its norms."""
+def _start(levels: Levels, a: Stencil, b: Array, x: Array, r: Array) -> float:
+    """Set r to what x leaves of b; return its square in the norm of the inverse diagonal."""
     begin, end, _, _ = span(levels, 0)
     _residual(levels, 0, a, b, x, r)
-    return _norms(begin, end, a.inverse, r)
+    return _square(begin, end, a.inverse, r)
 
 
 @summing
-def _advance(
-    levels: Levels, a: Stencil, slope: float, part: float, p: Array, q: Array, x: Array, r: Array
-) -> tuple[float, float]:
+def _advance(levels: Levels, a: Stencil, slope: float, part: float, p: Array, q: Array, x: Array, r: Array) -> float:
     """One step along p, which holds the preconditioned residual: plus `part` times q, the direction before.
 
-    `slope` is r times the preconditioned residual. Return the norms of the new residual. q becomes the direction.
+    `slope` is r times the preconditioned residual. Return the square of the new residual. q becomes the direction.
     """
     begin, end, s1, s2 = span(levels, 0)
     for i in range(begin, end):
@@ -164,7 +161,7 @@ def _advance(
     for i in range(begin, end):
         x[i] += alpha * q[i]
         r[i] -= alpha * p[i]
-    return _norms(begin, end, a.inverse, r)
+    return _square(begin, end, a.inverse, r)
 
 
 @summing
@@ -190,14 +187,15 @@ def iterate(
     It ends where the largest residual, or the square in the norm of the inverse diagonal, is not above `least`.
     """
     r, z, direction, other = (np.zeros_like(x) for _ in range(4))
-    largest, square = _start(levels, a, b, x, r)
-    before = 1.0
+    first, places = levels.first[0], int(np.prod(levels.size[0]))
+    inside = r[first : first + places]
+    square, before = _start(levels, a, b, x, r), 1.0
     for iteration in range(most + 1):
-        if (largest if by_largest else square) <= least:
+        if (max(inside.max(), -inside.min()) if by_largest else square) <= least:
             return iteration
         slope = _precondition(levels, a, multigrid, r, z, other)
         part = slope / before if iteration > 0 else 0.0
-        largest, square = _advance(levels, a, slope, part, z, direction, x, r)
+        square = _advance(levels, a, slope, part, z, direction, x, r)
         before = slope
     return -1
 
@@ -210,8 +208,12 @@ def boundary_links(g: Geometry, coef: Array, rest: Array) -> None:
 
 
 @kernel
-def _sum_links(g: Geometry, rows: Rows, system: System, rest: Array, x: Array) -> None:
-    """Add the links of faces to those of their cells; `rest` (m, nc) are those to given values; x = rhs/content."""
+def _sum_links(g: Geometry, rows: Rows, system: System, explicit: float, rest: Array, x: Array) -> bool:
+    """Add the links of faces to those of their cells; `rest` (m, nc) are those to given values; x = rhs/content.
+
+    Return whether those of any cell are above `explicit` times its content.
+    """
+    found = False
     coef, links, content, rhs = system.coef, system.links, system.content, system.rhs
     for k in range(len(coef)):
         boundary_links(g, coef[k], links[k])
@@ -224,6 +226,9 @@ def _sum_links(g: Geometry, rows: Rows, system: System, rest: Array, x: Array) -
                 links[k, left + i] += coef[k, face + i]
             for i in range(ZERO, rows.length[r]):
                 links[k, right + i] += coef[k, face + i]
+        for c in range(links.shape[1]):
+            found |= links[k, c] > explicit * content[k, c]
+    return found
 
 
 def solve_exchange(
@@ -235,10 +240,9 @@ def solve_exchange(
     """
     levels, a, at = lattice.levels, lattice.stencil, lattice.levels.of_cell
     rest, total, longest = np.empty_like(x), levels.joined.shape[1], 0
-    _sum_links(lattice.geometry, rows, system, rest, x)
-    over = system.links > explicit * system.content
-    if not over.any():
+    if not _sum_links(lattice.geometry, rows, system, explicit, rest, x):
         return 0
+    over = system.links > explicit * system.content
     stiff, solved = np.zeros(total), np.zeros(total)
     stiff[at] = over.any(axis=0)
     add_neighbours(levels, stiff, solved)
