@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.two_fluid.compiled import ZERO, Array, kernel, summing
+from contbed.two_fluid.compiled import ZERO, Array, Indices, kernel, summing
 from contbed.two_fluid.fv.grid import Geometry, Grid
 from contbed.two_fluid.fv.rows import Rows
 from contbed.two_fluid.linear.cg import System
@@ -238,7 +238,7 @@ def solve_exchange(
 
     Return the most iterations that a component took, -1 if too many.
     """
-    levels, a, at = lattice.levels, lattice.stencil, lattice.levels.of_cell
+    levels, a, at = lattice.levels, lattice.stencil, lattice.at
     rest, total, longest = np.empty_like(x), levels.joined.shape[1], 0
     if not _sum_links(lattice.geometry, rows, system, explicit, rest, x):
         return 0
@@ -262,7 +262,7 @@ def solve_exchange(
             return -1
         longest = max(longest, iterations)
         # where nothing is solved for, iterations change the last digits
-        x[k, inside] = y[at[inside]]
+        np.copyto(x[k], y[at], where=inside)
     return longest
 
 
@@ -271,6 +271,10 @@ class LatticeMultigrid:
 
     def __init__(self, grid: Grid, levels: Levels):
         self.levels, self.stencil, self.geometry = levels, empty_stencil(levels), grid.geometry
+        first, cells = int(levels.of_cell[0]), len(levels.of_cell)
+        without_holes = np.array_equal(levels.of_cell, first + np.arange(cells))
+        # of the cells on the first lattice
+        self.at: slice | Indices = slice(first, first + cells) if without_holes else levels.of_cell
 
     def solve(self, coef: Array, floating: bool, rhs: Array, x: Array) -> int:
         """Put the solution in `x`, which holds a guess; return the number of iterations, -1 without convergence.
@@ -288,10 +292,8 @@ class LatticeMultigrid:
             load_diagonal(levels, rest, a)
         coarsen(levels, a)
         b, y = np.zeros(len(a.fast)), np.zeros(len(a.fast))
-        b[levels.of_cell], y[levels.of_cell] = rhs, x
-        least = (
-            PRESSURE_TOLERANCE * np.abs(rhs).max() + PRESSURE_ROUNDING * np.abs(a.diagonal[levels.of_cell] * x).max()
-        )
+        b[self.at], y[self.at] = rhs, x
+        least = PRESSURE_TOLERANCE * np.abs(rhs).max() + PRESSURE_ROUNDING * np.abs(a.diagonal[self.at] * x).max()
         found = iterate(levels, a, b, y, True, float(least), True, PRESSURE_ITERATIONS)
-        x[:] = y[levels.of_cell]
+        x[:] = y[self.at]
         return found
