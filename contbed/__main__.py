@@ -5,6 +5,8 @@ import signal
 import sys
 from types import FrameType
 
+from contbed import quick_start
+
 INTERRUPTED = 130
 
 
@@ -16,6 +18,14 @@ def _end(number: int, frame: FrameType | None) -> None:
 
 def main() -> int:
     """Run the command line and return its exit code."""
+    quick_start.begin()
+    try:
+        return _command()
+    finally:
+        quick_start.end()
+
+
+def _command() -> int:
     default = signal.getsignal(signal.SIGINT)
     if default is not signal.default_int_handler:  # a shell lets what it starts in the background ignore interrupts
         from contbed.cli import main as command

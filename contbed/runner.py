@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contbed import models
+from contbed import models, quick_start
 from contbed.errors import BalanceError, ClosureRangeError, ContbedError, ConvergenceError, SceneError, interrupt_in
 from contbed.result import Result, outside
 from contbed.scene.identity import identity
@@ -122,7 +122,9 @@ def _solve(
 ) -> BaseException | None:
     """Fill the result; what stopped the run is returned, and stands in the result."""
     try:
-        models.model_of(scene).find("run", "run")(result.plan, result, folder, quiet, checkpoint)
+        solve = models.model_of(scene).find("run", "run")
+        with quick_start.collecting():
+            solve(result.plan, result, folder, quiet, checkpoint)
         _verdict(scene, result)
     except (Exception, KeyboardInterrupt) as caught:
         error = interrupt_in(caught) or caught

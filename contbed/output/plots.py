@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed import quick_start
 from contbed.fem.elements import Space
 from contbed.fields import FIELDS, name_of
 from contbed.output.files import atomic
@@ -25,6 +26,7 @@ Array = NDArray[np.float64]
 
 WIDTH = 8.0  # inches, 1600 pixels
 DPI = 200
+_COMPRESSION = 2  # of PNG: lines on white get no smaller by more, which takes three times as long
 # Okabe and Ito's colours, told apart with any colour vision
 _COLOURS = {"fluid": "#0072B2", "solid": "#D55E00", "other": "#009E73"}
 _PAIRS = (("T_fluid", "T_solid"), ("theta_fluid", "theta_solid"))
@@ -66,8 +68,9 @@ def styled_figure(
 ) -> Iterator[Any]:
     """Yield a figure in the common style, saved as PNG when the block ends."""
     matplotlib = _matplotlib()
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    with quick_start.without_help_texts():
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
 
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
@@ -80,7 +83,12 @@ def styled_figure(
         yield figure
         with atomic(path) as temporary:
             # placed by hand, a long tick label may reach beyond the figure, which then grows with it
-            figure.savefig(temporary, format="png", bbox_inches="tight" if layout == "none" else None)
+            figure.savefig(
+                temporary,
+                format="png",
+                bbox_inches="tight" if layout == "none" else None,
+                pil_kwargs={"compress_level": _COMPRESSION},
+            )
 
 
 def _matplotlib() -> Any:
@@ -97,6 +105,19 @@ def _matplotlib() -> Any:
         with suppress(ValueError):
             matplotlib.rcParams["backend"] = named
     return matplotlib
+
+
+def plain_ticks(axes: Any) -> None:
+    """Write the numbers at the ticks as text; as formulas, which a power of ten needs, each takes 5 ms to set."""
+    from matplotlib.ticker import ScalarFormatter
+
+    class Plain(ScalarFormatter):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            formula = super().__call__(x, pos)
+            return formula.removeprefix("$\\mathdefault{").removesuffix("}$")
+
+    axes.xaxis.set_major_formatter(Plain())
+    axes.yaxis.set_major_formatter(Plain())
 
 
 def _chosen(names: list[str]) -> list[tuple[str, ...]]:
@@ -148,6 +169,7 @@ def profile_plot(path: Path | str, columns: Mapping[str, Array], coordinate_head
             axes.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
             axes.set_ylabel(_group_label(group))
             axes.margins(x=0)
+            plain_ticks(axes)
             if len(group) > 1:
                 axes.legend()
         panels[-1].set_xlabel(FIELDS[coordinate].label)
@@ -178,6 +200,7 @@ def transient_plot(path: Path | str, columns: Mapping[str, Array], coordinate_he
             axes.margins(x=0)
             axes.set(xlabel=FIELDS[coordinate].label, ylabel=FIELDS[name].label)
             axes.yaxis.set_tick_params(labelleft=True)
+            plain_ticks(axes)
             figure.draw_without_rendering()
             for time, colour, spot in zip(times, colours, _free_spots(axes, curves), strict=True):
                 axes.annotate(

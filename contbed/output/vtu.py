@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import sys
+import zlib
+from base64 import b64encode
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
@@ -18,6 +21,11 @@ if TYPE_CHECKING:
     import skfem
 
 Array = NDArray[np.float64]
+
+_VTK_TYPES = {"line3": 21, "triangle6": 22, "quad9": 28, "tetra10": 24, "hexahedron27": 29}
+_KINDS = {"f": "Float", "i": "Int", "u": "UInt"}
+_BYTE_ORDER = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
+_BLOCK = 32_768  # bytes that are compressed together, as VTK does
 
 _SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 _CUBE = [(*corner, z) for z in (0, 1) for corner in _SQUARE]
@@ -93,8 +101,6 @@ def write_fields(
     nodal : space and values, (size,) or (ncomponents, size), of each field; names ASCII without spaces
     region : add the cells' region, numbered in the order of `mesh.subdomains`, when there is more than one
     """
-    import meshio
-
     quadratic = Space(mesh, 2)
     name, cells = quadratic_cells(quadratic)
     data = {}
@@ -104,15 +110,53 @@ def write_fields(
         sampled = at_nodes(space, values, quadratic)
         data[field] = sampled if sampled.ndim == 1 else _padded(sampled)
     subdomains = mesh.subdomains or {}
-    cell_data: dict[str, Any] = {}
+    cell_data: dict[str, NDArray[Any]] = {}
     if region and len(subdomains) > 1:
         number = np.full(mesh.nelements, -1, dtype=np.int32)
         for k, members in enumerate(subdomains.values()):
             number[members] = k
-        cell_data["region"] = [number]
-    content = meshio.Mesh(_padded(quadratic.points), [(name, cells)], point_data=data, cell_data=cell_data)
-    with atomic(path) as temporary:
-        content.write(temporary, file_format="vtu")
+        cell_data["region"] = number
+    ncells, corners = cells.shape
+    arrays: dict[str, dict[str, NDArray[Any]]] = {
+        "Points": {"Points": _padded(quadratic.points)},
+        "Cells": {
+            "connectivity": cells.ravel(),
+            "offsets": np.arange(1, ncells + 1) * corners,
+            "types": np.full(ncells, _VTK_TYPES[name], dtype=np.uint8),
+        },
+        "PointData": {**data},
+        "CellData": cell_data,
+    }
+    with atomic(path) as temporary, open(temporary, "w", encoding="ascii") as file:
+        file.writelines(_unstructured_grid(len(quadratic.points.T), ncells, arrays))
+
+
+def _unstructured_grid(npoints: int, ncells: int, arrays: Mapping[str, Mapping[str, NDArray[Any]]]) -> Iterator[str]:
+    """Yield the pieces of a file of VTK's XML format, the arrays of each section compressed and in base64."""
+    yield (
+        f'<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="0.1" byte_order="{_BYTE_ORDER}" '
+        f'header_type="UInt32" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>\n'
+        f'<Piece NumberOfPoints="{npoints}" NumberOfCells="{ncells}">\n'
+    )
+    for section, members in arrays.items():
+        if members:
+            yield f"<{section}>\n"
+            for name, values in members.items():
+                kind = f"{_KINDS[values.dtype.kind]}{8 * values.itemsize}"
+                ncomponents = f'NumberOfComponents="{values.shape[1]}" ' if values.ndim == 2 else ""
+                yield f'<DataArray type="{kind}" Name={quoteattr(name)} {ncomponents}format="binary">\n'
+                yield f"{_compressed(values.tobytes())}\n</DataArray>\n"
+            yield f"</{section}>\n"
+    yield "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
+
+
+def _compressed(content: bytes) -> str:
+    """Return bytes as VTK reads them: number of blocks, size of each, of the last, compressed sizes; the blocks."""
+    blocks = [content[k : k + _BLOCK] for k in range(0, len(content), _BLOCK)]
+    packed = [zlib.compress(block) for block in blocks]
+    last = len(content) % _BLOCK  # 0: the last one is full
+    sizes = np.array([len(blocks), _BLOCK, last, *map(len, packed)], dtype=np.uint32)
+    return (b64encode(sizes.tobytes()) + b64encode(b"".join(packed))).decode("ascii")
 
 
 def write(path: Path, mesh: skfem.Mesh, nodal: Mapping[str, tuple[Space, Array]]) -> str:

@@ -1,0 +1,60 @@
+"""What the process of one command leaves out, as it lives for one command only. In programs of users nothing changes.
+
+- Modules are imported without the collection of reference cycles in between, which finds nothing in them, and they are
+  not searched when Python ends: together 0.3 to 0.4 s of 1.4 s of a small run.
+- matplotlib is imported without the help texts that it composes for every `set` method, 0.1 s.
+"""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+_process = {"of_a_command": False, "frozen": False}
+
+
+def begin() -> None:
+    """Postpone the collection of reference cycles; called before a command imports anything."""
+    _process["of_a_command"] = True
+    gc.disable()
+
+
+def end() -> None:
+    """Leave all that is in memory to the system, which takes it when the process ends."""
+    gc.freeze()
+
+
+@contextmanager
+def collecting() -> Iterator[None]:
+    """Collect reference cycles for the block, in which a run may take long; what was imported before stays."""
+    postponed = not gc.isenabled()
+    if postponed and not _process["frozen"]:
+        _process["frozen"] = True
+        gc.freeze()
+    gc.enable()
+    try:
+        yield
+    finally:
+        if postponed:
+            gc.disable()
+
+
+@contextmanager
+def without_help_texts() -> Iterator[None]:
+    """Import parts of matplotlib in the block without composing help texts, in the process of a command only."""
+    if not _process["of_a_command"]:
+        yield
+        return
+    from matplotlib import artist
+
+    inspector: Any = artist.ArtistInspector
+    changed: Any = artist
+    text, setters = artist.kwdoc, inspector.get_setters
+    changed.kwdoc = lambda artist: ""
+    inspector.get_setters = lambda self: []
+    try:
+        yield
+    finally:
+        changed.kwdoc, inspector.get_setters = text, setters
