@@ -15,9 +15,10 @@ from contbed.mesh.grading import graded
 from contbed.packed_bed import accuracy
 from contbed.packed_bed.plan import plan
 
-# True errors over solver.tolerance where no warning is given. Measured at 1e-4 on ten of these beds, seeds 0 to 8 and
-# 15: at most 0.4; at 1e-5 on seed 2: 0.24. The factor is for the beds that have not been measured.
-FACTOR = 10.0
+# True errors over solver.tolerance where no warning is given. Measured at 1e-4 on all fifty beds: theta at most 0.96;
+# heat at most 0.05, and 10 to 840 in the eight beds with a corner of unlike prescribed temperatures, where it has no
+# limit. The one warned bed, seed 9, has a single given temperature: theta has no span.
+FACTOR = 1.0
 WALLS = {"left": {"fluid": {"inflow": 300.0}}, "bottom": {"solid": {"fixed": 500.0}}}
 
 
@@ -166,11 +167,15 @@ def test_the_reference_keeps_the_cells_of_a_corner():
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(50))
 def test_random_walls(seed):
-    """Below the tolerance times `FACTOR`, or warned."""
-    result = cb.run(scene(seed, tolerance=1e-4))
+    """Theta and heat are below the tolerance times `FACTOR`, or a warning is given."""
+    bed = scene(seed, tolerance=1e-4)
+    result = cb.run(bed)
     made = result.plan
     if made.mesh.skfem.dim() == 1 or any("wrong by" in text for text in result.warnings):
         return
     _, problem, state = solved(made)
     _, *exact = solved(reference(made, 2 if made.mesh.skfem.nelements < 4000 else 1))
-    assert true_errors(made, problem, state, tuple(exact))[0] <= FACTOR * 1e-4
+    theta, heat = true_errors(made, problem, state, tuple(exact))
+    assert theta <= FACTOR * 1e-4
+    if not any("in a corner" in text for text in bed.warnings):
+        assert heat <= FACTOR * 1e-4
