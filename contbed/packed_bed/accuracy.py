@@ -79,10 +79,10 @@ def estimated(plan: Any, flow: Any, problem: Any, state: Any, before: Estimate |
         for k, values in enumerate(flow.velocity):
             found[f"u{k}"] = _field(plan.mesh, space, values / scale, corners, limit)
     if problem is not None:
-        space, (low, high) = problem.system.fields["T_fluid"][0], problem.T_span
+        space, span = problem.system.fields["T_fluid"][0], problem.span_of(state)
         for phase in ("fluid", "solid"):
             corners = _jumps(plan, _temperature_jumps(plan.solved, phase))
-            values = problem.system.part(state, f"T_{phase}") / max(high - low, 1e-9 * high)
+            values = problem.system.part(state, f"T_{phase}") / span
             found[f"T_{phase}"] = _field(plan.mesh, space, values, corners, tolerance)
     if None in found.values():
         return {}

@@ -295,9 +295,17 @@ class HeatProblem:
         """Estimate the error of theta in each cell, the larger of both phases."""
         from contbed.packed_bed.adapt import estimate
 
-        space, (low, high) = self.system.fields["T_fluid"][0], self.T_span
+        space = self.system.fields["T_fluid"][0]
         errors = [estimate(space, self.system.part(state, name)) for name in two_energy.FIELDS]
-        return np.maximum(*errors) / max(high - low, 1e-9 * high)
+        return np.maximum(*errors) / self.span_of(state)
+
+    def span_of(self, state: Any) -> float:
+        """Return the span of temperatures [K], of those that are given or, where these are equal, of the solution."""
+        low, high = self.T_span
+        if not high > low:
+            values = np.concatenate([self.system.part(state, name) for name in two_energy.FIELDS])
+            low, high = float(values.min()), float(values.max())
+        return max(high - low, ROUNDING * abs(high))
 
     def fluxes(self, state: Any) -> dict[str, dict[str, float]]:
         """Return the heat into the bed [W] through each boundary by the streams, by walls and by radiation.

@@ -164,6 +164,13 @@ def test_the_reference_keeps_the_cells_of_a_corner():
     assert np.diff(found).min() > 1e-9
 
 
+def test_fluxes_alone_have_a_span():
+    """Errors of a bed with one given temperature and fluxes count from the span of its solution."""
+    result = cb.run(scene(9, tolerance=1e-4))
+    assert not any("wrong by" in text for text in result.warnings)
+    assert result.plan.mesh.skfem.nelements < 20_000
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(50))
 def test_random_walls(seed):

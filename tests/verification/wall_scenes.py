@@ -118,8 +118,7 @@ def _finer(ends: Any, split: int) -> Any:
 
 def true_errors(plan: Any, problem: HeatProblem, state: Any, exact: tuple[HeatProblem, Any]) -> tuple[float, float]:
     """Return the largest errors of theta and of the heat through a boundary over the largest, against a reference."""
-    low, high = problem.T_span
-    worst = 0.0
+    span, worst = problem.span_of(state), 0.0
     for phase in ("fluid", "solid"):
         name = f"T_{phase}"
         coarse, fine = (
@@ -128,7 +127,7 @@ def true_errors(plan: Any, problem: HeatProblem, state: Any, exact: tuple[HeatPr
         corners = accuracy._jumps(plan, accuracy._temperature_jumps(plan.solved, phase))
         found = fine[0].interpolated(fine[0].values(fine[1]), coarse[0].coordinates)
         difference = accuracy._weight(coarse[0], corners) * np.abs(found - coarse[0].values(coarse[1]))
-        worst = max(worst, float(difference.max()) / (high - low))
+        worst = max(worst, float(difference.max()) / span)
     one, other = heats(problem, state), heats(*exact)
     scale = max(abs(value) for value in other.values())
     return worst, max(abs(one[name] - other[name]) for name in other) / scale
