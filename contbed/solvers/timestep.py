@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
+import scipy.sparse as sp
 
 from contbed.errors import ConvergenceError
 from contbed.solvers.banded import Ordering
@@ -126,7 +127,9 @@ def march(
         unit, adaptive = (end - start) / max(total, 1), True
         level = LEVELS - FIRST_LEVEL if level is None else level
     solved: Any = _Affine(problem, np.full_like(state, origin), (start, end)) if problem.linear else problem
-    narrow = Ordering.of(abs(solved.mass) + abs(solved.stiffness)) if isinstance(solved, _Affine) else None
+    # matrices of another engine solve by themselves
+    here = isinstance(solved, _Affine) and sp.issparse(solved.stiffness)
+    narrow = Ordering.of(abs(solved.mass) + abs(solved.stiffness)) if here else None
     stage = _Stages(solved, policy, newton_options or {}) if narrow is None else _LineStages(solved, narrow)
     while tick < total:
         width = 2**level

@@ -39,7 +39,7 @@ def problems(name: str):
     if made.scene.heat is None:
         return _radiation_problem(one), _radiation_problem(other)
     line = line_along(one.mesh, made.scene.output.positions, made.scene.output.across)
-    flow = None if made.plug else _flow(one, line, Result(one))
+    flow = None if made.plug else _flow(one, line, None, Result(one))
     return _heat_problem(one, flow, Result(one)), _heat_problem(other, flow, Result(other))
 
 
