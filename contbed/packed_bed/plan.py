@@ -154,6 +154,12 @@ class Plan:
         line = None if self.solved.mesh is self.scene.mesh else _reduced(frozen)
         return frozen if line is None else line[0]
 
+    @property
+    def line_vertices(self) -> Any:
+        """Coordinates of a line before it is refined [m]: checkpoints keep them, as cells follow the output times."""
+        grid = self.mesh.skfem
+        return grid.p[0, : grid.nelements // 2**self.solved.mesh.refine + 1]
+
     def on(self, vertices: Any) -> Plan:
         """Return the plan on a mesh with other coordinates in each direction [m]."""
         return replace(self, mesh=replace(self.mesh, skfem=build(self.solved.mesh, vertices).skfem))

@@ -15,6 +15,7 @@ from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.scene import Time
 from contbed.packed_bed.schedule import Piece
 from contbed.result import Result, outside
+from contbed.scene.mesh import MeshLine
 
 RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "output", "solver.memory_GB")
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
@@ -37,6 +38,8 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         with result.timed("heat"):
             _track_fronts(plan, result)
         return
+    if start is not None and "vertices" in start[0]:
+        plan = result.plan = plan.on([start[0]["vertices"]])
     flow, estimate = None, None
     for attempt in range(plan.adaptations + 1):
         plan.policy.check_memory(max(plan.unknowns().values()))  # before a matrix is assembled, which may take most
@@ -190,7 +193,8 @@ def _transient(
 
     def save(arrays: dict[str, Any], meta: dict[str, Any]) -> None:
         assert folder is not None
-        checkpoint.save(folder, arrays, meta | {"identity": label})
+        grid = {"vertices": plan.line_vertices} if isinstance(plan.solved.mesh, MeshLine) else {}
+        checkpoint.save(folder, arrays | grid, meta | {"identity": label})
 
     pieces = plan.pieces()
     if history is not None:  # of those that have passed only the last is needed, for the results

@@ -7,6 +7,7 @@ is continued in the same order, and the checkpoint holds doubles. So all compari
 import json
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -255,6 +256,22 @@ def test_a_run_goes_on_to_a_later_end_and_other_output_times(text, tmp_path):
         assert np.allclose(column, found.profiles[name], rtol=2e-3, atol=0.05), name
     later = read_table(tmp_path / "profiles.csv")["t [s]"]
     assert later[-1] == 600.0
+
+
+@pytest.mark.parametrize("refine", [0, 1])
+def test_a_run_goes_on_on_the_mesh_that_it_began_on(refine, tmp_path):
+    """The cells of an automatic line follow end and output times; a run that goes on keeps those of its checkpoint.
+
+    Another run to the same end on another mesh differs by the errors of both, below 1e-3 of the span of 200 K.
+    """
+    short = SCENE.replace("cells = 40", f"refine = {refine}").replace("end = 1500.0", "end = 300.0")
+    short = re.sub(r"times = .*\n", "", short)
+    long = short.replace("end = 300.0", "end = 1500.0\ntimes = [1400.0]")
+    first, whole = cb.run(loads(short), out=tmp_path), cb.run(loads(long))
+    found = cb.run(loads(long), out=tmp_path, restart=tmp_path)
+    assert not np.array_equal(first.plan.mesh.skfem.p, whole.plan.mesh.skfem.p)
+    assert np.array_equal(found.plan.mesh.skfem.p, first.plan.mesh.skfem.p)
+    assert found.qoi["T_fluid_out_K"] == pytest.approx(whole.qoi["T_fluid_out_K"], abs=0.2)
 
 
 def test_what_has_passed_cannot_be_asked_for(tmp_path):
