@@ -75,7 +75,7 @@ class HeatProblem:
             self._interior.append(self.radiation.interior(cells))
             self._radiating = self.radiation.boundaries(mesh, self.system)
         self.idle: list[str] = []
-        self.fixed, self.fixed_values, self.fixed_owner = self._fixed()
+        self.fixed, self.fixed_values, self.fixed_owner, self._prescribed = self._fixed()
 
     def _crossed(self) -> list[Any]:
         return [(two_energy.boundary, part, wall) for _, part, wall in self.walls if wall.crossed]
@@ -98,7 +98,10 @@ class HeatProblem:
             walls.append((name, part, wall))
         self.walls = walls
         self._boundary = self._crossed()
-        self.fixed_values = self._fixed(time)[1]
+        for nodes, name, phase in self._prescribed:
+            condition = self.piece.condition(name, phase, time)
+            if condition is not None:
+                self.fixed_values[nodes] = condition.fixed
 
     def _span(self) -> tuple[float, float]:
         found = [
@@ -119,26 +122,33 @@ class HeatProblem:
             found += self.piece.temperatures
         return min(found), max(found)
 
-    def _fixed(self, time: float | None = None) -> tuple[Any, Any, Any]:
-        nodes, values, owners = [], [], []
+    def _fixed(self) -> tuple[Any, Any, Any, list[tuple[Any, str, str]]]:
+        """Return nodes of prescribed temperatures, their values, the number of the boundary of each, and its parts.
+
+        A node of several boundaries belongs to the first; a part is (places in the three arrays, boundary, phase).
+        """
+        found = []
         for name in self.mesh.boundaries:
             for phase in PHASES:
                 condition = self.build.condition(name, phase)
-                if self.piece is not None and time is not None:
-                    condition = self.piece.condition(name, phase, time)
                 if condition is not None and condition.fixed is not None:
-                    if not self._reaches(name, phase):
+                    if self._reaches(name, phase):
+                        nodes = self.system.nodes(f"T_{phase}", self.mesh.skfem.boundaries[name])
+                        found.append((nodes, name, phase, condition.fixed))
+                    else:
                         why = f"the {phase} neither conducts nor enters there"
                         self.idle.append(f"boundary.{name}.{phase}.fixed has no effect: {why}")
-                        continue
-                    found = self.system.nodes(f"T_{phase}", self.mesh.skfem.boundaries[name])
-                    nodes.append(found)
-                    values.append(np.full(len(found), condition.fixed))
-                    owners.append(np.full(len(found), self.mesh.boundaries.index(name)))
-        if not nodes:
-            return np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64)
-        unique, first = np.unique(np.concatenate(nodes), return_index=True)
-        return unique, np.concatenate(values)[first], np.concatenate(owners)[first]
+        every = np.concatenate([np.empty(0, dtype=np.int64), *(nodes for nodes, *_ in found)])
+        unique, first = np.unique(every, return_index=True)
+        part = np.repeat(np.arange(len(found)), np.array([len(nodes) for nodes, *_ in found], dtype=np.int64))[first]
+        values: Any = np.empty(len(unique))
+        owners = np.empty(len(unique), dtype=np.int64)
+        parts = []
+        for number, (_, name, phase, value) in enumerate(found):
+            places = np.flatnonzero(part == number)
+            values[places], owners[places] = value, self.mesh.boundaries.index(name)
+            parts.append((places, name, phase))
+        return unique, values, owners, parts
 
     def _reaches(self, boundary: str, phase: str) -> bool:
         """Return whether a prescribed temperature acts on the bed, by conduction or with an entering stream."""

@@ -8,6 +8,7 @@ A mesh without prescribed cells is graded to the layers that the closed-form rat
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
@@ -121,26 +122,27 @@ class Plan:
 
         return replace(self, mesh=refined(self.mesh, error))
 
-    def pieces(self) -> list[Piece | None]:
+    def pieces(self) -> Sequence[Piece | None]:
         """Return the parts of a transient in which all is linear in time; one None where nothing changes."""
         time, schedule = self.scene.time, self.schedule
         if not schedule or time is None:
             return [None]
-        temperatures = tuple(schedule.temperatures())
-        return [
-            Piece(start, end, self._frozen(start), self._frozen(end, before=True), temperatures)
-            for start, end in pairwise(schedule.cuts(time.end))
-        ]
+        temperatures, found, flow_since = tuple(schedule.temperatures()), [], 0.0
+        for start, end in pairwise(schedule.cuts(time.end)):
+            if schedule.jumps(start, "flow"):
+                flow_since = start
+            first, last = self._frozen(start), self._frozen(end, before=True)
+            found.append(Piece(start, end, first, last, temperatures, schedule.jumps(start), flow_since))
+        return found
 
-    def at(self, time: float) -> Plan:
-        """Return the plan with the velocities of a time, on the same mesh.
+    def within(self, piece: Piece) -> Plan:
+        """Return the plan with the velocities of a part of the run, on the same mesh.
 
         The mass flux is that of the inlet temperature when the velocity took its value.
         """
-        assert self.scene.time is not None
-        target = self._frozen(time)
+        target = piece.first
         velocity, solid = _velocities(target)
-        since = self.schedule.frozen(self.scene, self.schedule.flow_since(time, self.scene.time.end))
+        since = self.schedule.frozen(self.scene, piece.flow_since)
         medium = Medium.of(target, _inlet_temperature(since), _bed_diameter(self.scene.mesh))
         conditions = {name: _role(target, self.mesh, name, velocity) for name in self.mesh.boundaries}
         return replace(

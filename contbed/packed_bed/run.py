@@ -204,12 +204,12 @@ def _transient(
         with Progress(scene.time.end, "s", quiet) as progress:
             for piece in pieces:
                 if piece is not None:
-                    plan = plan.at(piece.start)
+                    plan = plan.within(piece)
                 problem = _heat_problem(plan, flow, result, piece)
                 with result.timed("heat"):
                     history = history or History(problem.begin(plan.policy))
                     if piece is not None and piece.start > 0.0 and history.time <= piece.start * (1 + 1e-12):
-                        enter(problem, history, plan.policy, None if plan.schedule.jumps(piece.start) else history.size)
+                        enter(problem, history, plan.policy, None if piece.jumps else history.size)
                     run_transient(
                         problem,
                         history,

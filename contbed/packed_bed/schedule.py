@@ -42,6 +42,7 @@ class Piece:
 
     start, end : [s]; first, last : the scene frozen just after the start and just before the end
     temperatures : all that the series of the run hold [K]
+    jumps : whether a value jumps at the start; flow_since : when the velocities took their values [s]
     """
 
     start: float
@@ -49,6 +50,8 @@ class Piece:
     first: s.Scene
     last: s.Scene
     temperatures: tuple[float, ...]
+    jumps: bool
+    flow_since: float
 
     @property
     def changes(self) -> bool:
@@ -125,23 +128,13 @@ class Schedule:
         times = sorted({0.0, end, *(t for values in self.samples.values() for t in values.breaks(end))})
         return [a for a, b in pairwise([*times, 2.0 * end]) if b - a > SAME * end]
 
-    def jumps(self, time: float) -> bool:
-        """Return whether a temperature, a flux or a velocity jumps at a time."""
-        return any((values.at(time) != values.at(time, before=True)).any() for values in self.samples.values())
-
-    def flow_since(self, time: float, end: float) -> float:
-        """Return when the velocities took the values that they have just after `time` [s]."""
-        since = 0.0
-        for cut in self.cuts(end):
-            if cut > time * (1.0 + SAME):
-                break
-            if any(
-                (values.at(cut) != values.at(cut, before=True)).any()
-                for path, values in self.samples.items()
-                if path[0] == "flow"
-            ):
-                since = cut
-        return since
+    def jumps(self, time: float, among: str = "") -> bool:
+        """Return whether a value jumps at a time; `among` names the table that is looked at, empty for all."""
+        return any(
+            (values.at(time) != values.at(time, before=True)).any()
+            for path, values in self.samples.items()
+            if not among or path[0] == among
+        )
 
     def temperatures(self) -> list[float]:
         """Return all temperatures of the series [K]."""
