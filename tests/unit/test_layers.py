@@ -24,7 +24,7 @@ LAYERS = (
     ("result",),
     ("models", "balance", "output"),
     ("fem", "mesh"),
-    ("solvers", "materials", "closures"),
+    ("solvers", "materials", "closures", "particle"),
     ("scene",),
     ("barrier",),
     ("threads",),
@@ -152,6 +152,8 @@ def test_closures_and_outputs_know_no_physics():
         room = name.split(".")[0]
         if room == "closures":
             assert {other.split(".")[0] for other in others} <= {"closures", "errors", "scene"}, name
+        if room == "particle":
+            assert {other.split(".")[0] for other in others} <= {"particle", "closures", "errors"}, name
         if room == "output":
             below = {"output", "errors", "fields", "fem", "quick_start"}
             assert {other.split(".")[0] for other in others} <= below, name
