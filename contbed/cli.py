@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 import typer
 from typer import Argument, Option
 
-from contbed import __version__
+from contbed import __version__, lookup
 from contbed.errors import ContbedError, SceneError, interrupt_in
 
 SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")  # how many processes mpirun started
@@ -24,7 +24,6 @@ _resume: list[tuple[Path, str]] = []  # what must be there to go on, and the com
 app = typer.Typer(
     name="contbed",
     help="Finite-element continuum models for packed, moving and fluidized beds.",
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
@@ -171,14 +170,6 @@ def plan(scene: SceneFile, settings: Settings = None, trust: Trust = False, allo
 
 
 @app.command()
-def explain(name: Annotated[str, Argument(metavar="NAME", help="nusselt_gunn, two_energy, heat.nusselt")]) -> None:
-    """Show the data sheet of a closure, of a model, or of a table or key of a scene."""
-    from contbed.explain import explain as sheet
-
-    print(sheet(name))
-
-
-@app.command()
 def warm() -> None:
     """Compile all loops now, at install time, so that no run has to wait for it."""
     from contbed.warm import warm as each
@@ -188,14 +179,6 @@ def warm() -> None:
         print(f"{name}: {seconds:.1f} s", flush=True)
         total += seconds
     print(f"ready after {total:.1f} s of CPU")
-
-
-@app.command("list")
-def list_() -> None:
-    """List models, closures by kind, tables of a scene, and the studies in this folder."""
-    from contbed.explain import listing
-
-    print(listing(Path("studies")))
 
 
 @app.command()
@@ -288,6 +271,10 @@ def validate(
         _complain(f"left out, as they take more than a minute: {', '.join(left)}; --long runs them")
     if not as_json:
         print(f"results are in {folder}")
+
+
+for _command in lookup.COMMANDS:
+    app.command(_command.__name__.strip("_"))(_command)
 
 
 def _interrupted() -> str:

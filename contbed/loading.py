@@ -25,13 +25,17 @@ _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
 
 def load(
-    path: str | Path, overrides: Mapping[str, Any] | None = None, *, trust: bool = False, allow_large: bool = False
+    source: str | Path | Mapping[str, Any],
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    trust: bool = False,
+    allow_large: bool = False,
 ) -> SceneBase:
-    """Return the scene of a file, whose tables name its kind; see `contbed.models.MODELS`.
+    """Return the scene of a file or of nested dicts, whose tables name its kind; see `contbed.models.MODELS`.
 
     Parameters
     ----------
-    path : a TOML file
+    source : a TOML file, or its tables as dicts, whose files are looked for in the working directory
     overrides : such as {"mesh.refine": 2}, replace values before anything is checked
     trust : files that the scene names may run programs: a geometry of gmsh, a mechanism of Cantera
     allow_large : sizes beyond what this computer or contbed's limits hold are meant
@@ -40,7 +44,10 @@ def load(
     ------
     SceneError : all mistakes, each with file and line
     """
-    values, origin = read(path)
+    if isinstance(source, Mapping):
+        values, origin = deepcopy(dict(source)), Origin("scene", Path.cwd())
+    else:
+        values, origin = read(source)
     return _build(values, replace(origin, trust=trust, allow_large=allow_large), overrides or {})
 
 

@@ -9,6 +9,7 @@ Every physics is a package with the same modules, which are imported when they a
     run.py      run(plan, result, folder, quiet, start): solves and fills the result
     plots.py    plot(result, folder): the plots of a run
     equations/  the equations, each file with its PDEs, symbols, units and source
+    template.toml   a commented scene that runs as it is, for `contbed new`
 
 A new physics is such a package and one entry of MODELS.
 """
@@ -83,6 +84,11 @@ class Model:
     def scene(self) -> Any:
         """The pydantic model of the scenes of this physics."""
         return self.find("scene", self.settings)
+
+    @property
+    def template(self) -> Path:
+        """The file of a commented scene that runs as it is, for `contbed new`."""
+        return Path(__file__).parent / self.package / "template.toml"
 
     def sheets(self) -> dict[str, Path]:
         """Return the file of each set of equations by name, without importing it."""

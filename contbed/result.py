@@ -14,8 +14,10 @@ from contbed import models
 from contbed.errors import ContbedError
 from contbed.fields import unit_of
 
+REPR_RESULTS = 4  # named results that a repr shows, in one line of a terminal
 
-@dataclass
+
+@dataclass(repr=False)
 class Result:
     """Everything that a run computed.
 
@@ -38,6 +40,14 @@ class Result:
     history: list[float] = field(default_factory=list)
     engine: dict[str, Any] = field(default_factory=dict)
     status: str = "ok"
+
+    def __repr__(self) -> str:
+        """Return kind, status and first named results in one line."""
+        shown = [f"{key} = {value:.6g}" for key, value in self.qoi.items() if isinstance(value, int | float)][
+            :REPR_RESULTS
+        ]
+        more = ", ..." if len(self.qoi) > len(shown) else ""
+        return f"<Result of a {self.plan.scene.kind} scene: {self.status}; {', '.join(shown)}{more}>"
 
     @property
     def summary(self) -> dict[str, Any]:

@@ -6,6 +6,7 @@ numbers and a problem with constant properties stays linear.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,8 +21,10 @@ from contbed.materials import ConstantFluid, Solid, gas_mixture, real_fluid
 from contbed.materials.pointwise import pointwise
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import GIVES, At, all_bound
+from contbed.scene.library import material
 from contbed.scene.mechanism import find_mechanism
 from contbed.scene.tables import FluidCantera, FluidConstant, FluidCoolProp
+from contbed.scene.tables import Solid as SolidSettings
 
 _AREA = {"spheres": 6.0, "rods": 4.0}
 
@@ -34,6 +37,14 @@ def fluid_of(settings: FluidConstant | FluidCantera | FluidCoolProp, base: Path)
         return real_fluid(settings.name, settings.pressure, settings.T_range)
     conductivity = 1.0 if settings.conductivity is None else settings.conductivity
     return ConstantFluid(settings.density, settings.heat_capacity or 1.0, settings.viscosity, conductivity)
+
+
+def solid_of(settings: SolidSettings) -> Solid:
+    """Return the solid of a scene; one of the library that varies with temperature holds in the range of its source."""
+    T_range = (0.0, math.inf)
+    if settings.material is not None and settings.temperature is None:
+        T_range = material(settings.material, "solid").T_range
+    return Solid(settings.density, settings.heat_capacity, settings.conductivity, T_range, settings.material or "solid")
 
 
 @dataclass(frozen=True)
@@ -62,7 +73,7 @@ class Medium:
         return cls(
             scene,
             fluid_of(scene.fluid, scene.origin.base),
-            None if solid is None else Solid(solid.density, solid.heat_capacity, solid.conductivity),
+            None if solid is None else solid_of(solid),
             T_fluid_in,
             bed_diameter,
             _rosseland(scene),

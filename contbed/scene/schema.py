@@ -138,7 +138,12 @@ def _one(option: Node) -> str:
             return f"a list of {len(parts)}: {_one(parts[0])}"
         return f"a list, each {_one(option.get('items', {}))}"
     bounds = [f"{sign} {option[key]:g}" for key, sign in _BOUNDS.items() if key in option]
-    words = ["a", _TYPES.get(str(kind), "value"), " and ".join(bounds), option.get("unit", "").removeprefix("1")]
+    words = [
+        "a",
+        _TYPES.get(str(kind), "value"),
+        " and ".join(bounds),
+        "" if option.get("unit") == "1" else option.get("unit", ""),
+    ]
     if kind == "boolean":
         del words[0]
     return " ".join(filter(None, words))
@@ -156,7 +161,7 @@ def sheet(name: str, node: Node) -> Iterator[str]:
         yield f"{name} - {node['description']}" if "description" in node else name
         yield f"    allowed: {allowed(node)}"
         if any(is_closure(option) for option in options(node)):
-            yield "    `contbed list` shows the closures"
+            yield "    `contbed list` shows all closures"
         if "default" in node:
             value = node["default"]
             yield f"    default: {'absent' if value is None else json.dumps(value)}"

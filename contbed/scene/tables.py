@@ -6,10 +6,11 @@ Absent keys take the default that stands here, once. Values are in SI behind `qu
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Discriminator, Field, PrivateAttr, Tag
+from pydantic import ConfigDict, Discriminator, Field, PrivateAttr, Tag, model_validator
 
+from contbed.errors import SceneError
 from contbed.scene.quantities import (
     ClosureFile,
     Conductivity,
@@ -36,14 +37,51 @@ from contbed.scene.quantities import (
 from contbed.scene.toml_lines import Origin
 
 
+def _from_library(phase: str, values: Any) -> Any:
+    """Return a table with the properties of its `material` where it has none itself, at `temperature` if it is given.
+
+    Raises
+    ------
+    ValueError : no such material, or the temperature is out of its range
+    """
+    if not isinstance(values, dict) or not isinstance(name := values.get("material"), str):
+        return values
+    from contbed.scene.library import material
+
+    try:
+        found = material(name, phase)
+    except SceneError as error:
+        raise ValueError(str(error)) from None
+    properties: dict[str, Any] = dict(found.properties())
+    if (given := values.get("temperature")) is not None:
+        from contbed.scene.units import to_si
+
+        low, high = found.T_range
+        T = to_si(given, "K") if isinstance(given, str) else given
+        if isinstance(T, bool) or not isinstance(T, int | float) or not low <= T <= high:
+            raise ValueError(f"temperature = {given!r}: {name} is known from {low:g} to {high:g} K")
+        properties = dict(found.at(float(T)))
+    constant = {key: a[0] if isinstance(a, tuple) and len(a) == 1 else a for key, a in properties.items()}
+    return constant | values
+
+
 class FluidConstant(Table):
-    """A fluid with constant properties."""
+    """A fluid with constant properties, given or those of a material at a temperature."""
 
     model: Literal["constant"]
+    material: str | None = Field(None, description="liquid of the library; keys that are given replace its properties")
+    temperature: Temperature | None = Field(None, description="of the material, at which its properties are taken")
     density: Density
     viscosity: Viscosity
     heat_capacity: HeatCapacity | None = Field(None, description="needed with a [heat] table")
     conductivity: Conductivity | None = Field(None, description="needed with a [heat] table")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _material(cls, values: Any) -> Any:
+        if isinstance(values, dict) and ("material" in values) != ("temperature" in values):
+            raise ValueError("material and temperature belong together")
+        return _from_library("fluid", values)
 
 
 class FluidCantera(Table):
@@ -70,11 +108,22 @@ Polynomial = Annotated[tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1,
 
 
 class Solid(Table):
-    """The particles' material: numbers, or polynomials a0 + a1 T + a2 T^2 ... with T in K."""
+    """The particles' material: by name, numbers, or polynomials a0 + a1 T + a2 T^2 + ... with T in K."""
 
+    material: str | None = Field(None, description="solid of the library; keys that are given replace its properties")
+    temperature: Temperature | None = Field(
+        None, description="of the material, at which its properties are taken as constants; absent: they vary"
+    )
     density: Density
     heat_capacity: Annotated[Annotated[HeatCapacity, Tag("number")] | Polynomial, Discriminator(form)]
     conductivity: Annotated[Annotated[Conductivity, Tag("number")] | Polynomial, Discriminator(form)]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _material(cls, values: Any) -> Any:
+        if isinstance(values, dict) and "temperature" in values and "material" not in values:
+            raise ValueError("temperature has no use without material")
+        return _from_library("solid", values)
 
 
 class Closure(Table):

@@ -145,7 +145,7 @@ def test_usage_errors_end_with_2(scene, capsys, arguments):
 def test_version_and_help(capsys):
     assert cli.main(["--version"]) == 0
     assert capsys.readouterr().out.startswith("contbed ")
-    for command in ("run", "check", "plan", "explain", "list", "converge", "bench", "sweep", "warm"):
+    for command in ("run", "check", "plan", "explain", "list", "converge", "bench", "sweep", "warm", "new", "schema"):
         assert cli.main([command, "--help"]) == 0
         assert command in capsys.readouterr().out
 
@@ -158,11 +158,21 @@ def test_version_and_help(capsys):
         ("wakao_kaguei", "dispersion_wakao_kaguei_transverse"),
         ("two_energy", "energy equations"),
         ("heat", "nusselt: a number >= 0, or a closure's name"),
-        ("heat.nusselt", "contbed list"),
+        ("heat.nusselt", "contbed closures --for heat.nusselt"),
         ("mesh.length", "allowed: a number > 0 m"),
         ("mesh.box", "width: a number > 0 m; required"),
         ("solver.degree", "allowed: 1 or 2 or 3\n    default: 2"),
         ("boundary.wall.fluid", "Thermal condition"),
+        ("radiation", "in scenes of kind bubbling_bed:\n[radiation] Radiation between the particles"),
+        ("bubbling_bed", "[bubbling_bed] The bed between distributor and freeboard"),
+        ("freeboard", "[freeboard] What is above the bed"),
+        ("duty_W", "named result, [W]: heat that the fluid takes up"),
+        ("heat_left_W", "an entry heat_NAME_W, [W]"),
+        ("reactions.CO_oxidation.law", "the first is the default\n    howard: CO + 0.5 O2 -> CO2"),
+        ("drag", "named by two_fluid.drag"),
+        ("eps_mf", "voidage at minimum fluidization"),
+        ("geldart", "spoutable"),
+        ("alumina", "doi:10.1111/j.1151-2916.1997.tb03074.x"),
     ],
 )
 def test_explain(capsys, name, part):

@@ -15,10 +15,11 @@ import contbed
 PACKAGE = Path(contbed.__file__).parent
 # from the top to the bottom; a layer imports itself and what is below
 LAYERS = (
-    ("cli", "__main__"),
+    ("cli", "__main__", "lookup"),
     ("sweep", "verify", "validation", "warm", "trial"),
     ("runner",),
-    ("explain", "loading"),
+    ("explain", "editor", "choose", "loading"),
+    ("places",),
     ("cfd_dem", "developed_flow", "bubbling_bed", "packed_bed"),
     ("dem", "two_fluid", "radiation"),
     ("result",),
@@ -28,7 +29,7 @@ LAYERS = (
     ("scene",),
     ("barrier",),
     ("threads",),
-    ("fields", "errors", "versions", "interrupts", "compiled_cache", "quick_start"),
+    ("fields", "errors", "versions", "interrupts", "compiled_cache", "quick_start", "terms"),
 )
 
 

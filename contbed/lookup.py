@@ -1,0 +1,114 @@
+"""Commands that look something up: data sheets, lists, closures for a place, the JSON schema, a scene to begin with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer import Argument, Option
+
+
+def _names(incomplete: str) -> list[str]:
+    """Names of data sheets, for the completion of a shell."""
+    from contbed.explain import entries
+
+    return [name for name in entries() if name.startswith(incomplete)]
+
+
+def _kinds(incomplete: str) -> list[str]:
+    """Kinds of scenes, for the completion of a shell."""
+    from contbed.models import MODELS
+
+    return [kind for kind in MODELS if kind.startswith(incomplete)]
+
+
+def _places(incomplete: str) -> list[str]:
+    """Places that take closures, for the completion of a shell."""
+    from contbed.places import places
+
+    return [place for place in places() if place.startswith(incomplete)]
+
+
+KindOrNone = Annotated[
+    str | None, Argument(metavar="KIND", help="kind of scene, such as packed_bed", autocompletion=_kinds)
+]
+
+
+def new(
+    kind: KindOrNone = None,
+    out: Annotated[Path | None, Option("--out", metavar="FILE", help="file to write; absent: print")] = None,
+) -> None:
+    """Write a commented scene that runs as it is; without KIND list the kinds of scenes."""
+    from contbed import editor
+    from contbed.models import MODELS
+
+    if kind is None:
+        for name in MODELS:
+            print(f"{name:18} {editor.summary(name)}")
+        return
+    text = editor.template(kind)
+    if out is None:
+        print(text, end="")
+        return
+    try:
+        with open(out, "x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise typer.BadParameter(f"{out} is there already; choose another name", param_hint="--out") from None
+    print(f"{out} is written; contbed run {out} solves it")
+
+
+def schema(kind: KindOrNone = None) -> None:
+    """Print the JSON schema of scenes, by which editors complete and check them; of all kinds without KIND."""
+    import json
+
+    from contbed.editor import json_schema
+
+    print(json.dumps(json_schema(kind), indent=1))
+
+
+def explain(
+    name: Annotated[
+        str | None,
+        Argument(metavar="NAME", help="nusselt_gunn, two_energy, heat.nusselt, duty_W", autocompletion=_names),
+    ] = None,
+    search: Annotated[
+        str | None, Option("--search", metavar="WORDS", help="names whose data sheets have all the words")
+    ] = None,
+) -> None:
+    """Show the data sheet of a closure, model, table, key, named result, reaction, material or term."""
+    from contbed import explain as sheets
+
+    if (name is None) == (search is None):
+        raise typer.BadParameter("give a NAME or --search WORDS", param_hint="NAME")
+    print(sheets.explain(name) if name is not None else sheets.search(search or ""))
+
+
+def closures(
+    place: Annotated[
+        str,
+        Option(
+            "--for", metavar="PLACE", help="key that names a closure, two_fluid.drag; or a kind", autocompletion=_places
+        ),
+    ],
+    at: Annotated[
+        str | None, Option("--at", metavar="CONDITIONS", help='such as "d_p=300 um, rho_s=2600, T=850 degC"')
+    ] = None,
+) -> None:
+    """Rank the closures for a place of a scene by their declared ranges."""
+    from contbed.choose import table
+
+    print(table(place, at))
+
+
+def list_() -> None:
+    """List models, closures by kind, materials, tables of each kind of scene, and the studies in this folder."""
+    from contbed.explain import listing
+
+    print(listing(Path("studies")))
+
+
+COMMANDS: tuple[Callable[..., Any], ...] = (new, explain, closures, list_, schema)
+"""What `contbed.cli` adds to the command line."""

@@ -1,0 +1,92 @@
+"""Closures for a place at given conditions, and the search in all data sheets."""
+
+import subprocess
+import sys
+
+import pytest
+
+from contbed import cli
+from contbed.choose import conditions, derived, fluidized, kind_for, ranked
+from contbed.closures import registry
+from contbed.errors import SceneError
+from contbed.explain import entries, explain, search
+
+
+def test_conditions_are_in_si():
+    found = conditions("d_p=300 um, rho_s = 2600, T=850 degC, k_s=2 W/m/K")
+    assert found == pytest.approx({"d_p": 3e-4, "rho_solid": 2600.0, "T": 1123.15, "k_solid": 2.0}, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [("d_p", "no NAME=VALUE"), ("dp=1 mm", "no argument of a closure"), ("d_p=1 kg", "expected a length")],
+)
+def test_bad_conditions_say_what_is_wrong(text, part):
+    with pytest.raises(SceneError, match=part):
+        conditions(text)
+
+
+def test_what_follows_from_the_conditions():
+    """Numbers by hand; the gas is air, whose Prandtl number is 0.71 within 2 % at 300 K (Incropera, table A.4)."""
+    known, remark = derived({"T": 300.0, "d_p": 1e-3, "u": 0.5, "rho_solid": 2500.0})
+    assert "air at 300 K" in remark
+    assert known["rho"] == pytest.approx(101325 * 0.02885 / 8.314 / 300, rel=1e-3)
+    assert known["Pr"] == pytest.approx(0.71, rel=0.02)
+    assert known["Re"] == pytest.approx(0.5e-3 * known["rho"] / known["mu"])
+    assert known["Ar"] == pytest.approx(1e-9 * known["rho"] * (2500 - known["rho"]) * 9.81 / known["mu"] ** 2)
+    given, none = derived({"mu": 1e-3, "rho": 1000.0, "u": -1.0, "d_p": 1e-3})
+    assert none == "" and given["Re"] == pytest.approx(1000.0)
+
+
+def test_closures_inside_their_range_come_first():
+    choices = ranked("nusselt", {"Re": 3.0, "Pr": 0.7, "eps": 0.4})
+    verdicts = [bool(choice.outside) for choice in choices]
+    assert verdicts == sorted(verdicts) and choices[-1].name == "nusselt_wakao_kaguei"  # Re from 15 on
+    gunn = next(choice for choice in choices if choice.name == "nusselt_gunn")
+    assert gunn.value == pytest.approx(float(registry.get("nusselt_gunn")(Re=3.0, Pr=0.7, eps=0.4)))
+
+
+def test_a_fluidized_bed_spans_reynolds_numbers():
+    """From minimum fluidization to the terminal velocity; a value beyond the range on one side is outside."""
+    known, _ = derived(conditions("d_p=300 um, rho_s=2600, T=850 degC"))
+    spans = fluidized(known)
+    assert 0.07 < spans["Re"][0] < 0.08 and 4.0 < spans["Re"][1] < 4.5
+    outside = {choice.name for choice in ranked("drag", known, spans) if choice.outside}
+    assert outside == {"drag_beetstra"}  # porosities up to 0.95
+    assert fluidized({"d_p": 1e-3}) == {}
+
+
+def test_kind_of_a_place():
+    assert kind_for("species.sand.gas_coefficient") == "nusselt"
+    assert kind_for("drag") == "drag"
+    with pytest.raises(SceneError, match=r"two_fluid\.drag"):
+        kind_for("two_fluid.darg")
+
+
+def test_the_command(capsys):
+    assert cli.main(["closures", "--for", "two_fluid.drag", "--at", "d_p=300 um, rho_s=2600, T=850 degC"]) == 0
+    out = capsys.readouterr().out
+    assert "Re = 0.07556 to 4.215" in out
+    assert out.index("drag_gidaspow") < out.index("drag_beetstra") and "range 0.35 to 0.95" in out
+
+
+def test_search_finds_all_words(capsys):
+    assert cli.main(["explain", "--search", "fluidized beds nusselt"]) == 0
+    assert "nusselt_gunn" in capsys.readouterr().out
+    assert search("Geldart").splitlines()[0].startswith("Geldart")
+    with pytest.raises(SceneError, match="nothing has the words"):
+        search("frobnicate")
+    assert cli.main(["explain"]) == 2 and cli.main(["explain", "heat", "--search", "heat"]) == 2
+
+
+def test_every_entry_of_the_search_explains_itself():
+    for name in entries():
+        assert explain(name)
+
+
+def test_the_shell_completes_names():
+    code = "import sys; from contbed.cli import main; sys.exit(main([]))"
+    environment = {"_CONTBED_COMPLETE": "complete_bash", "COMP_WORDS": "contbed explain nusselt_gu", "COMP_CWORD": "2"}
+    done = subprocess.run([sys.executable, "-c", code], env=environment | {"PYTHONPATH": ":".join(sys.path)},
+                          capture_output=True, text=True)  # fmt: skip
+    assert done.stdout.split() == ["nusselt_gunn"]

@@ -1,0 +1,109 @@
+"""Materials by name: their values against the tables of their sources, and how a scene uses them."""
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.errors import SceneError
+from contbed.loading import from_dict
+from contbed.scene.identity import resolved
+from contbed.scene.library import MATERIALS, data_sheet
+
+BED = {
+    "mesh": {"type": "line", "length": 0.5},
+    "fluid": {"material": "solar_salt", "temperature": "340 degC"},
+    "solid": {"material": "alumina"},
+    "bed": {"porosity": 0.4, "particle_diameter": 0.01},
+    "flow": {"velocity": 1e-3, "velocity_solid": -1e-3},
+    "heat": {"nusselt": "gunn"},
+    "boundary": {"left": {"fluid": {"inflow": 600}}, "right": {"solid": {"inflow": 800}}},
+}
+
+# temperatures [K], then the property there as printed in the source
+PRINTED = {
+    ("alumina", "heat_capacity"): ([293.15, 773.15, 1273.15, 1473.15, 1673.15], [755, 1165, 1255, 1285, 1315]),
+    ("alumina", "conductivity"): ([293.15, 773.15, 1273.15, 1473.15, 1673.15], [33.0, 11.4, 7.22, 6.67, 6.34]),
+    ("steel", "heat_capacity"): ([300, 400, 600, 800, 1000, 1200, 1500], [477, 515, 557, 582, 611, 640, 682]),
+    ("steel", "conductivity"): ([300, 400, 600, 800, 1000, 1200, 1500], [14.9, 16.6, 19.8, 22.6, 25.4, 28.0, 31.7]),
+    ("silica", "heat_capacity"): ([300, 400, 600, 800, 1000, 1200], [745, 905, 1040, 1105, 1155, 1195]),
+    ("silica", "conductivity"): ([300, 400, 600, 800, 1000, 1200], [1.38, 1.51, 1.75, 2.17, 2.87, 4.00]),
+}
+
+
+@pytest.mark.parametrize("key", PRINTED)
+def test_printed_values(key):
+    name, quantity = key
+    for T, value in zip(*PRINTED[key], strict=True):
+        assert MATERIALS[name].at(T)[quantity] == pytest.approx(value, rel=MATERIALS[name].error)
+
+
+@pytest.mark.parametrize(
+    ("name", "mass", "shomate"),
+    [
+        ("sand", 60.0843e-3, (-6.076591, 251.6755, -324.7964, 168.5604, 0.002548)),
+        ("iron_ore", 159.6882e-3, (93.43834, 108.3577, -50.86447, 25.58683, -1.611330)),
+    ],
+)
+def test_heat_capacities_follow_the_shomate_equation(name, mass, shomate):
+    a, b, c, d, e = shomate
+    for T in np.linspace(*MATERIALS[name].T_range, 23):
+        t = T / 1000.0
+        expected = (a + b * t + c * t**2 + d * t**3 + e / t**2) / mass
+        assert MATERIALS[name].at(T)["heat_capacity"] == pytest.approx(expected, rel=MATERIALS[name].error)
+
+
+def test_solar_salt_in_celsius():
+    """The equations of the report, with t in degC and the viscosity in mPa s."""
+    for t in (290.0, 400.0, 565.0):
+        found = MATERIALS["solar_salt"].at(t + 273.15)
+        assert found["density"] == pytest.approx(2090.0 - 0.636 * t, rel=1e-6)
+        assert found["heat_capacity"] == pytest.approx(1443.0 + 0.172 * t, rel=1e-6)
+        assert found["conductivity"] == pytest.approx(0.443 + 1.9e-4 * t, rel=1e-6)
+        viscosity = 22.714 - 0.120 * t + 2.281e-4 * t**2 - 1.474e-7 * t**3
+        assert found["viscosity"] == pytest.approx(viscosity * 1e-3, rel=1e-5)
+
+
+def test_every_material_is_positive_and_says_its_source():
+    for name, entry in MATERIALS.items():
+        assert entry.source and "source: " in data_sheet(name)
+        for T in np.linspace(*entry.T_range, 50):
+            assert all(value > 0.0 for value in entry.at(T).values())
+
+
+def test_a_scene_takes_the_values_of_its_materials():
+    scene = cb.load(BED)
+    assert scene.fluid.density == pytest.approx(2090.0 - 0.636 * 340.0, rel=1e-6)
+    assert scene.solid.heat_capacity == MATERIALS["alumina"].heat_capacity
+    constant = cb.load(BED, {"solid.temperature": "700 K", "solid.density": 3000.0}).solid
+    assert constant.density == 3000.0  # what is given replaces what the library has
+    assert constant.heat_capacity == pytest.approx(MATERIALS["alumina"].at(700.0)["heat_capacity"])
+    assert from_dict(resolved(scene)) == scene
+
+
+def test_the_range_of_a_material_is_watched():
+    assert cb.run(cb.load(BED)).warnings == []
+    hot = cb.run(cb.load(BED, {"solid.material": "sand", "boundary.right.solid.inflow": 900.0}))
+    assert any("sand" in text and "outside 298 to 847 K" in text for text in hot.warnings)
+
+
+@pytest.mark.parametrize(
+    ("solid", "part"),
+    [
+        ({"material": "alumna"}, "did you mean 'alumina'"),
+        ({"material": "solar_salt"}, "is a fluid, not a solid"),
+        ({"material": "alumina", "temperature": "3000 degC"}, "known from 293 to 1773 K"),
+        ({"density": 1, "heat_capacity": 1, "conductivity": 1, "temperature": 300}, "no use without material"),
+        ({"material": "FCC"}, "solid.heat_capacity: missing"),
+    ],
+)
+def test_mistakes(solid, part):
+    with pytest.raises(SceneError, match=part):
+        cb.load({**BED, "solid": solid})
+
+
+def test_scenes_from_dicts_and_short_reprs():
+    result = cb.run(cb.load(BED))
+    text = repr(result)
+    assert text.startswith("<Result of a packed_bed scene: ok; ") and len(text) < 250
+    with pytest.raises(SceneError, match=r"scene:1: bed.porosity = 2: out of range"):
+        cb.load({**BED, "bed": {"porosity": 2, "particle_diameter": 0.01}})

@@ -1,0 +1,52 @@
+"""`contbed new KIND` for each physics: a commented scene that runs as it is, without a warning."""
+
+import pytest
+
+from contbed import cli, editor, load, run
+from contbed.models import MODELS, kind_of
+from contbed.scene.toml_lines import parse
+
+
+@pytest.mark.parametrize("kind", MODELS)
+def test_every_physics_has_a_scene_to_begin_with(kind, tmp_path, capsys):
+    text = editor.template(kind)
+    values, _ = parse(text, "scene.toml", tmp_path)
+    assert kind_of(values) == kind
+    assert text.startswith("#") and text.count("#") >= 3
+    file = tmp_path / "scene.toml"
+    assert cli.main(["new", kind, "--out", str(file)]) == 0
+    scene = load(file)
+    assert scene.warnings == ()
+    assert cli.main(["new", kind, "--out", str(file)]) == 2  # a file that is there is not written over
+    assert "is there already" in capsys.readouterr().err
+
+
+# two fluids and particles take steps; a few of them show that the scene runs, the whole is a slow test
+SHORT = {
+    "two_fluid": {"time.end": "2 ms"},
+    "particles_gas": {"time.end": "1 ms", "time.average_from": "0 s", "time.sample": "0.5 ms", "particles.count": 40},
+}
+
+
+@pytest.mark.parametrize("kind", MODELS)
+def test_it_runs(kind, tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(editor.template(kind))
+    result = run(load(file, SHORT.get(kind)))
+    assert result.status == "ok" and result.qoi
+    assert result.warnings == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", SHORT)
+def test_it_runs_to_its_end(kind, tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(editor.template(kind))
+    assert run(load(file)).warnings == []
+
+
+def test_new_lists_the_kinds_and_names_the_nearest(capsys):
+    assert cli.main(["new"]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(MODELS)
+    assert cli.main(["new", "packed_bad"]) == 2
+    assert "did you mean 'packed_bed'?" in capsys.readouterr().err
