@@ -23,7 +23,7 @@ def test_every_physics_has_a_scene_to_begin_with(kind, tmp_path, capsys):
 
 # two fluids and particles take steps; a few of them show that the scene runs, the whole is a slow test
 SHORT = {
-    "two_fluid": {"time.end": "2 ms"},
+    "two_fluid": {"time.end": "2 ms", "time.sample": "1 ms"},
     "particles_gas": {"time.end": "1 ms", "time.average_from": "0 s", "time.sample": "0.5 ms", "particles.count": 40},
 }
 
