@@ -83,6 +83,7 @@ _FIELDS = (
     # particles
     Field("pressure_drop", r"\Delta p", "Pa", "pressure of the gas below a bed of particles over that above"),
     Field("height", "H", "m", "mean height of the surface of a bed of particles"),
+    Field("height_max", r"H_\mathrm{max}", "m", "height of the centre of the highest particle"),
     Field("coordination", "z", "1", "mean number of touching neighbours of a particle"),
     Field("radius", "R", "m", "radius of a particle"),
     Field("velocity", "v", "m/s", "velocity of a particle, three components"),

@@ -107,6 +107,18 @@ def file_can_be_used(particles: g.GasParticles, gas: g.GasFlow, origin: Origin) 
         yield ("particles", "file"), str(error)
 
 
+def probes_are_in_the_box(output: g.GasOutput, particles: g.GasParticles, gas: g.GasFlow, see: See) -> Mistakes:
+    """Require that probes lie in the box."""
+    room = (*particles.width, gas.height)
+    for name, point in output.probes.items():
+        if not all(0.0 <= x <= length for x, length in zip(point, room, strict=True)):
+            yield (
+                ("output", "probes", name),
+                f"is outside of the box from 0 to {room[0]:g}, {room[1]:g} and {room[2]:g} m; "
+                f"see {see('particles.width')} and {see('gas.height')}",
+            )
+
+
 def poisson_ratio_is_of_a_solid(particles: g.GasParticles) -> Mistakes:
     """Look for a Poisson's ratio that only special foams have."""
     if particles.poisson_ratio < 0.0:
@@ -146,5 +158,6 @@ CHECKS = (
     times_are_in_order,
     closure_is_of_a_fixed_bed,
     file_can_be_used,
+    probes_are_in_the_box,
 )
 WARNINGS = (poisson_ratio_is_of_a_solid, cells_lie_inside_of_the_bed)

@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.cfd_dem import kernels
+from contbed.cfd_dem import kernels, pressure
 from contbed.cfd_dem.gas_quantities import Drag, Local, Motion, Places, Prediction
 from contbed.cfd_dem.grid import INLET, INNER, OUTLET, Grid
 from contbed.errors import ConvergenceError, SceneError
@@ -247,7 +247,7 @@ class Gas:
         conductance = np.where(grid.active, self._area * eps_face / (predicted.resistance * gap), 0.0)
         source = (self.mass / self.density - places.eps * self.open_volume) / dt + self._expansion() * gained
         source -= kernels.divergence(self._area * eps_face * predicted.u, grid.cell_face)
-        self.p, iterations, error = kernels.pressure(
+        self.p, iterations, error = pressure.solve(
             self.p, conductance, source, grid.tables, self.tolerance, MAX_ITERATIONS
         )
         if not error <= self.tolerance:

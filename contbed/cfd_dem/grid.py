@@ -29,7 +29,7 @@ SAMPLES = 4  # points along each axis of a cell for the volumes of faces; exact 
 
 
 class Tables(NamedTuple):
-    """A grid as kernels read it: the tables of `Grid`, `size` (3,) [m] of a cell, `height` of a column in cells."""
+    """A grid as kernels read it: the tables of `Grid`, `size` (3,) [m] of a cell, `shape` in cells."""
 
     size: Array
     cell_face: NDArray[np.int64]
@@ -39,7 +39,7 @@ class Tables(NamedTuple):
     face_kind: NDArray[np.int64]
     active: NDArray[np.bool_]
     open_cells: NDArray[np.bool_]
-    height: int
+    shape: tuple[int, int, int]
 
 
 @dataclass(frozen=True)
@@ -79,9 +79,10 @@ class Grid:
             object.__setattr__(self, name, value)
         self._connect()
         object.__setattr__(self, "face_volume", self._volumes())
-        names = (name for name in Tables._fields if name != "height")
+        nx, ny, nz = (int(n) for n in self.count)
+        names = (name for name in Tables._fields if name != "shape")
         tables = {name: np.ascontiguousarray(getattr(self, name)) for name in names}
-        object.__setattr__(self, "tables", Tables(height=int(self.count[2]), **tables))
+        object.__setattr__(self, "tables", Tables(shape=(nx, ny, nz), **tables))
 
     @property
     def cells(self) -> int:

@@ -11,21 +11,23 @@ from numpy.typing import NDArray
 
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.heat_transfer import Average
+from contbed.cfd_dem.probes import Probes
 from contbed.dem.particle_files import write_particles
 from contbed.dem.statistics import surface
 from contbed.fields import header
 
 Array = NDArray[np.float64]
 
-ISOTHERMAL = ("t", "pressure_drop", "height", "coordination")  # columns of profiles.csv
+ISOTHERMAL = ("t", "pressure_drop", "height", "height_max", "coordination")  # columns of profiles.csv
 WITH_HEAT = (*ISOTHERMAL, "T_fluid", "T_solid")
 
 
 @dataclass
 class History:
-    """Rows of profiles.csv, averages, and the times [s] at which files of particles were written."""
+    """Rows of profiles.csv, averages, probed points, and the times [s] at which files of particles were written."""
 
     average: Average
+    probes: Probes
     rows: list[list[float]] = field(default_factory=list)
     file_times: list[float] = field(default_factory=list)
 
@@ -33,19 +35,22 @@ class History:
         """Add a row for the bed as it is now."""
         simulation = bed.simulation
         contacts = 2.0 * len(simulation.contacts()) / len(simulation.position)
-        row = [bed.time, bed.gas.pressure_drop, surface(simulation.position, simulation.radius), contacts]
+        x = simulation.position
+        row = [bed.time, bed.gas.pressure_drop, surface(x, simulation.radius), float(x[:, 2].max()), contacts]
         if bed.T is not None:
             held = bed.gas.mass.sum()
             row += [float(bed.gas.mass @ bed.gas.T / held), float(bed.T.mean())]
-        self.rows.append(row)
+        self.rows.append(row + self.probes.row(bed.gas))
 
     @property
     def columns(self) -> dict[str, Array]:
         """Columns of profiles.csv by header; none before the first row."""
         if not self.rows:
             return {}
-        names = WITH_HEAT if len(self.rows[0]) == len(WITH_HEAT) else ISOTHERMAL
-        return {header(name): column for name, column in zip(names, np.array(self.rows).T.copy(), strict=True)}
+        probed = self.probes.columns
+        names = WITH_HEAT if len(self.rows[0]) == len(WITH_HEAT) + len(probed) else ISOTHERMAL
+        headers = [*(header(name) for name in names), *probed]
+        return dict(zip(headers, np.array(self.rows).T.copy(), strict=True))
 
     def write_particles(self, folder: Path, bed: Bed) -> None:
         """Write the particles as they are now, once for each time, and the list of all files in the folder."""

@@ -1,4 +1,4 @@
-"""Compiled parts of the gas: sums over the particles' shares, momentum on faces, pressure by conjugate gradients.
+"""Compiled parts of the gas: sums over the particles' shares, momentum on faces, slopes of the pressure.
 
 Kernels run over the tables of a `grid.Grid`; arrays are of cells (c,), faces (f,) or particles (n,).
 """
@@ -160,76 +160,6 @@ def momentum(
                 convected += inward * (other - u[f]) / size[b]
             stress += mu[f] * (other - u[f]) / (size[b] * distance)
         out[f] = convected / eps[f] + stress + rho[f] * gravity[a]
-    return out
-
-
-@njit(cache=True)
-def pressure(
-    p: Array, conductance: Array, source: Array, tables: Tables, tolerance: float, most: int
-) -> tuple[Array, int, float]:
-    """Solve sum over faces of conductance (p - p_beyond) = source, with p = 0 beyond outlets, from the guess `p`.
-
-    Conjugate gradients, preconditioned by the columns of cells, which are solved exactly (line Jacobi). Returns p,
-    iterations, and the residual relative to the source.
-    """
-    cell_face, face_cell, opened, height = tables.cell_face, tables.face_cell, tables.open_cells, tables.height
-    n = len(cell_face)
-    pivot, link = np.empty(n), np.zeros(n)
-    for c in range(n):
-        diagonal = 0.0
-        for side in range(6):
-            diagonal += conductance[cell_face[c, side]]
-        if not opened[c] or diagonal == 0.0:
-            diagonal = 1.0
-        if c % height > 0:
-            link[c] = conductance[cell_face[c, 4]] / pivot[c - 1]
-            diagonal -= link[c] * conductance[cell_face[c, 4]]
-        pivot[c] = diagonal
-    norm = np.sqrt((source * source).sum())
-    r = source - _apply(p, conductance, cell_face, face_cell)
-    z = _columns(r, pivot, link, height)
-    d = z.copy()
-    rho = (r * z).sum()
-    steps = 0
-    error = np.sqrt((r * r).sum())
-    while error > tolerance * norm and steps < most:
-        q = _apply(d, conductance, cell_face, face_cell)
-        alpha = rho / (d * q).sum()
-        p = p + alpha * d
-        r = r - alpha * q
-        z = _columns(r, pivot, link, height)
-        new = (r * z).sum()
-        d = z + (new / rho) * d
-        rho = new
-        error = np.sqrt((r * r).sum())
-        steps += 1
-    return p, steps, error / norm if norm > 0.0 else 0.0
-
-
-@njit(cache=True)
-def _columns(r: Array, pivot: Array, link: Array, height: int) -> Array:
-    z = r.copy()
-    for c in range(len(r)):
-        if c % height > 0:
-            z[c] += link[c] * z[c - 1]
-    for c in range(len(r) - 1, -1, -1):
-        z[c] /= pivot[c]
-        if c % height < height - 1:
-            z[c] += link[c + 1] * z[c + 1]
-    return z
-
-
-@njit(cache=True)
-def _apply(p: Array, conductance: Array, cell_face: Indices, face_cell: Indices) -> Array:
-    out = np.empty(len(p))
-    for c in range(len(p)):
-        total = 0.0
-        for side in range(6):
-            f = cell_face[c, side]
-            if conductance[f] > 0.0:
-                beyond = face_cell[f, side % 2]
-                total += conductance[f] * (p[c] - (p[beyond] if beyond >= 0 else 0.0))
-        out[c] = total
     return out
 
 

@@ -10,16 +10,17 @@ import numpy as np
 
 from contbed.cfd_dem.grid import Grid
 from contbed.cfd_dem.scene import GasFlow, GasParticles, GasScene
-from contbed.dem.packing import pack
+from contbed.dem.packing import SETTLED_OVERLAP, pack
 from contbed.dem.particle_files import read_particles
 from contbed.dem.particles import Material, Particles
-from contbed.dem.simulation import Simulation
+from contbed.dem.simulation import LARGEST_OVERLAP, Simulation
 from contbed.dem.walls import INFINITE, Domain, box
 from contbed.errors import SceneError
 from contbed.models import described
 from contbed.scene.toml_lines import Origin
 
 GRAVITY = 9.81  # m/s2
+SKIN = 0.4  # of the radius; fluidized beds need new lists a third as often as at the 0.1 of packings, 30 % less time
 IMPACT_SPEED = 0.3  # m/s, of which the time step of the particles resolves impacts
 
 
@@ -105,7 +106,9 @@ def simulation_of(table: GasParticles, gas: GasFlow, particles: Particles) -> Si
         box(domain),
         domain,
         impact_speed=IMPACT_SPEED,
+        skin=SKIN * float(particles.radius.min()),
         gravity=(0.0, 0.0, -GRAVITY if gas.gravity else 0.0),
+        largest_overlap=SETTLED_OVERLAP if table.file is None else LARGEST_OVERLAP,
     )
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.fields import FIELDS, name_of
+from contbed.fields import FIELDS, field, name_of
 from contbed.output.plots import styled_figure
 from contbed.result import Result
 
@@ -36,10 +36,17 @@ def history_plot(path: Path | str, columns: Mapping[str, NDArray[np.float64]], t
         panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
         for axes, group in zip(panels, groups, strict=True):
             for name, colour in zip(group, ("#0072B2", "#D55E00"), strict=False):
-                axes.plot(t, values[name], color=colour, label=FIELDS[name].label)
-            axes.set_ylabel(FIELDS[group[0]].label)
+                axes.plot(t, values[name], color=colour, label=_label(name))
+            axes.set_ylabel(_label(group[0]))
             axes.margins(x=0)
             if len(group) > 1:
                 axes.set_ylabel("$T$ [K]")
                 axes.legend()
         panels[-1].set_xlabel(FIELDS["t"].label)
+
+
+def _label(name: str) -> str:
+    """Return the label of a column, "middle p" of a probe with the name of the probe before it."""
+    found, probe = field(name), name.rpartition(" ")[0]
+    assert found is not None, "every column is a field"
+    return f"{probe} {found.label}".strip()

@@ -16,6 +16,7 @@ from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.heat_transfer import Average, bed_nusselt
 from contbed.cfd_dem.history import History
 from contbed.cfd_dem.plan import GasPlan, simulation_of
+from contbed.cfd_dem.probes import probes_of
 from contbed.cfd_dem.results import fill
 from contbed.cfd_dem.scene import GasScene
 from contbed.dem import extract
@@ -45,7 +46,9 @@ def run(
     """
     scene = plan.scene
     bed, solid = build(plan)
-    history = History(Average(solid, scene.particles.emissivity, scene.gas.T))
+    history = History(
+        Average(solid, scene.particles.emissivity, scene.gas.T), probes_of(plan.grid, scene.output.probes)
+    )
     if start is not None:
         bed.restore(start[0])
         history.restore(start[0])

@@ -126,6 +126,9 @@ class GasOutput(Table):
 
     plots: Switch = True
     fields: Switch = True
+    probes: dict[str, tuple[Position, Position, Position]] = Field(
+        default_factory=dict, description="points in x, y and z, for profiles.csv"
+    )
 
 
 class GasSolver(Table):

@@ -30,6 +30,7 @@ CALM = 1e-4  # the same, before the last stage
 TRIES = 2000  # for one sphere
 COLUMN = 5.0  # diameters
 LONGEST = 4.0  # s of motion in one stage
+SETTLED_OVERLAP = 0.5  # of the smaller radius, accepted of spheres that have settled by their own weight
 
 
 @dataclass(frozen=True)
@@ -240,7 +241,9 @@ def _settled(
     quiet: bool,
 ) -> Simulation:
     step = largest_safe_step(bed, [material], 0.3)
-    simulation = Simulation(bed, [material], walls, domain, (0.0, 0.0, -gravity), step, 0.3, largest_overlap=0.5)
+    simulation = Simulation(
+        bed, [material], walls, domain, (0.0, 0.0, -gravity), step, 0.3, largest_overlap=SETTLED_OVERLAP
+    )
     drop = np.sqrt(2.0 * float(np.max(bed.position[:, 2])) / gravity)
     allowed = round((LONGEST + drop) / step)
     ends: Callable[[Simulation], bool] = lambda bed: _unrest(bed, gravity) < at_rest  # noqa: E731

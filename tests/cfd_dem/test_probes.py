@@ -1,0 +1,67 @@
+"""Probes of beds with gas: interpolation, columns of profiles, points outside of the box; beds settled deep."""
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.cfd_dem.gas import Gas
+from contbed.cfd_dem.grid import Grid
+from contbed.cfd_dem.probes import probes_of
+from contbed.closures import drag_di_felice
+from contbed.errors import SceneError
+from contbed.loading import loads
+from contbed.materials.constant import ConstantFluid
+
+SCENE = """
+particles = { count = 60, radius = "1 mm", width = ["8 mm", "8 mm"], density = 2500.0, conductivity = 0.84, \
+modulus = "1 MPa", restitution = 0.5, seed = 3 }
+fluid = { density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026 }
+gas = { velocity = 1.0, height = "60 mm", nusselt = "gunn" }
+time = { end = 0.004, sample = 0.002 }
+output = { plots = true, fields = false, probes = { floor = [0.004, 0.004, 0.0], above = [0.001, 0.007, 0.055] } }
+"""
+
+
+@pytest.fixture
+def gas():
+    grid = Grid(np.array([0.01, 0.02, 0.0]), np.array([1e-3, 2e-3, 3e-3]), (3, 1, 4))
+    gas = Gas(grid, ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026), drag_di_felice)
+    x, _, z = grid.centres.T
+    gas.p, gas.eps = 2.0 + 3.0 * x + 5.0 * z, 0.4 + 10.0 * z
+    return gas
+
+
+def test_a_linear_field_is_found_exactly(gas):
+    x, z = 0.0117, 0.0071
+    probes = probes_of(gas.grid, {"a": (x, 0.0209, z)})
+    assert probes.columns == ["a p [Pa]", "a eps_s [1]"]
+    assert probes.row(gas) == pytest.approx([2.0 + 3.0 * x + 5.0 * z, 0.6 - 10.0 * z], rel=1e-13)
+
+
+def test_beside_a_wall_the_values_are_those_of_the_cells(gas):
+    corner = probes_of(gas.grid, {"a": (0.01, 0.02, 0.0), "b": (0.013, 0.022, 0.012)})
+    assert corner.row(gas)[::2] == pytest.approx([gas.p[0], gas.p[-1]], rel=1e-14)
+
+
+def test_profiles_hold_the_probes_and_the_highest_particle(tmp_path):
+    result = cb.run(loads(SCENE), out=tmp_path)
+    columns = result.profiles
+    assert len(columns["floor p [Pa]"]) == 2
+    assert columns["floor p [Pa]"][0] > 10.0 * columns["above p [Pa]"][0] > 0.0
+    assert columns["floor eps_s [1]"][0] > 0.3
+    assert columns["above eps_s [1]"][0] == 0.0
+    assert columns["height_max [m]"][0] > columns["height [m]"][0]
+    assert (tmp_path / "profiles.png").is_file()
+    assert "floor p [Pa]" in (tmp_path / "profiles.csv").read_text().splitlines()[0]
+
+
+def test_a_probe_outside_of_the_box_is_refused():
+    with pytest.raises(SceneError, match=r":6: output.probes.above = .* outside of the box from 0 to 0.008, 0.008"):
+        loads(SCENE.replace("0.055]", "0.065]"))
+
+
+def test_a_bed_that_has_settled_deep_into_itself_runs():
+    # soft spheres rest on overlaps of 7 % of the radius, which are refused in a file but are the equilibrium here
+    soft = SCENE.replace('"1 MPa"', '"20 kPa"').replace("plots = true", "plots = false")
+    result = cb.run(loads(soft))
+    assert result.qoi["time [s]"] == pytest.approx(0.004, rel=0.1)
