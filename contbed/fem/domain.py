@@ -14,6 +14,7 @@ from contbed.fem.dual import Components
 from contbed.fem.elements import Space, lagrange
 
 Array = NDArray[np.float64]
+ROUNDING = 1e-14  # share of the coordinates below which a slope of the geometry is round-off
 
 
 class Domain:
@@ -42,12 +43,18 @@ class Domain:
             self.X, W = _facet_quadrature(refdom, facet, order)
         corners = mesh.p[:, mesh.t[:, self.cells]]
         geometry = lagrange(refdom, 1)
-        affine = refdom.nnodes == self.dim + 1
-        X = self.X[:, :1] if affine else self.X
+        simplex = refdom.nnodes == self.dim + 1
+        X = self.X[:, :1] if simplex else self.X
         slopes = np.array([geometry.table(X, a) for a in range(self.dim)])
         jacobian = np.einsum("ikc,akq->iacq", corners, slopes)
+        rounding = ROUNDING * np.abs(corners).max()
+        affine = simplex or bool(np.ptp(jacobian, axis=-1).max() <= rounding)
+        if affine:
+            jacobian = jacobian[..., :1]
+        jacobian[np.abs(jacobian).max(axis=(2, 3)) <= rounding] = 0.0
         inverse, determinant = _invert(jacobian)
         self.inverse = [[inverse[a, k] for k in range(self.dim)] for a in range(self.dim)]
+        self._acts = [[bool(np.any(self.inverse[a][k])) for k in range(self.dim)] for a in range(self.dim)]
         self.x = Components(np.einsum("kc,kq->cq", corners[i], geometry.table(self.X)) for i in range(self.dim))
         weight = np.abs(determinant) * W
         self.n: Any = None
@@ -61,7 +68,7 @@ class Domain:
         if axisymmetric:
             weight = weight * 2.0 * np.pi * self.x[0]
         self.weight = np.broadcast_to(section * weight, self.x[0].shape)
-        edges = [(a, b) for a in range(refdom.nnodes) for b in range(a)] if affine else _edges(refdom)
+        edges = [(a, b) for a in range(refdom.nnodes) for b in range(a)] if simplex else _edges(refdom)
         lengths = [np.linalg.norm(corners[:, a] - corners[:, b], axis=0) for a, b in edges]
         self.h = np.max(lengths, axis=0)[:, None]
         self._curvature = (
@@ -117,10 +124,13 @@ class Domain:
                 add(kind, c)
             elif kind[0] == "g":
                 for a in range(self.dim):
-                    add(("g", a), c * self.inverse[a][kind[1]])
+                    if self._acts[a][kind[1]]:
+                        add(("g", a), c * self.inverse[a][kind[1]])
             else:
                 for a in range(self.dim):
                     for b in range(self.dim):
+                        if not (self._acts[a][kind[1]] and self._acts[b][kind[2]]):
+                            continue
                         term = c * self.inverse[a][kind[1]] * self.inverse[b][kind[2]]
                         add(("h", a, b), term)
                         if self._curvature is not None:

@@ -13,6 +13,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem.assembly.dofs import Dofs
 from skfem.mesh import Mesh as SkfemMesh
@@ -140,6 +141,17 @@ class Space:
         points = np.empty((self.mesh.dim(), self.size))
         points[:, self.dofs] = np.einsum("dkc,kn->dnc", self.mesh.p[:, self.mesh.t], geometry)
         return points
+
+    def from_vertices(self) -> sp.csr_matrix:
+        """Return the interpolation of values at the vertices, linear on edges (size, nvertices)."""
+        corners = self.mesh.t
+        weights = lagrange(self.mesh.elem.refdom, 1).table(self.element.nodes.T)  # (ncorners, nb)
+        shape = (len(weights), *self.dofs.shape)
+        nodes = np.broadcast_to(self.dofs, shape)[weights != 0.0].ravel()
+        vertices = np.broadcast_to(corners[:, None], shape)[weights != 0.0].ravel()
+        values = np.broadcast_to(weights[..., None], shape)[weights != 0.0].ravel()
+        _, first = np.unique(nodes.astype(np.int64) * self.mesh.nvertices + vertices, return_index=True)
+        return sp.csr_matrix((values[first], (nodes[first], vertices[first])), shape=(self.size, self.mesh.nvertices))
 
     def on_facets(self, facets: NDArray[np.int32]) -> NDArray[np.int64]:
         """Return the nodes on these facets, on their edges and at their corners."""

@@ -22,6 +22,7 @@ from contbed.fem.domain import Domain
 from contbed.fem.dual import Components, Dual, Linear
 from contbed.fem.elements import GlobalUnknown, Space
 from contbed.solvers.linear import Policy
+from contbed.solvers.multigrid import Vertices
 from contbed.solvers.ordering import nested_dissection
 
 Array = NDArray[np.float64]
@@ -158,8 +159,9 @@ class System:
         self.size = size
         self.cells = Domain(mesh, order, **measure)
         self._order: Any = None
+        self._vertices: Vertices | None = None
         self._facets: dict[str, list[Domain]] = {}
-        self._patterns: dict[Any, tuple[Array, Array, Array, int]] = {}
+        self._patterns: dict[Any, tuple[list[tuple[list[int], Any, Any]], Any, Any]] = {}
 
     def boundary(self, name: str) -> list[Domain]:
         """Return the domains that together integrate over a named boundary."""
@@ -179,7 +181,7 @@ class System:
         return numbers
 
     def ordered(self, policy: Policy) -> Policy:
-        """Return the policy with a nested-dissection ordering for this system; a line needs none."""
+        """Return the policy with a nested-dissection ordering and, in 3-D, what multigrid needs; a line needs none."""
         if self.mesh.dim() == 1:
             return policy
         if self._order is None:
@@ -188,7 +190,19 @@ class System:
             centres = corners.mean(axis=1) / np.ptp(corners, axis=1).mean(axis=1, keepdims=True)
             numbering = [self.fields[name][0].dofs + start for (name, _), start in self.offset.items()]
             self._order = nested_dissection(centres, numbering, self.size)
-        return replace(policy, order=self._order)
+        if self.mesh.dim() < 3 or any(ncomponents or not space.degree for space, ncomponents in self.fields.values()):
+            return replace(policy, order=self._order)
+        return replace(policy, order=self._order, multigrid=True, vertices=self._from_vertices)
+
+    def _from_vertices(self) -> Vertices:
+        """Return the interpolation of all fields, which are scalar, from the vertices."""
+        if self._vertices is None:
+            count = len(self.fields)
+            parts = [
+                sp.kron(space.from_vertices(), np.eye(count)[[k]]) for k, (space, _) in enumerate(self.fields.values())
+            ]
+            self._vertices = Vertices(sp.vstack(parts).tocsr(), count)
+        return self._vertices
 
     def part(self, state: Array, name: str) -> Array:
         """Return a view of one field in a state: (size,) or (ncomponents, size)."""
@@ -271,40 +285,74 @@ class System:
             for trial_kind, test_slots in trial_slots.items():
                 for test_kind, d in where.to_reference(test_slots).items():
                     by_test.setdefault(test_kind, {})[trial_kind] = d
-            local: Any = 0.0
+            factors, tables = [], []
             for test_kind, d_slots in by_test.items():
                 for trial_kind, d in where.to_reference(d_slots).items():
-                    local = local + d @ where.pair_table(space, test_kind, trial, trial_kind)
+                    factors.append(d)
+                    tables.append(where.pair_table(space, test_kind, trial, trial_kind))
+            local = np.concatenate(factors, axis=1) @ np.concatenate(tables)
             blocks.append(((key, column, where), local))
 
     def _matrix(self, blocks: list[tuple[Any, Array]]) -> sp.csc_matrix:
         """Sum element matrices; the sparsity pattern of one list of blocks is found once and kept."""
-        signature = tuple((key, column, id(where)) for (key, column, where), _ in blocks)
+        signature = tuple((row, column, id(where)) for (row, column, where), _ in blocks)
         if signature not in self._patterns:
-            rows, columns = [], []
-            for (key, column, where), _ in blocks:
-                i = self.fields[key[0]][0].dofs[:, where.cells].T + self.offset[key]
-                j = self.fields[column[0]][0].dofs[:, where.cells].T + self.offset[column]
-                shape = (len(i), i.shape[1], j.shape[1])
-                rows.append(np.broadcast_to(i[:, :, None], shape).ravel())
-                columns.append(np.broadcast_to(j[:, None, :], shape).ravel())
-            self._patterns[signature] = _pattern(np.concatenate(rows), np.concatenate(columns), self.size)
-        position, indices, indptr, nnz = self._patterns[signature]
-        data = np.bincount(position, weights=np.concatenate([local.ravel() for _, local in blocks]), minlength=nnz)
+            self._patterns[signature] = self._pattern([key for key, _ in blocks])
+        parts, indices, indptr = self._patterns[signature]
+        data = np.empty(len(indices))
+        for numbers, position, place in parts:
+            weights = np.concatenate([blocks[k][1].ravel() for k in numbers])
+            data[place] = np.bincount(position, weights=weights, minlength=len(place))
         return sp.csc_matrix((data, indices, indptr), shape=(self.size, self.size))
 
+    def _pattern(self, keys: list[Any]) -> tuple[list[tuple[list[int], Any, Any]], Any, Any]:
+        """Return the compressed-column structure that blocks (row, column, domain) fill: parts, rows, starts.
 
-def _pattern(rows: NDArray[np.int64], columns: NDArray[np.int64], size: int) -> tuple[Any, Any, Any, int]:
-    """Return the compressed-column structure of entries and the place of each entry in it."""
-    keys = columns.astype(np.int64) * size + rows
-    order = np.argsort(keys, kind="stable")
-    new = np.empty(len(keys), dtype=bool)
-    new[0] = True
-    ordered = keys[order]
-    np.not_equal(ordered[1:], ordered[:-1], out=new[1:])
-    group = np.cumsum(new) - 1
-    position = np.empty(len(keys), dtype=np.int32)
-    position[order] = group
-    unique = ordered[new]
-    indptr = np.searchsorted(unique, np.arange(size + 1, dtype=np.int64) * size).astype(np.int32)
-    return position, (unique % size).astype(np.int32), indptr, len(unique)
+        A part has, for one pair of row and column, the numbers of its blocks, the place of each of their entries in the
+        structure of the pair, and the place of that in the whole.
+        """
+        groups: dict[Any, list[int]] = {}
+        for number, (row, column, _) in enumerate(keys):
+            groups.setdefault((row, column), []).append(number)
+        known: dict[Any, tuple[Any, Any]] = {}
+        pairs = {
+            (row, column): self._pair(row, column, [keys[k][2] for k in numbers], known)
+            for (row, column), numbers in groups.items()
+        }
+        counts = np.zeros(self.size, dtype=np.int64)
+        for (_, column), (_, _, widths) in pairs.items():
+            counts[self.offset[column] :][: len(widths)] += widths
+        indptr = np.concatenate(([0], np.cumsum(counts)))
+        filled, parts = indptr[:-1].copy(), []
+        indices = np.empty(indptr[-1], dtype=np.int32)
+        for pair in sorted(pairs, key=lambda pair: self.offset[pair[0]]):  # rows of a column in ascending order
+            (row, column), (position, rows, widths) = pair, pairs[pair]
+            free = filled[self.offset[column] :][: len(widths)]
+            place = np.arange(len(rows)) + np.repeat(free - (np.cumsum(widths) - widths), widths)
+            free += widths
+            indices[place] = rows + self.offset[row]
+            parts.append((groups[pair], position, place.astype(np.int32)))
+        return parts, indices, indptr.astype(np.int32)
+
+    def _pair(self, row: Any, column: Any, domains: list[Domain], known: dict[Any, Any]) -> tuple[Any, Any, Any]:
+        """Return the place of each entry, the rows, and how many each column has, of one pair of fields on domains.
+
+        `known` keeps the entries that all cells have, as fields on the same spaces share them.
+        """
+        test, trial = self.fields[row[0]][0], self.fields[column[0]][0]
+
+        def entries(where: Domain) -> Any:
+            i, j = (space.dofs[:, where.cells].T.astype(np.int64) for space in (test, trial))
+            return (j[:, None, :] * test.size + i[:, :, None]).ravel()
+
+        if self.cells in domains:
+            space_pair = id(test), id(trial)
+            if space_pair not in known:
+                known[space_pair] = np.unique(entries(self.cells), return_inverse=True)
+            unique, inside = known[space_pair]
+            places = [inside if d is self.cells else np.searchsorted(unique, entries(d)) for d in domains]
+        else:
+            unique, inside = np.unique(np.concatenate([entries(d) for d in domains]), return_inverse=True)
+            places = [inside]
+        widths = np.bincount(unique // test.size, minlength=trial.size)
+        return np.concatenate(places).astype(np.int32), (unique % test.size).astype(np.int32), widths

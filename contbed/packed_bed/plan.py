@@ -171,7 +171,7 @@ class Plan:
         """Choice of the linear solver."""
         from contbed.fem import policy
 
-        return policy(self.mesh, self.scene.solver.memory_GB)
+        return replace(policy(self.mesh, self.scene.solver.memory_GB), multigrid=self.plug)
 
     def unknowns(self) -> dict[str, int]:
         """Return the number of unknowns of each part that is solved."""

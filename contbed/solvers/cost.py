@@ -2,8 +2,8 @@
 
 The rates are processor seconds of a whole run per million unknowns (flow by Newton in 2-D, heat linear), the power with
 which time grows, and bytes per unknown at the peak, measured by studies/scaling on a 2-core x86-64 machine with one
-thread per rank. A transient takes about as much for every few steps. The ranks share the memory evenly, except for
-`ROOT_BYTES`, which only the first one needs.
+thread per rank; those of multigrid hold for plug flow in 3-D. A transient takes about as much for every few steps. The
+ranks share the memory evenly, except for `ROOT_BYTES`, which only the first one needs.
 """
 
 from __future__ import annotations
@@ -40,6 +40,7 @@ RATES = {
     ("skfem", 1): Rate(6.0, 1.0, 400.0),
     ("skfem", 2): Rate(50.0, 1.25, 4000.0),
     ("skfem", 3): Rate(1000.0, 1.6, 20e3),
+    ("multigrid", 3): Rate(55.0, 1.1, 10e3),
     ("dolfinx", 1): Rate(7.0, 1.0, 900.0),
     ("dolfinx", 2): Rate(21.0, 1.15, 2900.0),
     ("dolfinx", 3): Rate(55.0, 1.05, 6600.0),
@@ -53,7 +54,8 @@ def advice(unknowns: dict[str, int], policy: Policy) -> str:
     bring the time below `LONG_RUN`.
     """
     size, largest = sum(unknowns.values()), max(unknowns.values())
-    one, other = RATES["skfem", policy.dimension], RATES["dolfinx", policy.dimension]
+    here = "multigrid" if policy.multigrid and policy.dimension == 3 else "skfem"
+    one, other = RATES[here, policy.dimension], RATES["dolfinx", policy.dimension]
     need = policy.predicted_GB(largest)
     limit = policy.limit_GB if policy.limit_GB is not None else 0.6 * free_memory_GB()
     there = f"about {_time(other.time(size))} of processor and {other.memory_GB(size):.2g} GB"

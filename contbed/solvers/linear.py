@@ -2,13 +2,14 @@
 
 2-D and small systems are factored by SuperLU in a symmetric ordering: nested dissection of the mesh, or else minimum
 degree of A + A'. Where the restricted pivoting loses accuracy the matrix is factored again with full pivoting. Fill in
-3-D grows as n^(4/3), so beyond `DIRECT_3D` unknowns GMRES with an incomplete factorisation is used instead: a thin one
-for equations with a diagonal, and a thick one where that does not do or pressures have no diagonal.
+3-D grows as n^(4/3), so GMRES takes the place of factors: beyond `MULTIGRID_3D` unknowns with a multigrid cycle for
+temperatures and incident radiation (`multigrid`), beyond `DIRECT_3D` for others and where multigrid does not do with
+an incomplete factorisation: a thin one for equations with a diagonal, a thick one where pressures have none.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from inspect import signature
 from typing import Any
@@ -18,8 +19,10 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from contbed.errors import ConvergenceError, SceneError
+from contbed.solvers.multigrid import Vertices, two_level
 
 DIRECT_3D = 120_000
+MULTIGRID_3D = 15_000  # temperatures above which a cycle of multigrid takes less time than factors
 GMRES_ITERATIONS = 12  # iterations that cost about as much as a factorisation
 PIVOT_THRESHOLD = 1e-3  # diagonal entries down to this share of the column are kept as pivots, which keeps the ordering
 ROUNDING = 1e-14  # share of its terms down to which a residual can be computed
@@ -28,6 +31,7 @@ SINGULAR = 1e11  # terms over right-hand side beyond which the matrix counts as 
 # temperatures they take 3 s and 17 to 45 iterations, the thick ones 10 s and 5 iterations
 THIN, THICK = (1e-2, 3.0), (1e-4, 20.0)
 RESTART, RESTARTS, ITERATIVE = 80, 10, 1e-13  # of GMRES, and its relative residual
+FEW = 40_000  # temperatures up to which factors take over where multigrid does not do, and thin ones beyond
 ENTRY_GB = 1.2e-8  # an entry of a factor with its index
 RTOL = "rtol" if "rtol" in signature(spla.gmres).parameters else "tol"  # its name before SciPy 1.12
 RESIDUAL = 1e-9  # a solve with a larger relative residual is repeated with full pivoting
@@ -37,28 +41,33 @@ RESIDUAL = 1e-9  # a solve with a larger relative residual is repeated with full
 class Policy:
     """Choice of the linear solver for a mesh of `dimension`.
 
-    A factorisation that is predicted to need more than `limit_GB` is refused. `order` is the order of elimination.
+    A factorisation that is predicted to need more than `limit_GB` is refused. `order` is the order of elimination;
+    `multigrid` says whether all unknowns diffuse, and `vertices` then returns their interpolation from vertices.
     """
 
     dimension: int
     limit_GB: float | None = None
     order: Any = None
+    multigrid: bool = False
+    vertices: Callable[[], Vertices] | None = None
 
     def direct(self, size: int) -> bool:
         """Return whether systems of this size are factored."""
-        return self.dimension < 3 or size <= DIRECT_3D
+        return self.dimension < 3 or size <= (MULTIGRID_3D if self.multigrid else DIRECT_3D)
 
     def predicted_GB(self, size: int) -> float:
         """Predict the memory of assembly and factorisation [GB].
 
         Measured: 5 kB per unknown in 2-D. In 3-D with two temperatures on hexahedra: 15 kB per unknown while
         the matrix is assembled, 2.2 GB for the factors of 68000 unknowns, growing as n^(4/3), and 5 kB per unknown for
-        incomplete factors and the vectors of GMRES.
+        incomplete factors and the vectors of GMRES; 10 kB in all with multigrid.
         """
         if self.dimension == 1:
             return 4e-7 * size
         if self.dimension == 2:
             return 5e-6 * size
+        if self.multigrid and not self.direct(size):
+            return 1e-5 * size
         return max(1.5e-5 * size, 8e-7 * size ** (4 / 3)) if self.direct(size) else 2e-5 * size
 
     def check_memory(self, size: int) -> None:
@@ -190,23 +199,36 @@ def _gmres(matrix: Any, rhs: Any, tolerance: float, **options: Any) -> tuple[Any
 
 
 def _krylov(matrix: sp.csc_matrix, policy: Policy) -> Callable[[Any], Any]:
-    """Return the inverse by GMRES with incomplete factors, thin ones first where the diagonal has no zeros."""
-    matrices = iter((THIN, THICK) if matrix.diagonal().all() else (THICK,))
-    factors = [_incomplete(matrix, policy, *next(matrices))]
+    """Return the inverse by GMRES with the cheapest preconditioner first, and the next one where that does not do."""
+    makers = _preconditioners(matrix, policy)
+    rows = matrix.tocsr()
+    found = [next(makers)]
 
     def apply(rhs: Any) -> Any:
         while True:
-            preconditioner = spla.LinearOperator(matrix.shape, factors[-1], dtype=float)
-            x, failed = _gmres(matrix, rhs, ITERATIVE, restart=RESTART, maxiter=RESTARTS, M=preconditioner)
-            residual = np.linalg.norm(rhs - matrix @ x)
+            cycle, restarts = found[-1]
+            preconditioner = spla.LinearOperator(matrix.shape, cycle, dtype=float)
+            x, failed = _gmres(rows, rhs, ITERATIVE, restart=RESTART, maxiter=restarts, M=preconditioner)
+            residual = np.linalg.norm(rhs - rows @ x)
             if not failed or residual <= RESIDUAL * np.linalg.norm(rhs):
                 return x
-            thicker = next(matrices, None)
-            if thicker is None:
+            following = next(makers, None)
+            if following is None:
                 return x
-            factors[:] = [_incomplete(matrix, policy, *thicker)]
+            found[:] = [following]
 
     return apply
+
+
+def _preconditioners(matrix: sp.csc_matrix, policy: Policy) -> Iterator[tuple[Callable[[Any], Any], int]]:
+    """Yield preconditioners, each with the number of restarts of GMRES that it is given."""
+    if policy.vertices is not None:
+        yield two_level(matrix.tocsr(), policy.vertices()), 1
+        if matrix.shape[0] <= FEW and (factors := _factor(matrix, policy.order)) is not None:
+            yield factors, 1
+    if matrix.diagonal().all():
+        yield _incomplete(matrix, policy, *THIN), RESTARTS
+    yield _incomplete(matrix, policy, *THICK), RESTARTS
 
 
 def _incomplete(matrix: sp.csc_matrix, policy: Policy, drop: float, fill: float) -> Callable[[Any], Any]:
