@@ -45,6 +45,8 @@ _FIELDS = (
     Field("dt", r"\Delta t", "s", "length of the last time step"),
     Field("T_fluid", r"T_\mathrm{f}", "K", "temperature of the fluid", lower=0.0),
     Field("T_solid", r"T_\mathrm{s}", "K", "temperature of the solid", lower=0.0),
+    Field("T_surface", r"T_\mathrm{surface}", "K", "temperature of the surface of the particles", lower=0.0),
+    Field("T_centre", r"T_\mathrm{centre}", "K", "temperature in the centre of the particles", lower=0.0),
     Field("T_gas", r"T_\mathrm{g}", "K", "temperature of the gas", lower=0.0),
     Field("theta_fluid", r"\theta_\mathrm{f}", "1", "scaled temperature of the fluid"),
     Field("theta_solid", r"\theta_\mathrm{s}", "1", "scaled temperature of the solid"),

@@ -352,6 +352,22 @@ def a_steady_temperature_is_determined(
         )
 
 
+def the_inside_of_particles_fits_the_scene(
+    particle: s.Particle | None, heat: s.Heat | None, radiation: Radiation | None
+) -> Mistakes:
+    """Check that particles with an inside exchange heat, and that their mean temperature is not what radiates."""
+    if particle is None:
+        return
+    if heat is None:
+        yield ("particle",), "the inside of particles needs the temperatures of two phases; add a [heat] table"
+    elif particle.heat == "interior" and radiation is not None:
+        yield (
+            ("particle", "heat"),
+            'temperatures inside are not coupled with [radiation]; use "effective", a film coefficient corrected for '
+            "conduction inside",
+        )
+
+
 def closures_exist(mesh: Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries, origin: Origin) -> Mistakes:
     """Check that the closures exist and that the bed has the arguments that they need."""
     for path, spec, kind in places(bed, heat, boundary):
@@ -393,6 +409,7 @@ CHECKS: tuple[Check, ...] = (
     flow_has_a_way_through,
     streams_have_a_temperature,
     a_steady_temperature_is_determined,
+    the_inside_of_particles_fits_the_scene,
     closures_exist,
 )
 

@@ -15,10 +15,13 @@ from contbed.fem.skfem import Ops
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.equations import two_energy
+from contbed.packed_bed.equations.two_energy import FIELDS
 from contbed.packed_bed.heat_coefficients import HeatCoefficients, Motion, plain
+from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.schedule import Piece, initial_range
 from contbed.scene.series import ProfileFile
+from contbed.solvers.condensed import Inside
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
 
@@ -51,7 +54,9 @@ class HeatProblem:
         if motion.flow is not None:
             order = max(order, motion.flow.system.order)  # the divergence vanishes in the quadrature of the flow
         self.radiation = _coupling(scene)
+        self.modes = modes(scene)
         names = two_energy.FIELDS if self.radiation is None else (*two_energy.FIELDS, *self.radiation.fields)
+        names = (*names, *(mode.name for mode in self.modes))
         fields = dict.fromkeys(names, (degree, 0))
         self.system = make_system(mesh, fields, order, section)
         self.linear = medium.constant
@@ -69,7 +74,14 @@ class HeatProblem:
             for phase in PHASES
             for part in self.system.boundary(name)
         ]
-        self._boundary = self._crossed()
+        self._carried = [
+            (two_energy.boundary, part, wall)
+            for name in mesh.boundaries
+            for part in self.system.boundary(name)
+            for mode in self.modes
+            if (wall := self.build.mode_wall(mode, part)) is not None
+        ]
+        self._boundary = self.crossed()
         self._radiating: list[Any] = []
         if self.radiation is not None:
             self._interior.append(self.radiation.interior(cells))
@@ -77,8 +89,14 @@ class HeatProblem:
         self.idle: list[str] = []
         self.fixed, self.fixed_values, self.fixed_owner, self._prescribed = self._fixed()
 
-    def _crossed(self) -> list[Any]:
-        return [(two_energy.boundary, part, wall) for _, part, wall in self.walls if wall.crossed]
+    def crossed(self) -> list[Any]:
+        """Return the forms of all boundaries that heat crosses, with the values in place."""
+        return [(two_energy.boundary, part, wall) for _, part, wall in self.walls if wall.crossed] + self._carried
+
+    @property
+    def heats(self) -> slice:
+        """Rows of the content and of the residual that are heats; those of modes inside of particles are none."""
+        return slice(0, self.system.offset[self.modes[0].name, 0] if self.modes else self.system.size)
 
     @property
     def changes(self) -> bool:
@@ -97,7 +115,7 @@ class HeatProblem:
                 wall = replace(wall, **self.build.given(phase, condition, wall.inflow is not None))
             walls.append((name, part, wall))
         self.walls = walls
-        self._boundary = self._crossed()
+        self._boundary = self.crossed()
         for nodes, name, phase in self._prescribed:
             condition = self.piece.condition(name, phase, time)
             if condition is not None:
@@ -161,6 +179,24 @@ class HeatProblem:
             if (name, wall.name) == (boundary, f"T_{phase}")
         )
 
+    @property
+    def inside(self) -> Inside | None:
+        """What is condensed of the particles: modes at the nodes of a line at rest with constant properties."""
+        c = self.coefficients
+        if not self.modes or not self.linear or self.mesh.skfem.dim() > 1 or c.solid.mass_flux is not None:
+            return None
+        T = self.medium.T_fluid_in
+        places = [self.system.offset[name, 0] + np.arange(self.system.fields[name][0].size) for name in FIELDS]
+        return Inside(
+            bed=_OneMode(self),
+            capacity=float(c.capacity(T) * c.solid.heat_capacity(T)),
+            exchange=float(plain(c.exchange(T, T))),
+            decay=np.array([float(mode.decay(T)) for mode in c.modes]),
+            gain=np.array([mode.gain for mode in c.modes]),
+            fluid=places[0],
+            solid=places[1],
+        )
+
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the residual of the steady balances and its Jacobian."""
         return self.system.assemble(self._interior + self._boundary + self._radiating, state, jacobian)
@@ -174,7 +210,7 @@ class HeatProblem:
 
         Prescribed values are in place.
         """
-        time, state = self.scene.time, np.empty(self.system.size)
+        time, state = self.scene.time, np.zeros(self.system.size)
         low, high = self.T_span
         for phase in PHASES:
             self.system.part(state, f"T_{phase}")[:] = 0.5 * (low + high) if time is None else self._start(time, phase)
@@ -222,6 +258,7 @@ class HeatProblem:
         lower = np.zeros(self.system.size)
         if self.radiation is not None:
             self.system.part(lower, "G")[:] = -np.inf
+        lower[self.heats.stop :] = -np.inf
         return lower
 
     def solve(self, policy: Policy) -> tuple[Any, list[float]]:
@@ -248,6 +285,7 @@ class HeatProblem:
     def _frozen(self, policy: Policy) -> Any:
         """Solve with all properties at the mean prescribed temperature, as a start for Newton."""
         uniform = np.full(self.system.size, 0.5 * sum(self.T_span))
+        uniform[self.heats.stop :] = 0.0
         if self.radiation is not None:
             self.system.part(uniform, "G")[:] = self.radiation.emitted(uniform[0])
         residual, matrix = self.steady(uniform, True)
@@ -356,6 +394,36 @@ class HeatProblem:
         if not (np.any(c.fluid.source) or np.any(c.solid.source)):
             return 0.0
         return float(np.sum(self.system.cells.weight * (c.fluid.source + c.solid.source)))
+
+
+class _OneMode:
+    """A heat problem with the first mode of its particles in place of all: what the bed sees of them."""
+
+    linear = True
+
+    def __init__(self, problem: HeatProblem):
+        self._problem = problem
+        one = replace(problem.coefficients, modes=problem.coefficients.modes[:1])
+        cells = problem.system.cells
+        self._interior, self._storage = [(two_energy.residual, cells, one)], [(two_energy.storage, cells, one)]
+        self.fixed, self.weights, self.changes = problem.fixed, problem.weights, problem.changes
+
+    @property
+    def fixed_values(self) -> Any:
+        """Prescribed temperatures at the time of the last `at` [K]."""
+        return self._problem.fixed_values
+
+    def at(self, time: float) -> None:
+        """Put the temperatures and fluxes of boundaries at a time [s] in place."""
+        self._problem.at(time)
+
+    def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Assemble the residual of the steady balances and its Jacobian."""
+        return self._problem.system.assemble([*self._interior, *self._problem.crossed()], state, jacobian)
+
+    def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Assemble the tested heat content and its Jacobian."""
+        return self._problem.system.assemble(self._storage, state, jacobian)
 
 
 def _coupling(scene: s.Scene) -> Any:

@@ -17,6 +17,7 @@ from contbed.fem.stabilisation import tau
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.equations import two_energy
+from contbed.packed_bed.inside import Mode, modes
 from contbed.packed_bed.medium import Medium
 
 if TYPE_CHECKING:
@@ -89,7 +90,31 @@ class HeatCoefficients:
             exchange=lambda T_fluid, T_solid: medium.exchange(T_fluid, speed),
             cross=medium.cross_conductivity,
             radiated=None if self.radiation is None else self.radiation.net_absorption,
+            modes=tuple(self._mode(mode, where, exchange) for mode in modes(self.scene)),
+            capacity=lambda T: (1.0 - self.scene.bed.porosity) * medium.solid.density(T),
         )
+
+    def _mode(self, mode: Mode, where: Domain, exchange: Any) -> two_energy.Mode:
+        """Return the coefficients of one mode of conduction inside of the particles."""
+        solid, T_ref = self.medium.solid, self.medium.T_fluid_in
+        velocity, stabilisation = self._velocity("solid", where), None
+        if velocity is not None and self.scene.solver.stabilisation:
+            capacity = float(solid.heat_capacity(T_ref))
+            speed = np.sqrt(plain(Ops.dot(velocity, velocity)) + TINY)
+            h = where.length_along(Components(plain(part) / speed for part in velocity.items))
+            rate = mode.decay * float(solid.conductivity(T_ref)) + mode.gain * exchange
+            flux = speed * self._density("solid") * capacity
+            stabilisation = plain(tau(flux, 0.0, rate, capacity, h, self.scene.solver.degree))
+        return two_energy.Mode(mode.name, lambda T: mode.decay * solid.conductivity(T), mode.gain, stabilisation)
+
+    def mode_wall(self, mode: Mode, where: Domain) -> two_energy.Wall | None:
+        """Return what carries a mode through a boundary; particles enter with a uniform temperature."""
+        wall = self.wall("", "solid", where)
+        if wall.mass_flux is None:
+            return None
+        enters = np.min(plain(Ops.dot(wall.mass_flux, where.n))) < 0
+        capacity = self.medium.solid.heat_capacity
+        return two_energy.Wall(mode.name, wall.mass_flux, None, inflow=0.0 if enters else None, capacity=capacity)
 
     def _phase(self, phase: str, where: Domain, spread: Any, exchange: Any) -> two_energy.Phase:
         """Return the coefficients of one phase.

@@ -27,6 +27,7 @@ from contbed.scene.tables import FluidCantera, FluidConstant, FluidCoolProp
 from contbed.scene.tables import Solid as SolidSettings
 
 _AREA = {"spheres": 6.0, "rods": 4.0}
+_INSIDE = {"spheres": 10.0, "rods": 8.0}  # conduction inside counts as d/(10 k_s) in series with the film of spheres
 
 
 def fluid_of(settings: FluidConstant | FluidCantera | FluidCoolProp, base: Path) -> Any:
@@ -133,9 +134,14 @@ class Medium:
         return self.fluid.viscosity(T) * self.fluid.heat_capacity(T) / self.fluid.conductivity(T)
 
     def exchange(self, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
-        """Return the volumetric exchange coefficient h a [W/m3/K]."""
+        """Return the volumetric exchange coefficient h a [W/m3/K], with conduction inside if the scene says so."""
         bed, nusselt = self.scene.bed, self._value(self.heat.nusselt, "nusselt", T_fluid, speed)
-        return nusselt * self.fluid.conductivity(T_fluid) * (self.area / bed.particle_diameter)
+        film = nusselt * self.fluid.conductivity(T_fluid) * (self.area / bed.particle_diameter)
+        particle = self.scene.particle
+        if particle is None or particle.heat != "effective":
+            return film
+        resistance = bed.particle_diameter / (_INSIDE[bed.shape] * self.area)
+        return film / (1.0 + film * resistance / self.solid.conductivity(T_fluid))
 
     def wall(self, spec: Any, T_fluid: Any, speed: Callable[[Any], Any]) -> Any:
         """Return the wall coefficient [W/m2/K]."""

@@ -24,6 +24,7 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.inlets import role, velocity_vector
+from contbed.packed_bed.inside import Inside, inside_of, modes
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.schedule import Piece, Schedule, initial_range
 from contbed.scene.mesh import Mesh as MeshSettings
@@ -152,7 +153,7 @@ class Plan:
     def _frozen(self, time: float, before: bool = False) -> s.Scene:
         """Return the scene that is solved with the values at a time, just after or `before` a jump."""
         frozen = self.schedule.frozen(self.scene, time, before)
-        frozen = frozen.model_copy(update={"radiation": self.solved.radiation})
+        frozen = frozen.model_copy(update={"radiation": self.solved.radiation, "particle": self.solved.particle})
         line = None if self.solved.mesh is self.scene.mesh else _reduced(frozen)
         return frozen if line is None else line[0]
 
@@ -183,7 +184,7 @@ class Plan:
         if self.fronts:
             out["heat"] = 2 * grid.nelements
         elif self.scene.heat is not None:
-            out["heat"] = 2 * Space(grid, self.scene.solver.degree).size
+            out["heat"] = (2 + len(modes(self.solved))) * Space(grid, self.scene.solver.degree).size
         if self.radiates:
             out["radiation"] = Space(grid, self.scene.solver.degree).size
         return out
@@ -217,6 +218,9 @@ def plan(scene: s.Scene) -> Plan:
     scene, thick = _cheapest_radiation(scene)
     built: list[tuple[str, str]] = []
     skipped: list[tuple[str, str]] = []
+    inside = _inside(schedule, scene)
+    if inside is not None and scene.particle is not None:
+        scene = scene.model_copy(update={"particle": scene.particle.model_copy(update={"heat": inside.level})})
     medium = Medium.of(scene, _inlet_temperature(scene), _bed_diameter(scene.mesh))
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
     lines = [_reduced(each) if scene.solver.reduce else None for each in flows]
@@ -264,6 +268,9 @@ def plan(scene: s.Scene) -> Plan:
         skipped.append(("two-energy", "no [heat] table"))
     else:
         built.append(("two-energy", _how_heat(scene, medium, fronts)))
+        if inside is not None:
+            why = "no [particle] table: " if scene.particle is None else ""
+            (skipped if inside.level == "lumped" else built).append(("inside of particles", f"{why}{inside}"))
         if scene.heat.dispersion is None:
             skipped.append(("dispersion", "no heat.dispersion"))
         if scene.heat.tortuosity is None:
@@ -309,6 +316,17 @@ def _changes_of_flow(schedule: Schedule, scene: s.Scene) -> list[float]:
         flow = schedule.frozen_flow(scene.flow, time)
         found.setdefault((flow.velocity, flow.velocity_solid), time)
     return list(found.values())
+
+
+def _inside(schedule: Schedule, scene: s.Scene) -> Inside | None:
+    """Return what is resolved inside of the particles, by the flow of the largest Biot number."""
+    if scene.heat is None:
+        return None
+    bare = scene.model_copy(update={"particle": None})
+    medium = Medium.of(bare, _inlet_temperature(scene), _bed_diameter(scene.mesh))
+    flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
+    found = [inside for each in flows if (inside := inside_of(each, medium, *_velocities(each))) is not None]
+    return max(found, key=lambda inside: inside.biot, default=None)
 
 
 def _finest_each(grids: list[list[Any] | None]) -> list[Any] | None:
@@ -415,7 +433,12 @@ def _tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
     """
     if scene.time is None or scene.heat is None or not isinstance(scene.mesh, MeshLine) or not medium.constant:
         return False
-    if scene.flow.velocity_solid or scene.heat.dispersion is not None or scene.heat.tortuosity is not None:
+    if (
+        modes(scene)
+        or scene.flow.velocity_solid
+        or scene.heat.dispersion is not None
+        or scene.heat.tortuosity is not None
+    ):
         return False
     ends = [table.fluid for table in scene.boundary.values() if table.fluid is not None]
     if isinstance(scene.time.initial_fluid, ProfileFile) or isinstance(scene.time.initial_solid, ProfileFile):

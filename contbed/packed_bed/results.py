@@ -145,7 +145,20 @@ def _exchanger(plan: Plan, problem: Any, entering: Streams, fluxes: Any, result:
 
 def _nodal(problem: Any, state: Any) -> dict[str, Any]:
     space = problem.system.fields["T_fluid"][0]
-    return {name: (space, problem.system.part(state, name)) for name in problem.system.fields}
+    hidden = {mode.name for mode in problem.modes}
+    own = {name: (space, problem.system.part(state, name)) for name in problem.system.fields if name not in hidden}
+    return own | {name: (space, values) for name, values in _inside(problem, state).items()}
+
+
+def _inside(problem: Any, state: Any) -> dict[str, Any]:
+    """Return the temperatures of surface and centre of the particles at all nodes; none without temperatures inside."""
+    if not problem.modes:
+        return {}
+    mean, part = problem.system.part(state, "T_solid"), problem.system.part
+    return {
+        "T_surface": mean + sum(part(state, mode.name) for mode in problem.modes),
+        "T_centre": mean + sum(mode.centre * part(state, mode.name) for mode in problem.modes),
+    }
 
 
 def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], fluid: Any, result: Result) -> None:
@@ -194,6 +207,11 @@ def _profiles(
     solid = np.array([probe(space, problem.system.part(state, "T_solid")) for state in states])
     _columns(plan, positions, fluid, solid, problem.T_span, times, result)
     _stream(plan, line, problem, states, fluid, result)
+    if problem.modes:
+        inner = [_inside(problem, state) for state in states]
+        result.profiles |= {
+            header(name): np.array([probe(space, found[name]) for found in inner]).ravel() for name in inner[0]
+        }
     if problem.radiation is not None:
         G = [problem.system.part(state, "G") for state in states]
         slope = [probe.slope(space, values, plan.mesh.axis) for values in G]

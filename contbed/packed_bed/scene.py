@@ -23,6 +23,7 @@ from contbed.scene.quantities import (
     NonNegative,
     Seconds,
     Table,
+    Whole,
     form,
 )
 from contbed.scene.series import (
@@ -94,6 +95,17 @@ class Heat(Table):
         None, description="tortuosity parameter G of the cross conduction between the phases; absent means none"
     )
     dispersion: DispersionOrClosure | None = None
+
+
+class Particle(Table):
+    """The inside of the particles; absent: each has one temperature, and the film alone resists."""
+
+    heat: Literal["auto", "lumped", "effective", "interior"] = Field(
+        "auto",
+        description="one temperature per particle; one with the corrected film coefficient; temperatures inside; "
+        "auto: by the Biot number",
+    )
+    points: Annotated[Whole, Field(ge=2, le=20)] = Field(3, description="temperatures inside, beside the surface")
 
 
 class PhaseCondition(Table):
@@ -178,6 +190,7 @@ class Scene(SceneBase):
     bed: Bed = Field(default_factory=_absent)
     flow: Flow = Field(default_factory=_absent)
     heat: Heat | None = None
+    particle: Particle | None = None
     radiation: Radiation | None = None
     boundary: dict[str, Boundary] = Field(default_factory=dict)
     region: dict[str, Region] = Field(default_factory=dict)

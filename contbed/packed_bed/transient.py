@@ -146,6 +146,8 @@ def run_transient(
     if not history.times and wanted[0] == 0.0:
         _keep(history, 0.0, history.state)
     solver = problem.scene.solver
+    uniform = np.zeros(problem.system.size)  # temperatures count from it, modes inside of particles from 0
+    uniform[problem.heats] = low
     steps = march(
         problem,
         history.state,
@@ -154,7 +156,7 @@ def run_transient(
         start=history.origin,
         tolerance=time.tolerance,
         span=high - low if high > low else ONE_KELVIN,
-        origin=low,
+        origin=uniform,
         step=time.step,
         tick=history.tick,
         level=history.level,
@@ -200,9 +202,10 @@ def enter(problem: HeatProblem, history: History, policy: Policy, size: float | 
     state[problem.fixed] = problem.fixed_values
     state = problem.consistent(state, policy)
     given = problem.content(state, False)[0] - problem.content(history.state, False)[0]
+    gain = float(np.sum(given[problem.heats]))
     parts = np.abs(_by_boundary(problem, given[problem.fixed]))
-    after = replace(history, state=state, gain=history.gain + float(np.sum(given)))
-    after.reaction = after.reaction + float(np.sum(given)) * parts / max(float(parts.sum()), np.finfo(float).tiny)
+    after = replace(history, state=state, gain=history.gain + gain)
+    after.reaction = after.reaction + gain * parts / max(float(parts.sum()), np.finfo(float).tiny)
     after.climb(problem.piece.end, size)
     vars(history).update(vars(after))
 
@@ -219,7 +222,7 @@ def _keep(history: History, time: float, state: Any) -> None:
 def _account(problem: HeatProblem, history: History, step: Any) -> None:
     """Add one step to the balance; the weights are those of the method, so the sums close to round-off."""
     weights = [weight * step.size for weight in WEIGHTS]
-    history.gain += float(np.sum(step.gain))
+    history.gain += float(np.sum(step.gain[problem.heats]))
     if len(problem.fixed):
         supplied = step.gain + sum(w * rate for w, rate in zip(weights, step.rates, strict=True))
         history.reaction = history.reaction + _by_boundary(problem, supplied[problem.fixed])

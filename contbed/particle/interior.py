@@ -52,6 +52,11 @@ class Interior:
         rates[0] = 0.0
         return rates, modes
 
+    def at_centre(self) -> Array:
+        """Return the weights (n + 1,) that turn values at the points into the value at the centre."""
+        found: Array = _lagrange(self.radii**2, np.zeros(1))[0]
+        return found
+
 
 @lru_cache(maxsize=16)
 def interior(points: int, shape: str = "sphere") -> Interior:

@@ -24,6 +24,7 @@ import scipy.sparse as sp
 
 from contbed.errors import ConvergenceError
 from contbed.solvers.banded import Ordering
+from contbed.solvers.condensed import CondensedStages, Inside
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
 
@@ -53,7 +54,7 @@ class Problem(Protocol):
         """Return the tested steady residual R(U) and, if wanted, its Jacobian."""
 
 
-class TransientProblem(Problem, Protocol):
+class BoundaryProblem(Problem, Protocol):
     """A problem whose boundary values may change with time."""
 
     fixed_values: Any
@@ -64,6 +65,14 @@ class TransientProblem(Problem, Protocol):
 
     def at(self, time: float) -> None:
         """Put the boundary values of a time [s] in place."""
+
+
+class TransientProblem(BoundaryProblem, Protocol):
+    """What `march` solves."""
+
+    @property
+    def inside(self) -> Inside | None:
+        """Modes of the particles at the nodes of a line that are condensed; None without."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +115,7 @@ def march(
     *,
     tolerance: float,
     span: float,
-    origin: float = 0.0,
+    origin: Any = 0.0,
     start: float = 0.0,
     step: float | None = None,
     tick: int = 0,
@@ -116,8 +125,9 @@ def march(
     """Yield accepted steps from `tick` (0, or where a checkpoint stopped) to `end`; tick 0 is at `start`.
 
     `tolerance` is the local error relative to `span`; a constant `step` [s] is rounded down to divide the time.
-    Linear problems are measured from the uniform state `origin`, which loses fewer digits than measuring from zero. The
-    shortest step is accepted whatever its error, so that a jump in a layer far thinner than the mesh decays.
+    Linear problems are measured from the state `origin`, a number or one for each unknown, which loses fewer digits
+    than measuring from zero. The shortest step is accepted whatever its error, so that a jump in a layer far thinner
+    than the mesh decays.
     """
     if step is not None:
         total = max(1, int(np.ceil((end - start) / step * (1 - 1e-12)))) if end > start else 0
@@ -126,11 +136,7 @@ def march(
         total = 2**LEVELS if end > start else 0
         unit, adaptive = (end - start) / max(total, 1), True
         level = LEVELS - FIRST_LEVEL if level is None else level
-    solved: Any = _Affine(problem, np.full_like(state, origin), (start, end)) if problem.linear else problem
-    # matrices of another engine solve by themselves
-    here = isinstance(solved, _Affine) and sp.issparse(solved.stiffness)
-    narrow = Ordering.of(abs(solved.mass) + abs(solved.stiffness)) if here else None
-    stage = _Stages(solved, policy, newton_options or {}) if narrow is None else _LineStages(solved, narrow)
+    stage = _stages(problem, np.full_like(state, origin), (start, end), policy, newton_options or {})
     while tick < total:
         width = 2**level
         dt = unit * width
@@ -150,15 +156,32 @@ def march(
         state, tick, level = states[-1], after, wider
 
 
+def _stages(
+    problem: TransientProblem, origin: Any, window: tuple[float, float], policy: Policy, options: dict[str, Any]
+) -> Any:
+    """Return the cheapest stages that solve a problem: bands, with insides of particles condensed, or general."""
+    if not problem.linear:
+        return _Stages(problem, policy, options)
+    if problem.inside is not None:
+        bed, size = _Affine(problem.inside.bed, origin, window), problem.inside.size
+        narrow = Ordering.of((abs(bed.mass) + abs(bed.stiffness))[:size, :size])
+        if narrow is not None:
+            return CondensedStages(bed, narrow, problem.inside, (GAMMA, D, W, _ERROR))
+    solved = _Affine(problem, origin, window)
+    # matrices of another engine solve by themselves
+    narrow = Ordering.of(abs(solved.mass) + abs(solved.stiffness)) if sp.issparse(solved.stiffness) else None
+    return _Stages(solved, policy, options) if narrow is None else _LineStages(solved, narrow)
+
+
 class _Affine:
     """A linear problem as two matrices and vectors: a residual costs a product instead of an assembly.
 
     `window` are two times; boundary values that change are linear in time, and so is the vector of the residual.
     """
 
-    linear = True
+    linear, inside = True, None
 
-    def __init__(self, problem: TransientProblem, origin: Any, window: tuple[float, float]):
+    def __init__(self, problem: BoundaryProblem, origin: Any, window: tuple[float, float]):
         self.fixed, self.weights, self.origin = problem.fixed, problem.weights, origin
         self.changes = problem.changes
         self._window = window

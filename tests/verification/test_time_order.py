@@ -31,6 +31,7 @@ class Problem:
     weights: Any = 1.0
     fixed_values: Any = 0.0
     changes: bool = False
+    inside: Any = None
 
     def at(self, time: float) -> None:
         """Nothing changes with time."""

@@ -17,6 +17,13 @@ second-derivative term. When G comes from a computed flow, its divergence is ort
 only; subtracting div(G) times the linear interpolant of the enthalpy keeps a uniform temperature uniform and leaves the
 heat balance exact.
 
+Inside of particles: T_s is the mean temperature of a particle, that of its surface is T_s + sum_m T_m. The modes of
+conduction T_m, each its share of the temperature at the surface (`contbed.particle.interior`), move with the solids:
+
+    d((1-eps) rho_s c_s T_m)/dt + div(G_s c_s T_m) = -D_m T_m + g_m h a (T_f - T_s - sum_m T_m)
+
+Heat that is conducted from particle to particle or released in them is spread evenly over each.
+
 Good values: steam through hot silica, eps 0.4-0.9, particles of 1-10 mm, h a 1e3-1e5 W/m3/K, degree 2.
 """
 
@@ -49,6 +56,16 @@ class Phase:
 
 
 @dataclass(frozen=True)
+class Mode:
+    """One mode of conduction inside of the particles; see the module."""
+
+    name: str
+    decay: Any  # D_m as a function of T_solid [W/m3/K]
+    gain: float  # g_m
+    tau: Any  # as in Phase
+
+
+@dataclass(frozen=True)
 class Coefficients:
     """Both phases, the exchange coefficient h a as a function of (T_fluid, T_solid), the cross conductivity."""
 
@@ -57,18 +74,41 @@ class Coefficients:
     exchange: Any
     cross: Any  # function of the mean temperature [W/m/K]; None without cross conduction
     radiated: Any = None  # radiation that the solid takes up as a function of the unknowns [W/m3]; None without
+    modes: tuple[Mode, ...] = ()
+    capacity: Any = None  # (1-eps) rho_s as a function of T_solid [kg/m3], for the modes
 
 
 def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
     """Return the weak form of the steady part of both balances, without boundary terms."""
     fluid, solid = unknowns.T_fluid, unknowns.T_solid
-    transfer = c.exchange(fluid, solid) * (solid - fluid)
+    surface = solid
+    for mode in c.modes:
+        surface = surface + getattr(unknowns, mode.name)
+    transfer = c.exchange(fluid, solid) * (surface - fluid)
     cross = None if c.cross is None else c.cross(0.5 * (fluid + solid))
     total = _balance(fluid, solid, tests.T_fluid, transfer + c.fluid.source, c.fluid, cross, o)
     gain = c.solid.source - transfer
     if c.radiated is not None:
         gain = gain + c.radiated(unknowns)
-    return total + _balance(solid, fluid, tests.T_solid, gain, c.solid, cross, o)
+    total = total + _balance(solid, fluid, tests.T_solid, gain, c.solid, cross, o)
+    for mode in c.modes:
+        total = total + _mode(unknowns, tests, transfer, mode, c.solid, o)
+    return total
+
+
+def _mode(unknowns: Any, tests: Any, transfer: Any, mode: Mode, solid: Phase, o: Any) -> Any:
+    """Return the weak form of one mode of conduction inside; `transfer` is the heat given to the fluid [W/m3]."""
+    T, v = getattr(unknowns, mode.name), getattr(tests, mode.name)
+    loss = mode.decay(unknowns.T_solid) * T + mode.gain * transfer
+    total = loss * v
+    if solid.mass_flux is None:
+        return total
+    capacity, slope = solid.heat_capacity(unknowns.T_solid), o.dot(solid.mass_flux, o.grad(v))
+    total = total - capacity * T * slope
+    if mode.tau is not None:
+        strong = capacity * o.dot(solid.mass_flux, o.grad(T)) + loss
+        total = total + mode.tau * strong * slope
+    return total
 
 
 def _balance(T: Any, other: Any, v: Any, gain: Any, c: Phase, cross: Any, o: Any) -> Any:
@@ -123,6 +163,12 @@ def storage(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
         total = content * v + total
         if phase.tau is not None:
             total = total + phase.tau * content * o.dot(phase.mass_flux, o.grad(v))
+    for mode in c.modes:
+        solid, v = unknowns.T_solid, getattr(tests, mode.name)
+        content = c.capacity(solid) * c.solid.heat_capacity(solid) * getattr(unknowns, mode.name)
+        total = content * v + total
+        if mode.tau is not None:
+            total = total + mode.tau * content * o.dot(c.solid.mass_flux, o.grad(v))
     return total
 
 
@@ -138,6 +184,7 @@ class Wall:
     coefficient: Any = None  # function of the unknowns [W/m2/K]
     ambient: float = 0.0  # [K]
     emission: float = 0.0  # emissivity times the Stefan-Boltzmann constant [W/m2/K4]
+    capacity: Any = None  # heat capacity as a function of T_solid [J/kg/K], of a mode in place of the enthalpy
 
     @property
     def crossed(self) -> bool:
@@ -154,7 +201,12 @@ def convected(unknowns: Any, c: Wall, o: Any) -> Any:
     """Return the heat carried out of the bed by the stream [W/m2]."""
     if c.mass_flux is None:
         return 0.0
-    enthalpy = c.enthalpy(getattr(unknowns, c.name)) if c.inflow is None else c.inflow
+    if c.inflow is not None:
+        enthalpy = c.inflow
+    elif c.capacity is not None:
+        enthalpy = c.capacity(unknowns.T_solid) * getattr(unknowns, c.name)
+    else:
+        enthalpy = c.enthalpy(getattr(unknowns, c.name))
     return o.dot(c.mass_flux, o.n) * enthalpy
 
 

@@ -1,0 +1,219 @@
+"""Conduction inside of the particles of a bed against exact breakthroughs and steady moving beds."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+import numpy as np
+import pytest
+
+from contbed.errors import SceneError
+from contbed.loading import load
+from contbed.models import plan
+from contbed.particle import uptake
+from contbed.runner import run
+from tests.particle.tables import rows
+
+EPS, D, LENGTH, FILM, SOLID = 0.4, 0.01, 1.0, 100.0, 1e6  # -, m, m, W/m2/K, J/m3/K
+AREA = 6 * (1 - EPS) / D
+
+
+def bed(folder, *, Bi, xi, hold=1e-6, particle="", more="", cells=200, axial=0.0):
+    """Bed of spheres with h a L/(G c) = xi and gas that holds `hold` of the heat of the solids, as TOML."""
+    carried = FILM * AREA * LENGTH / xi
+    content = hold * (1 - EPS) * SOLID / EPS
+    text = f"""
+{particle}
+mesh = {{ type = "line", length = {LENGTH}, cells = {cells} }}
+{more.replace("VELOCITY", repr(carried / content))}
+[fluid]
+model = "constant"
+density = {content / 1000!r}
+heat_capacity = 1000.0
+conductivity = 1.0
+viscosity = 1e-5
+[solid]
+density = 1000.0
+heat_capacity = {SOLID / 1000!r}
+conductivity = {FILM * D / 2 / Bi!r}
+[bed]
+porosity = {EPS}
+particle_diameter = {D}
+[heat]
+nusselt = {FILM * D!r}
+conductivity_fluid = {axial * carried!r}
+conductivity_solid = 0.0
+"""
+    path = folder / "bed.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def step(etas, tolerance=1e-5, shift=0.0):
+    """Tables of a run with a step at the inlet and output at h a t/C_solid = etas."""
+    times = [eta * (1 - EPS) * SOLID / (FILM * AREA) + shift for eta in etas]
+    return f"""
+flow = {{ velocity = VELOCITY }}
+boundary.left.fluid.inflow = 400.0
+time.end = {max(times)!r}
+time.times = {times!r}
+time.initial_fluid = 300.0
+time.initial_solid = 300.0
+time.tolerance = {tolerance}
+"""
+
+
+def at_the_outlet(result, name):
+    """Theta at the last position at each output time."""
+    times = result.profiles["t [s]"]
+    return [(result.profiles[f"{name} [K]"][times == t][-1] - 300.0) / 100.0 for t in np.unique(times)]
+
+
+BREAKTHROUGHS = [(k, list(g)) for k, g in groupby(rows("breakthrough_spheres.csv"), lambda r: (r["Bi"], r["xi"]))]
+FAST = {(0.1, 20), (1, 50), (10, 20), (10, 50)}
+
+
+@pytest.mark.parametrize(
+    ("numbers", "group"),
+    [
+        pytest.param(k, g, marks=() if k in FAST else pytest.mark.slow, id=f"Bi {k[0]}, xi {k[1]}")
+        for k, g in BREAKTHROUGHS
+    ],
+)
+def test_breakthrough(tmp_path, numbers, group):
+    Bi, xi = numbers
+    particle = 'particle = { heat = "interior", points = 4 }'
+    found = run(load(bed(tmp_path, Bi=Bi, xi=xi, particle=particle, more=step([r["eta"] for r in group]))))
+    # time steps of a local error of 1e-5 and 200 cells; four points inside err by up to 2e-4 where Bi = 10, xi = 5
+    error = 3e-4 if Bi == 10 and xi < 20 else 1e-4
+    assert at_the_outlet(found, "T_fluid") == pytest.approx([r["theta_gas"] for r in group], abs=error)
+    assert at_the_outlet(found, "T_solid") == pytest.approx([r["theta_solid_mean"] for r in group], abs=error)
+    assert abs(found.balances["energy"]["relative_residual"]) < 1e-11
+
+
+@pytest.mark.parametrize("row", [r for r in rows("breakthrough_spheres.csv") if r["Bi"] == 1 and r["xi"] == 20])
+def test_corrected_film_errs_as_predicted(tmp_path, row):
+    particle, hold = 'particle = { heat = "effective" }', 0.01
+    # the table counts the time from the moment when the gas arrives
+    shift = 20 * hold * (1 - EPS) * SOLID / (FILM * AREA)
+    path = bed(tmp_path, Bi=1, xi=20, hold=hold, particle=particle, more=step([row["eta"]], shift=shift), cells=400)
+    found = run(load(path))
+    (theta,) = at_the_outlet(found, "T_fluid")
+    # fronts along characteristics on cells, of second order
+    assert theta == pytest.approx(row["theta_gas"] + row["ldf_error"], abs=5e-5)
+
+
+@pytest.mark.parametrize("case", range(3))
+def test_breakthrough_with_dispersion_and_hold_up(tmp_path, case):
+    group = rows("breakthrough_dispersed.csv")[5 * case : 5 * case + 5]
+    first = group[0]
+    # the table's time counts from the step, with the gas in the bed
+    found = run(
+        load(
+            bed(
+                tmp_path,
+                Bi=first["Bi"],
+                xi=first["xi"],
+                hold=first["hold"],
+                axial=1 / first["Pe"],
+                particle='particle = { heat = "interior", points = 5 }',
+                more=step([r["t"] for r in group]),
+            )
+        )
+    )
+    # of 1e-5 per time step
+    assert at_the_outlet(found, "T_fluid") == pytest.approx([r["theta_out"] for r in group], abs=1e-4)
+
+
+@pytest.mark.parametrize("row", rows("moving_bed_spheres.csv"))
+def test_steady_moving_bed(tmp_path, row):
+    along, Bi = row["Gamma"] > 0, row["Bi"]
+    alpha = FILM * D / 2 / Bi / SOLID
+    speed = alpha * LENGTH * (1 - EPS) / (row["Fo"] * (D / 2) ** 2)
+    carried = SOLID * speed / abs(row["Gamma"])  # heat capacity flow of the gas
+    xi = FILM * AREA * LENGTH / carried
+    more = f"""
+flow = {{ velocity = {"VELOCITY" if along else "-VELOCITY"}, velocity_solid = {speed!r} }}
+boundary.{"left" if along else "right"}.fluid.inflow = 400.0
+boundary.left.solid.inflow = 300.0
+"""
+    path = bed(tmp_path, Bi=Bi, xi=xi, particle='particle = { heat = "interior", points = 6 }', more=more, cells=400)
+    found = run(load(path))
+    # six points inside for a stay as short as Fo = 0.3, 400 cells
+    assert (found.qoi["T_fluid_out_K"] - 300) / 100 == pytest.approx(row["gas_out"], abs=2e-5)
+    assert (found.qoi["T_solid_out_K"] - 300) / 100 == pytest.approx(row["solid_out_mean"], abs=2e-5)
+    assert found.profiles["T_surface [K]"].shape == found.profiles["T_solid [K]"].shape
+    corrected = run(
+        load(bed(tmp_path, Bi=Bi, xi=xi, particle='particle = { heat = "effective" }', more=more, cells=400))
+    )
+    assert (corrected.qoi["T_fluid_out_K"] - found.qoi["T_fluid_out_K"]) / 100 == pytest.approx(
+        row["ldf_error_gas"], abs=4e-5
+    )
+
+
+@pytest.mark.parametrize(
+    ("Bi", "level"),
+    [(0.05, "one temperature per particle, film alone"), (0.5, "corrected"), (5.0, "temperatures inside")],
+)
+def test_plan_chooses_by_the_biot_number(tmp_path, Bi, level):
+    found = plan(load(bed(tmp_path, Bi=Bi, xi=20, particle="particle = {}", more=step([20.0]))))
+    (line,) = [text for name, text in (*found.built, *found.skipped) if name == "inside of particles"]
+    assert level in line and f"Bi = {Bi:.3g}" in line
+    assert f"lumped {uptake.breakthrough_error(20, Bi, 'lumped'):.1e}" in line
+
+
+def test_steady_bed_takes_the_corrected_film_unless_particles_stay_shortly(tmp_path):
+    more = """
+flow = { velocity = -VELOCITY, velocity_solid = SPEED }
+boundary.right.fluid.inflow = 400.0
+boundary.left.solid.inflow = 300.0
+"""
+    alpha = FILM * D / 2 / 5.0 / SOLID
+    for fourier, level in ((0.2, "temperatures inside"), (0.5, "corrected")):
+        speed = alpha * LENGTH * (1 - EPS) / (fourier * (D / 2) ** 2)
+        text = more.replace("SPEED", repr(speed))
+        built = dict(plan(load(bed(tmp_path, Bi=5.0, xi=20, particle="particle = {}", more=text))).built)
+        assert level in built["inside of particles"] and f"Fo = {fourier}" in built["inside of particles"]
+
+
+def test_without_the_table_particles_are_uniform_and_the_plan_tells_the_error(tmp_path):
+    found = plan(load(bed(tmp_path, Bi=2.0, xi=20, more=step([20.0]))))
+    assert "no [particle] table" in dict(found.skipped)["inside of particles"]
+    assert "T_inside_1" not in str(found.unknowns()) and found.solved.particle is None
+
+
+def test_condensed_steps_are_those_of_the_whole_system(tmp_path, monkeypatch):
+    from contbed.packed_bed.heat import HeatProblem
+
+    text = step([5.0, 10.0], 1e-3)
+    path = bed(tmp_path, Bi=5.0, xi=10, cells=20, particle='particle = { heat = "interior" }', more=text)
+    condensed = run(load(path))
+    monkeypatch.setattr(HeatProblem, "inside", None)
+    whole = run(load(path))
+    assert whole.qoi["time_steps"] == condensed.qoi["time_steps"]
+    for name in ("T_fluid [K]", "T_solid [K]", "T_surface [K]", "T_centre [K]"):
+        assert condensed.profiles[name] == pytest.approx(whole.profiles[name], abs=1e-8)  # rounding, in K
+
+
+def test_properties_that_vary_keep_the_balance(tmp_path):
+    path = bed(tmp_path, Bi=5.0, xi=10, cells=8, particle='particle = { heat = "interior" }', more=step([8.0], 1e-2))
+    fluid, solid = path.read_text().split("[solid]")
+    text = fluid + "[solid]" + solid.replace(f"heat_capacity = {SOLID / 1000!r}", "heat_capacity = [700.0, 1.0]")
+    path.write_text(text)
+    found = run(load(path))
+    assert abs(found.balances["energy"]["relative_residual"]) < 1e-10
+    inner, outer = found.profiles["T_centre [K]"], found.profiles["T_surface [K]"]
+    assert np.all(inner < outer + 1e-6) and inner.min() < found.profiles["T_solid [K]"].min() + 1e-9
+
+
+@pytest.mark.parametrize("what", ["radiation", "no heat"])
+def test_scenes_without_an_inside(tmp_path, what):
+    path = bed(tmp_path, Bi=5.0, xi=10, particle='particle = { heat = "interior" }', more=step([8.0]))
+    text = path.read_text()
+    if what == "radiation":
+        text += '\n[radiation]\nlevel = "p1"\n'
+    else:
+        text = text.split("[heat]")[0]
+    path.write_text(text)
+    with pytest.raises(SceneError, match="particle"):
+        load(path)
