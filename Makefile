@@ -66,7 +66,7 @@ $(BIN)/contbed: pyproject.toml
 	@touch $@
 
 $(VENV)/.test: $(BIN)/contbed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test,forms,dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test,forms,dev,report,notebook]'
 	@touch $@
 
 # root on Debian or Ubuntu gets the system packages; anyone else is told, and the tests that need them are skipped by name

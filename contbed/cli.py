@@ -107,6 +107,7 @@ def run(
         Literal["skfem", "dolfinx"] | None, Option("--engine", help="dolfinx: PETSc, the default under mpirun")
     ] = None,
     threads: Threads = None,
+    report: Annotated[bool, Option("--report", help="write report.html into DIR as well")] = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
@@ -127,10 +128,17 @@ def run(
     command = f"contbed run {shlex.quote(str(scene))} --restart {shlex.quote(str(folder))}"
     _resume[:] = [(folder / "checkpoint.npz", command)]
     engine = engine or ("dolfinx" if any(int(os.environ.get(name, "1")) > 1 for name in SIZE) else "skfem")
-    result = solve(loaded, out=folder, quiet=quiet, restart=restart, engine=engine, threads=threads)
+    try:
+        result = solve(loaded, out=folder, quiet=quiet, restart=restart, engine=engine, threads=threads)
+    except ContbedError:
+        if report and (folder / "summary.json").exists():
+            _write_report([folder])
+        raise
+    if report and result is not None:
+        _write_report([folder])
     if not quiet and result is not None:
         print(result.table())
-        print(f"results are in {folder}")
+        print(f"results are in {folder}" + (f", and the report is {folder / 'report.html'}" if report else ""))
 
 
 @app.command()
@@ -243,6 +251,17 @@ def sweep(
 
 
 @app.command()
+def report(
+    folders: Annotated[list[Path], Argument(metavar="DIR...", help="folders of runs, or that of a sweep")],
+    out: Annotated[
+        Path | None, Option("--out", metavar="FILE", help="file to write; report.html in DIR if absent")
+    ] = None,
+) -> None:
+    """Write one HTML file of a run, of several side by side, or of a sweep, which needs no network and no server."""
+    print(f"the report is {_write_report(folders, out)}")
+
+
+@app.command()
 def validate(
     names: Annotated[
         list[str] | None, Argument(metavar="NAME...", help="measured beds; all short ones if absent")
@@ -275,6 +294,12 @@ def validate(
 
 for _command in lookup.COMMANDS:
     app.command(_command.__name__.strip("_"))(_command)
+
+
+def _write_report(folders: list[Path], file: Path | None = None) -> Path:
+    from contbed.report.write import write
+
+    return write(folders, file)
 
 
 def _interrupted() -> str:

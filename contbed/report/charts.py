@@ -1,0 +1,261 @@
+"""Charts of a report as data for plotly: curves by unit, pictures of fields, costs, and the plots of a sweep."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed import fields as quantities
+from contbed.report.fields import Cloud, Pictures
+from contbed.report.read import Run
+
+Array = NDArray[np.float64]
+Chart = dict[str, Any]
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # Okabe, Ito 2008
+DASHES = ("solid", "dash", "dot", "dashdot")
+LEVELS = 65534  # of values in a picture, whose error is a part in 65534 of their span
+MAX_POINTS = 1000  # of a curve
+MAX_PAIRS = 7  # numbers that are drawn against each other
+SAME = 1e-6  # relative spread of numbers that count as one
+PICTURE = 360  # width of a picture [pixels] in half of a page, without axes and scale of colours
+COORDINATES = ("x", "y", "z", "r", "height")
+
+
+def packed(values: Array) -> Chart:
+    """Return values as 16-bit numbers between the lowest and the highest, 65535 where there is none, in base64."""
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+    scaled = np.full(values.shape, 65535, dtype="<u2")
+    there = np.isfinite(values)
+    scaled[there] = np.round((values[there] - low) / (high - low or 1.0) * LEVELS).astype("<u2")
+    return {"low": low, "high": high, "shape": list(values.shape), "data": b64encode(scaled.tobytes()).decode("ascii")}
+
+
+def curves(runs: Sequence[Run]) -> list[Chart]:
+    """Return one chart for each unit of each table, with the curves of all runs that have it.
+
+    In a table of several times the chart has a slider: one frame for each time of the first run.
+    """
+    found: list[Chart] = []
+    for table in dict.fromkeys(name for run in runs for name in run.tables):
+        columns = dict.fromkeys(header for run in runs for header in run.tables.get(table, {}))
+        axis, moving = _axis([run.tables[table] for run in runs if table in run.tables])
+        if axis is None:
+            continue
+        for unit in dict.fromkeys(_unit(header) for header in columns if header not in (axis, moving)):
+            headers = [header for header in columns if _unit(header) == unit and header not in (axis, moving)]
+            found.append(_chart(runs, table, axis, moving, headers, unit))
+    return found
+
+
+def _axis(tables: Sequence[dict[str, Array]]) -> tuple[str | None, str | None]:
+    """Return the column along the axis, and that of the time where each time has several rows."""
+    names = {header.split(" [")[0]: header for columns in tables for header in columns}
+    time = names.get("t")
+    once = all(len(np.unique(columns[time])) == len(columns[time]) for columns in tables if time in columns)
+    place = next((names[name] for name in COORDINATES if name in names), None)
+    if place is None or (time is not None and once):
+        return time or next(iter(names.values()), None), None
+    return place, time
+
+
+def _unit(header: str) -> str:
+    return header.partition(" [")[2].rstrip("]") or "1"
+
+
+def _chart(runs: Sequence[Run], table: str, axis: str, moving: str | None, headers: list[str], unit: str) -> Chart:
+    """Return the chart of the columns of one unit."""
+    moves = [run for run in runs if moving in (columns := run.tables.get(table, {})) and set(headers) & set(columns)]
+    times = sorted({float(t) for run in moves for t in run.tables[table][moving or ""]})
+    frames: list[list[Chart]] = []
+    instants: list[float | None] = [*times] or [None]
+    for time in instants:
+        traces = []
+        for k, run in enumerate(runs):
+            columns = run.tables.get(table, {})
+            if axis not in columns:
+                continue
+            here = _nearest(columns, moving, time)
+            for n, header in enumerate(name for name in headers if name in columns):
+                name = header.split(" [")[0]
+                label = name if len(runs) == 1 else f"{run.name}: {name}"
+                colour = COLOURS[(n if len(runs) == 1 else k) % len(COLOURS)]
+                traces.append(
+                    {
+                        "type": "scatter",
+                        "mode": "lines",
+                        "name": label,
+                        "x": _short(_thinned(columns[axis][here])),
+                        "y": _short(_thinned(columns[header][here])),
+                        "line": {"color": colour, "dash": DASHES[(0 if len(runs) == 1 else n) % len(DASHES)]},
+                    }
+                )
+        frames.append(traces)
+    what = ", ".join(dict.fromkeys(header.split(" [")[0] for header in headers[:4]))
+    title = f"{what}{', ...' if len(headers) > 4 else ''}"
+    chart: Chart = {
+        "kind": "curves",
+        "title": title if table == "profiles" else f"{table}: {title}",
+        "data": frames[-1],
+        "layout": {
+            "xaxis": {"title": {"text": axis.replace(" [1]", "")}},
+            "yaxis": {"title": {"text": _with_unit(headers[0].split(" [")[0] if len(headers) == 1 else "", unit)}},
+        },
+    }
+    lines = [[[trace["x"], trace["y"]] for trace in traces] for traces in frames]
+    if any(frame != lines[0] for frame in lines):
+        chart["times"] = times
+        chart["lines"] = lines
+        values = np.concatenate([np.asarray(trace["y"], dtype=float) for traces in frames for trace in traces])
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        margin = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
+        chart["layout"]["yaxis"]["range"] = [low - margin, high + margin]
+    return chart
+
+
+def _with_unit(name: str, unit: str) -> str:
+    return name if unit == "1" else f"{name} [{unit}]" if name else unit
+
+
+def _nearest(columns: dict[str, Array], moving: str | None, time: float | None) -> Any:
+    """Return the rows of the last time that is not after `time`, the first one before that."""
+    if moving is None or time is None or moving not in columns:
+        return slice(None)
+    times = np.unique(columns[moving])
+    reached = times[times <= time * (1.0 + 1e-12)]
+    return columns[moving] == (reached[-1] if reached.size else times[0])
+
+
+def _thinned(values: Array) -> Array:
+    """Return a curve of at most some `MAX_POINTS` points, its ends included."""
+    if len(values) <= MAX_POINTS:
+        return values
+    thinned: Array = values[np.unique(np.linspace(0, len(values) - 1, MAX_POINTS).round().astype(int))]
+    return thinned
+
+
+def _short(values: Array) -> list[float | None]:
+    """Return numbers of six digits; None for what is none, which JSON lacks."""
+    return [float(f"{value:.6g}") if np.isfinite(value) else None for value in values]
+
+
+def picture(run: Run, item: Pictures | Cloud, several: bool) -> Chart:
+    """Return the chart of a field over a plane, or of particles from the side, with a slider over the times."""
+    entry = quantities.field(item.field.strip("|"))
+    unit = "" if entry is None or entry.unit == "1" else f" [{entry.unit}]"
+    title = f"{run.name}: {item.field}{unit}" if several else f"{item.field}{unit}"
+    text = f"{title} ({item.remark})" if item.remark else title
+    if isinstance(item, Cloud):
+        values = np.concatenate([colour for _, _, colour in item.frames])
+        x, y, colour = item.frames[-1]
+        marker = {"color": _short(colour), "cmin": float(values.min()), "cmax": float(values.max()), "size": 6}
+        marker |= {"colorscale": "Viridis", "colorbar": {"title": {"text": unit.strip(" []")}}}
+        trace = {"type": "scattergl", "mode": "markers", "x": _short(x), "y": _short(y), "marker": marker}
+        chart: Chart = {"kind": "cloud", "title": text, "data": [trace], "layout": _plane(("x", "z")),
+                        "height": _height(2.0)}  # fmt: skip
+        if len(item.times) > 1:
+            chart |= {"times": list(item.times), "points": [[_short(part) for part in frame] for frame in item.frames]}
+        return chart
+    trace = {
+        "type": "heatmap",
+        "x": _short(item.x),
+        "y": _short(item.y),
+        "colorscale": "Viridis",
+        "colorbar": {"title": {"text": unit.strip(" []")}},
+        "hovertemplate": f"{item.axes[0]} = %{{x:.4g}} m<br>{item.axes[1]} = %{{y:.4g}} m<br>%{{z:.5g}}<extra></extra>",
+    }
+    steady = bool((np.nan_to_num(item.frames) == np.nan_to_num(item.frames[:1])).all())
+    return {
+        "kind": "field",
+        "title": text,
+        "data": [trace],
+        "layout": _plane(item.axes),
+        "height": _height(float(np.ptp(item.y)) / float(np.ptp(item.x))),
+        "times": [] if steady else list(item.times),
+        "frames": packed(item.frames[-1:] if steady else item.frames),
+    }
+
+
+def _height(ratio: float) -> int:
+    """Return the height [pixels] of a picture whose height over width is `ratio`."""
+    return int(min(max(PICTURE * ratio, 110.0), 520.0)) + 100
+
+
+def _plane(axes: tuple[str, str]) -> Chart:
+    return {
+        "xaxis": {"title": {"text": f"{axes[0]} [m]"}, "constrain": "domain"},
+        "yaxis": {"title": {"text": f"{axes[1]} [m]"}, "scaleanchor": "x", "constrain": "domain"},
+    }
+
+
+def cost(runs: Sequence[Run]) -> Chart:
+    """Return the wall time by phase as bars."""
+    data = []
+    for k, run in enumerate(runs):
+        timings = {phase: value for phase, value in run.summary.get("timings", {}).items() if phase != "total"}
+        data.append(
+            {
+                "type": "bar",
+                "orientation": "h",
+                "name": run.name,
+                "y": list(timings),
+                "x": [float(f"{value:.3g}") for value in timings.values()],
+                "marker": {"color": COLOURS[k % len(COLOURS)]},
+            }
+        )
+    layout = {"xaxis": {"title": {"text": "wall time [s]"}}, "yaxis": {"autorange": "reversed", "automargin": True}}
+    return {"kind": "bars", "title": "Wall time by phase", "data": data, "layout": layout}
+
+
+def sweep(table: dict[str, Any]) -> list[Chart]:
+    """Return the linked charts of a sweep: parallel axes, and every number against every other."""
+    rows = [run for run in table["runs"] if not run["exit_code"]]
+    columns: dict[str, tuple[str, list[Any]]] = {}
+    for group in ("parameters", "qoi"):
+        for name, about in table[group].items():
+            values = [row[group].get(name) for row in rows]
+            numbers = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
+            if len(numbers) == len(rows) and _varies(numbers):
+                values = [float(f"{value:.6g}") for value in numbers]
+                unit = about.get("unit")
+                columns[name] = (name if unit in (None, "1") else f"{name} [{unit}]", values)
+    if not columns or not rows:
+        return []
+    last = next(reversed(columns))
+    dimensions = [
+        {"label": _broken(label), "values": values, "tickformat": ".4~g"} for label, values in columns.values()
+    ]
+    line = {"color": columns[last][1], "colorscale": "Viridis", "showscale": True}
+    parallel = {"type": "parcoords", "dimensions": dimensions, "line": line, "labelangle": -15, "labelside": "bottom"}
+    names = [row["run"] for row in rows]
+    marker = {"color": columns[last][1], "colorscale": "Viridis", "size": 6}
+    few = dict(list(columns.items())[:MAX_PAIRS])
+    matrix = {
+        "type": "splom",
+        "dimensions": [{"label": _broken(label), "values": values} for label, values in few.values()],
+        "text": names,
+        "marker": marker,
+        "diagonal": {"visible": False},
+        "showupperhalf": False,
+    }
+    return [
+        {"kind": "parallel", "title": f"All runs, coloured by {last}: drag along an axis to choose", "data": [parallel],
+         "layout": {}, "wide": True, "height": 460},
+        {"kind": "matrix", "title": "Pairs: select points in one panel and they are marked in all", "data": [matrix],
+         "layout": {"dragmode": "select"}, "wide": True, "height": max(420, 150 * len(few))},
+    ]  # fmt: skip
+
+
+def _varies(values: Sequence[float]) -> bool:
+    """Return whether values differ by more than rounding and the tolerance of a solver."""
+    return bool(values) and max(values) - min(values) > SAME * max(abs(value) for value in values)
+
+
+def _broken(label: str) -> str:
+    """Return a long label in two lines."""
+    return label.replace(".", "<br>", 1).replace(" [", "<br>[") if len(label) > 18 else label

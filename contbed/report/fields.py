@@ -1,0 +1,186 @@
+"""Fields of a run on a regular grid for the pictures of a report: planes as they are, boxes in their middle plane.
+
+Cells of first and second order become triangles, on which values at nodes are linear and values of cells constant.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.report.read import Run, Snapshot
+
+Array = NDArray[np.float64]
+
+LONG_SIDE = 140  # points of a picture along its longer side
+MAX_FRAMES = 25  # times of a transient
+MAX_SAMPLES = 1_500_000  # values of all pictures of one run together, which take 2.7 bytes each
+# triangles of the nodes of VTK's cells
+_TRIANGLES = {
+    "triangle": [(0, 1, 2)],
+    "triangle6": [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)],
+    "quad": [(0, 1, 2), (0, 2, 3)],
+    "quad9": [(0, 4, 8), (0, 8, 7), (4, 1, 5), (4, 5, 8), (8, 5, 2), (8, 2, 6), (7, 8, 6), (7, 6, 3)],
+}
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """One field over a plane at several times.
+
+    `frames` (times, ny, nx) has nan outside of the bed; `x` and `y` [m] are the points, `axes` their names; `remark`
+    says where a box is cut, `times` [s] is empty in a steady run.
+    """
+
+    field: str
+    axes: tuple[str, str]
+    x: Array
+    y: Array
+    frames: Array
+    times: tuple[float, ...]
+    remark: str
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """Particles at several times, seen from the side: positions x and z [m], and one value of each for its colour."""
+
+    field: str
+    frames: tuple[tuple[Array, Array, Array], ...]
+    times: tuple[float, ...]
+    remark: str
+
+
+def pictures(run: Run) -> list[Pictures | Cloud]:
+    """Return the pictures of all fields of a run; none without fields or on a line."""
+    chosen = _chosen(run.snapshots)
+    if not chosen:
+        return []
+    import meshio
+
+    meshes = [meshio.read(snapshot.file) for snapshot in chosen]
+    times = tuple(snapshot.time for snapshot in chosen if snapshot.time is not None)
+    kinds = {block.type for block in meshes[0].cells}
+    if kinds == {"vertex"}:
+        return [_cloud(meshes, times)]
+    points = meshes[0].points
+    flat = [k for k in range(3) if np.ptp(points[:, k]) == 0.0]
+    if len(flat) == 1 and kinds <= set(_TRIANGLES):
+        return _planes(meshes, times, flat[0], run)
+    if not flat:
+        return _slices(meshes, times)
+    return []
+
+
+def _chosen(snapshots: tuple[Snapshot, ...]) -> list[Snapshot]:
+    """Return at most `MAX_FRAMES` times, evenly among all, the last included."""
+    if len(snapshots) <= MAX_FRAMES:
+        return list(snapshots)
+    numbers = np.unique(np.linspace(0, len(snapshots) - 1, MAX_FRAMES).round().astype(int))
+    return [snapshots[k] for k in numbers]
+
+
+def _scalars(mesh: Any) -> dict[str, tuple[Array, bool]]:
+    """Return the fields by name, magnitudes of vectors, and whether they are of cells."""
+    found = {}
+    for name, values in mesh.point_data.items():
+        found[name] = (np.asarray(values, dtype=float), False)
+    for name, blocks in mesh.cell_data.items():
+        if name != "region":
+            found[name] = (np.concatenate([np.asarray(block, dtype=float) for block in blocks]), True)
+    return {
+        f"|{name}|" if values.ndim > 1 else name: (np.linalg.norm(values, axis=1) if values.ndim > 1 else values, cells)
+        for name, (values, cells) in found.items()
+    }
+
+
+def _grid(points: Array, axes: tuple[int, int], count: int) -> tuple[Array, Array]:
+    """Return the points of a picture along its two axes, at the middle of equal parts."""
+    low, high = points[:, axes].min(axis=0), points[:, axes].max(axis=0)
+    size = high - low
+    numbers = np.maximum(2, np.round(LONG_SIDE * size / size.max())).astype(int)
+    if count:  # fewer where there are many pictures
+        scale = min(1.0, np.sqrt(MAX_SAMPLES / (count * numbers.prod())))
+        numbers = np.maximum(2, (numbers * scale).astype(int))
+    x, y = (low[k] + size[k] * (np.arange(n) + 0.5) / n for k, n in enumerate(numbers))
+    return x, y
+
+
+def _planes(meshes: list[Any], times: tuple[float, ...], flat: int, run: Run) -> list[Pictures | Cloud]:
+    from matplotlib.tri import LinearTriInterpolator, Triangulation
+
+    axes = tuple(k for k in range(3) if k != flat)
+    names = _axis_names(run, axes)
+    first = meshes[0]
+    x, y = _grid(first.points, (axes[0], axes[1]), len(meshes) * len(_scalars(first)))
+    found: dict[str, list[Array]] = {}
+    X, Y = np.meshgrid(x, y)
+    for mesh in meshes:
+        triangles, owners = [], []
+        start = 0
+        for block in mesh.cells:
+            for corners in _TRIANGLES[block.type]:
+                triangles.append(block.data[:, corners])
+                owners.append(start + np.arange(len(block.data)))
+            start += len(block.data)
+        plane = Triangulation(mesh.points[:, axes[0]], mesh.points[:, axes[1]], np.concatenate(triangles))
+        finder = plane.get_trifinder()
+        where = np.asarray(finder(X, Y))
+        owner = np.concatenate(owners)
+        for name, (values, cells) in _scalars(mesh).items():
+            if cells:
+                sampled = np.where(where >= 0, values[owner[where]], np.nan)
+            else:
+                sampled = np.ma.filled(LinearTriInterpolator(plane, values, finder)(X, Y), np.nan)
+            found.setdefault(name, []).append(sampled)
+    return [Pictures(name, names, x, y, np.array(frames), times, "") for name, frames in found.items()]
+
+
+def _slices(meshes: list[Any], times: tuple[float, ...]) -> list[Pictures | Cloud]:
+    """Return the fields of a box in the plane through the middle of its shortest side."""
+    from scipy.spatial import cKDTree
+
+    points = meshes[0].points
+    normal = int(np.argmin(np.ptp(points, axis=0)))
+    axes = tuple(k for k in range(3) if k != normal)
+    x, y = _grid(points, (axes[0], axes[1]), len(meshes) * len(_scalars(meshes[0])))
+    middle = 0.5 * (points[:, normal].min() + points[:, normal].max())
+    X, Y = np.meshgrid(x, y)
+    wanted = np.empty((X.size, 3))
+    wanted[:, axes[0]], wanted[:, axes[1]], wanted[:, normal] = X.ravel(), Y.ravel(), middle
+    found: dict[str, list[Array]] = {}
+    for mesh in meshes:
+        centres = np.concatenate([mesh.points[block.data].mean(axis=1) for block in mesh.cells])
+        trees = {True: cKDTree(centres), False: cKDTree(mesh.points)}
+        for name, (values, cells) in _scalars(mesh).items():
+            # the four nearest points, weighted with the inverse of their distance
+            distance, near = trees[cells].query(wanted, k=4)
+            weight = 1.0 / np.maximum(distance, 1e-12 * np.ptp(points))
+            sampled = (weight * values[near]).sum(axis=1) / weight.sum(axis=1)
+            found.setdefault(name, []).append(sampled.reshape(X.shape))
+    remark = f"plane {'xyz'[normal]} = {middle:.4g} m"
+    names = ("xyz"[axes[0]], "xyz"[axes[1]])
+    return [Pictures(name, names, x, y, np.array(frames), times, remark) for name, frames in found.items()]
+
+
+def _cloud(meshes: list[Any], times: tuple[float, ...]) -> Cloud:
+    """Return particles from the side, coloured by temperature where there is one, else by speed."""
+    first = _scalars(meshes[0])
+    field = next((name for name in ("T", "T_solid", "|velocity|") if name in first), next(iter(first)))
+    frames = []
+    for mesh in meshes:
+        values, _ = _scalars(mesh)[field]
+        nearest_last = np.argsort(-mesh.points[:, 1])
+        frames.append((mesh.points[nearest_last, 0], mesh.points[nearest_last, 2], values[nearest_last]))
+    return Cloud(field, tuple(frames), times, "all particles, seen along y")
+
+
+def _axis_names(run: Run, axes: tuple[int, ...]) -> tuple[str, str]:
+    """Return the names of the axes of a plane; r and z where the mesh is axisymmetric."""
+    headers = {header.split(" ")[0] for table in run.tables.values() for header in table}
+    if "axisymmetric" in str(run.summary.get("scene", {}).get("mesh", {})) or "r" in headers:
+        return "r", "z"
+    return "xyz"[axes[0]], "xyz"[axes[1]]

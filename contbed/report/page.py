@@ -1,0 +1,226 @@
+"""The HTML of a report: text and tables by themselves, charts by plotly, whose code is packed into the file."""
+
+from __future__ import annotations
+
+import gzip
+import json
+from base64 import b64encode
+from collections.abc import Iterable, Sequence
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+from contbed import fields as quantities
+from contbed.errors import ContbedError
+from contbed.output.summary import plain
+from contbed.report.read import Key, Run
+
+LIMIT_MB = 5.0  # of the file; what is larger opens slowly and is not sent by mail
+
+
+def page(title: str, parts: Iterable[str], charts: Sequence[dict[str, Any]]) -> str:
+    """Return the file: `parts` are the sections, in which `place` puts a chart by its number."""
+    data = json.dumps(plain(list(charts)), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    style, script = (
+        files("contbed.report").joinpath(name).read_text(encoding="utf-8") for name in ("report.css", "report.js")
+    )
+    return "\n".join(
+        [
+            "<!DOCTYPE html>",
+            '<html lang="en">',
+            '<head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">',
+            f"<title>{escape(title)}</title><style>{style}</style></head>",
+            f"<body><main>{''.join(parts)}</main>",
+            f'<script type="text/plain" id="plotly">{_plotly() if charts else ""}</script>',
+            f'<script type="text/plain" id="charts">{_compressed(data)}</script>',
+            f"<script>{script}</script></body></html>",
+            "",
+        ]
+    )
+
+
+def _compressed(text: str) -> str:
+    return b64encode(gzip.compress(text.encode("utf-8"), compresslevel=9, mtime=0)).decode("ascii")
+
+
+def _plotly() -> str:
+    try:
+        from plotly.offline import get_plotlyjs
+    except ImportError as error:
+        raise ContbedError("a report needs plotly: pip install 'contbed[report]'") from error
+    return _compressed(get_plotlyjs())
+
+
+def place(number: int, chart: dict[str, Any]) -> str:
+    """Return the place of a chart, with a slider where it has several times."""
+    times = chart.get("times") or []
+    slider = ""
+    if len(times) > 1:
+        last = len(times) - 1
+        slider = (
+            f'<label class="time">t = <output>{times[-1]:.5g} s</output>'
+            f'<input type="range" min="0" max="{last}" value="{last}" data-chart="{number}" aria-label="time"></label>'
+        )
+    wide = " wide" if chart.get("wide") else ""
+    caption = f"<figcaption>{escape(chart['title'])}</figcaption>"
+    return f'<figure class="chart{wide}">{caption}<div id="chart{number}"></div>{slider}</figure>'
+
+
+def section(title: str, body: str, anchor: str) -> str:
+    """Return a section with its heading; nothing where it has no content."""
+    return f'<section id="{anchor}"><h2>{escape(title)}</h2>{body}</section>' if body else ""
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[int] = ()) -> str:
+    """Return a table of cells that are HTML already; columns in `numbers` are aligned to the right."""
+    cells = "".join(f"<th>{escape(name)}</th>" for name in head)
+    body = "".join(
+        "<tr>"
+        + "".join(f"<td{' class=number' if k in numbers else ''}>{cell}</td>" for k, cell in enumerate(row))
+        + "</tr>"
+        for row in rows
+    )
+    return f'<div class="scroll"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def number(value: Any) -> str:
+    """Return a value as text, six digits of a number."""
+    if isinstance(value, bool) or value is None:
+        return {True: "yes", False: "no", None: "–"}[value]
+    if isinstance(value, int | float):
+        return f"{value:.6g}"
+    if isinstance(value, list | tuple):
+        shown = ", ".join(number(item) for item in value[:8])
+        return f"{shown}, ... ({len(value)} values)" if len(value) > 8 else shown
+    return escape(str(value))
+
+
+def results(runs: Sequence[Run]) -> str:
+    """Return the named results of the runs side by side, with the difference to the first."""
+    names = list(dict.fromkeys(key for run in runs for key in run.summary.get("qoi", {})))
+    rows = []
+    for name in names:
+        entry = quantities.result(name)
+        unit = next((run.summary["units"][name] for run in runs if name in run.summary.get("units", {})), "1")
+        values = [run.summary.get("qoi", {}).get(name) for run in runs]
+        cells = [number(values[0])]
+        for value in values[1:]:
+            cells += [f"{number(value)}{_difference(value, values[0])}"]
+        meaning = escape(entry.description) if entry else ""
+        rows.append(
+            [f"<code>{escape(quantities.name_of(name))}</code>", *cells, "" if unit == "1" else escape(unit), meaning]
+        )
+    if not rows:
+        return ""
+    head = ["result", *((run.name for run in runs) if len(runs) > 1 else ["value"]), "unit", "meaning"]
+    return table(head, rows, range(1, len(runs) + 1))
+
+
+def _difference(value: Any, first: Any) -> str:
+    if not isinstance(value, int | float) or not isinstance(first, int | float) or not first or value == first:
+        return ""
+    return f' <span class="quiet">{100.0 * (value - first) / abs(first):+.3g} %</span>'
+
+
+def verdict(run: Run) -> str:
+    """Return status, balances, closures out of their range and warnings of a run as short lines."""
+    summary = run.summary
+    good = summary.get("status") == "ok"
+    lines = [f'<span class="{"good" if good else "bad"}">{escape(str(summary.get("status", "unknown")))}</span>']
+    for name, balance in summary.get("balances", {}).items():
+        residual = balance.get("relative_residual")
+        text = (
+            f"balance of {escape(name)} closes to {residual:.2g}"
+            if residual is not None
+            else f"{escape(name)}: no balance"
+        )
+        lines.append(f'<span class="good">{text}</span>')
+    closures = summary.get("closures", [])
+    beyond = [closure for closure in closures if closure.get("share_outside")]
+    for closure in beyond:
+        share = 100.0 * closure["share_outside"]
+        lines.append(f'<span class="bad">{escape(closure["name"])} out of its range on {share:.3g} %</span>')
+    if closures and not beyond:
+        lines.append(f'<span class="good">all {len(closures)} closures inside of their ranges</span>')
+    body = f'<p class="verdict">{" ".join(lines)}</p>'
+    warnings = "".join(f"<li>{escape(text)}</li>" for text in summary.get("warnings", []))
+    return body + (f'<ul class="warnings">{warnings}</ul>' if warnings else "")
+
+
+def balances(run: Run) -> str:
+    """Return the balances of a run as a table."""
+    parts = ("in", "out", "source", "stored", "relative_residual")
+    rows = [
+        [escape(f"{name} [{item['unit']}]" if item.get("unit") else name), *(number(item.get(part)) for part in parts)]
+        for name, item in run.summary.get("balances", {}).items()
+    ]
+    return table(["balance", *(part.replace("_", " ") for part in parts)], rows, range(1, 6)) if rows else ""
+
+
+def closures(run: Run) -> str:
+    """Return the closures of a run with used and declared ranges as a table."""
+    rows = []
+    for closure in run.summary.get("closures", []):
+        for argument, use in closure.get("ranges", {}).items() or [("", None)]:
+            used = "" if use is None else _span(use["used"])
+            declared = "" if use is None else _span(use["declared"])
+            share = use["share_outside"] if use is not None else 0.0
+            outside = f'<span class="bad">{100 * share:.3g} %</span>' if share else "none"
+            rows.append([f"<code>{escape(closure['name'])}</code>", escape(argument), used, declared, outside,
+                         escape(str(closure.get("source", "")))])  # fmt: skip
+    return table(["closure", "argument", "used", "range", "outside", "source"], rows) if rows else ""
+
+
+def _span(ends: Sequence[float | None]) -> str:
+    low, high = ends
+    if low is not None and low == high:
+        return number(low)
+    return f"{'–∞' if low is None else number(low)} to {'∞' if high is None else number(high)}"
+
+
+def scene(keys: Sequence[Key]) -> str:
+    """Return what a scene gives as a table, and what was left at its defaults below it."""
+    given = [
+        [f"<code>{escape(key.name)}</code>", number(key.value), escape(key.unit)] for key in keys if not key.default
+    ]
+    left = [[f"<code>{escape(key.name)}</code>", number(key.value), escape(key.unit)] for key in keys if key.default]
+    head = ["key", "value in SI", "unit"]
+    text = table(head, given)
+    if left:
+        text += f"<details><summary>{len(left)} keys at their defaults</summary>{table(head, left)}</details>"
+    return text
+
+
+def differences(runs: Sequence[Run]) -> str:
+    """Return the keys of the scenes that differ between the runs."""
+    every = [{key.name: key for key in run.scene_keys()} for run in runs]
+    names = list(dict.fromkeys(name for keys in every for name in keys))
+    rows = []
+    for name in names:
+        found = [keys.get(name) for keys in every]
+        if len({json.dumps(key.value if key else None, sort_keys=True) for key in found}) > 1:
+            unit = next((key.unit for key in found if key and key.unit), "")
+            cells = [number(key.value) if key else "–" for key in found]
+            rows.append([f"<code>{escape(name)}</code>", *cells, escape(unit)])
+    return table(["key", *(run.name for run in runs), "unit"], rows, range(1, len(runs) + 1)) if rows else ""
+
+
+def built(run: Run) -> str:
+    """Return what the run built and left out, with the reasons."""
+    rows = [["built", escape(item["what"]), escape(item["why"])] for item in run.summary.get("built", [])]
+    rows += [["left out", escape(item["what"]), escape(item["why"])] for item in run.summary.get("skipped", [])]
+    return table(["", "what", "why"], rows) if rows else ""
+
+
+def provenance(run: Run) -> str:
+    """Return versions, unknowns, machine and hash of a run."""
+    summary = run.summary
+    rows = [
+        [escape(f"version of {name}"), escape(str(version))] for name, version in summary.get("versions", {}).items()
+    ]
+    rows += [[escape(f"unknowns of {name}"), number(count)] for name, count in (summary.get("dofs") or {}).items()]
+    rows += [[escape(name), number(value)] for name, value in summary.get("provenance", {}).items()]
+    total = summary.get("timings", {}).get("total")
+    rows += [["wall time [s]", number(total)]] if total is not None else []
+    rows += [["folder", escape(str(run.folder))], ["files", number(summary.get("files", []))]]
+    return table(["", ""], rows)

@@ -1,0 +1,130 @@
+"""What a report shows of the folder of a run: its summary, its tables and its fields."""
+
+from __future__ import annotations
+
+import json
+import re
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import ContbedError
+from contbed.models import MODELS, kind_of
+from contbed.output.folder import read_summary
+from contbed.output.tables import read_table
+from contbed.scene import schema
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key of a scene: its value in SI, the unit, and whether it is the default."""
+
+    name: str
+    value: Any
+    unit: str
+    default: bool
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Where the fields of one time are stored; the time [s] is None in a steady run."""
+
+    time: float | None
+    file: Path
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: its name in the report, the content of summary.json, its tables by name, the files of its fields."""
+
+    name: str
+    folder: Path
+    summary: dict[str, Any]
+    tables: dict[str, dict[str, Array]]
+    snapshots: tuple[Snapshot, ...]
+
+    @property
+    def title(self) -> str:
+        """Title of the scene, or the name of the folder."""
+        return str(self.summary.get("scene", {}).get("title") or self.name)
+
+    def scene_keys(self) -> list[Key]:
+        """Return the keys of the scene in their order, each with its unit and whether it is as by default."""
+        scene = {key: value for key, value in self.summary.get("scene", {}).items() if key != "title"}
+        kind = kind_of(scene) if scene else "packed_bed"
+        return list(_keys(schema.of(MODELS[kind].scene), scene, ()))
+
+
+def is_sweep(folder: Path) -> bool:
+    """Return whether a folder holds the table of a sweep."""
+    return (folder / "table.json").is_file()
+
+
+def read_run(folder: Path, name: str) -> Run:
+    """Read the folder of a run.
+
+    Raises
+    ------
+    ContbedError : there is no run in it, or it has not ended
+    """
+    summary = read_summary(folder)
+    if not summary:
+        raise ContbedError(f"{folder}: no summary.json of a run; give the folder of `contbed run --out`")
+    if summary.get("status") == "running":
+        raise ContbedError(f"{folder}: the run has not ended; wait for it, or run the scene again if it was stopped")
+    tables = {}
+    for file in sorted(folder.glob("*.csv"), key=lambda file: (file.stem != "profiles", file.stem)):
+        if file.name in summary.get("files", [file.name]):
+            tables[file.stem] = read_table(file)
+    return Run(name, folder, summary, tables, tuple(_snapshots(folder)))
+
+
+def read_sweep(folder: Path) -> dict[str, Any]:
+    """Read the table of a sweep.
+
+    Raises
+    ------
+    ContbedError : it cannot be read
+    """
+    try:
+        content = json.loads((folder / "table.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise ContbedError(f"{folder / 'table.json'}: cannot be read: {error}; run the sweep again") from error
+    if not isinstance(content, dict) or "runs" not in content:
+        raise ContbedError(f"{folder / 'table.json'}: is not the table of a sweep; run the sweep again")
+    return content
+
+
+def _keys(root: schema.Node, values: Any, path: tuple[str, ...]) -> list[Key]:
+    found: list[Key] = []
+    for name, value in values.items():
+        here = (*path, name)
+        if isinstance(value, dict):
+            found += _keys(root, value, here)
+            continue
+        nodes = schema.at(root, here)
+        defaults = [node["default"] for node in nodes if "default" in node]
+        unit = schema.unit(root, here)
+        found.append(Key(".".join(here), value, "" if unit in (None, "1") else str(unit), value in defaults))
+    return found
+
+
+def _snapshots(folder: Path) -> list[Snapshot]:
+    """Return the files of the fields in order of time; pieces of a parallel run are left out."""
+    series = sorted(folder.glob("*.pvd"))
+    if not series:
+        return [
+            Snapshot(None, file) for file in sorted(folder.glob("*.vtu")) if not re.search(r"_p\d+\.vtu$", file.name)
+        ]
+    found = []
+    for entry in ElementTree.parse(series[0]).iter("DataSet"):
+        file = folder / entry.attrib["file"]
+        if file.suffix == ".vtu" and file.is_file():
+            found.append(Snapshot(float(entry.attrib["timestep"]), file))
+    return found
