@@ -113,6 +113,15 @@ def _only_radiates(values: Mapping[str, Any]) -> bool:
     return "radiation" in values and not _has("heat", "fluid", "flow", "solid", "time", "region")(values)
 
 
+def _reacts(values: Mapping[str, Any]) -> bool:
+    solid, flow = values.get("solid"), values.get("flow")
+    if _has("reactions", "mass")(values) or any(get_close_matches(name, ["reactions"], cutoff=0.8) for name in values):
+        return True
+    return (isinstance(solid, dict) and "composition" in solid) or (
+        isinstance(flow, dict) and not {"mass_flux", "molar_flux"}.isdisjoint(flow)
+    )
+
+
 # the first that a scene fits; the packed bed takes all others
 MODELS: dict[str, Model] = {
     "two_fluid": Model("two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "equations"}, True),
@@ -138,6 +147,7 @@ MODELS: dict[str, Model] = {
     "radiation": Model(
         "radiation", "RadiationScene", _only_radiates, {"radiation": "equations.p1", "ordinates": "equations.ordinates"}
     ),
+    "reacting_bed": Model("reacting_bed", "ReactingScene", _reacts, {"reacting_bed": "equations.bed"}),
     "packed_bed": Model(
         "packed_bed",
         "Scene",

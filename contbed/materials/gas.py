@@ -114,7 +114,7 @@ def gas_mixture(
     """
     x = mole_fractions(composition)
     p = checked_positive(pressure, "gas: pressure", "Pa")
-    gas, gas_constant = _cantera_gas(mechanism)
+    gas, gas_constant = cantera_gas(mechanism)
     unknown = [s for s in x if s not in gas.species_names]
     if unknown:
         file = Path(mechanism).name
@@ -130,8 +130,8 @@ def gas_mixture(
         for j in range(k + 1, len(M)):
             s = 1.0 / math.sqrt(8.0 * (M[k] + M[j]))
             pairs.append((k, j, w[j] * s, w[k] * s))
-    mu_fits = [_recentred(gas.get_viscosity_polynomial(i), M_k**-0.25) for i, M_k in zip(index, M, strict=True)]
-    k_fits = [_recentred(gas.get_thermal_conductivity_polynomial(i), 1.0) for i in index]
+    mu_fits = [recentred(gas.get_viscosity_polynomial(i), M_k**-0.25) for i, M_k in zip(index, M, strict=True)]
+    k_fits = [recentred(gas.get_thermal_conductivity_polynomial(i), 1.0) for i in index]
     k_mean = np.array(list(x.values())) @ np.array(k_fits)
     return GasMixture(
         name=", ".join(f"{s}:{x_k:.6g}" for s, x_k in x.items()),
@@ -163,7 +163,7 @@ def _by_range(T_mid: Sequence[float], polynomials: Sequence[Sequence[float]], T:
     return result
 
 
-def _cantera_gas(mechanism: str) -> tuple[Any, float]:
+def cantera_gas(mechanism: str) -> tuple[Any, float]:
     """Return the ideal gas phase of a mechanism with mixture-averaged transport, and the gas constant [J/kmol/K]."""
     try:
         import cantera
@@ -232,7 +232,7 @@ def _nasa(
     return T_mid, tuple(heat_capacity), tuple(enthalpy)
 
 
-def _recentred(fit: Sequence[float], factor: float) -> tuple[float, ...]:
+def recentred(fit: Sequence[float], factor: float) -> tuple[float, ...]:
     """Return factor times a polynomial in log(T) as one in log(T / T_FIT), by exact arithmetic."""
     a, shift = [Fraction(float(c)) for c in fit], Fraction(math.log(T_FIT))
     return tuple(

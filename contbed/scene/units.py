@@ -104,3 +104,19 @@ def _parse(name: str) -> Unit | None:
         except Exception:
             continue
     return None
+
+
+def base_value(text: str) -> float:
+    """Convert a quantity with any unit, "49 kJ/mol", to SI base units; ValueError says what is wrong.
+
+    >>> base_value("2 1/ms")
+    2000.0
+    """
+    match = _QUANTITY.fullmatch(text)
+    name = "" if match is None else match[2]
+    if not match or not _UNIT.fullmatch(name.removeprefix("1/")) or _LARGE_POWER.search(name):
+        raise ValueError(f"expected a number with a unit like '49 kJ/mol', found '{text[:60]}'")
+    found = _parse(name)
+    if found is None:
+        raise ValueError(f"unknown unit '{name}'")
+    return float(_registry().Quantity(float(match[1]), found).to_base_units().magnitude)

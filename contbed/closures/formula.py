@@ -1,0 +1,127 @@
+"""Formulas that a scene writes: "k*c_A/(1 + K*p_B)" as a function of named values, nothing else is evaluated.
+
+Numbers, names, + - * / **, parentheses and the functions of `FUNCTIONS` are allowed. Powers that are no whole number
+are odd about zero, |x|^n with the sign of x, so that what is slightly negative within an iteration pulls back.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import SceneError
+from contbed.scene.names import nearest
+
+TINY = 1e-14  # below which a power that is no whole number is a straight line
+LONGEST = 2000  # characters
+FUNCTIONS: Mapping[str, Callable[..., Any]] = {
+    "exp": np.exp,
+    "log": np.log,
+    "sqrt": lambda x: odd_power(x, 0.5),
+    "tanh": np.tanh,
+    "abs": np.abs,
+    "max": np.maximum,
+    "min": np.minimum,
+}
+_OPERATORS: Mapping[type, Callable[[Any, Any], Any]] = {
+    ast.Add: lambda a, b: a + b,
+    ast.Sub: lambda a, b: a - b,
+    ast.Mult: lambda a, b: a * b,
+    ast.Div: lambda a, b: a / b,
+    ast.Pow: lambda a, b: power(a, b),
+}
+
+
+def odd_power(x: Any, exponent: float, small: float = TINY) -> Any:
+    """Return |x|^n with the sign of x, a straight line below `small`."""
+    return x * (x * x + small * small) ** (0.5 * (exponent - 1.0))
+
+
+def power(x: Any, exponent: Any) -> Any:
+    """Return x^n; odd about zero where n is a number that is not whole."""
+    if isinstance(exponent, int | float):
+        whole = float(exponent).is_integer()
+        return x**exponent if whole or isinstance(x, int | float) else odd_power(x, float(exponent))
+    return x**exponent
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula of named values; call it with a mapping that holds them."""
+
+    text: str
+    names: frozenset[str]
+    tree: Any
+
+    def __call__(self, values: Mapping[str, Any]) -> Any:
+        """Return the value of the formula."""
+        return _value(self.tree, values)
+
+
+def parse_formula(text: str) -> Formula:
+    """Read a formula.
+
+    Raises
+    ------
+    SceneError : it is no formula, or uses what is not allowed in one
+    """
+    if len(text) > LONGEST:
+        raise SceneError(f"a formula has at most {LONGEST} characters; this one has {len(text)}")
+    try:
+        tree = ast.parse(text.replace("^", "**").strip(), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError) as error:
+        reason = getattr(error, "msg", None) or str(error)
+        raise SceneError(f"cannot be read as a formula ({reason}); write it as in k*c_A*(1 - X)**(2/3)") from None
+    names: set[str] = set()
+    _check(tree, names)
+    return Formula(text, frozenset(names), tree)
+
+
+def _check(node: ast.AST, names: set[str]) -> None:
+    if isinstance(node, ast.Constant):
+        if isinstance(node.value, bool) or not isinstance(node.value, int | float):
+            raise SceneError(f"{node.value!r} has no place in a formula; numbers and names only")
+    elif isinstance(node, ast.Name):
+        names.add(node.id)
+    elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
+        _check(node.left, names)
+        _check(node.right, names)
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
+        _check(node.operand, names)
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
+        if node.func.id not in FUNCTIONS:
+            raise SceneError(
+                f"there is no function {node.func.id!r} for formulas; {nearest(node.func.id, list(FUNCTIONS))}"
+            )
+        needed = 2 if node.func.id in ("max", "min") else 1
+        if len(node.args) != needed:
+            raise SceneError(f"{node.func.id} takes {needed} value{'s' if needed > 1 else ''}, found {len(node.args)}")
+        for argument in node.args:
+            _check(argument, names)
+    else:
+        raise SceneError("only numbers, names, + - * / ** and functions of one value may stand in a formula")
+
+
+def _value(node: Any, values: Mapping[str, Any]) -> Any:
+    if isinstance(node, ast.Constant):
+        return node.value
+    if isinstance(node, ast.Name):
+        return values[node.id]
+    if isinstance(node, ast.BinOp):
+        return _OPERATORS[type(node.op)](_value(node.left, values), _value(node.right, values))
+    if isinstance(node, ast.UnaryOp):
+        value = _value(node.operand, values)
+        return -value if isinstance(node.op, ast.USub) else value
+    return FUNCTIONS[node.func.id](*(_value(argument, values) for argument in node.args))
+
+
+def require_names(formula: Formula, known: Iterable[str]) -> None:
+    """Raise SceneError for a name that has no value."""
+    known = list(known)
+    for name in sorted(formula.names):
+        if name not in known:
+            raise SceneError(f"{name!r} is not known in this formula; {nearest(name, known)}")

@@ -1,0 +1,445 @@
+"""Discontinuous polynomials on a line: conservation laws with fluxes that are taken from upwind, and their matrices.
+
+Each unknown u_f of the fields f = 1..m is a polynomial of degree p in each cell, given at its p + 1 Gauss points. Every
+equation e of a point is
+
+    d/dx [ C_e(u) + D_e(u, u') ] = S_e(u)
+
+tested with the same polynomials; fluxes of cells meet at the ends of the cells:
+
+    C from the traces upwind, D from the traces on the other side (local discontinuous Galerkin, alternating fluxes),
+    u' h = u_xi + (u_upwind - u) phi/w   at the end from which u comes.
+
+Fields that come from the left and from the right share the points, so that what one gains the other loses exactly, and
+the sum of an equation over all cells is flux in = flux out + source to rounding. Where D = 0 and all fields have one
+direction the fluxes at the ends of the cells are those of Radau's collocation, of order 2 p + 1.
+
+Source: Cockburn, Shu 1998, SIAM J. Numer. Anal. 35, 2440-2463, doi:10.1137/S0036142997316712.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgbtrf, dgbtrs
+
+from contbed.errors import ConvergenceError
+from contbed.fem.dual import Dual
+
+Array = NDArray[np.float64]
+Values = list[Any]
+# (values, gradients or None) of all fields at points -> convective fluxes, diffusive fluxes, sources of all equations
+Point = Callable[[Values, Values, Any], tuple[Values, Values, Values]]
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """Cells of a line with polynomials of one degree.
+
+    vertices : (N + 1,) increasing [m]
+    degree : p >= 1
+    """
+
+    vertices: Array
+    degree: int
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return len(self.vertices) - 1
+
+    @cached_property
+    def h(self) -> Array:
+        """Lengths of the cells (N,)."""
+        return np.diff(self.vertices)
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Gauss points in [0, 1], (p + 1,)."""
+        return 0.5 * (1.0 + np.polynomial.legendre.leggauss(self.degree + 1)[0])
+
+    @cached_property
+    def weights(self) -> Array:
+        """Weights of the Gauss points, of sum 1."""
+        return 0.5 * np.polynomial.legendre.leggauss(self.degree + 1)[1]
+
+    @cached_property
+    def points(self) -> Array:
+        """Positions of the nodes (N, p + 1)."""
+        return self.vertices[:-1, None] + self.h[:, None] * self.nodes
+
+    def basis(self, xi: Any) -> Array:
+        """Return the values of the Lagrange polynomials of the nodes at `xi` in [0, 1], (len(xi), p + 1)."""
+        xi = np.atleast_1d(np.asarray(xi, dtype=float))
+        out = np.ones((len(xi), self.degree + 1))
+        for j, node in enumerate(self.nodes):
+            for k, other in enumerate(self.nodes):
+                if k != j:
+                    out[:, j] *= (xi - other) / (node - other)
+        return out
+
+    @cached_property
+    def left(self) -> Array:
+        """Values of the polynomials at the left end of a cell."""
+        found: Array = self.basis(0.0)[0]
+        return found
+
+    @cached_property
+    def right(self) -> Array:
+        """Values of the polynomials at the right end of a cell."""
+        found: Array = self.basis(1.0)[0]
+        return found
+
+    @cached_property
+    def slopes(self) -> Array:
+        """Derivatives of the polynomials at the nodes, (node, polynomial)."""
+        n = self.degree + 1
+        out = np.zeros((n, n))
+        for j in range(n):
+            others = [k for k in range(n) if k != j]
+            scale = np.prod([self.nodes[j] - self.nodes[k] for k in others])
+            for i in range(n):
+                terms = [np.prod([self.nodes[i] - self.nodes[k] for k in others if k != skip]) for skip in others]
+                out[i, j] = sum(terms) / scale
+        return out
+
+    def at(self, values: Array, x: Any) -> Array:
+        """Return fields (..., N, p + 1) at positions `x`, (..., len(x)); a vertex belongs to the cell left of it."""
+        x = np.atleast_1d(np.asarray(x, dtype=float))
+        cell = np.clip(np.searchsorted(self.vertices, x, side="left") - 1, 0, self.cells - 1)
+        basis = self.basis((x - self.vertices[cell]) / self.h[cell])
+        found: Array = np.einsum("...xj,xj->...x", values[..., cell, :], basis)
+        return found
+
+    def top_mode(self, values: Array) -> Array:
+        """Return the amplitude of the Legendre polynomial of degree p in each cell, (..., N)."""
+        legendre = np.polynomial.legendre.Legendre.basis(self.degree)(2.0 * self.nodes - 1.0)
+        share: Array = np.abs(values @ (self.weights * legendre)) * (2 * self.degree + 1)
+        return share
+
+
+@dataclass(frozen=True)
+class Ends:
+    """What holds at both ends of the line.
+
+    inflow : fluxes of all equations at (left, right), used where `given` is true
+    given : per equation, whether its flux at (left, right) is prescribed; else it is that of the traces inside,
+        without diffusion
+    value : per field, values at (left, right) that the trace from outside takes; nan where it is that of the inside
+    """
+
+    inflow: tuple[Array, Array]
+    given: tuple[NDArray[np.bool_], NDArray[np.bool_]]
+    value: tuple[Array, Array]
+
+
+class System:
+    """The equations on a line, for fields with fixed directions.
+
+    directions : +1 where a field is taken from the left, -1 from the right
+    diffuses : whether the gradient of a field enters a flux
+    point : fluxes and sources of a point
+    """
+
+    def __init__(self, line: Line, directions: Sequence[int], diffuses: Sequence[bool], point: Point, ends: Ends):
+        self.line, self.point, self.ends = line, point, ends
+        self.ahead = np.asarray(directions) > 0
+        self.diffuses = np.asarray(diffuses)
+        self.m = len(self.ahead)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self.m * self.line.cells * (self.line.degree + 1)
+
+    def gradients(self, u: Array) -> Array:
+        """Return the gradients of fields (m, N, p + 1); zero for those that do not diffuse."""
+        line, q = self.line, np.zeros_like(u)
+        for f in np.flatnonzero(self.diffuses):
+            q[f] = u[f] @ line.slopes.T
+            lift = self._jump(u, int(f))
+            end = line.left if self.ahead[f] else line.right
+            q[f] += lift[:, None] * (end / line.weights)
+            q[f] /= line.h[:, None]
+        return q
+
+    def _jump(self, u: Array, f: int) -> Array:
+        """Return the jump at the end from which field f comes, times the sign of that end's normal (N,)."""
+        line, jump = self.line, np.zeros(self.line.cells)
+        low, high = u[f] @ line.left, u[f] @ line.right
+        left, right = self.ends.value
+        if self.ahead[f]:
+            jump[1:] = low[1:] - high[:-1]
+            jump[0] = low[0] - left[f] if np.isfinite(left[f]) else 0.0
+        else:
+            jump[:-1] = low[1:] - high[:-1]
+            jump[-1] = right[f] - high[-1] if np.isfinite(right[f]) else 0.0
+        return jump
+
+    def traces(self, u: Array, q: Array) -> tuple[Array, Array, Array]:
+        """Return upwind values, values and gradients on the other side, each (m, N + 1)."""
+        line = self.line
+        shape = (self.m, line.cells + 1)
+        up, down, slope = np.empty(shape), np.empty(shape), np.empty(shape)
+        low, high = u @ line.left, u @ line.right
+        qlow, qhigh = q @ line.left, q @ line.right
+        left, right = self.ends.value
+        for f in range(self.m):
+            from_left = np.concatenate([[left[f] if np.isfinite(left[f]) else low[f, 0]], high[f]])
+            from_right = np.concatenate([low[f], [right[f] if np.isfinite(right[f]) else high[f, -1]]])
+            slope_left = np.concatenate([[qlow[f, 0]], qhigh[f]])
+            slope_right = np.concatenate([qlow[f], [qhigh[f, -1]]])
+            ahead = self.ahead[f]
+            up[f] = from_left if ahead else from_right
+            down[f] = from_right if ahead else from_left
+            slope[f] = slope_right if ahead else slope_left
+        # at an end that a field leaves by, the other side is the inside as well
+        for f in range(self.m):
+            if self.ahead[f]:
+                down[f, -1] = high[f, -1]
+                up[f, 0] = left[f] if np.isfinite(left[f]) else low[f, 0]
+            else:
+                down[f, 0] = low[f, 0]
+        return up, down, slope
+
+    def fluxes(self, u: Array) -> Array:
+        """Return the fluxes of all equations through all vertices (m, N + 1)."""
+        up, down, slope = self.traces(u, self.gradients(u))
+        convective = self.point(list(up), list(slope), self.line.vertices)[0]
+        diffusive = self.point(list(down), list(slope), self.line.vertices)[1]
+        total = np.array([np.broadcast_to(c + d, up[0].shape) for c, d in zip(convective, diffusive, strict=True)])
+        return self._at_ends(total, np.array([np.broadcast_to(c, up[0].shape) for c in convective]))
+
+    def _at_ends(self, total: Array, convective: Array) -> Array:
+        for end, k in ((0, 0), (1, -1)):
+            given = self.ends.given[end]
+            fixed = np.isfinite(self.ends.value[end])
+            inside = np.where(fixed.any(), total[:, k], convective[:, k])
+            total[:, k] = np.where(given, self.ends.inflow[end], inside)
+        return total
+
+    def sources(self, u: Array) -> Array:
+        """Return the integrals of the sources of all equations over the line (m,)."""
+        q = self.gradients(u)
+        shape = u[0].shape
+        values = self.point([x.ravel() for x in u], [x.ravel() for x in q], self.line.points.ravel())[2]
+        table = np.array([np.broadcast_to(v, (u[0].size,)).reshape(shape) for v in values])
+        total: Array = np.einsum("ecj,j,c->e", table, self.line.weights, self.line.h)
+        return total
+
+    def assemble(self, u: Array, jacobian: bool = True) -> tuple[Array, Any]:
+        """Return the residuals (m, N, p + 1), flux out less flux in less source, and their blocks.
+
+        Blocks are (left, own, right), each (N, m, p + 1, m, p + 1): derivatives of the residuals of a cell, by
+        equation and node, to the unknowns of the cell to its left, its own, and that to its right.
+        """
+        line, m, n, N = self.line, self.m, self.line.degree + 1, self.line.cells
+        q = self.gradients(u)
+        shape = (N * n,)
+        values, grads = _seeded(u.reshape(m, -1), q.reshape(m, -1), self.diffuses, jacobian)
+        C, D, S = self.point(values, grads, line.points.ravel())
+        up, down, slope = self.traces(u, q)
+        values, grads = _seeded(up, slope, self.diffuses, jacobian)
+        Cf = self.point(values, grads, line.vertices)[0]
+        values, grads = _seeded(down, slope, self.diffuses, jacobian)
+        Df = self.point(values, grads, line.vertices)[1] if self.diffuses.any() else [0.0] * m
+
+        F = _values(C, shape, m).reshape(m, N, n) + _values(D, shape, m).reshape(m, N, n)
+        source = _values(S, shape, m).reshape(m, N, n)
+        convective = _values(Cf, (N + 1,), m)
+        hat = self._at_ends(convective + _values(Df, (N + 1,), m), convective)
+        test = line.weights[:, None] * line.slopes  # (node j, test i): w_j phi_i'(xi_j)
+        residual = -(F @ test)
+        residual += hat[:, 1:, None] * line.right - hat[:, :-1, None] * line.left
+        residual -= source * line.weights * line.h[:, None]
+        if not jacobian:
+            return residual, None
+        blocks = self._blocks(C, D, S, Cf, Df, test)
+        return residual, blocks
+
+    def _blocks(self, C: Values, D: Values, S: Values, Cf: Values, Df: Values, test: Array) -> tuple[Array, ...]:
+        line, m, n, N = self.line, self.m, self.line.degree + 1, self.line.cells
+        own = np.zeros((N, m, n, m, n))
+        lower, upper = np.zeros_like(own), np.zeros_like(own)
+        # gradient of field f at node a of a cell by its own unknowns, and by those of the neighbour it comes from
+        inner, outer = np.zeros((m, N, n, n)), np.zeros((m, N, n, n))
+        for f in np.flatnonzero(self.diffuses):
+            ahead = self.ahead[f]
+            end, opposite = (line.left, line.right) if ahead else (line.right, line.left)
+            sign = 1.0 if ahead else -1.0
+            own_lift = sign * np.outer(end / line.weights, end)
+            lifts = np.ones(N)
+            edge = 0 if ahead else N - 1
+            if not np.isfinite(self.ends.value[0 if ahead else 1][f]):
+                lifts[edge] = 0.0
+            inner[f] = (line.slopes[None] + lifts[:, None, None] * own_lift) / line.h[:, None, None]
+            lifts[edge] = 0.0
+            outer[f] = lifts[:, None, None] * (-sign * np.outer(end / line.weights, opposite)) / line.h[:, None, None]
+        for e in range(m):
+            for parts, kind in ((C, "flux"), (D, "flux"), (S, "source")):
+                for (slot, f), tangent in getattr(parts[e], "tangents", {}).items():
+                    t = np.broadcast_to(tangent, (N * n,)).reshape(N, n)
+                    if kind == "flux":
+                        rows = -test.T[None] * t[:, None, :]  # (N, i, a)
+                    else:
+                        rows = np.zeros((N, n, n))
+                        rows[:, range(n), range(n)] = -t * line.weights * line.h[:, None]
+                    self._add(own, lower, upper, e, f, slot, rows, inner, outer)
+        self._faces(own, lower, upper, Cf, Df, inner, outer)
+        return lower, own, upper
+
+    def _add(
+        self,
+        own: Array,
+        lower: Array,
+        upper: Array,
+        e: int,
+        f: int,
+        slot: str,
+        rows: Array,
+        inner: Array,
+        outer: Array,
+    ) -> None:
+        """Add derivatives by values (slot "u") or gradients ("q") at the nodes of each cell."""
+        if slot == "u":
+            own[:, e, :, f, :] += rows
+            return
+        own[:, e, :, f, :] += rows @ inner[f]
+        target = lower if self.ahead[f] else upper
+        target[:, e, :, f, :] += rows @ outer[f]
+
+    def _faces(
+        self, own: Array, lower: Array, upper: Array, Cf: Values, Df: Values, inner: Array, outer: Array
+    ) -> None:
+        """Add the derivatives of the fluxes through the vertices."""
+        N = self.line.cells
+        for e in range(self.m):
+            for parts, upwind in ((Cf, True), (Df, False)):
+                for (slot, f), tangent in getattr(parts[e], "tangents", {}).items():
+                    t = np.array(np.broadcast_to(tangent, (N + 1,)))
+                    for end, k in ((0, 0), (1, N)):
+                        fixed = np.isfinite(self.ends.value[end]).any()
+                        if self.ends.given[end][e] or (not upwind and not fixed):
+                            t[k] = 0.0
+                    left_side = bool(self.ahead[f]) == upwind  # whether the trace is that of the cell on the left
+                    if slot == "q":
+                        left_side = not self.ahead[f]
+                    self._face(own, lower, upper, e, f, slot, t, left_side, inner, outer)
+
+    def _face(
+        self,
+        own: Array,
+        lower: Array,
+        upper: Array,
+        e: int,
+        f: int,
+        slot: str,
+        t: Array,
+        left_side: bool,
+        inner: Array,
+        outer: Array,
+    ) -> None:
+        """Add d(flux)/d(trace) `t` (N + 1,) of one field, whose trace belongs to the cell on one side of each face."""
+        line, N = self.line, self.line.cells
+        cells = np.arange(N)
+        for side, k, sign, phi in (("right", cells + 1, 1.0, line.right), ("left", cells, -1.0, line.left)):
+            # the face `side` of every cell c; its trace belongs to c itself or to a neighbour
+            neighbour = (side == "right" and not left_side) or (side == "left" and left_side)
+            at_end = (k == N) if side == "right" else (k == 0)
+            trace = line.right if left_side else line.left
+            prescribed = np.isfinite(self.ends.value[1 if side == "right" else 0][f])
+            own_trace = line.right if side == "right" else line.left
+            coefficient = sign * t[k]
+            if not neighbour:
+                factor = coefficient[:, None, None] * phi[None, :, None]
+                self._put(own, lower, upper, e, f, slot, factor, trace, cells, 0, inner, outer)
+                continue
+            inside = ~at_end
+            factor = np.where(inside, coefficient, 0.0)[:, None, None] * phi[None, :, None]
+            shift = 1 if side == "right" else -1
+            self._put(own, lower, upper, e, f, slot, factor, trace, cells, shift, inner, outer)
+            comes_in = (side == "left") == bool(self.ahead[f])
+            if not (prescribed and comes_in and slot == "u"):
+                factor = np.where(at_end, coefficient, 0.0)[:, None, None] * phi[None, :, None]
+                self._put(own, lower, upper, e, f, slot, factor, own_trace, cells, 0, inner, outer)
+
+    def _put(
+        self,
+        own: Array,
+        lower: Array,
+        upper: Array,
+        e: int,
+        f: int,
+        slot: str,
+        factor: Array,
+        trace: Array,
+        cells: Any,
+        shift: int,
+        inner: Array,
+        outer: Array,
+    ) -> None:
+        """Add factor (N, i, 1) times the trace of field f (its value or its gradient) in the cell `shift` further."""
+        targets = {-1: lower, 0: own, 1: upper}
+        if slot == "u":
+            targets[shift][:, e, :, f, :] += factor * trace
+            return
+        from_cell = np.clip(cells + shift, 0, self.line.cells - 1)
+        targets[shift][:, e, :, f, :] += factor * (trace @ inner[f][from_cell])[:, None, :]
+        beyond = shift + (-1 if self.ahead[f] else 1)
+        part = factor * (trace @ outer[f][from_cell])[:, None, :]
+        if part.any():
+            targets[beyond][:, e, :, f, :] += part
+
+
+def _seeded(u: Array, q: Array, diffuses: Any, jacobian: bool) -> tuple[Values, Values]:
+    """Return fields and gradients as dual numbers with slots ("u", f) and ("q", f)."""
+    if not jacobian:
+        return list(u), list(q)
+    one = np.ones(u.shape[1])
+    values: Values = [Dual(x, {("u", f): one}) for f, x in enumerate(u)]
+    grads: Values = [Dual(x, {("q", f): one}) if diffuses[f] else x for f, x in enumerate(q)]
+    return values, grads
+
+
+def _values(parts: Values, shape: tuple[int, ...], m: int) -> Array:
+    return np.array([np.broadcast_to(_plain(part), shape) for part in parts]).reshape(m, *shape)
+
+
+def _plain(part: Any) -> Any:
+    return part.value if isinstance(part, Dual) else part
+
+
+class Factors:
+    """LU factors of a block tridiagonal matrix as a band."""
+
+    def __init__(self, blocks: tuple[Array, ...]):
+        lower, own, upper = blocks
+        N, m, n = own.shape[:3]
+        size = m * n
+        lower, own, upper = (np.ascontiguousarray(b.transpose(0, 2, 1, 4, 3)).reshape(N, size, size) for b in blocks)
+        self.shape, width = (N, m, n), 2 * size - 1
+        band = np.zeros((3 * width + 1, N * size), order="F")
+        i, j = np.indices((size, size))
+        for c in range(N):
+            for block, shift in ((lower, -1), (own, 0), (upper, 1)):
+                if 0 <= c + shift < N:
+                    band[2 * width + i - j - shift * size, (c + shift) * size + j] = block[c]
+        if not np.isfinite(band).all():
+            raise ConvergenceError("the matrix holds values that are not finite")
+        self.width = width
+        self.factors, self.pivots, info = dgbtrf(band, width, width, overwrite_ab=True)
+        if info:
+            raise ConvergenceError("the linear system is singular")
+
+    def solve(self, residual: Array) -> Array:
+        """Return the solution for a right-hand side (m, N, p + 1)."""
+        N, m, n = self.shape
+        rhs = np.ascontiguousarray(residual.transpose(1, 2, 0)).ravel()
+        x = dgbtrs(self.factors, self.width, self.width, rhs, self.pivots)[0]
+        found: Array = x.reshape(N, n, m).transpose(2, 0, 1)
+        return found

@@ -1,0 +1,215 @@
+"""Gas species, solids, one or two temperatures and the pressure along a packed or moving bed.
+
+    species k     d/dx [ g_k + J_k/M_k ] = S_k                                  g_k molar flux of convection [mol/m2/s]
+    solid j       d/dx [ v_s n_j ] = S_j                                        n_j [mol/m3 bed]
+    gas           d/dx [ sum (g_k + J_k/M_k) h_k(T_f) - K_f T_f' ] = h a (T_s - T_f) + X + q_w
+    solid         d/dx [ v_s sum n_j h_j(T_s) - K_s T_s' ] = -h a (T_s - T_f) - X
+    pressure      d/dx p = -mu U/K - c_F rho |U| U/sqrt(K)
+    film          0 = k_f,k a (c_k - c_s,k) + S_k,s
+
+Superficial fluxes: G = sum M_k g_k, u = G/rho, U = u - eps u_s/(1 - eps) relative to the particles, v_s = u_s/(1-eps).
+Enthalpies contain heats of formation, so that no heat of reaction appears anywhere. What particles make leaves them at
+T_s, what they take comes at T_f:
+
+    X = sum_k ( S_k,s+ h_k(T_s) - S_k,s- h_k(T_f) )       S_k,s the part of particles and catalyst, + what is made
+
+    J_k = -eps rho ( D_k w_k' - w_k sum_j D_j w_j' )
+
+The correction makes the J_k sum to zero. The weighted sum of all species equations is that of G. With one temperature
+both energy equations are added. Where species are no unknowns of a film the gas at the particle is that of the stream.
+
+Source: Wakao, Kaguei 1982, Heat and Mass Transfer in Packed Beds; Bird, Stewart, Lightfoot 2002, ch. 19.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from contbed.closures.reactions import R_GAS
+
+Enthalpy = Callable[[Any], Any]
+LEAST_T = 50.0  # [K] below which properties are evaluated there, for states within an iteration
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Which unknowns there are, in their order."""
+
+    gases: tuple[str, ...]
+    solids: tuple[str, ...]
+    temperatures: tuple[str, ...]  # (), ("T",) or ("T_fluid", "T_solid")
+    pressure: bool
+    films: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all unknowns."""
+        pressure = ("p",) if self.pressure else ()
+        gases, films = (f"g_{name}" for name in self.gases), (f"s_{name}" for name in self.films)
+        return (*gases, *(f"n_{name}" for name in self.solids), *self.temperatures, *pressure, *films)
+
+
+@dataclass(frozen=True)
+class State:
+    """What follows from the unknowns at points."""
+
+    g: Mapping[str, Any]
+    n: Mapping[str, Any]
+    T_fluid: Any
+    T_solid: Any
+    p: Any
+    moles: Any  # molar flux of the gas
+    flux: Any  # mass flux
+    x: Mapping[str, Any]
+    c: Mapping[str, Any]
+    rho: Any
+    films: Mapping[str, Any] = field(default_factory=dict)  # concentrations at the particle [mol/m3]
+
+    @property
+    def u(self) -> Any:
+        """Superficial velocity [m/s]."""
+        return self.flux / self.rho
+
+
+@dataclass(frozen=True, eq=False)
+class Bed:
+    """The equations of one bed.
+
+    `medium` gives the coefficients of a state: exchange [W/m3/K], conductivities [W/m/K], dispersion [m2/s], the
+    pressure gradient [Pa/m] and coefficients of films [m/s]; `inert` holds (n [mol/m3 bed], h) of what does not react.
+    """
+
+    layout: Layout
+    masses: Mapping[str, float]
+    enthalpies: Mapping[str, Enthalpy]
+    reactions: Sequence[Any]
+    medium: Any
+    velocity_solid: float  # true velocity v_s [m/s]
+    inert: tuple[tuple[float, Enthalpy], ...]
+    p_in: float
+    T_in: float
+    strength: float = 1.0  # factor of all rates
+    small: float | None = None  # share of a solid below which powers of it are straight lines; None: that of the laws
+
+    def state(self, u: Sequence[Any]) -> State:
+        """Return the state at points from the unknowns."""
+        layout = self.layout
+        values = dict(zip(layout.names, u, strict=True))
+        g = {name: values[f"g_{name}"] for name in layout.gases}
+        T_fluid = values.get("T_fluid", values.get("T", self.T_in))
+        T_solid = values.get("T_solid", values.get("T", self.T_in))
+        p = values.get("p", self.p_in)
+        moles: Any = sum(g.values())
+        flux: Any = sum(self.masses[name] * g_k for name, g_k in g.items())
+        molar = p / (R_GAS * np.maximum(T_fluid, LEAST_T))
+        x = {name: g_k / moles for name, g_k in g.items()}
+        c = {name: x_k * molar for name, x_k in x.items()}
+        films = {name: values[f"s_{name}"] for name in layout.films}
+        n = {name: values[f"n_{name}"] for name in layout.solids}
+        return State(g, n, T_fluid, T_solid, p, moles, flux, x, c, molar * flux / moles, films)
+
+    def __call__(self, u: Sequence[Any], q: Sequence[Any], _: Any) -> tuple[list[Any], list[Any], list[Any]]:
+        """Return convective fluxes, diffusive fluxes and sources of all equations at points."""
+        state = self.state(u)
+        slopes = dict(zip(self.layout.names, q, strict=True))
+        transport = self.medium.at(state)
+        J = self.diffusion(state, slopes, transport)
+        made, by_particles = self.made(state, transport)
+        convective, diffusive, source = self._species(state, J, made)
+        self._energies(state, slopes, transport, J, by_particles, convective, diffusive, source)
+        if self.layout.pressure:
+            convective.append(state.p)
+            diffusive.append(0.0)
+            source.append(-transport.pressure_gradient)
+        for name in self.layout.films:
+            convective.append(0.0)
+            diffusive.append(0.0)
+            passed = transport.films[name] * self.medium.area * (state.c[name] - state.films[name])
+            source.append(passed + by_particles.get(name, 0.0))
+        return convective, diffusive, source
+
+    def diffusion(self, state: State, slopes: Mapping[str, Any], transport: Any) -> dict[str, Any]:
+        """Return the molar fluxes of dispersion J_k/M_k [mol/m2/s]; empty without dispersion."""
+        if transport.dispersion is None:
+            return {}
+        mass_slope: Any = sum(self.masses[name] * slopes[f"g_{name}"] for name in self.layout.gases)
+        w = {name: self.masses[name] * g / state.flux for name, g in state.g.items()}
+        dw = {
+            name: (self.masses[name] * slopes[f"g_{name}"] - w[name] * mass_slope) / state.flux
+            for name in self.layout.gases
+        }
+        D = transport.dispersion
+        common: Any = sum(D[name] * dw[name] for name in w)
+        hold = self.medium.porosity * state.rho
+        return {name: -hold * (D[name] * dw[name] - w[name] * common) / self.masses[name] for name in w}
+
+    def made(self, state: State, transport: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return what all reactions make of each species, and what particles make of each gas [mol/m3 bed/s]."""
+        made: dict[str, Any] = {}
+        particles: dict[str, Any] = {}
+        for reaction, rate in zip(self.reactions, self.rates(state, transport), strict=True):
+            for name, count in reaction.stoichiometry.items():
+                made[name] = made[name] + count * rate if name in made else count * rate
+                if reaction.site != "gas" and name in state.g:
+                    particles[name] = particles[name] + count * rate if name in particles else count * rate
+        return made, particles
+
+    def rates(self, state: State, transport: Any) -> list[Any]:
+        """Return the rates of all reactions [mol/m3 bed/s]."""
+        return [
+            self.strength * reaction.rate(self.medium.local(state, transport, reaction, self.small))
+            for reaction in self.reactions
+        ]
+
+    def _species(self, state: State, J: Mapping[str, Any], made: Mapping[str, Any]) -> tuple[list[Any], ...]:
+        convective = [*state.g.values(), *(self.velocity_solid * n for n in state.n.values())]
+        diffusive = [*(J.get(name, 0.0) for name in state.g), *(0.0 for _ in state.n)]
+        source = [made.get(name, 0.0) for name in (*state.g, *state.n)]
+        return convective, diffusive, source
+
+    def held_by_solids(self, state: State) -> Any:
+        """Return the enthalpy of the solids [J/m3 bed]."""
+        T = state.T_solid
+        total: Any = sum(n * self.enthalpies[name](T) for name, n in state.n.items())
+        return total + sum(n * h(T) for n, h in self.inert)
+
+    def _energies(
+        self,
+        state: State,
+        slopes: Mapping[str, Any],
+        transport: Any,
+        J: Mapping[str, Any],
+        by_particles: Mapping[str, Any],
+        convective: list[Any],
+        diffusive: list[Any],
+        source: list[Any],
+    ) -> None:
+        """Append the equations of energy."""
+        temperatures = self.layout.temperatures
+        if not temperatures:
+            return
+        h = {name: self.enthalpies[name](state.T_fluid) for name in state.g}
+        gas: Any = sum(g * h[name] for name, g in state.g.items())
+        carried: Any = sum(flux * h[name] for name, flux in J.items()) if J else 0.0
+        solid = self.velocity_solid * self.held_by_solids(state) if self.velocity_solid else 0.0
+        if len(temperatures) == 1:
+            convective.append(gas + solid)
+            conductivity = transport.conductivity_fluid + transport.conductivity_solid
+            diffusive.append(carried - conductivity * slopes["T"])
+            source.append(transport.wall)
+            return
+        X: Any = 0.0
+        for name, rate in by_particles.items():
+            made = getattr(rate, "value", rate) > 0.0
+            X = X + rate * np.where(made, self.enthalpies[name](state.T_solid), h[name])
+        passed = transport.exchange * (state.T_solid - state.T_fluid) + X
+        convective += [gas, solid]
+        diffusive += [
+            carried - transport.conductivity_fluid * slopes["T_fluid"],
+            -transport.conductivity_solid * slopes["T_solid"],
+        ]
+        source += [passed + transport.wall, -passed]

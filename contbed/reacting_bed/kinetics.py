@@ -1,0 +1,341 @@
+"""Rates of the reactions of a scene at a point of the bed, in moles of reaction per volume of bed and time.
+
+`Local` is the state that they see. Laws with concentrations to a power, grains and shrinking cores take constants of
+the scene; others carry their own. K of a reversible reaction comes from the thermodynamics of its species.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contbed.closures import reactions as r
+from contbed.closures import reactions_reforming as reforming
+from contbed.closures.formula import Formula, odd_power, parse_formula, power
+from contbed.closures.reactions import LAWS, R_GAS
+from contbed.materials.thermo import Equilibrium
+from contbed.particle import shrinking_core, three_interfaces
+from contbed.particle.effectiveness import effectiveness_of
+from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.laws import IRON, STAGED
+from contbed.reacting_bed.substances import Equation, Substances, equations_of
+
+BAR = 1e5
+FINEST = 1e-7  # share of a solid that is left, below which powers of it are straight lines
+SI_OF_BASIS = {"catalyst": "mol/kg/s", "gas": "mol/m**3/s", "particle": "mol/m**3/s", "bed": "mol/m**3/s"}
+
+
+@dataclass(frozen=True)
+class Local:
+    """State at points of the bed, as a reaction sees it."""
+
+    T: Any  # of the phase that reacts [K]
+    p: Any  # [Pa]
+    c: Mapping[str, Any]  # of gases [mol/m3]
+    x: Mapping[str, Any]  # mole fractions
+    n: Mapping[str, Any]  # of solids [mol/m3 bed]
+    eps: float
+    radius: float  # of a particle [m]
+    catalyst: float  # mass of particles per volume of bed [kg/m3]
+    films: Mapping[str, Any]  # coefficient of each gas [m/s]; empty without films
+    small: float = FINEST  # share of a solid that is left, below which powers of it are straight lines
+
+
+Rate = Callable[[Local], Any]
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """One reaction. `site` is "gas" or "particle"; `own_film` tells that the law contains the film around particles."""
+
+    name: str
+    equation: Equation
+    rate: Rate
+    site: str
+    own_film: bool = False
+
+    @property
+    def stoichiometry(self) -> Mapping[str, float]:
+        """Moles made of each species per mole of reaction."""
+        return self.equation.stoichiometry
+
+
+def reactions_of(scene: s.ReactingScene, species: Substances) -> list[Reaction]:
+    """Return the reactions of a scene; one with stages gives one for each."""
+    out: list[Reaction] = []
+    for name, table in scene.reactions.items():
+        equations = equations_of(name, table)
+        if table.law in STAGED:
+            out += _stages(table, equations)
+            continue
+        ((_, equation),) = equations.items()
+        out.append(_one(name, table, equation, scene, species))
+    return out
+
+
+def site_of(table: s.Reaction, equation: Equation, species: Substances) -> str:
+    """Return where a reaction runs, as the basis of its rate."""
+    if table.basis is not None:
+        return table.basis
+    if table.law is not None and table.law in reforming.REACTIONS:
+        return "catalyst"
+    return "particle" if any(name in species.solids for name in equation.stoichiometry) else "gas"
+
+
+def _one(name: str, table: s.Reaction, equation: Equation, scene: s.ReactingScene, species: Substances) -> Reaction:
+    basis = site_of(table, equation, species)
+    used = {**equation.stoichiometry, **(table.orders or {})}
+    site = "gas" if basis == "gas" or (basis == "bed" and not any(k in species.solids for k in used)) else "particle"
+    equilibrium = Equilibrium(equation.stoichiometry, species.all, frozenset(species.gases))
+    rate: Rate
+    own_film = False
+    if table.rate is not None:
+        rate = _formula(table, equation, basis, species)
+    elif table.law in reforming.REACTIONS:
+        rate = _reforming(str(table.law), equilibrium)
+    elif table.law in ("grain", "grain_remaining"):
+        rate = _grain(table, equation, species)
+    elif table.law == "shrinking_core":
+        rate, own_film = _shrinking_core(table, equation, equilibrium, species), True
+    elif table.law not in (None, "power"):
+        rate = _named(name, table, equation, equilibrium)
+    else:
+        rate = _power(table, equation, equilibrium, species)
+    if scene.particle.mass == "effectiveness" and table.diffusivity and not own_film and site == "particle":
+        rate = _slowed(rate, table, equation, species, basis)
+    scaled = _per_bed(rate, basis, table.factor)
+    return Reaction(name, equation, scaled, site, own_film)
+
+
+def _per_bed(rate: Rate, basis: str, factor: float) -> Rate:
+    """Return a rate per volume of bed from one per basis."""
+
+    def scaled(at: Local) -> Any:
+        volume = {"gas": at.eps, "particle": 1.0 - at.eps, "bed": 1.0, "catalyst": at.catalyst}[basis]
+        return rate(at) * (factor * volume)
+
+    return scaled
+
+
+def constant(table: s.Reaction, T: Any) -> Any:
+    """Return k = A T^b exp(-E/(R T))."""
+    k = (table.A or 0.0) * np.exp(-(table.E or 0.0) / R_GAS / T) if table.E else (table.A or 0.0)
+    return k * T**table.b if table.b else k
+
+
+def orders_of(table: s.Reaction, equation: Equation, species: Substances) -> dict[str, float]:
+    """Return the orders of a reaction in its species; absent: the coefficients of gases on the left."""
+    if table.orders is not None:
+        return dict(table.orders)
+    return {name: -count for name, count in equation.stoichiometry.items() if count < 0 and name in species.gases}
+
+
+def _amount(at: Local, name: str) -> Any:
+    return at.c[name] if name in at.c else at.n[name]
+
+
+def _powers(at: Local, orders: Mapping[str, float]) -> Any:
+    """Return the product of amounts to their orders, of which at most one factor may be negative."""
+    return r.product([odd_power(_amount(at, name), n) if n != 1.0 else _amount(at, name) for name, n in orders.items()])
+
+
+def _power(table: s.Reaction, equation: Equation, equilibrium: Equilibrium, species: Substances) -> Rate:
+    orders = orders_of(table, equation, species)
+    gases = {name: n for name, n in equation.stoichiometry.items() if name in species.gases}
+    left = {name: -n for name, n in gases.items() if n < 0}
+    right = {name: n for name, n in gases.items() if n > 0}
+    elementary = orders == left
+
+    def rate(at: Local) -> Any:
+        k = constant(table, at.T)
+        forward = _powers(at, orders)
+        if not equation.reversible:
+            return k * forward
+        moles = sum(gases.values())
+        K = np.exp(equilibrium.ln_K(at.T)) * (BAR / (R_GAS * at.T)) ** moles  # in concentrations
+        if elementary:
+            return k * (forward - _powers(at, right) / K)
+        made: Any = 1.0
+        for name, n in gases.items():
+            made = made * power(at.c[name], n)
+        return k * forward * (1.0 - made / K)
+
+    return rate
+
+
+def _named(name: str, table: s.Reaction, equation: Equation, equilibrium: Equilibrium) -> Rate:
+    law = LAWS[name][str(table.law)]
+
+    def rate(at: Local) -> Any:
+        small = r.SMALL * at.p / (R_GAS * at.T)
+        forward = law.rate(at.T, at.c, small)
+        if not law.reversible:
+            return forward
+        moles = sum(equation.stoichiometry.values())
+        K = np.exp(equilibrium.ln_K(at.T)) * (BAR / (R_GAS * at.T)) ** moles
+        back = r.product(
+            [at.c[key] ** n if n != 1.0 else at.c[key] for key, n in equation.stoichiometry.items() if n > 0]
+        )
+        return forward - law.constant(at.T) * back / K
+
+    return rate
+
+
+def _reforming(name: str, equilibrium: Equilibrium) -> Rate:
+    def rate(at: Local) -> Any:
+        p = {key: at.x[key] * at.p / BAR for key in ("CH4", "H2O", "H2", "CO", "CO2")}
+        return reforming.rate(name, at.T, p, np.exp(equilibrium.ln_K(at.T)))
+
+    return rate
+
+
+def solids_of(equation: Equation, species: Substances) -> tuple[str, float, dict[str, float]]:
+    """Return the solid that reacts, its coefficient, and the solids that are made."""
+    gone = [(name, -n) for name, n in equation.stoichiometry.items() if n < 0 and name in species.solids]
+    made = {name: n for name, n in equation.stoichiometry.items() if n > 0 and name in species.solids}
+    return gone[0][0], gone[0][1], made
+
+
+def whole(at: Local, equation: Equation, species: Substances) -> Any:
+    """Return the moles of the reacting solid with what has reacted of it already [mol/m3 bed]."""
+    name, count, made = solids_of(equation, species)
+    total = at.n[name]
+    share = sum(made.values())
+    for product, n in made.items():  # several products count by their share of the moles that are made
+        total = total + at.n[product] * (count / n) * (n / share)
+    return total
+
+
+def _key(equation: Equation, species: Substances) -> tuple[str, float]:
+    """Return the gas on the left that a rate of first order refers to, and its coefficient."""
+    return next((name, -n) for name, n in equation.stoichiometry.items() if n < 0 and name in species.gases)
+
+
+def _grain(table: s.Reaction, equation: Equation, species: Substances) -> Rate:
+    """Return 3 n0 a k c^m (1 - X)^(2/3)/(n_g r_g), times 1 - X once more for `grain_remaining`, per particle volume."""
+    orders = orders_of(table, equation, species)
+    name, _, _ = solids_of(equation, species)
+    scale = 3.0 * table.active_share / (float(table.molar_density or 1.0) * float(table.grain_radius or 1.0))
+    exponent = 2.0 / 3.0 + (table.law == "grain_remaining")
+
+    def rate(at: Local) -> Any:
+        total = whole(at, equation, species)
+        left = at.n[name] / total
+        return (
+            constant(table, at.T)
+            * _powers(at, orders)
+            * odd_power(left, exponent, at.small)
+            * total
+            * (scale / (1.0 - at.eps))
+        )
+
+    return rate
+
+
+def _shrinking_core(table: s.Reaction, equation: Equation, equilibrium: Equilibrium, species: Substances) -> Rate:
+    name, _, _ = solids_of(equation, species)
+    gas, moles = _key(equation, species)
+    gases = {key: n for key, n in equation.stoichiometry.items() if key in species.gases}
+
+    def rate(at: Local) -> Any:
+        total = whole(at, equation, species)
+        q = shrinking_core.remaining_radius(at.n[name] / total, at.small)
+        k = constant(table, at.T)
+        driving = at.c[gas]
+        if equation.reversible:
+            K = np.exp(equilibrium.ln_K(at.T)) * (BAR / (R_GAS * at.T)) ** sum(gases.values())
+            back: Any = 1.0
+            for key, n in gases.items():
+                if key != gas:
+                    back = back * power(at.c[key], n)
+            driving = (driving - power(back, 1.0 / moles) / K ** (1.0 / moles)) / (1.0 + 1.0 / K)
+            k = k * (1.0 + 1.0 / K)
+        film = at.films.get(gas, np.inf)
+        tau = shrinking_core.times(
+            at.radius, 1.0, 1.0, gas_per_solid=1.0, film=film, diffusivity=table.diffusivity, constant=k
+        )
+        # tau for one mole of solid per volume and unit concentration: their product is the gas taken per volume
+        return driving * shrinking_core.rate(q, tau) / moles
+
+    return rate
+
+
+def _stages(table: s.Reaction, equations: Mapping[str, Equation]) -> list[Reaction]:
+    """Return the three steps of a pellet with three interfaces."""
+    gas = STAGED[str(table.law)]
+    data = three_interfaces.TAKAHASHI[gas]
+
+    def stage(k: int) -> Rate:
+        def rate(at: Local) -> Any:
+            left = interface_volumes(at.n)
+            X = tuple(shrinking_core.remaining_radius(share, at.small) for share in left)
+            around = three_interfaces.Gas(at.c[data.reducing], at.c[data.oxidised], at.films.get(gas, np.inf))
+            taken = three_interfaces.interface_rates(X, at.radius, around, data.constants(at.T))  # type: ignore[arg-type]
+            return taken[k] * X[k] * X[k] * (3.0 / at.radius)
+
+        return rate
+
+    return [
+        Reaction(key, equation, _per_bed(stage(k), "particle", table.factor), "particle", True)
+        for k, (key, equation) in enumerate(equations.items())
+    ]
+
+
+def interface_volumes(n: Mapping[str, Any]) -> tuple[Any, Any, Any]:
+    """Return the shares of the iron inside of the three interfaces."""
+    iron = [n[name] * atoms for name, atoms in zip(IRON, (2.0, 3.0, 1.0, 1.0), strict=True)]
+    total = iron[0] + iron[1] + iron[2] + iron[3]
+    return iron[0] / total, (iron[0] + iron[1]) / total, (iron[0] + iron[1] + iron[2]) / total
+
+
+def _slowed(rate: Rate, table: s.Reaction, equation: Equation, species: Substances, basis: str) -> Rate:
+    """Return a rate times the effectiveness of a sphere, by its rate per concentration of the first gas."""
+    gas, moles = _key(equation, species)
+
+    def slowed(at: Local) -> Any:
+        value = rate(at)
+        volume = {"particle": 1.0, "bed": 1.0 / (1.0 - at.eps), "catalyst": at.catalyst / (1.0 - at.eps), "gas": 1.0}
+        least = 1e-9 * at.p / (R_GAS * at.T)
+        k = moles * value * volume[basis] / np.maximum(at.c[gas], least)
+        return value * effectiveness_of(at.radius, k, table.diffusivity)
+
+    return slowed
+
+
+def formula_values(at: Local, left: Any) -> dict[str, Any]:
+    """Return the values that a formula may name."""
+    values: dict[str, Any] = {"T": at.T, "p": at.p, "R": R_GAS, "eps": at.eps, "X": 1.0 - left}
+    values |= {f"c_{name}": c for name, c in at.c.items()}
+    values |= {f"x_{name}": x for name, x in at.x.items()}
+    values |= {f"p_{name}": x * at.p for name, x in at.x.items()}
+    return values | {f"n_{name}": n for name, n in at.n.items()}
+
+
+def formula_of(table: s.Reaction, basis: str) -> tuple[Formula, dict[str, float], float]:
+    """Return the formula of a rate, its parameters in SI and the factor of its unit."""
+    from contbed.scene.units import base_value, factor_and_offset
+
+    parameters = {
+        key: value if isinstance(value, float) else base_value(value) for key, value in table.parameters.items()
+    }
+    factor = 1.0
+    if table.unit is not None:
+        found = factor_and_offset(table.unit, SI_OF_BASIS[basis])
+        factor = 1.0 if found is None else found[0]
+    return parse_formula(str(table.rate)), parameters, factor
+
+
+def _formula(table: s.Reaction, equation: Equation, basis: str, species: Substances) -> Rate:
+    formula, parameters, factor = formula_of(table, basis)
+    has_solid = any(name in species.solids and n < 0 for name, n in equation.stoichiometry.items())
+
+    def rate(at: Local) -> Any:
+        left: Any = 1.0
+        if has_solid and "X" in formula.names:
+            left = at.n[solids_of(equation, species)[0]] / whole(at, equation, species)
+        return formula({**formula_values(at, left), **parameters}) * factor
+
+    return rate

@@ -1,0 +1,118 @@
+"""Plan of a reacting bed from its scene: unknowns, first cells, what is left out and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import SceneError
+from contbed.models import described
+from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.solve import FIRST_CELLS
+from contbed.scene.toml_lines import KeyPath
+
+FIRST_LAYER = 1e-4  # length of the first and last cell over that of the bed
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The scene, the problem on its first cells and what is built and left out."""
+
+    scene: s.ReactingScene
+    problem: Problem
+    built: tuple[tuple[str, str], ...]
+    skipped: tuple[tuple[str, str], ...]
+    mesh: None = None
+    without_weak_form: str = "a reacting bed on a line, whose polynomials are discontinuous"
+
+    @property
+    def steps(self) -> bool:
+        """Whether the run takes time steps that it could go on from."""
+        return False
+
+    @property
+    def policy(self) -> Any:
+        """Choice of the linear solver, which is that of bands."""
+        from contbed.solvers.linear import Policy
+
+        return Policy(1)
+
+    def unknowns(self) -> dict[str, int]:
+        """Return the number of unknowns on the first cells."""
+        return {"bed": self.problem.system.size}
+
+    def __str__(self) -> str:
+        return described(self)
+
+
+def first_vertices(scene: s.ReactingScene) -> NDArray[np.float64]:
+    """Return the vertices that a run begins with: given cells of one length, or cells that grow from both ends."""
+    length = scene.mesh.length
+    if scene.mesh.cells is not None:
+        return np.linspace(0.0, length, scene.mesh.cells * 2**scene.mesh.refine + 1)
+    half = 0.5 * np.geomspace(2.0 * FIRST_LAYER, 1.0, FIRST_CELLS // 2)
+    return length * np.concatenate([[0.0], half, 1.0 - half[-2::-1], [1.0]])
+
+
+def plan(scene: s.ReactingScene) -> Plan:
+    """Decide what a reacting bed needs.
+
+    Raises
+    ------
+    SceneError : species, reactions or closures cannot be used
+    """
+    try:
+        problem = Problem.of(scene, first_vertices(scene))
+        problem.bed(list(problem.start()[:, 0, 0]), [0.0] * len(problem.layout.names), 0.0)
+    except SceneError as error:
+        if any(text.startswith((scene.origin.name, "override")) for text in error.problems):
+            raise
+        raise SceneError([f"{scene.origin.at(_place(text))}: {text}" for text in error.problems]) from None
+    return Plan(scene, problem, *_lists(scene, problem))
+
+
+def _place(text: str) -> KeyPath:
+    """Return the table that a message is about."""
+    if "closure" in text or "Nusselt" in text:
+        return ("heat",)
+    return ("solid",) if "solid" in text and "fluid" not in text else ("fluid",)
+
+
+def _lists(scene: s.ReactingScene, problem: Problem) -> tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...]]:
+    layout, species = problem.layout, problem.species
+    built = [
+        ("cells", f"{problem.line.cells} to begin with, polynomials of degree {scene.solver.degree}"),
+        ("gas", f"{', '.join(layout.gases)}: mole fluxes"),
+    ]
+    skipped: list[tuple[str, str]] = []
+    if layout.solids:
+        built.append(("solids", f"{', '.join(layout.solids)}: moles per volume"))
+    inert = [name for name in species.solids if name not in layout.solids]
+    if inert:
+        skipped.append((f"unknowns of {', '.join(inert)}", "no reaction takes or makes it"))
+    if layout.temperatures:
+        built.append(("energy", "two temperatures" if len(layout.temperatures) == 2 else "one temperature"))
+    else:
+        skipped.append(("energy", f"no [heat] table: isothermal at {problem.streams.T_gas:g} K"))
+    if layout.pressure:
+        built.append(("pressure", "by bed.permeability and bed.forchheimer"))
+    elif scene.flow.pressure_drop == "none":
+        skipped.append(("pressure", 'flow.pressure_drop = "none"'))
+    else:
+        skipped.append(("pressure", "its drop is below 0.1 %, or no viscosity is known"))
+    if scene.mass is None:
+        skipped.append(("films and dispersion of species", "no [mass] table"))
+    else:
+        if scene.mass.dispersion is not None:
+            built.append(("dispersion of species", "axial"))
+        if layout.films:
+            built.append(("films", f"{', '.join(layout.films)} at the particles"))
+        elif scene.mass.sherwood is not None and not any(r.own_film for r in problem.reactions):
+            skipped.append(("films", "no reaction at particles needs them"))
+    for reaction in problem.reactions:
+        built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else "at the particles"))
+    return tuple(built), tuple(skipped)

@@ -1,0 +1,318 @@
+"""A reacting bed as a system on a line: unknowns, what enters, first guess, sizes, results of a state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.closures.reactions import R_GAS
+from contbed.fem.line_dg import Ends, Line, System
+from contbed.materials.thermo import T_STANDARD
+from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.equations.bed import Bed, Layout, State
+from contbed.reacting_bed.kinetics import Reaction, reactions_of
+from contbed.reacting_bed.medium import Medium
+from contbed.reacting_bed.substances import Substances, substances
+
+Array = NDArray[np.float64]
+LITTLE_DROP = 1e-3  # share of the pressure below which its drop is left out
+
+
+@dataclass(frozen=True, eq=False)
+class Streams:
+    """What enters: fluxes per area of the bed.
+
+    gas : mole flux of each gas [mol/m2/s], signed along x
+    solid : inventory of each constituent where particles enter [mol/m3 bed], also of those that only reactions make
+    """
+
+    gas: dict[str, float]
+    solid: dict[str, float]
+    mass_flux: float
+    T_gas: float
+    T_solid: float
+    pressure: float
+    solids_density: float  # mass of particles per volume of bed [kg/m3]
+
+    @property
+    def ahead(self) -> bool:
+        """Whether the gas flows along x."""
+        return self.mass_flux > 0
+
+
+def streams(scene: s.ReactingScene, species: Substances) -> Streams:
+    """Return the streams that enter a scene."""
+    fluid, flow, solid = scene.fluid, scene.flow, scene.solid
+    sign = gas_sign(flow)
+    T_gas = inlet_temperature(scene, "fluid", sign)
+    direction = np.sign(flow.velocity_solid) or sign
+    T_solid = inlet_temperature(scene, "solid", direction, T_gas)
+    mean = sum(x * species.gases[name].molar_mass for name, x in species.entering.items())
+    if flow.mass_flux is not None:
+        moles = flow.mass_flux / mean
+    elif flow.molar_flux is not None:
+        moles = flow.molar_flux
+    else:
+        assert flow.velocity is not None
+        moles = flow.velocity * fluid.pressure / (R_GAS * T_gas)
+    gas = {name: moles * species.entering.get(name, 0.0) for name in species.gases}
+    eps = scene.bed.porosity
+    density = 0.0
+    inside: dict[str, float] = {}
+    if solid is not None:
+        if solid.density is not None:
+            density = solid.density
+        elif species.fed:
+            volume = sum(w / species.skeletal[name] for name, w in species.fed.items())
+            density = (1.0 - solid.porosity) / volume
+        density *= 1.0 - eps
+        inside = {
+            name: density * species.fed.get(name, 0.0) / species.solids[name].molar_mass for name in species.solids
+        }
+    return Streams(gas, inside, moles * mean, T_gas, T_solid, fluid.pressure, density)
+
+
+def gas_sign(flow: s.Flow) -> float:
+    """Return the direction of the gas along x."""
+    return float(np.sign(flow.mass_flux or flow.molar_flux or flow.velocity or 0.0))
+
+
+def inlet(scene: s.ReactingScene, phase: str, direction: float) -> s.Inlet | None:
+    """Return what enters at the end where a phase with this direction enters."""
+    table = scene.boundary.get("left" if direction > 0 else "right")
+    found: s.Inlet | None = getattr(table, phase) if table is not None else None
+    return found
+
+
+def inlet_temperature(scene: s.ReactingScene, phase: str, direction: float, default: float = T_STANDARD) -> float:
+    """Return the temperature of a stream that enters."""
+    given = inlet(scene, phase, direction)
+    if given is None:
+        return default
+    value = given.inflow if given.inflow is not None else given.fixed
+    assert value is not None
+    return value
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """The bed of a scene on a line."""
+
+    scene: s.ReactingScene
+    species: Substances
+    streams: Streams
+    reactions: tuple[Reaction, ...]
+    bed: Bed
+    line: Line
+
+    @classmethod
+    def of(cls, scene: s.ReactingScene, vertices: Array) -> Problem:
+        """Build the bed of a scene."""
+        species = substances(scene)
+        entering = streams(scene, species)
+        reactions = tuple(reactions_of(scene, species))
+        reacting = {name for reaction in reactions for name in reaction.stoichiometry}
+        solids = tuple(name for name in species.solids if name in reacting)
+        heat = scene.heat
+        temperatures: tuple[str, ...] = ()
+        if heat is not None:
+            temperatures = ("T",) if heat.nusselt is None else ("T_fluid", "T_solid")
+        films: tuple[str, ...] = ()
+        if scene.mass is not None and scene.mass.sherwood is not None:
+            through = [r for r in reactions if r.site != "gas" and not r.own_film]
+            wanted = {name for r in through for name in r.stoichiometry} | {
+                name
+                for key, table in scene.reactions.items()
+                if any(r.name == key for r in through)
+                for name in table.orders or {}
+            }
+            films = tuple(name for name in species.gases if name in wanted)
+        flow = scene.flow
+        with_pressure = flow.pressure_drop == "ergun"
+        medium = Medium.of(scene, species, entering.solids_density, True)
+        if flow.pressure_drop == "auto":
+            with_pressure = _drop(scene, species, entering, medium) > LITTLE_DROP * entering.pressure
+        medium = replace(medium, with_pressure=with_pressure)
+        layout = Layout(tuple(species.gases), solids, temperatures, with_pressure, films)
+        eps = scene.bed.porosity
+        inert = [
+            (n, species.solids[name].enthalpy) for name, n in entering.solid.items() if name not in solids and n > 0
+        ]
+        solid = scene.solid
+        if solid is not None and solid.composition is None and solid.heat_capacity is not None:
+            capacity = solid.heat_capacity
+            inert.append((entering.solids_density, lambda T: capacity * (T - T_STANDARD)))
+        bed = Bed(
+            layout,
+            {name: item.molar_mass for name, item in species.gases.items()},
+            {name: item.enthalpy for name, item in species.all.items()},
+            reactions,
+            medium,
+            flow.velocity_solid / (1.0 - eps),
+            tuple(inert),
+            entering.pressure,
+            entering.T_gas,
+        )
+        return cls(scene, species, entering, reactions, bed, Line(vertices, scene.solver.degree))
+
+    def on(self, vertices: Array) -> Problem:
+        """Return the problem on other cells."""
+        return replace(self, line=Line(vertices, self.line.degree))
+
+    def with_strength(self, strength: float) -> Problem:
+        """Return the problem with all rates multiplied by a factor."""
+        return replace(self, bed=replace(self.bed, strength=strength))
+
+    def with_small(self, small: float | None) -> Problem:
+        """Return the problem with powers of what is left of a solid made straight below another share."""
+        return replace(self, bed=replace(self.bed, small=small))
+
+    @property
+    def layout(self) -> Layout:
+        """The unknowns."""
+        return self.bed.layout
+
+    @cached_property
+    def system(self) -> System:
+        """Equations on the line."""
+        return System(self.line, self._directions, self._diffuses, self.bed, self._ends)
+
+    @property
+    def _directions(self) -> list[int]:
+        gas = 1 if self.streams.ahead else -1
+        solid = -1 if self.bed.velocity_solid < 0 else 1
+        return [solid if name.startswith("n_") or name == "T_solid" else gas for name in self.layout.names]
+
+    @property
+    def _diffuses(self) -> list[bool]:
+        scene = self.scene
+        mass = scene.mass is not None and scene.mass.dispersion not in (None, 0.0)
+        heat = scene.heat
+        fluid = heat is not None and (heat.conductivity_fluid is not None or heat.dispersion is not None)
+        solid = heat is not None and heat.conductivity_solid is not None
+        by_name = {"T": fluid or solid, "T_fluid": fluid, "T_solid": solid}
+        return [mass if name.startswith("g_") else by_name.get(name, False) for name in self.layout.names]
+
+    @cached_property
+    def entering(self) -> dict[str, float]:
+        """Values of the unknowns in the streams that enter."""
+        streams = self.streams
+        one = {"T": streams.T_gas, "T_fluid": streams.T_gas, "T_solid": streams.T_solid, "p": streams.pressure}
+        molar = streams.pressure / (R_GAS * streams.T_gas)
+        total = sum(streams.gas.values())
+        one |= {f"g_{name}": g for name, g in streams.gas.items()}
+        one |= {f"s_{name}": g / total * molar for name, g in streams.gas.items()}
+        return one | {f"n_{name}": n for name, n in streams.solid.items()}
+
+    def _state_entering(self, T_gas: float, T_solid: float) -> State:
+        values = self.entering | {"T": T_gas, "T_fluid": T_gas, "T_solid": T_solid}
+        return self.bed.state([values[name] for name in self.layout.names])
+
+    def _state_entering_values(self) -> list[float]:
+        return [self.entering[name] for name in self.layout.names]
+
+    @cached_property
+    def inflow(self) -> dict[str, float]:
+        """Fluxes of all equations that enter, signed along x."""
+        streams, names = self.streams, self.layout.names
+        found = {f"g_{name}": g for name, g in streams.gas.items()}
+        v = self.bed.velocity_solid
+        found |= {f"n_{name}": v * n for name, n in streams.solid.items()}
+        state = self._state_entering(streams.T_gas, streams.T_solid)
+        h = self.bed.enthalpies
+        gas = float(sum(g * h[name](streams.T_gas) for name, g in streams.gas.items()))
+        solid = float(v * self.bed.held_by_solids(state)) if v else 0.0
+        found |= {"T": gas + solid, "T_fluid": gas, "T_solid": solid, "p": streams.pressure}
+        return {name: found.get(name, 0.0) for name in names}
+
+    @property
+    def _ends(self) -> Ends:
+        names, m = self.layout.names, len(self.layout.names)
+        ahead = np.array(self._directions) > 0
+        at = np.array([self.inflow[name] for name in names])
+        given = [np.zeros(m, dtype=bool), np.zeros(m, dtype=bool)]
+        flux = [np.zeros(m), np.zeros(m)]
+        value = [np.full(m, np.nan), np.full(m, np.nan)]
+        table = inlet(self.scene, "fluid", gas_sign(self.scene.flow))
+        fixed = table is not None and table.fixed is not None
+        for k, name in enumerate(names):
+            end = 0 if ahead[k] else 1
+            moves = name.startswith("g_") or name in ("p", "T_fluid", "T") or self.bed.velocity_solid != 0.0
+            if name.startswith("s_"):
+                continue
+            if fixed and (name.startswith("g_") or name in ("T", "T_fluid")):
+                value[end][k] = self.entering[name]
+            elif moves or name == "T_solid":
+                given[end][k], flux[end][k] = True, at[k] if moves else 0.0
+        return Ends((flux[0], flux[1]), (given[0], given[1]), (value[0], value[1]))
+
+    @property
+    def dominant_temperature(self) -> float:
+        """Temperature at which the stream enters that carries more heat per kelvin [K]."""
+        streams, h = self.streams, self.bed.enthalpies
+        rise = 1.0  # [K]
+        T = max(streams.T_gas, streams.T_solid)
+        gas = abs(sum(g * (h[name](T + rise) - h[name](T)) for name, g in streams.gas.items()))
+        state, hotter = self._state_entering(T, T), self._state_entering(T, T + rise)
+        held = self.bed.held_by_solids(hotter) - self.bed.held_by_solids(state)
+        return streams.T_solid if abs(self.bed.velocity_solid * held) > gas else streams.T_gas
+
+    def start(self, T: float | None = None) -> Array:
+        """Return the state in which everything is as it enters; `T` [K] replaces both temperatures."""
+        out = np.empty((len(self.layout.names), *self.line.points.shape))
+        for k, name in enumerate(self.layout.names):
+            out[k] = self.entering[name]
+            if T is not None and name in ("T", "T_fluid", "T_solid"):
+                out[k] = T
+        return out
+
+    @cached_property
+    def sizes(self) -> Array:
+        """Typical values of the unknowns (m,)."""
+        moles = abs(sum(self.streams.gas.values()))
+        solids = max(sum(self.streams.solid.values()), 1e-30)
+        molar = self.streams.pressure / (R_GAS * self.streams.T_gas)
+        found = []
+        for name in self.layout.names:
+            kind = name.split("_")[0]
+            found.append({"g": moles, "n": solids, "T": 1e3, "p": self.streams.pressure, "s": molar}[kind])
+        return np.array(found)
+
+    @cached_property
+    def flux_sizes(self) -> Array:
+        """Typical fluxes of the equations (m,)."""
+        moles = abs(sum(self.streams.gas.values()))
+        solids = abs(self.bed.velocity_solid) * max(sum(self.streams.solid.values()), 1e-30)
+        cp = 30.0  # [J/mol/K], of most gases
+        sizes: dict[str, float] = {"g": moles, "n": max(solids, 1e-9 * moles), "p": self.streams.pressure, "s": moles}
+        heat = moles * cp * 1e3 + solids * 1e5
+        return np.array([sizes.get(name.split("_")[0], heat) for name in self.layout.names])
+
+    def state(self, u: Array) -> State:
+        """Return what follows from values of the unknowns (m, points)."""
+        return self.bed.state(list(u))
+
+    def values(self, u: Array, x: Any) -> dict[str, Array]:
+        """Return the unknowns at positions."""
+        return dict(zip(self.layout.names, self.line.at(u, x), strict=True))
+
+    def flux_at(self, u: Array) -> Mapping[str, Array]:
+        """Return the fluxes of all equations through the vertices, signed along x."""
+        return dict(zip(self.layout.names, self.system.fluxes(u), strict=True))
+
+
+def _drop(scene: s.ReactingScene, species: Substances, entering: Streams, medium: Medium) -> float:
+    """Return the pressure drop of the gas as it enters, at the hottest temperature given [Pa]."""
+    if species.transport is None or species.transport.viscosities is None:
+        return 0.0
+    hottest = max(entering.T_gas, entering.T_solid)
+    names = tuple(species.gases)
+    masses = {name: item.molar_mass for name, item in species.gases.items()}
+    bed = Bed(Layout(names, (), (), False), masses, {}, (), medium, 0.0, (), entering.pressure, hottest)
+    state = bed.state([entering.gas[name] for name in names])
+    return abs(float(medium.resistance(state))) * scene.mesh.length

@@ -1,0 +1,236 @@
+"""Profiles, named results and balances of a reacting bed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.balance import Balance
+from contbed.closures.reactions import R_GAS
+from contbed.materials.thermo import T_STANDARD, Equilibrium
+from contbed.reacting_bed.equations.bed import State
+from contbed.reacting_bed.laws import IRON
+from contbed.reacting_bed.problem import Problem
+from contbed.result import Result, outside
+
+Array = NDArray[np.float64]
+UNDERSHOT = 1e-6  # share of the whole below zero that is counted
+TOLD = 1e-4  # share of the whole below zero that is worth a warning
+BETWEEN = 2  # positions of profiles inside of each cell
+
+
+def positions(problem: Problem) -> Array:
+    """Return the positions of profiles: those of the scene, or vertices and points between."""
+    given = problem.scene.output.positions
+    if given:
+        return np.array(given)
+    v = problem.line.vertices
+    inner = v[:-1, None] + np.diff(v)[:, None] * np.arange(BETWEEN + 1) / (BETWEEN + 1)
+    return np.append(inner.ravel(), v[-1])
+
+
+def values_at(problem: Problem, u: Array, x: Array) -> State:
+    """Return the state at positions; temperatures and pressure as arrays."""
+    return problem.bed.state([problem.line.at(part, x) for part in u])
+
+
+def profiles(problem: Problem, u: Array) -> dict[str, Array]:
+    """Return the columns of profiles.csv."""
+    x = positions(problem)
+    state = values_at(problem, u, x)
+    ones = np.ones_like(x)
+    out = {"x [m]": x, "T_fluid [K]": state.T_fluid * ones, "T_solid [K]": state.T_solid * ones}
+    out |= {"p_gas [Pa]": state.p * ones, "u [m/s]": state.u * ones}
+    out |= {f"x_{name} [1]": value * ones for name, value in state.x.items()}
+    solids = solids_at(problem, state, ones)
+    mass = sum(n * problem.species.solids[name].molar_mass for name, n in solids.items())
+    if problem.layout.solids:
+        for name, n in solids.items():
+            out[f"w_{name} [1]"] = n * problem.species.solids[name].molar_mass / mass
+    return out
+
+
+def solids_at(problem: Problem, state: State, ones: Array) -> dict[str, Array]:
+    """Return the moles of all constituents per volume of bed."""
+    return {name: state.n.get(name, n) * ones for name, n in problem.streams.solid.items()}
+
+
+def ends(problem: Problem) -> tuple[int, int]:
+    """Return the index of the vertex where gas leaves, and of that where solids leave."""
+    gas = -1 if problem.streams.ahead else 0
+    return gas, (-1 if problem.bed.velocity_solid >= 0 else 0)
+
+
+def fill(problem: Problem, u: Array, result: Result, stored: Mapping[str, float] | None = None) -> None:
+    """Fill in profiles, results, balances, ranges and warnings of a state."""
+    result.profiles = profiles(problem, u)
+    fluxes = problem.flux_at(u)
+    gas_end, solid_end = ends(problem)
+    where = problem.line.vertices[[0, -1]]
+    state = values_at(problem, u, where)
+    _gas(problem, fluxes, state, gas_end, result)
+    _solids(problem, fluxes, state, solid_end, result)
+    _extents(problem, u, state, gas_end, result)
+    if stored is None:
+        _balances(problem, u, fluxes, result)
+    _remarks(problem, u, result)
+
+
+def _at(value: Any, end: int) -> float:
+    return float(np.broadcast_to(value, (2,))[end])
+
+
+def _gas(problem: Problem, fluxes: Mapping[str, Array], state: State, end: int, result: Result) -> None:
+    qoi, streams = result.qoi, problem.streams
+    leaving = {
+        name: abs(float(fluxes[f"g_{name}"][end])) * _sign(fluxes[f"g_{name}"][end], problem) for name in streams.gas
+    }
+    total = sum(leaving.values())
+    for name, entering in streams.gas.items():
+        qoi[f"out_{name}_mol_m2s"] = leaving[name]
+        qoi[f"x_{name}_out"] = leaving[name] / total
+        if entering and abs(leaving[name]) < abs(entering):
+            qoi[f"conversion_{name}"] = 1.0 - leaving[name] / abs(entering)
+    water = leaving.get("H2O", 0.0)
+    if water:
+        qoi |= {f"x_{name}_dry": n / (total - water) for name, n in leaving.items() if name != "H2O"}
+    qoi["gas_out_mol_m2s"] = total
+    qoi["mass_flux_out_kg_m2s"] = sum(n * problem.species.gases[name].molar_mass for name, n in leaving.items())
+    qoi["T_fluid_out_K"] = _at(state.T_fluid, end)
+    qoi["u_in_m_s"], qoi["u_out_m_s"] = _inlet_velocity(problem), abs(_at(state.u, end))
+    if problem.layout.pressure:
+        qoi["pressure_drop_Pa"] = streams.pressure - float(fluxes["p"][end])
+        qoi["p_out_Pa"] = float(fluxes["p"][end])
+
+
+def _sign(value: Any, problem: Problem) -> float:
+    return 1.0 if float(value) * problem.streams.mass_flux >= 0 else -1.0
+
+
+def _inlet_velocity(problem: Problem) -> float:
+    streams = problem.streams
+    return abs(sum(streams.gas.values())) * R_GAS * streams.T_gas / streams.pressure
+
+
+def _solids(problem: Problem, fluxes: Mapping[str, Array], state: State, end: int, result: Result) -> None:
+    qoi, streams = result.qoi, problem.streams
+    v = abs(problem.bed.velocity_solid)
+    if v:
+        qoi["T_solid_out_K"] = _at(state.T_solid, end)
+        amounts = dict(streams.solid)
+        for name in problem.layout.solids:
+            amounts[name] = abs(float(fluxes[f"n_{name}"][end])) / v * _along(fluxes[f"n_{name}"][end], problem)
+        mass = sum(n * problem.species.solids[name].molar_mass for name, n in amounts.items())
+        for name in problem.layout.solids:
+            qoi[f"w_{name}_out"] = amounts[name] * problem.species.solids[name].molar_mass / mass
+            if streams.solid[name] and amounts[name] < streams.solid[name]:
+                qoi[f"conversion_{name}"] = 1.0 - amounts[name] / streams.solid[name]
+        qoi["solids_out_kg_m2s"] = v * mass
+        _iron(problem, amounts, qoi)
+
+
+def _along(value: Any, problem: Problem) -> float:
+    return 1.0 if float(value) * problem.bed.velocity_solid >= 0 else -1.0
+
+
+def _iron(problem: Problem, amounts: Mapping[str, float], qoi: dict[str, Any]) -> None:
+    """Add metallization and degree of reduction where iron oxides are reduced to iron."""
+    if "Fe" not in problem.layout.solids:
+        return
+    atoms = dict(zip(IRON, (2.0, 3.0, 1.0, 1.0), strict=True))
+    oxygen = dict(zip(IRON, (3.0, 4.0, 1.0, 0.0), strict=True))
+    iron = sum(atoms[name] * amounts.get(name, 0.0) for name in IRON)
+    qoi["metallization"] = amounts["Fe"] / iron
+    qoi["reduction"] = 1.0 - sum(oxygen[name] * amounts.get(name, 0.0) for name in IRON) / (1.5 * iron)
+
+
+def _extents(problem: Problem, u: Array, state: State, end: int, result: Result) -> None:
+    """Add what each reaction has made, and how far the gas that leaves is from equilibrium."""
+    shape = u[0].shape
+    flat = [part.ravel() for part in u]
+    inner = problem.bed.state(flat)
+    rates = problem.bed.rates(inner, problem.bed.medium.at(inner))
+    line = problem.line
+    for reaction, rate in zip(problem.reactions, rates, strict=True):
+        table = np.broadcast_to(rate, flat[0].shape).reshape(shape)
+        result.qoi[f"extent_{reaction.name}_mol_m2s"] = float(np.einsum("cj,j,c->", table, line.weights, line.h))
+        gases = {name: n for name, n in reaction.stoichiometry.items() if name in problem.species.gases}
+        all_gas = len(gases) == len(reaction.stoichiometry)
+        known = all(problem.species.gases[name].has_entropy for name in gases)
+        if reaction.equation.reversible and all_gas and known:
+            T = _at(state.T_solid if reaction.site != "gas" else state.T_fluid, end)
+            pressures = {name: max(_at(state.x[name] * state.p, end), 1e-300) / 1e5 for name in gases}
+            Q = sum(n * np.log(pressures[name]) for name, n in gases.items())
+            K = Equilibrium(gases, problem.species.all, frozenset(gases)).ln_K(T)
+            result.qoi[f"Q_over_K_{reaction.name}"] = float(np.exp(Q - K))
+
+
+def _balances(problem: Problem, u: Array, fluxes: Mapping[str, Array], result: Result) -> None:
+    """Add the balance of every element, and of energy with heats of formation."""
+    names, inward = problem.layout.names, (1.0, -1.0)
+    elements = dict.fromkeys(e for item in problem.species.all.values() for e in item.composition)
+    for element in elements:
+        streams = []
+        for name in names:
+            key = name[2:]
+            if name[:2] in ("g_", "n_"):
+                atoms = problem.species.all[key].composition.get(element, 0.0)
+                streams += [sign * float(fluxes[name][k]) * atoms for k, sign in zip((0, -1), inward, strict=True)]
+        entering = sum(value for value in streams if value > 0)
+        if entering > 0:
+            leaving = -sum(value for value in streams if value < 0)
+            result.balances[element] = Balance(entering, leaving, "mol/m2/s", scale=entering).as_dict()
+    temperatures = problem.layout.temperatures
+    if not temperatures:
+        return
+    sources = dict(zip(names, problem.system.sources(u), strict=True))
+    wall = sum(sources[name] for name in temperatures)
+    parts = [sign * float(fluxes[name][k]) for name in temperatures for k, sign in zip((0, -1), inward, strict=True)]
+    if problem.scene.wall is not None:
+        result.qoi["heat_wall_W"] = wall
+        result.units["heat_wall_W"] = "W/m2"
+    scale = max(heat_carried(problem, u), abs(wall))
+    result.balances["energy"] = Balance.of_fluxes(parts, "W/m2", wall).as_dict() | {
+        "relative_residual": (sum(parts) + wall) / scale
+    }
+
+
+def heat_carried(problem: Problem, u: Array) -> float:
+    """Return the heat above 298.15 K of all streams that enter or leave [W/m2], the measure of the energy balance."""
+    state = values_at(problem, u, problem.line.vertices[[0, -1]])
+    h = problem.bed.enthalpies
+    total = 0.0
+    for k in (0, 1):
+        T_f, T_s = _at(state.T_fluid, k), _at(state.T_solid, k)
+        total += abs(sum(_at(g, k) * float(h[name](T_f) - h[name](T_STANDARD)) for name, g in state.g.items()))
+        v = problem.bed.velocity_solid
+        total += abs(v * sum(_at(n, k) * float(h[name](T_s) - h[name](T_STANDARD)) for name, n in state.n.items()))
+        total += abs(v * sum(n * float(of(T_s) - of(T_STANDARD)) for n, of in problem.bed.inert))
+    return max(total, 1e-300)
+
+
+def _remarks(problem: Problem, u: Array, result: Result) -> None:
+    """Record the use of closures and laws, and what lies below zero or outside of data."""
+    state = problem.bed.state(list(u.reshape(len(u), -1)))
+    problem.bed.medium.at(state)
+    result.closures = [use.to_dict() for use in problem.bed.medium.ranges()]
+    result.warnings += [outside(closure) for closure in result.closures if closure["share_outside"] > 0]
+    lowest, share = 0.0, 0.0
+    whole = max(sum(problem.streams.solid.values()), 1e-300)
+    for value in [*state.x.values(), *(n / whole for n in state.n.values())]:
+        lowest = min(lowest, float(np.min(value)))
+        share = max(share, float(np.mean(value < -UNDERSHOT)))
+    result.qoi["share_negative"] = share
+    if lowest < -TOLD:
+        result.warnings.append(f"a share of gas or solid falls to {lowest:.2g}: use more cells, or a smaller tolerance")
+    for phase, T in (("fluid", state.T_fluid), ("solid", state.T_solid)):
+        items = problem.species.gases if phase == "fluid" else problem.species.solids
+        for name, item in items.items():
+            low, high = item.T_range
+            if np.min(T) < low * (1 - 1e-3) or np.max(T) > high * (1 + 1e-3):
+                result.warnings.append(
+                    f"{name}: thermodynamics from {low:g} to {high:g} K, used {np.min(T):.4g} to {np.max(T):.4g} K"
+                )

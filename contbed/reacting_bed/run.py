@@ -1,0 +1,63 @@
+"""Run of a reacting bed: a steady state, states followed over a value of the scene, or steps in time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from contbed.errors import ConvergenceError
+from contbed.reacting_bed import results, solve
+from contbed.reacting_bed.plan import Plan
+from contbed.reacting_bed.problem import Problem
+from contbed.result import Result
+
+LARGE_SMOOTHING = 1e-5  # share of a solid above which a warning tells what was rounded
+RESTART_MAY_CHANGE: tuple[str, ...] = ()
+
+
+def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
+    """Solve and fill the result.
+
+    Raises
+    ------
+    ConvergenceError : no state is found; the last one is kept, the message names where it fails
+    """
+    report = solve.Report()
+    problem = plan.problem
+    with result.timed("bed"):
+        try:
+            problem, u = solve.steady(problem, report)
+        except ConvergenceError as error:
+            raise ConvergenceError(_sentence(problem, error), report.history, error.state) from None
+    result.history += report.history
+    result.adaptations = report.rounds
+    if report.rounds:
+        result.qoi["estimated_error"] = report.estimate
+    if report.stopped:
+        result.warnings.append("the last better cells gave no state: the errors are those of `estimated_error`")
+    if report.small > LARGE_SMOOTHING:
+        result.warnings.append(
+            f"powers of what is left of a solid are straight lines below {report.small:g} of it: sharper ones give no "
+            "state on these cells"
+        )
+    if report.marched:
+        result.warnings.append("the first cells took steps in time to the steady state")
+    with result.timed("results"):
+        results.fill(problem, u, result)
+    result.qoi["cells"] = problem.line.cells
+
+
+def _sentence(problem: Problem, error: ConvergenceError) -> str:
+    """Return what failed, where in the bed, and what to try."""
+    origin = problem.scene.origin.name
+    text = str(error)
+    if error.state is not None and error.state.shape[1:] == problem.line.points.shape:
+        residual, _ = problem.system.assemble(error.state, False)
+        sizes = abs(residual).max(axis=2) / problem.flux_sizes[:, None]
+        k, cell = divmod(int(sizes.argmax()), sizes.shape[1])
+        name = problem.layout.names[k].removeprefix("g_").removeprefix("n_").removeprefix("s_")
+        text += f"; it is worst for {name} at x = {problem.line.vertices[cell]:.4g} m"
+    return (
+        f"{origin}: no steady state is found: {text}. Give guess.temperature near the state that is meant, slow the "
+        "fastest reaction by its factor, or add dispersion in [mass] or [heat] where a front is too steep"
+    )

@@ -1,0 +1,290 @@
+"""The vocabulary of a reacting bed: the tables of a packed bed, and species, constituents of solids, reactions.
+
+A plain number is SI, amounts in mol; a string may carry a unit. A table that is absent means that its physics is
+absent: without [heat] the bed is isothermal, without [mass] gas is neither dispersed nor held back by films.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from contbed.scene.mesh import MeshLine
+from contbed.scene.quantities import (
+    Conductivity,
+    Density,
+    FiniteFloat,
+    Fraction,
+    HeatFlux,
+    Length,
+    Number,
+    Positive,
+    Pressure,
+    Switch,
+    Table,
+    Temperature,
+    Viscosity,
+    WallCoefficient,
+    Whole,
+    form,
+    unit,
+)
+from contbed.scene.tables import (
+    ConductivityOrClosure,
+    NamedOrFile,
+    NonNegativeOrClosure,
+    Output,
+    Packing,
+    PermeabilityOrClosure,
+    SceneBase,
+)
+
+MolarMass = Annotated[float, *unit("kg/mol"), Field(gt=0)]
+MolarEnergy = Annotated[float, *unit("J/mol")]
+ActivationEnergy = Annotated[MolarEnergy, Field(ge=0)]
+MolarEntropy = Annotated[float, *unit("J/mol/K")]
+MolarHeatCapacity = Annotated[float, *unit("J/mol/K"), Field(gt=0)]
+Diffusivity = Annotated[float, *unit("m**2/s"), Field(ge=0)]
+PositiveDiffusivity = Annotated[float, *unit("m**2/s"), Field(gt=0)]
+MassFlux = Annotated[float, *unit("kg/m**2/s")]
+MolarFlux = Annotated[float, *unit("mol/m**2/s")]
+Speed = Annotated[float, *unit("m/s")]
+HeatCapacityOfSolid = Annotated[float, *unit("J/kg/K"), Field(gt=0)]
+Curve = Annotated[tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=4)]
+DiffusivityOrName = Annotated[
+    Annotated[PositiveDiffusivity, Tag("number")] | Annotated[Literal["cantera", "fuller"], Tag("name")],
+    Discriminator(form),
+]
+DispersionOfMass = Annotated[Annotated[Diffusivity, Tag("number")] | NamedOrFile, Discriminator(form)]
+
+
+class Substance(Table):
+    """Data of one species; what is absent comes from its formula, the mechanism or the thermodynamic tables."""
+
+    elements: dict[str, Positive] | None = Field(None, description="atoms, {C = 1, H = 4}; absent: from the name")
+    molar_mass: MolarMass | None = Field(None, description="absent: from the elements")
+    shomate: tuple[FiniteFloat, ...] | None = Field(
+        None,
+        min_length=5,
+        max_length=8,
+        description="A to H of the Shomate equation, T/1000 K, J/mol/K and kJ/mol; F and G may be left out",
+    )
+    heat_capacity: MolarHeatCapacity | None = Field(None, description="constant, instead of shomate")
+    enthalpy: MolarEnergy | None = Field(None, description="of formation at 298.15 K, with heat_capacity or A to E")
+    entropy: MolarEntropy | None = Field(None, description="standard, at 298.15 K")
+    density: Density | None = Field(None, description="of a solid without pores")
+    viscosity: Annotated[Annotated[Viscosity, Tag("number")] | Curve, Discriminator(form)] | None = Field(
+        None, description="of a gas; a list is c1 to c4 of c1 T^c2/(1 + c3/T + c4/T^2)"
+    )
+    conductivity: Annotated[Annotated[Conductivity, Tag("number")] | Curve, Discriminator(form)] | None = Field(
+        None, description="of a gas, as viscosity"
+    )
+
+
+class Gas(Table):
+    """The gas that enters, an ideal gas, and properties of its species."""
+
+    composition: str = Field(description='mole fractions that enter, "CH4:0.975, CO2:0.025"')
+    pressure: Pressure = Field(101325.0, description="where the gas enters")
+    viscosity: Viscosity | None = Field(None, description="of the mixture, constant")
+    conductivity: Conductivity | None = Field(None, description="of the mixture, constant")
+    diffusivity: DiffusivityOrName | None = Field(
+        None, description='of every species; "fuller" by its equation, "cantera" by the mechanism'
+    )
+    viscosity_rule: Literal["wilke", "herning_zipperer"] = "wilke"
+    species: dict[str, Substance] = Field(default_factory=dict, description="data of species by name")
+
+
+class GasCantera(Gas):
+    """Species with the thermodynamics and transport data of a Cantera mechanism."""
+
+    model: Literal["cantera"]
+    mechanism: str = "gri30.yaml"
+
+
+class GasIdeal(Gas):
+    """Species whose data stand in [fluid.species.NAME]."""
+
+    model: Literal["ideal_gas"]
+
+
+Fluid = Annotated[GasCantera | GasIdeal, Field(discriminator="model")]
+
+
+class Solids(Table):
+    """The particles: their constituents where they react, porosity, and what is not known from constituents."""
+
+    composition: str | None = Field(None, description='mass fractions that enter, "Fe2O3:0.45, Al2O3:0.55"')
+    porosity: Annotated[Number, Field(ge=0, lt=1)] = Field(0.0, description="of the particles that enter")
+    density: Density | None = Field(None, description="of particles that enter; absent: from constituents and porosity")
+    heat_capacity: HeatCapacityOfSolid | None = Field(None, description="of particles without constituents")
+    conductivity: Conductivity | None = Field(None, description="of the particles")
+    constituent: dict[str, Substance] = Field(default_factory=dict, description="data of constituents by name")
+
+
+class Bed(Packing):
+    """The packing and its resistance to flow."""
+
+    permeability: PermeabilityOrClosure = "permeability_ergun"
+    forchheimer: NonNegativeOrClosure = "forchheimer_ergun"
+
+
+class Flow(Table):
+    """Streams along x per area of the bed, negative from right to left; give one of the three for the gas."""
+
+    mass_flux: MassFlux | None = Field(None, description="of the gas that enters")
+    molar_flux: MolarFlux | None = Field(None, description="of the gas that enters")
+    velocity: Speed | None = Field(None, description="superficial, of the gas that enters, at its temperature")
+    velocity_solid: Speed = Field(0.0, description="superficial: volume of particles per area and time")
+    pressure_drop: Literal["auto", "ergun", "none"] = Field(
+        "auto", description="by bed.permeability and bed.forchheimer; auto leaves it out where it is below 0.1 %"
+    )
+
+    @model_validator(mode="after")
+    def _exactly_one(self) -> Flow:
+        given = [name for name in ("mass_flux", "molar_flux", "velocity") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"give one of mass_flux, molar_flux, velocity; found {', '.join(given) or 'none'}")
+        return self
+
+
+class Heat(Table):
+    """Energy of the bed: two temperatures with exchange, or one where `nusselt` is absent."""
+
+    nusselt: NonNegativeOrClosure | None = Field(None, description="absent: gas and particles at one temperature")
+    conductivity_fluid: ConductivityOrClosure | None = Field(None, description="effective, axial; absent: none")
+    conductivity_solid: ConductivityOrClosure | None = Field(
+        None, description="effective, axial, of the particles or of the whole bed at one temperature; absent: none"
+    )
+    dispersion: ConductivityOrClosure | None = Field(None, description="axial closure, or W/m/K; absent: none")
+
+
+class Mass(Table):
+    """Film and dispersion of species."""
+
+    sherwood: NonNegativeOrClosure | None = Field(None, description="of the film around particles; absent: no film")
+    dispersion: DispersionOfMass | None = Field(
+        None, description="axial, by name or in m2/s on the velocity between the particles; absent: none"
+    )
+
+
+class Wall(Table):
+    """Heat through the wall of a tube, into the gas (two temperatures) or the bed (one)."""
+
+    diameter: Length = Field(description="inner diameter of the tube")
+    coefficient: WallCoefficient | None = Field(None, description="on the inner area, to `ambient`")
+    ambient: Temperature | None = None
+    flux: HeatFlux | None = Field(None, description="into the bed, on the inner area")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Wall:
+        if (self.coefficient is None) == (self.flux is None):
+            raise ValueError("give coefficient and ambient, or flux")
+        if (self.coefficient is None) != (self.ambient is None):
+            raise ValueError("coefficient and ambient belong together")
+        return self
+
+
+class Inlet(Table):
+    """Temperature of a stream that enters."""
+
+    inflow: Temperature | None = Field(None, description="Danckwerts: what enters is known, not the state inside")
+    fixed: Temperature | None = Field(None, description="state inside of the inlet, composition included")
+
+    @model_validator(mode="after")
+    def _one(self) -> Inlet:
+        if (self.inflow is None) == (self.fixed is None):
+            raise ValueError("give inflow or fixed")
+        return self
+
+
+class Boundary(Table):
+    """What enters at one end of the bed."""
+
+    fluid: Inlet | None = None
+    solid: Inlet | None = None
+
+
+
+
+def text_or_number(value: Any) -> str:
+    """Return the `form` of a value in any unit, which is a text, or in SI."""
+    return "name" if isinstance(value, str) else form(value)
+
+
+Parameter = Annotated[
+    Annotated[FiniteFloat, Tag("number")] | Annotated[str, Tag("name")], Discriminator(text_or_number)
+]
+
+
+class Reaction(Table):
+    """One reaction: a rate law by name with its constants, or a formula."""
+
+    equation: str | None = Field(None, description='"CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; <-> if reversible')
+    law: str | None = Field(None, description="power, grain, grain_remaining, shrinking_core, or a law with a name")
+    rate: str | None = Field(None, description="formula instead, of T, p_X, c_X, x_X, n_X, X, R and parameters")
+    unit: str | None = Field(None, description="of the formula, such as kmol/kg/h; absent: SI of the basis")
+    parameters: dict[str, Parameter] = Field(default_factory=dict, description='of the formula, {E = "49 kJ/mol"}')
+    A: Annotated[Number, Field(ge=0)] | None = Field(None, description="of k = A T^b exp(-E/(R T)), in mol, m and s")
+    b: Number = 0.0
+    E: ActivationEnergy | None = Field(None, description="activation energy")
+    orders: dict[str, Number] | None = Field(None, description="in concentrations; absent: 1 for each reactant gas")
+    basis: Literal["gas", "catalyst", "particle", "bed"] | None = Field(
+        None, description="rate per m3 of gas, kg of catalyst, m3 of particles or of bed; absent: gas, or particle"
+    )
+    factor: Positive = Field(1.0, description="multiplies the rate, such as an effectiveness")
+    grain_radius: Length | None = None
+    molar_density: Positive | None = Field(None, description="of the reacting solid in a grain [mol/m3]")
+    active_share: Positive = Field(1.0, description="share of the surface of grains that reacts")
+    diffusivity: PositiveDiffusivity | None = Field(None, description="effective, in the product layer or particle")
+
+
+class Particle(Table):
+    """What happens inside of a particle."""
+
+    mass: Literal["none", "effectiveness"] = Field(
+        "none", description="effectiveness of a sphere by the Thiele modulus of each reaction with a diffusivity"
+    )
+
+
+class Guess(Table):
+    """First guess of a steady state, where several exist or none is found from the streams that enter."""
+
+    temperature: Temperature | None = Field(None, description="of gas and particles; absent: of the stronger stream")
+
+
+class Solver(Table):
+    """Numerics; the defaults suit nearly all scenes."""
+
+    degree: Annotated[Whole, Field(ge=1, le=5)] = Field(3, description="degree of the polynomials in a cell")
+    tolerance: Fraction = Field(1e-6, description="target error of all fields over their spans for automatic cells")
+    adapt: Annotated[Whole, Field(ge=0, le=20)] | None = Field(None, description="rounds of new cells; absent: 10")
+    newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = 1e-10
+    newton_iterations: Whole = Field(40, ge=1, le=1000)
+    balance_tolerance: Positive = 1e-10
+    strict: Switch = Field(False, description="a closure out of its range is an error")
+
+
+class ReactingScene(SceneBase):
+    """One run of a reacting packed or moving bed."""
+
+    kind: ClassVar[str] = "reacting_bed"
+    renamed: ClassVar[Mapping[str, str]] = {}
+    time: ClassVar[None] = None  # all runs are steady
+
+    mesh: MeshLine
+    fluid: Fluid
+    solid: Solids | None = None
+    bed: Bed
+    flow: Flow
+    heat: Heat | None = None
+    mass: Mass | None = None
+    wall: Wall | None = None
+    particle: Particle = Particle()
+    reactions: dict[str, Reaction] = Field(default_factory=dict)
+    boundary: dict[str, Boundary] = Field(default_factory=dict)
+    guess: Guess = Guess()
+    solver: Solver = Solver()
+    output: Output = Output()

@@ -1,0 +1,397 @@
+"""Steady states of a reacting bed: Newton's method, what helps where it fails, and cells that follow the errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import ConvergenceError
+from contbed.fem.dual import Dual
+from contbed.fem.line_dg import Factors
+from contbed.reacting_bed.problem import Problem
+
+Array = NDArray[np.float64]
+LARGEST_T = 150.0  # change of a temperature in one step [K]
+LARGEST_SHARE = 0.7  # of what there is that a step may take away
+LEAST_SHARE = 1e-3  # of the typical size, below which a fall is not held up
+SHORTEST = 1e-3  # step of Newton's method at which it is given up
+FIRST_CELLS = 24
+MOST_CELLS = 3000
+ROUNDS = 10
+COARSEST = 2.5  # ratio of the lengths of neighbouring cells
+ERROR_POWER = 0.7  # jumps are held to tolerance^ERROR_POWER: fluxes at vertices are of order 7, jumps of order 4
+LEAST_SPAN = 1e-4  # of the typical size of a field, the least span that errors refer to
+FIRST_ITERATIONS = 60  # of Newton's method from a first guess
+FEW_ITERATIONS = 15  # where the guess is near
+SMOOTHINGS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7)
+STEPS = 80  # of the march in time
+GROWTH = 2.5
+START_OF_MARCH = 1e-2  # of the residence time of the solids
+END_OF_MARCH = 1e5
+
+
+@dataclass
+class Report:
+    """What the solution took."""
+
+    history: list[float] = field(default_factory=list)
+    rounds: int = 0
+    estimate: float = np.inf  # change of what leaves between the last two meshes over what enters
+    marched: bool = False
+    stopped: bool = False  # whether no state was found on better cells
+    small: float = 0.0  # share of a solid below which its powers are straight lines; 0 for that of the laws
+
+
+def measure(problem: Problem, residual: Array) -> float:
+    """Return the norm of residuals: the largest over cells and equations, over typical fluxes."""
+    return float((np.abs(residual).max(axis=(1, 2)) / problem.flux_sizes).max())
+
+
+def limited(problem: Problem, u: Array, du: Array) -> float:
+    """Return the share of a step that leaves temperatures and amounts near what they were."""
+    share = 1.0
+    for k, name in enumerate(problem.layout.names):
+        step = du[k]
+        if name.startswith("T"):
+            share = min(share, LARGEST_T / max(float(np.abs(step).max()), 1e-300))
+        else:
+            size = problem.sizes[k] * (np.sign(u[k].mean()) if name.startswith("g_") else 1.0)
+            size = np.where(size == 0.0, problem.sizes[k], size)
+            there, fall = u[k] / size, -step / size
+            room = LARGEST_SHARE * np.maximum(there, LEAST_SHARE * 10)
+            taken = fall > room
+            if taken.any():
+                share = min(share, float((room[taken] / fall[taken]).min()))
+    return share
+
+
+def newton(
+    problem: Problem, u: Array, report: Report, storage: Callable[[Array, bool], Any] | None = None, most: int = 0
+) -> Array:
+    """Return the solution of the steady equations, or of a step in time where `storage` adds to them.
+
+    Raises
+    ------
+    ConvergenceError : it does not converge; the error carries the last state
+    """
+    options = problem.scene.solver
+    tolerance = options.newton_tolerance
+    system, iterations = problem.system, most or options.newton_iterations
+    scale = problem.sizes[:, None, None]
+    before = np.inf
+    stalled = 0
+    for _ in range(iterations):
+        with np.errstate(all="ignore"):
+            residual, blocks = system.assemble(u)
+            if storage is not None:
+                extra, slopes = storage(u, True)
+                residual = residual + extra
+                blocks[1][...] += slopes
+            norm = measure(problem, residual)
+            if not np.isfinite(norm):
+                raise ConvergenceError("a rate or property is not finite", report.history, u)
+            report.history.append(norm)
+            du = Factors(blocks).solve(-residual)
+            share = limited(problem, u, du)
+            change = float(np.abs(du / scale).max())
+        if not np.isfinite(change):
+            raise ConvergenceError("a step of Newton's method is not finite", report.history, u)
+        if share < SHORTEST:
+            raise ConvergenceError("Newton's method takes ever smaller steps", report.history, u)
+        stalled = stalled + 1 if norm > 0.9 * before and share < 1.0 else 0
+        if stalled > 12:
+            break
+        before = norm
+        u = u + share * du
+        if share == 1.0 and change < tolerance:
+            return u
+        if share == 1.0 and norm < 1e-12 and change < 1e3 * tolerance:
+            return u
+    raise ConvergenceError(f"Newton's method stops at a residual of {before:.2g}", report.history, u)
+
+
+class Storage:
+    """What particles, and where asked for the gas, hold: implicit Euler steps for marches to a steady state."""
+
+    def __init__(self, problem: Problem, before: Array, dt: float):
+        self.problem, self.dt = problem, dt
+        self.held = self.content(before, False)[0]
+
+    def content(self, u: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Return what is held per volume of bed by equation at the nodes, and its derivatives."""
+        problem, m = self.problem, len(u)
+        names = problem.layout.names
+        flat = u.reshape(m, -1)
+        one = np.ones(flat.shape[1])
+        values: list[Any] = [Dual(x, {k: one}) for k, x in enumerate(flat)] if jacobian else list(flat)
+        state = problem.bed.state(values)
+        parts: list[Any] = [0.0] * m
+        for k, name in enumerate(names):
+            if name.startswith("n_"):
+                parts[k] = values[k]
+            elif name in ("T_solid", "T"):
+                parts[k] = problem.bed.held_by_solids(state)
+            if name == "T" and not problem.bed.inert and not state.n:
+                parts[k] = 1e6 * values[k]  # [J/m3/K], of a bed whose particles have no data
+        table = np.array([np.broadcast_to(getattr(p, "value", p), one.shape) for p in parts]).reshape(u.shape)
+        return table, parts
+
+    def __call__(self, u: Array, jacobian: bool) -> tuple[Array, Array]:
+        """Return what storage adds to the residuals and to the blocks of the cells' own unknowns."""
+        line = self.problem.line
+        m, N, n = u.shape
+        held, parts = self.content(u, jacobian)
+        weight = line.weights * line.h[:, None] / self.dt
+        blocks = np.zeros((N, m, n, m, n))
+        nodes = range(n)
+        for e, part in enumerate(parts):
+            for f, tangent in getattr(part, "tangents", {}).items():
+                t = np.broadcast_to(tangent, (N * n,)).reshape(N, n)
+                blocks[:, e, nodes, f, nodes] = t * weight
+        return (held - self.held) * weight, blocks
+
+
+def residence_time(problem: Problem) -> float:
+    """Return the time that particles, or gas through a bed at rest times 1000, take through the bed [s]."""
+    length = problem.line.vertices[-1] - problem.line.vertices[0]
+    v = abs(problem.bed.velocity_solid)
+    if v:
+        return float(length / v)
+    state = problem.state(np.array(list(problem._state_entering_values())))
+    return 1e3 * float(length / abs(state.u))
+
+
+def march(problem: Problem, u: Array, report: Report) -> Array:
+    """Go to a steady state by steps in time of growing length, in which the gas is quasi-steady.
+
+    Raises
+    ------
+    ConvergenceError : steps no longer grow
+    """
+    tau = residence_time(problem)
+    dt, longest, failures = START_OF_MARCH * tau, 0.0, 0
+    report.marched = True
+    for _ in range(STEPS):
+        try:
+            u = newton(problem, u, report, Storage(problem, u, dt), most=15)
+        except ConvergenceError as error:
+            dt /= 8.0
+            failures += 1
+            if failures > 12 or dt < 1e-12 * tau:
+                raise ConvergenceError(
+                    f"no steady state is found; the longest step in time that converged is {longest:.3g} s",
+                    report.history,
+                    error.state,
+                ) from None
+            continue
+        longest = max(longest, dt)
+        if dt > END_OF_MARCH * tau:
+            return u
+        dt *= GROWTH
+    return u
+
+
+def steady(problem: Problem, report: Report, guess: Array | None = None) -> tuple[Problem, Array]:
+    """Return the steady state on cells that follow its errors.
+
+    Raises
+    ------
+    ConvergenceError : no steady state is found
+    """
+    scene = problem.scene
+    T = scene.guess.temperature or problem.dominant_temperature
+    problem, u = first(problem, guess if guess is not None else problem.start(T), report)
+    if scene.mesh.cells is not None:
+        report.rounds = 0
+        return problem, u
+    rounds = ROUNDS if scene.solver.adapt is None else scene.solver.adapt
+    leaving = what_leaves(problem, u)
+    for _ in range(rounds):
+        vertices, worst = next_cells(problem, u)
+        if worst <= 1.0 and report.estimate < scene.solver.tolerance:
+            break
+        better = on_better_cells(problem, u, vertices, report)
+        if better is None:
+            report.stopped = True
+            break
+        problem, u = sharper(*better, report)
+        report.rounds += 1
+        now = what_leaves(problem, u)
+        report.estimate = float(np.abs(now - leaving).max())
+        leaving = now
+    return problem, u
+
+
+def on_better_cells(problem: Problem, u: Array, vertices: Array, report: Report) -> tuple[Problem, Array] | None:
+    """Return the state on other cells, or else on halves of the present ones; None if it is found on neither."""
+    for chosen in (vertices, halves(problem)):
+        if len(chosen) > MOST_CELLS:
+            continue
+        other = problem.on(chosen)
+        at_start = moved(problem, u, other)
+        with np.errstate(all="ignore"):
+            try:
+                return other, newton(other, at_start, report)
+            except ConvergenceError:
+                pass
+            try:
+                if problem.layout.solids:
+                    return sharpened(other, at_start, report)
+            except ConvergenceError:
+                continue
+    return None
+
+
+def first(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
+    """Return a steady state on the first cells, or on halves of them."""
+    try:
+        return on_cells(problem, u, report)
+    except ConvergenceError:
+        if problem.scene.mesh.cells is not None:
+            raise
+    finer = problem.on(halves(problem))
+    return on_cells(finer, moved(problem, u, finer), report)
+
+
+def halves(problem: Problem) -> Array:
+    """Return the vertices and the middles of the cells."""
+    found: Array = np.sort(np.concatenate([problem.line.vertices, problem.line.points.mean(axis=1)]))
+    return found
+
+
+def on_cells(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
+    """Return a steady state on given cells: by Newton's method, and where that fails by what else helps."""
+    with np.errstate(all="ignore"):
+        try:
+            return problem, newton(problem, u, report, most=FIRST_ITERATIONS)
+        except ConvergenceError:
+            pass
+        if problem.layout.solids:
+            try:
+                return sharpened(problem, u, report)
+            except ConvergenceError:
+                pass
+        if problem.reactions:
+            try:
+                return problem, grown(problem, u, report)
+            except ConvergenceError:
+                pass
+        u = march(problem, u, report)
+        try:
+            return problem, newton(problem, u, report)
+        except ConvergenceError:
+            if not problem.layout.solids:
+                raise
+            return sharpened(problem, u, report)
+
+
+def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
+    """Return the state reached with powers of what is left of solids made sharper step by step, on cells that follow.
+
+    Where reaction ends at a point, powers below one have infinite slopes there; the sharpest that converges is kept.
+    """
+    done = None
+    for small in SMOOTHINGS:
+        trial = problem.with_small(small)
+        try:
+            found = newton(trial, u, report, most=FIRST_ITERATIONS)
+        except ConvergenceError:
+            if done is not None:
+                break
+            found = grown(trial, u, report)
+        done = (trial, found)
+        report.small = small
+        problem = trial.on(next_cells(trial, found)[0])
+        u = moved(trial, found, problem)
+    assert done is not None
+    return done
+
+
+def sharper(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
+    """Return the state with powers of what is left of solids one step sharper, where that converges."""
+    finer = [small for small in SMOOTHINGS if small < report.small]
+    if not finer:
+        return problem, u
+    trial = problem.with_small(finer[0])
+    try:
+        u = newton(trial, u, report, most=FEW_ITERATIONS)
+    except ConvergenceError:
+        return problem, u
+    report.small = finer[0]
+    return trial, u
+
+
+def moved(problem: Problem, u: Array, other: Problem) -> Array:
+    """Return a state on the cells of another problem."""
+    found: Array = problem.line.at(u, other.line.points.ravel()).reshape(len(u), *other.line.points.shape)
+    return found
+
+
+def grown(problem: Problem, u: Array, report: Report) -> Array:
+    """Return the steady state reached with all rates growing from a small share to their own values."""
+    strength, step = 0.0, 0.02
+    u = newton(problem.with_strength(0.0), u, report, most=FIRST_ITERATIONS)
+    failures = 0
+    while strength < 1.0:
+        trial = min(1.0, strength + step)
+        try:
+            found = newton(problem.with_strength(trial), u, report, most=12)
+        except ConvergenceError:
+            step *= 0.3
+            failures += 1
+            if failures > 6 or step < 1e-5:
+                raise
+            continue
+        u, strength = found, trial
+        step *= 2.5
+    return u
+
+
+def what_leaves(problem: Problem, u: Array) -> Array:
+    """Return the fluxes of all equations at both ends over typical ones."""
+    fluxes = problem.system.fluxes(u)
+    found: Array = (fluxes[:, [0, -1]] / problem.flux_sizes[:, None]).ravel()
+    return found
+
+
+def errors(problem: Problem, u: Array) -> Array:
+    """Return the jumps and highest modes of the fields in each cell over their spans (N,)."""
+    line = problem.line
+    span = np.maximum(np.ptp(u, axis=(1, 2)), LEAST_SPAN * problem.sizes)
+    low, high = u @ line.left, u @ line.right
+    jump = np.abs(low[:, 1:] - high[:, :-1])
+    found = line.top_mode(u)
+    found[:, 1:] = np.maximum(found[:, 1:], jump)
+    found[:, :-1] = np.maximum(found[:, :-1], jump)
+    worst: Array = (found / span[:, None]).max(axis=0)
+    return worst
+
+
+def next_cells(problem: Problem, u: Array) -> tuple[Array, float]:
+    """Return better vertices for a state, and by how much the errors of the present ones exceed what is aimed at."""
+    line = problem.line
+    aim = problem.scene.solver.tolerance**ERROR_POWER
+    ratio = errors(problem, u) / aim
+    factor = np.clip((0.5 / np.maximum(ratio, 1e-30)) ** (1.0 / (line.degree + 1)), 0.1, 2.0)
+    return regraded(line.vertices, line.h * factor), float(ratio.max())
+
+
+def regraded(vertices: Array, wanted: Array) -> Array:
+    """Return vertices whose cells have about the wanted lengths (of the present cells), neighbours alike."""
+    wanted = wanted.copy()
+    middle = 0.5 * (vertices[1:] + vertices[:-1])
+    slope = COARSEST - 1.0
+    for k in range(1, len(wanted)):  # a cell grows by no more than its distance from a short one allows
+        wanted[k] = min(wanted[k], wanted[k - 1] + slope * (middle[k] - middle[k - 1]))
+    for k in range(len(wanted) - 2, -1, -1):
+        wanted[k] = min(wanted[k], wanted[k + 1] + slope * (middle[k + 1] - middle[k]))
+    density = np.diff(vertices) / wanted
+    count = int(np.clip(np.ceil(density.sum()), 4, MOST_CELLS))
+    cumulative = np.concatenate([[0.0], np.cumsum(density)])
+    places = np.interp(np.linspace(0.0, cumulative[-1], count + 1), cumulative, vertices)
+    places[0], places[-1] = vertices[0], vertices[-1]
+    return places

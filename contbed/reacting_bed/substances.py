@@ -1,0 +1,239 @@
+"""Species of the gas and constituents of the solids, with their data, from a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from contbed.closures.reactions import stoichiometry
+from contbed.errors import SceneError
+from contbed.materials.common import nearest
+from contbed.materials.composition import mole_fractions
+from contbed.materials.elements import elements_of, molar_mass_of
+from contbed.materials.mixture import GasTransport, Mechanism, dippr102, fuller_pair
+from contbed.materials.thermo import T_STANDARD, ConstantHeatCapacity, Shomate, Thermo, species_of
+from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.laws import LAWS_WITH_EQUATION
+from contbed.scene.mechanism import find_mechanism
+
+INERT = "solids"  # constituent of particles whose composition is not given
+INERT_CAPACITY = 1.0  # [J/mol/K] of a species without data in an isothermal bed, where it has no meaning
+FORMATION_SHOMATE = 5  # coefficients after which F, the constant of the enthalpy, follows
+
+
+@dataclass(frozen=True)
+class Equation:
+    """Moles of each species made per mole of a reaction, and whether it is reversible."""
+
+    stoichiometry: Mapping[str, float]
+    reversible: bool
+
+    @classmethod
+    def of(cls, text: str) -> Equation:
+        """Read "CH4 + 12 Fe2O3 -> 8 Fe3O4 + CO2 + 2 H2O"; SceneError says what is wrong."""
+        if text.replace("<->", "->").count("->") != 1:
+            raise SceneError('needs one arrow: "CO + H2O <-> CO2 + H2", or -> where it does not run back')
+        try:
+            found = stoichiometry(text)
+        except ValueError as error:
+            raise SceneError(f"cannot be read ({error}); write numbers before names, with spaces") from None
+        if any(not name or " " in name for name in found):
+            raise SceneError('cannot be read; write it like "CH4 + 2 O2 -> CO2 + 2 H2O", with spaces around +')
+        return cls({name: count for name, count in found.items() if count}, "<->" in text)
+
+
+def equations_of(name: str, reaction: s.Reaction) -> dict[str, Equation]:
+    """Return the equations that a table of a reaction stands for, by name; a law with stages has several."""
+    if reaction.equation is not None:
+        return {name: Equation.of(reaction.equation)}
+    found = LAWS_WITH_EQUATION.get(reaction.law or "") or LAWS_WITH_EQUATION.get(f"{name}.{reaction.law}")
+    if found is None:
+        raise SceneError("the equation is missing")
+    if isinstance(found, str):
+        return {name: Equation.of(found)}
+    return {f"{name}_{k + 1}": Equation.of(text) for k, text in enumerate(found)}
+
+
+@dataclass(frozen=True)
+class Substances:
+    """All species of a scene. `entering` mole fractions of the gas, `fed` mass fractions of the solids."""
+
+    gases: dict[str, Thermo]
+    solids: dict[str, Thermo]
+    entering: dict[str, float]
+    fed: dict[str, float]
+    transport: GasTransport | None
+    skeletal: dict[str, float]  # densities of constituents without pores [kg/m3]
+
+    @property
+    def all(self) -> dict[str, Thermo]:
+        """Gases and solids by name."""
+        return self.gases | self.solids
+
+
+def substances(scene: s.ReactingScene) -> Substances:
+    """Return the species of a scene: those that enter, and those that reactions name.
+
+    Raises
+    ------
+    SceneError : data of a species are missing
+    """
+    fluid, solid = scene.fluid, scene.solid
+    entering = mole_fractions(fluid.composition)
+    fed = {} if solid is None or solid.composition is None else mole_fractions(solid.composition)
+    equations = [e for name, table in scene.reactions.items() for e in equations_of(name, table).values()]
+    named = {name for equation in equations for name in equation.stoichiometry}
+    named |= {name for table in scene.reactions.values() for name in table.orders or {}}
+    known_solids = set(fed) | (set() if solid is None else set(solid.constituent))
+    solids = [name for name in [*fed, *sorted(named)] if name in known_solids]
+    mechanism = None
+    if isinstance(fluid, s.GasCantera):
+        mechanism = Mechanism.read(find_mechanism(fluid.mechanism, scene.origin.base))
+    gas_names, tables = [], solids_tables(scene)
+    for name in [*entering, *sorted(named)]:
+        if name in solids or name in gas_names:
+            continue
+        if name in fluid.species or (mechanism is not None and name in mechanism.names):
+            gas_names.append(name)
+        elif name in tables:
+            solids.append(name)
+        else:
+            there = [*fluid.species, *known_solids, *(mechanism.names if mechanism else ())]
+            where = "the mechanism or [fluid.species]" if mechanism else "[fluid.species]"
+            raise SceneError(
+                f"{name} is neither a gas of {where} nor a constituent of the solid{nearest(name, there)}; give its "
+                f"thermodynamics in [fluid.species.{name}] or [solid.constituent.{name}]"
+            )
+    solids = list(dict.fromkeys(solids))
+    needs_heat = scene.heat is not None
+    gases = {name: _gas(name, fluid, mechanism, needs_heat) for name in gas_names}
+    found = {name: _constituent(name, scene, needs_heat) for name in solids}
+    skeletal = {
+        name: table.density
+        for name in solids
+        if solid is not None and (table := solid.constituent.get(name)) is not None and table.density is not None
+    }
+    return Substances(gases, found, entering, fed, _transport(scene, gases, mechanism), skeletal)
+
+
+def solids_tables(scene: s.ReactingScene) -> tuple[str, ...]:
+    """Return names of solids that Cantera's tables hold, where a scene has solids with a composition."""
+    if scene.solid is None or scene.solid.composition is None:
+        return ()
+    try:
+        return tuple(_condensed())
+    except ImportError:
+        return ()
+
+
+def _condensed() -> dict[str, Any]:
+    """Return the solids of Cantera's tables by formula; the form that is stable at the lowest temperature."""
+    import cantera
+
+    out: dict[str, Any] = {}
+    for item in cantera.Species.list_from_file("nasa_condensed.yaml"):
+        name = item.name.split("(")[0] if item.name.endswith(")") and not item.name.endswith("(L)") else item.name
+        if name not in out or item.thermo.min_temp < out[name].thermo.min_temp:
+            out[name] = item
+    return out
+
+
+def _elements(name: str, table: s.Substance | None) -> dict[str, float]:
+    return dict(table.elements) if table is not None and table.elements else elements_of(name)
+
+
+def _from_table(name: str, table: s.Substance, needs_heat: bool) -> Thermo | None:
+    """Return a species from the data of its table, None where they give no thermodynamics."""
+    elements = _elements(name, table)
+    mass = table.molar_mass or molar_mass_of(elements)
+    if table.shomate is not None:
+        given = list(table.shomate)
+        if table.enthalpy is not None or len(given) == FORMATION_SHOMATE:
+            if table.enthalpy is None:
+                raise SceneError(f"{name}: shomate has no F; give F, or the enthalpy of formation as `enthalpy`")
+            zero = Shomate(name, elements, mass, (*given[:FORMATION_SHOMATE], 0.0))
+            F = (table.enthalpy - float(zero.enthalpy(T_STANDARD))) * 1e-3
+            given[FORMATION_SHOMATE : FORMATION_SHOMATE + 1] = [F]
+        return Shomate(name, elements, mass, tuple(given[:7]))
+    if table.heat_capacity is not None or (not needs_heat and table.enthalpy is None):
+        cp = table.heat_capacity or INERT_CAPACITY
+        return ConstantHeatCapacity(name, elements, mass, cp, table.enthalpy or 0.0, table.entropy)
+    return None
+
+
+def _gas(name: str, fluid: Any, mechanism: Mechanism | None, needs_heat: bool) -> Thermo:
+    table = fluid.species.get(name)
+    if table is not None and (mechanism is None or table.shomate is not None or table.heat_capacity is not None):
+        found = _from_table(name, table, needs_heat)
+        if found is not None:
+            return found
+    if mechanism is not None and name in mechanism.names:
+        return mechanism.species(name)
+    raise SceneError(
+        f"{name} has no thermodynamics: give shomate, or heat_capacity and enthalpy, in [fluid.species.{name}]"
+    )
+
+
+def _constituent(name: str, scene: s.ReactingScene, needs_heat: bool) -> Thermo:
+    assert scene.solid is not None
+    table = scene.solid.constituent.get(name)
+    if table is not None:
+        found = _from_table(name, table, needs_heat)
+        if found is not None:
+            return found
+    tables = _condensed()
+    if name in tables:
+        elements = _elements(name, table)
+        mass = (table.molar_mass if table is not None else None) or molar_mass_of(elements)
+        return species_of(name, tables[name], mass, with_jumps=True)
+    raise SceneError(
+        f"{name} has no thermodynamics: give shomate, or heat_capacity and enthalpy, in [solid.constituent.{name}]"
+    )
+
+
+def _transport(scene: s.ReactingScene, gases: dict[str, Thermo], mechanism: Mechanism | None) -> GasTransport | None:
+    """Return the transport properties that are given, or those of the mechanism; None where there are none."""
+    fluid: Any = scene.fluid
+    names = list(gases)
+
+    def of_each(key: str) -> Any:
+        constant = getattr(fluid, key)
+        if constant is not None:
+            return float(constant)
+        out = []
+        for name in names:
+            table = fluid.species.get(name)
+            given = None if table is None else getattr(table, key)
+            if given is not None:
+                out.append(dippr102(given if isinstance(given, tuple) else (given, 0.0)))
+            elif mechanism is not None and name in mechanism.names:
+                out.append(getattr(mechanism, key)(name))
+            else:
+                return None
+        return tuple(out)
+
+    viscosity, conductivity = of_each("viscosity"), of_each("conductivity")
+    given = fluid.diffusivity
+    pairs: Any = None
+    if isinstance(given, float):
+        pairs = given
+    elif given == "fuller" or (given is None and mechanism is None):
+        try:
+            pairs = {
+                (k, j): fuller_pair(gases[names[k]], gases[names[j]])
+                for k in range(len(names))
+                for j in range(k + 1, len(names))
+            }
+        except SceneError:
+            if given == "fuller":
+                raise
+    elif mechanism is not None:
+        pairs = {
+            (k, j): mechanism.pair(names[k], names[j]) for k in range(len(names)) for j in range(k + 1, len(names))
+        }
+    if pairs is not None and not isinstance(pairs, float) and len(names) == 1:
+        pairs = 0.0
+    masses = tuple(gases[name].molar_mass for name in names)
+    rule = "mathur" if mechanism is not None else "wassiljewa"
+    return GasTransport(masses, viscosity, conductivity, pairs, fluid.viscosity_rule, rule)

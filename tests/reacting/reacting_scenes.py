@@ -1,0 +1,135 @@
+"""Scenes of reacting beds with made-up species, for which closed forms exist, and their tables."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+R_GAS = 8.31446261815324
+T, P = 500.0, 1e5  # [K], [Pa]
+MOLAR = P / (R_GAS * T)  # [mol/m3]
+TABLES = Path(__file__).parent / "tables"
+
+
+def table(name: str) -> list[dict[str, Any]]:
+    """Rows of a table of exact values; numbers where they are numbers."""
+    lines = [line for line in (TABLES / f"{name}.csv").read_text().splitlines() if not line.startswith("#")]
+    return [{key: _number(value) for key, value in row.items()} for row in csv.DictReader(lines)]
+
+
+def _number(text: str) -> Any:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def species(**masses: float) -> dict[str, Any]:
+    """Species of given molar masses, made of one element that weighs as much as they do."""
+    return {name: {"elements": {"H": mass * 1e3}, "molar_mass": mass} for name, mass in masses.items()}
+
+
+def isothermal(composition: str, gases: dict[str, Any], **more: Any) -> dict[str, Any]:
+    """A bed of 1 m at one temperature and pressure, gas from the left."""
+    scene: dict[str, Any] = {
+        "mesh": {"type": "line", "length": 1.0},
+        "fluid": {"model": "ideal_gas", "composition": composition, "pressure": P, "species": gases},
+        "bed": {"porosity": 0.4, "particle_diameter": 3e-3},
+        "flow": {"velocity": 0.5, "pressure_drop": "none"},
+        "boundary": {"left": {"fluid": {"inflow": T}}},
+        "output": {"plots": False},
+    }
+    for key, value in more.items():
+        scene[key] = {**scene.get(key, {}), **value}
+    return scene
+
+
+def danckwerts(Pe: float, Da: float) -> dict[str, Any]:
+    """First order with dispersion: Pe = u L/(eps D), Da = eps k L/u."""
+    scene = isothermal("A:1", species(A=0.028, B=0.028))
+    eps, u = 0.4, 0.5
+    scene["mass"] = {"dispersion": u / (eps * Pe)}
+    scene["reactions"] = {"r": {"equation": "A -> B", "A": Da * u / eps, "E": 0.0}}
+    return scene
+
+
+def expansion(e: float, Da: float) -> dict[str, Any]:
+    """First order with change of moles, A -> (1 + e) B from pure A."""
+    nu = 1.0 + e
+    scene = isothermal("A:1", species(A=0.028, B=0.028 / nu))
+    scene["reactions"] = {"r": {"equation": f"A -> {nu} B", "A": Da * 0.5 / 0.4, "E": 0.0}}
+    return scene
+
+
+def ergun(row: dict[str, float]) -> dict[str, Any]:
+    """Isothermal gas through a bed by Ergun's equation."""
+    scene = isothermal("A:1", species(A=row["M_kg_mol"]))
+    scene["mesh"]["length"] = row["L_m"]
+    scene["fluid"] |= {"pressure": row["p_in_Pa"], "viscosity": row["mu_Pa_s"]}
+    scene["bed"] = {"porosity": row["eps"], "particle_diameter": row["d_m"]}
+    scene["flow"] = {"mass_flux": row["G_kg_m2_s"], "pressure_drop": "ergun"}
+    scene["boundary"] = {"left": {"fluid": {"inflow": row["T_K"]}}}
+    return scene
+
+
+def solids() -> dict[str, Any]:
+    """Particles of S that become P of the same mass."""
+    return {
+        "composition": "S:1",
+        "density": 3000.0,
+        "constituent": {name: {"elements": {"Fe": 1.0}, "molar_mass": 0.1} for name in ("S", "P")},
+    }
+
+
+N_SOLID = 0.6 * 3000.0 / 0.1  # moles of S per volume of bed where particles enter
+
+
+def bilinear(N: float, r: float) -> dict[str, Any]:
+    """Counter-current bed with rate k c n; r solid over gas, N = k F L/(u v)."""
+    u, eps = 0.5, 0.4
+    F = u * MOLAR
+    v = r * F / N_SOLID
+    scene = isothermal("A:1", species(A=0.028, B=0.028), flow={"velocity_solid": -v * (1.0 - eps)})
+    scene["solid"] = solids()
+    k = N * u * v / F
+    orders = {"A": 1.0, "S": 1.0}
+    scene["reactions"] = {"r": {"equation": "A + S -> B + P", "A": k, "E": 0.0, "orders": orders, "basis": "bed"}}
+    return scene
+
+
+def shrinking_core(N: float, n: float, f: float, d: float, r: float) -> dict[str, Any]:
+    """Counter-current bed of shrinking cores; see the header of its table."""
+    u, eps, tau, R = 0.5, 0.4, 1000.0, 1.5e-3
+    v = n * u * MOLAR / N_SOLID
+    scene = isothermal("A:1", species(A=0.028, B=0.028), flow={"velocity_solid": -v * (1.0 - eps)})
+    scene["mesh"]["length"] = N * tau * v / n
+    scene["solid"] = solids()
+    demand = R * (N_SOLID / (1.0 - eps)) / MOLAR / tau
+    scene["reactions"] = {
+        "r": {
+            "equation": "A + S -> B + P",
+            "law": "shrinking_core",
+            "A": demand / r if r else 1e12,
+            "E": 0.0,
+            "diffusivity": demand * R / (6.0 * d) if d else 1e12,
+        }
+    }
+    if f:
+        D = 1e-5
+        scene["fluid"]["diffusivity"] = D
+        scene["mass"] = {"sherwood": demand / (3.0 * f) * 2.0 * R / D}
+    return scene
+
+
+def equilibrium(composition: str, pressure: float, temperature: float, equations: dict[str, str]) -> dict[str, Any]:
+    """A bed in which reversible reactions are fast."""
+    scene = isothermal(composition, {})
+    scene["fluid"] = {"model": "cantera", "composition": composition, "pressure": pressure}
+    scene["boundary"] = {"left": {"fluid": {"inflow": temperature}}}
+    molar = pressure / (R_GAS * temperature)
+    scene["reactions"] = {
+        name: {"equation": text, "A": 1e3 / molar ** (orders - 1), "E": 0.0}
+        for (name, text), orders in zip(equations.items(), (2, 2), strict=False)
+    }
+    return scene

@@ -1,0 +1,105 @@
+"""Mistakes in scenes of reacting beds: what is wrong, where, and the remedy."""
+
+from __future__ import annotations
+
+import pytest
+
+from contbed.errors import SceneError
+from contbed.loading import loads
+
+GOOD = """
+[mesh]
+type = "line"
+length = 1.0
+[fluid]
+model = "ideal_gas"
+composition = "CH4:0.5, O2:0.5"
+[fluid.species]
+CH4 = { heat_capacity = 40.0, enthalpy = -74.8e3 }
+O2 = { heat_capacity = 30.0 }
+CO2 = { heat_capacity = 40.0, enthalpy = -393.5e3 }
+H2O = { heat_capacity = 35.0, enthalpy = -241.8e3 }
+[bed]
+porosity = 0.4
+particle_diameter = "3 mm"
+[flow]
+velocity = 0.5
+[boundary.left.fluid]
+inflow = 500.0
+[reactions.burning]
+equation = "CH4 + 2 O2 -> CO2 + 2 H2O"
+A = 1.0
+E = "50 kJ/mol"
+"""
+SOLID = """
+[solid]
+composition = "FeO:1"
+density = 3000.0
+[solid.constituent]
+FeO = { heat_capacity = 50.0 }
+Fe = { heat_capacity = 30.0 }
+"""
+
+
+def test_the_scene_without_mistakes_is_taken():
+    assert loads(GOOD).kind == "reacting_bed"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("CO2 + 2 H2O", "CO2 + H2O", "loses 2 atoms of H per mole of reaction"),
+        ("CO2 + 2 H2O", "CO2 + H2O", "reactions.burning.equation"),
+        ('E = "50 kJ/mol"\n', "", "reactions.burning.E: missing; the law power needs the activation energy"),
+        ('E = "50 kJ/mol"', 'E = "50 kJ"', "expected a quantity like 'J/mol'"),
+        ("A = 1.0", "A = -1.0", "out of range; allowed: a number >= 0"),
+        ("CH4:0.5, O2:0.5", "CH4:0.5, O2:0.6", "fractions sum to 1.1, not to 1"),
+        ("A = 1.0", 'A = 1.0\nlaw = "powr"', "unknown rate law; allowed: power"),
+        ("A = 1.0", "A = 1.0\norders = { CH5 = 1.0 }", "there is no 'CH5'"),
+        ("CH4 + 2 O2 -> CO2", "CH4 + 2 Oxygen -> CO2", "'Oxygen' is no chemical formula"),
+        ("CH4 + 2 O2 -> CO2", "CH4 + 2 O2 = CO2", "needs one arrow"),
+        ("[boundary.left.fluid]", "[boundary.right.fluid]", "the fluid does not enter here"),
+        ("velocity = 0.5", "velocity = 0.0", "no gas flows"),
+        ("velocity = 0.5", "velocity = 0.5\nmass_flux = 1.0", "give one of mass_flux, molar_flux, velocity"),
+        ("[bed]\n", "[heat]\nnusselt = 'nusselt_gun'\n[bed]\n", "nusselt_gunn"),
+        ("equation = ", "basis = 'catalyst'\nequation = ", "give [solid] with the density of particles"),
+    ],
+)
+def test_mistakes_of_gas_reactions(old, new, said):
+    with pytest.raises(SceneError) as found:
+        loads(GOOD.replace(old, new), "bed.toml")
+    assert said in str(found.value)
+    assert "bed.toml:" in str(found.value)
+
+
+@pytest.mark.parametrize(
+    ("rate", "said"),
+    [
+        ('rate = "k*c_CH4"', "'k' is not known in this formula"),
+        ('rate = "c_CH4*"', "cannot be read as a formula"),
+        ('rate = "__import__(c_CH4)"', "there is no function '__import__'"),
+        ('rate = "c_CH4.real"', "only numbers, names"),
+        ('rate = "c_CH4"\nunit = "mol/kg/s"', "measures something else than mol/m**3/s"),
+        ('rate = "k*c_CH4"\nparameters = { k = "3 1/parsnip" }', "unknown unit '1/parsnip'"),
+        ('rate = "c_CH4"\nA = 1.0', "a formula is the whole rate"),
+    ],
+)
+def test_mistakes_of_formulas(rate, said):
+    text = GOOD.replace('A = 1.0\nE = "50 kJ/mol"', rate)
+    with pytest.raises(SceneError, match=r"bed\.toml:") as found:
+        loads(text, "bed.toml")
+    assert said in str(found.value)
+
+
+def test_solids_at_rest_have_no_steady_state():
+    text = GOOD.replace("CH4 + 2 O2 -> CO2 + 2 H2O", "CH4 + 4 FeO -> CO2 + 2 H2O + 4 Fe") + SOLID
+    with pytest.raises(SceneError, match="are used up: no steady state exists"):
+        loads(text)
+
+
+def test_species_without_thermodynamics():
+    from contbed import models
+
+    text = GOOD.replace("H2O = { heat_capacity = 35.0, enthalpy = -241.8e3 }", "")
+    with pytest.raises(SceneError, match=r"bed.toml:\d+: H2O is neither a gas of \[fluid.species\]"):
+        models.plan(loads(text, "bed.toml"))
