@@ -207,8 +207,6 @@ class Boundary(Table):
     solid: Inlet | None = None
 
 
-
-
 def text_or_number(value: Any) -> str:
     """Return the `form` of a value in any unit, which is a text, or in SI."""
     return "name" if isinstance(value, str) else form(value)

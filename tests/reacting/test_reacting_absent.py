@@ -36,8 +36,8 @@ inflow = 300.0
 inflow = 600.0
 ''')
 contbed.run(scene)
-new = ("reacting_bed", "line_dg", "film_", "formula", "mixture", "thermo", "elements", "particle")
-found = [name for name in sys.modules if name.startswith("contbed.") and name.split(".")[-1] in new]
+new = ("reacting_bed", "fem.line_dg", "closures.formula", "materials.mixture", "materials.thermo", "materials.elements")
+found = [name for name in sys.modules if name.startswith(tuple("contbed." + part for part in new))]
 sys.exit(", ".join(found) or (0 if scene.kind == "packed_bed" else scene.kind))
 """
 

@@ -122,7 +122,16 @@ def test_imports_go_downwards():
 
 
 def test_physics_of_one_layer_do_not_know_each_other():
-    physics = {"cfd_dem", "developed_flow", "bubbling_bed", "packed_bed", "reacting_bed", "dem", "two_fluid", "radiation"}
+    physics = {
+        "cfd_dem",
+        "developed_flow",
+        "bubbling_bed",
+        "packed_bed",
+        "reacting_bed",
+        "dem",
+        "two_fluid",
+        "radiation",
+    }
     below = {
         "cfd_dem": {"dem"},
         "developed_flow": {"two_fluid"},
