@@ -368,6 +368,17 @@ def the_inside_of_particles_fits_the_scene(
         )
 
 
+def a_cycle_changes_something(time: s.Time | None, flow: s.Flow | None, boundary: Boundaries, mesh: Mesh) -> Mistakes:
+    """Check that a cycle has series, without which nothing changes in the course of a period."""
+    if time is None or time.cycle is None:
+        return
+    if not any(True for _ in series_of(flow, boundary)):
+        text = "a cycle needs a velocity or a temperature that changes with time: a table with times and values"
+        yield ("time", "cycle"), text
+    if not isinstance(mesh, MeshLine):
+        yield ("time", "cycle"), 'the cyclic steady state is found on a line; use mesh.type = "line"'
+
+
 def closures_exist(mesh: Mesh, bed: s.Bed, heat: s.Heat | None, boundary: Boundaries, origin: Origin) -> Mistakes:
     """Check that the closures exist and that the bed has the arguments that they need."""
     for path, spec, kind in places(bed, heat, boundary):
@@ -410,6 +421,7 @@ CHECKS: tuple[Check, ...] = (
     streams_have_a_temperature,
     a_steady_temperature_is_determined,
     the_inside_of_particles_fits_the_scene,
+    a_cycle_changes_something,
     closures_exist,
 )
 

@@ -182,8 +182,9 @@ def _transient(
 ) -> None:
     from contbed.output import checkpoint
     from contbed.output.progress import Progress
+    from contbed.packed_bed.cycle import exchanged
     from contbed.packed_bed.results import transient_findings
-    from contbed.packed_bed.transient import History, enter, integrated_fluxes, run_transient
+    from contbed.packed_bed.transient import History, enter, integrated_fluxes, run_transient, streamed
     from contbed.scene.identity import identity
 
     scene = plan.scene
@@ -197,19 +198,26 @@ def _transient(
         checkpoint.save(folder, arrays | grid, meta | {"identity": label})
 
     pieces = plan.pieces()
-    if history is not None:  # of those that have passed only the last is needed, for the results
+    cycle = None
+    if scene.time.cycle is not None and history is None:
+        with result.timed("cycle"):
+            cycle = _cycle(plan, pieces, flow, result)
+        history = History(cycle.state)
+    heats: list[float] = []
+    if history is not None and cycle is None:  # of those that have passed only the last is needed, for the results
         reached = history.time * (1 + 1e-12)
         pieces = [piece for piece in pieces if piece is None or piece.end > reached] or pieces[-1:]
     try:
         with Progress(scene.time.end, "s", quiet) as progress:
-            for piece in pieces:
+            for k, piece in enumerate(pieces):
                 if piece is not None:
                     plan = plan.within(piece)
                 problem = _heat_problem(plan, flow, result, piece)
                 with result.timed("heat"):
                     history = history or History(problem.begin(plan.policy))
-                    if piece is not None and piece.start > 0.0 and history.time <= piece.start * (1 + 1e-12):
+                    if piece is not None and (cycle or piece.start > 0.0) and history.time <= piece.start * (1 + 1e-12):
                         enter(problem, history, plan.policy, None if piece.jumps else history.size)
+                    before = streamed(history)
                     run_transient(
                         problem,
                         history,
@@ -217,10 +225,15 @@ def _transient(
                         end=scene.time.end if piece is None else piece.end,
                         advance=progress.advance_to,
                         save=save if folder is not None else None,
+                        levels=None if cycle is None else cycle.levels[k],
                     )
+                    heats.append(streamed(history) - before)
     finally:
         if history is not None:
             with result.timed("results"):
+                if cycle is not None and len(heats) == len(pieces):
+                    result.qoi |= {"cycle_periods": cycle.periods, "cycle_change_K": cycle.residual}
+                    result.qoi |= exchanged(heats, _most(plan, pieces, problem.T_span))
                 if history.steps:
                     fluxes, reactions = integrated_fluxes(problem, history), history.reactions(problem)
                     source = problem.source() * history.time
@@ -232,6 +245,34 @@ def _transient(
                 _check_state(plan, problem, history.snapshots, result)
             if folder is not None:
                 save(*history.pack())
+
+
+def _cycle(plan: Plan, pieces: Any, flow: Any, result: Result) -> Any:
+    """Find the state that one run gives back."""
+    from contbed.packed_bed.cycle import find_cycle
+
+    time = plan.scene.time
+    assert time is not None and time.cycle is not None
+    problems = []
+    for piece in pieces:
+        plan = plan.within(piece)
+        problems.append(_heat_problem(plan, flow, result, piece))
+    start = problems[0].begin(plan.policy)
+    return find_cycle(problems, start, plan.policy, time.cycle.tolerance)
+
+
+def _most(plan: Plan, pieces: Any, span: tuple[float, float]) -> list[float]:
+    """Return the heat that the fluid of each part could leave in the bed between two temperatures [J]."""
+    low, high = span
+    found = []
+    for piece in pieces:
+        part = plan.within(piece)
+        enthalpy = part.medium.fluid.enthalpy
+        speed = float(np.abs(part.velocity[part.mesh.axis])) * part.section
+        found.append(
+            speed * part.medium.mass_flux_scale() * float(enthalpy(high) - enthalpy(low)) * (piece.end - piece.start)
+        )
+    return found
 
 
 def _track_fronts(plan: Plan, result: Result) -> None:

@@ -161,6 +161,12 @@ class Region(Table):
     tubes: Tubes | None = Field(None, description="absorb and emit radiation; with [heat] and [radiation]")
 
 
+class CycleSettings(Table):
+    """A run that is one period of a cycle: it begins with the state that it ends with."""
+
+    tolerance: Fraction = Field(1e-8, description="change over one period over the span of temperatures")
+
+
 class Time(Table):
     """A transient run; absent means steady."""
 
@@ -170,6 +176,9 @@ class Time(Table):
     times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
     step: Seconds | None = Field(None, description="fixed step; error-controlled if absent")
     tolerance: Fraction = Field(1e-4, description="local error over the span of temperatures")
+    cycle: CycleSettings | None = Field(
+        None, description="the cyclic steady state of which the run is one period; initial temperatures are a guess"
+    )
     checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
 
 

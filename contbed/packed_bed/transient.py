@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -14,7 +14,7 @@ from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.scene import Time
 from contbed.scene.toml_lines import Origin
 from contbed.solvers.linear import Policy
-from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, march
+from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, march
 
 ONE_KELVIN = 1.0  # [K] scale of the errors of a bed that only fluxes or sources drive from one temperature
 
@@ -135,38 +135,20 @@ def run_transient(
     end: float,
     advance: Callable[[float], None],
     save: Save | None,
+    levels: Sequence[int] | None = None,
 ) -> History:
-    """March `history` to `end` [s]; it always holds the last accepted step, whatever happens."""
+    """March `history` to `end` [s]; it always holds the last accepted step, whatever happens.
+
+    `levels` are the sizes of all steps of this ladder in a run that is repeated.
+    """
     time = problem.scene.time
     assert time is not None
     wanted = sorted({*time.times, time.end})
     problem.medium.restore(history.ranges)
-    low, high = problem.T_span
     history.climb(end)
     if not history.times and wanted[0] == 0.0:
         _keep(history, 0.0, history.state)
-    solver = problem.scene.solver
-    uniform = np.zeros(problem.system.size)  # temperatures count from it, modes inside of particles from 0
-    uniform[problem.heats] = low
-    steps = march(
-        problem,
-        history.state,
-        end,
-        problem.system.ordered(policy),
-        start=history.origin,
-        tolerance=time.tolerance,
-        span=high - low if high > low else ONE_KELVIN,
-        origin=uniform,
-        step=time.step,
-        tick=history.tick,
-        level=history.level,
-        newton_options={
-            "tolerance": solver.newton_tolerance,
-            "iterations": solver.newton_iterations,
-            "lower": problem.lower,
-            "weights": problem.weights,
-        },
-    )
+    steps = steps_of(problem, history, policy, end, levels)
     saved = clock.monotonic()
     if problem.linear:  # closures have been evaluated once for all steps
         problem.medium.record()
@@ -189,6 +171,38 @@ def run_transient(
             save(*history.pack())
             saved = clock.monotonic()
     return history
+
+
+def steps_of(
+    problem: HeatProblem, history: History, policy: Policy, end: float, levels: Sequence[int] | None = None
+) -> Iterator[Step]:
+    """Return the time steps from the state of `history` to `end` [s]; see `march`."""
+    time = problem.scene.time
+    assert time is not None
+    low, high = problem.T_span
+    solver = problem.scene.solver
+    uniform = np.zeros(problem.system.size)  # temperatures count from it, modes inside of particles from 0
+    uniform[problem.heats] = low
+    return march(
+        problem,
+        history.state,
+        end,
+        problem.system.ordered(policy),
+        start=history.origin,
+        tolerance=time.tolerance,
+        span=high - low if high > low else ONE_KELVIN,
+        origin=uniform,
+        step=time.step,
+        tick=history.tick,
+        level=history.level,
+        newton_options={
+            "tolerance": solver.newton_tolerance,
+            "iterations": solver.newton_iterations,
+            "lower": problem.lower,
+            "weights": problem.weights,
+        },
+        levels=levels,
+    )
 
 
 def enter(problem: HeatProblem, history: History, policy: Policy, size: float | None) -> None:
@@ -233,6 +247,11 @@ def _account(problem: HeatProblem, history: History, step: Any) -> None:
             for name, parts in problem.fluxes(state).items():
                 for kind, value in parts.items():
                     history.flux[f"{name}.{kind}"] = history.flux.get(f"{name}.{kind}", 0.0) + w * value
+
+
+def streamed(history: History) -> float:
+    """Return the heat that streams of the fluid have left in the bed so far, where values change with time [J]."""
+    return sum(value for key, value in history.flux.items() if key.endswith(".T_fluid"))
 
 
 def integrated_fluxes(problem: HeatProblem, history: History) -> dict[str, dict[str, float]]:

@@ -15,7 +15,7 @@ the whole run, the end is met exactly, and time is an integer: a restart repeats
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -121,9 +121,11 @@ def march(
     tick: int = 0,
     level: int | None = None,
     newton_options: dict[str, Any] | None = None,
+    levels: Sequence[int] | None = None,
 ) -> Iterator[Step]:
     """Yield accepted steps from `tick` (0, or where a checkpoint stopped) to `end`; tick 0 is at `start`.
 
+    `levels` are the levels of all steps from the start, of a run that is repeated; they are not judged again.
     `tolerance` is the local error relative to `span`; a constant `step` [s] is rounded down to divide the time.
     Linear problems are measured from the state `origin`, a number or one for each unknown, which loses fewer digits
     than measuring from zero. The shortest step is accepted whatever its error, so that a jump in a layer far thinner
@@ -136,8 +138,12 @@ def march(
         total = 2**LEVELS if end > start else 0
         unit, adaptive = (end - start) / max(total, 1), True
         level = LEVELS - FIRST_LEVEL if level is None else level
+    if levels is not None:
+        adaptive = False
+    repeated = iter(levels or ())
     stage = _stages(problem, np.full_like(state, origin), (start, end), policy, newton_options or {})
     while tick < total:
+        level = level if levels is None else next(repeated)
         width = 2**level
         dt = unit * width
         moments = start + tick * unit, start + (tick + width) * unit

@@ -1,0 +1,128 @@
+"""Cyclic steady state: the state that one period of a run gives back, found directly instead of by many periods.
+
+With y the state at the start of a period and Phi(y) that at its end, Phi(y) = y is solved by Anderson's acceleration
+
+    y_new = Phi(y) - sum_j gamma_j (Phi_(j+1) - Phi_j)
+    gamma minimises |F - sum_j gamma_j (F_(j+1) - F_j)|,    F = Phi(y) - y
+
+over the last `DEPTH` periods; for a linear bed this is GMRES. Plain repetition takes hundreds of periods where a period
+is short, as in regenerators. After a few periods the sequence of time steps is kept, so that Phi is smooth.
+
+Source: Anderson, J. ACM 12 (1965) 547, doi:10.1145/321296.321305; Walker, Ni, SIAM J. Numer. Anal. 49 (2011) 1715,
+doi:10.1137/10078356X.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import ConvergenceError
+from contbed.packed_bed.transient import History, enter, steps_of
+from contbed.solvers.linear import Policy
+
+DEPTH = 25  # former periods that are combined
+ADAPTIVE = 4  # periods whose steps are chosen anew; later ones repeat those of the last
+MOST = 60  # periods after which the run gives up
+
+
+@dataclass
+class Cycle:
+    """A periodic state.
+
+    state : at the start of a period; periods : how many were computed; residual : largest change over one [K]
+    levels : sizes of the time steps of each part of the period
+    """
+
+    state: Any
+    periods: int
+    residual: float
+    levels: dict[int, list[int]] = field(default_factory=dict)
+
+
+def find_cycle(problems: Sequence[Any], state: Any, policy: Policy, tolerance: float) -> Cycle:
+    """Find the periodic state from a first guess.
+
+    Parameters
+    ----------
+    problems : of the parts of a period, each with its piece
+    tolerance : largest change over one period, over the span of temperatures
+
+    Raises
+    ------
+    ConvergenceError : no state comes back within `tolerance` after `MOST` periods
+    """
+    low, high = problems[0].T_span
+    found = Cycle(state, 0, np.inf)
+    accelerate = _anderson()
+    best = np.inf
+    for count in range(1, MOST + 1):
+        after = _period(problems, found, policy, fresh=count <= ADAPTIVE)
+        change = (after - found.state) * problems[0].weights
+        found.residual, found.periods = float(np.abs(change).max()), count
+        best = min(best, found.residual)
+        # the steps of the last periods belong to the state that is reported
+        if found.residual <= tolerance * (high - low) and count > 1:
+            return found
+        found.state = accelerate(found.state, after)
+    raise ConvergenceError(
+        f"cycle: after {MOST} periods the bed still changes by {best:.3g} K over one; loosen time.cycle.tolerance or "
+        "use a longer time.step"
+    )
+
+
+def _period(problems: Sequence[Any], cycle: Cycle, policy: Policy, fresh: bool) -> Any:
+    """Return the state after one period; keep the sizes of the steps where they are chosen `fresh`."""
+    history = History(cycle.state)
+    for k, problem in enumerate(problems):
+        piece = problem.piece
+        enter(problem, history, policy, None if piece.jumps or k == 0 else history.size)
+        levels = None if fresh else cycle.levels[k]
+        taken = []
+        for step in steps_of(problem, history, policy, piece.end, levels):
+            history.state, history.time = step.states[-1], step.end
+            history.tick, history.level = step.tick + 2**step.level, step.next_level
+            taken.append(step.level)
+        cycle.levels[k] = taken
+    return history.state
+
+
+def _anderson() -> Callable[[Any, Any], Any]:
+    """Return a function of a state and its image that gives the next state; it remembers former pairs."""
+    images: list[Any] = []
+    changes: list[Any] = []
+
+    def following(state: Any, image: Any) -> Any:
+        images.append(image)
+        changes.append(image - state)
+        del images[: -DEPTH - 1], changes[: -DEPTH - 1]
+        if len(images) == 1:
+            return image
+        columns = np.diff(np.array(changes), axis=0).T
+        gamma = np.linalg.lstsq(columns, changes[-1], rcond=1e-12)[0]
+        return image - np.diff(np.array(images), axis=0).T @ gamma
+
+    return following
+
+
+def exchanged(net: Sequence[float], most: Sequence[float]) -> dict[str, float]:
+    """Return quantities of a storage cycle.
+
+    Parameters
+    ----------
+    net : heat that the fluid leaves in the bed in each part of a period [J]
+    most : what it could leave or take there between the two extreme temperatures [J]
+    """
+    charged, taken = sum(q for q in net if q > 0.0), -sum(q for q in net if q < 0.0)
+    could = [sum(m for q, m in zip(net, most, strict=True) if sign * q > 0.0) for sign in (1.0, -1.0)]
+    out = {"heat_charged_J": charged, "heat_discharged_J": taken}
+    if charged > 0.0 and taken > 0.0:
+        out |= {
+            "storage_efficiency": taken / charged,
+            "effectiveness_charge": charged / could[0],
+            "effectiveness_discharge": taken / could[1],
+        }
+    return out

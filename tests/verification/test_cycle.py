@@ -1,0 +1,123 @@
+"""Cyclic steady states against regenerators, and losses of a bed at rest against their series."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contbed.errors import SceneError
+from contbed.loading import load
+from contbed.packed_bed.cycle import _anderson, exchanged
+from contbed.runner import run
+from tests.particle.tables import rows
+
+EPS, D, FILM, SOLID = 0.4, 0.01, 100.0, 1e6  # -, m, W/m2/K, J/m3/K
+AREA, CONTENT = 6 * (1 - EPS) / D, (1 - EPS) * SOLID
+HOLD_UP = 1e-6  # heat held by the gas over that of the solid; the tables have none
+
+
+def regenerator(path, hot, cold, tolerance=1e-4, cells=60, cycle="{}"):
+    """Bed of 1 m with one blow from either end; `hot` and `cold` are (reduced length, reduced period)."""
+    rho = HOLD_UP * CONTENT / EPS
+    speeds = [FILM * AREA / length / rho for length, _ in (hot, cold)]
+    times = [period * CONTENT / (FILM * AREA) for _, period in (hot, cold)]
+    path.write_text(f"""
+mesh = {{ type = "line", length = 1.0, cells = {cells} }}
+flow.velocity = {{ times = [0, {times[0]!r}], values = [{speeds[0]!r}, {-speeds[1]!r}] }}
+boundary.left.fluid.inflow = 400.0
+boundary.right.fluid.inflow = 300.0
+time.end = {sum(times)!r}
+time.initial_fluid = 350.0
+time.initial_solid = 350.0
+time.tolerance = {tolerance}
+time.cycle = {cycle}
+fluid = {{ model = "constant", density = {rho / 1000!r}, heat_capacity = 1000.0, conductivity = 1.0, viscosity = 1e-5 }}
+solid = {{ density = 1000.0, heat_capacity = {SOLID / 1000!r}, conductivity = 1.0 }}
+bed = {{ porosity = {EPS}, particle_diameter = {D} }}
+heat = {{ nusselt = {FILM * D!r}, conductivity_fluid = 0.0, conductivity_solid = 0.0 }}
+""")
+    return path
+
+
+NAMES = ("Lambda_hot", "Pi_hot", "Lambda_cold", "Pi_cold")
+CASES = [(tuple(row[name] for name in NAMES), row) for row in rows("regenerator.csv")]
+FAST = {(20, 2, 20, 2), (30, 20, 30, 25), (50, 20, 50, 20)}
+
+
+@pytest.mark.parametrize(
+    ("numbers", "row"),
+    [pytest.param(*case, marks=() if case[0] in FAST else pytest.mark.slow, id=str(case[0])) for case in CASES],
+)
+def test_regenerator(tmp_path, numbers, row):
+    found = run(load(regenerator(tmp_path / "s.toml", numbers[:2], numbers[2:])))
+    # of time steps with a local error of 1e-4
+    assert found.qoi["effectiveness_charge"] == pytest.approx(row["effectiveness_hot"], abs=2e-4)
+    assert found.qoi["effectiveness_discharge"] == pytest.approx(row["effectiveness_cold"], abs=2e-4)
+    # 1e-8 of 100 K over the period, and so for the heat
+    assert found.qoi["cycle_change_K"] <= 1e-6
+    assert found.qoi["storage_efficiency"] == pytest.approx(1.0, abs=1e-6)
+    # repetition takes 250 periods to 1e-8 for (20, 2), and thousands for (50, 0.1)
+    assert found.qoi["cycle_periods"] <= (60 if min(numbers[1::2]) < 0.5 else 30)
+    assert abs(found.balances["energy"]["relative_residual"]) < 1e-11
+
+
+def test_the_end_of_the_period_is_its_start(tmp_path):
+    path = regenerator(tmp_path / "s.toml", (10, 3), (10, 3), 1e-3, cells=20)
+    path.write_text(path.read_text() + "\n[particle]\nheat = 'interior'\n")
+    found = run(load(path))
+    assert found.qoi["cycle_change_K"] <= 1e-6 and found.qoi["storage_efficiency"] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_anderson_solves_a_linear_problem_in_as_many_steps_as_it_has_unknowns():
+    rng = np.random.default_rng(1)
+    matrix = np.diag(np.linspace(0.1, 0.995, 6)) + 0.01 * rng.standard_normal((6, 6))
+    shift, state, accelerate = rng.standard_normal(6), np.zeros(6), _anderson()
+    for _ in range(8):
+        state = accelerate(state, matrix @ state + shift)
+    assert state == pytest.approx(np.linalg.solve(np.eye(6) - matrix, shift), rel=1e-7)
+
+
+def test_quantities_of_a_cycle():
+    found = exchanged([10.0, -1.0, -8.0, 0.0], [20.0, 2.0, 16.0, 5.0])
+    assert found["storage_efficiency"] == pytest.approx(0.9)
+    assert found["effectiveness_charge"] == 0.5 and found["effectiveness_discharge"] == 0.5
+    assert exchanged([5.0], [10.0]) == {"heat_charged_J": 5.0, "heat_discharged_J": 0}
+
+
+def test_a_cycle_without_series_is_refused(tmp_path):
+    path = regenerator(tmp_path / "s.toml", (5, 1), (5, 1))
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join("flow.velocity = 1.0" if line.startswith("flow") else line for line in lines))
+    with pytest.raises(SceneError, match="a cycle needs a velocity or a temperature that changes"):
+        load(path)
+
+
+@pytest.mark.parametrize("case", range(2))
+def test_losses_of_a_bed_at_rest(tmp_path, case):
+    group = rows("standby_losses.csv")[3 * case : 3 * case + 3]
+    first, k, height = group[0], 2.0, 0.01
+    content, T_amb, T_0 = (1 - EPS) * SOLID, 300.0, 400.0
+    times = [row["Fo"] * content / k for row in group]
+    path = tmp_path / "s.toml"
+    # a thin bed: across it the temperature varies by beta (height/length)^2 = 1e-4 of the difference to outside
+    path.write_text(f"""
+mesh = {{ type = "rectangle", length = 1.0, height = {height}, cells = [60, 1] }}
+flow.velocity = 0.0
+boundary.left.solid = {{ coefficient = {first["B0"] * k!r}, ambient = {T_amb} }}
+boundary.right.solid = {{ coefficient = {first["B1"] * k!r}, ambient = {T_amb} }}
+boundary.top.solid = {{ coefficient = {first["beta"] * k * height!r}, ambient = {T_amb} }}
+time.end = {times[-1]!r}
+time.times = {times!r}
+time.initial_fluid = {T_0}
+time.initial_solid = {T_0}
+time.tolerance = 1e-5
+output.positions = [0.0, 0.5, 1.0]
+fluid = {{ model = "constant", density = 1e-9, heat_capacity = 1000.0, conductivity = 1.0, viscosity = 1e-5 }}
+solid = {{ density = 1000.0, heat_capacity = {SOLID / 1000!r}, conductivity = 1.0 }}
+bed = {{ porosity = {EPS}, particle_diameter = {D} }}
+heat = {{ nusselt = 1.0, conductivity_fluid = 0.0, conductivity_solid = {k!r} }}
+""")
+    found = run(load(path))
+    theta = (found.profiles["T_solid [K]"].reshape(len(group), 3) - T_amb) / (T_0 - T_amb)
+    wanted = [[row[f"theta_{where}"] for where in ("0", "half", "1")] for row in group]
+    assert theta == pytest.approx(np.array(wanted), abs=1e-4)
