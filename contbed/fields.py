@@ -156,6 +156,8 @@ _RESULTS = (
     Field("cells", "N", "1", "number of cells"),
     # radiation
     Field("optical_thickness", r"\tau", "1", "extinction times the extent of the medium"),
+    Field("ordinates", "N", "1", "directions in each hemisphere that were needed"),
+    Field("estimated_error_angles", r"e_\Omega", "1", "estimated error of G and flux by the number of ordinates"),
     Field("albedo", r"\omega", "1", "scattering over extinction"),
     Field("flux_dimensionless", r"\Psi", "1", "heat flux over the difference of emissive powers of two walls"),
     Field("temperature_slip", r"1 - \Phi_0", "1", "difference of emissive powers of medium and first wall, scaled"),

@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from contbed.balance import HELD_SHARE, Balance
-from contbed.fem.probe import line_along
+from contbed.fem.probe import Probe, line_along
 from contbed.radiation.plan import Plan
 from contbed.radiation.problem import RadiationProblem, emission
 from contbed.radiation.results import fill
@@ -16,16 +18,26 @@ if TYPE_CHECKING:
     from contbed.radiation.ordinates import OrdinatesProblem
 
 TOLERANCE = 1e-10  # share of its scale that a balance may be open by as a rule, solver.balance_tolerance
+SAMPLES = 41  # points along the medium at which solutions with different ordinates are compared
+SMALL_FLUX = 1e-6  # share of G
 
 
 def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
     """Solve and fill the result; a steady solution keeps no checkpoint and needs no folder."""
+    with result.timed("radiation"):
+        problem, state = _solved(plan, result)
+        error = None
+        while (finer := plan.with_more_ordinates()) is not None and not (
+            error is not None and error <= plan.scene.solver.tolerance
+        ):
+            before, of_before = problem, state
+            plan = result.plan = finer
+            problem, state = _solved(plan, result)
+            error = _angular_error(before, of_before, problem, state)
     line = line_along(plan.mesh, plan.scene.output.positions, plan.scene.output.across)
     result.warnings += [line.note] if line.note else []
-    with result.timed("radiation"):
-        problem = _problem(plan)
-        state, history = problem.solve(plan.policy)
-        result.history += history
+    if error is not None:
+        _report_angles(plan, error, result)
     fluxes, conducted = problem.fluxes(state), problem.conducted(problem.assemble(state, False)[0])
     held = HELD_SHARE * emission(problem.optics, problem.surfaces, plan.mesh, 1.0)
     rounding = problem.rounding(state) / TOLERANCE
@@ -33,6 +45,41 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         [*fluxes.values(), *conducted.values()], "W", problem.released(state), floor=max(held, rounding)
     ).as_dict()
     fill(plan, line, problem, state, fluxes, conducted, result)
+
+
+def _solved(plan: Plan, result: Result) -> tuple[RadiationProblem | OrdinatesProblem, Any]:
+    problem = _problem(plan)
+    state, history = problem.solve(plan.policy)
+    result.history += history
+    return problem, state
+
+
+def _angular_error(coarse: Any, of_coarse: Any, fine: Any, of_fine: Any) -> float:
+    """Estimate the error of the finer of two solutions in G and in the flux, each over its largest value.
+
+    Twice the ordinates leave a quarter of the error or less, so it is a third of the difference at most. A flux that is
+    zero but for round-off is compared with `SMALL_FLUX` of G.
+    """
+    low, high = fine.mesh.skfem.p[0].min(), fine.mesh.skfem.p[0].max()
+    positions = np.linspace(low, high, SAMPLES)[None, :]
+    found = []
+    for problem, state in ((coarse, of_coarse), (fine, of_fine)):
+        probe = Probe(problem.mesh, positions)
+        found.append((probe(problem.space, problem.incident(state)), problem.flux(state, probe)))
+    (G_coarse, q_coarse), (G, q) = found
+    largest = np.abs(G).max()
+    scale = max(np.abs(q).max(), SMALL_FLUX * largest)
+    return float(max(np.abs(G - G_coarse).max() / largest, np.abs(q - q_coarse).max() / scale)) / 3.0
+
+
+def _report_angles(plan: Plan, error: float, result: Result) -> None:
+    ordinates, tolerance = plan.solved.radiation.ordinates, plan.scene.solver.tolerance
+    result.qoi |= {"ordinates": ordinates, "estimated_error_angles": error}
+    if error > tolerance:
+        result.warnings.append(
+            f"{ordinates} ordinates in each hemisphere leave an estimated error of {error:.1g} of G and flux, "
+            f"solver.tolerance asks for {tolerance:.1g}; no more are tried: thin media emit along grazing directions"
+        )
 
 
 def _problem(plan: Plan) -> RadiationProblem | OrdinatesProblem:

@@ -24,6 +24,9 @@ from contbed.scene.quantities import (
 )
 from contbed.scene.tables import Output, Packing, SceneBase, Solver
 
+FEWEST, MOST = 4, 64  # ordinates in a hemisphere that are tried where none are given
+MOST_CONDUCTING = 16  # in a medium that conducts, where each point answers to all others and the cost grows as points^3
+
 
 class Sieves(Table):
     """A sieve analysis: apertures from fine to coarse and the mass between neighbours."""
@@ -69,7 +72,9 @@ class Radiation(Table):
         "close_packed", description="extinction over the voidage, or the limit of points far apart"
     )
     anisotropy: Annotated[Number, Field(ge=-1, le=1)] = Field(0.0, description="mean cosine of scattering")
-    ordinates: Annotated[Whole, Field(ge=1, le=64)] = Field(4, description="directions in each hemisphere")
+    ordinates: Annotated[Whole, Field(ge=1, le=64)] | None = Field(
+        None, description="directions in each hemisphere; absent: 4, doubled until the error is within solver.tolerance"
+    )
     conductivity: Conductivity | None = Field(None, description="of the medium, without [heat]")
     temperature: Temperature | None = Field(None, description="of the medium, without [heat]")
 

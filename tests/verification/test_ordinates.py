@@ -6,8 +6,12 @@ the discrete system (balances, reciprocity, symmetry) hold to round-off, taken a
 
 import numpy as np
 import pytest
+from scipy.special import expn
 
+import contbed as cb
+from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
+from contbed.loading import from_dict
 from contbed.radiation.equations.ordinates import Ordinates, Wall, solve_ordinates
 from contbed.verify.exact_conduction_radiation import conduction_radiation
 from contbed.verify.exact_radiation import P1, TWO_FLUX, equilibrium_flux, gray_plates, isothermal_body, linear_slab
@@ -296,3 +300,32 @@ def test_errors_of_walls_and_modes():
         Ordinates([0.0, 1.0], 1.0, 0.0, HOT, COLD).solve()
     with pytest.raises(ValueError, match="equilibrium"):
         Ordinates([0.0, 1.0], 1.0, 0.0, HOT, COLD, equilibrium=True).solve(1.0)
+
+
+@pytest.mark.parametrize("tau", [0.02, 0.5, 3.0])
+def test_the_number_of_ordinates_follows_the_error(tau):
+    """An emitting slab: G = 2 sigma T^4 (2 - E2(t) - E2(tau - t)) and q = 2 sigma T^4 (1/2 - E3(tau)) at its ends.
+
+    The true errors stay below 1.2 times the estimate, whose rule is that of many ordinates, and the estimate below the
+    tolerance unless a warning says that no more were tried.
+    """
+    scene = {
+        "mesh": {"type": "line", "length": 0.1},
+        "radiation": {"level": "ordinates", "absorption": tau / 0.1, "scattering": 0.0, "temperature": 1000.0},
+        "boundary": {"left": {"radiation": {"radiosity": 0.0}}, "right": {"radiation": {"radiosity": 0.0}}},
+        "solver": {"tolerance": 1e-4},
+        "output": {"plots": False, "fields": False, "positions": [0.0, 0.02, 0.05]},
+    }
+    result = cb.run(from_dict(scene))
+    black = SIGMA * 1000.0**4
+    t = tau * result.profiles["x [m]"] / 0.1
+    G = 2.0 * black * (2.0 - expn(2, t) - expn(2, tau - t))
+    estimate = result.qoi["estimated_error_angles"]
+    assert np.abs(result.profiles["G [W/m2]"] - G).max() <= 1.2 * estimate * G.max()
+    flux = 2.0 * black * (0.5 - expn(3, tau))
+    assert -result.qoi["heat_left_W"] == pytest.approx(flux, rel=1.2 * estimate)
+    assert (estimate <= 1e-4) == (not result.warnings)
+    assert result.qoi["ordinates"] in (8, 16, 32, 64)
+    given = cb.run(from_dict(scene | {"radiation": scene["radiation"] | {"ordinates": 4}}))
+    assert "ordinates" not in given.qoi
+    assert abs(given.qoi["heat_left_W"] + flux) > 10.0 * abs(result.qoi["heat_left_W"] + flux)

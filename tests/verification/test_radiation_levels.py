@@ -28,7 +28,8 @@ def wall(T: float, emissivity: float = 1.0) -> dict[str, float]:
 
 
 def slab(level: str, tau: float, left: Any, right: Any, albedo: float = 0.0, **radiation: Any) -> dict[str, Any]:
-    """A medium of thickness 1 m between two boundaries; None is a mirror."""
+    """A medium of thickness 1 m between two boundaries, None is a mirror; 4 + 4 ordinates unless others are given."""
+    radiation = ({"ordinates": 4} if level == "ordinates" else {}) | radiation
     ends = {"left": left, "right": right}
     return {
         "mesh": {"type": "line", "length": 1.0},
@@ -127,6 +128,7 @@ def test_species_of_given_temperature_among_others():
     for level in LEVELS:
         values["radiation"] = {"level": level, "species": {"hot": hot, "other": passive}, "correction": "independent"}
         values["bed"] = {"porosity": 0.7, "particle_diameter": 0.1}
+        values["radiation"] |= {"ordinates": 4} if level == "ordinates" else {}
         mixed = run(values).qoi["heat_left_W"]
         direct = slab(level, 1.0, COLD, COLD, temperature=1200.0) | {"mesh": values["mesh"]}
         direct["radiation"] |= {"absorption": 1.5, "scattering": 1.5}
