@@ -64,6 +64,7 @@ _FIELDS = (
     Field("G", "G", "W/m2", "incident radiation, the intensity integrated over all directions"),
     Field("q_radiation", r"q_\mathrm{r}", "W/m2", "radiative heat flux along the bed"),
     # two fluids
+    Field("speed_solid", r"|u_\mathrm{s}|", "m/s", "magnitude of the velocity of the particles, averaged over time"),
     Field("eps_s", r"\varepsilon_\mathrm{s}", "1", "solids volume fraction"),
     Field("eps_s_max", r"\varepsilon_\mathrm{s,max}", "1", "largest solids volume fraction"),
     Field("u_gas", r"u_\mathrm{g}", "m/s", "velocity of the gas between the particles"),

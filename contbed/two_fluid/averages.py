@@ -43,6 +43,7 @@ class Averages:
             "u_gas": (1.0 - s) * bed.state.u_gas,
             "u_solid": s * bed.state.u_solid,
             "square": s * bed.state.u_solid**2,
+            "speed": bed.state.eps_s * np.linalg.norm(bed.state.u_solid, axis=1),
             "forces": momentum_budget.forces(bed, before),
         }
         if bed.state.energy is not None:
@@ -59,7 +60,7 @@ class Averages:
     def means(self, half: int | None = None) -> dict[str, np.ndarray]:
         """Return fields of averages, of all or of one half.
 
-        They are eps_s, p, phase-weighted velocities, temperatures, theta and theta_total.
+        They are eps_s, p, phase-weighted velocities and speed of the particles, temperatures, theta and theta_total.
         """
         weight = self.weight.sum() if half is None else self.weight[half]
         pick = slice(None) if half is None else slice(half, half + 1)
@@ -76,6 +77,7 @@ class Averages:
             "p": mean["p"],
             "u_gas": mean["u_gas"] / (1.0 - mean["eps_s"])[:, None],
             "u_solid": u,
+            "speed_solid": mean["speed"] / s,
             "theta": mean["theta"] / s,
             "theta_total": mean["theta"] / s + total / 3.0,
         }

@@ -76,6 +76,18 @@ def window_is_in_the_vessel(output: t.Output, mesh: meshes.Mesh) -> Mistakes:
         yield ("output", "window"), f"outside of the vessel, which reaches from 0 to {mesh.extents[-1]:.6g} m"
 
 
+def levels_are_in_the_vessel(output: t.Output, mesh: meshes.Mesh) -> Mistakes:
+    """Check that the heights of lateral profiles lie in the vessel."""
+    if isinstance(mesh, meshes.MeshFile):
+        return
+    for k, level in enumerate(output.levels):
+        if not 0.0 <= level < mesh.extents[-1]:
+            yield (
+                ("output", "levels", k),
+                f"outside of the vessel, which reaches from 0 to {mesh.extents[-1]:.6g} m",
+            )
+
+
 def closures_exist(two_fluid: t.TwoFluid, origin: Origin) -> Mistakes:
     """Check that every closure of [two_fluid] exists and can be called."""
     for key, kind in KINDS.items():
@@ -241,6 +253,7 @@ CHECKS = (
     pieces_do_not_overlap,
     particles_fit_the_mesh,
     window_is_in_the_vessel,
+    levels_are_in_the_vessel,
     fractions_fit,
     boundaries_are_complete,
     what_enters_can_leave,

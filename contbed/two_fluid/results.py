@@ -140,8 +140,8 @@ def tables(
     weights = {"T_gas [K]": 1.0 - s, "T_solid [K]": s} if warm else {}
     weights |= {"u_solid [m/s]": s, "theta [m2/s2]": s, "u_gas [m/s]": 1.0 - s}
     if averaged:
-        values["theta_total [m2/s2]"] = fields["theta_total"]
-        weights["theta_total [m2/s2]"] = s
+        for name in ("theta_total [m2/s2]", "speed_solid [m/s]"):
+            values[name], weights[name] = fields[name.partition(" ")[0]], s
     corners = plan.mesh.skfem.p[:, plan.mesh.skfem.t].T
     height = centres[:, -1]
     place, columns = along(height, volume, values, weights, min(BINS, _layers(height, corners[..., -1])))
@@ -158,11 +158,36 @@ def tables(
         bins = min(WALL_BINS, _layers(x, lateral(corners)))
         place, columns = along(x, volume[inside], pick, lean, bins)
         found["lateral"] = {name: place, **columns}
+        if plan.scene.output.levels:
+            found["levels"] = _levels(plan, bed, values, weights)
     late = rows["t [s]"] >= averages.start if averaged else np.zeros(0)  # type: ignore[union-attr]
     if late.sum() >= SPECTRUM:
         frequency, power = spectrum(rows["t [s]"][late], rows["pressure_drop [Pa]"][late])
         found["spectrum"] = {"frequency [Hz]": frequency, "spectral_density [Pa2 s]": power}
     return found
+
+
+def _levels(
+    plan: Any, bed: Simulation, values: dict[str, np.ndarray], weights: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Lateral profiles at each of `output.levels`, of the cells that the level cuts."""
+    corners = plan.mesh.skfem.p[:, plan.mesh.skfem.t].T[bed.model.grid.cells]
+    low, high = corners[..., -1].min(axis=1), corners[..., -1].max(axis=1)
+    volume, (name, lateral) = bed.model.grid.geometry.volume, across(bed.model.grid)
+    parts: dict[str, list[np.ndarray]] = {}
+    for level in plan.scene.output.levels:
+        cut = (low <= level) & (level < high)
+        x = lateral(bed.model.grid.centres[cut])
+        place, columns = along(
+            x,
+            volume[cut],
+            {key: value[cut] for key, value in values.items()},
+            {key: value[cut] for key, value in weights.items()},
+            _layers(x, lateral(corners[cut])),
+        )
+        for key, column in {"height [m]": np.full(len(place), level), name: place, **columns}.items():
+            parts.setdefault(key, []).append(column)
+    return {key: np.concatenate(columns) for key, columns in parts.items()}
 
 
 def across(grid: Grid) -> tuple[str, Callable[[np.ndarray], np.ndarray]]:

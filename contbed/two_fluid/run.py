@@ -21,7 +21,7 @@ from contbed.two_fluid.averages import Averages
 from contbed.two_fluid.closures import known
 from contbed.two_fluid.simulation import Simulation
 
-RESTART_MAY_CHANGE = ("time.end", "time.sample", "output.plots", "output.fields", "output.window")
+RESTART_MAY_CHANGE = ("time.end", "time.sample", "output.plots", "output.fields", "output.window", "output.levels")
 ROWS = 200  # in profiles.csv unless the scene says how often
 
 

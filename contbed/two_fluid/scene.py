@@ -194,6 +194,7 @@ class Output(Table):
     plots: Switch = True
     fields: Switch = True
     window: Window | None = Field(None, description="for lateral.csv; absent: the whole height")
+    levels: tuple[Position, ...] = Field((), description="along the last axis, lateral profiles for levels.csv")
     probes: dict[str, tuple[Position, ...]] = Field(default_factory=dict, description="points, for profiles.csv")
 
 

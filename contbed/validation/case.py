@@ -7,6 +7,7 @@ scene = "scene.toml"
 quantity = "T_fluid"                    # column of the profiles, and first part of the names of what is reported
 uncertainty = "3 K"                     # standard uncertainty of a measured point
 each = "time"                           # a score for each "time" or each "position"
+compare = "profiles"                    # or "signal" with a [signal], or "levels" of a two-fluid scene
 [measured]
 file = "measured.csv"
 column = "T_fluid"                      # with its unit in the header; so are the next two
@@ -55,8 +56,9 @@ class Measured(Table):
 
     file: str
     column: str
-    time: str
-    position: str
+    time: str | None = None
+    position: str | None = None
+    height: str | None = Field(None, description="of levels")
     where: dict[str, str] = Field(default_factory=dict, description="rows with these texts in these columns only")
 
 
@@ -65,6 +67,14 @@ class Report(Table):
 
     positions: tuple[Position, ...] = ()
     times: tuple[Instant, ...] = ()
+
+
+class Signal(Table):
+    """A column of profiles.csv over time whose statistics are compared."""
+
+    column: str
+    start: Instant = Field(0.0, description="from when on")
+    report: tuple[str, ...] = Field((), description="columns whose mean and standard deviation are reported")
 
 
 class Settings(Table):
@@ -78,20 +88,26 @@ class Settings(Table):
     scene: str
     quantity: str
     uncertainty: str
-    each: Literal["time", "position"]
+    each: Literal["time", "position"] = "time"
+    compare: Literal["profiles", "signal", "levels"] = "profiles"
     measured: Measured
     report: Report = Report()
+    signal: Signal | None = None
     uncertain: dict[str, Any] = Field(default_factory=dict)
     long: Switch = Field(False, description="more than a minute; run with --long")
 
 
 @dataclass(frozen=True)
 class Points:
-    """Measured points: times [s], positions [m] and values in SI, all of shape (points,)."""
+    """Measured points: times [s], positions [m], values in SI and heights [m], all of shape (points,).
+
+    What the comparison has no use for is not a number.
+    """
 
     t: Array
     x: Array
     value: Array
+    height: Array
 
 
 @dataclass(frozen=True)
@@ -126,24 +142,30 @@ class Case:
         keep = np.ones(len(table.cells), dtype=bool)
         for column, text in wanted.where.items():
             keep &= np.array([cell == text for cell in table.texts(column)])
-        t, x = table.column(wanted.time, "s"), table.column(wanted.position, "m")
-        keep &= t > 0.0
+        t, x, height = (
+            np.full(len(keep), np.nan) if column is None else table.column(column, unit)
+            for column, unit in ((wanted.time, "s"), (wanted.position, "m"), (wanted.height, "m"))
+        )
+        keep &= ~(t <= 0.0)
         if not keep.any():
             raise SceneError(f"{self.origin.at(('measured',))}: no row of {wanted.file} fits measured.where after 0 s")
-        return Points(t[keep], x[keep], table.column(wanted.column, self.unit)[keep])
+        return Points(t[keep], x[keep], table.column(wanted.column, self.unit)[keep], height[keep])
 
     def scene(self, **changes: Any) -> SceneBase:
-        """Return the scene with outputs where something is measured or reported.
+        """Return the scene, that of profiles with outputs where something is measured or reported.
 
         Parameters
         ----------
         changes : values by key of the scene in place of its own
         """
+        path = self.folder / self.settings.scene
+        if self.settings.compare != "profiles":
+            return load(path, changes)
         report = self.settings.report
         times = sorted({*self.points.t.tolist(), *report.times})
         positions = sorted({*self.points.x.tolist(), *report.positions})
         outputs = {"time.end": times[-1], "time.times": times, "output.positions": positions}
-        return load(self.folder / self.settings.scene, {**outputs, **changes})
+        return load(path, {**outputs, **changes})
 
     def uncertain(self) -> Iterator[tuple[str, float, float]]:
         """Yield key, value and standard uncertainty in SI of the inputs that are not known exactly.
@@ -195,6 +217,11 @@ def read_case(name: str) -> Case:
     except ValidationError as invalid:
         errors = invalid.errors(include_url=False)
         raise SceneError([f"{origin.at(e['loc'])}: {dotted(e['loc'])}: {e['msg']}" for e in errors]) from None
+    needed = {"profiles": ("time", "position"), "signal": ("time",), "levels": ("position", "height")}[settings.compare]
+    absent = [f"measured.{key}" for key in needed if getattr(settings.measured, key) is None]
+    absent += ["signal"] if settings.compare == "signal" and settings.signal is None else []
+    if absent:
+        raise SceneError(f'{origin.at(("measured",))}: {absent[0]}: missing; compare = "{settings.compare}" needs it')
     if settings.quantity not in FIELDS:
         raise SceneError(
             f"{origin.at(('quantity',))}: quantity: no such quantity; {nearest(settings.quantity, [*FIELDS])}"

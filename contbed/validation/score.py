@@ -19,69 +19,22 @@ from numpy.typing import NDArray
 from contbed.fields import header
 from contbed.result import Result
 from contbed.runner import run
+from contbed.validation import levels, signal
 from contbed.validation.case import Case
+from contbed.validation.deviations import Compared, score
 
 Array = NDArray[np.float64]
-COVERAGE = 2.0  # standard uncertainties in which 95 % of normal deviations lie
 SAME = 1e-9  # relative difference of two times or positions that are the same
 
 
 @dataclass(frozen=True)
-class Score:
-    """Deviations of one group of points, in the unit of the quantity.
-
-    group : "2 h", or "0.04 m"
-    data, band : root mean square of the standard uncertainties of data and prediction
-    """
-
-    group: str
-    points: int
-    rms: float
-    bias: float
-    data: float
-    band: float
-
-    @property
-    def within(self) -> bool:
-        """Whether the deviations are within the uncertainty."""
-        return self.rms <= COVERAGE * float(np.hypot(self.data, self.band))
-
-
-@dataclass(frozen=True)
 class Validated:
-    """A case that was run: predictions and their standard uncertainty at its points, shape (points,).
-
-    reported : predictions by name; influence : RMS change of the prediction by each uncertain input; cpu [s]
-    """
+    """A case that was run; cpu [s]."""
 
     case: Case
-    predicted: Array
-    band: Array
-    reported: dict[str, float]
-    influence: dict[str, float]
+    compared: Compared
     cpu: float
     result: Result
-
-    @property
-    def scores(self) -> list[Score]:
-        """The score of each group, then of all points."""
-        points, by_time = self.case.points, self.case.settings.each == "time"
-        of, unit = (points.t, "s") if by_time else (points.x, "m")
-        groups = [(f"{value:g} {unit}", of == value) for value in np.unique(of)]
-        if by_time and len(groups) > len(points.value) / 3:
-            groups = []  # a time of its own for nearly each point is no group
-        return [self._score(name, chosen) for name, chosen in [*groups, ("all", np.ones(len(of), dtype=bool))]]
-
-    def _score(self, group: str, chosen: Any) -> Score:
-        deviation = (self.predicted - self.case.points.value)[chosen]
-        return Score(
-            group,
-            len(deviation),
-            float(np.sqrt(np.mean(deviation**2))),
-            float(np.mean(deviation)),
-            self.case.uncertainty,
-            float(np.sqrt(np.mean(self.band[chosen] ** 2))),
-        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return what summary.json says of the case."""
@@ -92,9 +45,9 @@ class Validated:
             "licence": settings.licence,
             "quantity": settings.quantity,
             "unit": self.case.unit,
-            "scores": [asdict(score) | {"within": score.within} for score in self.scores],
-            "influence": self.influence,
-            "qoi": self.reported,
+            "scores": [asdict(score) | {"within": score.within} for score in self.compared.scores],
+            "influence": self.compared.influence,
+            "qoi": self.compared.reported,
             "cpu_s": self.cpu,
         }
 
@@ -108,6 +61,18 @@ def validate(case: Case, out: Path | None = None) -> Validated:
     """
     begin = clock.process_time()
     result = run(case.scene(), out)
+    compare = {"profiles": profiles, "signal": signal.compare, "levels": levels.compare}[case.settings.compare]
+    compared = compare(case, result)
+    return Validated(case, compared, clock.process_time() - begin, result)
+
+
+def profiles(case: Case, result: Result) -> Compared:
+    """Compare fields at measured times and positions, with the uncertainties of inputs propagated by further runs.
+
+    Raises
+    ------
+    SceneError, ConvergenceError : of the runs
+    """
     points, report = case.points, case.settings.report
     predicted = at(case, result, points.t, points.x)
     squares, influence = np.zeros_like(predicted), {}
@@ -118,13 +83,23 @@ def validate(case: Case, out: Path | None = None) -> Validated:
         change = 0.5 * (high - low)
         squares += change**2
         influence[key] = float(np.sqrt(np.mean(change**2)))
-    reported = {}
+    reported: dict[str, Any] = {}
     symbol = case.settings.quantity.partition("_")[0]
     for x in report.positions:
         for t in report.times:
             name = f"{symbol}_{x:g}m_{t:g}s_{case.unit.replace('/', '_')}"
             reported[name] = float(at(case, result, np.array([t]), np.array([x]))[0])
-    return Validated(case, predicted, np.sqrt(squares), reported, influence, clock.process_time() - begin, result)
+    band = np.sqrt(squares)
+    by_time = case.settings.each == "time"
+    of, unit = (points.t, "s") if by_time else (points.x, "m")
+    groups = [(f"{value:g} {unit}", of == value) for value in np.unique(of)]
+    if by_time and len(groups) > len(points.value) / 3:
+        groups = []  # a time of its own for nearly each point is no group
+    scores = [
+        score(name, (predicted - points.value)[chosen], case.uncertainty, band[chosen], case.unit)
+        for name, chosen in [*groups, ("all", np.ones(len(of), dtype=bool))]
+    ]
+    return Compared(predicted, band, scores, reported, influence)
 
 
 def at(case: Case, result: Result, t: Array, x: Array) -> Array:

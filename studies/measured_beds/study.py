@@ -8,12 +8,14 @@ import numpy as np
 
 from contbed.runner import run
 from contbed.validation import case, score
-from contbed.validation.score import COVERAGE, Score, Validated
+from contbed.validation.deviations import COVERAGE, Score
+from contbed.validation.score import Validated
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
 NOT_COMPARED = ("CPU [s]",)
 STONE = "alonso_2022"
+SHORT = ("alonso_2022", "beaulieu_2020", "pacheco_2002")  # beds with temperatures
 # changes of the stone bed that each make the heat supplied in the first hour that which was stored
 MENDS = {"as stated": {}, "more air": {"flow.velocity": "gain"}, "lighter stone": {"solid.density": "loss"}}
 
@@ -21,16 +23,23 @@ MENDS = {"as stated": {}, "more air": {"flow.velocity": "gain"}, "lighter stone"
 def compute(cases: tuple[str, ...] = ()) -> Tables:
     """Scores, points and influence of inputs of the measured beds, and the heat of the stone bed."""
     scores, points, influence = [], [], []
-    for name in cases or case.names():
+    for name in cases or SHORT:
         done = score.validate(case.read_case(name))
-        scores += [_row(name, each, done) for each in done.scores]
+        scores += [_row(name, each, done) for each in done.compared.scores]
         points += [
             {"case": name, "t [s]": t, "position [m]": x, "measured [K]": m, "predicted [K]": p, "band [K]": b}
             for t, x, m, p, b in zip(
-                done.case.points.t, done.case.points.x, done.case.points.value, done.predicted, done.band, strict=True
+                done.case.points.t,
+                done.case.points.x,
+                done.case.points.value,
+                done.compared.predicted,
+                done.compared.band,
+                strict=True,
             )
         ]
-        influence += [{"case": name, "input": key, "RMS change [K]": value} for key, value in done.influence.items()]
+        influence += [
+            {"case": name, "input": key, "RMS change [K]": value} for key, value in done.compared.influence.items()
+        ]
     tables = {"scores": Table.of(scores, ".4g"), "points": Table.of(points, ".6g")}
     return tables | {"influence": Table.of(influence, ".3g"), "stone": Table.of(_stone(), ".4g")}
 
