@@ -264,6 +264,7 @@ class Equilibrium:
     stoichiometry: Mapping[str, float]
     species: Mapping[str, Thermo] = field(repr=False)
     gases: frozenset[str] = frozenset()
+    factor: float = 1.0  # multiplies K
 
     def heat(self, T: Any) -> Any:
         """Return the heat of reaction [J/mol], negative where heat is released."""
@@ -271,7 +272,7 @@ class Equilibrium:
 
     def ln_K(self, T: Any) -> Any:
         """Return ln K at p0 = 1 bar; its slope is that of van 't Hoff."""
-        shift = sum(
+        shift = np.log(self.factor) + sum(
             count * np.log(self.species[name].standard_pressure / 1e5)  # type: ignore[attr-defined]
             for name, count in self.stoichiometry.items()
             if name in self.gases

@@ -89,7 +89,8 @@ def _one(name: str, table: s.Reaction, equation: Equation, scene: s.ReactingScen
     basis = site_of(table, equation, species)
     used = {**equation.stoichiometry, **(table.orders or {})}
     site = "gas" if basis == "gas" or (basis == "bed" and not any(k in species.solids for k in used)) else "particle"
-    equilibrium = Equilibrium(equation.stoichiometry, species.all, frozenset(species.gases))
+    gases = frozenset(species.gases)
+    equilibrium = Equilibrium(equation.stoichiometry, species.all, gases, table.equilibrium_factor)
     rate: Rate
     own_film = False
     if table.rate is not None:

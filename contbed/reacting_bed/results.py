@@ -164,7 +164,8 @@ def _extents(problem: Problem, u: Array, state: State, end: int, result: Result)
             T = _at(state.T_solid if reaction.site != "gas" else state.T_fluid, end)
             pressures = {name: max(_at(state.x[name] * state.p, end), 1e-300) / 1e5 for name in gases}
             Q = sum(n * np.log(pressures[name]) for name, n in gases.items())
-            K = Equilibrium(gases, problem.species.all, frozenset(gases)).ln_K(T)
+            factor = problem.scene.reactions[reaction.name].equilibrium_factor
+            K = Equilibrium(gases, problem.species.all, frozenset(gases), factor).ln_K(T)
             result.qoi[f"Q_over_K_{reaction.name}"] = float(np.exp(Q - K))
 
 

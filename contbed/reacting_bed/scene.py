@@ -233,6 +233,9 @@ class Reaction(Table):
         None, description="rate per m3 of gas, kg of catalyst, m3 of particles or of bed; absent: gas, or particle"
     )
     factor: Positive = Field(1.0, description="multiplies the rate, such as an effectiveness")
+    equilibrium_factor: Positive = Field(
+        1.0, description="multiplies K of a reversible reaction, which comes from the thermodynamics of its species"
+    )
     grain_radius: Length | None = None
     molar_density: Positive | None = Field(None, description="of the reacting solid in a grain [mol/m3]")
     active_share: Positive = Field(1.0, description="share of the surface of grains that reacts")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from contbed.errors import ConvergenceError
 from contbed.fem.dual import Dual
 from contbed.fem.line_dg import Factors
+from contbed.reacting_bed.kinetics import FINEST
 from contbed.reacting_bed.problem import Problem
 
 Array = NDArray[np.float64]
@@ -19,6 +20,7 @@ LARGEST_T = 150.0  # change of a temperature in one step [K]
 LARGEST_SHARE = 0.7  # of what there is that a step may take away
 LEAST_SHARE = 1e-3  # of the typical size, below which a fall is not held up
 SHORTEST = 1e-3  # step of Newton's method at which it is given up
+PROGRESS, PATIENCE = 0.8, 14  # iterations in which the least residual has to fall by this factor
 FIRST_CELLS = 24
 MOST_CELLS = 3000
 ROUNDS = 10
@@ -27,7 +29,8 @@ ERROR_POWER = 0.7  # jumps are held to tolerance^ERROR_POWER: fluxes at vertices
 LEAST_SPAN = 1e-4  # of the typical size of a field, the least span that errors refer to
 FIRST_ITERATIONS = 60  # of Newton's method from a first guess
 FEW_ITERATIONS = 15  # where the guess is near
-SMOOTHINGS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7)
+SMOOTHEST = 0.1  # share of a solid below which its powers are straight lines, to begin with
+SHARPER, LEAST_SHARPER = 0.1, 0.7  # factor from one such share to the next, and beyond which no sharper is tried
 STEPS = 80  # of the march in time
 GROWTH = 2.5
 START_OF_MARCH = 1e-2  # of the residence time of the solids
@@ -82,8 +85,7 @@ def newton(
     tolerance = options.newton_tolerance
     system, iterations = problem.system, most or options.newton_iterations
     scale = problem.sizes[:, None, None]
-    before = np.inf
-    stalled = 0
+    best, norm, since = np.inf, np.inf, 0
     for _ in range(iterations):
         with np.errstate(all="ignore"):
             residual, blocks = system.assemble(u)
@@ -102,16 +104,15 @@ def newton(
             raise ConvergenceError("a step of Newton's method is not finite", report.history, u)
         if share < SHORTEST:
             raise ConvergenceError("Newton's method takes ever smaller steps", report.history, u)
-        stalled = stalled + 1 if norm > 0.9 * before and share < 1.0 else 0
-        if stalled > 12:
+        best, since = (norm, 0) if norm < PROGRESS * best else (best, since + 1)
+        if since > PATIENCE:
             break
-        before = norm
         u = u + share * du
         if share == 1.0 and change < tolerance:
             return u
         if share == 1.0 and norm < 1e-12 and change < 1e3 * tolerance:
             return u
-    raise ConvergenceError(f"Newton's method stops at a residual of {before:.2g}", report.history, u)
+    raise ConvergenceError(f"Newton's method stops at a residual of {norm:.2g}", report.history, u)
 
 
 class Storage:
@@ -294,34 +295,36 @@ def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Arra
 
     Where reaction ends at a point, powers below one have infinite slopes there; the sharpest that converges is kept.
     """
-    done = None
-    for small in SMOOTHINGS:
-        trial = problem.with_small(small)
+    small, factor = SMOOTHEST, SHARPER
+    done = problem.with_small(small)
+    try:
+        u = newton(done, u, report, most=FIRST_ITERATIONS)
+    except ConvergenceError:
+        u = grown(done, u, report)
+    while small > FINEST and factor < LEAST_SHARPER:
+        cells = done.on(next_cells(done, u)[0])
+        trial = cells.with_small(max(factor * small, FINEST))
         try:
-            found = newton(trial, u, report, most=FIRST_ITERATIONS)
+            found = newton(trial, moved(done, u, trial), report, most=2 * FEW_ITERATIONS)
         except ConvergenceError:
-            if done is not None:
-                break
-            found = grown(trial, u, report)
-        done = (trial, found)
-        report.small = small
-        problem = trial.on(next_cells(trial, found)[0])
-        u = moved(trial, found, problem)
-    assert done is not None
-    return done
+            factor **= 0.5
+            continue
+        small, done, u = max(factor * small, FINEST), trial, found
+    report.small = small
+    return done, u
 
 
 def sharper(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     """Return the state with powers of what is left of solids one step sharper, where that converges."""
-    finer = [small for small in SMOOTHINGS if small < report.small]
-    if not finer:
+    small = max(SHARPER * report.small, FINEST)
+    if not small < report.small:
         return problem, u
-    trial = problem.with_small(finer[0])
+    trial = problem.with_small(small)
     try:
         u = newton(trial, u, report, most=FEW_ITERATIONS)
     except ConvergenceError:
         return problem, u
-    report.small = finer[0]
+    report.small = small
     return trial, u
 
 

@@ -1,0 +1,48 @@
+"""Scenes of the studies of reacting beds against their references, to the digits that these have."""
+
+from __future__ import annotations
+
+import pytest
+
+import contbed as cb
+from studies.clc_moving_bed import study as clc
+from studies.reformer_tube import study as reformer
+
+
+@pytest.mark.parametrize("case", reformer.CASES)
+def test_reformer(case):
+    result = cb.run(cb.load(reformer.HERE / f"{case}.toml"))
+    for key, value in reformer.reference(case).items():
+        assert result.qoi[key] == pytest.approx(value, rel=1e-7), key
+    assert all(abs(balance["relative_residual"]) < 1e-12 for balance in result.balances.values())
+
+
+# by `reference()` of the study, which takes 8 s; its two integrators agree to 4e-10
+SHOOTING = {
+    "conversion_CH4": 0.99973434047,
+    "conversion_Fe2O3": 0.899828537195,
+    "pressure_drop_Pa": 64407.857008,
+    "T_solid_out_K": 1143.231580198,
+}
+
+
+def test_moving_bed_of_iron_oxide():
+    result = cb.run(cb.load(clc.HERE / "iron_oxide.toml"))
+    for key, value in SHOOTING.items():
+        assert result.qoi[key] == pytest.approx(value, rel=1e-8), key
+    assert all(abs(balance["relative_residual"]) < 1e-12 for balance in result.balances.values())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"flow.molar_flux": 5.2, "mesh.length": 3.0},
+        {"flow.molar_flux": 4.6, "mesh.length": 2.0, "bed.particle_diameter": 2e-3},
+    ],
+)
+def test_moving_bed_with_more_methane_than_oxide_burns(changes):
+    scene = cb.load(clc.HERE / "iron_oxide.toml", changes)
+    result, exact = cb.run(scene), clc.reference(scene)
+    for key in SHOOTING:
+        assert result.qoi[key] == pytest.approx(exact[key], rel=1e-7), key
