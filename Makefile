@@ -14,10 +14,19 @@ VENV_FLOORS ?= .venv-floors
 PYTHON_FLOORS ?= python3.11
 FLOORS := tests/unit tests/materials tests/closures/test_closure_values.py tests/stress/test_restart.py tests/dem/test_particle_scenes.py
 
-.PHONY: heater gallery test test-slow mutants test-floors test-dolfinx dolfinx system lint clean
+.PHONY: docs heater gallery test test-slow mutants test-floors test-dolfinx dolfinx system lint clean
 
 heater: $(BIN)/contbed
 	$(BIN)/contbed run studies/moving_bed_heater/heater.toml --out results/heater
+
+# the manual in docs/_build/html; needs no network once its libraries are there, and warnings are errors
+docs: $(VENV)/.docs
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	@echo "open docs/_build/html/index.html"
+
+$(VENV)/.docs: $(BIN)/contbed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[docs]'
+	@touch $@
 
 gallery: $(VENV)/.test
 	$(BIN)/python -m studies
@@ -66,7 +75,7 @@ $(BIN)/contbed: pyproject.toml
 	@touch $@
 
 $(VENV)/.test: $(BIN)/contbed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test,forms,dev,report,notebook]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test,forms,dev,docs,report,notebook]'
 	@touch $@
 
 # root on Debian or Ubuntu gets the system packages; anyone else is told, and the tests that need them are skipped by name
@@ -76,4 +85,4 @@ system:
 	  else echo "optional system packages are missing: sudo apt-get install $(SYSTEM)"; fi; fi
 
 clean:
-	rm -rf $(VENV) $(VENV_DOLFINX) $(VENV_FLOORS) build *.egg-info results
+	rm -rf $(VENV) $(VENV_DOLFINX) $(VENV_FLOORS) docs/_build docs/generated build *.egg-info results

@@ -1,0 +1,165 @@
+"""The manual: its blocks run as they stand, equations are set, it builds without warnings, its links lead somewhere."""
+
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import pytest
+
+from contbed import cli, editor
+from contbed.closures import registry
+from contbed.explain import models
+from contbed.models import MODELS, kind_of
+
+ROOT = Path(__file__).parents[2]
+PAGES = [*sorted((ROOT / "docs" / "tutorial").glob("*.md")), *sorted((ROOT / "docs" / "howto").glob("*.md"))]
+BLOCK = re.compile(r"^```(\{code-block\} )?(\w+)\n(?::caption: (\S+)\n)?(.*?)^```", re.DOTALL | re.MULTILINE)
+sys.path.insert(0, str(ROOT / "docs" / "_ext"))
+
+
+def blocks(page):
+    """Language, file name and text of each block of code."""
+    return [(match[2], match[3], match[4]) for match in BLOCK.finditer(page.read_text(encoding="utf-8"))]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_blocks_of_toml_are_toml(page):
+    for language, _, text in blocks(page):
+        if language == "toml":
+            tomllib.loads(text)
+
+
+def test_scenes_of_the_tutorials_have_the_keys_of_their_schema():
+    jsonschema = pytest.importorskip(
+        "jsonschema", reason="jsonschema is not installed: pip install 'contbed[notebook]'"
+    )
+    found = 0
+    for page in PAGES:
+        for language, name, text in blocks(page):
+            values = tomllib.loads(text) if language == "toml" else {}
+            if name and "scene" not in values:
+                jsonschema.validate(values, editor.json_schema(kind_of(values)))
+                found += 1
+    assert found == 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_every_block_runs(page, tmp_path, monkeypatch, capsys):
+    """Blocks in the order of the page, in one folder: files are written, commands run, Python runs in one process."""
+    monkeypatch.chdir(tmp_path)
+    program = []
+    for language, name, text in blocks(page):
+        if name:
+            (tmp_path / name).write_text(text)
+        elif language == "sh":
+            for line in text.splitlines():
+                command, _, target = line.partition(" > ")
+                words = shlex.split(command)
+                assert words[0] == "contbed"
+                assert cli.main(words[1:]) == 0, line
+                out = capsys.readouterr().out
+                if target:
+                    (tmp_path / target.strip()).write_text(out)
+        elif language == "python":
+            program.append(text)
+    if program:
+        (tmp_path / "page.py").write_text("\n".join(program))
+        environment = {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "PATH": ""}
+        done = subprocess.run([sys.executable, "page.py"], env=environment, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "tex"),
+    [
+        ("Nu = 2 + 1.1 Re^0.6 Pr^(1/3)", r"\mathrm{Nu} = 2 + 1.1\, \mathrm{Re}^{0.6}\, \mathrm{Pr}^{\frac{1}{3}}"),
+        ("d(eps rho)/dt = 0", r"\frac{\partial \left(\varepsilon\, \rho\right)}{\partial t} = 0"),
+        ("q = -D grad G", r"q = - D \nabla G"),
+        ("div(k grad T_s) = h a b", r"\nabla\cdot \left(k \nabla T_{s}\right) = h\, a\, b"),
+        ("g0 = 1/(1 - x)", r"g_{0} = \frac{1}{1 - x}"),
+        ("a = sqrt(theta)", r"a = \sqrt{\theta}"),
+        ("x = 0:  q = 1   on a wall", r"x = 0 : \qquad q = 1 \qquad \text{on a wall}"),
+    ],
+)  # fmt: skip
+def test_equations_are_set(text, tex):
+    from typeset import line_of
+
+    assert line_of(text) == tex
+
+
+def test_nearly_all_equations_of_the_package_can_be_set():
+    """What cannot be read stands as in the docstring: prose between the formulas of two closures."""
+    from typeset import Unreadable, equations
+
+    left = []
+    for name in registry.names():
+        if text := registry.sheet(name).equation:
+            try:
+                equations(text.splitlines())
+            except Unreadable:
+                left.append(name)
+    for name, text in models().items():
+        for paragraph in text.split("\n\n")[1:]:
+            lines = paragraph.splitlines()
+            if all(line.startswith("    ") for line in lines) and sum("=" in line for line in lines) >= 0.5 * len(
+                lines
+            ):
+                try:
+                    equations(lines)
+                except Unreadable:
+                    left.append(name)
+    assert len(left) <= 4, left
+
+
+class Links(HTMLParser):
+    """Targets and names in a page."""
+
+    def __init__(self):
+        super().__init__()
+        self.targets, self.names = [], set()
+
+    def handle_starttag(self, tag, attributes):
+        for key, value in attributes:
+            if key in ("href", "src") and value:
+                self.targets.append(value)
+            if key in ("id", "name") and value:
+                self.names.add(value)
+
+
+@pytest.mark.slow
+def test_it_builds_and_all_its_links_lead_somewhere(tmp_path):
+    """As `make docs`, with warnings as errors; then every link to a file or a place of the manual is followed."""
+    for name in ("sphinx", "myst_parser", "furo", "latex2mathml"):
+        pytest.importorskip(name, reason=f"{name} is not installed: pip install 'contbed[docs]'")
+    command = [sys.executable, "-m", "sphinx", "-W", "-q", "-b", "html", str(ROOT / "docs"), str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr[-3000:]
+    parsed = {}
+    for file in tmp_path.rglob("*.html"):
+        parsed[file.resolve()] = links = Links()
+        links.feed(file.read_text(encoding="utf-8"))
+    broken = []
+    for file, links in parsed.items():
+        for target in links.targets:
+            parts = urlsplit(target)
+            if parts.scheme or target.startswith(("//", "data:")):
+                continue
+            other = (file.parent / unquote(parts.path)).resolve() if parts.path else file
+            names = parsed[other].names if other in parsed else None
+            if not other.exists() or (parts.fragment and names is not None and unquote(parts.fragment) not in names):
+                broken.append(f"{file.name}: {target}")
+    assert not broken, broken[:20]
+    for kind in MODELS:
+        assert (tmp_path / "generated" / "theory" / f"{kind}.html").exists()
+        assert (tmp_path / "generated" / "reference" / f"scene_{kind}.html").exists()
+    scripts = [
+        target for links in parsed.values() for target in links.targets if urlsplit(target).scheme in ("http", "https")
+    ]
+    loaded = [target for target in scripts if target.endswith((".js", ".css"))]
+    assert not loaded  # nothing is loaded from elsewhere
