@@ -13,24 +13,8 @@ from contbed.bubbling_bed.problem import TYPICAL, BubblingProblem
 from contbed.result import Result
 from contbed.scene import schema
 from contbed.scene.toml_lines import parse_key
+from contbed.scene.values import value_at, with_value
 from contbed.solvers.branch import Branch, trace
-
-
-def value_at(scene: Any, key: str) -> Any:
-    """Return the value of a dotted key; None where there is none."""
-    for step in parse_key(key):
-        scene = scene.get(step) if isinstance(scene, dict) else getattr(scene, str(step), None)
-    return scene
-
-
-def with_value(part: Any, path: tuple[Any, ...], value: float) -> Any:
-    """Return the scene or table with one value replaced."""
-    if not path:
-        return value
-    if isinstance(part, dict):
-        return part | {path[0]: with_value(part[path[0]], path[1:], value)}
-    changed = with_value(getattr(part, path[0]), path[1:], value)
-    return part.model_copy(update={path[0]: changed})
 
 
 class Family:

@@ -238,7 +238,7 @@ def the_parameter_is_a_number(
     """Check that the parameter of the continuation is a number of the scene that may vary."""
     if continuation is None:
         return
-    from contbed.bubbling_bed.branch import value_at
+    from contbed.scene.values import value_at
 
     tables = {
         "bubbling_bed": bubbling_bed,

@@ -55,3 +55,21 @@ def mass_dispersion_edwards_richardson(v: Value, d_p: Value, D_gas: Value) -> Va
     """
     vd = v * d_p
     return 0.73 * D_gas + 0.5 * vd * vd / (vd + 9.7 * D_gas)
+
+
+@closure(kind="mass_dispersion", unit="m2/s", ranges={}, source="definition of the Peclet number of the particle")
+def mass_dispersion_peclet(v: Value, d_p: Value, Pe_p: Value = 2.0) -> Value:
+    """Axial dispersion of constant Peclet number on the particle.
+
+        D = v d_p/Pe_p
+
+    Pe_p : [-] Peclet number v d_p/D
+
+    Result: coefficient on the velocity between the particles; the flux per area of bed carries the porosity
+    Fitted to: nothing; 2 is the limit of correlations at high Reynolds numbers
+    Limits: the flux of dispersion is that of the mass flux, whatever the density.
+
+    >>> mass_dispersion_peclet(v=1.0, d_p=2e-3)
+    0.001
+    """
+    return v * d_p / Pe_p

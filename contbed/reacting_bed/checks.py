@@ -20,6 +20,7 @@ from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.names import nearest
 from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.scene.units import base_value, factor_and_offset
+from contbed.scene.values import value_at
 
 SUM = 2e-3  # by which fractions with three digits may miss one
 BALANCED = 1e-6  # atoms per mole of reaction within which an equation balances
@@ -275,7 +276,35 @@ def positions_are_inside(mesh: Any, output: Any, see: See) -> Mistakes:
             yield ("output", "positions", k), f"{x:g} m lies outside of the bed; see {see('mesh.length')}"
 
 
+def the_parameter_is_a_number(
+    continuation: s.Continuation | None,
+    fluid: Any,
+    flow: s.Flow,
+    heat: s.Heat | None,
+    mass: s.Mass | None,
+    wall: s.Wall | None,
+    reactions: Reactions,
+    boundary: Boundaries,
+) -> Mistakes:
+    """Check that the parameter of the continuation is a number of the scene that may vary."""
+    if continuation is None:
+        return
+    tables = {"fluid": fluid, "flow": flow, "heat": heat, "mass": mass, "wall": wall, "reactions": reactions}
+    found = value_at(tables | {"boundary": boundary}, continuation.parameter)
+    if not isinstance(found, float) or continuation.parameter.startswith("fluid.species"):
+        yield (
+            ("continuation", "parameter"),
+            "no number of this scene can be varied under this key; allowed: keys such as reactions.NAME.factor, "
+            "flow.mass_flux, boundary.left.fluid.inflow, wall.ambient",
+        )
+    elif found == continuation.to:
+        yield ("continuation", "to"), "is the value that the scene has"
+    elif continuation.back_to is not None and (continuation.back_to - found) * (continuation.to - found) > 0:
+        yield ("continuation", "back_to"), f"lies on the same side of the value in the scene, {found:g}, as `to`"
+
+
 CHECKS: tuple[Check, ...] = (
+    the_parameter_is_a_number,
     compositions_sum_to_one,
     equations_balance,
     laws_have_what_they_need,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +18,9 @@ FLAT = 1e-9  # relative range below which a panel is left out
 
 
 def plot(result: Result, folder: Path) -> None:
-    """Write profiles.png."""
+    """Write profiles.png, and continuation.png where steady states were followed."""
+    if "continuation" in result.tables:
+        branch_plot(folder / "continuation.png", result.tables["continuation"], result.plan.scene.title)
     columns = {name_of(header): np.asarray(values) for header, values in result.profiles.items()}
     x = columns.pop("x")
     panels = []
@@ -38,3 +42,23 @@ def plot(result: Result, folder: Path) -> None:
             if len(found) > 1:
                 axes.legend(fontsize=8, ncols=2)
         every[-1].set_xlabel("$x$ [m]")
+
+
+def branch_plot(path: Path, columns: Mapping[str, Any], title: str) -> None:
+    """Plot the temperature and composition of the gas that leaves along a branch; between two folds dashed."""
+    headers = list(columns)
+    p, turns = np.asarray(columns[headers[1]]), np.asarray(columns["turns [1]"])
+    shown = [header for header in headers[3:] if np.ptp(columns[header]) > FLAT]
+    panels = [[header for header in shown if header.startswith(start)] for start in ("T_", "x_")]
+    panels = [panel for panel in panels if panel]
+    with styled_figure(path, 1.0 + 2.4 * len(panels), title) as figure:
+        for axes, panel in zip(figure.subplots(len(panels), 1, squeeze=False)[:, 0], panels, strict=True):
+            for k, header in enumerate(panel):
+                for turn in np.unique(turns):
+                    part = np.flatnonzero(turns == turn)
+                    part = np.append(max(part[0] - 1, 0), part)  # from the fold on
+                    label = header if turn == 0 else None
+                    style = "--" if turn % 2 else "-"
+                    axes.plot(p[part], np.asarray(columns[header])[part], style, color=COLOURS[k % 8], label=label)
+            axes.set_xlabel(headers[1].removesuffix(" [1]"))
+            axes.legend(fontsize=8)

@@ -111,9 +111,9 @@ class Problem:
     line: Line
 
     @classmethod
-    def of(cls, scene: s.ReactingScene, vertices: Array) -> Problem:
-        """Build the bed of a scene."""
-        species = substances(scene)
+    def of(cls, scene: s.ReactingScene, vertices: Array, species: Substances | None = None) -> Problem:
+        """Build the bed of a scene; `species` if they are known from one with the same."""
+        species = species or substances(scene)
         entering = streams(scene, species)
         reactions = tuple(reactions_of(scene, species))
         reacting = {name for reaction in reactions for name in reaction.stoichiometry}

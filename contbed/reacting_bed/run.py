@@ -45,6 +45,11 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     with result.timed("results"):
         results.fill(problem, u, result)
     result.qoi["cells"] = problem.line.cells
+    if plan.scene.continuation is not None:
+        from contbed.reacting_bed.branch import follow
+
+        with result.timed("continuation"):
+            follow(problem, u, result)
 
 
 def _sentence(problem: Problem, error: ConvergenceError) -> str:

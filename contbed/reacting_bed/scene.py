@@ -256,6 +256,16 @@ class Guess(Table):
     temperature: Temperature | None = Field(None, description="of gas and particles; absent: of the stronger stream")
 
 
+class Continuation(Table):
+    """The branch of steady states from the value in this scene to another, through the folds between them."""
+
+    parameter: str = Field(description='key of a number in this scene, "reactions.NAME.factor" or "flow.mass_flux"')
+    to: Number = Field(description="in SI")
+    back_to: Number | None = Field(None, description="end of the other side; absent: the value in this scene")
+    at: Number | None = Field(None, description="value at which all steady states of the branch are listed")
+    points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(400, description="at most")
+
+
 class Solver(Table):
     """Numerics; the defaults suit nearly all scenes."""
 
@@ -287,5 +297,6 @@ class ReactingScene(SceneBase):
     reactions: dict[str, Reaction] = Field(default_factory=dict)
     boundary: dict[str, Boundary] = Field(default_factory=dict)
     guess: Guess = Guess()
+    continuation: Continuation | None = None
     solver: Solver = Solver()
     output: Output = Output()

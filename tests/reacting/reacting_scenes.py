@@ -133,3 +133,27 @@ def equilibrium(composition: str, pressure: float, temperature: float, equations
         for (name, text), orders in zip(equations.items(), (2, 2), strict=False)
     }
     return scene
+
+
+def ignition(Pe_m: float, Pe_h: float, B: float, g: float, Da: float) -> dict[str, Any]:
+    """Adiabatic bed of first order in the mole fraction; `reactions.r.factor` is Da = k(T_in) L/u."""
+    cp, T_in, d, G, eps = 30.0, 600.0, 3e-3, 0.5, 0.4
+    mass = 0.028
+    fall = cp * B * T_in / g
+    gases = species(A=mass, B=mass)
+    gases["A"] |= {"heat_capacity": cp, "enthalpy": fall}
+    gases["B"] |= {"heat_capacity": cp, "enthalpy": 0.0}
+    scene = isothermal("A:1", gases)
+    scene["flow"] = {"mass_flux": G, "pressure_drop": "none"}
+    scene["boundary"] = {"left": {"fluid": {"inflow": T_in}}}
+    scene["heat"] = {"conductivity_solid": G * cp / mass / Pe_h}
+    scene["mass"] = {"dispersion": {"name": "mass_dispersion_peclet", "Pe_p": Pe_m * d}}
+    scene["reactions"] = {
+        "r": {
+            "equation": "A -> B",
+            "rate": "k*x_A*exp(g*(1 - T_in/T))",
+            "parameters": {"k": G / mass / eps, "g": g, "T_in": T_in},
+            "factor": Da,
+        }
+    }
+    return scene

@@ -1,0 +1,179 @@
+"""Branch of the steady states of a reacting bed over one value of its scene, and all states at a value."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from contbed.errors import ConvergenceError
+from contbed.fields import unit_of
+from contbed.reacting_bed import solve
+from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.results import ends, values_at
+from contbed.result import Result
+from contbed.scene import schema
+from contbed.scene.toml_lines import parse_key
+from contbed.scene.values import value_at, with_value
+from contbed.solvers.branch import Branch, trace
+from contbed.solvers.linear import Policy
+
+Array = NDArray[np.float64]
+KEPT = 4  # problems of the last values of the parameter, which steps ask for several times
+SAMPLES = 12  # points of a branch whose errors choose the cells
+
+
+class Family:
+    """The equations of a bed as functions of one value of its scene, on one line of cells."""
+
+    def __init__(self, problem: Problem, key: str):
+        self.problem, self.key = problem, key
+        self._known: dict[float, Problem] = {}
+
+    def at(self, value: float) -> Problem:
+        """Return the problem with that value; the last ones are kept."""
+        if value in self._known:
+            return self._known[value]
+        scene = with_value(self.problem.scene, parse_key(self.key), value)
+        found = Problem.of(scene, self.problem.line.vertices, self.problem.species)
+        bed = replace(found.bed, small=self.problem.bed.small)
+        if len(self._known) >= KEPT:
+            del self._known[next(iter(self._known))]
+        self._known[value] = replace(found, bed=bed, line=self.problem.line)
+        return self._known[value]
+
+    def assemble(self, x: Any, value: float, jacobian: bool) -> tuple[Any, Any]:
+        """Assemble residuals over typical fluxes, and their derivatives to the unknowns."""
+        problem = self.at(value)
+        m, N, n = len(problem.layout.names), problem.line.cells, problem.line.degree + 1
+        residual, blocks = problem.system.assemble(x.reshape(m, N, n), jacobian)
+        scale = self.problem.flux_sizes
+        flat = (residual / scale[:, None, None]).ravel()
+        if not jacobian:
+            return flat, None
+        index = np.arange(m * N * n).reshape(m, N, n).transpose(1, 0, 2)  # (N, m, n)
+        rows, columns, entries = [], [], []
+        for block, shift in zip(blocks, (-1, 0, 1), strict=True):
+            cells = np.arange(max(0, -shift), min(N, N - shift))
+            part = block[cells] / scale[None, :, None, None, None]
+            shape = part.shape
+            rows.append(np.broadcast_to(index[cells][:, :, :, None, None], shape).ravel())
+            columns.append(np.broadcast_to(index[cells + shift][:, None, None, :, :], shape).ravel())
+            entries.append(part.ravel())
+        size = m * N * n
+        values, where = np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))
+        there = values != 0.0
+        return flat, sp.csc_matrix((values[there], (where[0][there], where[1][there])), shape=(size, size))
+
+
+def follow(problem: Problem, u: Array, result: Result) -> None:
+    """Trace the branch that a state lies on, once to choose the cells and once on them, and report it."""
+    table = problem.scene.continuation
+    assert table is not None
+    family, branch = _traced(problem, u)
+    if problem.scene.mesh.cells is None:
+        problem, u = _refined(family, branch, problem, u)
+        family, branch = _traced(problem, u)
+    if not branch.complete:
+        result.warnings.append(
+            f"the branch ends at {table.parameter} = {branch.parameter[-1]:.6g} after "
+            f"{len(branch.parameter)} points; raise continuation.points"
+        )
+    result.qoi |= {f"fold_{k}": p for k, (_, p, _) in enumerate(branch.folds, 1)}
+    result.tables["continuation"] = columns(family, branch)
+    if table.at is not None:
+        states = states_at(family, branch, table.at)
+        result.qoi["steady_states_found"] = len(states)
+        result.tables["states"] = _table([_row(family, table.at, x) for x in states])
+
+
+def _traced(problem: Problem, u: Array) -> tuple[Family, Branch]:
+    table = problem.scene.continuation
+    assert table is not None
+    family = Family(problem, table.parameter)
+    start = float(value_at(problem.scene, table.parameter))
+    weights = np.broadcast_to(1.0 / problem.sizes[:, None, None], u.shape).ravel()
+    branch = trace(
+        family.assemble,
+        u.ravel(),
+        start,
+        table.to,
+        Policy(1),
+        weights=weights,
+        size=1.0,
+        points=table.points,
+        back=table.back_to,
+        tolerance=1e-10,
+    )
+    return family, branch
+
+
+def _refined(family: Family, branch: Branch, problem: Problem, u: Array) -> tuple[Problem, Array]:
+    """Return problem and state on cells that suit points along the branch and its folds."""
+    chosen = np.unique(np.linspace(0, len(branch.states) - 1, SAMPLES).round().astype(int))
+    points = [(branch.parameter[k], branch.states[k]) for k in chosen] + [(p, x) for _, p, x in branch.folds]
+    aim = problem.scene.solver.tolerance**solve.ERROR_POWER
+    worst = np.zeros(problem.line.cells)
+    for p, x in points:
+        worst = np.maximum(worst, solve.errors(family.at(p), x.reshape(u.shape)))
+    factor = np.clip((0.5 * aim / np.maximum(worst, 1e-30)) ** (1.0 / (problem.line.degree + 1)), 0.1, 2.0)
+    finer = problem.on(solve.regraded(problem.line.vertices, problem.line.h * factor))
+    return finer, solve.newton(finer, solve.moved(problem, u, finer), solve.Report())
+
+
+def states_at(family: Family, branch: Branch, value: float) -> list[Array]:
+    """Return all states of a branch at a value, each where the branch crosses it."""
+    found: list[Array] = []
+    points = list(zip(branch.parameter, branch.states, strict=True))
+    for index, p, x in reversed(branch.folds):
+        points.insert(index, (p, x))
+    problem = family.at(value)
+    shape = (len(problem.layout.names), problem.line.cells, problem.line.degree + 1)
+    for (a, x), (b, y) in itertools.pairwise(points):
+        if (a - value) * (b - value) > 0 or a == b:
+            continue
+        guess = x + (value - a) / (b - a) * (y - x)
+        try:
+            state = solve.newton(problem, guess.reshape(shape), solve.Report()).ravel()
+        except ConvergenceError:
+            continue
+        sizes = np.broadcast_to(problem.sizes[:, None, None], shape).ravel()
+        if all(np.abs((state - other) / sizes).max() > 1e-6 for other in found):
+            found.append(state)
+    return found
+
+
+def _row(family: Family, p: float, x: Array) -> dict[str, float]:
+    """Return the value and what leaves at a point of a branch."""
+    problem = family.at(p)
+    u = x.reshape(len(problem.layout.names), problem.line.cells, -1)
+    unit = schema.unit(schema.of(type(problem.scene)), parse_key(family.key)) or "1"
+    end = ends(problem)[0]
+    state = values_at(problem, u, problem.line.vertices[[0, -1]])
+    row = {f"{family.key} [{unit}]": p}
+    for name, value in (("T_fluid_out_K", state.T_fluid), ("T_solid_out_K", state.T_solid)):
+        row[f"{name.removesuffix('_K')} [{unit_of(name)}]"] = float(np.broadcast_to(value, (2,))[end])
+    return row | {f"x_{name}_out [1]": float(value[end]) for name, value in state.x.items()}
+
+
+def columns(family: Family, branch: Branch) -> dict[str, Any]:
+    """Return the value, folds passed and what leaves along a branch, folds included as points."""
+    points = list(zip(branch.parameter, branch.states, strict=True))
+    turns = [index + k for k, (index, _, _) in enumerate(branch.folds)]
+    for place, (_, p, x) in zip(turns, branch.folds, strict=True):
+        points.insert(place, (p, x))
+    rows = []
+    for k, (p, x) in enumerate(points):
+        found = _row(family, p, x)
+        key = next(iter(found))
+        row = {"point [1]": float(k), key: found.pop(key), "turns [1]": float(sum(turn < k for turn in turns))}
+        rows.append(row | found)
+    return _table(rows)
+
+
+def _table(rows: list[dict[str, float]]) -> dict[str, Any]:
+    return {header: np.array([row[header] for row in rows]) for header in rows[0]} if rows else {}

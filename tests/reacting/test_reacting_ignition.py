@@ -1,0 +1,53 @@
+"""Folds and multiple steady states of the adiabatic bed against a fold system solved by collocation."""
+
+from __future__ import annotations
+
+import pytest
+from reacting_scenes import ignition, table
+
+import contbed
+from contbed.loading import from_dict
+
+ROWS = table("ignition_adiabatic_bed")
+BEDS = sorted({(row["Pe_m"], row["Pe_h"], row["B"], row["g"]) for row in ROWS})
+
+
+def rows_of(bed, kind):
+    keys = ("Pe_m", "Pe_h", "B", "g")
+    return [row for row in ROWS if tuple(row[key] for key in keys) == bed and row["kind"] == kind]
+
+
+CELLS = 16  # by which folds are exact to 2e-9
+
+
+@pytest.mark.parametrize(
+    ("bed", "cells"),
+    [
+        ((5.0, 5.0, 10.0, 20.0), CELLS),
+        pytest.param((20.0, 8.0, 8.0, 20.0), None, marks=pytest.mark.slow),
+    ],
+    ids=str,
+)
+def test_folds_and_states(bed, cells):
+    assert bed in BEDS
+    ((on,), (off,), states) = (rows_of(bed, kind) for kind in ("ignition", "extinction", "state"))
+    scene = ignition(*bed, Da=0.5 * off["Da"])
+    scene["continuation"] = {"parameter": "reactions.r.factor", "to": 2.0 * on["Da"], "at": states[0]["Da"]}
+    if cells is not None:
+        scene["mesh"]["cells"] = cells
+    result = contbed.run(from_dict(scene))
+    # the table's extinction agrees to 2e-7 between its two grids, its ignition to 1e-12
+    assert result.qoi["fold_1"] == pytest.approx(on["Da"], rel=1e-7)
+    assert result.qoi["fold_2"] == pytest.approx(off["Da"], rel=1e-6)
+    assert result.qoi["steady_states_found"] == len(states)
+    left = sorted(result.tables["states"]["x_A_out [1]"], reverse=True)
+    assert [1.0 - x for x in left] == pytest.approx([row["X_out"] for row in states], abs=1e-7)
+
+
+def test_a_bed_without_fold_has_one_state():
+    scene = ignition(20.0, 20.0, 8.0, 20.0, 0.05)
+    scene["mesh"]["cells"] = CELLS
+    scene["continuation"] = {"parameter": "reactions.r.factor", "to": 0.3, "at": 0.1, "points": 30}
+    result = contbed.run(from_dict(scene))
+    assert not [key for key in result.qoi if key.startswith("fold")]
+    assert result.qoi["steady_states_found"] == 1
