@@ -6,6 +6,7 @@ from contbed.closures.registry import Value, closure
 
 _FUNAZKRI = "Wakao, Funazkri 1978, Chem. Eng. Sci. 33, 1375-1384, doi:10.1016/0009-2509(78)85120-3"
 _EDWARDS = "Edwards, Richardson 1968, Chem. Eng. Sci. 23, 109-123, doi:10.1016/0009-2509(68)87056-3"
+_LANGER = "Langer, Roethe, Roethe, Gelbin 1978, Int. J. Heat Mass Transfer 21, 751-759"
 _RANZ = "Ranz, Marshall 1952, Chem. Eng. Prog. 48, 141-146"
 
 
@@ -57,17 +58,17 @@ def mass_dispersion_edwards_richardson(v: Value, d_p: Value, D_gas: Value) -> Va
     return 0.73 * D_gas + 0.5 * vd * vd / (vd + 9.7 * D_gas)
 
 
-@closure(kind="mass_dispersion", unit="m2/s", ranges={}, source="definition of the Peclet number of the particle")
+@closure(kind="mass_dispersion", unit="m2/s", ranges={"v": (0, 1e3)}, source=_LANGER, bounds={"Pe_p": "(0, inf)"})
 def mass_dispersion_peclet(v: Value, d_p: Value, Pe_p: Value = 2.0) -> Value:
-    """Axial dispersion of constant Peclet number on the particle.
+    """Langer, Roethe, Roethe and Gelbin (1978): axial dispersion of constant Peclet number on the particle.
 
         D = v d_p/Pe_p
 
     Pe_p : [-] Peclet number v d_p/D
 
     Result: coefficient on the velocity between the particles; the flux per area of bed carries the porosity
-    Fitted to: nothing; 2 is the limit of correlations at high Reynolds numbers
-    Limits: the flux of dispersion is that of the mass flux, whatever the density.
+    Fitted to: gases in beds of spheres at high Reynolds numbers, where 2 is the limit of all correlations
+    Limits: Re -> infinite: as it is. The flux of dispersion is that of the mass flux, whatever the density.
 
     >>> mass_dispersion_peclet(v=1.0, d_p=2e-3)
     0.001
