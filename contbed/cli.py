@@ -262,6 +262,21 @@ def report(
 
 
 @app.command()
+def animate(
+    folder: Annotated[Path, Argument(metavar="DIR", help="folder of a transient run")],
+    out: Annotated[
+        Path | None, Option("--out", metavar="FILE", help="a .gif or .mp4; animation.gif in DIR if absent")
+    ] = None,
+    field: Annotated[str | None, Option("--field", metavar="NAME", help="which field, such as T_solid")] = None,
+    rate: Annotated[int, Option("--rate", metavar="N", min=1, max=60, help="frames per second")] = 10,
+) -> None:
+    """Write a film of a field of a transient run: a plane, a cut through a box, or particles from the side."""
+    from contbed.report.animate import animate as film
+
+    print(f"the film is {film(folder, out, field, rate)}")
+
+
+@app.command()
 def validate(
     names: Annotated[
         list[str] | None, Argument(metavar="NAME...", help="measured beds; all short ones if absent")

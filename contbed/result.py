@@ -8,11 +8,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial, wraps
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contbed import models
 from contbed.errors import ContbedError
 from contbed.fields import unit_of
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.figure import Figure
 
 REPR_RESULTS = 4  # named results that a repr shows, in one line of a terminal
 
@@ -72,6 +77,31 @@ class Result:
             "newton": self.history,
             **({"engine": self.engine} if self.engine else {}),
         }
+
+    def _repr_html_(self) -> str:
+        """Return the result as a table for a notebook."""
+        from contbed.output.frames import html
+
+        return html(self)
+
+    def to_xarray(self, table: str = "profiles") -> xarray.Dataset:
+        """Return "profiles", another table, or "fields" as an xarray Dataset; see `contbed.output.frames.dataset`."""
+        from contbed.output.frames import dataset
+
+        return dataset(self, table)
+
+    def to_pandas(self, table: str = "profiles") -> pandas.DataFrame:
+        """Return "profiles", another table, or the named "results" as a pandas DataFrame."""
+        from contbed.output.frames import frame
+
+        return frame(self, table)
+
+    def plot(self, *names: str, table: str = "profiles") -> Figure:
+        """Return a matplotlib figure of columns of a table, "T_fluid", all if none are named; a panel for each unit."""
+        from contbed.output.frames import figure
+
+        made: Figure = figure(self, *names, table=table)
+        return made
 
     def table(self) -> str:
         """Return the result as a table for a terminal."""

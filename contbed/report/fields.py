@@ -54,9 +54,9 @@ class Cloud:
     remark: str
 
 
-def pictures(run: Run) -> list[Pictures | Cloud]:
-    """Return the pictures of all fields of a run; none without fields or on a line."""
-    chosen = _chosen(run.snapshots)
+def pictures(run: Run, most: int = MAX_FRAMES) -> list[Pictures | Cloud]:
+    """Return the pictures of all fields of a run at `most` times at most; none without fields or on a line."""
+    chosen = _chosen(run.snapshots, most)
     if not chosen:
         return []
     import meshio
@@ -75,11 +75,11 @@ def pictures(run: Run) -> list[Pictures | Cloud]:
     return []
 
 
-def _chosen(snapshots: tuple[Snapshot, ...]) -> list[Snapshot]:
-    """Return at most `MAX_FRAMES` times, evenly among all, the last included."""
-    if len(snapshots) <= MAX_FRAMES:
+def _chosen(snapshots: tuple[Snapshot, ...], most: int) -> list[Snapshot]:
+    """Return at most so many times, evenly among all, the last included."""
+    if len(snapshots) <= most:
         return list(snapshots)
-    numbers = np.unique(np.linspace(0, len(snapshots) - 1, MAX_FRAMES).round().astype(int))
+    numbers = np.unique(np.linspace(0, len(snapshots) - 1, most).round().astype(int))
     return [snapshots[k] for k in numbers]
 
 

@@ -1,0 +1,214 @@
+"""A result as xarray and pandas, as a table of a notebook, and as a figure; the libraries are imported when needed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed import fields
+from contbed.errors import ContbedError
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+Array = NDArray[np.float64]
+Result = Any  # a `contbed.result.Result`, which is above
+COORDINATES = ("x", "y", "z", "r", "height", "frequency")
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")  # Okabe and Ito 2008
+MAX_TIMES = 6  # profiles of a transient in one figure
+
+
+def dataset(result: Result, table: str = "profiles") -> xarray.Dataset:
+    """Return a table of a result as an xarray Dataset with units and meanings in `attrs`.
+
+    Parameters
+    ----------
+    result : of a run
+    table : "profiles", a further table of the result, or "fields" for the nodal fields
+
+    Returns
+    -------
+    along the coordinate of the table, and over `t` where it has several times; fields along `node`
+
+    Raises
+    ------
+    ContbedError : xarray is not installed, or the result has no such table
+    """
+    try:
+        import xarray
+    except ImportError as error:
+        raise ContbedError("xarray is not installed: pip install 'contbed[notebook]'") from error
+    if table == "fields":
+        fields_found: xarray.Dataset = _fields(result, xarray)
+        return fields_found
+    columns = {fields.name_of(header): np.asarray(column) for header, column in columns_of(result, table).items()}
+    units = {fields.name_of(header): header.partition(" [")[2].rstrip("]") for header in columns_of(result, table)}
+    axis, several = _axis(columns)
+    dims: tuple[str, ...] = (axis,)
+    shape: tuple[int, ...] = (-1,)
+    coords = {axis: columns.pop(axis)}
+    if several:
+        times = columns.pop("t")
+        counts = np.unique(times, return_counts=True)
+        if len(set(counts[1])) > 1:  # positions differ between the times: one row after the other
+            columns |= {axis: coords[axis], "t": times}
+            coords, dims = {}, ("row",)
+        else:
+            coords = {"t": counts[0], axis: coords[axis][times == counts[0][0]]}
+            dims, shape = ("t", axis), (len(counts[0]), -1)
+    data = {name: (dims, column.reshape(shape) if len(dims) > 1 else column) for name, column in columns.items()}
+    made = xarray.Dataset(data, coords, {"title": result.plan.scene.title, "status": result.status})
+    for name, variable in made.variables.items():
+        variable.attrs |= _attributes(str(name), units.get(str(name), ""))
+    return made
+
+
+def frame(result: Result, table: str = "profiles") -> pandas.DataFrame:
+    """Return a table of a result, or its named results as "results", as a pandas DataFrame; headers have units.
+
+    Raises
+    ------
+    ContbedError : pandas is not installed, or the result has no such table
+    """
+    try:
+        import pandas
+    except ImportError as error:
+        raise ContbedError("pandas is not installed: pip install 'contbed[notebook]'") from error
+    if table == "results":
+        rows = [
+            {"result": name, "value": value, "unit": unit, "meaning": meaning}
+            for name, value, unit, meaning in named(result)
+        ]
+        return pandas.DataFrame(rows, columns=["result", "value", "unit", "meaning"]).set_index("result")
+    return pandas.DataFrame({header: np.asarray(column) for header, column in columns_of(result, table).items()})
+
+
+def named(result: Result) -> list[tuple[str, Any, str, str]]:
+    """Return the named results: name, value, unit, meaning."""
+    found = []
+    for key, value in result.qoi.items():
+        entry = fields.result(key)
+        unit = result.units.get(key) or fields.unit_of(key) or "1"
+        found.append((fields.name_of(key), value, "" if unit == "1" else unit, entry.description if entry else ""))
+    return found
+
+
+def html(result: Result) -> str:
+    """Return a result as a table for a notebook: status, balances, named results, warnings."""
+    rows = "".join(
+        f"<tr><td><code>{escape(name)}</code></td><td>{escape(_shown(value))}</td><td>{escape(unit)}</td>"
+        f"<td>{escape(meaning)}</td></tr>"
+        for name, value, unit, meaning in named(result)
+    )
+    lines = [f"{escape(result.plan.scene.kind)}: {escape(result.status)}"]
+    for name, balance in result.balances.items():
+        lines.append(f"balance of {escape(name)} closes to {balance['relative_residual']:.2g}")
+    title = escape(result.plan.scene.title or "run of contbed")
+    warnings = "".join(f"<li>{escape(text)}</li>" for text in result.warnings)
+    head = "<tr><th>result</th><th>value</th><th>unit</th><th>meaning</th></tr>"
+    listed = f"<ul>{warnings}</ul>" if warnings else ""
+    return f"<b>{title}</b><br>{'; '.join(lines)}{listed}<table>{head}{rows}</table>"
+
+
+def figure(result: Result, *names: str, table: str = "profiles") -> Any:
+    """Return a matplotlib figure of columns of a table along its coordinate, one panel for each unit.
+
+    Parameters
+    ----------
+    result : of a run
+    names : of columns without their unit, "T_fluid"; all if none are given
+    table : which table
+
+    Raises
+    ------
+    ContbedError : the result has no such table or column
+    """
+    import matplotlib
+    from matplotlib import colormaps
+    from matplotlib.figure import Figure
+
+    headers = {fields.name_of(header): header for header in columns_of(result, table)}
+    columns = {name: np.asarray(columns_of(result, table)[header]) for name, header in headers.items()}
+    axis, several = _axis(columns)
+    wanted = names or tuple(name for name in columns if name not in (axis, "t"))
+    if unknown := [name for name in wanted if name not in columns]:
+        raise ContbedError(f"{table} has no column {unknown[0]!r}; it has {', '.join(columns)}")
+    units = list(dict.fromkeys(headers[name].partition(" [")[2].rstrip("]") for name in wanted))
+    with matplotlib.rc_context({"axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False}):
+        made = Figure(figsize=(7.0, 1.0 + 2.2 * len(units)), layout="constrained")
+        panels = made.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
+        times = np.unique(columns["t"]) if several else np.array([np.nan])
+        times = times[np.unique(np.linspace(0, len(times) - 1, MAX_TIMES).round().astype(int))]
+        for panel, unit in zip(panels, units, strict=True):
+            here = [name for name in wanted if headers[name].partition(" [")[2].rstrip("]") == unit]
+            for k, name in enumerate(here):
+                for n, time in enumerate(times):
+                    rows = columns["t"] == time if several else slice(None)
+                    colour = colormaps["viridis"](0.85 * n / max(1, len(times) - 1)) if several else COLOURS[k % 7]
+                    label = f"{name}, {time:.4g} s" if several else name
+                    dash = ("-", "--", ":", "-.")[k % 4] if several else "-"
+                    panel.plot(columns[axis][rows], columns[name][rows], color=colour, linestyle=dash, label=label)
+            name = here[0] if len(here) == 1 else ""
+            panel.set_ylabel(name if unit == "1" else f"{name} [{unit}]".strip())
+            panel.margins(x=0)
+            if len(here) * len(times) > 1:
+                panel.legend(fontsize=7, ncols=2 if len(here) * len(times) > 6 else 1)
+        panels[-1].set_xlabel(headers[axis])
+        made.suptitle(result.plan.scene.title, parse_math=False, wrap=True)
+    return made
+
+
+def columns_of(result: Result, table: str) -> Mapping[str, Any]:
+    """Return the columns of a table by header.
+
+    Raises
+    ------
+    ContbedError : the result has no such table
+    """
+    tables: dict[str, Mapping[str, Any]] = {"profiles": result.profiles, **result.tables}
+    if not tables.get(table):
+        known = ", ".join(name for name, columns in tables.items() if columns) or "none"
+        raise ContbedError(f"the result has no table {table!r}; it has: {known}")
+    return tables[table]
+
+
+def _axis(columns: Mapping[str, Array]) -> tuple[str, bool]:
+    """Return the column along the axis, and whether each of several times has its own rows."""
+    place = next((name for name in COORDINATES if name in columns), None)
+    if "t" in columns and (place is None or len(np.unique(columns["t"])) == len(columns["t"])):
+        return "t", False
+    return place or next(iter(columns)), "t" in columns and place is not None
+
+
+def _fields(result: Result, xarray: Any) -> Any:
+    """Return the nodal fields of the last time, each on the nodes of its own space."""
+    if not result.nodal:
+        raise ContbedError("the result has no fields")
+    data, coords = {}, {}
+    for name, (space, values) in result.nodal.items():
+        points = np.asarray(space.points)
+        dim = f"node_{points.shape[1]}"
+        for k, point in enumerate(points):
+            coords[f"{'xyz'[k]}_{points.shape[1]}"] = (dim, point)
+        values = np.asarray(values)
+        data[name] = (("component", dim), values) if values.ndim > 1 else ((dim,), values)
+    made = xarray.Dataset(data, coords, {"title": result.plan.scene.title, "status": result.status})
+    for name, variable in made.variables.items():
+        entry = fields.field(str(name).partition("_")[0] if str(name) in coords else str(name))
+        variable.attrs |= {} if entry is None else {"units": entry.unit, "long_name": entry.description}
+    return made
+
+
+def _attributes(name: str, unit: str) -> dict[str, str]:
+    entry = fields.field(name)
+    unit = unit or (entry.unit if entry else "")
+    return ({"units": unit} if unit else {}) | ({"long_name": entry.description} if entry else {})
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, int | float) else str(value)

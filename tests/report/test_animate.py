@@ -1,0 +1,83 @@
+"""`contbed animate`: films of planes and of particles, as GIF and as MP4."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from contbed import cli, editor, load, run
+from contbed.errors import ContbedError
+from contbed.report.animate import animate
+
+PLANE = """\
+title = "Hot gas into a cold plane bed"
+mesh = { type = "rectangle", length = 0.3, height = 0.1, cells = [8, 3] }
+fluid = { density = 1.0, heat_capacity = 1000.0, conductivity = 0.05, viscosity = 2e-5 }
+solid = { density = 2000.0, heat_capacity = 900.0, conductivity = 1.0 }
+bed = { porosity = 0.4, particle_diameter = 0.01 }
+flow = { velocity = 0.3 }
+heat = { nusselt = "wakao_kaguei" }
+time = { end = 500, times = [100, 200], initial_fluid = 300, initial_solid = 300 }
+output = { plots = false }
+[boundary.left]
+fluid.inflow = 600.0
+[boundary.top]
+solid.fixed = 300.0
+"""
+
+
+@pytest.fixture(scope="module")
+def plane(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("film")
+    (folder / "plane.toml").write_text(PLANE)
+    run(load(folder / "plane.toml"), out=folder / "plane")
+    return folder / "plane"
+
+
+def frames(file):
+    """The pictures of a GIF as arrays of grey values."""
+    with Image.open(file) as film:
+        found = []
+        for k in range(film.n_frames):
+            film.seek(k)
+            found.append(np.asarray(film.convert("L"), dtype=float))
+    return found
+
+
+def test_a_film_has_one_picture_for_each_time(plane, capsys):
+    assert cli.main(["animate", str(plane)]) == 0
+    assert "animation.gif" in capsys.readouterr().out
+    film = frames(plane / "animation.gif")
+    assert len(film) == 3
+    assert all(np.abs(a - b).mean() > 1.0 for a, b in pairwise(film))  # grey values of 255
+
+
+def test_other_fields_and_mistakes(plane, tmp_path):
+    assert animate(plane, tmp_path / "gas.gif", "T_fluid").stat().st_size > 10_000
+    with pytest.raises(ContbedError, match="no field 'T'; there are"):
+        animate(plane, tmp_path / "gas.gif", "T")
+    with pytest.raises(ContbedError, match="a film is a"):
+        animate(plane, tmp_path / "gas.avi")
+
+
+def test_a_steady_run_has_no_film(tmp_path):
+    (tmp_path / "bed.toml").write_text(editor.template("packed_bed"))
+    run(load(tmp_path / "bed.toml"), out=tmp_path / "bed")
+    with pytest.raises(ContbedError, match=r"give time.times or time.fields"):
+        animate(tmp_path / "bed")
+
+
+def test_mp4(plane, tmp_path):
+    pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed: pip install 'contbed[animation]'")
+    file = animate(plane, tmp_path / "film.mp4")
+    assert file.read_bytes()[4:8] == b"ftyp" and file.stat().st_size > 2000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["two_fluid", "particles_gas"])
+def test_two_fluids_and_particles(kind, tmp_path):
+    (tmp_path / "bed.toml").write_text(editor.template(kind))
+    run(load(tmp_path / "bed.toml", {"time.fields": "20 ms"}), out=tmp_path / "bed")
+    film = frames(animate(tmp_path / "bed"))
+    assert len(film) >= 3 and np.abs(film[0] - film[-1]).mean() > 0.2
