@@ -144,6 +144,9 @@ MODELS: dict[str, Model] = {
         "cfd_dem", "GasScene", lambda values: "particles" in values and "gas" in values, {"particles_gas": "gas"}, True
     ),
     "particles": Model("dem", "ParticleScene", _is_particles, {"particles": "network"}, True),
+    "single_particle": Model(
+        "single_particle", "SingleParticleScene", _has("surroundings"), {"single_particle": "equations"}
+    ),
     "radiation": Model(
         "radiation", "RadiationScene", _only_radiates, {"radiation": "equations.p1", "ordinates": "equations.ordinates"}
     ),

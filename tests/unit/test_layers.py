@@ -20,7 +20,7 @@ LAYERS = (
     ("runner",),
     ("explain", "editor", "choose", "loading"),
     ("places",),
-    ("cfd_dem", "developed_flow", "bubbling_bed", "packed_bed", "reacting_bed"),
+    ("cfd_dem", "developed_flow", "bubbling_bed", "packed_bed", "reacting_bed", "single_particle"),
     ("dem", "two_fluid", "radiation"),
     ("result",),
     ("models", "balance", "output"),
@@ -129,6 +129,7 @@ def test_physics_of_one_layer_do_not_know_each_other():
         "packed_bed",
         "reacting_bed",
         "dem",
+        "single_particle",
         "two_fluid",
         "radiation",
     }

@@ -1,0 +1,52 @@
+"""Plan of one particle: shells, reactions, what is left out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from contbed.models import described
+from contbed.single_particle.scene import SingleParticleScene
+from contbed.solvers.cost import advice
+from contbed.solvers.linear import Policy
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The scene and the choices."""
+
+    scene: SingleParticleScene
+    built: tuple[tuple[str, str], ...]
+    skipped: tuple[tuple[str, str], ...]
+    mesh: None = None
+    without_weak_form: str = "shells of a sphere by finite volumes"
+    steps: bool = False
+
+    @property
+    def policy(self) -> Policy:
+        """Choice of the linear solver."""
+        return Policy(1)
+
+    def unknowns(self) -> dict[str, int]:
+        """Return the number of unknowns: temperature, constituents and flow of gas of each shell, and the surface."""
+        return {"particle": (len(self.scene.constituent) + 2) * self.scene.particle.cells + 1}
+
+    def __str__(self) -> str:
+        return described(self, advice(self.unknowns(), self.policy))
+
+
+def plan(scene: SingleParticleScene) -> Plan:
+    """Say what is built for a scene."""
+    table, skipped = scene.particle, []
+    built = [("particle", f"{table.cells} shells, {len(scene.constituent)} constituents, transient, TR-BDF2")]
+    if scene.reactions:
+        built.append(("reactions", f"{len(scene.reactions)} of first order"))
+    else:
+        skipped.append(("reactions", "no [reactions] table"))
+    if scene.surroundings.surface is not None:
+        built.append(("surface", "held at the temperature given"))
+    else:
+        how = "convection" + (" and radiation" if scene.surroundings.emissivity is not None else "")
+        built.append(("surface", f"heated by {how}"))
+    if table.gas_heat_capacity == 0.0:
+        skipped.append(("heat carried by the gas", "particle.gas_heat_capacity is 0"))
+    return Plan(scene, tuple(built), tuple(skipped))

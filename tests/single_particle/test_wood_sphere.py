@@ -1,0 +1,125 @@
+"""One particle that conducts and reacts: calculated wood spheres, a conducting sphere, balances, mistakes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from contbed.errors import SceneError
+from contbed.loading import load
+from contbed.models import MODELS
+from contbed.runner import run
+from tests.particle.tables import rows
+
+SPHERE = MODELS["single_particle"].template.read_text(encoding="utf-8").split("[surroundings]")[0]
+
+
+def wood(start, times, series):
+    """Wood sphere whose surface follows a measured temperature, with the constants of the tables."""
+    text = SPHERE.replace("temperature = 305.0", f"temperature = {start}").replace("0.1742 ", "0.2046 ")
+    text = text.replace("0.0970", "0.0936").replace("gas_heat_capacity = 1100.0", "gas_heat_capacity = 0.0")
+    text = text.replace("heat = 3.46e4", "heat = 1.1e5").replace("heat = -6.4e3", "heat = -2.1e5")
+    return f"""{text}
+[surroundings.surface]
+times = {[float(row["time_s"]) for row in series]}
+values = {[float(row["T_surface_K"]) for row in series]}
+[time]
+end = {max(times)}
+times = {times}
+tolerance = 5e-4
+""".replace("[particle]", "[particle]\ncells = 16")
+
+
+@pytest.mark.parametrize(("furnace", "start"), [pytest.param(638, 304.0, marks=pytest.mark.slow), (688, 306.0)])
+def test_calculated_wood_sphere(tmp_path, furnace, start):
+    table = rows(f"wood_sphere_{furnace}.csv")
+    series = [row for row in rows("park_2010_temperatures.csv") if row["furnace_K"] == furnace]
+    path = tmp_path / "wood.toml"
+    path.write_text(wood(start, [float(row["time_s"]) for row in table], series))
+    found = run(load(path))
+    # the table itself: 5e-4 and 0.3 K between its grids; 16 shells, time steps of 5e-4 of the span
+    assert found.profiles["mass_fraction [1]"] == pytest.approx([row["mass"] for row in table], abs=4e-3)
+    centre = np.abs(found.profiles["T_centre [K]"] - [row["T_centre_K"] for row in table])
+    # the temperature falls from its peak by 80 K within the 40 s between two rows
+    assert np.median(centre) < 1.0 and centre.max() < 5.0
+    assert abs(found.balances["energy"]["relative_residual"]) < 1e-11
+    assert abs(found.balances["mass"]["relative_residual"]) < 1e-11
+
+
+def inert(cells, end, biot):
+    """Sphere of R = 1 cm, alpha = 1e-6 m2/s in a gas 100 K hotter."""
+    return f"""
+[particle]
+diameter = 0.02
+density = 1000.0
+temperature = 300.0
+conductivity = 1.0
+cells = {cells}
+[constituent.stone]
+mass_fraction = 1.0
+heat_capacity = 1000.0
+[surroundings]
+temperature = 400.0
+coefficient = {biot * 1.0 / 0.01}
+[time]
+end = {end}
+times = [{end}]
+tolerance = 1e-5
+"""
+
+
+def test_heated_sphere_of_second_order(tmp_path):
+    # first term and more of the series: mu cot mu = 1 - Bi
+    biot, fourier = 2.0, 0.3
+    mu = np.array(
+        [
+            brentq(lambda x: np.sin(x) * (biot - 1) + x * np.cos(x), (k + 0.5) * np.pi, (k + 1) * np.pi)
+            for k in range(12)
+        ]
+    )
+    share = 4 * (np.sin(mu) - mu * np.cos(mu)) / (2 * mu - np.sin(2 * mu))
+    exact = 400.0 - 100.0 * float(np.sum(share * np.exp(-(mu**2) * fourier)))
+    errors = []
+    for cells in (5, 10, 20):
+        path = tmp_path / "inert.toml"
+        path.write_text(inert(cells, fourier * 1e-4 / 1e-6, biot))
+        errors.append(abs(run(load(path)).profiles["T_centre [K]"][-1] - exact))
+    # second order
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.3) and errors[1] / errors[2] == pytest.approx(4.0, rel=0.3)
+    assert errors[2] < 0.2
+
+
+def test_uniform_reaction_is_exponential(tmp_path):
+    text = inert(6, 100.0, 1.0).replace("temperature = 400.0", "temperature = 300.0")
+    path = tmp_path / "reacts.toml"
+    path.write_text(text + '[reactions.gas]\nof = "stone"\nA = 0.02\nactivation_temperature = 1e-6\nyields = {}\n')
+    found = run(load(path))
+    assert found.profiles["mass_fraction [1]"][-1] == pytest.approx(np.exp(-2.0), rel=1e-3)
+    assert found.qoi["T_centre_max_K"] == pytest.approx(300.0, abs=1e-6)
+
+
+def test_template_runs():
+    found = run(load(MODELS["single_particle"].template))
+    assert found.status == "ok" and 0.2 < found.qoi["mass_fraction_end"] < 0.25
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("mass_fraction = 1.0", "mass_fraction = 0.9", "sum to 0.9; they must sum to 1"),
+        ('of = "intermediate"', 'of = "tar"', "there is no constituent 'tar'"),
+        ("char = 0.65", "char = 1.65", r"(?s)less than or equal to 1|<= 1|yields"),
+        ("yields = { intermediate = 1.0 }", "yields = { wood = 1.0 }", "what reacts is among what is made"),
+        ("emissivity = 0.6", "emissivity = 0.6\nsurface = 600.0", "give one of surface, temperature"),
+    ],
+)
+def test_mistakes(tmp_path, old, new, message):
+    path = tmp_path / "wrong.toml"
+    path.write_text(MODELS["single_particle"].template.read_text(encoding="utf-8").replace(old, new))
+    with pytest.raises(SceneError, match=message):
+        load(path)
+
+
+def test_what_the_scene_is_told_as():
+    assert MODELS["single_particle"].means({"surroundings": {}})
