@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from contbed.loading import load
 from contbed.runner import run
 from contbed.validation import case, score
 from contbed.validation.deviations import COVERAGE, Score
@@ -16,6 +18,8 @@ from studies._gallery import Table, Tables
 NOT_COMPARED = ("CPU [s]",)
 STONE = "alonso_2022"
 SHORT = ("alonso_2022", "beaulieu_2020", "pacheco_2002")  # beds with temperatures
+ZERO_CELSIUS = 273.15  # K
+STANDBY_HEIGHTS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 5.5)  # m
 # changes of the stone bed that each make the heat supplied in the first hour that which was stored
 MENDS = {"as stated": {}, "more air": {"flow.velocity": "gain"}, "lighter stone": {"solid.density": "loss"}}
 
@@ -41,7 +45,11 @@ def compute(cases: tuple[str, ...] = ()) -> Tables:
             {"case": name, "input": key, "RMS change [K]": value} for key, value in done.compared.influence.items()
         ]
     tables = {"scores": Table.of(scores, ".4g"), "points": Table.of(points, ".6g")}
-    return tables | {"influence": Table.of(influence, ".3g"), "stone": Table.of(_stone(), ".4g")}
+    return tables | {
+        "influence": Table.of(influence, ".3g"),
+        "stone": Table.of(_stone(), ".4g"),
+        "standby": Table.of(_standby(), ".4g"),
+    }
 
 
 def reference(name: str) -> Table:
@@ -105,6 +113,19 @@ def _stone() -> list[dict[str, Any]]:
                 "bias [K]": np.mean(deviation),
             }
         )
+    return rows
+
+
+def _standby() -> list[dict[str, Any]]:
+    """Predicted temperatures of the salt at rest with losses [degC]; only the start was measured."""
+    result = run(load(Path(__file__).parent / "standby" / "standby.toml"))
+    x, t, T = (result.profiles[name] for name in ("x [m]", "t [s]", "T_solid [K]"))
+    rows = []
+    for moment in np.unique(t):
+        now = t == moment
+        found = np.interp(STANDBY_HEIGHTS, x[now], T[now]) - ZERO_CELSIUS
+        names = [f"T at {height:g} m [degC]" for height in STANDBY_HEIGHTS]
+        rows.append({"t [h]": moment / 3600.0, **dict(zip(names, found, strict=True))})
     return rows
 
 
