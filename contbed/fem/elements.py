@@ -142,6 +142,13 @@ class Space:
         points[:, self.dofs] = np.einsum("dkc,kn->dnc", self.mesh.p[:, self.mesh.t], geometry)
         return points
 
+    def interpolated(self, values: Array, other: Space) -> Array:
+        """Return values (size,) of this space at the nodes of another one on the same mesh (other.size,)."""
+        table = self.element.table(other.element.nodes.T)
+        out = np.empty(other.size)
+        out[other.dofs] = table.T @ values[self.dofs]
+        return out
+
     def from_vertices(self) -> sp.csr_matrix:
         """Return the interpolation of values at the vertices, linear on edges (size, nvertices)."""
         corners = self.mesh.t

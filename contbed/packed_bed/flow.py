@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,18 +22,39 @@ PARALLEL = 1e-9  # a wall counts as parallel to a direction below this sine
 
 
 @dataclass(frozen=True)
+class LocalProperties:
+    """Properties of the fluid at the temperature of each node of a space: arrays (size,)."""
+
+    space: Any
+    expansion: Any  # density of the inlet over that at the node [1]
+    viscosity: Any  # [Pa s]
+
+
+@dataclass(frozen=True)
 class Flow:
-    """A velocity field: `velocity` (dim, size) on quadratic elements, `state` and `system` behind it."""
+    """The flow of the fluid: `state` and `system` of the form, and the properties that it was solved with.
+
+    `velocity` (dim, size) on quadratic elements is the mass flux over the density of the inlet, and so free of
+    divergence; `expanded` is the velocity.
+    """
 
     system: System
     state: Any
     history: list[float]
     porosity: float
+    local: LocalProperties | None = None
 
     @property
     def velocity(self) -> Any:
-        """Nodal velocities (dim, size)."""
+        """Nodal mass flux over the density of the inlet (dim, size) [m/s]."""
         return self.system.part(self.state, "u")
+
+    @property
+    def expanded(self) -> Any:
+        """Nodal superficial velocity (dim, size) [m/s]."""
+        if self.local is None:
+            return self.velocity
+        return self.velocity * self.local.space.interpolated(self.local.expansion, self.system.fields["u"][0])
 
     @property
     def pressure(self) -> Any:
@@ -62,10 +83,11 @@ def solve_flow(
     tolerance: float,
     iterations: int,
     before: Flow | None = None,
+    local: LocalProperties | None = None,
 ) -> Flow:
-    """Newton from uniform flow, or from the flow `before` on another mesh of the same bed.
+    """Newton from uniform flow, or from the flow `before` on this or another mesh of the same bed.
 
-    `conditions` maps each boundary to inlet, outlet, no_slip or slip.
+    `conditions` maps each boundary to inlet, outlet, no_slip or slip; `local` are properties that vary in the bed.
 
     Inlet nodes keep the inlet velocity also where a no-slip wall begins, so that the volume flow is the prescribed one.
     """
@@ -86,6 +108,9 @@ def solve_flow(
                 fixed.append(nodes)
     if "outlet" not in conditions.values():  # between walls the pressure is known but for a constant
         fixed.append(system.nodes("p", next(iter(mesh.skfem.boundaries.values())))[:1])
+    if local is not None:
+        expansion, viscosity = (system.known(system.cells, local.space, x) for x in (local.expansion, local.viscosity))
+        c = replace(c, expansion=expansion, viscosity=viscosity)
     form = [(porous_flow.residual, system.cells, c)]
     state, history = newton(
         lambda x, jacobian: system.assemble(form, x, jacobian),
@@ -96,12 +121,15 @@ def solve_flow(
         iterations=iterations,
         what="flow",
     )
-    return Flow(system, state, history, c.porosity)
+    return Flow(system, state, history, c.porosity, local)
 
 
 def _carry(before: Flow, system: System, state: Any) -> None:
-    """Interpolate a flow on a tensor-product mesh to another one."""
+    """Interpolate a flow on a tensor-product mesh to another one, or take it as it is on the same mesh."""
     old, new = before.system, system
+    if old.mesh is new.mesh:
+        state[:] = before.state
+        return
     for name in new.fields:
         former, grid = (TensorGrid.of(one.fields[name][0]) for one in (old, new))
         if former is None or grid is None:

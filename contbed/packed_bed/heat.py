@@ -261,8 +261,8 @@ class HeatProblem:
         lower[self.heats.stop :] = -np.inf
         return lower
 
-    def solve(self, policy: Policy) -> tuple[Any, list[float]]:
-        """Find the steady state by Newton, and by continuation in time where Newton fails."""
+    def solve(self, policy: Policy, start: Any = None) -> tuple[Any, list[float]]:
+        """Find the steady state by Newton, from `start` if given, and by continuation in time where Newton fails."""
         policy = self.system.ordered(policy)
         options: dict[str, Any] = {
             "tolerance": self.scene.solver.newton_tolerance,
@@ -271,7 +271,8 @@ class HeatProblem:
             "weights": self.weights,
             "what": "heat",
         }
-        start = self.initial() if self.linear else self._frozen(policy)
+        if start is None:
+            start = self.initial() if self.linear else self._frozen(policy)
         try:
             return newton(self.steady, start, self.fixed, policy, linear=self.linear, **options)
         except ConvergenceError:

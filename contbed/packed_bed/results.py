@@ -27,14 +27,15 @@ def flow_findings(plan: Plan, line: Line, flow: Any, result: Result) -> None:
     """Fill in largest speed, pressure drop, pressure gradient, and velocity and pressure along the bed."""
     space, _ = flow.system.fields["u"]
     axis = plan.mesh.axis
-    u = line.probe(space, flow.velocity[axis])
+    velocity = flow.expanded
+    u = line.probe(space, velocity[axis])
     pressure = line.probe(flow.system.fields["p"][0], flow.pressure)
     result.profiles = {header(plan.coordinate): line.positions, header("u"): u, header("p"): pressure}
     outlets = [name for name, kind in plan.conditions.items() if kind == "outlet"]
     facets = np.concatenate([np.zeros(0, dtype=int), *(plan.mesh.skfem.boundaries[name] for name in outlets)])
     result.qoi |= {
-        "u_max": float(np.sqrt((flow.velocity**2).sum(axis=0)).max()),
-        "u_max_outlet": float(np.abs(flow.velocity[axis, space.on_facets(facets)]).max(initial=0.0)),
+        "u_max": float(np.sqrt((velocity**2).sum(axis=0)).max()),
+        "u_max_outlet": float(np.abs(velocity[axis, space.on_facets(facets)]).max(initial=0.0)),
         "pressure_drop_Pa": float(pressure[0] - pressure[-1]) * (1.0 if plan.velocity[axis] >= 0 else -1.0),
         "pressure_gradient_Pa_m": _developed_gradient(line.positions, pressure),
     }
@@ -185,16 +186,17 @@ def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], fluid: Any,
         last = streams[-1]
         result.qoi["pressure_drop_Pa"] = float(abs(last.pressure[-1] - last.pressure[0]))
         result.qoi["residence_time_s"] = medium.scene.bed.porosity * _integral(1.0 / np.abs(last.u), x)
-    elif header("u") in result.profiles:
-        density = np.broadcast_to(medium.fluid.density(fluid[0]), fluid[0].shape)
+    elif problem.motion.flow is not None:
+        density = np.broadcast_to(medium.fluid.density(fluid[-1]), fluid[-1].shape)
+        if header("u") in result.profiles:
+            result.profiles[header("rho_fluid")] = density
         scale = medium.mass_flux_scale()
-        result.profiles[header("rho_fluid")] = density
-        result.profiles[header("u")] = result.profiles[header("u")] * scale / density
         spread = float(max(density.max() / scale, scale / density.min()))
-        if spread > VARIES:
+        if problem.motion.flow.local is None and spread > VARIES:
             result.warnings.append(
                 f"the density of the fluid changes by a factor of {spread:.3g} from that at the inlet, with which flow "
-                "and pressure beside no-slip walls are solved; without such walls they follow the temperature"
+                "and pressure beside no-slip walls are solved in a transient; in steady state and without such walls "
+                "they follow the temperature"
             )
 
 

@@ -18,6 +18,8 @@ from contbed.result import Result, outside
 from contbed.scene.mesh import MeshLine
 
 RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "output", "solver.memory_GB")
+TURNS = 40  # of flow and temperatures, each with the other's last solution
+SETTLED = 0.1  # share of solver.tolerance by which theta may still change in a turn
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
 
 
@@ -98,7 +100,7 @@ def _heat_problem(plan: Plan, flow: Any, result: Result, piece: Piece | None = N
     return problem
 
 
-def _flow(plan: Plan, line: Line, before: Any, result: Result) -> Any:
+def _flow(plan: Plan, line: Line, before: Any, result: Result, local: Any = None) -> Any:
     from contbed.packed_bed.flow import coefficients, solve_flow
 
     scene, options = plan.scene, plan.scene.solver
@@ -112,6 +114,7 @@ def _flow(plan: Plan, line: Line, before: Any, result: Result) -> Any:
         tolerance=options.newton_tolerance,
         iterations=options.newton_iterations,
         before=before,
+        local=local,
     )
     result.history += flow.history
     outflow = {name: flow.outflow(name) for name in plan.mesh.boundaries}
@@ -121,7 +124,7 @@ def _flow(plan: Plan, line: Line, before: Any, result: Result) -> Any:
         floor = c.speed * float(extents.prod() / extents.max())
     balance = Balance.of_fluxes((-v for v in outflow.values()), "m3/s", floor=floor)
     result.balances["fluid volume"] = balance.as_dict()
-    result.nodal |= {"u": (flow.system.fields["u"][0], flow.velocity), "p": (flow.system.fields["p"][0], flow.pressure)}
+    result.nodal |= {"u": (flow.system.fields["u"][0], flow.expanded), "p": (flow.system.fields["p"][0], flow.pressure)}
     from contbed.packed_bed.results import flow_findings
 
     flow_findings(plan, line, flow, result)
@@ -144,6 +147,37 @@ def _steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, 
     return fluxes, reactions, balance
 
 
+def _with_local_properties(plan: Plan, line: Line, problem: Any, state: Any, result: Result) -> tuple[Any, Any]:
+    """Solve flow and temperatures in turn until both belong to each other; return problem and state.
+
+    Raises
+    ------
+    ConvergenceError : they do not settle
+    """
+    from contbed.packed_bed.flow import LocalProperties
+
+    space = problem.system.fields["T_fluid"][0]
+    allowed, change = SETTLED * plan.scene.solver.tolerance, np.inf
+    for _ in range(TURNS):
+        T = problem.system.part(state, "T_fluid")
+        fluid = plan.medium.fluid
+        expansion, viscosity = plan.medium.mass_flux_scale() / fluid.density(T), fluid.viscosity(T)
+        local = LocalProperties(space, *(np.broadcast_to(values, T.shape) for values in (expansion, viscosity)))
+        with result.timed("flow"):
+            flow = _flow(plan, line, problem.motion.flow, result, local)
+        problem = _heat_problem(plan, flow, result)
+        with result.timed("heat"):
+            found, history = problem.solve(plan.policy, state)
+            result.history += history
+        change, state = float(np.abs(problem.weights * (found - state)).max() / problem.span_of(found)), found
+        if change <= allowed:
+            return problem, state
+    raise ConvergenceError(
+        f"flow and temperatures change each other: after {TURNS} turns theta still changes by {change:.1g} in each; "
+        "an expanding fluid may have no steady flow here: try a smaller difference of temperatures or a slip wall"
+    )
+
+
 def _steady(plan: Plan, line: Line, problem: Any, result: Result, before: Any, last: bool) -> tuple[Plan | None, Any]:
     """Solve and report; or, on a mesh that may still be bettered and should be, return the plan on a better one.
 
@@ -154,6 +188,8 @@ def _steady(plan: Plan, line: Line, problem: Any, result: Result, before: Any, l
     with result.timed("heat"):
         state, history = problem.solve(plan.policy)
         result.history += history
+    if not plan.plug and not plan.medium.fluid.constant:
+        problem, state = _with_local_properties(plan, line, problem, state, result)
     with result.timed("results"):
         better, estimate = _better(plan, problem.motion.flow, problem, state, before, last, result)
     if better is not None:

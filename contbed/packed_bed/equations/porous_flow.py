@@ -1,12 +1,16 @@
 """Darcy-Brinkman-Forchheimer flow of a fluid through a bed that rests or moves.
 
-    div u = 0
-    (rho/eps) u.grad u = -grad p + mu lap u - eps (mu/K + rho c_F/sqrt(K) |w|) w,      w = u - u_solid
+    div G = 0,   G = rho u
+    (1/eps) G.grad u = -grad p + div(mu grad u) - eps (mu/K + rho c_F/sqrt(K) |w|) w,      w = u - u_solid
 
 u        superficial fluid velocity [m/s]          u_solid  superficial solid velocity [m/s], uniform
 p        eps times the intrinsic pressure [Pa]     eps      porosity [1]
 K        permeability [m2]                         c_F      Forchheimer coefficient [1]
-rho, mu  density [kg/m3], viscosity [Pa s], constant
+rho, mu  density [kg/m3], viscosity [Pa s]         G        superficial mass flux [kg/m2/s]
+
+The unknown is U = G/rho_in, the velocity at the density of the inlet, which is the prescribed one there and free of
+divergence also where the fluid expands; u = s U with the expansion s = rho_in/rho. Both s and mu are 1 and a number, or
+finite-element fields of the temperature. What expansion adds to the viscous stress by div u is left out.
 
 Source: Pivem & de Lemos, Int. J. Heat Mass Transfer 55 (2012) 3358, doi:10.1016/j.ijheatmasstransfer.2011.11.047,
 Eq. 10, where p stands for phi <p>. Taylor-Hood elements: u of degree 2, p of degree 1, so the discrete divergence is
@@ -22,6 +26,8 @@ from typing import Any
 
 import numpy as np
 
+from contbed.fem.dual import Components
+
 FIELDS = {"u": (2, "vector"), "p": (1, "scalar")}
 
 # the drag's |w| is not differentiable where the fluid moves with the bed; this share of the velocity scale rounds it
@@ -30,34 +36,54 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Constants of the momentum balance in SI; `velocity_solid` has one entry for each dimension."""
+    """Coefficients of the momentum balance in SI; `velocity_solid` has one entry for each dimension.
+
+    `density` is that at the inlet, `expansion` what it is over the local one, 1 for a fluid that does not expand.
+    """
 
     density: float
-    viscosity: float
+    viscosity: Any
     porosity: float
     permeability: float
     forchheimer: float
     velocity_solid: Any
     speed: float
+    expansion: Any = 1.0
 
 
 def drag(w: Any, c: Coefficients, o: Any) -> Any:
     """Return the drag on the fluid per volume and relative velocity [Pa s/m2] at relative velocity `w` [m/s]."""
     speed = np.sqrt(o.dot(w, w) + (ROUNDING * c.speed) ** 2)
-    return c.porosity * (c.viscosity / c.permeability + c.density * c.forchheimer / c.permeability**0.5 * speed)
+    return c.porosity * (
+        c.viscosity / c.permeability + c.density / c.expansion * c.forchheimer / c.permeability**0.5 * speed
+    )
 
 
 def residual(unknowns: Any, tests: Any, c: Coefficients, o: Any) -> Any:
     """Return the weak form of momentum and continuity, tested with `tests.u` and `tests.p`."""
-    u, p, v, q = unknowns.u, unknowns.p, tests.u, tests.p
+    U, p, v, q = unknowns.u, unknowns.p, tests.u, tests.p
+    u, slope = _expanded(U, c.expansion, o)
     w = u - c.velocity_solid
-    inertia = (c.density / c.porosity) * o.dot(o.mul(o.grad(u), u), v)
-    viscous = c.viscosity * o.inner(o.grad(u), o.grad(v))
+    inertia = (c.density / c.porosity) * o.dot(o.mul(slope, U), v)
+    viscous = c.viscosity * o.inner(slope, o.grad(v))
     if o.axisymmetric:
         viscous = viscous + c.viscosity * o.hoop(u) * o.hoop(v)
-    return inertia + viscous + drag(w, c, o) * o.dot(w, v) - p * o.div(v) - q * o.div(u)
+    return inertia + viscous + drag(w, c, o) * o.dot(w, v) - p * o.div(v) - q * o.div(U)
+
+
+def _expanded(U: Any, expansion: Any, o: Any) -> tuple[Any, Any]:
+    """Return the velocity u = s U and its gradient, a row for each component."""
+    gradient = o.grad(U)
+    if isinstance(expansion, float):
+        return U, gradient
+    slope = o.grad(expansion)
+    rows = [
+        [g * expansion + part * d for g, d in zip(row.items, slope.items, strict=True)]
+        for row, part in zip(gradient.items, U.items, strict=True)
+    ]
+    return U * expansion, Components(Components(row) for row in rows)
 
 
 def volume_flow(unknowns: Any, o: Any) -> Any:
-    """Return the outward superficial velocity on a boundary [m/s]; its integral is the volume flow [m3/s]."""
+    """Return the outward U on a boundary [m/s]; its integral is the mass flow over the density of the inlet [m3/s]."""
     return o.dot(unknowns.u, o.n)
