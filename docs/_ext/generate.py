@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from pathlib import Path
 
+from notebooks import titles, write_page
 from pictures import plot_closure
 from typeset import Unreadable, equations
 
@@ -347,13 +348,20 @@ def gallery(folder: Path, figures: Path) -> None:
         names.append(name)
         image = f'<img src="../../_images/{shown_first}" alt="">' if shown_first else ""
         cards.append(f'<a href="{name}.html">{image}<span>{escape(title.lstrip("# "))}</span></a>')
+    shown_notebooks = titles(ROOT / "docs" / "notebooks")
+    for name in shown_notebooks:
+        write_page(ROOT / "docs" / "notebooks" / f"{name}.ipynb", folder / f"notebook_{name}.md", figures)
+    listed = "\n".join(f"- [{title}](notebook_{name}.md)" for name, title in shown_notebooks.items())
     html = '<div class="gallery">\n' + "\n".join(cards) + "\n</div>"
     page(
         folder / "index.md",
         "Gallery",
-        "All studies, from their READMEs.",
+        "## Notebooks",
+        listed,
+        "## Studies",
+        "From their READMEs.",
         "```{raw} html\n" + html + "\n```",
-        toctree("../../notebooks/index", *names, hidden=True),
+        toctree(*(f"notebook_{name}" for name in shown_notebooks), *names, hidden=True),
     )
 
 

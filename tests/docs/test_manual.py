@@ -163,3 +163,20 @@ def test_it_builds_and_all_its_links_lead_somewhere(tmp_path):
     ]
     loaded = [target for target in scripts if target.endswith((".js", ".css"))]
     assert not loaded  # nothing is loaded from elsewhere
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("file", sorted((ROOT / "docs" / "notebooks").glob("*.ipynb")), ids=lambda file: file.stem)
+def test_notebooks_run(file, tmp_path, monkeypatch):
+    """Each from the first cell to the last, in an empty folder; the saved results are of a run without errors."""
+    nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed: pip install 'contbed[notebook]'")
+    nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed: pip install 'contbed[notebook]'")
+    pytest.importorskip("ipykernel", reason="ipykernel is not installed: pip install 'contbed[notebook]'")
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    notebook = nbformat.read(file, 4)
+    nbformat.validate(notebook)
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert all(cell.execution_count for cell in code)
+    assert not any(output.output_type == "error" for cell in code for output in cell.outputs)
+    where = {"metadata": {"path": str(tmp_path)}}
+    nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources=where).execute()
