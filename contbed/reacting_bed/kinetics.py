@@ -274,7 +274,8 @@ def _stages(table: s.Reaction, equations: Mapping[str, Equation]) -> list[Reacti
             left = interface_volumes(at.n)
             X = tuple(shrinking_core.remaining_radius(share, at.small) for share in left)
             around = three_interfaces.Gas(at.c[data.reducing], at.c[data.oxidised], at.films.get(gas, np.inf))
-            taken = three_interfaces.interface_rates(X, at.radius, around, data.constants(at.T))  # type: ignore[arg-type]
+            guard = max(three_interfaces.GUARD, at.small)
+            taken = three_interfaces.interface_rates(X, at.radius, around, data.constants(at.T), guard)  # type: ignore[arg-type]
             return taken[k] * X[k] * X[k] * (3.0 / at.radius)
 
         return rate

@@ -252,15 +252,15 @@ class Problem:
         return Ends((flux[0], flux[1]), (given[0], given[1]), (value[0], value[1]))
 
     @property
-    def dominant_temperature(self) -> float:
-        """Temperature at which the stream enters that carries more heat per kelvin [K]."""
+    def mixing_temperature(self) -> float:
+        """Temperature of both streams if they were mixed before anything reacts, with capacities as they enter [K]."""
         streams, h = self.streams, self.bed.enthalpies
         rise = 1.0  # [K]
-        T = max(streams.T_gas, streams.T_solid)
-        gas = abs(sum(g * (h[name](T + rise) - h[name](T)) for name, g in streams.gas.items()))
-        state, hotter = self._state_entering(T, T), self._state_entering(T, T + rise)
-        held = self.bed.held_by_solids(hotter) - self.bed.held_by_solids(state)
-        return streams.T_solid if abs(self.bed.velocity_solid * held) > gas else streams.T_gas
+        gas = abs(sum(g * (h[name](streams.T_gas + rise) - h[name](streams.T_gas)) for name, g in streams.gas.items()))
+        states = [self._state_entering(streams.T_gas, streams.T_solid + more) for more in (0.0, rise)]
+        held = self.bed.held_by_solids(states[1]) - self.bed.held_by_solids(states[0])
+        solid = float(abs(self.bed.velocity_solid * held))
+        return float((gas * streams.T_gas + solid * streams.T_solid) / (gas + solid))
 
     def start(self, T: float | None = None) -> Array:
         """Return the state in which everything is as it enters; `T` [K] replaces both temperatures."""

@@ -21,6 +21,7 @@ LARGEST_SHARE = 0.7  # of what there is that a step may take away
 LEAST_SHARE = 1e-3  # of the typical size, below which a fall is not held up
 SHORTEST = 1e-3  # step of Newton's method at which it is given up
 PROGRESS, PATIENCE = 0.8, 14  # iterations in which the least residual has to fall by this factor
+LOOSE = 1e-5  # residual at which a step of a march in time, which need not be exact, is taken
 FIRST_CELLS = 24
 MOST_CELLS = 3000
 ROUNDS = 10
@@ -31,8 +32,12 @@ FIRST_ITERATIONS = 60  # of Newton's method from a first guess
 FEW_ITERATIONS = 15  # where the guess is near
 SMOOTHEST = 0.1  # share of a solid below which its powers are straight lines, to begin with
 SHARPER, LEAST_SHARPER = 0.1, 0.7  # factor from one such share to the next, and beyond which no sharper is tried
-STEPS = 80  # of the march in time
-GROWTH = 2.5
+STEPS = 120  # of the march in time
+GROWTH, SHORTER = 1.6, 0.25  # of its steps
+MOST_FAILURES = 15
+STEPS_PER_CELLS = 3
+STILL = 1e-7  # largest change in a step, over typical sizes, of a state that is steady
+EVEN_CELLS = 30  # that are put between the first ones for the march
 START_OF_MARCH = 1e-2  # of the residence time of the solids
 END_OF_MARCH = 1e5
 
@@ -46,6 +51,7 @@ class Report:
     estimate: float = np.inf  # change of what leaves between the last two meshes over what enters
     marched: bool = False
     stopped: bool = False  # whether no state was found on better cells
+    sharpest: bool = False  # whether no sharper powers of what is left of solids are tried
     small: float = 0.0  # share of a solid below which its powers are straight lines; 0 for that of the laws
 
 
@@ -110,6 +116,8 @@ def newton(
         u = u + share * du
         if share == 1.0 and change < tolerance:
             return u
+        if storage is not None and share == 1.0 and norm < LOOSE and change < LOOSE**0.5:
+            return u
         if share == 1.0 and norm < 1e-12 and change < 1e3 * tolerance:
             return u
     raise ConvergenceError(f"Newton's method stops at a residual of {norm:.2g}", report.history, u)
@@ -166,34 +174,39 @@ def residence_time(problem: Problem) -> float:
     return 1e3 * float(length / abs(state.u))
 
 
-def march(problem: Problem, u: Array, report: Report) -> Array:
-    """Go to a steady state by steps in time of growing length, in which the gas is quasi-steady.
+def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
+    """Go to a steady state by steps in time of growing length, in which the gas is quasi-steady, on cells that follow.
 
     Raises
     ------
     ConvergenceError : steps no longer grow
     """
     tau = residence_time(problem)
-    dt, longest, failures = START_OF_MARCH * tau, 0.0, 0
+    dt, longest, failures, taken = START_OF_MARCH * tau, 0.0, 0, 0
     report.marched = True
-    for _ in range(STEPS):
+    adapts = problem.scene.mesh.cells is None
+    while dt < END_OF_MARCH * tau and taken < STEPS:
         try:
-            u = newton(problem, u, report, Storage(problem, u, dt), most=15)
+            found = newton(problem, u, report, Storage(problem, u, dt), most=FEW_ITERATIONS)
         except ConvergenceError as error:
-            dt /= 8.0
+            dt *= SHORTER
             failures += 1
-            if failures > 12 or dt < 1e-12 * tau:
+            if failures > MOST_FAILURES:
                 raise ConvergenceError(
                     f"no steady state is found; the longest step in time that converged is {longest:.3g} s",
                     report.history,
                     error.state,
                 ) from None
             continue
-        longest = max(longest, dt)
-        if dt > END_OF_MARCH * tau:
-            return u
+        change = float(np.abs((found - u) / problem.sizes[:, None, None]).max())
+        u, taken, longest = found, taken + 1, max(longest, dt)
+        if change < STILL and dt > tau:
+            break
         dt *= GROWTH
-    return u
+        if adapts and taken % STEPS_PER_CELLS == 0:
+            other = problem.on(next_cells(problem, u)[0])
+            problem, u = other, moved(problem, u, other)
+    return problem, u
 
 
 def steady(problem: Problem, report: Report, guess: Array | None = None) -> tuple[Problem, Array]:
@@ -204,16 +217,17 @@ def steady(problem: Problem, report: Report, guess: Array | None = None) -> tupl
     ConvergenceError : no steady state is found
     """
     scene = problem.scene
-    T = scene.guess.temperature or problem.dominant_temperature
+    T = scene.guess.temperature or problem.mixing_temperature
     problem, u = first(problem, guess if guess is not None else problem.start(T), report)
     if scene.mesh.cells is not None:
         report.rounds = 0
         return problem, u
     rounds = ROUNDS if scene.solver.adapt is None else scene.solver.adapt
-    leaving = what_leaves(problem, u)
+    leaving, before = what_leaves(problem, u), np.inf
     for _ in range(rounds):
         vertices, worst = next_cells(problem, u)
-        if worst <= 1.0 and report.estimate < scene.solver.tolerance:
+        good = report.estimate < scene.solver.tolerance
+        if good and (worst <= 1.0 or before < scene.solver.tolerance):
             break
         better = on_better_cells(problem, u, vertices, report)
         if better is None:
@@ -222,7 +236,7 @@ def steady(problem: Problem, report: Report, guess: Array | None = None) -> tupl
         problem, u = sharper(*better, report)
         report.rounds += 1
         now = what_leaves(problem, u)
-        report.estimate = float(np.abs(now - leaving).max())
+        before, report.estimate = report.estimate, float(np.abs(now - leaving).max())
         leaving = now
     return problem, u
 
@@ -241,6 +255,7 @@ def on_better_cells(problem: Problem, u: Array, vertices: Array, report: Report)
                 pass
             try:
                 if problem.layout.solids:
+                    report.sharpest = True
                     return sharpened(other, at_start, report)
             except ConvergenceError:
                 continue
@@ -281,13 +296,8 @@ def on_cells(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array
                 return problem, grown(problem, u, report)
             except ConvergenceError:
                 pass
-        u = march(problem, u, report)
-        try:
-            return problem, newton(problem, u, report)
-        except ConvergenceError:
-            if not problem.layout.solids:
-                raise
-            return sharpened(problem, u, report)
+        problem, u = march(problem, u, report)
+        return problem, newton(problem, u, report)
 
 
 def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
@@ -296,11 +306,7 @@ def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Arra
     Where reaction ends at a point, powers below one have infinite slopes there; the sharpest that converges is kept.
     """
     small, factor = SMOOTHEST, SHARPER
-    done = problem.with_small(small)
-    try:
-        u = newton(done, u, report, most=FIRST_ITERATIONS)
-    except ConvergenceError:
-        u = grown(done, u, report)
+    done, u = smooth(problem.with_small(small), u, report)
     while small > FINEST and factor < LEAST_SHARPER:
         cells = done.on(next_cells(done, u)[0])
         trial = cells.with_small(max(factor * small, FINEST))
@@ -314,15 +320,37 @@ def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Arra
     return done, u
 
 
+def smooth(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
+    """Return a state with smooth powers: by Newton's method, growing rates, or where heat matters a march in time."""
+    try:
+        return problem, newton(problem, u, report, most=FIRST_ITERATIONS)
+    except ConvergenceError:
+        pass
+    if not problem.layout.temperatures:
+        return problem, grown(problem, u, report)
+    even = problem
+    if problem.scene.mesh.cells is None:
+        v = problem.line.vertices
+        every = np.sort(np.concatenate([v, np.linspace(v[0], v[-1], EVEN_CELLS + 1)[1:-1]]))
+        apart = np.concatenate([[True], np.diff(every) > np.diff(v).min()])
+        apart[-1] = True
+        even = problem.on(every[apart])
+    try:
+        return march(even, moved(problem, u, even), report)
+    except ConvergenceError:
+        return problem, grown(problem, u, report)
+
+
 def sharper(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     """Return the state with powers of what is left of solids one step sharper, where that converges."""
     small = max(SHARPER * report.small, FINEST)
-    if not small < report.small:
+    if report.sharpest or not small < report.small:
         return problem, u
     trial = problem.with_small(small)
     try:
         u = newton(trial, u, report, most=FEW_ITERATIONS)
     except ConvergenceError:
+        report.sharpest = True
         return problem, u
     report.small = small
     return trial, u
