@@ -8,7 +8,9 @@ at a place; what the closure needs besides has to stand in the scene.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard, TypeVar
 
@@ -26,6 +28,20 @@ PHASE = "conductivity_phase"
 Function = Callable[..., Any]
 Spec = str | Closure | ClosureFile
 State = TypeVar("State")
+_FACTORS: ContextVar[Mapping[str, float]] = ContextVar("factors of closures by kind")
+
+
+@contextmanager
+def scaled(factors: Mapping[str, float]) -> Iterator[None]:
+    """Multiply closures by a factor for each kind that is bound in this context, to propagate their uncertainty.
+
+    Closures that are compiled into the loops of two-fluid scenes are not multiplied.
+    """
+    token = _FACTORS.set(factors)
+    try:
+        yield
+    finally:
+        _FACTORS.reset(token)
 
 
 class BoundClosure:
@@ -41,6 +57,7 @@ class BoundClosure:
         given = set(gives)
         self.parameters = {key: value for key, value in parameters.items() if key in accepted}
         self.takes = tuple(key for key in accepted if key in given and key not in self.parameters)
+        self._factor = _FACTORS.get({}).get(self.sheet.kind, 1.0)
         self._last: dict[str, Any] | None = None
         self._record = ranges.RangeRecord(self.sheet)
 
@@ -52,7 +69,8 @@ class BoundClosure:
     def __call__(self, **known: Any) -> Any:
         """Return the value at a state of which `known` holds at least what the closure takes."""
         self._last = {key: known[key] for key in self.takes} | self.parameters
-        return self.function(**self._last)
+        value = self.function(**self._last)
+        return value if self._factor == 1.0 else self._factor * value
 
     def at(self, gives: Mapping[str, Callable[[State], Any]], state: State) -> Any:
         """Return the value at a state of a model that gives its arguments as functions of the state."""

@@ -20,6 +20,8 @@ times = [1000, 2000]
 [uncertain]                             # standard uncertainty of inputs of the scene, in SI or as a share
 bed.porosity = 0.01
 solid.conductivity = "20 %"
+[uncertain_closures]                    # that of the closures of a kind, as a share of their value
+conductivity = "9 %"
 """
 
 from __future__ import annotations
@@ -35,6 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationError
 
+from contbed.closures import registry
 from contbed.errors import SceneError
 from contbed.fields import FIELDS
 from contbed.loading import load
@@ -94,6 +97,7 @@ class Settings(Table):
     report: Report = Report()
     signal: Signal | None = None
     uncertain: dict[str, Any] = Field(default_factory=dict)
+    uncertain_closures: dict[str, str] = Field(default_factory=dict)
     long: Switch = Field(False, description="more than a minute; run with --long")
 
 
@@ -186,6 +190,24 @@ class Case:
             if share is None and (isinstance(given, bool) or not isinstance(given, int | float) or given <= 0):
                 raise SceneError(f'{where}: uncertain.{key}: expected a number > 0 in SI, or a share like "5 %"')
             yield key, float(value), float(share[1]) / 100.0 * abs(value) if share else float(given)
+
+    def uncertain_closures(self) -> Iterator[tuple[str, float]]:
+        """Yield the kinds of closures whose values are not known exactly, with their relative standard uncertainty.
+
+        Raises
+        ------
+        SceneError : no such kind, or an uncertainty that is no share
+        """
+        kinds = {registry.sheet(name).kind for name in registry.names()}
+        for kind, given in self.settings.uncertain_closures.items():
+            where = self.origin.at(("uncertain_closures", kind))
+            if kind not in kinds:
+                known = nearest(kind, sorted(kinds))
+                raise SceneError(f"{where}: uncertain_closures.{kind}: no such kind of closure; {known}")
+            share = _PERCENT.fullmatch(given)
+            if share is None or not 0.0 < float(share[1]) < 100.0:
+                raise SceneError(f'{where}: uncertain_closures.{kind}: expected a share like "9 %", found "{given}"')
+            yield kind, float(share[1]) / 100.0
 
 
 def _flat(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

@@ -1,9 +1,10 @@
 """Prediction of a measured bed, its uncertainty, and its distance from what was measured.
 
-The deviation of a point is E = predicted - measured. Uncertainties of inputs are propagated to the prediction to first
-order, each input moved by its standard uncertainty to both sides: u_p^2 = sum ((p+ - p-)/2)^2. With the standard
-uncertainty u_d of a measured point the deviations are within the uncertainty if RMS(E) <= 2 RMS(sqrt(u_d^2 + u_p^2)),
-a coverage of 95 % for normal deviations (ASME V&V 20-2009). Numerical errors are far below both.
+The deviation of a point is E = predicted - measured. Uncertainties of inputs are propagated to the prediction to
+first order, each input moved by its standard uncertainty to both sides: u_p^2 = sum ((p+ - p-)/2)^2, and so are
+closures. With the standard uncertainty u_d of a measured point the deviations are within the uncertainty if RMS(E) <=
+2 RMS(sqrt(u_d^2 + u_p^2)), a coverage of 95 % for normal deviations (ASME V&V 20-2009). Numerical errors are far
+below both.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.closures.binding import scaled
 from contbed.fields import header
 from contbed.result import Result
 from contbed.runner import run
@@ -83,6 +85,14 @@ def profiles(case: Case, result: Result) -> Compared:
         change = 0.5 * (high - low)
         squares += change**2
         influence[key] = float(np.sqrt(np.mean(change**2)))
+    for kind, spread in case.uncertain_closures():
+        sides = []
+        for side in (-1.0, 1.0):
+            with scaled({kind: 1.0 + side * spread}):
+                sides.append(at(case, run(case.scene()), points.t, points.x))
+        change = 0.5 * (sides[1] - sides[0])
+        squares += change**2
+        influence[f"closure of kind {kind}"] = float(np.sqrt(np.mean(change**2)))
     reported: dict[str, Any] = {}
     symbol = case.settings.quantity.partition("_")[0]
     for x in report.positions:
