@@ -111,6 +111,8 @@ def reduce(run: Run, ore: Ore, fitted: Fitted, times: NDArray[np.float64]) -> ND
         for name, oxidised in PAIRS.items():
             both = c_total * (x[name] + x[oxidised])
             inlet = c_total * x[name]
+            if both == 0.0:
+                continue
 
             squares, c = np.array(X) ** 2, inlet
             for _ in range(SWITCHES):
