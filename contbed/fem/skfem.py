@@ -123,6 +123,11 @@ class Ops:
         return Components(cls.dot(row, b) for row in a.items)
 
     @staticmethod
+    def outer(a: Components, b: Components) -> Components:
+        """Return the matrix with rows a_i b of two vectors."""
+        return Components(Components(p * q for q in b.items) for p in a.items)
+
+    @staticmethod
     def transpose(a: Components) -> Components:
         """Return the transposed matrix."""
         return Components(Components(row[k] for row in a.items) for k in range(len(a[0])))

@@ -18,6 +18,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from contbed.fem.elements import Space, lagrange
+from contbed.mesh.grading import of_density
 
 Array = NDArray[np.float64]
 
@@ -163,7 +164,4 @@ def balanced(ends: Array, factor: Array, tips: Array) -> Array:
         size[k] = min(size[k], size[k - 1] + GROWTH * h[k])
     for k in range(len(size) - 2, -1, -1):
         size[k] = min(size[k], size[k + 1] + GROWTH * h[k])
-    total = np.concatenate(([0.0], np.cumsum(h / size)))
-    count = max(2, int(np.ceil(total[-1])))
-    inner = np.interp(np.linspace(0.0, total[-1], count + 1)[1:-1], total, fine)
-    return np.concatenate((ends[:1], inner, ends[-1:]))
+    return of_density(fine, 1.0 / size, least=2)

@@ -137,10 +137,7 @@ def of_size(length: float, size: Callable[[Array], Array], scale: float = 1.0) -
     near = length * np.concatenate(([0.0], np.geomspace(SMALLEST, 0.5, SAMPLES)))
     ends = np.unique(np.concatenate((near, length - near)))
     middle = 0.5 * (ends[1:] + ends[:-1])
-    total = np.concatenate(([0.0], np.cumsum(np.diff(ends) / size(middle))))
-    nodes: Array = np.interp(np.linspace(0.0, total[-1], int(np.ceil(total[-1] / scale)) + 1), total, ends)
-    nodes[0], nodes[-1] = 0.0, length
-    return nodes
+    return of_density(ends, 1.0 / size(middle), scale)
 
 
 def finest(grids: Sequence[Array]) -> Array:
@@ -148,7 +145,16 @@ def finest(grids: Sequence[Array]) -> Array:
     ends = np.unique(np.concatenate(grids))
     middle = 0.5 * (ends[1:] + ends[:-1])
     density = np.max([1.0 / np.diff(grid)[np.searchsorted(grid, middle) - 1] for grid in grids], axis=0)
+    return of_density(ends, density)
+
+
+def of_density(ends: Array, density: Array, scale: float = 1.0, least: int = 1) -> Array:
+    """Return node coordinates [m] of cells that hold `scale` of a density each, or less, all the same.
+
+    The density (n,) is uniform between the `ends` (n + 1,); at `least` so many cells are made.
+    """
     total = np.concatenate(([0.0], np.cumsum(density * np.diff(ends))))
-    nodes: Array = np.interp(np.linspace(0.0, total[-1], int(np.ceil(total[-1])) + 1), total, ends)
+    count = max(least, int(np.ceil(total[-1] / scale)))
+    nodes: Array = np.interp(np.linspace(0.0, total[-1], count + 1), total, ends)
     nodes[0], nodes[-1] = ends[0], ends[-1]
     return nodes

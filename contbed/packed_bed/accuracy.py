@@ -10,14 +10,15 @@ the corner. Errors within `JUMP_RADIUS` of it count by their distance.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import combinations
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from contbed.fem.tensor_error import TensorGrid, balanced
-from contbed.scene.mesh import MeshFile
+from contbed.packed_bed.corners import Side, adjacent_sides, unlike_temperatures
 
 JUMP_RADIUS = 0.01  # share of the smallest extent of the bed around a corner where temperatures jump
 FLOW_TOLERANCE = 1e-3  # error of the velocity over that at the inlet, largest that an automatic mesh leaves
@@ -37,7 +38,6 @@ class Field:
     grid: TensorGrid
     values: Any
     weight: Any
-    corners: list[Corner]
     tolerance: float
     errors: tuple[Any, ...]
     raised: float = 1.0
@@ -74,14 +74,14 @@ def estimated(plan: Any, flow: Any, problem: Any, state: Any, before: Estimate |
     if flow is not None:
         space = flow.system.fields["u"][0]
         scale = float(np.linalg.norm(plan.velocity)) or 1.0
-        corners = _jumps(plan, _starting_walls(plan))
+        corners = _corners(plan, lambda a, b: {plan.conditions[a], plan.conditions[b]} == {"inlet", "no_slip"})
         limit = min(FLOW_TOLERANCE, FLOW_RATIO * tolerance)
         for k, values in enumerate(flow.velocity):
             found[f"u{k}"] = _field(plan.mesh, space, values / scale, corners, limit)
     if problem is not None:
         space, span = problem.system.fields["T_fluid"][0], problem.span_of(state)
         for phase in ("fluid", "solid"):
-            corners = _jumps(plan, _temperature_jumps(plan.solved, phase))
+            corners = _corners(plan, partial(unlike_temperatures, plan.solved.boundary, phase))
             values = problem.system.part(state, f"T_{phase}") / span
             found[f"T_{phase}"] = _field(plan.mesh, space, values, corners, tolerance)
     if None in found.values():
@@ -95,7 +95,7 @@ def _field(mesh: Any, space: Any, values: Any, corners: Any, tolerance: float) -
         return None
     weight = _weight(grid, corners)
     shaped = grid.values(values)
-    return Field(grid, shaped, weight, corners, tolerance, tuple(grid.errors(shaped, weight)))
+    return Field(grid, shaped, weight, tolerance, tuple(grid.errors(shaped, weight)))
 
 
 def _raised(found: Estimate, before: Estimate) -> Estimate:
@@ -111,46 +111,12 @@ def _raised(found: Estimate, before: Estimate) -> Estimate:
     return out
 
 
-Corner = tuple[tuple[int, float], tuple[int, float]]  # direction and coordinate [m] of two sides that meet
-
-
-def _jumps(plan: Any, apart: Any) -> list[Corner]:
+def _corners(plan: Any, apart: Callable[[str, str], Any]) -> list[tuple[Side, Side]]:
     """Return the corners of a built-in mesh between sides that `apart(name, name)` calls incompatible."""
-    mesh = plan.solved.mesh
-    if isinstance(mesh, MeshFile):
-        return []
-    sides = [
-        (name, (k, position))
-        for k, (names, extent) in enumerate(zip(mesh.sides, mesh.extents, strict=True))
-        for name, position in zip(names, (0.0, extent), strict=True)
-    ]
-    return [
-        (first, second)
-        for (name, first), (other, second) in combinations(sides, 2)
-        if first[0] != second[0] and apart(name, other)
-    ]
+    return [(a, b) for (name, a), (other, b) in adjacent_sides(plan.solved.mesh) if apart(name, other)]
 
 
-def _temperature_jumps(scene: Any, phase: str) -> Any:
-    def fixed(name: str) -> float | None:
-        condition = getattr(scene.boundary[name], phase) if name in scene.boundary else None
-        return None if condition is None else condition.fixed
-
-    def apart(name: str, other: str) -> bool:
-        both = fixed(name), fixed(other)
-        return None not in both and both[0] != both[1]
-
-    return apart
-
-
-def _starting_walls(plan: Any) -> Any:
-    def apart(name: str, other: str) -> bool:
-        return {plan.conditions[name], plan.conditions[other]} == {"inlet", "no_slip"}
-
-    return apart
-
-
-def _weight(grid: TensorGrid, corners: list[Corner]) -> Any:
+def _weight(grid: TensorGrid, corners: list[tuple[Side, Side]]) -> Any:
     """Return factors on errors at the nodes: 1, or the distance from a corner over its radius."""
     coordinates = grid.coordinates
     weight = np.ones([len(x) for x in coordinates])

@@ -6,11 +6,41 @@ so that the heat conducted through either side, k (T_2 - T_1)/(pi/2) times the i
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from itertools import combinations
 
 from contbed.packed_bed import scene as s
 from contbed.scene.checking import Mistakes
 from contbed.scene.mesh import Mesh, MeshFile, MeshLine
+
+Side = tuple[int, float]  # direction and coordinate [m] of a side of a built-in mesh
+
+
+def adjacent_sides(mesh: Mesh) -> Iterator[tuple[tuple[str, Side], tuple[str, Side]]]:
+    """Yield pairs of sides, each a name and its place, that meet in a corner of a built-in mesh."""
+    if isinstance(mesh, MeshFile):
+        return
+    sides = [
+        (name, (k, position))
+        for k, (names, extent) in enumerate(zip(mesh.sides, mesh.extents, strict=True))
+        for name, position in zip(names, (0.0, extent), strict=True)
+    ]
+    for first, second in combinations(sides, 2):
+        if first[1][0] != second[1][0]:
+            yield first, second
+
+
+def unlike_temperatures(
+    boundary: Mapping[str, s.Boundary], phase: str, name: str, other: str
+) -> tuple[float, float] | None:
+    """Return the prescribed temperatures of a phase on two sides [K] where they are numbers that differ."""
+    found = []
+    for side in (name, other):
+        condition = getattr(boundary.get(side), phase, None)
+        if condition is None or not isinstance(condition.fixed, float):
+            return None
+        found.append(condition.fixed)
+    return (found[0], found[1]) if found[0] != found[1] else None
 
 
 def prescribed_temperatures_agree_in_corners(
@@ -19,21 +49,15 @@ def prescribed_temperatures_agree_in_corners(
     """Look for sides with unlike prescribed temperatures that meet, where the conducted heat has no limit."""
     if isinstance(mesh, MeshFile | MeshLine) or heat is None:
         return
-    direction = {name: k for k, names in enumerate(mesh.sides) for name in names}
     for phase in ("fluid", "solid"):
         if getattr(heat, f"conductivity_{phase}") == 0.0:
             continue
-        conditions = {name: getattr(table, phase) for name, table in boundary.items() if name in direction}
-        fixed = {
-            name: condition.fixed
-            for name, condition in conditions.items()
-            if condition is not None and isinstance(condition.fixed, float)
-        }
-        for (name, value), (other, unlike) in combinations(fixed.items(), 2):
-            if direction[name] != direction[other] and value != unlike:
+        for (name, _), (other, _) in adjacent_sides(mesh):
+            unlike = unlike_temperatures(boundary, phase, name, other)
+            if unlike is not None:
                 yield (
                     ("boundary", other, phase, "fixed"),
-                    f"{unlike:g} K meets {value:g} K of boundary.{name} in a corner, where heat_{name}_W and "
+                    f"{unlike[1]:g} K meets {unlike[0]:g} K of boundary.{name} in a corner, where heat_{name}_W and "
                     f"heat_{other}_W grow without limit as cells get smaller, and T_{phase} has no value; the "
                     "estimated error counts there by the distance only. For a heat that means something give one of "
                     "both sides a coefficient and ambient, or equal temperatures",

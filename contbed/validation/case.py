@@ -31,7 +31,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,8 +82,6 @@ class Signal(Table):
 
 class Settings(Table):
     """case.toml."""
-
-    kind: ClassVar[str] = "case"
 
     title: str
     source: str

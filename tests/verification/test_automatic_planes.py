@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from wall_scenes import _finer, heats, reference, scene, solved, true_errors
@@ -13,6 +15,7 @@ from contbed.loading import from_dict
 from contbed.mesh.build import build
 from contbed.mesh.grading import graded
 from contbed.packed_bed import accuracy
+from contbed.packed_bed.corners import unlike_temperatures
 from contbed.packed_bed.plan import plan
 
 # True errors over solver.tolerance where no warning is given. Measured at 1e-4 on all fifty beds: theta at most 0.96;
@@ -120,7 +123,7 @@ def test_a_jump_of_prescribed_temperatures_has_a_weight():
     """Where unlike temperatures meet, errors count by the distance; elsewhere in full."""
     walls = {"left": {"fluid": {"inflow": 300.0}, "solid": {"fixed": 300.0}}, "bottom": {"solid": {"fixed": 500.0}}}
     made = plan(plane(boundary=walls))
-    corners = accuracy._jumps(made, accuracy._temperature_jumps(made.solved, "solid"))
+    corners = accuracy._corners(made, partial(unlike_temperatures, made.solved.boundary, "solid"))
     assert corners == [((0, 0.0), (1, 0.0))]
     grid = TensorGrid.of(Space(made.mesh.skfem, 1))
     weight = accuracy._weight(grid, corners)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from contbed.fem.tensor_error import TensorGrid
 from contbed.loading import from_dict
 from contbed.mesh.build import build
 from contbed.packed_bed import accuracy
+from contbed.packed_bed.corners import unlike_temperatures
 from contbed.packed_bed.flow import coefficients, solve_flow
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
@@ -124,7 +126,7 @@ def true_errors(plan: Any, problem: HeatProblem, state: Any, exact: tuple[HeatPr
         coarse, fine = (
             (TensorGrid.of(p.system.fields[name][0]), p.system.part(x, name)) for p, x in ((problem, state), exact)
         )
-        corners = accuracy._jumps(plan, accuracy._temperature_jumps(plan.solved, phase))
+        corners = accuracy._corners(plan, partial(unlike_temperatures, plan.solved.boundary, phase))
         found = fine[0].interpolated(fine[0].values(fine[1]), coarse[0].coordinates)
         difference = accuracy._weight(coarse[0], corners) * np.abs(found - coarse[0].values(coarse[1]))
         worst = max(worst, float(difference.max()) / span)

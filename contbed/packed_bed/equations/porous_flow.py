@@ -26,8 +26,6 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fem.dual import Components
-
 FIELDS = {"u": (2, "vector"), "p": (1, "scalar")}
 
 # the drag's |w| is not differentiable where the fluid moves with the bed; this share of the velocity scale rounds it
@@ -76,12 +74,7 @@ def _expanded(U: Any, expansion: Any, o: Any) -> tuple[Any, Any]:
     gradient = o.grad(U)
     if isinstance(expansion, float):
         return U, gradient
-    slope = o.grad(expansion)
-    rows = [
-        [g * expansion + part * d for g, d in zip(row.items, slope.items, strict=True)]
-        for row, part in zip(gradient.items, U.items, strict=True)
-    ]
-    return U * expansion, Components(Components(row) for row in rows)
+    return U * expansion, gradient * expansion + o.outer(U, o.grad(expansion))
 
 
 def volume_flow(unknowns: Any, o: Any) -> Any:
