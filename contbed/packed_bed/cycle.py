@@ -114,12 +114,12 @@ def exchanged(net: Sequence[float], most: Sequence[float]) -> dict[str, float]:
     Parameters
     ----------
     net : heat that the fluid leaves in the bed in each part of a period [J]
-    most : what it could leave or take there between the two extreme temperatures [J]
+    most : what it could leave or take there between the inlet temperatures [J]
     """
     charged, taken = sum(q for q in net if q > 0.0), -sum(q for q in net if q < 0.0)
     could = [sum(m for q, m in zip(net, most, strict=True) if sign * q > 0.0) for sign in (1.0, -1.0)]
     out = {"heat_charged_J": charged, "heat_discharged_J": taken}
-    if charged > 0.0 and taken > 0.0:
+    if min(charged, taken, *could) > 0.0:
         out |= {
             "storage_efficiency": taken / charged,
             "effectiveness_charge": charged / could[0],

@@ -269,7 +269,7 @@ def _transient(
             with result.timed("results"):
                 if cycle is not None and len(heats) == len(pieces):
                     result.qoi |= {"cycle_periods": cycle.periods, "cycle_change_K": cycle.residual}
-                    result.qoi |= exchanged(heats, _most(plan, pieces, problem.T_span))
+                    result.qoi |= exchanged(heats, _most(plan, pieces))
                 if history.steps:
                     fluxes, reactions = integrated_fluxes(problem, history), history.reactions(problem)
                     source = problem.source() * history.time
@@ -297,17 +297,20 @@ def _cycle(plan: Plan, pieces: Any, flow: Any, result: Result) -> Any:
     return find_cycle(problems, start, plan.policy, time.cycle.tolerance)
 
 
-def _most(plan: Plan, pieces: Any, span: tuple[float, float]) -> list[float]:
-    """Return the heat that the fluid of each part could leave in the bed between two temperatures [J]."""
-    low, high = span
+def _most(plan: Plan, pieces: Any) -> list[float]:
+    """Return the heat that the fluid of each part could leave in the bed between the inlet temperatures [J]."""
+    conditions = [c for piece in pieces for scene in (piece.first, piece.last) for c in scene.boundary.values()]
+    inlets = [c.fluid.inflow or c.fluid.fixed for c in conditions if c.fluid is not None]
+    entering = [T for T in inlets if T is not None]
+    if not entering:
+        return [0.0] * len(pieces)
     found = []
     for piece in pieces:
         part = plan.within(piece)
         enthalpy = part.medium.fluid.enthalpy
-        speed = float(np.abs(part.velocity[part.mesh.axis])) * part.section
-        found.append(
-            speed * part.medium.mass_flux_scale() * float(enthalpy(high) - enthalpy(low)) * (piece.end - piece.start)
-        )
+        flow = float(np.abs(part.velocity[part.mesh.axis])) * part.section * part.medium.mass_flux_scale()
+        rise = float(enthalpy(max(entering)) - enthalpy(min(entering)))
+        found.append(flow * rise * (piece.end - piece.start))
     return found
 
 
