@@ -38,7 +38,7 @@ def reference(scene: cb.Scene) -> float:
 
 
 def compute() -> Tables:
-    """Cyclic steady states over diameter and hours, by three levels of the inside of the stones, and profiles of one."""
+    """Cyclic steady states over diameter and hours, by three levels of the inside of the stones; profiles of one."""
     rows = []
     for diameter, hours in product(DIAMETERS, HOURS):
         for level in LEVELS:
