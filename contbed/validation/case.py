@@ -7,7 +7,7 @@ scene = "scene.toml"
 quantity = "T_fluid"                    # column of the profiles, and first part of the names of what is reported
 uncertainty = "3 K"                     # standard uncertainty of a measured point
 each = "time"                           # a score for each "time" or each "position"
-compare = "profiles"                    # or "signal" with a [signal], or "levels" of a two-fluid scene
+compare = "profiles"                    # or "history" of one value, "signal" with a [signal], "levels"
 [measured]
 file = "measured.csv"
 column = "T_fluid"                      # with its unit in the header; so are the next two
@@ -90,7 +90,7 @@ class Settings(Table):
     quantity: str
     uncertainty: str
     each: Literal["time", "position"] = "time"
-    compare: Literal["profiles", "signal", "levels"] = "profiles"
+    compare: Literal["profiles", "history", "signal", "levels"] = "profiles"
     measured: Measured
     report: Report = Report()
     signal: Signal | None = None
@@ -161,10 +161,12 @@ class Case:
         changes : values by key of the scene in place of its own
         """
         path = self.folder / self.settings.scene
-        if self.settings.compare != "profiles":
+        if self.settings.compare not in ("profiles", "history"):
             return load(path, changes)
         report = self.settings.report
         times = sorted({*self.points.t.tolist(), *report.times})
+        if self.settings.compare == "history":
+            return load(path, {"time.end": times[-1], "time.times": times, **changes})
         positions = sorted({*self.points.x.tolist(), *report.positions})
         outputs = {"time.end": times[-1], "time.times": times, "output.positions": positions}
         return load(path, {**outputs, **changes})
@@ -237,7 +239,12 @@ def read_case(name: str) -> Case:
     except ValidationError as invalid:
         errors = invalid.errors(include_url=False)
         raise SceneError([f"{origin.at(e['loc'])}: {dotted(e['loc'])}: {e['msg']}" for e in errors]) from None
-    needed = {"profiles": ("time", "position"), "signal": ("time",), "levels": ("position", "height")}[settings.compare]
+    needed = {
+        "profiles": ("time", "position"),
+        "history": ("time",),
+        "signal": ("time",),
+        "levels": ("position", "height"),
+    }[settings.compare]
     absent = [f"measured.{key}" for key in needed if getattr(settings.measured, key) is None]
     absent += ["signal"] if settings.compare == "signal" and settings.signal is None else []
     if absent:

@@ -27,7 +27,8 @@ def table(done: Sequence[Validated]) -> str:
     rows: list[tuple[str, ...]] = [_HEAD]
     for one in done:
         for k, score in enumerate(one.compared.scores):
-            numbers = (f"{value:.3g} {score.unit}" for value in (score.rms, score.bias, score.data, score.band))
+            unit = "" if score.unit == "1" else f" {score.unit}"
+            numbers = (f"{value:.3g}{unit}" for value in (score.rms, score.bias, score.data, score.band))
             verdict = "within uncertainty" if score.within else "beyond uncertainty"
             first = (one.case.name, f"{one.cpu:.1f} s") if k == 0 else ("", "")
             rows.append((first[0], score.group, str(score.points), *numbers, verdict, first[1]))
@@ -69,6 +70,8 @@ def _curves(axes: Any, one: Validated) -> None:
     of, along = (points.t, points.x) if by_time else (points.x, points.t)
     if settings.compare == "levels":
         of, along = points.height, points.x
+    if settings.compare == "history":
+        of = np.zeros_like(points.t)
     groups = np.unique(of)
     if len(groups) > _CURVES:
         groups = groups[np.linspace(0, len(groups) - 1, _CURVES).astype(int)]
@@ -76,7 +79,9 @@ def _curves(axes: Any, one: Validated) -> None:
         chosen = np.flatnonzero(of == group)
         chosen = chosen[np.argsort(along[chosen])]
         x, colour = along[chosen], f"C{k}"
-        name = f"{group:g} s" if by_time else f"{group:g} m"
+        name = f", {group:g} s" if by_time else f", {group:g} m"
+        if settings.compare == "history":
+            name = ""
         axes.errorbar(
             x,
             points.value[chosen],
@@ -86,9 +91,9 @@ def _curves(axes: Any, one: Validated) -> None:
             lw=0.6,
             alpha=0.6,
             color=colour,
-            label=f"measured, {name}",
+            label=f"measured{name}",
         )
-        axes.plot(x, found.predicted[chosen], color=colour, label=f"predicted, {name}")
+        axes.plot(x, found.predicted[chosen], color=colour, label=f"predicted{name}")
         spread = COVERAGE * found.band[chosen]
         axes.fill_between(
             x, found.predicted[chosen] - spread, found.predicted[chosen] + spread, color=colour, alpha=0.2, lw=0

@@ -63,13 +63,15 @@ def validate(case: Case, out: Path | None = None) -> Validated:
     """
     begin = clock.process_time()
     result = run(case.scene(), out)
-    compare = {"profiles": profiles, "signal": signal.compare, "levels": levels.compare}[case.settings.compare]
+    compare = {"profiles": profiles, "history": profiles, "signal": signal.compare, "levels": levels.compare}[
+        case.settings.compare
+    ]
     compared = compare(case, result)
     return Validated(case, compared, clock.process_time() - begin, result)
 
 
 def profiles(case: Case, result: Result) -> Compared:
-    """Compare fields at measured times and positions, with the uncertainties of inputs propagated by further runs.
+    """Compare a field at measured times and positions, or one value at times; uncertainties of inputs are propagated.
 
     Raises
     ------
@@ -95,15 +97,18 @@ def profiles(case: Case, result: Result) -> Compared:
         influence[f"closure of kind {kind}"] = float(np.sqrt(np.mean(change**2)))
     reported: dict[str, Any] = {}
     symbol = case.settings.quantity.partition("_")[0]
-    for x in report.positions:
+    whole = case.settings.compare == "history"
+    for x in (np.nan,) if whole else report.positions:
         for t in report.times:
-            name = f"{symbol}_{x:g}m_{t:g}s_{case.unit.replace('/', '_')}"
+            place = "" if whole else f"_{x:g}m"
+            unit = "" if case.unit == "1" else f"_{case.unit.replace('/', '_')}"
+            name = f"{symbol}{place}_{t:g}s{unit}"
             reported[name] = float(at(case, result, np.array([t]), np.array([x]))[0])
     band = np.sqrt(squares)
     by_time = case.settings.each == "time"
     of, unit = (points.t, "s") if by_time else (points.x, "m")
     groups = [(f"{value:g} {unit}", of == value) for value in np.unique(of)]
-    if by_time and len(groups) > len(points.value) / 3:
+    if whole or (by_time and len(groups) > len(points.value) / 3):
         groups = []  # a time of its own for nearly each point is no group
     scores = [
         score(name, (predicted - points.value)[chosen], case.uncertainty, band[chosen], case.unit)
@@ -115,6 +120,9 @@ def profiles(case: Case, result: Result) -> Compared:
 def at(case: Case, result: Result, t: Array, x: Array) -> Array:
     """Return the predicted quantity at times [s] and positions [m] at which the run has output, shape (points,)."""
     profiles = result.profiles
+    if case.settings.compare == "history":
+        history: Array = np.interp(t, profiles[header("t")], profiles[header(case.settings.quantity)])
+        return history
     axis = profiles[header(result.plan.coordinate)]  # type: ignore[attr-defined]
     values, times = profiles[header(case.settings.quantity)], profiles[header("t")]
     scale_t, scale_x = max(float(np.max(times)), SAME), max(float(np.max(np.abs(axis))), SAME)

@@ -10,6 +10,7 @@ from contbed import cli
 from contbed.errors import SceneError
 from contbed.validation.case import SHIPPED, names, read_case
 from contbed.validation.deviations import COVERAGE, Score
+from contbed.validation.report import write
 from contbed.validation.score import Validated, validate
 
 SCENE = """\
@@ -166,3 +167,17 @@ def test_salt_thermocline_against_its_measured_front(tmp_path):
     hour = done.compared.scores[1]
     assert hour.group == "3600 s"
     assert hour.rms < 5.0 and abs(hour.bias) < 1.0
+
+
+def test_wood_sphere_against_its_measured_mass(tmp_path):
+    """Park et al.: one value of the whole particle over the time, compared without positions."""
+    shutil.copytree(SHIPPED / "park_2010", tmp_path / "wood")
+    case = tmp_path / "wood" / "case.toml"
+    case.write_text(case.read_text().partition("[uncertain]")[0])
+    done = validate(read_case(str(tmp_path / "wood")))
+    (whole,) = done.compared.scores
+    # repeated measurements differ by 0.006 to 0.015
+    assert whole.group == "all" and whole.rms < 0.015 and whole.within
+    assert set(done.compared.reported) == {f"mass_{t}s" for t in (100, 200, 300, 400, 500)}
+    write([done], tmp_path)
+    assert (tmp_path / "validation.png").stat().st_size > 10_000
