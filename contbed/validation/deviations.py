@@ -31,7 +31,7 @@ class Score:
     @property
     def within(self) -> bool:
         """Whether the deviations are within the uncertainty."""
-        return self.rms <= COVERAGE * float(np.hypot(self.data, self.band))
+        return bool(self.rms <= COVERAGE * float(np.hypot(self.data, self.band)))
 
 
 @dataclass(frozen=True)

@@ -112,8 +112,8 @@ def statistics(interval: float, values: Array, record: float, noise: float = 0.0
     peak = float(frequency[np.argmax(np.where(frequency >= LOWEST, power, 0.0))])
     scatter = [float(np.std(parts, ddof=1) / np.sqrt(blocks)) for parts in (deviations, rates)]
     return Statistics(
-        (float(values.std()), float(rises.sum()) / length, peak),
-        (float(np.hypot(scatter[0], noise)), scatter[1], 0.5 / record),
+        (float(values.std()), float(rises.sum() / length), peak),
+        (float(np.hypot(scatter[0], noise)), scatter[1], float(0.5 / record)),
     )
 
 

@@ -1,13 +1,17 @@
 """Signals over time and profiles at levels: known signals give known statistics, mistakes are told with their line."""
 
+import json
+
 import numpy as np
 import pytest
 
 from contbed.errors import SceneError
 from contbed.result import Result
+from contbed.validation import report
 from contbed.validation.case import read_case
 from contbed.validation.levels import at
 from contbed.validation.levels import compare as compare_levels
+from contbed.validation.score import Validated
 from contbed.validation.signal import compare, resampled, spectrum, statistics
 
 SIGNAL = """\
@@ -65,6 +69,8 @@ def signal(tmp_path):
 @pytest.fixture
 def levels(tmp_path):
     """A case with points at two heights."""
+    tmp_path = tmp_path / "levels"
+    tmp_path.mkdir()
     rows = "\n".join(f"{z},{x},{1.0 + z / 100.0}" for z in (30, 90) for x in (10, 20, 40))
     return folder_of(tmp_path, LEVELS, f"z [mm],x [mm],v [m/s]\n{rows}\n")
 
@@ -155,6 +161,25 @@ def test_profiles_at_levels_have_their_offset(levels):
         assert found.reported[f"L1 of {name}"] == pytest.approx(0.2)
     assert found.reported["x [m]"] == [0.01, 0.02, 0.04]
     assert found.reported["speed_solid at 0.15 m [m/s]"] == pytest.approx([1.2 * 2.5] * 3)
+
+
+def test_report_of_signals_and_levels(tmp_path, signal, levels):
+    """Table, summary.json and picture take both kinds of comparison."""
+    t = np.linspace(0.0, 12.0, 1201)
+    run = run_with(t, **{"middle p [Pa]": wave(t), "height [m]": 0.1 + 0.0 * t})
+    done = [
+        Validated(signal, compare(signal, run), 1.0, run),
+        Validated(levels, compare_levels(levels, table_of(1.2)), 1.0, table_of(1.2)),
+    ]
+    report.write(done, tmp_path)
+    cases = json.loads((tmp_path / "summary.json").read_text())["cases"]
+    scores = [one["scores"] for one in cases.values()]
+    assert any(
+        score["group"] == "peak of the spectrum" and score["within"] is True for group in scores for score in group
+    )
+    assert (tmp_path / "validation.png").stat().st_size > 10_000
+    text = report.table(done)
+    assert "rises through the mean" in text and "0.09 m" in text and "Hz" in text
 
 
 def test_a_level_that_the_run_does_not_have(levels):
