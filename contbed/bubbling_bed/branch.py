@@ -50,6 +50,7 @@ def follow(problem: BubblingProblem, state: Any, result: Result) -> None:
         size=TYPICAL,
         points=table.points,
         back=table.back_to,
+        watch=problem.watch,
     )
     if not branch.complete:
         result.warnings.append(

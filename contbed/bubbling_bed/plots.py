@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contbed.fields import name_of
+from contbed.fields import FIELDS, name_of
 from contbed.output.plots import styled_figure
 from contbed.result import Result
 
 # Okabe and Ito's colours without yellow
 COLOURS = ("#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2")
+
+_BUBBLES = {"d_b": "#009E73", "delta": "#CC79A7", "u_b": "#E69F00"}
 
 
 def plot(result: Result, folder: Path) -> None:
@@ -76,7 +79,7 @@ def bubbling_plot(
     }
     panels: list[tuple[Any, float]] = [(_temperatures, 2.0)]
     panels += [(_radiation, 1.0)] if "G" in values else []
-    panels += [(_bubbles, 1.0)] if "delta" in values else []
+    panels += [(partial(_single, name), 0.7) for name in _BUBBLES if name in values]
     panels += [(_gases, 1.3)] if any(name.startswith("x_") for name in values) else []
     panels += [(_heat, 1.5)] if flows else []
     with styled_figure(path, 5.6, title, width=max(7.0, 2.6 * sum(width for _, width in panels))) as figure:
@@ -124,16 +127,10 @@ def _radiation(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
     axes.legend(frameon=False, fontsize=8)
 
 
-def _bubbles(axes: Any, z: Any, values: Mapping[str, Any]) -> None:
-    for name, label, colour in (
-        ("d_b", "diameter [m]", "#009E73"),
-        ("delta", "share of volume", "#CC79A7"),
-        ("u_b", "velocity [m/s]", "#E69F00"),
-    ):
-        if name in values:
-            axes.plot(values[name], z, color=colour, label=label)
-    axes.set_xlabel("bubbles")
-    axes.legend(frameon=False, fontsize=8)
+def _single(name: str, axes: Any, z: Any, values: Mapping[str, Any]) -> None:
+    """Plot one quantity of the bubbles, as each has a unit of its own."""
+    axes.plot(values[name], z, color=_BUBBLES[name])
+    axes.set_xlabel(f"bubbles: {FIELDS[name].label}")
 
 
 def _gases(axes: Any, z: Any, values: Mapping[str, Any]) -> None:

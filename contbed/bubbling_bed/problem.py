@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import copy
 from typing import Any
 
@@ -15,7 +16,7 @@ from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
 from contbed.radiation.equations.p1 import emitted
-from contbed.solvers.continuation import relax
+from contbed.solvers.continuation import relax, unwatched
 from contbed.solvers.linear import Solver, scaled
 from contbed.solvers.newton import newton
 
@@ -38,6 +39,7 @@ class BubblingProblem:
 
     def __init__(self, plan: BubblingPlan):
         self.plan, self.c = plan, plan.coefficients
+        self.watch: Callable[[float, str], None] = unwatched  # told the share of the way to a steady state
         self.system = make_system(plan.mesh, plan.fields, 2 * plan.scene.solver.degree + EXTRA, pointwise=True)
         (self.bottom,), (self.top,) = self.system.boundary("bottom"), self.system.boundary("top")
         self.fixed = np.empty(0, dtype=np.int64)
@@ -99,7 +101,17 @@ class BubblingProblem:
         if self.chemistry is not None:  # heat and char take hours to settle, gas a second: no guess serves both
             try:
                 with np.errstate(all="ignore"):
-                    x = relax(self, x, self.plan.policy, self.lower, first=1e-3, last=1e7, growth=8.0, tolerance=1e-3)
+                    x = relax(
+                        self,
+                        x,
+                        self.plan.policy,
+                        self.lower,
+                        first=1e-3,
+                        last=1e7,
+                        growth=8.0,
+                        tolerance=1e-3,
+                        watch=self.watch,
+                    )
             except ConvergenceError as error:
                 raise self._explained([x if error.state is None else error.state], error.history) from error
         return self.solve_from(x)
@@ -152,7 +164,7 @@ class BubblingProblem:
     def _marched(self, x: Array) -> tuple[Array, list[float]]:
         """Solve by steps in time."""
         bounds = {"patience": PATIENCE, "iterations": MAX_ITERATIONS} if self.c.computed is not None else {}
-        return self._newton(relax(self, x, self.plan.policy, self.lower, **bounds))
+        return self._newton(relax(self, x, self.plan.policy, self.lower, watch=self.watch, **bounds))
 
     def _sharpened(self, x: Array) -> Array:
         for _ in range(SHARPENED):

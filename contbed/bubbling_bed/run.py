@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +19,16 @@ APART = 1.0  # difference of temperatures of two steady states [K]
 
 @timed("heat")
 def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
-    """Solve and fill the result; a steady run is quick, so that `folder`, `quiet` and `start` are not used."""
+    """Solve and fill the result; a steady run has no state to go on from, so that `folder` and `start` are not used."""
+    from contbed.output.progress import Progress
+
+    with Progress(100.0, "% of the way", quiet) as progress:
+        _run(plan, result, lambda share, note: progress.advance_to(100.0 * share, note))
+
+
+def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None:
     problem = BubblingProblem(plan)
+    problem.watch = watch
     state, history = problem.solve()
     result.history += history
     if plan.scene.computed:

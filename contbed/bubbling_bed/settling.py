@@ -40,7 +40,8 @@ def settle(problem: BubblingProblem, state: Any, result: Result) -> tuple[Bubbli
     """Solve for sizes, height and state in turn until none changes; return the problem and its state."""
     for _ in range(ROUNDS):
         scene, change = settled(problem, state, result)
-        problem = stretched(problem.plan, scene)
+        watch, problem = problem.watch, stretched(problem.plan, scene)
+        problem.watch = watch
         state, history = problem.solve_from(problem.unknowns(state))
         result.history += history[1:]
         if change < CHANGE:

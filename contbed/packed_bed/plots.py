@@ -1,5 +1,22 @@
-"""Plots of a packed bed: profiles along it, at output times of a transient, and fields of a plane bed."""
+"""Plots of a packed bed: profiles along it, at output times of a transient, and fields of a plane or of a box."""
 
-from contbed.output.plots import plot_profiles_and_fields as plot
+from __future__ import annotations
 
-__all__ = ["plot"]
+from pathlib import Path
+from typing import Any
+
+from contbed.output.maps import slice_maps
+from contbed.output.plots import plot_profiles_and_fields
+
+
+def plot(result: Any, folder: Path) -> None:
+    """Write profiles.png and fields.png; of a box the temperatures, else the pressure, in its middle plane."""
+    plot_profiles_and_fields(result, folder)
+    if not result.nodal or result.plan.mesh.skfem.dim() < 3:
+        return
+    temperatures = [name for name in ("T_fluid", "T_solid") if name in result.nodal]
+    names = temperatures or [name for name in ("p", "G") if name in result.nodal]
+    if names:
+        space, _ = result.nodal[names[0]]
+        values = {name: result.nodal[name][1] for name in names if result.nodal[name][0].size == space.size}
+        slice_maps(folder / "fields.png", space.points, values, result.plan.scene.title)

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import ConvergenceError
+from contbed.solvers.continuation import unwatched
 from contbed.solvers.linear import Policy, Solver, bordered
 
 Array = Any
@@ -132,11 +133,13 @@ def trace(
     back: float | None = None,
     first: float = 0.02,
     tolerance: float = 1e-8,
+    watch: Callable[[float, str], None] = unwatched,
 ) -> Branch:
     """Follow the branch of `assemble(x, p, jacobian) -> (R, matrix)` from a state `x` at `start`.
 
     It ends where p passes `stop` or, on the other side, `back`, or where `points` are found. `weights` make the
-    unknowns comparable with `size`. A branch that cannot be continued is returned incomplete.
+    unknowns comparable with `size`. A branch that cannot be continued is returned incomplete. `watch` is told the
+    share of the way, by the parameter or by the number of points, and the parameter.
     """
     continuation = _Continuation(assemble, weights, size, abs(stop - start), policy, tolerance)
     out = Branch([start], [x])
@@ -161,6 +164,8 @@ def trace(
         out.states.append(found.x)
         if out.complete:
             break
+        share = max(abs(found.p - start) / abs(stop - start), len(out.parameter) / points)
+        watch(min(share, 1.0), f"{found.p:.4g}")
         point, s = found, min(MAX_STEP, s * (2.0 if iterations <= 3 else 1.0 if iterations <= 5 else 0.5))
     return out
 

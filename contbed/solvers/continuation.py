@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,10 @@ GROWTH = 4.0
 MAX_STEPS = 200
 
 
+def unwatched(share: float, note: str) -> None:
+    """Take no notice of how far a march is."""
+
+
 def relax(
     problem: Problem,
     state: Any,
@@ -26,11 +31,13 @@ def relax(
     tolerance: float = 1e-6,
     patience: int = MAX_STEPS,
     iterations: int = 30,
+    watch: Callable[[float, str], None] = unwatched,
 ) -> Any:
     """March from `state` to a steady state with steps that grow from `first` to `last` [s].
 
     A step that needs more than `iterations` of Newton's method, or fails, is shortened. Unknowns stay above `lower`.
-    After `patience` steps of which none is the longest so far the march is given up.
+    After `patience` steps of which none is the longest so far the march is given up. `watch` is told the share of the
+    way to `last`, by powers of ten, and the step.
 
     Raises
     ------
@@ -71,6 +78,7 @@ def relax(
             longest, stale = dt, 0
         if dt >= last:
             return state
+        watch(np.log(max(dt / first, 1.0)) / np.log(last / first), f"step {dt:.2g} s")
         dt *= growth
     message = f"no steady state by steps in time, of which the longest that converged is {longest:.3g} s"
     raise ConvergenceError(message, history, state)
