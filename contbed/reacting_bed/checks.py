@@ -166,9 +166,11 @@ def orders_name_species(reactions: Reactions, fluid: Any, solid: s.Solids | None
                 )
 
 
-def steady_states_exist(reactions: Reactions, flow: s.Flow, solid: s.Solids | None, see: See) -> Mistakes:
+def steady_states_exist(
+    reactions: Reactions, flow: s.Flow, solid: s.Solids | None, time: s.Time | None, see: See
+) -> Mistakes:
     """Check that solids that react in a steady bed are supplied."""
-    if flow.velocity_solid or solid is None:
+    if flow.velocity_solid or solid is None or time is not None:
         return
     fed = set() if solid.composition is None else set(_fractions(solid.composition))
     for name, table in reactions.items():
@@ -177,7 +179,7 @@ def steady_states_exist(reactions: Reactions, flow: s.Flow, solid: s.Solids | No
             yield (
                 ("reactions", name),
                 f"takes {', '.join(used)} of particles at rest, which are used up: no steady state exists; give "
-                f"them a velocity, {see('flow.velocity_solid')}",
+                f"them a velocity, {see('flow.velocity_solid')}, or add a [time] table",
             )
 
 
@@ -188,7 +190,9 @@ def _fractions(text: str) -> dict[str, float]:
         return {}
 
 
-def particles_are_known(solid: s.Solids | None, flow: s.Flow, heat: s.Heat | None, reactions: Reactions) -> Mistakes:
+def particles_are_known(
+    solid: s.Solids | None, flow: s.Flow, heat: s.Heat | None, time: s.Time | None, reactions: Reactions
+) -> Mistakes:
     """Check that there are particles where something needs them, with density and heat capacity."""
     if flow.velocity_solid and solid is None:
         yield ("flow", "velocity_solid"), "there is no [solid]; give it, with composition, or density and heat_capacity"
@@ -208,8 +212,9 @@ def particles_are_known(solid: s.Solids | None, flow: s.Flow, heat: s.Heat | Non
             if data is None or data.density is None:
                 yield ("solid", "density"), f"missing; or give solid.constituent.{name}.density"
                 break
-    if heat is not None and flow.velocity_solid and solid.composition is None and solid.heat_capacity is None:
-        yield ("solid", "heat_capacity"), "missing; particles that move carry heat"
+    stores = bool(flow.velocity_solid) or time is not None
+    if heat is not None and stores and solid.composition is None and solid.heat_capacity is None:
+        yield ("solid", "heat_capacity"), "missing; particles that move or whose temperature changes hold heat"
     if solid.composition is not None and solid.heat_capacity is not None:
         yield ("solid", "heat_capacity"), "has no meaning with a composition, whose constituents have theirs"
 
@@ -303,7 +308,19 @@ def the_parameter_is_a_number(
         yield ("continuation", "back_to"), f"lies on the same side of the value in the scene, {found:g}, as `to`"
 
 
+def times_are_in_order(time: s.Time | None, continuation: s.Continuation | None, see: See) -> Mistakes:
+    """Check that output times lie within the run, and that a branch is one of steady states."""
+    if time is None:
+        return
+    for index, instant in enumerate(time.times):
+        if instant > time.end:
+            yield ("time", "times", index), f"{instant:g} s is after the end; see {see('time.end')}"
+    if continuation is not None:
+        yield ("continuation",), f"follows steady states, and the scene is transient; see {see('time')}"
+
+
 CHECKS: tuple[Check, ...] = (
+    times_are_in_order,
     the_parameter_is_a_number,
     compositions_sum_to_one,
     equations_balance,

@@ -243,7 +243,8 @@ def _shrinking_core(table: s.Reaction, equation: Equation, equilibrium: Equilibr
 
     def rate(at: Local) -> Any:
         total = whole(at, equation, species)
-        q = shrinking_core.remaining_radius(at.n[name] / total, at.small)
+        # not above 1, where the resistance of a product layer would be negative
+        q = np.minimum(shrinking_core.remaining_radius(at.n[name] / total, at.small), 1.0)
         k = constant(table, at.T)
         driving = at.c[gas]
         if equation.reversible:

@@ -15,6 +15,7 @@ from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.solve import FIRST_CELLS
 from contbed.scene.toml_lines import KeyPath
 
+TRANSIENT_CELLS = 60  # of one length, through which fronts move
 FIRST_LAYER = 1e-4  # length of the first and last cell over that of the bed
 
 
@@ -54,6 +55,8 @@ def first_vertices(scene: s.ReactingScene) -> NDArray[np.float64]:
     length = scene.mesh.length
     if scene.mesh.cells is not None:
         return np.linspace(0.0, length, scene.mesh.cells * 2**scene.mesh.refine + 1)
+    if scene.time is not None:
+        return np.linspace(0.0, length, TRANSIENT_CELLS + 1)
     half = 0.5 * np.geomspace(2.0 * FIRST_LAYER, 1.0, FIRST_CELLS // 2)
     return length * np.concatenate([[0.0], half, 1.0 - half[-2::-1], [1.0]])
 
@@ -115,4 +118,6 @@ def _lists(scene: s.ReactingScene, problem: Problem) -> tuple[tuple[tuple[str, s
             skipped.append(("films", "no reaction at particles needs them"))
     for reaction in problem.reactions:
         built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else "at the particles"))
+    if scene.time is not None:
+        skipped.append(("storage in the gas", "the gas holds little beside the particles: it is quasi-steady"))
     return tuple(built), tuple(skipped)

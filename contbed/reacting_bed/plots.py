@@ -22,6 +22,9 @@ def plot(result: Result, folder: Path) -> None:
     if "continuation" in result.tables:
         branch_plot(folder / "continuation.png", result.tables["continuation"], result.plan.scene.title)
     columns = {name_of(header): np.asarray(values) for header, values in result.profiles.items()}
+    if "t" in columns:  # the last of the output times
+        last = columns["t"] == columns["t"].max()
+        columns = {name: values[last] for name, values in columns.items() if name != "t"}
     x = columns.pop("x")
     panels = []
     for start, label in PANELS:

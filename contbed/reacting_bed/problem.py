@@ -316,3 +316,11 @@ def _drop(scene: s.ReactingScene, species: Substances, entering: Streams, medium
     bed = Bed(Layout(names, (), (), False), masses, {}, (), medium, 0.0, (), entering.pressure, hottest)
     state = bed.state([entering.gas[name] for name in names])
     return abs(float(medium.resistance(state))) * scene.mesh.length
+
+
+def isothermal_drop(problem: Problem) -> float | None:
+    """Return the pressure drop of the gas as it enters, expanding at its temperature [Pa]; None if it cannot pass."""
+    drop = _drop(problem.scene, problem.species, problem.streams, problem.bed.medium)
+    p = problem.streams.pressure
+    square = p * p - 2.0 * p * drop  # p dp/dx is constant along an isothermal ideal gas
+    return None if square <= 0.0 else float(p - square**0.5)

@@ -64,7 +64,7 @@ def ends(problem: Problem) -> tuple[int, int]:
     return gas, (-1 if problem.bed.velocity_solid >= 0 else 0)
 
 
-def fill(problem: Problem, u: Array, result: Result, stored: Mapping[str, float] | None = None) -> None:
+def fill(problem: Problem, u: Array, result: Result, transient: bool = False) -> None:
     """Fill in profiles, results, balances, ranges and warnings of a state."""
     result.profiles = profiles(problem, u)
     fluxes = problem.flux_at(u)
@@ -74,7 +74,7 @@ def fill(problem: Problem, u: Array, result: Result, stored: Mapping[str, float]
     _gas(problem, fluxes, state, gas_end, result)
     _solids(problem, fluxes, state, solid_end, result)
     _extents(problem, u, state, gas_end, result)
-    if stored is None:
+    if not transient:
         _balances(problem, u, fluxes, result)
     _remarks(problem, u, result)
 

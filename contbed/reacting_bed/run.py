@@ -8,7 +8,7 @@ from typing import Any
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed import results, solve
 from contbed.reacting_bed.plan import Plan
-from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.problem import Problem, isothermal_drop
 from contbed.result import Result
 
 LARGE_SMOOTHING = 1e-5  # share of a solid above which a warning tells what was rounded
@@ -22,6 +22,11 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     ------
     ConvergenceError : no state is found; the last one is kept, the message names where it fails
     """
+    if plan.scene.time is not None:
+        from contbed.reacting_bed.transient import run_transient
+
+        run_transient(plan.problem, result, quiet)
+        return
     report = solve.Report()
     problem = plan.problem
     with result.timed("bed"):
@@ -62,6 +67,13 @@ def _sentence(problem: Problem, error: ConvergenceError) -> str:
         k, cell = divmod(int(sizes.argmax()), sizes.shape[1])
         name = problem.layout.names[k].removeprefix("g_").removeprefix("n_").removeprefix("s_")
         text += f"; it is worst for {name} at x = {problem.line.vertices[cell]:.4g} m"
+    drop = isothermal_drop(problem)
+    if problem.layout.pressure and drop is None:
+        return (
+            f"{problem.scene.origin.at(('flow',))}: flow: the gas cannot pass the bed: by bed.permeability and "
+            f"bed.forchheimer its pressure of {problem.streams.pressure:.4g} Pa is used up before the other end; lower "
+            "the flow or mesh.length, or raise fluid.pressure or bed.particle_diameter"
+        )
     return (
         f"{origin}: no steady state is found: {text}. Give guess.temperature near the state that is meant, slow the "
         "fastest reaction by its factor, or add dispersion in [mass] or [heat] where a front is too steep"

@@ -18,10 +18,12 @@ from contbed.scene.quantities import (
     FiniteFloat,
     Fraction,
     HeatFlux,
+    Instant,
     Length,
     Number,
     Positive,
     Pressure,
+    Seconds,
     Switch,
     Table,
     Temperature,
@@ -266,6 +268,17 @@ class Continuation(Table):
     points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(400, description="at most")
 
 
+class Time(Table):
+    """A transient run, in which the gas follows at once; absent means steady."""
+
+    end: Seconds
+    times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
+    initial_temperature: Temperature | None = Field(
+        None, description="of the particles at the start; absent: that of the gas that enters"
+    )
+    tolerance: Fraction = Field(1e-4, description="local error over typical sizes of the fields, of an order below")
+
+
 class Solver(Table):
     """Numerics; the defaults suit nearly all scenes."""
 
@@ -283,7 +296,6 @@ class ReactingScene(SceneBase):
 
     kind: ClassVar[str] = "reacting_bed"
     renamed: ClassVar[Mapping[str, str]] = {}
-    time: ClassVar[None] = None  # all runs are steady
 
     mesh: MeshLine
     fluid: Fluid
@@ -298,5 +310,6 @@ class ReactingScene(SceneBase):
     boundary: dict[str, Boundary] = Field(default_factory=dict)
     guess: Guess = Guess()
     continuation: Continuation | None = None
+    time: Time | None = None
     solver: Solver = Solver()
     output: Output = Output()

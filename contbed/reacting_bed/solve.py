@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -32,6 +31,7 @@ FIRST_ITERATIONS = 60  # of Newton's method from a first guess
 FEW_ITERATIONS = 15  # where the guess is near
 SMOOTHEST = 0.1  # share of a solid below which its powers are straight lines, to begin with
 SHARPER, LEAST_SHARPER = 0.1, 0.7  # factor from one such share to the next, and beyond which no sharper is tried
+NO_DATA = 1e6  # [J/m3/K], heat capacity of a bed in marches whose particles have no data
 STEPS = 120  # of the march in time
 GROWTH, SHORTER = 1.6, 0.25  # of its steps
 MOST_FAILURES = 15
@@ -78,9 +78,7 @@ def limited(problem: Problem, u: Array, du: Array) -> float:
     return share
 
 
-def newton(
-    problem: Problem, u: Array, report: Report, storage: Callable[[Array, bool], Any] | None = None, most: int = 0
-) -> Array:
+def newton(problem: Problem, u: Array, report: Report, storage: Storage | None = None, most: int = 0) -> Array:
     """Return the solution of the steady equations, or of a step in time where `storage` adds to them.
 
     Raises
@@ -116,7 +114,7 @@ def newton(
         u = u + share * du
         if share == 1.0 and change < tolerance:
             return u
-        if storage is not None and share == 1.0 and norm < LOOSE and change < LOOSE**0.5:
+        if storage is not None and storage.loose and share == 1.0 and norm < LOOSE and change < LOOSE**0.5:
             return u
         if share == 1.0 and norm < 1e-12 and change < 1e3 * tolerance:
             return u
@@ -126,9 +124,13 @@ def newton(
 class Storage:
     """What particles, and where asked for the gas, hold: implicit Euler steps for marches to a steady state."""
 
-    def __init__(self, problem: Problem, before: Array, dt: float):
-        self.problem, self.dt = problem, dt
-        self.held = self.content(before, False)[0]
+    def __init__(self, problem: Problem, held: Array, dt: float, loose: bool = True):
+        self.problem, self.dt, self.held, self.loose = problem, dt, held, loose
+
+    @classmethod
+    def after(cls, problem: Problem, before: Array, dt: float) -> Storage:
+        """Return the storage of an implicit Euler step from a state."""
+        return cls(problem, cls(problem, before, dt).content(before, False)[0], dt)
 
     def content(self, u: Array, jacobian: bool) -> tuple[Array, Any]:
         """Return what is held per volume of bed by equation at the nodes, and its derivatives."""
@@ -144,8 +146,8 @@ class Storage:
                 parts[k] = values[k]
             elif name in ("T_solid", "T"):
                 parts[k] = problem.bed.held_by_solids(state)
-            if name == "T" and not problem.bed.inert and not state.n:
-                parts[k] = 1e6 * values[k]  # [J/m3/K], of a bed whose particles have no data
+            if name in ("T_solid", "T") and not problem.bed.inert and not state.n:
+                parts[k] = NO_DATA * values[k]
         table = np.array([np.broadcast_to(getattr(p, "value", p), one.shape) for p in parts]).reshape(u.shape)
         return table, parts
 
@@ -187,7 +189,7 @@ def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     adapts = problem.scene.mesh.cells is None
     while dt < END_OF_MARCH * tau and taken < STEPS:
         try:
-            found = newton(problem, u, report, Storage(problem, u, dt), most=FEW_ITERATIONS)
+            found = newton(problem, u, report, Storage.after(problem, u, dt), most=FEW_ITERATIONS)
         except ConvergenceError as error:
             dt *= SHORTER
             failures += 1

@@ -157,3 +157,24 @@ def ignition(Pe_m: float, Pe_h: float, B: float, g: float, Da: float) -> dict[st
         }
     }
     return scene
+
+
+def fixed_bed(law: str, f: float, d: float, r: float, xi: float, tau: float) -> dict[str, Any]:
+    """Bed at rest whose particles react with the gas; xi and tau as in the header of its table."""
+    u, full = 0.5, 1000.0
+    scene = isothermal("A:1", species(A=0.028, B=0.028))
+    scene["solid"] = solids()
+    scene["mesh"]["length"] = xi * u * MOLAR * full / N_SOLID
+    scene["time"] = {"end": tau * full}
+    scene["output"] |= {"positions": [scene["mesh"]["length"]]}
+    if law == "bohart_adams":
+        k = 1.0 / (MOLAR * full)
+        orders = {"A": 1.0, "S": 1.0}
+        scene["reactions"] = {"r": {"equation": "A + S -> B + P", "A": k, "E": 0.0, "orders": orders, "basis": "bed"}}
+        return scene
+    cores = shrinking_core(1.0, 1.0, f, d, r)
+    scene["reactions"] = cores["reactions"]
+    scene["fluid"] = cores["fluid"]
+    if "mass" in cores:
+        scene["mass"] = cores["mass"]
+    return scene

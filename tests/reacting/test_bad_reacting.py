@@ -103,3 +103,14 @@ def test_species_without_thermodynamics():
     text = GOOD.replace("H2O = { heat_capacity = 35.0, enthalpy = -241.8e3 }", "")
     with pytest.raises(SceneError, match=r"bed.toml:\d+: H2O is neither a gas of \[fluid.species\]"):
         models.plan(loads(text, "bed.toml"))
+
+
+def test_gas_that_cannot_pass_is_told():
+    import contbed
+    from contbed.errors import ConvergenceError
+
+    text = GOOD.replace('"CH4:0.5, O2:0.5"', '"CH4:0.5, O2:0.5"\nviscosity = 2e-5').replace(
+        "velocity = 0.5", "velocity = 9.0"
+    )
+    with pytest.raises(ConvergenceError, match=r"the gas cannot pass the bed: by bed\.permeability"):
+        contbed.run(loads(text))
