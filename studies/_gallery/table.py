@@ -92,11 +92,14 @@ class Table:
         return {column: float(value) for column, value in zip(self.columns[1:], found[1:], strict=True) if value}
 
     def updated(self, new: Table, by: Sequence[str]) -> Table:
-        """This table with the rows of `new` in place of those with the same values in the columns `by`."""
+        """This table with the rows of `new` in place of those with the same values in the columns `by`, or after all."""
         keys = [self.columns.index(name) for name in by]
-        fresh = {tuple(row[i] for i in keys) for row in new.rows}
-        kept = [row for row in self.rows if tuple(row[i] for i in keys) not in fresh]
-        return Table(dict.fromkeys(self.columns, ""), [*new.rows, *kept])
+        fresh = {tuple(row[i] for i in keys): row for row in new.rows}
+        rows = {}
+        for number, row in enumerate(self.rows):
+            key = tuple(row[i] for i in keys)
+            rows[key if key in fresh else number] = row
+        return Table(dict.fromkeys(self.columns, ""), list((rows | fresh).values()))
 
     def markdown(self) -> str:
         """As a table of a README."""

@@ -93,7 +93,7 @@ def test_a_table_keeps_what_it_writes(tmp_path):
     assert again.where({"case": "a, b", "n": 3})["x [m]"].tolist() == [2.0]
     assert again.values("case") == ["a, b", "c"]
     other = Table({"case": "", "x [m]": ".3g", "n": "d"}, [("c", 5.0, 2)])
-    assert again.updated(other, ["case"]).rows == [("c", "5", "2"), ("a, b", "0.123", "1"), ("a, b", "2", "3")]
+    assert again.updated(other, ["case"]).rows == [("a, b", "0.123", "1"), ("c", "5", "2"), ("a, b", "2", "3")]
     with pytest.raises(ValueError):
         Table({"a": "", "b": ""}, [(1,)])
 
