@@ -92,7 +92,7 @@ class Table:
         return {column: float(value) for column, value in zip(self.columns[1:], found[1:], strict=True) if value}
 
     def updated(self, new: Table, by: Sequence[str]) -> Table:
-        """This table with the rows of `new` in place of those with the same values in the columns `by`, or after all."""
+        """This table with the rows of `new` in place of those with equal values in the columns `by`, or at its end."""
         keys = [self.columns.index(name) for name in by]
         fresh = {tuple(row[i] for i in keys): row for row in new.rows}
         rows = {}
