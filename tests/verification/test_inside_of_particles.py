@@ -217,3 +217,35 @@ def test_scenes_without_an_inside(tmp_path, what):
     path.write_text(text)
     with pytest.raises(SceneError, match="particle"):
         load(path)
+
+
+def test_restart_goes_on_with_the_inside(tmp_path):
+    path = bed(tmp_path, Bi=5.0, xi=10, cells=20, particle='particle = { heat = "interior" }', more=step([8.0], 1e-3))
+    once, folder = run(load(path)), tmp_path / "out"
+    end = float(once.qoi["time_reached_s"])
+    run(load(path, {"time.end": 0.5 * end, "time.times": []}), out=folder)
+    again = run(load(path), out=folder, restart=folder)
+    last = once.profiles["t [s]"] == once.profiles["t [s]"].max()
+    for name in ("T_solid [K]", "T_centre [K]"):
+        now = again.profiles[name][again.profiles["t [s]"] == again.profiles["t [s]"].max()]
+        # the steps differ from those of one run, within the tolerance of 0.1 K per step
+        assert now == pytest.approx(once.profiles[name][last], abs=0.2)
+
+
+def test_solids_that_move_carry_their_inside(tmp_path):
+    alpha = FILM * D / 2 / 5.0 / SOLID
+    speed = alpha * LENGTH * (1 - EPS) / (0.5 * (D / 2) ** 2)
+    more = f"""
+flow = {{ velocity = -VELOCITY, velocity_solid = {speed!r} }}
+boundary.right.fluid.inflow = 400.0
+boundary.left.solid.inflow = 300.0
+"""
+    particle = 'particle = { heat = "interior" }'
+    steady = run(load(bed(tmp_path, Bi=5.0, xi=5, particle=particle, more=more, cells=40)))
+    passage = LENGTH * (1 - EPS) / speed
+    late = (
+        f"{more}time = {{ end = {20 * passage!r}, initial_fluid = 300.0, initial_solid = 300.0, tolerance = 1e-3 }}\n"
+    )
+    transient = run(load(bed(tmp_path, Bi=5.0, xi=5, particle=particle, more=late, cells=40)))
+    assert transient.qoi["T_solid_out_K"] == pytest.approx(steady.qoi["T_solid_out_K"], abs=0.05)
+    assert abs(transient.balances["energy"]["relative_residual"]) < 1e-10
