@@ -56,6 +56,12 @@ def test_a_fluidized_bed_spans_reynolds_numbers():
     assert fluidized({"d_p": 1e-3}) == {}
 
 
+def test_a_ratio_of_spans_is_as_wide_as_it_can_be():
+    from contbed.choose import _of
+
+    assert _of("a/b", {"a": (1.0, 2.0), "b": (4.0, 8.0)}) == (0.125, 0.5)
+
+
 def test_kind_of_a_place():
     assert kind_for("species.sand.gas_coefficient") == "nusselt"
     assert kind_for("drag") == "drag"

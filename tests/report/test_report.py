@@ -122,6 +122,7 @@ def test_two_runs_side_by_side(plane):
     assert len(text) < LIMIT
 
 
+@pytest.mark.slow
 def test_a_sweep_has_linked_plots(plane):
     (plane / "bed.toml").write_text(editor.template("packed_bed"))
     (plane / "sweep.toml").write_text('scene = "bed.toml"\n[parameters]\nflow.velocity = [0.4, 0.5, 0.6]\n')
@@ -203,6 +204,7 @@ def browse(*arguments):
     return subprocess.run([*command, *arguments], capture_output=True, text=True, timeout=120, check=True).stdout
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium here: apt-get install chromium")
 def test_in_a_browser(plane, tmp_path):
     """It opens without an error, each slider changes its chart, axes are labelled, and the picture is not empty."""

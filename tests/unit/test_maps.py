@@ -52,6 +52,7 @@ def test_cells_are_drawn_where_they_are(tmp_path, figures):
     assert figures[0].axes[0].get_title() == r"$T_\mathrm{g}$ [K]"
 
 
+@pytest.mark.slow
 def test_two_fluids_show_their_fields(tmp_path):
     scene = loads(editor.template("two_fluid"), overrides={"time.end": "2 ms", "time.sample": "1 ms"})
     run(scene, out=tmp_path / "plane")
