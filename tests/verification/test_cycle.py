@@ -41,7 +41,7 @@ heat = {{ nusselt = {FILM * D!r}, conductivity_fluid = 0.0, conductivity_solid =
 
 NAMES = ("Lambda_hot", "Pi_hot", "Lambda_cold", "Pi_cold")
 CASES = [(tuple(row[name] for name in NAMES), row) for row in rows("regenerator.csv")]
-FAST = {(20, 2, 20, 2), (30, 20, 30, 25), (50, 20, 50, 20)}
+FAST = {(30, 20, 30, 25)}
 
 
 @pytest.mark.parametrize(
@@ -61,6 +61,7 @@ def test_regenerator(tmp_path, numbers, row):
     assert abs(found.balances["energy"]["relative_residual"]) < 1e-11
 
 
+@pytest.mark.slow
 def test_the_end_of_the_period_is_its_start(tmp_path):
     path = regenerator(tmp_path / "s.toml", (10, 3), (10, 3), 1e-3, cells=20)
     path.write_text(path.read_text() + "\n[particle]\nheat = 'interior'\n")
@@ -92,7 +93,7 @@ def test_a_cycle_without_series_is_refused(tmp_path):
         load(path)
 
 
-@pytest.mark.parametrize("case", range(2))
+@pytest.mark.parametrize("case", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_losses_of_a_bed_at_rest(tmp_path, case):
     group = rows("standby_losses.csv")[3 * case : 3 * case + 3]
     first, k, height = group[0], 2.0, 0.01
