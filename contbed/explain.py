@@ -58,6 +58,7 @@ def entries() -> dict[str, str]:
     found |= {kind: f"closures: {arguments.RESULTS.get(kind, kind)}" for kind in _kinds()}
     found |= {name: entry.meaning for name, entry in MATERIALS.items()}
     found |= {name: f"rate laws: {', '.join(table)}" for name, table in _laws().items()}
+    found |= {name: f"rate law: {equations[0]}" for name, equations in laws_by_name().items()}
     found |= {name: entry.meaning for name, entry in arguments.ARGUMENTS.items()}
     found |= {name: entry.description for name, entry in {**fields.FIELDS, **fields.RESULTS}.items()}
     found |= {name: text.partition(". ")[0] for name, text in TERMS.items()}
@@ -97,6 +98,7 @@ def listing(folder: Path) -> str:
     lines += _section(
         "reactions and their rate laws", (f"{name:28} {', '.join(laws)}" for name, laws in _laws().items())
     )
+    lines += _section("rate laws of reacting beds", (f"{name:28} {law[0]}" for name, law in laws_by_name().items()))
     lines += _section("materials", (f"{name:28} {entry.meaning}" for name, entry in MATERIALS.items()))
     for kind, model in _ordered():
         root = schema.of(model.scene)
@@ -195,6 +197,19 @@ def _law_sheets(name: str) -> Iterator[str]:
         yield "\n".join(lines)
 
 
+def laws_by_name() -> dict[str, tuple[str, ...]]:
+    """Return the equations of the rate laws that a reacting bed names, `[reactions.NAME] law`."""
+    from contbed.reacting_bed.laws import LAWS_WITH_EQUATION
+
+    found = {name: (text,) if isinstance(text, str) else text for name, text in LAWS_WITH_EQUATION.items()}
+    return {name: equations for name, equations in found.items() if "." not in name}
+
+
+def _named_law_sheets(name: str) -> Iterator[str]:
+    if equations := laws_by_name().get(name):
+        yield "\n".join([f"{name} - rate law of a reacting bed", *(f"    {equation}" for equation in equations)])
+
+
 def _result_sheets(name: str) -> Iterator[str]:
     for what, table in (("column or field", fields.FIELDS), ("named result", fields.RESULTS)):
         if name in table:
@@ -238,6 +253,7 @@ _SOURCES = (
     _kind_sheets,
     _key_sheets,
     _law_sheets,
+    _named_law_sheets,
     _material_sheets,
     _result_sheets,
     _argument_sheets,

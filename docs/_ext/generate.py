@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from pathlib import Path
 
+from markdown_text import code, escaped_dollars, lower_headings, page, plain, table, toctree, without_links
 from notebooks import titles, write_page
 from pictures import plot_closure
 from typeset import Unreadable, equations
@@ -22,7 +23,7 @@ from contbed import closures, editor, fields
 from contbed.closures import arguments, registry
 from contbed.closures.reactions import LAWS
 from contbed.closures.reactions_solid import CHAR_LAWS
-from contbed.explain import models
+from contbed.explain import laws_by_name, models
 from contbed.models import MODELS, kind_of
 from contbed.places import places
 from contbed.scene import schema
@@ -53,32 +54,6 @@ def write(folder: Path) -> None:
     gallery(folder / "gallery", folder / "figures")
     glossary(folder)
     project_texts(folder)
-
-
-def page(file: Path, title: str, *parts: str) -> None:
-    file.write_text("\n\n".join([f"# {title}", *(part for part in parts if part)]) + "\n", encoding="utf-8")
-
-
-def toctree(*names: str, hidden: bool = False) -> str:
-    option = ":hidden:\n" if hidden else ":maxdepth: 1\n"
-    return "```{toctree}\n" + option + "\n" + "\n".join(names) + "\n```"
-
-
-def table(head: list[str], rows: list[list[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(
-        "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in row) + " |" for row in lines
-    )
-
-
-def code(text: str) -> str:
-    return f"`{text}`" if text else ""
-
-
-def plain(text: str) -> str:
-    """Return a text of a docstring as Markdown: what Markdown would read as its own is escaped."""
-    parts = re.split(r"(`[^`]*`)", text)
-    return "".join(part if part.startswith("`") else re.sub(r"([*_<>\[\]#$|\\])", r"\\\1", part) for part in parts)
 
 
 def set_equations(lines: list[str]) -> str:
@@ -250,7 +225,15 @@ def correlations(folder: Path, figures: Path) -> None:
             for law, f in table_of.items()
         ]
         laws.append(f"## `{reaction}`\n\n" + table(["law", "reaction", "range", "unit", "source"], rows))
-    page(folder / "rate_laws.md", "Rate laws", "The first law of a reaction is the default.", *laws)
+    named = [[code(name), plain("; ".join(equations))] for name, equations in laws_by_name().items()]
+    page(
+        folder / "rate_laws.md",
+        "Rate laws",
+        "In a bubbling bed the first law of a reaction is the default; a reacting bed names its laws.",
+        *laws,
+        "## Of reacting beds",
+        table(["law", "reaction"], named),
+    )
     page(
         folder / "materials.md",
         "Materials",
@@ -320,11 +303,6 @@ def commands(folder: Path) -> None:
     page(folder / "commands.md", "Command line", codes[0].strip() if codes else "", *parts)
 
 
-def without_links(text: str) -> str:
-    """Return Markdown whose links to files of the project are their texts; those to the web stay."""
-    return re.sub(r"(?<!!)\[([^\]]+)\]\((?!https?:)[^)]+\)", r"\1", text)
-
-
 def gallery(folder: Path, figures: Path) -> None:
     cards = []
     names = []
@@ -363,17 +341,6 @@ def gallery(folder: Path, figures: Path) -> None:
         "```{raw} html\n" + html + "\n```",
         toctree(*(f"notebook_{name}" for name in shown_notebooks), *names, hidden=True),
     )
-
-
-def lower_headings(text: str) -> str:
-    """Return Markdown whose headings follow each other without a gap below that of the page."""
-    levels = [len(found) for found in re.findall(r"^(#+) ", text, re.MULTILINE)]
-    shift = 2 - min(levels) if levels else 0
-    return re.sub(r"^(#+) ", lambda match: "#" * max(2, len(match[1]) + shift) + " ", text, flags=re.MULTILINE)
-
-
-def escaped_dollars(text: str) -> str:
-    return re.sub(r"(?<!\\)\$", r"\\$", text)
 
 
 def glossary(folder: Path) -> None:

@@ -169,6 +169,7 @@ def test_version_and_help(capsys):
         ("duty_W", "named result, [W]: heat that the fluid takes up"),
         ("heat_left_W", "an entry heat_NAME_W, [W]"),
         ("reactions.CO_oxidation.law", "the first is the default\n    howard: CO + 0.5 O2 -> CO2"),
+        ("xu_froment_shift", "CO + H2O <-> CO2 + H2"),
         ("drag", "named by two_fluid.drag"),
         ("eps_mf", "voidage at minimum fluidization"),
         ("geldart", "spoutable"),
