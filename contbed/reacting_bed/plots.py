@@ -33,18 +33,21 @@ def plot(result: Result, folder: Path) -> None:
             panels.append((found, label))
     if not panels:
         return
-    with styled_figure(folder / "profiles.png", 1.0 + 2.2 * len(panels), result.plan.scene.title) as figure:
-        every = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-        for axes, (found, label) in zip(every, panels, strict=True):
+    rows = (len(panels) + 1) // 2
+    with styled_figure(folder / "profiles.png", 0.6 + 2.5 * rows, result.plan.scene.title) as figure:
+        every = figure.subplots(rows, min(len(panels), 2), squeeze=False).ravel()
+        for spare in every[len(panels) :]:
+            spare.remove()
+        for axes, (found, label) in zip(every[: len(panels)], panels, strict=True):
             for k, (name, values) in enumerate(found.items()):
                 style = "--" if name == "T_fluid" else "-"
                 axes.plot(x, values, style, color=COLOURS[k % len(COLOURS)], label=name.split("_", 1)[1])
             axes.set_ylabel(label)
             axes.margins(x=0)
             plain_ticks(axes)
+            axes.set_xlabel("$x$ [m]")
             if len(found) > 1:
                 axes.legend(fontsize=8, ncols=2)
-        every[-1].set_xlabel("$x$ [m]")
 
 
 def branch_plot(path: Path, columns: Mapping[str, Any], title: str) -> None:
