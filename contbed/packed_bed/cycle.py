@@ -69,8 +69,8 @@ def find_cycle(problems: Sequence[Any], state: Any, policy: Policy, tolerance: f
             return found
         found.state = accelerate(found.state, after)
     raise ConvergenceError(
-        f"cycle: after {MOST} periods the bed still changes by {best:.3g} K over one; loosen time.cycle.tolerance or "
-        "use a longer time.step"
+        f"cycle: after {MOST} periods the bed still changes by {best:.3g} K over one, allowed are "
+        f"{tolerance * (high - low):.3g} K; raise time.cycle.tolerance"
     )
 
 
