@@ -74,9 +74,10 @@ class RunFolder:
         self._say()
 
     def end(self, summary: Mapping[str, Any]) -> None:
-        """Write the summary of the results."""
+        """Write the summary of the results, with the machine and the time at which the run began."""
+        origin = {key: self._running[key] for key in ("host", "begun")} if self._running else {}
         self._running = None
-        write_json(self.path / SUMMARY, {**summary, "files": sorted({*self.files, SUMMARY})})
+        write_json(self.path / SUMMARY, {**summary, **origin, "files": sorted({*self.files, SUMMARY})})
 
     def give_back(self) -> None:
         """Leave the summary as it was: the run cannot go on from this folder and has changed nothing in it."""

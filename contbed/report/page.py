@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import hashlib
 import json
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
@@ -219,7 +220,10 @@ def provenance(run: Run) -> str:
         [escape(f"version of {name}"), escape(str(version))] for name, version in summary.get("versions", {}).items()
     ]
     rows += [[escape(f"unknowns of {name}"), number(count)] for name, count in (summary.get("dofs") or {}).items()]
-    rows += [[escape(name), number(value)] for name, value in summary.get("provenance", {}).items()]
+    names = {"host": "machine", "begun": "begun (UTC)"}
+    rows += [[name, escape(str(summary[key]))] for key, name in names.items() if key in summary]
+    values = json.dumps(summary.get("scene", {}), sort_keys=True)
+    rows += [["hash of the scene", hashlib.sha256(values.encode()).hexdigest()[:16]]]
     total = summary.get("timings", {}).get("total")
     rows += [["wall time [s]", number(total)]] if total is not None else []
     rows += [["folder", escape(str(run.folder))], ["files", number(summary.get("files", []))]]

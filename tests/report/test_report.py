@@ -66,6 +66,9 @@ def test_numbers_are_those_of_the_summary(plane):
         "left out",
         "Wakao, Kaguei, Funazkri 1979",
         "version of numpy",
+        "hash of the scene",
+        summary["host"],
+        summary["begun"],
     ):
         assert part in plain
     assert summary["scene"]["title"] in plain
