@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reacting_scenes import bilinear, danckwerts, isothermal, solids, species
+from reacting_bed_scenes import bilinear, danckwerts, isothermal, solids, species
 
 import contbed as cb
 from contbed.loading import from_dict

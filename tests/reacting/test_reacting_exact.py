@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from reacting_scenes import (
+from reacting_bed_scenes import (
     bilinear,
     danckwerts,
     equilibrium,

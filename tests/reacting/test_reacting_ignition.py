@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from reacting_scenes import ignition, table
+from reacting_bed_scenes import ignition, table
 
 import contbed
 from contbed.loading import from_dict

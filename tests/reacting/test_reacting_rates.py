@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reacting_scenes import danckwerts, isothermal, species
+from reacting_bed_scenes import danckwerts, isothermal, species
 
 import contbed
 from contbed.closures.formula import parse_formula

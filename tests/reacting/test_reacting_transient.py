@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reacting_scenes import fixed_bed, isothermal, species, table
+from reacting_bed_scenes import fixed_bed, isothermal, species, table
 from scipy.integrate import quad
 from scipy.special import ive
 

@@ -128,7 +128,8 @@ def test_newton_from_a_cold_start_with_computed_flow():
     """The one of the slow cases in which Newton with full steps leaves the positive temperatures."""
     result = cb.run(from_dict(hot(2000.0, 300.0, STEAM, -1, walls=True)))
     assert all(abs(balance["relative_residual"]) <= 1e-10 for balance in result.balances.values())
-    assert len(result.history) <= 12
+    starts = [k for k, norm in enumerate(result.history) if norm == 1.0]  # of flow and temperatures in turn
+    assert max(np.diff([*starts, len(result.history)])) <= 12
 
 
 def test_continuation_takes_over_where_newton_gives_up():
