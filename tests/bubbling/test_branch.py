@@ -46,6 +46,7 @@ def test_back_from_the_ignited_side():
     assert [result.qoi["fold_1"], result.qoi["fold_2"]] == pytest.approx([661.4, 708.4], abs=1)
 
 
+@pytest.mark.slow
 def test_a_bed_with_radiation_ignites_at_a_fold():
     """Cold and hot guesses lead to two states; between them the branch over the heat of the gas finds a third."""
     release = {**values()["species"]["char"]["release"], "activation": 8000.0}

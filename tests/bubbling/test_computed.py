@@ -33,6 +33,7 @@ def test_jacobian_is_the_derivative():
         assert np.abs(exact - estimate).max() < 1e-8 * np.abs(estimate).max(), name
 
 
+@pytest.mark.slow
 def test_six_guesses_lead_to_one_state():
     found = [solved(hot(solver={"guess": guess})) for guess in (400.0, 700.0, 1000.0, 1150.0, 1500.0, 2000.0)]
     assert max(len(result.history) for result in found) <= 12

@@ -97,6 +97,7 @@ def test_tiny_and_absent_parts():
         assert found.qoi[key] == pytest.approx(none.qoi[key], rel=2e-5)
 
 
+@pytest.mark.slow
 def test_ten_species():
     ten = {
         f"s{k}": {

@@ -152,7 +152,7 @@ def test_uniform_suspension_hangs_in_the_gas(shape):
     np.testing.assert_allclose(b.state.p, (0.2 - z) * weight, rtol=1e-9)
 
 
-@pytest.mark.parametrize("dt", [1e-2, 1.0, 100.0])
+@pytest.mark.parametrize("dt", [1e-2, 1.0, pytest.param(100.0, marks=pytest.mark.slow)])
 def test_terminal_slip_for_any_step(dt):
     """Steady slip of a dilute suspension between gas walls does not depend on the step."""
     s, rho, mu, d_p = 1e-3, 1.2, 1.8e-5, 150e-6
@@ -231,6 +231,7 @@ def test_fronts_stay_level():
     assert np.abs(b.state.u_solid[:, 0]).max() < 1e-3
 
 
+@pytest.mark.slow
 def test_fronts_stay_level_at_half_a_cell_a_step():
     """Steps of about 1/N: what grows sideways from rounding in 8 s stays below what settling moves upwards, 7e-3 m/s.
 

@@ -389,7 +389,8 @@ def test_wall_fluxes_of_a_thick_bed(motion, albedo):
     np.testing.assert_allclose(radiative_heat(values), radiative_heat(fine), rtol=1e-5)
 
 
-@pytest.mark.parametrize("motion", ["at rest", pytest.param("gas", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("motion", ["at rest", "gas"])
 def test_wall_fluxes_of_a_thick_bed_in_the_plane(motion):
     """Given cells, graded, and a third wall: corners between walls of unlike temperature take more cells than a line.
     60 x 42 quadratic cells reach 1e-5 of the largest flux.
@@ -441,6 +442,7 @@ def test_steps_are_of_second_order():
     assert observed_order(differences, [1.0, 0.5])[0] == pytest.approx(2.0, abs=0.1)
 
 
+@pytest.mark.slow
 def test_the_error_of_a_step_is_controlled():
     """The tolerance bounds the error of one step; over the run it adds up to less than ten times as much."""
     reference = last(heating(tolerance=1e-7))
