@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Iterable, Iterator, Mapping
-from functools import wraps
-from typing import Any
 
 from contbed.closures.binding import is_phase, named
 from contbed.errors import SceneError
@@ -13,7 +10,14 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.closures import bound, places
 from contbed.packed_bed.corners import prescribed_temperatures_agree_in_corners
 from contbed.packed_bed.inlets import enters, role, velocity_vector
-from contbed.packed_bed.schedule import Schedule, series_of
+from contbed.packed_bed.schedule import series_of
+from contbed.packed_bed.schedule_checks import (
+    PHASES,
+    Boundaries,
+    at_each_time,
+    initial_profiles_fit_the_bed,
+    series_are_usable,
+)
 from contbed.radiation.checks import (
     particles_have_a_size_and_fit_together,
     radiation_is_complete,
@@ -34,102 +38,7 @@ from contbed.scene.series import ProfileFile
 from contbed.scene.tables import Closure, Fluid, FluidCantera, FluidConstant, FluidCoolProp, Solid, Solver
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
-Boundaries = dict[str, s.Boundary]
 LOOSE_BALANCE = 1e-3  # tolerance of a balance above which a warning is given: the accuracy that engineers ask for
-PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
-MOST_CUTS = 100_000  # jumps and kinks of one series in a run; each takes some milliseconds
-LENGTH_SLACK = 1e-6  # share of the length by which positions in a file may lie outside of the bed, for their rounding
-
-
-def series_are_usable(
-    flow: s.Flow | None, boundary: Boundaries, time: s.Time | None, see: See, origin: Origin
-) -> Mistakes:
-    """Check that series can be read, begin at 0 and last as long as the run."""
-    for path, series in series_of(flow, boundary):
-        if time is None:
-            yield path, "changes with time, and the scene is steady; add a [time] table, or give one number"
-            continue
-        try:
-            samples = series.samples(origin.base)
-        except SceneError as error:
-            yield path, str(error)
-            continue
-        if not samples.reaches(time.end):
-            last = f"ends at {samples.times[-1]:g} s, before the run; give a later value, or a period"
-            yield path, f"{last}; see {see('time.end')}"
-        if samples.period is not None and time.end / samples.period * len(samples.times) > MOST_CUTS:
-            yield path, f"repeats more than {MOST_CUTS / len(samples.times):.0f} times until {see('time.end')}"
-
-
-def initial_profiles_fit_the_bed(time: s.Time | None, mesh: Mesh, see: See, origin: Origin) -> Mistakes:
-    """Check that the files of initial temperatures can be read and lie within the bed."""
-    for phase in PHASES:
-        given = None if time is None else getattr(time, f"initial_{phase}")
-        if not isinstance(given, ProfileFile):
-            continue
-        try:
-            positions, _ = given.samples(origin.base, f"T_{phase}")
-        except SceneError as error:
-            yield ("time", f"initial_{phase}"), str(error)
-            continue
-        if isinstance(mesh, MeshFile):
-            continue
-        if positions[0] < -LENGTH_SLACK * mesh.length or positions[-1] > (1.0 + LENGTH_SLACK) * mesh.length:
-            text = f"positions from {positions[0]:g} to {positions[-1]:g} m, the bed is {mesh.length:g} m long"
-            yield ("time", f"initial_{phase}"), f"{text}; see {see('mesh.length')}"
-
-
-def at_each_time(check: Check) -> Check:
-    """Return a check of a scene whose series are replaced by the values of each of their times, one after another."""
-    signature = inspect.signature(check)
-    takes_origin = "origin" in signature.parameters
-
-    @wraps(check)
-    def each(**given: Any) -> Mistakes:
-        origin = given["origin"]
-        flow, boundary = given.get("flow"), given.get("boundary", {})
-        if not takes_origin:
-            del given["origin"]
-        try:
-            schedule = Schedule.of(flow, boundary, origin.base)
-        except SceneError:
-            return  # `series_are_usable` says so
-        if not schedule:
-            yield from check(**given)
-            return
-        said = set()
-        for moment in sorted({float(t) for samples in schedule.samples.values() for t in samples.times}):
-            if flow is not None:
-                given["flow"] = schedule.frozen_flow(flow, moment)
-            if "boundary" in given:
-                frozen = schedule.frozen_boundary(boundary, moment)
-                given["boundary"] = _without_idle_inflow(frozen, given.get("mesh"), given.get("flow"))
-            for mistake in check(**given):
-                if mistake not in said:
-                    said.add(mistake)
-                    yield mistake
-
-    if not takes_origin:
-        extra = inspect.Parameter("origin", inspect.Parameter.KEYWORD_ONLY, annotation=Origin)
-        signature = signature.replace(parameters=[*signature.parameters.values(), extra])
-    each.__signature__ = signature  # type: ignore[attr-defined]
-    return each
-
-
-def _without_idle_inflow(boundary: Boundaries, mesh: Mesh | None, flow: s.Flow | None) -> Boundaries:
-    """Return the conditions without those of streams that do not enter at the moment."""
-    if mesh is None or flow is None or isinstance(mesh, MeshFile):
-        return boundary
-    found = dict(boundary)
-    for name, table in boundary.items():
-        for phase, key in PHASES.items():
-            condition = getattr(table, phase)
-            velocity = velocity_vector(mesh, getattr(flow, key))
-            if condition is None or condition.inflow is None or len(velocity) != mesh.dimension:
-                continue
-            if enters(mesh, velocity, name) != 1:
-                found[name] = found[name].model_copy(update={phase: None})
-    return found
 
 
 def tables_are_complete(

@@ -13,8 +13,6 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
-
 from contbed.errors import SceneError
 from contbed.mesh.build import build, require_names
 from contbed.mesh.grading import finest
@@ -23,13 +21,18 @@ from contbed.models import described
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
-from contbed.packed_bed.inlets import role, velocity_vector
 from contbed.packed_bed.inside import Inside, inside_of, modes
 from contbed.packed_bed.medium import Medium
-from contbed.packed_bed.schedule import Piece, Schedule, initial_range
-from contbed.scene.mesh import Mesh as MeshSettings
-from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshFile, MeshLine, MeshRectangle
-from contbed.scene.series import ProfileFile
+from contbed.packed_bed.recognition import (
+    bed_diameter,
+    inlet_temperature,
+    reduced,
+    role_in_flow,
+    tracks_fronts,
+    velocities,
+)
+from contbed.packed_bed.schedule import Piece, Schedule
+from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
@@ -142,10 +145,10 @@ class Plan:
         The mass flux is that of the inlet temperature when the velocity took its value.
         """
         target = piece.first
-        velocity, solid = _velocities(target)
+        velocity, solid = velocities(target)
         since = self.schedule.frozen(self.scene, piece.flow_since)
-        medium = Medium.of(target, _inlet_temperature(since), _bed_diameter(self.scene.mesh))
-        conditions = {name: _role(target, self.mesh, name, velocity) for name in self.mesh.boundaries}
+        medium = Medium.of(target, inlet_temperature(since), bed_diameter(self.scene.mesh))
+        conditions = {name: role_in_flow(target, self.mesh, name, velocity) for name in self.mesh.boundaries}
         return replace(
             self, solved=target, medium=medium, velocity=velocity, velocity_solid=solid, conditions=conditions
         )
@@ -154,7 +157,7 @@ class Plan:
         """Return the scene that is solved with the values at a time, just after or `before` a jump."""
         frozen = self.schedule.frozen(self.scene, time, before)
         frozen = frozen.model_copy(update={"radiation": self.solved.radiation, "particle": self.solved.particle})
-        line = None if self.solved.mesh is self.scene.mesh else _reduced(frozen)
+        line = None if self.solved.mesh is self.scene.mesh else reduced(frozen)
         return frozen if line is None else line[0]
 
     @property
@@ -221,18 +224,18 @@ def plan(scene: s.Scene) -> Plan:
     inside = _inside(schedule, scene)
     if inside is not None and scene.particle is not None:
         scene = scene.model_copy(update={"particle": scene.particle.model_copy(update={"heat": inside.level})})
-    medium = Medium.of(scene, _inlet_temperature(scene), _bed_diameter(scene.mesh))
+    medium = Medium.of(scene, inlet_temperature(scene), bed_diameter(scene.mesh))
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
-    lines = [_reduced(each) if scene.solver.reduce else None for each in flows]
+    lines = [reduced(each) if scene.solver.reduce else None for each in flows]
     line = lines[0] if all(lines) else None
     if line is not None:
         skipped.append(("2-D and 3-D mesh", "plug flow between adiabatic walls varies along the bed only"))
     target, section = line or (scene, 1.0)
     grid = target.mesh
-    velocity, solid = _velocities(target)
-    fronts = not schedule and _tracks_fronts(target, medium)
+    velocity, solid = velocities(target)
+    fronts = not schedule and tracks_fronts(target, medium)
     targets = [each[0] if line and each else frozen for each, frozen in zip(lines, flows, strict=True)]
-    grids = [nodes(each, medium, *_velocities(each), fronts) for each in targets]
+    grids = [nodes(each, medium, *velocities(each), fronts) for each in targets]
     mesh = build(grid, grids[0] if len(grids) == 1 else _finest_each(grids), str(scene.origin.base))
     require_names(target.origin, mesh, {"boundary": target.boundary, "region": target.region})
     automatic = not isinstance(grid, MeshFile) and grid.cells is None and not grid.refine
@@ -241,7 +244,7 @@ def plan(scene: s.Scene) -> Plan:
             scene.origin.at(("solver", "adapt")) + ": solver.adapt: only lines, triangles and meshes without given "
             "cells are refined by errors; use triangles, leave out mesh.cells, or use mesh.refine for all cells"
         )
-    conditions = {name: _role(target, mesh, name, velocity) for name in mesh.boundaries}
+    conditions = {name: role_in_flow(target, mesh, name, velocity) for name in mesh.boundaries}
     plug = "no_slip" not in conditions.values()
     if schedule.flows and not plug:
         raise SceneError(
@@ -301,12 +304,6 @@ def plan(scene: s.Scene) -> Plan:
     )
 
 
-def _velocities(scene: s.Scene) -> tuple[Any, Any]:
-    """Return the superficial velocities of both phases as vectors on the mesh of the scene [m/s]."""
-    fluid, solid = (velocity_vector(scene.mesh, v) for v in (scene.flow.velocity, scene.flow.velocity_solid))
-    return np.array(fluid, dtype=float), np.array(solid, dtype=float)
-
-
 def _changes_of_flow(schedule: Schedule, scene: s.Scene) -> list[float]:
     """Return the times at which a velocity takes values that it has not had before, the first 0 [s]."""
     if not schedule.flows or scene.time is None:
@@ -323,9 +320,9 @@ def _inside(schedule: Schedule, scene: s.Scene) -> Inside | None:
     if scene.heat is None:
         return None
     bare = scene.model_copy(update={"particle": None})
-    medium = Medium.of(bare, _inlet_temperature(scene), _bed_diameter(scene.mesh))
+    medium = Medium.of(bare, inlet_temperature(scene), bed_diameter(scene.mesh))
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
-    found = [inside for each in flows if (inside := inside_of(each, medium, *_velocities(each))) is not None]
+    found = [inside for each in flows if (inside := inside_of(each, medium, *velocities(each))) is not None]
     return max(found, key=lambda inside: inside.biot, default=None)
 
 
@@ -368,102 +365,3 @@ def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
     time = "steady" if scene.time is None else "transient, TR-BDF2"
     form = "linear" if medium.constant else "temperature-dependent"
     return f"{time}, {form}, degree {scene.solver.degree}{', SUPG' if scene.solver.stabilisation else ''}"
-
-
-def _inlet_temperature(scene: s.Scene) -> float:
-    """Return the temperature of the entering fluid: a prescribed one, on the inlet if that is known."""
-    found = [(name, table.fluid) for name, table in scene.boundary.items() if table.fluid is not None]
-    velocity = velocity_vector(scene.mesh, scene.flow.velocity)
-    ranked = sorted(found, key=lambda item: role(scene.mesh, velocity, item[0], scene.boundary) != "inlet")
-    for _, condition in ranked:
-        for value in (condition.inflow, condition.fixed, condition.ambient):
-            if value is not None:
-                return float(value)  # type: ignore[arg-type]  # frozen: numbers stand in place of series
-    if scene.time is None:
-        return 300.0
-    return 0.5 * sum(initial_range(scene.time.initial_fluid, "fluid", scene.origin.base))
-
-
-def _bed_diameter(mesh: MeshSettings) -> float:
-    """Return the hydraulic diameter of a built-in bed [m]; a line has no walls."""
-    if isinstance(mesh, MeshRectangle):
-        return 2.0 * mesh.height
-    if isinstance(mesh, MeshAxisymmetric):
-        return 2.0 * mesh.radius
-    if isinstance(mesh, MeshBox):
-        return 2.0 * mesh.width * mesh.height / (mesh.width + mesh.height)
-    return float("inf")
-
-
-def _reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
-    """Return the same scene on a line and its cross-section [m2], where nothing varies across the bed."""
-    mesh = scene.mesh
-    if isinstance(mesh, MeshFile | MeshLine) or scene.heat is None or (mesh.cells is not None and mesh.refine):
-        return None
-    axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
-    vectors = [velocity_vector(mesh, v) for v in (scene.flow.velocity, scene.flow.velocity_solid)]
-    if any(component for vector in vectors for k, component in enumerate(vector) if k != axis):
-        return None
-    low, high = mesh.sides[axis]
-    for name, table in scene.boundary.items():
-        given = table.fluid or table.solid or table.radiation or table.type not in (None, "slip")
-        if name not in (low, high) and given:
-            return None
-    if isinstance(mesh, MeshRectangle):
-        section, cells = mesh.height, mesh.cells and mesh.cells[0]
-    elif isinstance(mesh, MeshAxisymmetric):
-        section, cells = np.pi * mesh.radius**2, mesh.cells and mesh.cells[1]
-    else:
-        section, cells = mesh.width * mesh.height, mesh.cells and mesh.cells[0]
-    ends = {low: "left", high: "right"}
-    line = scene.model_copy(
-        update={
-            "mesh": MeshLine(type="line", length=mesh.length, cells=cells, graded=mesh.graded, refine=mesh.refine),
-            "flow": s.Flow(velocity=vectors[0][axis], velocity_solid=vectors[1][axis]),
-            "boundary": {ends[name]: table for name, table in scene.boundary.items() if name in ends},
-        }
-    )
-    return line, float(section)
-
-
-def _tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
-    """Return whether fronts stay sharp.
-
-    They do where nothing conducts in a one-dimensional bed at rest that a stream enters.
-    """
-    if scene.time is None or scene.heat is None or not isinstance(scene.mesh, MeshLine) or not medium.constant:
-        return False
-    if (
-        modes(scene)
-        or scene.flow.velocity_solid
-        or scene.heat.dispersion is not None
-        or scene.heat.tortuosity is not None
-    ):
-        return False
-    ends = [table.fluid for table in scene.boundary.values() if table.fluid is not None]
-    if isinstance(scene.time.initial_fluid, ProfileFile) or isinstance(scene.time.initial_solid, ProfileFile):
-        return False
-    only_inlet = all(condition.fixed is not None or condition.inflow is not None for condition in ends)
-    solid_free = all(table.solid is None for table in scene.boundary.values())
-    T = medium.T_fluid_in
-    still = not medium.conductivity_fluid(T) and not medium.conductivity_solid(T) and not scene.region
-    return bool(still and only_inlet and solid_free and scene.flow.velocity)
-
-
-def _role(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
-    """Return "inlet", "outlet", "slip" or "no_slip" of one boundary."""
-    given = role(scene.mesh, tuple(velocity.tolist()), name, scene.boundary)
-    if given is not None:
-        return given
-    if mesh.axisymmetric and np.abs(mesh.skfem.p[0, mesh.skfem.facets[:, mesh.skfem.boundaries[name]]]).max() < 1e-12:
-        return "slip"
-    from contbed.packed_bed.flow import constant_normal
-
-    normal = constant_normal(mesh, name)
-    across = None if normal is None else float(normal @ velocity) / max(float(np.linalg.norm(velocity)), 1e-300)
-    if across is None or 1e-9 < abs(across) < 0.5:
-        raise SceneError(
-            f"{scene.origin.name}: boundary.{name} is neither along nor across the flow; "
-            f'say [boundary.{name}] type = "inlet", "outlet", "no_slip" or "slip"'
-        )
-    return "slip" if abs(across) <= 1e-9 else "inlet" if across < 0 else "outlet"

@@ -1,0 +1,123 @@
+"""What makes a packed bed cheap: plug flow on a line, fronts that stay sharp; and the roles of its boundaries."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import SceneError
+from contbed.mesh.mesh import Mesh
+from contbed.packed_bed import scene as s
+from contbed.packed_bed.inlets import role, velocity_vector
+from contbed.packed_bed.inside import modes
+from contbed.packed_bed.medium import Medium
+from contbed.packed_bed.schedule import initial_range
+from contbed.scene.mesh import Mesh as MeshSettings
+from contbed.scene.mesh import MeshAxisymmetric, MeshBox, MeshFile, MeshLine, MeshRectangle
+from contbed.scene.series import ProfileFile
+
+
+def velocities(scene: s.Scene) -> tuple[Any, Any]:
+    """Return the superficial velocities of both phases as vectors on the mesh of the scene [m/s]."""
+    fluid, solid = (velocity_vector(scene.mesh, v) for v in (scene.flow.velocity, scene.flow.velocity_solid))
+    return np.array(fluid, dtype=float), np.array(solid, dtype=float)
+
+
+def inlet_temperature(scene: s.Scene) -> float:
+    """Return the temperature of the entering fluid: a prescribed one, on the inlet if that is known."""
+    found = [(name, table.fluid) for name, table in scene.boundary.items() if table.fluid is not None]
+    velocity = velocity_vector(scene.mesh, scene.flow.velocity)
+    ranked = sorted(found, key=lambda item: role(scene.mesh, velocity, item[0], scene.boundary) != "inlet")
+    for _, condition in ranked:
+        for value in (condition.inflow, condition.fixed, condition.ambient):
+            if value is not None:
+                return float(value)  # type: ignore[arg-type]  # frozen: numbers stand in place of series
+    if scene.time is None:
+        return 300.0
+    return 0.5 * sum(initial_range(scene.time.initial_fluid, "fluid", scene.origin.base))
+
+
+def bed_diameter(mesh: MeshSettings) -> float:
+    """Return the hydraulic diameter of a built-in bed [m]; a line has no walls."""
+    if isinstance(mesh, MeshRectangle):
+        return 2.0 * mesh.height
+    if isinstance(mesh, MeshAxisymmetric):
+        return 2.0 * mesh.radius
+    if isinstance(mesh, MeshBox):
+        return 2.0 * mesh.width * mesh.height / (mesh.width + mesh.height)
+    return float("inf")
+
+
+def reduced(scene: s.Scene) -> tuple[s.Scene, float] | None:
+    """Return the same scene on a line and its cross-section [m2], where nothing varies across the bed."""
+    mesh = scene.mesh
+    if isinstance(mesh, MeshFile | MeshLine) or scene.heat is None or (mesh.cells is not None and mesh.refine):
+        return None
+    axis = 1 if isinstance(mesh, MeshAxisymmetric) else 0
+    vectors = [velocity_vector(mesh, v) for v in (scene.flow.velocity, scene.flow.velocity_solid)]
+    if any(component for vector in vectors for k, component in enumerate(vector) if k != axis):
+        return None
+    low, high = mesh.sides[axis]
+    for name, table in scene.boundary.items():
+        given = table.fluid or table.solid or table.radiation or table.type not in (None, "slip")
+        if name not in (low, high) and given:
+            return None
+    if isinstance(mesh, MeshRectangle):
+        section, cells = mesh.height, mesh.cells and mesh.cells[0]
+    elif isinstance(mesh, MeshAxisymmetric):
+        section, cells = np.pi * mesh.radius**2, mesh.cells and mesh.cells[1]
+    else:
+        section, cells = mesh.width * mesh.height, mesh.cells and mesh.cells[0]
+    ends = {low: "left", high: "right"}
+    line = scene.model_copy(
+        update={
+            "mesh": MeshLine(type="line", length=mesh.length, cells=cells, graded=mesh.graded, refine=mesh.refine),
+            "flow": s.Flow(velocity=vectors[0][axis], velocity_solid=vectors[1][axis]),
+            "boundary": {ends[name]: table for name, table in scene.boundary.items() if name in ends},
+        }
+    )
+    return line, float(section)
+
+
+def tracks_fronts(scene: s.Scene, medium: Medium) -> bool:
+    """Return whether fronts stay sharp.
+
+    They do where nothing conducts in a one-dimensional bed at rest that a stream enters.
+    """
+    if scene.time is None or scene.heat is None or not isinstance(scene.mesh, MeshLine) or not medium.constant:
+        return False
+    if (
+        modes(scene)
+        or scene.flow.velocity_solid
+        or scene.heat.dispersion is not None
+        or scene.heat.tortuosity is not None
+    ):
+        return False
+    ends = [table.fluid for table in scene.boundary.values() if table.fluid is not None]
+    if isinstance(scene.time.initial_fluid, ProfileFile) or isinstance(scene.time.initial_solid, ProfileFile):
+        return False
+    only_inlet = all(condition.fixed is not None or condition.inflow is not None for condition in ends)
+    solid_free = all(table.solid is None for table in scene.boundary.values())
+    T = medium.T_fluid_in
+    still = not medium.conductivity_fluid(T) and not medium.conductivity_solid(T) and not scene.region
+    return bool(still and only_inlet and solid_free and scene.flow.velocity)
+
+
+def role_in_flow(scene: s.Scene, mesh: Mesh, name: str, velocity: Any) -> str:
+    """Return "inlet", "outlet", "slip" or "no_slip" of one boundary."""
+    given = role(scene.mesh, tuple(velocity.tolist()), name, scene.boundary)
+    if given is not None:
+        return given
+    if mesh.axisymmetric and np.abs(mesh.skfem.p[0, mesh.skfem.facets[:, mesh.skfem.boundaries[name]]]).max() < 1e-12:
+        return "slip"
+    from contbed.packed_bed.flow import constant_normal
+
+    normal = constant_normal(mesh, name)
+    across = None if normal is None else float(normal @ velocity) / max(float(np.linalg.norm(velocity)), 1e-300)
+    if across is None or 1e-9 < abs(across) < 0.5:
+        raise SceneError(
+            f"{scene.origin.name}: boundary.{name} is neither along nor across the flow; "
+            f'say [boundary.{name}] type = "inlet", "outlet", "no_slip" or "slip"'
+        )
+    return "slip" if abs(across) <= 1e-9 else "inlet" if across < 0 else "outlet"
