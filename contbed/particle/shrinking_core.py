@@ -22,6 +22,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 SMALL = 1e-6  # of the reacting solid that is left, below which fractional powers are straight lines
 
 
@@ -65,8 +67,9 @@ def time(X: Any, tau: Times) -> Any:
 
 
 def rate(q: Any, tau: Times) -> Any:
-    """Rate of conversion dX/dt [1/s] with the interface at q of the radius."""
-    return 3.0 * q * q * per_area(q, tau)
+    """Rate of conversion dX/dt [1/s] with the interface at q of the radius; odd, so that a negative rest recovers."""
+    size = np.abs(q)
+    return 3.0 * q * size * per_area(size, tau)
 
 
 def interface_speed(q: Any, tau: Times) -> Any:

@@ -54,10 +54,20 @@ def test_fractional_powers_are_odd_straight_lines_at_the_end():
 
 def test_derivatives_by_dual_numbers():
     tau = core.Times(0.2, 0.5, 0.3)
-    for left in (0.0, 1e-7, 0.4, 1.0):
-        number = Dual(np.array([left]), {"n": np.ones(1)})
-        found = core.rate(core.remaining_radius(number), tau)
+
+    def slope(left):
+        return core.rate(core.remaining_radius(Dual(np.array([left]), {"n": np.ones(1)})), tau).tangents["n"][0]
+
+    for left in (1e-7, 0.4, 1.0):
         step = 1e-4 * max(left, core.SMALL)
         up, down = (float(core.rate(core.remaining_radius(left + s), tau)) for s in (step, -step))
         # differences of order step^2
-        assert found.tangents["n"][0] == pytest.approx((up - down) / (2 * step), rel=1e-6, abs=1e-6)
+        assert slope(left) == pytest.approx((up - down) / (2 * step), rel=1e-6, abs=1e-6)
+    assert slope(0.0) == 0.0  # as of q |q|
+
+
+def test_a_negative_rest_recovers():
+    """The rate is odd in the radius of the interface: cells of a bed that overshoot the end come back to it."""
+    q, tau = np.array([1e-3, 0.1, 0.4]), core.Times(0.2, 0.5, 0.3)
+    np.testing.assert_allclose(core.rate(-q, tau), -core.rate(q, tau), rtol=1e-14)
+    assert np.all(core.rate(-q, tau) < 0.0)
