@@ -65,16 +65,7 @@ class GasTransport:
             root = [math.sqrt(m) for m in M]
             below = sum(x_j * r for x_j, r in zip(x, root, strict=True))
             return sum(x_k * (mu_k * r) for x_k, mu_k, r in zip(x, mu, root, strict=True)) / below
-        v = [np.sqrt(mu_k) for mu_k in mu]
-        total: Any = 0.0
-        for k, x_k in enumerate(x):
-            below = x_k + TRACE
-            for j, x_j in enumerate(x):
-                if j != k:
-                    both = 1.0 + v[k] / v[j] * (M[j] / M[k]) ** 0.25
-                    below = below + x_j * (both * both) * (1.0 / math.sqrt(8.0 * (1.0 + M[k] / M[j])))
-            total = total + x_k * mu[k] / below
-        return total
+        return _weighted(x, mu, mu, M)
 
     def conductivity(self, T: Any, x: Sequence[Any]) -> Any:
         """Return the conductivity [W/m/K] by the rule of Wassiljewa, or of Mathur, Tondon and Saxena.
@@ -92,16 +83,8 @@ class GasTransport:
             above = sum(x_i * k_i for x_i, k_i in zip(x, k, strict=True))
             return 0.5 * (above + 1.0 / sum(x_i / k_i for x_i, k_i in zip(x, k, strict=True)))
         M = self.molar_masses
-        v = [np.sqrt(k_i) for k_i in k]
-        total: Any = 0.0
-        for i, x_i in enumerate(x):
-            below = x_i + TRACE
-            for j, x_j in enumerate(x):
-                if j != i:
-                    both = 1.0 + v[i] / v[j] * (M[i] / M[j]) ** 0.25
-                    below = below + x_j * (both * both) * (1.0 / math.sqrt(8.0 * (1.0 + M[i] / M[j])))
-            total = total + x_i * k[i] / below
-        return total
+        # of monatomic gases k M is in proportion to the viscosity
+        return _weighted(x, k, [k_i * m for k_i, m in zip(k, M, strict=True)], M)
 
     def diffusivity(self, T: Any, p: Any, x: Sequence[Any]) -> list[Any]:
         """Return the diffusion coefficient of each species in the mixture of the others [m2/s].
@@ -202,3 +185,17 @@ class Mechanism:
 def density(p: Any, molar_mass: Any, T: Any) -> Any:
     """Return the density of an ideal gas [kg/m3]."""
     return p * molar_mass / (R_GAS * T)
+
+
+def _weighted(x: Sequence[Any], values: Sequence[Any], mu: Sequence[Any], M: Sequence[float]) -> Any:
+    """Return sum_k x_k v_k/sum_j x_j phi_kj with the factors phi_kj of Wilke for `mu`, in proportion to viscosities."""
+    root = [np.sqrt(mu_k) for mu_k in mu]
+    total: Any = 0.0
+    for k, x_k in enumerate(x):
+        below = x_k + TRACE
+        for j, x_j in enumerate(x):
+            if j != k:
+                both = 1.0 + root[k] / root[j] * (M[j] / M[k]) ** 0.25
+                below = below + x_j * (both * both) * (1.0 / math.sqrt(8.0 * (1.0 + M[k] / M[j])))
+        total = total + x_k * values[k] / below
+    return total

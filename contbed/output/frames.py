@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from html import escape
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +24,14 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 MAX_TIMES = 6  # profiles of a transient in one figure
 
 
+def _library(name: str) -> Any:
+    """Import a library of the extra `notebook`."""
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise ContbedError(f"{name} is not installed: pip install 'contbed[notebook]'") from error
+
+
 def dataset(result: Result, table: str = "profiles") -> xarray.Dataset:
     """Return a table of a result as an xarray Dataset with units and meanings in `attrs`.
 
@@ -39,12 +48,9 @@ def dataset(result: Result, table: str = "profiles") -> xarray.Dataset:
     ------
     ContbedError : xarray is not installed, or the result has no such table
     """
-    try:
-        import xarray
-    except ImportError as error:
-        raise ContbedError("xarray is not installed: pip install 'contbed[notebook]'") from error
+    xr = _library("xarray")
     if table == "fields":
-        fields_found: xarray.Dataset = _fields(result, xarray)
+        fields_found: xarray.Dataset = _fields(result, xr)
         return fields_found
     columns = {fields.name_of(header): np.asarray(column) for header, column in columns_of(result, table).items()}
     units = {fields.name_of(header): header.partition(" [")[2].rstrip("]") for header in columns_of(result, table)}
@@ -62,7 +68,7 @@ def dataset(result: Result, table: str = "profiles") -> xarray.Dataset:
             coords = {"t": counts[0], axis: coords[axis][times == counts[0][0]]}
             dims, shape = ("t", axis), (len(counts[0]), -1)
     data = {name: (dims, column.reshape(shape) if len(dims) > 1 else column) for name, column in columns.items()}
-    made = xarray.Dataset(data, coords, {"title": result.plan.scene.title, "status": result.status})
+    made: xarray.Dataset = xr.Dataset(data, coords, {"title": result.plan.scene.title, "status": result.status})
     for name, variable in made.variables.items():
         variable.attrs |= _attributes(str(name), units.get(str(name), ""))
     return made
@@ -75,17 +81,16 @@ def frame(result: Result, table: str = "profiles") -> pandas.DataFrame:
     ------
     ContbedError : pandas is not installed, or the result has no such table
     """
-    try:
-        import pandas
-    except ImportError as error:
-        raise ContbedError("pandas is not installed: pip install 'contbed[notebook]'") from error
+    pd = _library("pandas")
     if table == "results":
         rows = [
             {"result": name, "value": value, "unit": unit, "meaning": meaning}
             for name, value, unit, meaning in named(result)
         ]
-        return pandas.DataFrame(rows, columns=["result", "value", "unit", "meaning"]).set_index("result")
-    return pandas.DataFrame({header: np.asarray(column) for header, column in columns_of(result, table).items()})
+        results: pandas.DataFrame = pd.DataFrame(rows, columns=["result", "value", "unit", "meaning"])
+        return results.set_index("result")
+    found: pandas.DataFrame = pd.DataFrame({h: np.asarray(column) for h, column in columns_of(result, table).items()})
+    return found
 
 
 def named(result: Result) -> list[tuple[str, Any, str, str]]:

@@ -25,6 +25,7 @@ from contbed.scene.quantities import (
     Table,
     Whole,
     form,
+    given_one,
 )
 from contbed.scene.series import (
     HeatFluxOrSeries,
@@ -122,12 +123,9 @@ class PhaseCondition(Table):
 
     @model_validator(mode="after")
     def _exactly_one(self) -> PhaseCondition:
-        names = ("fixed", "inflow", "flux", "coefficient", "emissivity")
-        given = [name for name in names if getattr(self, name) is not None]
-        if len(given) != 1:
-            raise ValueError(f"give one of {', '.join(names)}; found {', '.join(given) or 'none'}")
-        if (given[0] in ("coefficient", "emissivity")) != (self.ambient is not None):
-            name = given[0] if self.ambient is None else "coefficient or emissivity"
+        given = given_one(self, "fixed", "inflow", "flux", "coefficient", "emissivity")
+        if (given in ("coefficient", "emissivity")) != (self.ambient is not None):
+            name = given if self.ambient is None else "coefficient or emissivity"
             raise ValueError(f"{name} and ambient belong together")
         return self
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from contbed.closures import optics as closures
 from contbed.mesh.grading import Layers, equidistributed, graded, scale_for, widened
 from contbed.radiation.optics import optics
-from contbed.radiation.scene import FEWEST, Radiating, RadiationScene
+from contbed.radiation.scene import Radiating, RadiationScene
 from contbed.scene.mesh import MeshFile, MeshLine
 
 OBLIQUE = 0.4  # share of the rate of the most oblique ordinate, 1/mu = (n + 1/2)^2/1.446, that a mesh resolves
@@ -57,7 +57,7 @@ def radiation_layers(scene: Radiating, conductivity: float, direction: int, exte
     radiative = closures.conductivity(max(hot, default=0.0), c.diffusion)
     rate = (c.absorption / c.diffusion * (1.0 + radiative / conductivity if conductivity else 1.0)) ** 0.5
     if scene.radiation.level == "ordinates":
-        rate = max(rate, OBLIQUE * ((scene.radiation.ordinates or FEWEST) + 0.5) ** 2 / 1.446 * c.extinction)
+        rate = max(rate, OBLIQUE * (scene.radiation.directions + 0.5) ** 2 / 1.446 * c.extinction)
     if rate == 0.0:
         return []
     layers = []

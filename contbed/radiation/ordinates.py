@@ -24,7 +24,7 @@ from contbed.radiation.equations import p1 as radiation
 from contbed.radiation.equations.ordinates import Ordinates, OrdinatesSolution, Wall
 from contbed.radiation.optics import optics
 from contbed.radiation.problem import power_temperature, span, surface_of
-from contbed.radiation.scene import FEWEST, Radiating
+from contbed.radiation.scene import Radiating
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
 
@@ -56,7 +56,7 @@ class OrdinatesProblem:
             scattering,
             walls.get(0),
             walls.get(-1),
-            table.ordinates or FEWEST,
+            table.directions,
             degree,
             inverse=self._inverse if mesh.engine == "dolfinx" else None,
         )

@@ -46,14 +46,14 @@ class Plan:
         from contbed.fem.elements import Space
 
         table = self.solved.radiation
-        directions = (table.ordinates or FEWEST) if table.level == "ordinates" else 1
+        directions = table.directions if table.level == "ordinates" else 1
         conducting = table.level != "rosseland" and bool(table.conductivity)
         return {"radiation": (directions + conducting) * Space(self.mesh.skfem, self.scene.solver.degree).size}
 
     def with_more_ordinates(self) -> Plan | None:
         """Return the plan with twice the ordinates on a mesh for them; None where their number is given or enough."""
         table = self.solved.radiation
-        now = table.ordinates or FEWEST
+        now = table.directions
         if table.level != "ordinates" or self.scene.radiation.ordinates is not None or now >= most(table):
             return None
         scene = self.solved.model_copy(update={"radiation": table.model_copy(update={"ordinates": 2 * now})})

@@ -78,6 +78,11 @@ class Radiation(Table):
     conductivity: Conductivity | None = Field(None, description="of the medium, without [heat]")
     temperature: Temperature | None = Field(None, description="of the medium, without [heat]")
 
+    @property
+    def directions(self) -> int:
+        """Ordinates in each hemisphere that are tried first."""
+        return self.ordinates or FEWEST
+
 
 class RadiationCondition(Table):
     """A gray wall at a temperature, or an opening through which a radiosity enters."""

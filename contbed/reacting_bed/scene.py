@@ -31,6 +31,7 @@ from contbed.scene.quantities import (
     WallCoefficient,
     Whole,
     form,
+    given_one,
     unit,
 )
 from contbed.scene.tables import (
@@ -146,9 +147,7 @@ class Flow(Table):
 
     @model_validator(mode="after")
     def _exactly_one(self) -> Flow:
-        given = [name for name in ("mass_flux", "molar_flux", "velocity") if getattr(self, name) is not None]
-        if len(given) != 1:
-            raise ValueError(f"give one of mass_flux, molar_flux, velocity; found {', '.join(given) or 'none'}")
+        given_one(self, "mass_flux", "molar_flux", "velocity")
         return self
 
 

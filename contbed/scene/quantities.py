@@ -33,6 +33,19 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+def given_one(table: Table, *names: str) -> str:
+    """Return the one of these keys of a table that is given.
+
+    Raises
+    ------
+    ValueError : none is given, or several are
+    """
+    given = [name for name in names if getattr(table, name) is not None]
+    if len(given) != 1:
+        raise ValueError(f"give one of {', '.join(names)}; found {', '.join(given) or 'none'}")
+    return given[0]
+
+
 class ClosureFile(Table):
     """A closure that was fitted from particles."""
 

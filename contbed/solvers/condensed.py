@@ -17,13 +17,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from contbed.solvers.banded import Band, Ordering
+from contbed.solvers.banded import Affine, Band, BandedProblem, Ordering
 
 Array = NDArray[np.float64]
 
@@ -51,33 +51,6 @@ class Inside:
         return len(self.fluid) + len(self.solid)
 
 
-class Affine(Protocol):
-    """The linear problem of the bed: matrices over all unknowns, of which the modes have one block in place of n."""
-
-    fixed: Any
-    origin: Any
-    fixed_values: Any
-
-    @property
-    def changes(self) -> bool:
-        """Whether boundary values change with time."""
-
-    @property
-    def mass(self) -> Any:
-        """Jacobian of the content."""
-
-    @property
-    def stiffness(self) -> Any:
-        """Jacobian of the steady residual; the columns of the first mode hold B."""
-
-    @property
-    def vector(self) -> Any:
-        """Steady residual of the origin."""
-
-    def at(self, time: float) -> None:
-        """Put the boundary values of a time [s] in place."""
-
-
 @dataclass(frozen=True)
 class _Factors:
     """What a size of step needs: the solution of the bed, 1/(c + w D), and E/(1 + w E Z)."""
@@ -88,15 +61,14 @@ class _Factors:
     width: float  # w
 
 
-class CondensedStages:
+class CondensedStages(BandedProblem):
     """The two stages of a step of a linear problem on a line with modes at its nodes."""
 
     def __init__(self, problem: Affine, ordering: Ordering, inside: Inside, scheme: tuple[float, float, float, Any]):
         """Take matrices apart; `scheme` are gamma, d, w and the weights of the error of TR-BDF2."""
-        self.problem, self.inside = problem, inside
+        super().__init__(problem, ordering)
+        self.inside = inside
         self.gamma, self.d, self.w, self.error = scheme
-        self.order, self.back = ordering.order, ordering.back
-        self.ordering = ordering
         size, nodes = inside.size, len(inside.fluid)
         self.mass = ordering.band(sp.csc_matrix(problem.mass[:size, :size]))
         self.stiffness = ordering.band(sp.csc_matrix(problem.stiffness[:size, :size]))
@@ -111,7 +83,6 @@ class CondensedStages:
         )
         self.exchanged = ordering.band(sp.csc_matrix(self.coupling[self.back] @ apart))
         self.fluid, self.solid = self.back[inside.fluid], self.back[inside.solid]
-        self.fixed = np.sort(self.back[problem.fixed])
         self.decay, self.gain = inside.decay[:, None], inside.gain[:, None]
         self.factors: dict[int, _Factors] = {}
         self.last: tuple[Any, ...] | None = None
@@ -120,18 +91,6 @@ class CondensedStages:
         size = self.inside.size
         modes = (state[size:] - self.problem.origin[size:]).reshape(len(self.decay), -1)
         return (state[:size] - self.problem.origin[:size])[self.order], modes
-
-    def _vector(self, time: float) -> Array:
-        self.problem.at(time)
-        found: Array = self.problem.vector[: self.inside.size][self.order]
-        return found
-
-    def _prescribed(self, values: Array) -> Array:
-        if self.problem.changes:
-            values = values.copy()
-            change = self.problem.fixed_values - self.problem.origin[self.problem.fixed]
-            values[self.back[self.problem.fixed]] = change
-        return values
 
     def _rates(self, bed: Array, modes: Array, vector: Array) -> tuple[Array, Array]:
         """Return the steady residuals of the bed and of the modes, these per bed volume."""
@@ -144,7 +103,7 @@ class CondensedStages:
         start, end = moments
         if self.last is None or self.last[0] is not state:
             begin, modes = self._take_apart(state)
-            self.last = (state, begin, modes, self.mass @ begin, *self._rates(begin, modes, self._vector(start)))
+            self.last = (state, begin, modes, self.mass @ begin, *self._rates(begin, modes, self.vector(start)))
         _, begin, modes, content, steady, inner = self.last
         factors = self._factors(dt, level)
         c, w = self.inside.capacity, self.w * dt
@@ -175,8 +134,8 @@ class CondensedStages:
         self, guess: Array, rhs: Array, rhs_modes: Array, time: float, factors: _Factors
     ) -> tuple[Array, Array, Array, Array, Array]:
         """Return the state of a stage, its parts, and their residuals."""
-        vector = self._vector(time)
-        guess = self._prescribed(guess)
+        vector = self.vector(time)
+        guess = self.prescribed(guess)
         bed, modes = self._solve(guess, rhs - factors.width * vector, rhs_modes, factors)
         state = np.concatenate([bed[self.back], modes.ravel()]) + self.problem.origin
         bed, modes = self._take_apart(state)  # as a restart from this state finds it, to the last bit

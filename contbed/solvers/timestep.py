@@ -23,7 +23,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from contbed.errors import ConvergenceError
-from contbed.solvers.banded import Ordering
+from contbed.solvers.banded import BandedProblem, Ordering
 from contbed.solvers.condensed import CondensedStages, Inside
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
@@ -231,43 +231,30 @@ class _Affine:
         return vector + matrix @ (state - self.origin), matrix
 
 
-class _LineStages:
+class _LineStages(BandedProblem):
     """The two stages of a step of a linear problem whose matrices are bands, with factors for each size of step.
 
     All vectors are in the order of the bands and count from the uniform state of `_Affine`.
     """
 
     def __init__(self, problem: _Affine, ordering: Ordering):
-        self.problem, self.order, self.back = problem, ordering.order, ordering.back
+        super().__init__(problem, ordering)
         self.mass, self.stiffness = ordering.band(problem.mass), ordering.band(problem.stiffness)
-        self.fixed = np.sort(ordering.back[problem.fixed])
         self.solvers: dict[int, Callable[[Any], Any]] = {}
         self.last: tuple[Any, Any, Any, Any] | None = None
-
-    def _vector(self, time: float) -> Any:
-        """Put the boundary values of a time in place; return the residual of the uniform state."""
-        self.problem.at(time)
-        return self.problem.vector[self.order]
-
-    def _prescribed(self, values: Any) -> Any:
-        if self.problem.changes:
-            values = values.copy()
-            change = self.problem.fixed_values - self.problem.origin[self.problem.fixed]
-            values[self.back[self.problem.fixed]] = change
-        return values
 
     def take(self, state: Any, moments: tuple[float, float], dt: float, level: int) -> tuple[Any, Any, Any, Any]:
         start, end = moments
         if self.last is None or self.last[0] is not state:
-            vector = self._vector(start)
+            vector = self.vector(start)
             begin = (state - self.problem.origin)[self.order]
             self.last = state, begin, self.mass @ begin, self.stiffness @ begin + vector
         _, begin, content, steady = self.last
         solve = self._solver(dt, level)
 
         def stage(guess: Any, rhs: Any, time: float) -> tuple[Any, Any, Any]:
-            vector = self._vector(time)
-            guess = self._prescribed(guess)
+            vector = self.vector(time)
+            guess = self.prescribed(guess)
             residual = rhs - self.mass @ guess - (D * dt) * (self.stiffness @ guess + vector)
             residual[self.fixed] = 0.0
             state = self.problem.origin + (guess + solve(residual))[self.back]
