@@ -26,10 +26,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgbtrf, dgbtrs
 
-from contbed.errors import ConvergenceError
 from contbed.fem.dual import Dual
+from contbed.fem.line_blocks import Blocks
 
 Array = NDArray[np.float64]
 Values = list[Any]
@@ -199,12 +198,8 @@ class System:
             down[f] = from_right if ahead else from_left
             slope[f] = slope_right if ahead else slope_left
         # at an end that a field leaves by, the other side is the inside as well
-        for f in range(self.m):
-            if self.ahead[f]:
-                down[f, -1] = high[f, -1]
-                up[f, 0] = left[f] if np.isfinite(left[f]) else low[f, 0]
-            else:
-                down[f, 0] = low[f, 0]
+        down[self.ahead, -1] = high[self.ahead, -1]
+        down[~self.ahead, 0] = low[~self.ahead, 0]
         return up, down, slope
 
     def fluxes(self, u: Array) -> Array:
@@ -263,11 +258,25 @@ class System:
         return residual, blocks
 
     def _blocks(self, C: Values, D: Values, S: Values, Cf: Values, Df: Values, test: Array) -> tuple[Array, ...]:
-        line, m, n, N = self.line, self.m, self.line.degree + 1, self.line.cells
-        own = np.zeros((N, m, n, m, n))
-        lower, upper = np.zeros_like(own), np.zeros_like(own)
-        # gradient of field f at node a of a cell by its own unknowns, and by those of the neighbour it comes from
-        inner, outer = np.zeros((m, N, n, n)), np.zeros((m, N, n, n))
+        line, n, N = self.line, self.line.degree + 1, self.line.cells
+        blocks = Blocks.zeros(N, self.m, n, self.ahead, *self._gradient_slopes())
+        for e in range(self.m):
+            for parts, kind in ((C, "flux"), (D, "flux"), (S, "source")):
+                for (slot, f), tangent in getattr(parts[e], "tangents", {}).items():
+                    t = np.broadcast_to(tangent, (N * n,)).reshape(N, n)
+                    if kind == "flux":
+                        rows = -test.T[None] * t[:, None, :]  # (N, i, a)
+                    else:
+                        rows = np.zeros((N, n, n))
+                        rows[:, range(n), range(n)] = -t * line.weights * line.h[:, None]
+                    blocks.add_nodes(e, f, slot, rows)
+        self._faces(blocks, Cf, Df)
+        return blocks.lower, blocks.own, blocks.upper
+
+    def _gradient_slopes(self) -> tuple[Array, Array]:
+        """Return derivatives of gradients (m, N, n, n) to values in the own cell and in that a field comes from."""
+        line, n, N = self.line, self.line.degree + 1, self.line.cells
+        inner, outer = np.zeros((self.m, N, n, n)), np.zeros((self.m, N, n, n))
         for f in np.flatnonzero(self.diffuses):
             ahead = self.ahead[f]
             end, opposite = (line.left, line.right) if ahead else (line.right, line.left)
@@ -280,42 +289,9 @@ class System:
             inner[f] = (line.slopes[None] + lifts[:, None, None] * own_lift) / line.h[:, None, None]
             lifts[edge] = 0.0
             outer[f] = lifts[:, None, None] * (-sign * np.outer(end / line.weights, opposite)) / line.h[:, None, None]
-        for e in range(m):
-            for parts, kind in ((C, "flux"), (D, "flux"), (S, "source")):
-                for (slot, f), tangent in getattr(parts[e], "tangents", {}).items():
-                    t = np.broadcast_to(tangent, (N * n,)).reshape(N, n)
-                    if kind == "flux":
-                        rows = -test.T[None] * t[:, None, :]  # (N, i, a)
-                    else:
-                        rows = np.zeros((N, n, n))
-                        rows[:, range(n), range(n)] = -t * line.weights * line.h[:, None]
-                    self._add(own, lower, upper, e, f, slot, rows, inner, outer)
-        self._faces(own, lower, upper, Cf, Df, inner, outer)
-        return lower, own, upper
+        return inner, outer
 
-    def _add(
-        self,
-        own: Array,
-        lower: Array,
-        upper: Array,
-        e: int,
-        f: int,
-        slot: str,
-        rows: Array,
-        inner: Array,
-        outer: Array,
-    ) -> None:
-        """Add derivatives by values (slot "u") or gradients ("q") at the nodes of each cell."""
-        if slot == "u":
-            own[:, e, :, f, :] += rows
-            return
-        own[:, e, :, f, :] += rows @ inner[f]
-        target = lower if self.ahead[f] else upper
-        target[:, e, :, f, :] += rows @ outer[f]
-
-    def _faces(
-        self, own: Array, lower: Array, upper: Array, Cf: Values, Df: Values, inner: Array, outer: Array
-    ) -> None:
+    def _faces(self, blocks: Blocks, Cf: Values, Df: Values) -> None:
         """Add the derivatives of the fluxes through the vertices."""
         N = self.line.cells
         for e in range(self.m):
@@ -329,21 +305,9 @@ class System:
                     left_side = bool(self.ahead[f]) == upwind  # whether the trace is that of the cell on the left
                     if slot == "q":
                         left_side = not self.ahead[f]
-                    self._face(own, lower, upper, e, f, slot, t, left_side, inner, outer)
+                    self._face(blocks, e, f, slot, t, left_side)
 
-    def _face(
-        self,
-        own: Array,
-        lower: Array,
-        upper: Array,
-        e: int,
-        f: int,
-        slot: str,
-        t: Array,
-        left_side: bool,
-        inner: Array,
-        outer: Array,
-    ) -> None:
+    def _face(self, blocks: Blocks, e: int, f: int, slot: str, t: Array, left_side: bool) -> None:
         """Add d(flux)/d(trace) `t` (N + 1,) of one field, whose trace belongs to the cell on one side of each face."""
         line, N = self.line, self.line.cells
         cells = np.arange(N)
@@ -353,47 +317,16 @@ class System:
             at_end = (k == N) if side == "right" else (k == 0)
             trace = line.right if left_side else line.left
             prescribed = np.isfinite(self.ends.value[1 if side == "right" else 0][f])
-            own_trace = line.right if side == "right" else line.left
             coefficient = sign * t[k]
             if not neighbour:
-                factor = coefficient[:, None, None] * phi[None, :, None]
-                self._put(own, lower, upper, e, f, slot, factor, trace, cells, 0, inner, outer)
+                blocks.add_trace(e, f, slot, coefficient[:, None, None] * phi[None, :, None], trace, 0)
                 continue
-            inside = ~at_end
-            factor = np.where(inside, coefficient, 0.0)[:, None, None] * phi[None, :, None]
-            shift = 1 if side == "right" else -1
-            self._put(own, lower, upper, e, f, slot, factor, trace, cells, shift, inner, outer)
+            factor = np.where(at_end, 0.0, coefficient)[:, None, None] * phi[None, :, None]
+            blocks.add_trace(e, f, slot, factor, trace, 1 if side == "right" else -1)
             comes_in = (side == "left") == bool(self.ahead[f])
             if not (prescribed and comes_in and slot == "u"):
                 factor = np.where(at_end, coefficient, 0.0)[:, None, None] * phi[None, :, None]
-                self._put(own, lower, upper, e, f, slot, factor, own_trace, cells, 0, inner, outer)
-
-    def _put(
-        self,
-        own: Array,
-        lower: Array,
-        upper: Array,
-        e: int,
-        f: int,
-        slot: str,
-        factor: Array,
-        trace: Array,
-        cells: Any,
-        shift: int,
-        inner: Array,
-        outer: Array,
-    ) -> None:
-        """Add factor (N, i, 1) times the trace of field f (its value or its gradient) in the cell `shift` further."""
-        targets = {-1: lower, 0: own, 1: upper}
-        if slot == "u":
-            targets[shift][:, e, :, f, :] += factor * trace
-            return
-        from_cell = np.clip(cells + shift, 0, self.line.cells - 1)
-        targets[shift][:, e, :, f, :] += factor * (trace @ inner[f][from_cell])[:, None, :]
-        beyond = shift + (-1 if self.ahead[f] else 1)
-        part = factor * (trace @ outer[f][from_cell])[:, None, :]
-        if part.any():
-            targets[beyond][:, e, :, f, :] += part
+                blocks.add_trace(e, f, slot, factor, phi, 0)
 
 
 def _seeded(u: Array, q: Array, diffuses: Any, jacobian: bool) -> tuple[Values, Values]:
@@ -412,34 +345,3 @@ def _values(parts: Values, shape: tuple[int, ...], m: int) -> Array:
 
 def _plain(part: Any) -> Any:
     return part.value if isinstance(part, Dual) else part
-
-
-class Factors:
-    """LU factors of a block tridiagonal matrix as a band."""
-
-    def __init__(self, blocks: tuple[Array, ...]):
-        lower, own, upper = blocks
-        N, m, n = own.shape[:3]
-        size = m * n
-        lower, own, upper = (np.ascontiguousarray(b.transpose(0, 2, 1, 4, 3)).reshape(N, size, size) for b in blocks)
-        self.shape, width = (N, m, n), 2 * size - 1
-        band = np.zeros((3 * width + 1, N * size), order="F")
-        i, j = np.indices((size, size))
-        for c in range(N):
-            for block, shift in ((lower, -1), (own, 0), (upper, 1)):
-                if 0 <= c + shift < N:
-                    band[2 * width + i - j - shift * size, (c + shift) * size + j] = block[c]
-        if not np.isfinite(band).all():
-            raise ConvergenceError("the matrix holds values that are not finite")
-        self.width = width
-        self.factors, self.pivots, info = dgbtrf(band, width, width, overwrite_ab=True)
-        if info:
-            raise ConvergenceError("the linear system is singular")
-
-    def solve(self, residual: Array) -> Array:
-        """Return the solution for a right-hand side (m, N, p + 1)."""
-        N, m, n = self.shape
-        rhs = np.ascontiguousarray(residual.transpose(1, 2, 0)).ravel()
-        x = dgbtrs(self.factors, self.width, self.width, rhs, self.pivots)[0]
-        found: Array = x.reshape(N, n, m).transpose(2, 0, 1)
-        return found

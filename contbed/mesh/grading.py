@@ -148,13 +148,13 @@ def finest(grids: Sequence[Array]) -> Array:
     return of_density(ends, density)
 
 
-def of_density(ends: Array, density: Array, scale: float = 1.0, least: int = 1) -> Array:
+def of_density(ends: Array, density: Array, scale: float = 1.0, least: int = 1, most: int | None = None) -> Array:
     """Return node coordinates [m] of cells that hold `scale` of a density each, or less, all the same.
 
-    The density (n,) is uniform between the `ends` (n + 1,); at `least` so many cells are made.
+    The density (n,) is uniform between the `ends` (n + 1,); at `least` and at `most` so many cells are made.
     """
     total = np.concatenate(([0.0], np.cumsum(density * np.diff(ends))))
-    count = max(least, int(np.ceil(total[-1] / scale)))
+    count = int(np.clip(np.ceil(total[-1] / scale), least, most))
     nodes: Array = np.interp(np.linspace(0.0, total[-1], count + 1), total, ends)
     nodes[0], nodes[-1] = ends[0], ends[-1]
     return nodes

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from contbed.errors import ConvergenceError
 from contbed.fields import unit_of
-from contbed.reacting_bed import solve
+from contbed.reacting_bed import cells, solve
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.results import ends, values_at
 from contbed.result import Result
@@ -116,13 +116,11 @@ def _refined(family: Family, branch: Branch, problem: Problem, u: Array) -> tupl
     """Return problem and state on cells that suit points along the branch and its folds."""
     chosen = np.unique(np.linspace(0, len(branch.states) - 1, SAMPLES).round().astype(int))
     points = [(branch.parameter[k], branch.states[k]) for k in chosen] + [(p, x) for _, p, x in branch.folds]
-    aim = problem.scene.solver.tolerance**solve.ERROR_POWER
     worst = np.zeros(problem.line.cells)
     for p, x in points:
-        worst = np.maximum(worst, solve.errors(family.at(p), x.reshape(u.shape)))
-    factor = np.clip((0.5 * aim / np.maximum(worst, 1e-30)) ** (1.0 / (problem.line.degree + 1)), 0.1, 2.0)
-    finer = problem.on(solve.regraded(problem.line.vertices, problem.line.h * factor))
-    return finer, solve.newton(finer, solve.moved(problem, u, finer), solve.Report())
+        worst = np.maximum(worst, cells.errors(family.at(p), x.reshape(u.shape)))
+    finer = problem.on(cells.better_cells(problem, worst))
+    return finer, solve.newton(finer, cells.moved(problem, u, finer), solve.Report())
 
 
 def states_at(family: Family, branch: Branch, value: float) -> list[Array]:

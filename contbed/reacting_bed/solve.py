@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from contbed.errors import ConvergenceError
 from contbed.fem.dual import Dual
-from contbed.fem.line_dg import Factors
+from contbed.fem.line_blocks import Factors
+from contbed.reacting_bed.cells import MOST_CELLS, halves, moved, next_cells
 from contbed.reacting_bed.kinetics import FINEST
 from contbed.reacting_bed.problem import Problem
 
@@ -22,11 +23,7 @@ SHORTEST = 1e-3  # step of Newton's method at which it is given up
 PROGRESS, PATIENCE = 0.8, 14  # iterations in which the least residual has to fall by this factor
 LOOSE = 1e-5  # residual at which a step of a march in time, which need not be exact, is taken
 FIRST_CELLS = 24
-MOST_CELLS = 3000
 ROUNDS = 10
-COARSEST = 2.5  # ratio of the lengths of neighbouring cells
-ERROR_POWER = 0.7  # jumps are held to tolerance^ERROR_POWER: fluxes at vertices are of order 7, jumps of order 4
-LEAST_SPAN = 1e-4  # of the typical size of a field, the least span that errors refer to
 FIRST_ITERATIONS = 60  # of Newton's method from a first guess
 FEW_ITERATIONS = 15  # where the guess is near
 SMOOTHEST = 0.1  # share of a solid below which its powers are straight lines, to begin with
@@ -275,12 +272,6 @@ def first(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     return on_cells(finer, moved(problem, u, finer), report)
 
 
-def halves(problem: Problem) -> Array:
-    """Return the vertices and the middles of the cells."""
-    found: Array = np.sort(np.concatenate([problem.line.vertices, problem.line.points.mean(axis=1)]))
-    return found
-
-
 def on_cells(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     """Return a steady state on given cells: by Newton's method, and where that fails by what else helps."""
     with np.errstate(all="ignore"):
@@ -358,12 +349,6 @@ def sharper(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]
     return trial, u
 
 
-def moved(problem: Problem, u: Array, other: Problem) -> Array:
-    """Return a state on the cells of another problem."""
-    found: Array = problem.line.at(u, other.line.points.ravel()).reshape(len(u), *other.line.points.shape)
-    return found
-
-
 def grown(problem: Problem, u: Array, report: Report) -> Array:
     """Return the steady state reached with all rates growing from a small share to their own values."""
     strength, step = 0.0, 0.02
@@ -389,42 +374,3 @@ def what_leaves(problem: Problem, u: Array) -> Array:
     fluxes = problem.system.fluxes(u)
     found: Array = (fluxes[:, [0, -1]] / problem.flux_sizes[:, None]).ravel()
     return found
-
-
-def errors(problem: Problem, u: Array) -> Array:
-    """Return the jumps and highest modes of the fields in each cell over their spans (N,)."""
-    line = problem.line
-    span = np.maximum(np.ptp(u, axis=(1, 2)), LEAST_SPAN * problem.sizes)
-    low, high = u @ line.left, u @ line.right
-    jump = np.abs(low[:, 1:] - high[:, :-1])
-    found = line.top_mode(u)
-    found[:, 1:] = np.maximum(found[:, 1:], jump)
-    found[:, :-1] = np.maximum(found[:, :-1], jump)
-    worst: Array = (found / span[:, None]).max(axis=0)
-    return worst
-
-
-def next_cells(problem: Problem, u: Array) -> tuple[Array, float]:
-    """Return better vertices for a state, and by how much the errors of the present ones exceed what is aimed at."""
-    line = problem.line
-    aim = problem.scene.solver.tolerance**ERROR_POWER
-    ratio = errors(problem, u) / aim
-    factor = np.clip((0.5 / np.maximum(ratio, 1e-30)) ** (1.0 / (line.degree + 1)), 0.1, 2.0)
-    return regraded(line.vertices, line.h * factor), float(ratio.max())
-
-
-def regraded(vertices: Array, wanted: Array) -> Array:
-    """Return vertices whose cells have about the wanted lengths (of the present cells), neighbours alike."""
-    wanted = wanted.copy()
-    middle = 0.5 * (vertices[1:] + vertices[:-1])
-    slope = COARSEST - 1.0
-    for k in range(1, len(wanted)):  # a cell grows by no more than its distance from a short one allows
-        wanted[k] = min(wanted[k], wanted[k - 1] + slope * (middle[k] - middle[k - 1]))
-    for k in range(len(wanted) - 2, -1, -1):
-        wanted[k] = min(wanted[k], wanted[k + 1] + slope * (middle[k + 1] - middle[k]))
-    density = np.diff(vertices) / wanted
-    count = int(np.clip(np.ceil(density.sum()), 4, MOST_CELLS))
-    cumulative = np.concatenate([[0.0], np.cumsum(density)])
-    places = np.interp(np.linspace(0.0, cumulative[-1], count + 1), cumulative, vertices)
-    places[0], places[-1] = vertices[0], vertices[-1]
-    return places

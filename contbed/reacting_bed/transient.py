@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from contbed.balance import Balance
 from contbed.errors import ConvergenceError
-from contbed.fem.line_dg import Factors
+from contbed.fem.line_blocks import Factors
 from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
 from contbed.reacting_bed.problem import Problem

@@ -1,0 +1,91 @@
+"""Jacobian of discontinuous polynomials on a line, block tridiagonal: its blocks, and their factors as a band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgbtrf, dgbtrs
+
+from contbed.errors import ConvergenceError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Derivatives of the residuals of each cell to the unknowns of the cell to its left, its own, and the next one.
+
+    lower, own, upper : (N, m, n, m, n), by equation and node, and by field and node
+    ahead : (m,) whether a field is taken from the left
+    inner, outer : (m, N, n, n) derivatives of gradients to values in the own cell, and in that a field comes from
+    """
+
+    lower: Array
+    own: Array
+    upper: Array
+    ahead: NDArray[np.bool_]
+    inner: Array
+    outer: Array
+
+    @classmethod
+    def zeros(cls, N: int, m: int, n: int, ahead: Any, inner: Array, outer: Array) -> Blocks:
+        """Return blocks to be added to."""
+        lower, own, upper = (np.zeros((N, m, n, m, n)) for _ in range(3))
+        return cls(lower, own, upper, ahead, inner, outer)
+
+    def add_nodes(self, e: int, f: int, slot: str, rows: Array) -> None:
+        """Add derivatives (N, n, n) by values (slot "u") or gradients ("q") at the nodes of each cell."""
+        if slot == "u":
+            self.own[:, e, :, f, :] += rows
+            return
+        self.own[:, e, :, f, :] += rows @ self.inner[f]
+        target = self.lower if self.ahead[f] else self.upper
+        target[:, e, :, f, :] += rows @ self.outer[f]
+
+    def add_trace(self, e: int, f: int, slot: str, factor: Array, trace: Array, shift: int) -> None:
+        """Add factor (N, n, 1) times the trace of a field (its value or its gradient) in the cell `shift` further."""
+        targets = {-1: self.lower, 0: self.own, 1: self.upper}
+        if slot == "u":
+            targets[shift][:, e, :, f, :] += factor * trace
+            return
+        N = len(self.own)
+        from_cell = np.clip(np.arange(N) + shift, 0, N - 1)
+        targets[shift][:, e, :, f, :] += factor * (trace @ self.inner[f][from_cell])[:, None, :]
+        beyond = shift + (-1 if self.ahead[f] else 1)
+        part = factor * (trace @ self.outer[f][from_cell])[:, None, :]
+        if part.any():
+            targets[beyond][:, e, :, f, :] += part
+
+
+class Factors:
+    """LU factors of a block tridiagonal matrix as a band."""
+
+    def __init__(self, blocks: tuple[Array, ...]):
+        lower, own, upper = blocks
+        N, m, n = own.shape[:3]
+        size = m * n
+        lower, own, upper = (np.ascontiguousarray(b.transpose(0, 2, 1, 4, 3)).reshape(N, size, size) for b in blocks)
+        self.shape, width = (N, m, n), 2 * size - 1
+        band = np.zeros((3 * width + 1, N * size), order="F")
+        i, j = np.indices((size, size))
+        for c in range(N):
+            for block, shift in ((lower, -1), (own, 0), (upper, 1)):
+                if 0 <= c + shift < N:
+                    band[2 * width + i - j - shift * size, (c + shift) * size + j] = block[c]
+        if not np.isfinite(band).all():
+            raise ConvergenceError("the matrix holds values that are not finite")
+        self.width = width
+        self.factors, self.pivots, info = dgbtrf(band, width, width, overwrite_ab=True)
+        if info:
+            raise ConvergenceError("the linear system is singular")
+
+    def solve(self, residual: Array) -> Array:
+        """Return the solution for a right-hand side (m, N, p + 1)."""
+        N, m, n = self.shape
+        rhs = np.ascontiguousarray(residual.transpose(1, 2, 0)).ravel()
+        x = dgbtrs(self.factors, self.width, self.width, rhs, self.pivots)[0]
+        found: Array = x.reshape(N, n, m).transpose(2, 0, 1)
+        return found

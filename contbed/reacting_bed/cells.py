@@ -1,0 +1,72 @@
+"""Cells of a reacting bed that follow the errors of a state."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.mesh.grading import of_density
+from contbed.reacting_bed.problem import Problem
+
+Array = NDArray[np.float64]
+MOST_CELLS = 3000
+COARSEST = 2.5  # ratio of the lengths of neighbouring cells
+ERROR_POWER = 0.7  # jumps are held to tolerance^ERROR_POWER: fluxes at vertices are of order 7, jumps of order 4
+LEAST_SPAN = 1e-4  # of the typical size of a field, the least span that errors refer to
+LEAST_RATIO = 1e-30  # of an error over what is aimed at, in a cell without any
+
+
+def halves(problem: Problem) -> Array:
+    """Return the vertices and the middles of the cells."""
+    found: Array = np.sort(np.concatenate([problem.line.vertices, problem.line.points.mean(axis=1)]))
+    return found
+
+
+def moved(problem: Problem, u: Array, other: Problem) -> Array:
+    """Return a state on the cells of another problem."""
+    found: Array = problem.line.at(u, other.line.points.ravel()).reshape(len(u), *other.line.points.shape)
+    return found
+
+
+def errors(problem: Problem, u: Array) -> Array:
+    """Return the jumps and highest modes of the fields in each cell over their spans (N,)."""
+    line = problem.line
+    span = np.maximum(np.ptp(u, axis=(1, 2)), LEAST_SPAN * problem.sizes)
+    low, high = u @ line.left, u @ line.right
+    jump = np.abs(low[:, 1:] - high[:, :-1])
+    found = line.top_mode(u)
+    found[:, 1:] = np.maximum(found[:, 1:], jump)
+    found[:, :-1] = np.maximum(found[:, :-1], jump)
+    worst: Array = (found / span[:, None]).max(axis=0)
+    return worst
+
+
+def next_cells(problem: Problem, u: Array) -> tuple[Array, float]:
+    """Return better vertices for a state, and by how much the errors of the present ones exceed what is aimed at."""
+    found = errors(problem, u)
+    return better_cells(problem, found), float(found.max()) / aim(problem)
+
+
+def aim(problem: Problem) -> float:
+    """Return the error of a cell that is aimed at."""
+    return float(problem.scene.solver.tolerance**ERROR_POWER)
+
+
+def better_cells(problem: Problem, found: Array) -> Array:
+    """Return vertices of cells whose errors are about what is aimed at, from those that were found (N,)."""
+    line = problem.line
+    ratio = found / aim(problem)
+    factor = np.clip((0.5 / np.maximum(ratio, LEAST_RATIO)) ** (1.0 / (line.degree + 1)), 0.1, 2.0)
+    return regraded(line.vertices, line.h * factor)
+
+
+def regraded(vertices: Array, wanted: Array) -> Array:
+    """Return vertices whose cells have about the wanted lengths (of the present cells), neighbours alike."""
+    wanted = wanted.copy()
+    middle = 0.5 * (vertices[1:] + vertices[:-1])
+    slope = COARSEST - 1.0
+    for k in range(1, len(wanted)):  # a cell grows by no more than its distance from a short one allows
+        wanted[k] = min(wanted[k], wanted[k - 1] + slope * (middle[k] - middle[k - 1]))
+    for k in range(len(wanted) - 2, -1, -1):
+        wanted[k] = min(wanted[k], wanted[k + 1] + slope * (middle[k + 1] - middle[k]))
+    return of_density(vertices, 1.0 / wanted, least=4, most=MOST_CELLS)
