@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.fields import FIELDS
+from contbed.output.nearest import Nearest
 from contbed.output.plots import plain_ticks, styled_figure
 
 Array = NDArray[np.float64]
@@ -17,7 +18,6 @@ Array = NDArray[np.float64]
 HEIGHT = 3.6  # inches of a map, unless it lies
 WIDE = 1.6  # ratio of width to height from which maps stand one below another
 POINTS = 120  # of a plane through a box along its longer side
-NEAR = 4  # nodes from which a value in the plane is taken
 COLOURS = {"K": "inferno", "1": "cividis", "m/s": "viridis"}
 
 
@@ -45,7 +45,7 @@ def cell_maps(path: Path, corners: Array, values: Mapping[str, Array], axes: tup
 def slice_maps(path: Path, points: Array, values: Mapping[str, Array], title: str = "") -> None:
     """Draw nodal fields over the plane through the middle of the shortest side of a box, one map for each.
 
-    A value in the plane is that of the `NEAR` nearest nodes, weighted with the inverse of their distance; what is
+    A value in the plane is that of the nearest nodes, weighted with the inverse of their distance; what is
     further from all nodes than these are from each other is left white.
 
     Parameters
@@ -55,8 +55,6 @@ def slice_maps(path: Path, points: Array, values: Mapping[str, Array], title: st
     values : (size,) by the names of fields
     title : text above the picture
     """
-    from scipy.spatial import cKDTree
-
     extent = np.ptp(points, axis=1)
     normal = int(np.argmin(extent))
     first, second = (k for k in range(3) if k != normal)
@@ -68,16 +66,14 @@ def slice_maps(path: Path, points: Array, values: Mapping[str, Array], title: st
     )
     wanted = np.empty((3, len(y), len(x)))
     wanted[first], wanted[second], wanted[normal] = x, y[:, None], middle
-    distance, near = cKDTree(points.T).query(wanted.reshape(3, -1).T, k=NEAR)
-    weight = 1.0 / np.maximum(distance, 1e-12 * longest)
+    nearest = Nearest.of(points.T, wanted.reshape(3, -1).T)
     names = ("xyz"[first], "xyz"[second])
     # typical distance of neighbouring nodes, from their number in the volume
     spacing = float(np.cbrt(extent.prod() / points.shape[1]))
-    outside = (distance[:, 0] > 3.0 * spacing).reshape(len(y), len(x))
+    outside = (nearest.distance[:, 0] > 3.0 * spacing).reshape(len(y), len(x))
     text = f"{title}   {'xyz'[normal]} = {middle:.4g} m".strip()
     for panel, figure, name in _panels(path, list(values), float(extent[first] / extent[second]), names, text):
-        sampled = ((weight * values[name][near]).sum(axis=1) / weight.sum(axis=1)).reshape(len(y), len(x))
-        shown = np.where(outside, np.nan, sampled)
+        shown = np.where(outside, np.nan, nearest(values[name]).reshape(len(y), len(x)))
         box = (points[first].min(), points[first].max(), points[second].min(), points[second].max())
         image = panel.imshow(shown, origin="lower", extent=box, cmap=_colours(name), aspect="equal")
         figure.colorbar(image, ax=panel, shrink=0.9)

@@ -15,7 +15,6 @@ from contbed.fem.skfem import Ops
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.equations import two_energy
-from contbed.packed_bed.equations.two_energy import FIELDS
 from contbed.packed_bed.heat_coefficients import HeatCoefficients, Motion, plain
 from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
@@ -185,17 +184,9 @@ class HeatProblem:
         c = self.coefficients
         if not self.modes or not self.linear or self.mesh.skfem.dim() > 1 or c.solid.mass_flux is not None:
             return None
-        T = self.medium.T_fluid_in
-        places = [self.system.offset[name, 0] + np.arange(self.system.fields[name][0].size) for name in FIELDS]
-        return Inside(
-            bed=_OneMode(self),
-            capacity=float(c.capacity(T) * c.solid.heat_capacity(T)),
-            exchange=float(plain(c.exchange(T, T))),
-            decay=np.array([float(mode.decay(T)) for mode in c.modes]),
-            gain=np.array([mode.gain for mode in c.modes]),
-            fluid=places[0],
-            solid=places[1],
-        )
+        from contbed.packed_bed.condensed import condensed
+
+        return condensed(self)
 
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the residual of the steady balances and its Jacobian."""
@@ -395,36 +386,6 @@ class HeatProblem:
         if not (np.any(c.fluid.source) or np.any(c.solid.source)):
             return 0.0
         return float(np.sum(self.system.cells.weight * (c.fluid.source + c.solid.source)))
-
-
-class _OneMode:
-    """A heat problem with the first mode of its particles in place of all: what the bed sees of them."""
-
-    linear = True
-
-    def __init__(self, problem: HeatProblem):
-        self._problem = problem
-        one = replace(problem.coefficients, modes=problem.coefficients.modes[:1])
-        cells = problem.system.cells
-        self._interior, self._storage = [(two_energy.residual, cells, one)], [(two_energy.storage, cells, one)]
-        self.fixed, self.weights, self.changes = problem.fixed, problem.weights, problem.changes
-
-    @property
-    def fixed_values(self) -> Any:
-        """Prescribed temperatures at the time of the last `at` [K]."""
-        return self._problem.fixed_values
-
-    def at(self, time: float) -> None:
-        """Put the temperatures and fluxes of boundaries at a time [s] in place."""
-        self._problem.at(time)
-
-    def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
-        """Assemble the residual of the steady balances and its Jacobian."""
-        return self._problem.system.assemble([*self._interior, *self._problem.crossed()], state, jacobian)
-
-    def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
-        """Assemble the tested heat content and its Jacobian."""
-        return self._problem.system.assemble(self._storage, state, jacobian)
 
 
 def _coupling(scene: s.Scene) -> Any:

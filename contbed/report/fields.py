@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.output.nearest import Nearest
 from contbed.report.read import Run, Snapshot
 
 Array = NDArray[np.float64]
@@ -141,8 +142,6 @@ def _planes(meshes: list[Any], times: tuple[float, ...], flat: int, run: Run) ->
 
 def _slices(meshes: list[Any], times: tuple[float, ...]) -> list[Pictures | Cloud]:
     """Return the fields of a box in the plane through the middle of its shortest side."""
-    from scipy.spatial import cKDTree
-
     points = meshes[0].points
     normal = int(np.argmin(np.ptp(points, axis=0)))
     axes = tuple(k for k in range(3) if k != normal)
@@ -154,13 +153,11 @@ def _slices(meshes: list[Any], times: tuple[float, ...]) -> list[Pictures | Clou
     found: dict[str, list[Array]] = {}
     for mesh in meshes:
         centres = np.concatenate([mesh.points[block.data].mean(axis=1) for block in mesh.cells])
-        trees = {True: cKDTree(centres), False: cKDTree(mesh.points)}
-        for name, (values, cells) in _scalars(mesh).items():
-            # the four nearest points, weighted with the inverse of their distance
-            distance, near = trees[cells].query(wanted, k=4)
-            weight = 1.0 / np.maximum(distance, 1e-12 * np.ptp(points))
-            sampled = (weight * values[near]).sum(axis=1) / weight.sum(axis=1)
-            found.setdefault(name, []).append(sampled.reshape(X.shape))
+        fields = _scalars(mesh)
+        kinds = {cells for _, cells in fields.values()}
+        nearest = {cells: Nearest.of(centres if cells else mesh.points, wanted) for cells in kinds}
+        for name, (values, cells) in fields.items():
+            found.setdefault(name, []).append(nearest[cells](values).reshape(X.shape))
     remark = f"plane {'xyz'[normal]} = {middle:.4g} m"
     names = ("xyz"[axes[0]], "xyz"[axes[1]])
     return [Pictures(name, names, x, y, np.array(frames), times, remark) for name, frames in found.items()]

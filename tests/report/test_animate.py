@@ -5,33 +5,19 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from PIL import Image
+from plane_scene import PLANE
 
 from contbed import cli, editor, load, run
 from contbed.errors import ContbedError
 from contbed.report.animate import animate
-
-PLANE = """\
-title = "Hot gas into a cold plane bed"
-mesh = { type = "rectangle", length = 0.3, height = 0.1, cells = [8, 3] }
-fluid = { density = 1.0, heat_capacity = 1000.0, conductivity = 0.05, viscosity = 2e-5 }
-solid = { density = 2000.0, heat_capacity = 900.0, conductivity = 1.0 }
-bed = { porosity = 0.4, particle_diameter = 0.01 }
-flow = { velocity = 0.3 }
-heat = { nusselt = "wakao_kaguei" }
-time = { end = 500, times = [100, 200], initial_fluid = 300, initial_solid = 300 }
-output = { plots = false }
-[boundary.left]
-fluid.inflow = 600.0
-[boundary.top]
-solid.fixed = 300.0
-"""
 
 
 @pytest.fixture(scope="module")
 def plane(tmp_path_factory):
     folder = tmp_path_factory.mktemp("film")
     (folder / "plane.toml").write_text(PLANE)
-    run(load(folder / "plane.toml"), out=folder / "plane")
+    changes = {"mesh.cells": [8, 3], "time.end": 500, "time.times": [100, 200]}
+    run(load(folder / "plane.toml", changes), out=folder / "plane")
     return folder / "plane"
 
 

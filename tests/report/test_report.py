@@ -10,6 +10,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from plane_scene import PLANE
 
 from contbed import cli, editor, load, run
 from contbed.errors import ContbedError
@@ -21,22 +22,6 @@ from contbed.report.write import write
 pytest.importorskip("plotly", reason="plotly is not installed: pip install 'contbed[report]'")
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 LIMIT = 5_000_000  # bytes of a report
-
-PLANE = """\
-title = "Hot gas into a cold plane bed"
-mesh = { type = "rectangle", length = 0.3, height = 0.1, cells = [12, 4] }
-fluid = { density = 1.0, heat_capacity = 1000.0, conductivity = 0.05, viscosity = 2e-5 }
-solid = { density = 2000.0, heat_capacity = 900.0, conductivity = 1.0 }
-bed = { porosity = 0.4, particle_diameter = 0.01 }
-flow = { velocity = 0.3 }
-heat = { nusselt = "wakao_kaguei" }
-time = { end = 1000, times = [200, 500], initial_fluid = 300, initial_solid = 300 }
-output = { plots = false }
-[boundary.left]
-fluid.inflow = 600.0
-[boundary.top]
-solid.fixed = 300.0
-"""
 
 
 @pytest.fixture(scope="module")
