@@ -50,7 +50,8 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         result.warnings += [line.note] if line.note and line.note not in result.warnings else []
         if not plan.plug:
             with result.timed("flow"):
-                flow = _flow(plan, line, flow, result)
+                flow = _flow(plan, flow, result)
+                _report_flow(plan, line, flow, result)
         last = attempt == plan.adaptations
         if scene.heat is None:
             better, estimate = _better(plan, flow, None, None, estimate, last, result)
@@ -100,7 +101,7 @@ def _heat_problem(plan: Plan, flow: Any, result: Result, piece: Piece | None = N
     return problem
 
 
-def _flow(plan: Plan, line: Line, before: Any, result: Result, local: Any = None) -> Any:
+def _flow(plan: Plan, before: Any, result: Result, local: Any = None) -> Any:
     from contbed.packed_bed.flow import coefficients, solve_flow
 
     scene, options = plan.scene, plan.scene.solver
@@ -117,18 +118,23 @@ def _flow(plan: Plan, line: Line, before: Any, result: Result, local: Any = None
         local=local,
     )
     result.history += flow.history
+    return flow
+
+
+def _report_flow(plan: Plan, line: Line, flow: Any, result: Result) -> None:
+    from contbed.packed_bed.flow import coefficients
+    from contbed.packed_bed.results import flow_findings
+
     outflow = {name: flow.outflow(name) for name in plan.mesh.boundaries}
     floor = 0.0
     if "outlet" not in plan.conditions.values():  # nothing crosses walls; what moves between them is the scale
         extents = np.ptp(plan.mesh.skfem.p, axis=1)
-        floor = c.speed * float(extents.prod() / extents.max())
+        speed = coefficients(plan.scene, plan.medium, plan.velocity, plan.velocity_solid).speed
+        floor = speed * float(extents.prod() / extents.max())
     balance = Balance.of_fluxes((-v for v in outflow.values()), "m3/s", floor=floor)
     result.balances["fluid volume"] = balance.as_dict()
     result.nodal |= {"u": (flow.system.fields["u"][0], flow.expanded), "p": (flow.system.fields["p"][0], flow.pressure)}
-    from contbed.packed_bed.results import flow_findings
-
     flow_findings(plan, line, flow, result)
-    return flow
 
 
 def _heat_balance(fluxes: Any, reactions: Any, source: float, stored: float, unit: str, held: float) -> dict[str, Any]:
@@ -156,21 +162,21 @@ def _with_local_properties(plan: Plan, line: Line, problem: Any, state: Any, res
     """
     from contbed.packed_bed.flow import LocalProperties
 
-    space = problem.system.fields["T_fluid"][0]
+    space, fluid = problem.system.fields["T_fluid"][0], plan.medium.fluid
     allowed, change = SETTLED * plan.scene.solver.tolerance, np.inf
     for _ in range(TURNS):
         T = problem.system.part(state, "T_fluid")
-        fluid = plan.medium.fluid
         expansion, viscosity = plan.medium.mass_flux_scale() / fluid.density(T), fluid.viscosity(T)
         local = LocalProperties(space, *(np.broadcast_to(values, T.shape) for values in (expansion, viscosity)))
         with result.timed("flow"):
-            flow = _flow(plan, line, problem.motion.flow, result, local)
+            flow = _flow(plan, problem.motion.flow, result, local)
         problem = _heat_problem(plan, flow, result)
         with result.timed("heat"):
             found, history = problem.solve(plan.policy, state)
             result.history += history
         change, state = float(np.abs(problem.weights * (found - state)).max() / problem.span_of(found)), found
         if change <= allowed:
+            _report_flow(plan, line, flow, result)
             return problem, state
     raise ConvergenceError(
         f"flow and temperatures change each other: after {TURNS} turns theta still changes by {change:.1g} in each; "
