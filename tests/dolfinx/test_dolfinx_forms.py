@@ -15,7 +15,6 @@ from dolfinx_scenes import SCENES
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.developed_flow.problem import DevelopedProblem
 from contbed.fem.dolfinx import on_dolfinx
-from contbed.fem.probe import line_along
 from contbed.loading import from_dict
 from contbed.models import plan as make_plan
 from contbed.packed_bed.run import _flow, _heat_problem
@@ -38,8 +37,7 @@ def problems(name: str):
         return POINTWISE[made.scene.kind](one), POINTWISE[made.scene.kind](other)
     if made.scene.heat is None:
         return _radiation_problem(one), _radiation_problem(other)
-    line = line_along(one.mesh, made.scene.output.positions, made.scene.output.across)
-    flow = None if made.plug else _flow(one, line, None, Result(one))
+    flow = None if made.plug else _flow(one, None, Result(one))
     return _heat_problem(one, flow, Result(one)), _heat_problem(other, flow, Result(other))
 
 
