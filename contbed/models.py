@@ -68,6 +68,7 @@ class Model:
     means : whether the top-level tables of a file make it a scene of this physics
     equations : modules in the package whose docstrings `contbed explain` shows, by name
     compiles : whether its loops are compiled at their first use, which takes a while
+    scatters : whether its results scatter with the start of the particles, so that small changes cannot be told apart
     """
 
     package: str
@@ -75,6 +76,7 @@ class Model:
     means: Callable[[Mapping[str, Any]], bool]
     equations: Mapping[str, str]
     compiles: bool = False
+    scatters: bool = False
 
     def find(self, module: str, name: str) -> Any:
         """Import a module of the package and return its attribute `name`."""
@@ -124,7 +126,7 @@ def _reacts(values: Mapping[str, Any]) -> bool:
 
 # the first that a scene fits; the packed bed takes all others
 MODELS: dict[str, Model] = {
-    "two_fluid": Model("two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "equations"}, True),
+    "two_fluid": Model("two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "equations"}, True, True),
     "fully_developed": Model(
         "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}
     ),
@@ -141,9 +143,14 @@ MODELS: dict[str, Model] = {
         },
     ),
     "particles_gas": Model(
-        "cfd_dem", "GasScene", lambda values: "particles" in values and "gas" in values, {"particles_gas": "gas"}, True
+        "cfd_dem",
+        "GasScene",
+        lambda values: "particles" in values and "gas" in values,
+        {"particles_gas": "gas"},
+        True,
+        True,
     ),
-    "particles": Model("dem", "ParticleScene", _is_particles, {"particles": "network"}, True),
+    "particles": Model("dem", "ParticleScene", _is_particles, {"particles": "network"}, True, True),
     "single_particle": Model(
         "single_particle", "SingleParticleScene", _has("surroundings"), {"single_particle": "equations"}
     ),

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial, wraps
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -102,6 +103,11 @@ class Result:
 
         made: Figure = figure(self, *names, table=table)
         return made
+
+    def gradient(self, qoi: Sequence[str], keys: Sequence[str]) -> Any:
+        """Return derivatives of named results with respect to keys of the scene; see `contbed.design.gradients`."""
+        # found by name, as it stands on top of the runs that make results
+        return import_module("contbed.design.gradients").gradient(self.plan.scene, qoi, keys)
 
     def table(self) -> str:
         """Return the result as a table for a terminal."""

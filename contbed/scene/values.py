@@ -14,11 +14,14 @@ def value_at(scene: Any, key: str) -> Any:
     return scene
 
 
-def with_value(part: Any, path: tuple[Any, ...], value: float) -> Any:
-    """Return the scene or table with one value replaced."""
+def with_value(part: Any, path: tuple[Any, ...], value: Any) -> Any:
+    """Return the scene, table or list with one value replaced."""
     if not path:
         return value
     if isinstance(part, dict):
         return part | {path[0]: with_value(part[path[0]], path[1:], value)}
+    if isinstance(part, tuple):
+        k = path[0]
+        return (*part[:k], with_value(part[k], path[1:], value), *part[k + 1 :])
     changed = with_value(getattr(part, path[0]), path[1:], value)
     return part.model_copy(update={path[0]: changed})

@@ -1,0 +1,146 @@
+"""Gradient of named results with respect to continuous keys of a scene.
+
+Steady scenes of packed beds take the discrete tangent, in which mesh and discretisation stay as they are; all others
+take differences of whole runs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed import fields
+from contbed.design import differences
+from contbed.design.keys import Key, key
+from contbed.errors import SceneError
+from contbed.models import model_of
+from contbed.scene.tables import SceneBase
+
+Array = NDArray[np.float64]
+
+UNSURE = 1e-2  # relative error of a derivative beyond which it is told
+SMALL = 1e-3  # share of the largest derivative of a result, both by relative changes, below which errors are not told
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """Derivatives of named results with respect to keys of a scene, in SI.
+
+    Attributes
+    ----------
+    qoi, keys : names of the results, and dotted keys of the scene
+    values : (n_qoi,) results of the scene
+    at : (n_keys,) values of the keys
+    derivatives : (n_qoi, n_keys)
+    standard_errors : (n_qoi, n_keys) of differences of runs that scatter; None for all others
+    method : "tangent" or "differences"
+    notes : what to know: one-sided derivatives at bounds, derivatives that are not sure
+    """
+
+    qoi: tuple[str, ...]
+    keys: tuple[str, ...]
+    values: Array
+    at: Array
+    derivatives: Array
+    standard_errors: Array | None
+    method: str
+    notes: tuple[str, ...] = ()
+
+    @property
+    def logarithmic(self) -> Array:
+        """Relative derivatives, d ln qoi/d ln key (n_qoi, n_keys) [1]; nan where the result is 0."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found: Array = self.derivatives * self.at / self.values[:, None]
+        found[~np.isfinite(found)] = np.nan
+        return found
+
+
+def gradient(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) -> Gradient:
+    """Return the derivatives of named results with respect to keys of a scene.
+
+    Parameters
+    ----------
+    scene : from `contbed.load`
+    qoi : named results, as in summary.json, "T_fluid_out_K"
+    keys : continuous keys that the scene gives, "bed.porosity", "boundary.left.fluid.inflow", "flow.velocity[1]"
+
+    Raises
+    ------
+    SceneError : a key has no derivative, a result does not exist; with the nearest name
+    ContbedError : the scene, or the scene with a key a little changed, cannot be solved
+    """
+    chosen = [key(scene, name) for name in keys]
+    require_known(qoi)
+    return _by_runs(scene, tuple(qoi), chosen)
+
+
+def require_known(qoi: Sequence[str]) -> None:
+    """Raise SceneError for a name that no run of any scene gives, before anything is solved."""
+    for name in qoi:
+        if fields.result(name) is None:
+            known = [one.replace("PHASE", phase) for one in fields.RESULTS for phase in ("fluid", "solid")]
+            near = get_close_matches(name, known, n=1, cutoff=0.7)
+            hint = f"did you mean {near[0]}?" if near else "summary.json of a run lists those it has"
+            raise SceneError(f"{name}: no result has this name; {hint}")
+
+
+def picked(scene: SceneBase, found: dict[str, Any], qoi: Sequence[str]) -> Array:
+    """Return the named results of a run as numbers (n_qoi,).
+
+    Raises
+    ------
+    SceneError : the run has no such result, or it is not a number
+    """
+    values = []
+    for name in qoi:
+        value = found.get(name)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            numbers = [key for key, one in found.items() if isinstance(one, float) and math.isfinite(one)]
+            near = get_close_matches(name, numbers, n=1)
+            hint = f"did you mean {near[0]}? it has {', '.join(numbers)}" if near else f"it has {', '.join(numbers)}"
+            raise SceneError(f"{scene.origin.name}: {name}: the run has no such number; {hint}")
+        values.append(float(value))
+    return np.array(values)
+
+
+def _by_runs(scene: SceneBase, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
+    from contbed.runner import run
+
+    def results(changed: SceneBase) -> Array:
+        return picked(changed, run(changed).qoi, qoi)
+
+    centre = results(scene)
+    scatters = model_of(scene).scatters
+    find: Callable[..., differences.Slope] = differences.noisy_slope if scatters else differences.slope
+    slopes = [find(scene, one, results, centre) for one in keys]
+    errors = np.array([one.errors for one in slopes]).reshape(len(keys), len(qoi)).T
+    made = Gradient(
+        qoi,
+        tuple(one.name for one in keys),
+        centre,
+        np.array([one.value for one in keys]),
+        np.array([one.values for one in slopes]).reshape(len(keys), len(qoi)).T,
+        errors if scatters else None,
+        "differences",
+        tuple(one.note for one in slopes if one.note),
+    )
+    return made if scatters else _with_unsure(made, errors)
+
+
+def _with_unsure(made: Gradient, errors: Array) -> Gradient:
+    """Add a note for each derivative whose two steps do not agree."""
+    weights = np.abs(made.derivatives * made.at)
+    largest = weights.max(axis=1, keepdims=True) if made.keys else weights
+    unsure = (errors > UNSURE * np.abs(made.derivatives)) & (weights > SMALL * largest)
+    told = [
+        f"d {made.qoi[i]}/d {made.keys[j]} = {made.derivatives[i, j]:.3g} is sure to {errors[i, j]:.1g} only: "
+        "runs with two steps differ"
+        for i, j in np.argwhere(unsure)
+    ]
+    return replace(made, notes=(*made.notes, *told))

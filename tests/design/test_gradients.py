@@ -1,0 +1,126 @@
+"""Gradients: refusals by name, differences of whole runs, common seeds."""
+
+import numpy as np
+import pytest
+from design_scenes import SLIP
+
+import contbed as cb
+from contbed.design import differences
+from contbed.design.gradients import gradient
+from contbed.design.keys import continuous, key
+from contbed.errors import SceneError
+from contbed.loading import loads
+from contbed.scene.values import with_value
+
+OUT = ["T_fluid_out_K"]
+
+
+def test_keys_that_a_scene_gives():
+    names = [one.name for one in continuous(loads(SLIP))]
+    assert names[0] == "mesh.length"
+    assert "boundary.left.fluid.fixed" in names
+    assert "bed.forchheimer" in names
+    assert not {"mesh.cells", "solver.degree", "heat.conductivity_fluid"} & set(names)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("mesh.cells", "line 4|:4: mesh.cells is a whole number"),
+        ("mesh.type", "a choice or a name"),
+        ("bed.shape", "a choice or a name"),
+        ("solver.stabilisation", "true or false"),
+        ("solver.tolerance", "numerical method"),
+        ("bed", "is a table; give one of its keys: porosity"),
+        ("time.end", "is not given in the scene"),
+        ("bed.porosty", "did you mean bed.porosity"),
+        ("bed..porosity", "is not a dotted key"),
+        ("heat.conductivity_solid", "closure's parameters"),
+    ],
+)
+def test_keys_without_a_derivative_are_refused_by_name(name, told):
+    with pytest.raises(SceneError, match=told):
+        gradient(loads(SLIP), OUT, ["bed.porosity", name])
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("T_fluid_out", "did you mean T_fluid_out_K"), ("u_max", "the run has no such number; it has")]
+)
+def test_results_that_a_run_does_not_have_are_refused(name, told):
+    with pytest.raises(SceneError, match=told):
+        gradient(loads(SLIP), [name], ["bed.porosity"])
+
+
+def test_items_of_lists_and_parameters_of_closures_are_keys():
+    scene = loads(SLIP.replace("conductivity = 0.8625", "conductivity = [0.5, 1e-3]"))
+    one = key(scene, "solid.conductivity[1]")
+    assert (one.value, one.on(scene, 2e-3).solid.conductivity) == (1e-3, (0.5, 2e-3))
+    scene = loads(SLIP.replace("nusselt = 12.0", 'nusselt = { name = "power", a = 1.1, b = 0.6 }'))
+    one = key(scene, "heat.nusselt.a")
+    assert one.on(scene, 1.2).heat.nusselt.a == 1.2
+    assert "heat.nusselt.b" in [one.name for one in continuous(scene)]
+
+
+def test_properties_follow_the_temperature_of_a_library_material():
+    text = SLIP.replace(
+        "density = 2000.0\nheat_capacity = 800.0\nconductivity = 0.8625",
+        'material = "alumina"\ntemperature = 600.0\ndensity = 3000.0',
+    )
+    scene = loads(text)
+    other = key(scene, "solid.temperature").on(scene, 700.0)
+    assert other.solid.density == 3000.0
+    assert other.solid.conductivity == loads(text.replace("600.0", "700.0")).solid.conductivity
+    assert other.solid.conductivity != scene.solid.conductivity
+
+
+def test_steps_keep_within_bounds():
+    scene = loads(SLIP)
+    near = differences.steps(scene, key(with_value(scene, ("bed", "porosity"), 0.9999), "bed.porosity"), 1e-3)
+    assert near.sides == (1, -1)
+    assert 0.9999 + 2 * near.size < 1.0
+    at = loads(SLIP.replace("forchheimer = 0.1", "forchheimer = 0.0"))
+    one_sided = differences.steps(at, key(at, "bed.forchheimer"), 1e-3)
+    assert one_sided.sides == (1,)
+    assert "one-sided derivative from above" in one_sided.note
+
+
+def test_differences_of_runs_extrapolate():
+    scene, one = loads(SLIP), key(loads(SLIP), "bed.porosity")
+    found = differences.slope(scene, one, lambda s: np.array([s.bed.porosity**5]), np.array([0.6**5]))
+    assert found.values == pytest.approx(5 * 0.6**4, rel=1e-10)  # the error is of fourth order in a step of 1e-3
+    at = loads(SLIP.replace("forchheimer = 0.1", "forchheimer = 0.0"))
+    found = differences.slope(
+        at, key(at, "bed.forchheimer"), lambda s: np.array([np.exp(s.bed.forchheimer)]), np.array([1.0]), 1e-4
+    )
+    assert found.values == pytest.approx(1.0, rel=1e-6)  # one-sided: second order
+
+
+def test_scatter_of_common_seeds_cancels():
+    class Noise:
+        """Results with noise that depends on the seed and not on the key."""
+
+        def __call__(self, scene):
+            random = np.random.default_rng(scene.initial.seed)
+            return np.array([3.0 * scene.initial.eps_s * (1 + 0.01 * random.normal())])
+
+    from contbed.models import MODELS
+
+    scene = loads(MODELS["two_fluid"].template.read_text(encoding="utf-8"))
+    one = key(scene, "initial.eps_s")
+    noise = Noise()
+    found = differences.noisy_slope(scene, one, noise, noise(scene))
+    # with seeds of their own the scatter would be 0.01 * 3 * 0.6/0.03
+    assert abs(found.values[0] - 3.0) < 4 * found.errors[0]
+    assert 0.0 < found.errors[0] < 0.05
+
+
+def test_pressure_drop_by_its_closed_form():
+    scene = loads(SLIP)
+    result = cb.run(scene)
+    found = result.gradient(["pressure_drop_Pa", *OUT], ["mesh.length", "fluid.viscosity"])
+    # plug flow relative to the bed: mu/K (u - phi u_s) L + quadratic drag
+    drop = result.qoi["pressure_drop_Pa"]
+    assert found.derivatives[0, 0] == pytest.approx(drop / 0.3, rel=1e-8)
+    assert found.logarithmic[0, 0] == pytest.approx(1.0, rel=1e-8)
+    assert found.qoi == ("pressure_drop_Pa", *OUT)
+    assert found.values[0] == drop
