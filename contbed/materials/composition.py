@@ -38,6 +38,11 @@ def mole_fractions(composition: str | Mapping[str, float]) -> dict[str, float]:
     return {species: amount / total for species, amount in amounts.items() if amount > 0.0}
 
 
+def names_in(composition: str) -> tuple[str, ...]:
+    """Return all species that the text of a composition names, those of amount 0 included."""
+    return tuple(name for name, _ in _pairs(composition))
+
+
 def _pairs(text: str) -> list[tuple[str, str]]:
     words = re.split(r"[,;\s]+", re.sub(r"\s*:\s*", ":", text).strip(" ,;\t\n"))
     if len(words) == 1 and words[0] and ":" not in words[0]:

@@ -9,18 +9,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from contbed.packed_bed import scene as s
-from contbed.scene.series import ProfileFile, Samples, Series
+from contbed.scene.schedule import SeriesByKey
+from contbed.scene.series import ProfileFile, Series
 from contbed.scene.toml_lines import KeyPath
 
 VELOCITIES = ("velocity", "velocity_solid")
 VALUES = ("fixed", "inflow", "flux", "ambient")
 PHASES = ("fluid", "solid")
-SAME = 1e-9  # relative distance of two cuts of a run below which they are one
 
 
 def series_of(flow: s.Flow | None, boundary: dict[str, s.Boundary]) -> Iterator[tuple[KeyPath, Series]]:
@@ -74,10 +73,8 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Schedule:
-    """The series of a scene by key; empty for a scene in which nothing changes."""
-
-    samples: dict[KeyPath, Samples]
+class Schedule(SeriesByKey):
+    """The series of a packed bed."""
 
     @classmethod
     def of(cls, flow: s.Flow | None, boundary: dict[str, s.Boundary], base: Path) -> Schedule:
@@ -88,9 +85,6 @@ class Schedule:
         SceneError : a series cannot be used
         """
         return cls({path: series.samples(base) for path, series in series_of(flow, boundary)})
-
-    def __bool__(self) -> bool:
-        return bool(self.samples)
 
     @cached_property
     def flows(self) -> bool:
@@ -121,19 +115,6 @@ class Schedule:
                 "flow": self.frozen_flow(scene.flow, time, before),
                 "boundary": self.frozen_boundary(scene.boundary, time, before),
             }
-        )
-
-    def cuts(self, end: float) -> list[float]:
-        """Return the times from 0 to `end` between which everything is linear in time [s]."""
-        times = sorted({0.0, end, *(t for values in self.samples.values() for t in values.breaks(end))})
-        return [a for a, b in pairwise([*times, 2.0 * end]) if b - a > SAME * end]
-
-    def jumps(self, time: float, among: str = "") -> bool:
-        """Return whether a value jumps at a time; `among` names the table that is looked at, empty for all."""
-        return any(
-            (values.at(time) != values.at(time, before=True)).any()
-            for path, values in self.samples.items()
-            if not among or path[0] == among
         )
 
     def temperatures(self) -> list[float]:

@@ -8,13 +8,15 @@ from typing import Any
 from contbed.closures.binding import is_phase, named
 from contbed.closures.formula import parse_formula, require_names
 from contbed.errors import SceneError
-from contbed.materials.composition import mole_fractions
+from contbed.materials.composition import mole_fractions, names_in
 from contbed.materials.elements import elements_of
 from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.inlet_series import SUM, CompositionSeries, constant
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
 from contbed.reacting_bed.medium import bound, places_of
 from contbed.reacting_bed.problem import gas_sign
+from contbed.reacting_bed.schedule_checks import at_each_time, series_are_usable
 from contbed.reacting_bed.substances import Equation, equations_of
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.names import nearest
@@ -22,7 +24,6 @@ from contbed.scene.toml_lines import KeyPath, Origin
 from contbed.scene.units import base_value, factor_and_offset
 from contbed.scene.values import value_at
 
-SUM = 2e-3  # by which fractions with three digits may miss one
 BALANCED = 1e-6  # atoms per mole of reaction within which an equation balances
 Reactions = dict[str, s.Reaction]
 Boundaries = dict[str, s.Boundary]
@@ -30,7 +31,9 @@ Boundaries = dict[str, s.Boundary]
 
 def compositions_sum_to_one(fluid: Any, solid: s.Solids | None) -> Mistakes:
     """Check that fractions sum to one, where they are no amounts in moles."""
-    given: list[tuple[KeyPath, str | None]] = [(("fluid", "composition"), fluid.composition)]
+    gas = fluid.composition
+    texts = gas.values if isinstance(gas, CompositionSeries) else [gas]
+    given: list[tuple[KeyPath, str | None]] = [(("fluid", "composition"), text) for text in texts]
     if solid is not None:
         given.append((("solid", "composition"), solid.composition))
     for path, text in given:
@@ -141,7 +144,7 @@ def _stoichiometry(name: str, table: s.Reaction) -> Mapping[str, float]:
 def _species_named(fluid: Any, solid: s.Solids | None, reactions: Reactions) -> tuple[set[str], set[str]]:
     """Return names that may be gases, and those that may be solids."""
     try:
-        gases = set(mole_fractions(fluid.composition)) | set(fluid.species)
+        gases = set(names_in(fluid.composition)) | set(fluid.species)
         solids = set() if solid is None else set(solid.constituent)
         if solid is not None and solid.composition is not None:
             solids |= set(mole_fractions(solid.composition))
@@ -229,8 +232,9 @@ def streams_have_a_temperature(
         yield ("flow", key), "no gas flows; give it a value other than 0"
         return
     entry = {"fluid": "left" if gas > 0 else "right"}
-    if flow.velocity_solid:
-        entry["solid"] = "left" if flow.velocity_solid > 0 else "right"
+    moves = constant(flow.velocity_solid)
+    if moves:
+        entry["solid"] = "left" if moves > 0 else "right"
     for name, table in boundary.items():
         if name not in ("left", "right"):
             yield ("boundary", name), f"a line has no such end; {nearest(name, ['left', 'right'])}"
@@ -242,7 +246,7 @@ def streams_have_a_temperature(
     for phase, name in entry.items():
         if (phase == "fluid" or heat is not None) and (name not in boundary or getattr(boundary[name], phase) is None):
             yield ("boundary",), f"the {phase} enters at '{name}': give boundary.{name}.{phase} = {{ inflow = ... }}"
-    if heat is not None and heat.nusselt is None and flow.velocity_solid * gas < 0:
+    if heat is not None and heat.nusselt is None and moves * gas < 0:
         yield (
             ("heat", "nusselt"),
             "missing; gas and particles that move against each other have two temperatures",
@@ -320,16 +324,22 @@ def times_are_in_order(time: s.Time | None, continuation: s.Continuation | None,
 
 
 CHECKS: tuple[Check, ...] = (
+    series_are_usable,
     times_are_in_order,
-    the_parameter_is_a_number,
     compositions_sum_to_one,
-    equations_balance,
-    laws_have_what_they_need,
-    formulas_can_be_read,
-    orders_name_species,
-    steady_states_exist,
-    particles_are_known,
-    streams_have_a_temperature,
+    *(
+        at_each_time(check)
+        for check in (
+            the_parameter_is_a_number,
+            equations_balance,
+            laws_have_what_they_need,
+            formulas_can_be_read,
+            orders_name_species,
+            steady_states_exist,
+            particles_are_known,
+            streams_have_a_temperature,
+        )
+    ),
     heat_fits_the_bed,
     closures_exist,
     particles_fit,

@@ -14,6 +14,7 @@ from contbed.closures.reactions import R_GAS
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.bed import LEAST_T, State
+from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.kinetics import FINEST, Local
 from contbed.reacting_bed.substances import Substances
 from contbed.scene.tables import Closure
@@ -90,7 +91,7 @@ class Medium:
         for path, spec, kind in places_of(scene.bed, scene.heat, scene.mass):
             if named(spec) and not (kind == "conductivity" and is_phase(spec)):
                 found[".".join(path)] = bound(spec, kind, scene.origin.base)
-        return cls(scene, species, scene.flow.velocity_solid, solids_density, with_pressure, found)
+        return cls(scene, species, constant(scene.flow.velocity_solid), solids_density, with_pressure, found)
 
     @property
     def porosity(self) -> float:
@@ -122,7 +123,7 @@ class Medium:
             if wall is not None:
                 per_volume = 4.0 / wall.diameter
                 if wall.flux is not None:
-                    q_wall = wall.flux * per_volume
+                    q_wall = constant(wall.flux) * per_volume
                 else:
                     assert wall.coefficient is not None and wall.ambient is not None
                     q_wall = (wall.coefficient * per_volume) * (wall.ambient - state.T_fluid)

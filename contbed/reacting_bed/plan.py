@@ -12,7 +12,9 @@ from contbed.errors import SceneError
 from contbed.models import described
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.schedule import Schedule, tables_of
 from contbed.reacting_bed.solve import FIRST_CELLS
+from contbed.reacting_bed.substances import substances
 from contbed.scene.toml_lines import KeyPath
 
 TRANSIENT_CELLS = 60  # of one length, through which fronts move
@@ -21,10 +23,11 @@ FIRST_LAYER = 1e-4  # length of the first and last cell over that of the bed
 
 @dataclass(frozen=True)
 class Plan:
-    """The scene, the problem on its first cells and what is built and left out."""
+    """The scene, the problem on its first cells at the start, its series, and what is built and left out."""
 
     scene: s.ReactingScene
     problem: Problem
+    schedule: Schedule
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
@@ -33,7 +36,7 @@ class Plan:
     @property
     def steps(self) -> bool:
         """Whether the run takes time steps that it could go on from."""
-        return False
+        return self.scene.time is not None
 
     @property
     def policy(self) -> Any:
@@ -69,13 +72,28 @@ def plan(scene: s.ReactingScene) -> Plan:
     SceneError : species, reactions or closures cannot be used
     """
     try:
-        problem = Problem.of(scene, first_vertices(scene))
+        schedule = Schedule.of(tables_of(scene), scene.origin.base)
+        problem = _at_start(scene, schedule)
         problem.bed(list(problem.start()[:, 0, 0]), [0.0] * len(problem.layout.names), 0.0)
     except SceneError as error:
         if any(text.startswith((scene.origin.name, "override")) for text in error.problems):
             raise
         raise SceneError([f"{scene.origin.at(_place(text))}: {text}" for text in error.problems]) from None
-    return Plan(scene, problem, *_lists(scene, problem))
+    return Plan(scene, problem, schedule, *_lists(scene, problem, schedule))
+
+
+def _at_start(scene: s.ReactingScene, schedule: Schedule) -> Problem:
+    """Return the problem with the streams at the start; it has a pressure if one of the streams of the run needs it."""
+    species, vertices = substances(scene), first_vertices(scene)
+    problem = Problem.of(schedule.frozen(scene, 0.0), vertices, species)
+    if problem.layout.pressure or scene.flow.pressure_drop == "none":
+        return problem
+    for moment in schedule.moments():
+        if Problem.of(schedule.frozen(scene, moment), vertices, species).layout.pressure:
+            flow = scene.flow.model_copy(update={"pressure_drop": "ergun"})
+            resisted = scene.model_copy(update={"flow": flow})
+            return Problem.of(schedule.frozen(resisted, 0.0), vertices, species)
+    return problem
 
 
 def _place(text: str) -> KeyPath:
@@ -85,7 +103,9 @@ def _place(text: str) -> KeyPath:
     return ("solid",) if "solid" in text and "fluid" not in text else ("fluid",)
 
 
-def _lists(scene: s.ReactingScene, problem: Problem) -> tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...]]:
+def _lists(
+    scene: s.ReactingScene, problem: Problem, schedule: Schedule
+) -> tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...]]:
     layout, species = problem.layout, problem.species
     built = [
         ("cells", f"{problem.line.cells} to begin with, polynomials of degree {scene.solver.degree}"),
@@ -118,6 +138,10 @@ def _lists(scene: s.ReactingScene, problem: Problem) -> tuple[tuple[tuple[str, s
             skipped.append(("films", "no reaction at particles needs them"))
     for reaction in problem.reactions:
         built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else "at the particles"))
+    if schedule:
+        assert scene.time is not None
+        keys = ", ".join(".".join(str(part) for part in path) for path in schedule.samples)
+        built.append(("time series", f"{keys}, in {len(schedule.cuts(scene.time.end)) - 1} pieces"))
     if scene.time is not None:
         skipped.append(("storage in the gas", "the gas holds little beside the particles: it is quasi-steady"))
     return tuple(built), tuple(skipped)

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from contbed.closures.reactions import R_GAS
 from contbed.fem.line_dg import Ends, Line, System
+from contbed.materials.composition import mole_fractions
 from contbed.materials.thermo import T_STANDARD
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.bed import Bed, Layout, State
+from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.kinetics import Reaction, reactions_of
 from contbed.reacting_bed.medium import Medium
 from contbed.reacting_bed.substances import Substances, substances
@@ -46,21 +48,23 @@ class Streams:
 
 
 def streams(scene: s.ReactingScene, species: Substances) -> Streams:
-    """Return the streams that enter a scene."""
+    """Return the streams that enter a scene without series."""
     fluid, flow, solid = scene.fluid, scene.flow, scene.solid
     sign = gas_sign(flow)
     T_gas = inlet_temperature(scene, "fluid", sign)
-    direction = np.sign(flow.velocity_solid) or sign
+    direction = float(np.sign(constant(flow.velocity_solid))) or sign
     T_solid = inlet_temperature(scene, "solid", direction, T_gas)
-    mean = sum(x * species.gases[name].molar_mass for name, x in species.entering.items())
+    assert isinstance(fluid.composition, str)
+    entering = mole_fractions(fluid.composition)
+    mean = sum(x * species.gases[name].molar_mass for name, x in entering.items())
     if flow.mass_flux is not None:
-        moles = flow.mass_flux / mean
+        moles = constant(flow.mass_flux) / mean
     elif flow.molar_flux is not None:
-        moles = flow.molar_flux
+        moles = constant(flow.molar_flux)
     else:
         assert flow.velocity is not None
-        moles = flow.velocity * fluid.pressure / (R_GAS * T_gas)
-    gas = {name: moles * species.entering.get(name, 0.0) for name in species.gases}
+        moles = constant(flow.velocity) * fluid.pressure / (R_GAS * T_gas)
+    gas = {name: moles * entering.get(name, 0.0) for name in species.gases}
     eps = scene.bed.porosity
     density = 0.0
     inside: dict[str, float] = {}
@@ -79,7 +83,7 @@ def streams(scene: s.ReactingScene, species: Substances) -> Streams:
 
 def gas_sign(flow: s.Flow) -> float:
     """Return the direction of the gas along x."""
-    return float(np.sign(flow.mass_flux or flow.molar_flux or flow.velocity or 0.0))
+    return float(np.sign(constant(flow.mass_flux or flow.molar_flux or flow.velocity or 0.0)))
 
 
 def inlet(scene: s.ReactingScene, phase: str, direction: float) -> s.Inlet | None:
@@ -95,8 +99,7 @@ def inlet_temperature(scene: s.ReactingScene, phase: str, direction: float, defa
     if given is None:
         return default
     value = given.inflow if given.inflow is not None else given.fixed
-    assert value is not None
-    return value
+    return constant(value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +156,7 @@ class Problem:
             {name: item.enthalpy for name, item in species.all.items()},
             reactions,
             medium,
-            flow.velocity_solid / (1.0 - eps),
+            constant(flow.velocity_solid) / (1.0 - eps),
             tuple(inert),
             entering.pressure,
             entering.T_gas,
@@ -163,6 +166,15 @@ class Problem:
     def on(self, vertices: Array) -> Problem:
         """Return the problem on other cells."""
         return replace(self, line=Line(vertices, self.line.degree))
+
+    def within(self, scene: s.ReactingScene) -> Problem:
+        """Return the problem with the streams and surroundings of a scene that differs in nothing else."""
+        entering = streams(scene, self.species)
+        speed = constant(scene.flow.velocity_solid)
+        medium = replace(self.bed.medium, scene=scene, velocity_solid=speed)
+        v = speed / (1.0 - scene.bed.porosity)
+        bed = replace(self.bed, medium=medium, velocity_solid=v, p_in=entering.pressure, T_in=entering.T_gas)
+        return replace(self, scene=scene, streams=entering, bed=bed)
 
     def with_strength(self, strength: float) -> Problem:
         """Return the problem with all rates multiplied by a factor."""

@@ -12,20 +12,26 @@ from contbed.reacting_bed.problem import Problem, isothermal_drop
 from contbed.result import Result
 
 LARGE_SMOOTHING = 1e-5  # share of a solid above which a warning tells what was rounded
-RESTART_MAY_CHANGE: tuple[str, ...] = ()
+RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "output")
 
 
 def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
     """Solve and fill the result.
+
+    Parameters
+    ----------
+    folder : where checkpoints go; None for none
+    start : arrays and numbers of a checkpoint to go on from
 
     Raises
     ------
     ConvergenceError : no state is found; the last one is kept, the message names where it fails
     """
     if plan.scene.time is not None:
-        from contbed.reacting_bed.transient import run_transient
+        from contbed.reacting_bed.transient import SMOOTH, Course, run_transient
 
-        run_transient(plan.problem, result, quiet)
+        course = Course(plan.scene, plan.problem.with_small(SMOOTH), plan.schedule)
+        run_transient(course, result, folder, quiet, start)
         return
     report = solve.Report()
     problem = plan.problem

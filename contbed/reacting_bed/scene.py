@@ -11,13 +11,18 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from contbed.reacting_bed.inlet_series import (
+    CompositionOrSeries,
+    MassFluxOrSeries,
+    MolarFluxOrSeries,
+    SpeedOrSeries,
+)
 from contbed.scene.mesh import MeshLine
 from contbed.scene.quantities import (
     Conductivity,
     Density,
     FiniteFloat,
     Fraction,
-    HeatFlux,
     Instant,
     Length,
     Number,
@@ -34,6 +39,7 @@ from contbed.scene.quantities import (
     given_one,
     unit,
 )
+from contbed.scene.series import HeatFluxOrSeries, TemperatureOrSeries
 from contbed.scene.tables import (
     ConductivityOrClosure,
     NamedOrFile,
@@ -51,9 +57,6 @@ MolarEntropy = Annotated[float, *unit("J/mol/K")]
 MolarHeatCapacity = Annotated[float, *unit("J/mol/K"), Field(gt=0)]
 Diffusivity = Annotated[float, *unit("m**2/s"), Field(ge=0)]
 PositiveDiffusivity = Annotated[float, *unit("m**2/s"), Field(gt=0)]
-MassFlux = Annotated[float, *unit("kg/m**2/s")]
-MolarFlux = Annotated[float, *unit("mol/m**2/s")]
-Speed = Annotated[float, *unit("m/s")]
 HeatCapacityOfSolid = Annotated[float, *unit("J/kg/K"), Field(gt=0)]
 Curve = Annotated[tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=4)]
 DiffusivityOrName = Annotated[
@@ -89,7 +92,7 @@ class Substance(Table):
 class Gas(Table):
     """The gas that enters, an ideal gas, and properties of its species."""
 
-    composition: str = Field(description='mole fractions that enter, "CH4:0.975, CO2:0.025"')
+    composition: CompositionOrSeries = Field(description='mole fractions that enter, "CH4:0.975, CO2:0.025"')
     pressure: Pressure = Field(101325.0, description="where the gas enters")
     viscosity: Viscosity | None = Field(None, description="of the mixture, constant")
     conductivity: Conductivity | None = Field(None, description="of the mixture, constant")
@@ -137,10 +140,10 @@ class Bed(Packing):
 class Flow(Table):
     """Streams along x per area of the bed, negative from right to left; give one of the three for the gas."""
 
-    mass_flux: MassFlux | None = Field(None, description="of the gas that enters")
-    molar_flux: MolarFlux | None = Field(None, description="of the gas that enters")
-    velocity: Speed | None = Field(None, description="superficial, of the gas that enters, at its temperature")
-    velocity_solid: Speed = Field(0.0, description="superficial: volume of particles per area and time")
+    mass_flux: MassFluxOrSeries | None = Field(None, description="of the gas that enters")
+    molar_flux: MolarFluxOrSeries | None = Field(None, description="of the gas that enters")
+    velocity: SpeedOrSeries | None = Field(None, description="superficial, of the gas that enters, at its temperature")
+    velocity_solid: SpeedOrSeries = Field(0.0, description="superficial: volume of particles per area and time")
     pressure_drop: Literal["auto", "ergun", "none"] = Field(
         "auto", description="by bed.permeability and bed.forchheimer; auto leaves it out where it is below 0.1 %"
     )
@@ -176,8 +179,8 @@ class Wall(Table):
 
     diameter: Length = Field(description="inner diameter of the tube")
     coefficient: WallCoefficient | None = Field(None, description="on the inner area, to `ambient`")
-    ambient: Temperature | None = None
-    flux: HeatFlux | None = Field(None, description="into the bed, on the inner area")
+    ambient: TemperatureOrSeries | None = None
+    flux: HeatFluxOrSeries | None = Field(None, description="into the bed, on the inner area")
 
     @model_validator(mode="after")
     def _one_way(self) -> Wall:
@@ -191,8 +194,10 @@ class Wall(Table):
 class Inlet(Table):
     """Temperature of a stream that enters."""
 
-    inflow: Temperature | None = Field(None, description="Danckwerts: what enters is known, not the state inside")
-    fixed: Temperature | None = Field(None, description="state inside of the inlet, composition included")
+    inflow: TemperatureOrSeries | None = Field(
+        None, description="Danckwerts: what enters is known, not the state inside"
+    )
+    fixed: TemperatureOrSeries | None = Field(None, description="state inside of the inlet, composition included")
 
     @model_validator(mode="after")
     def _one(self) -> Inlet:
@@ -276,6 +281,7 @@ class Time(Table):
         None, description="of the particles at the start; absent: that of the gas that enters"
     )
     tolerance: Fraction = Field(1e-4, description="local error over typical sizes of the fields, of an order below")
+    checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
 
 
 class Solver(Table):

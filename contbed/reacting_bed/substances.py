@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from contbed.closures.reactions import stoichiometry
@@ -14,6 +15,7 @@ from contbed.materials.elements import elements_of, molar_mass_of
 from contbed.materials.mixture import GasTransport, Mechanism, dippr102, fuller_pair
 from contbed.materials.thermo import T_STANDARD, ConstantHeatCapacity, Shomate, Thermo, species_of
 from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.inlet_series import CompositionSeries
 from contbed.reacting_bed.laws import LAWS_WITH_EQUATION
 from contbed.scene.mechanism import find_mechanism
 
@@ -57,7 +59,7 @@ def equations_of(name: str, reaction: s.Reaction) -> dict[str, Equation]:
 
 @dataclass(frozen=True)
 class Substances:
-    """All species of a scene. `entering` mole fractions of the gas, `fed` mass fractions of the solids."""
+    """All species of a scene. `entering` mole fractions of the gas at the start, `fed` mass fractions of the solids."""
 
     gases: dict[str, Thermo]
     solids: dict[str, Thermo]
@@ -80,7 +82,7 @@ def substances(scene: s.ReactingScene) -> Substances:
     SceneError : data of a species are missing
     """
     fluid, solid = scene.fluid, scene.solid
-    entering = mole_fractions(fluid.composition)
+    entering = entering_fractions(fluid.composition, scene.origin.base)
     fed = {} if solid is None or solid.composition is None else mole_fractions(solid.composition)
     equations = [e for name, table in scene.reactions.items() for e in equations_of(name, table).values()]
     named = {name for equation in equations for name in equation.stoichiometry}
@@ -115,6 +117,19 @@ def substances(scene: s.ReactingScene) -> Substances:
         if solid is not None and (table := solid.constituent.get(name)) is not None and table.density is not None
     }
     return Substances(gases, found, entering, fed, _transport(scene, gases, mechanism), skeletal)
+
+
+def entering_fractions(composition: Any, base: Path) -> dict[str, float]:
+    """Return the mole fractions that enter, at the start; a series has all of its species, also those that enter later.
+
+    Raises
+    ------
+    SceneError : the composition or its file cannot be used
+    """
+    if not isinstance(composition, CompositionSeries):
+        return mole_fractions(composition)
+    names, _, table, _ = composition.fractions(base)
+    return dict(zip(names, (float(x) for x in table[0]), strict=True))
 
 
 def solids_tables(scene: s.ReactingScene) -> tuple[str, ...]:

@@ -1,79 +1,116 @@
 """Steps in time of a reacting bed: particles store moles and heat, the gas follows at once.
 
-    d/dt C(u) + R(u) = 0,    C what particles hold per volume of bed, zero for equations of the gas
+    d/dt C(u) + R(u, t) = 0,    C what particles hold per volume of bed, zero for equations of the gas
 
 Two stages of an L-stable diagonally implicit method of order 2 with gamma = 1 - 1/sqrt(2), written for C:
 
-    C(U1) = C_n - gamma dt R(U1),    C(u) = C_n - (1 - gamma) dt R(U1) - gamma dt R(u)
+    C(U1) = C_n - gamma dt R(U1, t + gamma dt),
+    C(u) = C_n - (1 - gamma) dt R(U1, t + gamma dt) - gamma dt R(u, t + dt)
 
 What is stored is exactly what has passed the ends, weighted as the stages are. Steps follow the difference to a method
-of order 1, filtered by the matrix of the last stage.
+of order 1, filtered by the matrix of the last stage. None crosses a jump or kink of a series: streams that enter have
+at each stage the values of its time, and those before a jump where it ends there.
 
 Source: Alexander 1977, SIAM J. Numer. Anal. 14, 1006-1021, doi:10.1137/0714068.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import time as clock
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.balance import Balance
 from contbed.errors import ConvergenceError
 from contbed.fem.line_blocks import Factors
 from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
+from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.schedule import Schedule
+from contbed.reacting_bed.transient_results import contents, fill
 from contbed.result import Result
+from contbed.scene.identity import identity
 
 Array = NDArray[np.float64]
+Save = Callable[[History], None]
 GAMMA = 1.0 - 0.5**0.5
 SMOOTH = 1e-5  # share of a solid that is left, below which its powers are straight lines
-FIRST_STEP = 1e-5  # of the whole time
+FIRST_STEP = 1e-5  # of the whole time, at the start and after a jump
 SHORTEST_STEP = 1e-12  # of the whole time, below which a run is given up
 SAFETY, MOST_GROWTH, LEAST_GROWTH = 0.8, 2.5, 0.2
+SHORTER = 0.25  # of a step that does not converge
 
 
-@dataclass
-class History:
-    """What a run has passed: state, time, totals through the ends and outlet over time."""
+@dataclass(frozen=True)
+class Course:
+    """The bed of a scene in the course of a run, whose series have the values of a time; `problem` is at the start."""
 
-    u: Array
-    time: float = 0.0
-    steps: int = 0
-    passed: Array = field(default_factory=lambda: np.zeros(0))  # integral of the fluxes at both ends, (m, 2)
-    sources: Array = field(default_factory=lambda: np.zeros(0))  # integral of the sources, (m,)
-    outlet: list[dict[str, float]] = field(default_factory=list)
+    scene: s.ReactingScene
+    problem: Problem
+    schedule: Schedule
+
+    @property
+    def time(self) -> s.Time:
+        """The [time] table."""
+        assert self.scene.time is not None
+        return self.scene.time
+
+    def at(self, time: float, before: bool = True) -> Problem:
+        """Return the problem at a time [s], at a jump that `before` it or just after it."""
+        if not self.schedule:
+            return self.problem
+        return self.problem.within(self.schedule.frozen(self.scene, time, before))
+
+    def stops(self) -> list[float]:
+        """Return the times at which a step ends: output times, and jumps and kinks of the series [s]."""
+        time = self.time
+        found: list[float] = []
+        for stop in sorted({*output_times(time), *self.schedule.cuts(time.end)} - {0.0}):
+            if not found or stop - found[-1] > SAME * stop:
+                found.append(stop)
+        return found
 
 
-def run_transient(problem: Problem, result: Result, quiet: bool) -> None:
-    """Take steps to the end and fill the result.
+def run_transient(
+    course: Course, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None
+) -> None:
+    """Take steps to the end and fill the result; the checkpoint in `folder` always holds an accepted step.
 
     Raises
     ------
     ConvergenceError : steps become ever smaller
+    SceneError : the checkpoint does not fit the output times
     """
-    time = problem.scene.time
-    assert time is not None
-    problem = problem.with_small(SMOOTH)
+    time, origin = course.time, course.scene.origin
     report = solve.Report()
-    start = problem.start(time.initial_temperature or problem.streams.T_gas)
-    m = len(problem.layout.names)
-    history = History(start, passed=np.zeros((m, 2)), sources=np.zeros(m))
-    held = contents(problem, start)
-    snapshots: list[tuple[float, Array]] = []
-    stops = sorted({*time.times, time.end} - {0.0})
-    dt = FIRST_STEP * time.end
+    history = begin(course) if start is None else History.unpack(*start).fitted(time, origin)
+    label = identity(course.scene) if folder is not None else {}
+
+    def save() -> None:
+        if folder is not None:
+            from contbed.output import checkpoint
+
+            arrays, meta = history.pack()
+            checkpoint.save(folder, arrays, meta | {"identity": label})
+
+    saved = clock.monotonic()
     try:
         with result.timed("bed"), Progress(time.end, "s", quiet) as progress:
-            for stop in stops:
-                dt = advance(problem, history, stop, dt, report)
+            for after in march(course, history, report):
+                history = after
                 progress.advance_to(history.time)
-                snapshots.append((history.time, history.u))
+                if clock.monotonic() - saved >= time.checkpoint_every:
+                    save()
+                    saved = clock.monotonic()
     except ConvergenceError as error:
         raise ConvergenceError(
-            f"{problem.scene.origin.name}: {error} at t = {history.time:.4g} s; use more mesh.cells, or smooth a rate "
+            f"{origin.name}: {error} at t = {history.time:.4g} s; use more mesh.cells, or smooth a rate "
             "whose slope is infinite where nothing is left",
             report.history,
             history.u,
@@ -81,108 +118,135 @@ def run_transient(problem: Problem, result: Result, quiet: bool) -> None:
     finally:
         result.history += report.history[-50:]
         if history.steps:
-            _fill(problem, history, snapshots or [(history.time, history.u)], held, result)
+            fill(course.at, history, result)
+        save()
 
 
-def advance(problem: Problem, history: History, stop: float, dt: float, report: solve.Report) -> float:
-    """Take steps to a time; the length of the next step is returned."""
-    time = problem.scene.time
-    assert time is not None
-    while history.time < stop * (1.0 - 1e-13):
+def begin(course: Course) -> History:
+    """Return the history at the start of a run."""
+    problem = course.at(0.0, before=False)
+    time = course.time
+    u = problem.start(time.initial_temperature or problem.streams.T_gas)
+    m = len(u)
+    return History(u, FIRST_STEP * time.end, contents(problem, u), np.zeros((m, 2)), np.zeros(m))
+
+
+def march(course: Course, history: History, report: solve.Report) -> Iterator[History]:
+    """Yield the histories after each accepted step to the end of the run.
+
+    Raises
+    ------
+    ConvergenceError : steps become ever smaller
+    """
+    time = course.time
+    outputs = output_times(time)
+    for stop in course.stops():
+        while history.time < stop * (1.0 - SAME):
+            history = advanced(course, history, stop, report)
+            if history.time == stop and stop in outputs:
+                history = replace(history, kept={**history.kept, stop: history.u})
+            yield history
+
+
+def advanced(course: Course, history: History, stop: float, report: solve.Report) -> History:
+    """Return the history after the longest step towards a time that its error allows.
+
+    Raises
+    ------
+    ConvergenceError : steps become ever smaller
+    """
+    time = course.time
+    shortest = SHORTEST_STEP * time.end
+    dt, u = history.dt, history.u
+    if course.schedule and history.time > 0.0 and course.schedule.jumps(history.time):
+        dt = min(dt, FIRST_STEP * time.end)
+        u = turned(course.at(history.time, before=False), u)
+    while True:
         step = min(dt, stop - history.time)
-        if step < SHORTEST_STEP * time.end and stop - history.time > 2.0 * step:
+        if step < shortest and stop - history.time > 2.0 * step:
             raise ConvergenceError("steps in time become ever smaller")
+        problems = (course.at(history.time + GAMMA * step), course.at(history.time + step))
         try:
-            first, last, error = stages(problem, history.u, step, report)
+            first, last, error = stages(problems, history.u, u, step, report)
         except ConvergenceError:
-            dt = 0.25 * step
-            if dt < SHORTEST_STEP * time.end:
+            dt = SHORTER * step
+            if dt < shortest:
                 raise
             continue
         growth = SAFETY * (time.tolerance / max(error, 1e-300)) ** 0.5
         if error > time.tolerance and growth < 1.0:
             dt = step * max(growth, LEAST_GROWTH)
             continue
-        fluxes = [problem.system.fluxes(u)[:, [0, -1]] for u in (first, last)]
-        sources = [problem.system.sources(u) for u in (first, last)]
-        history.passed = history.passed + step * ((1.0 - GAMMA) * fluxes[0] + GAMMA * fluxes[1])
-        history.sources = history.sources + step * ((1.0 - GAMMA) * sources[0] + GAMMA * sources[1])
-        history.u, history.time, history.steps = last, history.time + step, history.steps + 1
-        history.outlet.append(_outlet(problem, history, fluxes[1]))
-        dt = max(dt, step) * min(max(growth, LEAST_GROWTH), MOST_GROWTH) if step == dt else dt
-    history.time = stop
-    return dt
+        later = dt * min(max(growth, LEAST_GROWTH), MOST_GROWTH) if step == dt else dt
+        end = history.time + step
+        end = stop if end >= stop * (1.0 - SAME) else end
+        return _passed(history, problems, (first, last), step, end, later)
 
 
-def stages(problem: Problem, u: Array, dt: float, report: solve.Report) -> tuple[Array, Array, float]:
-    """Return both stages of a step and the estimate of its local error over typical sizes."""
-    store = solve.Storage(problem, np.zeros_like(u), GAMMA * dt, loose=False)
-    before = store.content(u, False)[0]
-    one = solve.Storage(problem, before, GAMMA * dt, loose=False)
-    first = solve.newton(problem, u, report, one, most=solve.FIRST_ITERATIONS)
-    slope = (store.content(first, False)[0] - before) / (GAMMA * dt)
+def _passed(
+    history: History, problems: tuple[Problem, Problem], states: tuple[Array, Array], step: float, end: float, dt: float
+) -> History:
+    """Return the history after a step; its weights are those of the stages, so that totals close to rounding."""
+    passed, sources, carried = history.passed, history.sources, history.carried
+    fluxes = history.passed
+    for problem, u, weight in zip(problems, states, (1.0 - GAMMA, GAMMA), strict=True):
+        fluxes = problem.system.fluxes(u)[:, [0, -1]]
+        passed = passed + step * weight * fluxes
+        sources = sources + step * weight * problem.system.sources(u)
+        if problem.layout.temperatures:
+            carried += step * weight * results.heat_carried(problem, u)
+    row = outlet(problems[1], states[1], fluxes, end)
+    return replace(
+        history,
+        u=states[1],
+        time=end,
+        dt=dt,
+        steps=history.steps + 1,
+        passed=passed,
+        sources=sources,
+        carried=carried,
+        columns=tuple(row),
+        outlet=(*history.outlet, tuple(row.values())),
+    )
+
+
+def turned(problem: Problem, u: Array) -> Array:
+    """Return a first guess after a jump of the streams: the gas with its new flux, as hot as it was."""
+    names, out = problem.layout.names, u.copy()
+    gas = [k for k, name in enumerate(names) if name.startswith("g_")]
+    out[gas] *= sum(problem.streams.gas.values()) / u[gas].sum(axis=0).mean()
+    return out
+
+
+def stages(
+    problems: tuple[Problem, Problem], u: Array, guess: Array, dt: float, report: solve.Report
+) -> tuple[Array, Array, float]:
+    """Return both stages of a step from a state, and the estimate of its local error over typical sizes.
+
+    problems : at the times of the stages; guess : of the first
+    """
+    one, two = (solve.Storage(problem, np.zeros_like(u), GAMMA * dt, loose=False) for problem in problems)
+    before = one.content(u, False)[0]
+    one = solve.Storage(problems[0], before, GAMMA * dt, loose=False)
+    first = solve.newton(problems[0], guess, report, one, most=solve.FIRST_ITERATIONS)
+    slope = (one.content(first, False)[0] - before) / (GAMMA * dt)
     target = before + (1.0 - GAMMA) * dt * slope
-    two = solve.Storage(problem, target, GAMMA * dt, loose=False)
-    last = solve.newton(problem, first, report, two, most=solve.FIRST_ITERATIONS)
-    change = slope - (store.content(last, False)[0] - target) / (GAMMA * dt)
-    line = problem.line
+    two = solve.Storage(problems[1], target, GAMMA * dt, loose=False)
+    last = solve.newton(problems[1], first, report, two, most=solve.FIRST_ITERATIONS)
+    change = slope - (two.content(last, False)[0] - target) / (GAMMA * dt)
+    line = problems[1].line
     difference = (0.5 - GAMMA) / GAMMA * change * line.weights * line.h[:, None]
-    _, blocks = problem.system.assemble(last)
+    _, blocks = problems[1].system.assemble(last)
     blocks[1][...] += two(last, True)[1]
-    filtered = Factors(blocks).solve(difference) / problem.sizes[:, None, None]
+    filtered = Factors(blocks).solve(difference) / problems[1].sizes[:, None, None]
     return first, last, float(np.abs(filtered).max())
 
 
-def contents(problem: Problem, u: Array) -> Array:
-    """Return what the bed holds by equation, per area (m,)."""
-    held = solve.Storage(problem, np.zeros_like(u), 1.0).content(u, False)[0]
-    line = problem.line
-    total: Array = np.einsum("ecj,j,c->e", held, line.weights, line.h)
-    return total
-
-
-def _outlet(problem: Problem, history: History, fluxes: Array) -> dict[str, float]:
+def outlet(problem: Problem, u: Array, fluxes: Array, time: float) -> dict[str, float]:
+    """Return what leaves with the gas at a time; `fluxes` (m, 2) of all equations through both ends."""
     end = -1 if problem.streams.ahead else 0
     gas = {name: fluxes[k, end] for k, name in enumerate(problem.layout.gases)}
     total = sum(gas.values())
-    state = results.values_at(problem, history.u, problem.line.vertices[[0, -1]])
+    state = results.values_at(problem, u, problem.line.vertices[[0, -1]])
     T = float(np.broadcast_to(state.T_fluid, (2,))[end])
-    return {"t [s]": history.time, "T_fluid [K]": T} | {f"x_{k} [1]": float(g / total) for k, g in gas.items()}
-
-
-def _fill(
-    problem: Problem, history: History, snapshots: list[tuple[float, Array]], held: Array, result: Result
-) -> None:
-    """Fill in results at the end, profiles at the output times, the outlet over time and totals of the run."""
-    results.fill(problem, history.u, result, transient=True)
-    tables = [(t, results.profiles(problem, u)) for t, u in snapshots]
-    result.profiles = {"t [s]": np.concatenate([np.full(len(c["x [m]"]), t) for t, c in tables])}
-    result.profiles |= {key: np.concatenate([c[key] for _, c in tables]) for key in tables[0][1]}
-    result.tables["outlet"] = {key: np.array([row[key] for row in history.outlet]) for key in history.outlet[0]}
-    result.qoi |= {"time_steps": history.steps, "time_reached_s": history.time, "cells": problem.line.cells}
-    gain = contents(problem, history.u) - held
-    names = problem.layout.names
-    inward = history.passed * np.array([1.0, -1.0])
-    for element in dict.fromkeys(e for item in problem.species.all.values() for e in item.composition):
-        atoms = np.zeros(len(names))
-        for k, name in enumerate(names):
-            if name[:2] in ("g_", "n_"):
-                atoms[k] = problem.species.all[name[2:]].composition.get(element, 0.0)
-        parts = (inward * atoms[:, None]).ravel()
-        entering, leaving = parts[parts > 0].sum(), -parts[parts < 0].sum()
-        stored = float(gain @ atoms)
-        scale = max(entering, float(np.abs(gain * atoms).max()))
-        if scale > 0.0:
-            result.balances[element] = Balance(
-                float(entering), float(leaving), "mol/m2", stored=stored, scale=float(scale)
-            ).as_dict()
-    heat = [k for k, name in enumerate(names) if name in problem.layout.temperatures]
-    if heat:
-        wall = float(history.sources[heat].sum())
-        parts = inward[heat].ravel()
-        stored = float(gain[heat].sum())
-        carried = results.heat_carried(problem, history.u) * history.time
-        scale = max(carried, abs(wall), abs(stored))
-        result.balances["energy"] = Balance.of_fluxes(
-            [float(part) for part in parts], "J/m2", wall, stored, floor=scale
-        ).as_dict()
+    return {"t [s]": time, "T_fluid [K]": T} | {f"x_{k} [1]": float(g / total) for k, g in gas.items()}

@@ -63,6 +63,19 @@ class Series(Table):
             times = table.column(table.name_in("s"), "s")
             values = table.column(self.column or table.name_in(self.quantity), self.quantity)
             where = [f"{table.path.name}:{line}: " for line in table.lines]
+        if self.quantity == "K" and np.min(values, initial=1.0) <= 0.0:
+            raise SceneError(
+                f"{where[int(np.argmin(values.ravel()))]}a temperature of {values.min():g} K; it must be > 0"
+            )
+        return self.checked(times, values, where)
+
+    def checked(self, times: Array, values: Array, where: list[str]) -> Samples:
+        """Return times and values that were read; `where` begins the message about each time.
+
+        Raises
+        ------
+        SceneError : times do not increase from 0, or lie beyond the period
+        """
         if times[0] != 0.0:
             raise SceneError(f"{where[0]}the first time is {times[0]:g} s; a series begins at 0 s")
         late = np.flatnonzero(np.diff(times) <= 0.0)
@@ -71,10 +84,6 @@ class Series(Table):
             raise SceneError(f"{where[k]}times must increase: {times[k]:g} s comes after {times[k - 1]:g} s")
         if self.period is not None and times[-1] > self.period:
             raise SceneError(f"{where[-1]}{times[-1]:g} s lies beyond the period of {self.period:g} s")
-        if self.quantity == "K" and np.min(values, initial=1.0) <= 0.0:
-            raise SceneError(
-                f"{where[int(np.argmin(values.ravel()))]}a temperature of {values.min():g} K; it must be > 0"
-            )
         return Samples(times, values, self.form, self.period)
 
 

@@ -6,6 +6,10 @@ import csv
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from scipy.integrate import quad
+from scipy.special import ive
+
 R_GAS = 8.31446261815324
 T, P = 500.0, 1e5  # [K], [Pa]
 MOLAR = P / (R_GAS * T)  # [mol/m3]
@@ -178,3 +182,28 @@ def fixed_bed(law: str, f: float, d: float, r: float, xi: float, tau: float) -> 
     if "mass" in cores:
         scene["mass"] = cores["mass"]
     return scene
+
+
+def schumann(xi: float, eta: float) -> float:
+    """Gas temperature after a step of the inlet, theta = 1 - e^-xi int_0^xi ... (Schumann 1929)."""
+    if eta <= 0.0:
+        return float(np.exp(-xi))
+    inner = quad(lambda z: np.exp(-((np.sqrt(z) - np.sqrt(eta)) ** 2)) * ive(0, 2.0 * np.sqrt(z * eta)), 0.0, xi)[0]
+    return float(1.0 - inner)
+
+
+def heated(xi: float) -> tuple[dict[str, Any], float]:
+    """A bed of xi transfer units at 300 K in a gas of 600 K, and eta = h a t/C_solid per second."""
+    cp, rho_s, c_s, G, L, d = 30.0, 2000.0, 800.0, 0.5, 0.2, 3e-3
+    gases = species(A=0.028)
+    gases["A"] |= {"heat_capacity": cp, "enthalpy": 0.0}
+    scene = isothermal("A:1", gases)
+    scene["fluid"] |= {"conductivity": 0.03, "viscosity": 2e-5}
+    scene["mesh"]["length"] = L
+    scene["flow"] = {"mass_flux": G, "pressure_drop": "none"}
+    scene["boundary"] = {"left": {"fluid": {"inflow": 600.0}}}
+    scene["solid"] = {"density": rho_s, "heat_capacity": c_s}
+    ha = xi * G * cp / 0.028 / L
+    scene["heat"] = {"nusselt": ha / (6.0 * 0.6 / d) * d / 0.03}
+    scene["time"] = {"initial_temperature": 300.0}
+    return scene, ha / (0.6 * rho_s * c_s)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import fixed_bed, isothermal, species, table
-from scipy.integrate import quad
-from scipy.special import ive
+from reacting_bed_scenes import fixed_bed, heated, schumann, table
 
 import contbed
 from contbed.loading import from_dict
@@ -42,29 +40,9 @@ def test_gas_and_conversion_in_beds_at_rest(row):
     compared(row)
 
 
-def schumann(xi, eta):
-    """Gas temperature after a step of the inlet, theta = 1 - e^-xi int_0^xi ... (Schumann 1929)."""
-    inner = quad(lambda z: np.exp(-((np.sqrt(z) - np.sqrt(eta)) ** 2)) * ive(0, 2.0 * np.sqrt(z * eta)), 0.0, xi)[0]
-    return 1.0 - inner
-
-
 def test_heating_of_a_bed_by_a_gas():
-    cp, rho_s, c_s, G, L = 30.0, 2000.0, 800.0, 0.5, 0.2
-    gases = species(A=0.028)
-    gases["A"] |= {"heat_capacity": cp, "enthalpy": 0.0}
-    scene = isothermal("A:1", gases)
-    scene["fluid"] |= {"conductivity": 0.03, "viscosity": 2e-5}
-    scene["mesh"]["length"] = L
-    scene["flow"] = {"mass_flux": G, "pressure_drop": "none"}
-    scene["boundary"] = {"left": {"fluid": {"inflow": 600.0}}}
-    scene["solid"] = {"density": rho_s, "heat_capacity": c_s}
-    capacity = G * cp / 0.028  # of the gas [W/m2/K]
-    xi = 4.0
-    ha = xi * capacity / L
-    a, d = 6.0 * 0.6 / 3e-3, 3e-3
-    scene["heat"] = {"nusselt": ha / a * d / 0.03}
-    end = 5.0 * 0.6 * rho_s * c_s / ha  # eta = 5
-    scene["time"] = {"end": end, "initial_temperature": 300.0}
+    scene, eta_per_s = heated(4.0)
+    scene["time"]["end"] = 5.0 / eta_per_s
     result = contbed.run(from_dict(scene))
     theta = (result.qoi["T_fluid_out_K"] - 300.0) / 300.0
     assert theta == pytest.approx(schumann(4.0, 5.0), abs=1e-4)

@@ -1,0 +1,87 @@
+"""What a transient run of a reacting bed has passed: its state and totals, and how they are kept in a checkpoint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import SceneError
+from contbed.reacting_bed.scene import Time
+from contbed.scene.toml_lines import Origin
+
+Array = NDArray[np.float64]
+SAME = 1e-12  # relative distance below which two times are the same
+ARRAYS = ("u", "held", "passed", "sources")
+NUMBERS = ("time", "dt", "steps", "carried")
+
+
+@dataclass(frozen=True)
+class History:
+    """State of a run and its integrals over time; a step returns a new one.
+
+    u : (m, N, p + 1) unknowns; dt : length of the next step [s]
+    held : (m,) what the bed held at the start; passed : (m, 2) integrals of the fluxes through both ends, along x
+    sources : (m,) integrals of the sources; carried : integral of the heat of all streams above 298.15 K [J/m2]
+    outlet : (steps, columns) of the outlet over time, `columns` their names
+    kept : states at output times
+    """
+
+    u: Array
+    dt: float
+    held: Array
+    passed: Array
+    sources: Array
+    carried: float = 0.0
+    time: float = 0.0
+    steps: int = 0
+    columns: tuple[str, ...] = ()
+    outlet: tuple[tuple[float, ...], ...] = ()
+    kept: Mapping[float, Array] = field(default_factory=dict)
+
+    def pack(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the arrays and numbers of a checkpoint."""
+        arrays = {name: getattr(self, name) for name in ARRAYS}
+        arrays |= {"outlet": np.array(self.outlet), "times": np.array([*self.kept])}
+        arrays |= {"kept": np.array([*self.kept.values()])}
+        return arrays, {name: getattr(self, name) for name in NUMBERS} | {"columns": list(self.columns)}
+
+    @classmethod
+    def unpack(cls, arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> History:
+        """Restore a history from a checkpoint."""
+        return cls(
+            **{name: arrays[name] for name in ARRAYS},
+            **{name: meta[name] for name in NUMBERS},
+            columns=tuple(meta["columns"]),
+            outlet=tuple(tuple(row) for row in arrays["outlet"].tolist()),
+            kept=dict(zip(arrays["times"].tolist(), arrays["kept"], strict=True)),
+        )
+
+    def fitted(self, time: Time, where: Origin) -> History:
+        """Return the history as if the run had been asked for this end and these output times from its start.
+
+        Raises
+        ------
+        SceneError : an output time has passed and was not kept, or the end has passed
+        """
+        if time.end < self.time * (1 - SAME):
+            text = f"lies before {self.time:g} s, which the checkpoint has reached"
+            raise SceneError(f"{where.at(('time', 'end'))}: time.end = {time.end:g}: {text}")
+        passed = [t for t in output_times(time) if t <= self.time * (1 + SAME)]
+        missing = [t for t in passed if t not in self.kept and abs(t - self.time) > SAME * t]
+        if missing:
+            text = f"{missing[0]:g} s lies before {self.time:g} s, which the checkpoint has reached, and was not kept"
+            raise SceneError(f"{where.at(('time', 'times'))}: time.times: {text}")
+        return replace(self, kept={t: self.kept.get(t, self.u) for t in passed})
+
+    def table(self) -> dict[str, Array]:
+        """Return the outlet over time by column."""
+        return dict(zip(self.columns, np.array(self.outlet).T, strict=True))
+
+
+def output_times(time: Time) -> Sequence[float]:
+    """Return the times at which profiles are kept, the end included [s]."""
+    return sorted({*time.times, time.end} - {0.0})

@@ -1,0 +1,87 @@
+"""What changes in the course of a run of a reacting bed: streams that enter and surroundings of the wall.
+
+A run is cut at every jump and kink of its series, so that no time step crosses one; between two cuts all values are
+linear in time, and each stage of a step takes those of its own time. A scene `frozen` at a time has numbers in place of
+all series.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.inlet_series import CompositionSeries
+from contbed.scene.quantities import Table
+from contbed.scene.schedule import SeriesByKey
+from contbed.scene.series import Series
+from contbed.scene.toml_lines import KeyPath
+from contbed.scene.values import with_value
+
+TABLES = ("fluid", "flow", "boundary", "wall")  # that may hold series
+
+
+def series_of(part: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Series]]:
+    """Yield key and series of everything in the tables of a scene that changes with time."""
+    if isinstance(part, Series):
+        yield path, part
+    elif isinstance(part, Mapping):
+        for name, item in part.items():
+            yield from series_of(item, (*path, name))
+    elif isinstance(part, Table):
+        for name in type(part).model_fields:
+            yield from series_of(getattr(part, name), (*path, name))
+
+
+def tables_of(scene: s.ReactingScene) -> dict[str, Any]:
+    """Return the tables of a scene that may hold series."""
+    return {name: getattr(scene, name) for name in TABLES}
+
+
+@dataclass(frozen=True)
+class Schedule(SeriesByKey):
+    """The series of a scene. `species` are the columns of the series of compositions by key."""
+
+    species: dict[KeyPath, tuple[str, ...]]
+
+    @classmethod
+    def of(cls, tables: Mapping[str, Any], base: Path) -> Schedule:
+        """Read the series of the tables of a scene in the folder `base`.
+
+        Raises
+        ------
+        SceneError : a series cannot be used
+        """
+        found = dict(series_of(tables))
+        names = {path: item.fractions(base)[0] for path, item in found.items() if isinstance(item, CompositionSeries)}
+        return cls({path: item.samples(base) for path, item in found.items()}, names)
+
+    def at(self, tables: Mapping[str, Any], time: float, before: bool = False) -> dict[str, Any]:
+        """Return the tables with the values at a time, just after or `before` a jump."""
+        found: Any = dict(tables)
+        for path, samples in self.samples.items():
+            value = samples.at(time, before)
+            names = self.species.get(path)
+            found = with_value(found, path, float(value) if names is None else _text(names, value))
+        return dict(found)
+
+    def frozen(self, scene: s.ReactingScene, time: float, before: bool = False) -> s.ReactingScene:
+        """Return the scene with the values at a time, just after or `before` a jump."""
+        if not self:
+            return scene
+        return scene.model_copy(update=self.at(tables_of(scene), time, before))
+
+    def moments(self) -> list[float]:
+        """Return all times of the series [s]."""
+        return sorted({float(t) for samples in self.samples.values() for t in samples.times})
+
+    def shortest(self, end: float) -> float:
+        """Return the shortest time between two cuts of a run to `end` [s]."""
+        return min(b - a for a, b in pairwise(self.cuts(end)))
+
+
+def _text(names: tuple[str, ...], fractions: Any) -> str:
+    return ", ".join(f"{name}:{float(x)!r}" for name, x in zip(names, fractions, strict=True))

@@ -1,0 +1,101 @@
+"""Checks of what changes in the course of a run: series, and other checks at each of their times."""
+
+from __future__ import annotations
+
+import inspect
+from functools import wraps
+from itertools import pairwise
+from typing import Any
+
+from contbed.errors import SceneError
+from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.problem import gas_sign
+from contbed.reacting_bed.schedule import TABLES, Schedule, series_of
+from contbed.scene.checking import Check, Mistakes, See
+from contbed.scene.toml_lines import Origin
+
+Boundaries = dict[str, s.Boundary]
+MOST_CUTS = 100_000  # jumps and kinks of one series in a run; each takes some milliseconds
+FLOWS = ("mass_flux", "molar_flux", "velocity")
+SOLID_FLOW = "velocity_solid"
+
+
+def series_are_usable(
+    fluid: Any,
+    flow: s.Flow,
+    wall: s.Wall | None,
+    boundary: Boundaries,
+    time: s.Time | None,
+    see: See,
+    origin: Origin,
+) -> Mistakes:
+    """Check that series can be read, begin at 0 and last as long as the run, and that the gas never stops."""
+    tables = {"fluid": fluid, "flow": flow, "boundary": boundary, "wall": wall}
+    for path, series in series_of(tables):
+        if time is None:
+            yield path, "changes with time, and the scene is steady; add a [time] table, or give one number"
+            continue
+        try:
+            samples = series.samples(origin.base)
+        except SceneError as error:
+            yield path, str(error)
+            continue
+        if not samples.reaches(time.end):
+            last = f"ends at {samples.times[-1]:g} s, before the run; give a later value, or a period"
+            yield path, f"{last}; see {see('time.end')}"
+        if samples.period is not None and time.end / samples.period * len(samples.times) > MOST_CUTS:
+            yield path, f"repeats more than {MOST_CUTS / len(samples.times):.0f} times until {see('time.end')}"
+        if path[0] == "flow":
+            yield from _flow_keeps_its_sign(path, samples)
+
+
+def _flow_keeps_its_sign(path: Any, samples: Any) -> Mistakes:
+    values = [float(value) for value in samples.values]
+    if path[-1] in FLOWS and 0.0 in values:
+        moment = samples.times[values.index(0.0)]
+        yield path, f"no gas flows at {moment:g} s; the fluxes of species need a flow: give a small one, such as 1 %"
+    if samples.form == "linear":
+        for k, (a, b) in enumerate(pairwise(values)):
+            if a * b < 0.0:
+                moments = f"{samples.times[k]:g} and {samples.times[k + 1]:g} s"
+                yield path, f'passes through 0 between {moments}; a flow turns in a jump: form = "step"'
+
+
+def at_each_time(check: Check) -> Check:
+    """Return a check of a scene whose series are replaced by the values of each of their times, one after another."""
+    signature = inspect.signature(check)
+    takes = signature.parameters
+    names = [name for name in TABLES if name in takes]
+
+    @wraps(check)
+    def each(**given: Any) -> Mistakes:
+        origin = given.pop("origin")
+        tables = {name: given[name] for name in names}
+        try:
+            schedule = Schedule.of(tables, origin.base)
+        except SceneError:
+            return  # `series_are_usable` says so
+        said = set()
+        for moment in schedule.moments() or [0.0]:
+            frozen = schedule.at(tables, moment)
+            if schedule and "boundary" in frozen:
+                frozen["boundary"] = _of_streams_that_enter(frozen["boundary"], frozen["flow"])
+            for mistake in check(**given | frozen):
+                if mistake not in said:
+                    said.add(mistake)
+                    yield mistake
+
+    more = inspect.Parameter("origin", inspect.Parameter.KEYWORD_ONLY, annotation=Origin)
+    each.__signature__ = signature.replace(parameters=[*takes.values(), more])  # type: ignore[attr-defined]
+    return each
+
+
+def _of_streams_that_enter(boundary: Boundaries, flow: s.Flow) -> Boundaries:
+    """Return the conditions without those of streams that do not enter at the moment."""
+    signs = {"fluid": gas_sign(flow), "solid": getattr(flow, SOLID_FLOW)}
+    found = dict(boundary)
+    for end, into in (("left", 1.0), ("right", -1.0)):
+        if end in found:
+            idle = {phase: None for phase, sign in signs.items() if sign * into <= 0.0}
+            found[end] = found[end].model_copy(update=idle)
+    return found

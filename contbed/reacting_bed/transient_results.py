@@ -1,0 +1,69 @@
+"""Results of a transient run of a reacting bed: profiles at output times, the outlet over time, totals that close."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.balance import Balance
+from contbed.reacting_bed import results, solve
+from contbed.reacting_bed.history import History
+from contbed.reacting_bed.problem import Problem
+from contbed.result import Result
+
+Array = NDArray[np.float64]
+
+
+def fill(at: Callable[[float], Problem], history: History, result: Result) -> None:
+    """Fill in results at the end, profiles at the output times, the outlet over time and totals of the run.
+
+    `at` gives the bed with the streams of a time.
+    """
+    problem = at(history.time)
+    results.fill(problem, history.u, result, transient=True)
+    kept = history.kept or {history.time: history.u}
+    tables = [(t, results.profiles(at(t), u)) for t, u in kept.items()]
+    result.profiles = {"t [s]": np.concatenate([np.full(len(c["x [m]"]), t) for t, c in tables])}
+    result.profiles |= {key: np.concatenate([c[key] for _, c in tables]) for key in tables[0][1]}
+    result.tables["outlet"] = history.table()
+    result.qoi |= {"time_steps": history.steps, "time_reached_s": history.time, "cells": problem.line.cells}
+    _balances(problem, history, result)
+
+
+def contents(problem: Problem, u: Array) -> Array:
+    """Return what the bed holds by equation, per area (m,)."""
+    held = solve.Storage(problem, np.zeros_like(u), 1.0).content(u, False)[0]
+    line = problem.line
+    total: Array = np.einsum("ecj,j,c->e", held, line.weights, line.h)
+    return total
+
+
+def _balances(problem: Problem, history: History, result: Result) -> None:
+    """Add what of every element, and of energy with heats of formation, has passed the ends and is stored."""
+    gain = contents(problem, history.u) - history.held
+    names = problem.layout.names
+    inward = history.passed * np.array([1.0, -1.0])
+    for element in dict.fromkeys(e for item in problem.species.all.values() for e in item.composition):
+        atoms = np.zeros(len(names))
+        for k, name in enumerate(names):
+            if name[:2] in ("g_", "n_"):
+                atoms[k] = problem.species.all[name[2:]].composition.get(element, 0.0)
+        parts = (inward * atoms[:, None]).ravel()
+        entering, leaving = parts[parts > 0].sum(), -parts[parts < 0].sum()
+        stored = float(gain @ atoms)
+        scale = max(entering, float(np.abs(gain * atoms).max()))
+        if scale > 0.0:
+            result.balances[element] = Balance(
+                float(entering), float(leaving), "mol/m2", stored=stored, scale=float(scale)
+            ).as_dict()
+    heat = [k for k, name in enumerate(names) if name in problem.layout.temperatures]
+    if heat:
+        wall = float(history.sources[heat].sum())
+        parts = inward[heat].ravel()
+        stored = float(gain[heat].sum())
+        scale = max(history.carried, abs(wall), abs(stored))
+        result.balances["energy"] = Balance.of_fluxes(
+            [float(part) for part in parts], "J/m2", wall, stored, floor=scale
+        ).as_dict()

@@ -1,0 +1,148 @@
+"""Transient reacting beds that are stopped: a restart gives the numbers of an uninterrupted run bit for bit."""
+
+from __future__ import annotations
+
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from reacting_bed_scenes import fixed_bed
+
+import contbed
+from contbed.errors import SceneError
+from contbed.loading import from_dict
+from contbed.output.checkpoint import NAME
+from contbed.output.tables import read_table
+
+STOP = 21  # steps, of about 70
+
+
+def scene(**more):
+    given = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
+    given["fluid"]["composition"] = {"times": [0, 300], "values": ["A:1", "A:0.5, B:0.5"], "form": "step"}
+    given["mesh"]["cells"] = 20
+    given["time"] = {"end": 800.0, "times": [50.0, 300.0, 600.0]} | more
+    return given
+
+
+def same(one, other):
+    for name, column in one.profiles.items():
+        assert np.array_equal(column, other.profiles[name]), name
+    for name, column in one.tables["outlet"].items():
+        assert np.array_equal(column, other.tables["outlet"][name]), name
+    assert one.balances == other.balances
+    assert one.qoi == other.qoi
+
+
+def interrupted(given, folder, monkeypatch):
+    from contbed.reacting_bed import transient
+
+    real = transient.march
+
+    def stopping(*args):
+        for k, history in enumerate(real(*args)):
+            if k == STOP:
+                raise KeyboardInterrupt
+            yield history
+
+    with monkeypatch.context() as patch:
+        patch.setattr(transient, "march", stopping)
+        with pytest.raises(KeyboardInterrupt):
+            contbed.run(from_dict(given), out=folder)
+
+
+def test_restart_goes_on_bit_for_bit(tmp_path, monkeypatch):
+    whole = contbed.run(from_dict(scene()))
+    interrupted(scene(), tmp_path / "a", monkeypatch)
+    same(contbed.run(from_dict(scene()), out=tmp_path / "b", restart=tmp_path / "a"), whole)
+    # of a finished run nothing changes, and a later end is taken
+    same(contbed.run(from_dict(scene()), out=tmp_path / "c", restart=tmp_path / "b"), whole)
+    longer = contbed.run(from_dict(scene(end=1000.0)), out=tmp_path / "d", restart=tmp_path / "b")
+    assert longer.qoi["time_reached_s"] == 1000.0
+    assert set(whole.profiles["t [s]"]) < set(longer.profiles["t [s]"]) | {800.0}
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda s: s["bed"].update(porosity=0.41), "bed.porosity = 0.41: the checkpoint has 0.4"),
+        (lambda s: s["fluid"]["composition"].update(values=["A:1", "A:0.4, B:0.6"]), "fluid.composition.values"),
+        (lambda s: s["time"].update(tolerance=1e-5), "time.tolerance = 1e-05: the checkpoint has 0.0001"),
+        (lambda s: s["time"].update(end=20.0, times=[]), "time.end = 20: lies before"),
+        (lambda s: s["time"].update(times=[1.0]), "time.times: 1 s lies before"),
+    ],
+)
+def test_another_scene_is_refused(tmp_path_factory, monkeypatch, change, said):
+    folder = tmp_path_factory.getbasetemp() / "stopped_reacting_bed"
+    if not folder.exists():
+        interrupted(scene(), folder, monkeypatch)
+    other = scene()
+    change(other)
+    with pytest.raises(SceneError, match=r"the checkpoint|lies before") as error:
+        contbed.run(from_dict(other), out=folder.parent / "refused", restart=folder)
+    assert said in str(error.value)
+
+
+TOML = """
+[mesh]
+type = "line"
+length = 1.35
+cells = 20
+[fluid]
+model = "ideal_gas"
+composition = { times = [0, 300], values = ["A:1", "A:0.5, B:0.5"], form = "step" }
+pressure = 1e5
+[fluid.species]
+A = { elements = { H = 28.0 }, molar_mass = 0.028 }
+B = { elements = { H = 28.0 }, molar_mass = 0.028 }
+[bed]
+porosity = 0.4
+particle_diameter = 3e-3
+[flow]
+velocity = 0.5
+pressure_drop = "none"
+[boundary.left.fluid]
+inflow = 500.0
+[solid]
+composition = "S:1"
+density = 3000.0
+[solid.constituent]
+S = { elements = { Fe = 1.0 }, molar_mass = 0.1 }
+P = { elements = { Fe = 1.0 }, molar_mass = 0.1 }
+[reactions.r]
+equation = "A + S -> B + P"
+A = 4e-5
+E = 0.0
+orders = { A = 1.0, S = 1.0 }
+basis = "bed"
+[time]
+end = 800.0
+tolerance = 1e-6
+checkpoint_every = 0.02
+[output]
+plots = false
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_kill_at_any_moment(tmp_path, seed):
+    place, folder = tmp_path / "scene.toml", tmp_path / "killed"
+    place.write_text(TOML)
+    command = [sys.executable, "-m", "contbed", "run", "--quiet", str(place)]
+    subprocess.run([*command, "--out", str(tmp_path / "whole")], check=True)
+    run = subprocess.Popen([*command, "--out", str(folder)])
+    while not (folder / NAME).is_file():
+        assert run.poll() is None
+        time.sleep(0.005)
+    time.sleep(random.Random(seed).uniform(0.0, 1.0))
+    run.kill()
+    assert run.wait() == -signal.SIGKILL
+    subprocess.run([*command, "--restart", str(folder)], check=True)
+    for name in ("profiles.csv", "outlet.csv"):
+        one, other = read_table(tmp_path / "whole" / name), read_table(folder / name)
+        assert all(np.array_equal(column, other[key]) for key, column in one.items())

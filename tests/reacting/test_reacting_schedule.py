@@ -1,0 +1,121 @@
+"""Streams that change with time: superposition of exact responses, symmetry, totals that close."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from reacting_bed_scenes import T, bilinear, fixed_bed, heated, schumann
+from scipy.integrate import quad
+
+import contbed
+from contbed.errors import SceneError
+from contbed.loading import from_dict
+
+STEPS = 1e-4  # of the span: steps to a local tolerance of 1e-4; the largest error found is 4e-5
+CLOSED = 1e-12
+
+
+def closes(result):
+    for name, balance in result.balances.items():
+        assert abs(balance["relative_residual"]) < CLOSED, name
+
+
+def test_steps_of_the_inlet_temperature_superpose():
+    scene, eta_per_s = heated(4.0)
+    end, jump = 5.0 / eta_per_s, 2.0 / eta_per_s
+    series = {"times": [0.0, jump], "values": [600.0, 400.0], "form": "step"}
+    scene["boundary"]["left"]["fluid"]["inflow"] = series
+    scene["time"] |= {"end": end, "times": [jump]}
+    result = contbed.run(from_dict(scene))
+    exact = 300.0 * schumann(4.0, 5.0) - 200.0 * schumann(4.0, 3.0)
+    assert result.qoi["T_fluid_out_K"] - 300.0 == pytest.approx(exact, abs=300.0 * STEPS)
+    assert jump in result.tables["outlet"]["t [s]"]
+    closes(result)
+
+
+def test_a_ramp_of_the_inlet_temperature():
+    scene, eta_per_s = heated(4.0)
+    end = 5.0 / eta_per_s
+    scene["boundary"]["left"]["fluid"]["inflow"] = {"times": [0.0, end], "values": [300.0, 600.0]}
+    scene["time"]["end"] = end
+    result = contbed.run(from_dict(scene))
+    exact = 300.0 * quad(lambda eta: schumann(4.0, eta) / 5.0, 0.0, 5.0)[0]
+    assert result.qoi["T_fluid_out_K"] - 300.0 == pytest.approx(exact, abs=300.0 * STEPS)
+    closes(result)
+
+
+def switched(first: float, end_of_gas: tuple[str, str]):
+    """A bed that is used up from one end and then from the other, by gases of two compositions."""
+    scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
+    scene["flow"]["velocity"] = {"times": [0.0, 300.0], "values": [first, -0.6 * first], "form": "step"}
+    scene["fluid"]["composition"] = {"times": [0.0, 500.0], "values": ["A:1", "A:0.4, B:0.6"], "form": "step"}
+    scene["boundary"] = {end: {"fluid": {"inflow": T}} for end in end_of_gas}
+    scene["mesh"]["cells"] = 30
+    length = scene["mesh"]["length"]
+    scene["output"]["positions"] = [k * length / 8 for k in range(9)]
+    return contbed.run(from_dict(scene))
+
+
+def test_reversal_is_symmetric_and_closes():
+    one, other = switched(0.5, ("left", "right")), switched(-0.5, ("right", "left"))
+    closes(one)
+    closes(other)
+    for name in ("x_A [1]", "w_S [1]", "w_P [1]"):
+        # rounding grows along the same steps; 1e-8 is the tolerance of Newton's method over that of the steps
+        np.testing.assert_allclose(one.profiles[name], other.profiles[name][::-1], atol=1e-8)
+    assert one.qoi["u_in_m_s"] == pytest.approx(0.3)
+    assert one.profiles["x_A [1]"][-1] == pytest.approx(0.4, abs=1e-6)  # the gas enters at the right now
+
+
+def test_composition_from_a_file(tmp_path):
+    scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
+    pairs = {"times": [0.0, 400.0, 800.0], "values": ["A:1", "A:0.5, B:0.5", "A:1"]}
+    (tmp_path / "feed.csv").write_text("t [min],A [1],B [%]\n0,1,0\n6.666666666666667,0.5,50\n13.33333333333334,1,0\n")
+    one = contbed.run(from_dict(scene | {"fluid": scene["fluid"] | {"composition": pairs}}))
+    named = from_dict(scene | {"fluid": scene["fluid"] | {"composition": {"file": "feed.csv"}}}, base=tmp_path)
+    other = contbed.run(named)
+    for name, column in one.profiles.items():
+        np.testing.assert_allclose(other.profiles[name], column, rtol=1e-9, atol=1e-12)
+    closes(one)
+
+
+def test_solids_that_start_to_move():
+    """Particles at rest keep what has reacted and hand it over when they move; all iron is accounted for."""
+    scene = bilinear(3.0, 0.8)
+    speed = scene["flow"]["velocity_solid"]
+    move = 0.1 * 0.6 / abs(speed)  # in which particles, at speed/0.6 between walls, move by a tenth of the bed
+    scene["flow"]["velocity_solid"] = {"times": [0.0, move], "values": [0.0, speed], "form": "step"}
+    scene["time"] = {"end": 2.0 * move}
+    scene["mesh"]["cells"] = 10
+    result = contbed.run(from_dict(scene))
+    closes(result)
+    balance = result.balances["Fe"]
+    assert balance["in"] == pytest.approx(0.1 * 0.6 * 3000.0 / 0.1, rel=1e-10)
+    assert balance["out"] == pytest.approx(balance["in"], rel=1e-10)  # each mole of S that reacts becomes one of P
+
+
+@pytest.mark.parametrize(
+    ("path", "series", "said"),
+    [
+        (("flow", "velocity"), {"times": [0, 1], "values": [0.5, 0.0], "form": "step"}, "no gas flows at 1 s"),
+        (("flow", "velocity"), {"times": [0, 800], "values": [0.5, -0.5]}, "passes through 0 between 0 and 800 s"),
+        (("flow", "velocity"), {"times": [0, 9], "values": [0.5, -0.5], "form": "step"}, "the fluid enters at 'right'"),
+        (("flow", "velocity"), {"times": [0, 9], "values": [0.5, 0.6]}, "ends at 9 s, before the run"),
+        (("flow", "velocity"), {"times": [1, 900], "values": [0.5, 0.6]}, "the first time is 1 s"),
+        (("fluid", "composition"), {"times": [0, 900], "values": ["A:1", "A:0.5, B:0.6"]}, "fractions sum to 1.1"),
+        (("fluid", "composition"), {"times": [0, 900], "values": ["A:1", "A:-1"]}, "must be a number, 0 or more"),
+    ],
+)
+def test_mistakes_in_series(path, series, said):
+    scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
+    scene[path[0]][path[1]] = series
+    with pytest.raises(SceneError, match=said):
+        from_dict(scene)
+
+
+def test_series_in_a_steady_scene_are_refused():
+    scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
+    del scene["time"]
+    scene["flow"]["velocity"] = {"times": [0, 900], "values": [0.5, 0.6]}
+    with pytest.raises(SceneError, match="changes with time, and the scene is steady"):
+        from_dict(scene)
