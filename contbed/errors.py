@@ -50,6 +50,12 @@ class EngineError(ContbedError):
     exit_code = 2
 
 
+class UnlikeError(ContbedError):
+    """A changed value gives a problem with other unknowns or conditions, so that it is no small change."""
+
+    exit_code = 2
+
+
 def interrupt_in(error: BaseException) -> KeyboardInterrupt | None:
     """Return the interrupt that an error comes from; compiled code turns Ctrl-C into errors of other kinds."""
     found: BaseException | None = error

@@ -45,6 +45,7 @@ class Result:
     adaptations: int = 0
     history: list[float] = field(default_factory=list)
     engine: dict[str, Any] = field(default_factory=dict)
+    solved: Any = None  # problem and state of a steady run, for the `tangent` of its physics
     status: str = "ok"
 
     def __repr__(self) -> str:

@@ -16,10 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed import fields
-from contbed.design import differences
+from contbed.design import differences, tangent
+from contbed.design.differences import Slope
 from contbed.design.keys import Key, key
-from contbed.errors import SceneError
+from contbed.errors import SceneError, UnlikeError
 from contbed.models import model_of
+from contbed.result import Result
+from contbed.runner import run
 from contbed.scene.tables import SceneBase
 
 Array = NDArray[np.float64]
@@ -77,7 +80,10 @@ def gradient(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) -> Gradi
     """
     chosen = [key(scene, name) for name in keys]
     require_known(qoi)
-    return _by_runs(scene, tuple(qoi), chosen)
+    result = run(scene)
+    if tangent.applies(result):
+        return _by_tangent(result, tuple(qoi), chosen)
+    return _by_runs(result, tuple(qoi), chosen)
 
 
 def require_known(qoi: Sequence[str]) -> None:
@@ -109,28 +115,47 @@ def picked(scene: SceneBase, found: dict[str, Any], qoi: Sequence[str]) -> Array
     return np.array(values)
 
 
-def _by_runs(scene: SceneBase, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
-    from contbed.runner import run
+def _by_tangent(result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
+    scene: SceneBase = result.plan.scene
+    centre = picked(scene, result.qoi, qoi)
+    base = tangent.of(result)
+    slopes = []
+    for one in keys:
+        try:
+            slopes.append(tangent.slope(base, scene, one, lambda found: picked(scene, found, qoi)))
+        except UnlikeError as error:
+            other = differences.slope(scene, one, lambda changed: _results(changed, qoi), centre)
+            note = f"{one.name} = {one.value:g}: {error}; its derivatives are differences of whole runs"
+            slopes.append(replace(other, note=note))
+    return _gradient(qoi, keys, centre, slopes, "tangent")
 
-    def results(changed: SceneBase) -> Array:
-        return picked(changed, run(changed).qoi, qoi)
 
-    centre = results(scene)
+def _by_runs(result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
+    scene: SceneBase = result.plan.scene
+    centre = picked(scene, result.qoi, qoi)
     scatters = model_of(scene).scatters
-    find: Callable[..., differences.Slope] = differences.noisy_slope if scatters else differences.slope
-    slopes = [find(scene, one, results, centre) for one in keys]
+    find: Callable[..., Slope] = differences.noisy_slope if scatters else differences.slope
+    slopes = [find(scene, one, lambda changed: _results(changed, qoi), centre) for one in keys]
+    made = _gradient(qoi, keys, centre, slopes, "differences")
     errors = np.array([one.errors for one in slopes]).reshape(len(keys), len(qoi)).T
-    made = Gradient(
+    return replace(made, standard_errors=errors) if scatters else _with_unsure(made, errors)
+
+
+def _results(scene: SceneBase, qoi: tuple[str, ...]) -> Array:
+    return picked(scene, run(scene).qoi, qoi)
+
+
+def _gradient(qoi: tuple[str, ...], keys: list[Key], centre: Array, slopes: list[Slope], method: str) -> Gradient:
+    return Gradient(
         qoi,
         tuple(one.name for one in keys),
         centre,
         np.array([one.value for one in keys]),
         np.array([one.values for one in slopes]).reshape(len(keys), len(qoi)).T,
-        errors if scatters else None,
-        "differences",
+        None,
+        method,
         tuple(one.note for one in slopes if one.note),
     )
-    return made if scatters else _with_unsure(made, errors)
 
 
 def _with_unsure(made: Gradient, errors: Array) -> Gradient:

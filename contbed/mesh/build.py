@@ -95,6 +95,17 @@ def _triangles(x: Array, y: Array) -> skfem.MeshTri:
     return skfem.MeshTri(quads.p, np.hstack(([a, b, c], [a, c, d])))
 
 
+def moved(mesh: Mesh, former: settings_mesh.Mesh, settings: settings_mesh.Mesh) -> Mesh:
+    """Return a mesh of the same cells whose nodes have moved with the lengths of the bed, `former` to `settings`."""
+    if isinstance(settings, MeshFile) or isinstance(former, MeshFile):
+        factors = np.full(mesh.skfem.dim(), getattr(settings, "scale", 1.0) / getattr(former, "scale", 1.0))
+    else:
+        factors = np.array(settings.extents) / np.array(former.extents)
+    if (factors == 1.0).all():
+        return mesh
+    return replace(mesh, skfem=replace(mesh.skfem, doflocs=mesh.skfem.doflocs * factors[:, None]))
+
+
 def require_names(origin: Origin, mesh: Mesh, named: Mapping[str, Iterable[str]]) -> None:
     """Raise SceneError for a boundary or region that a scene names and the mesh, known only now, does not have."""
     problems = []

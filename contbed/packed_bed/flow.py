@@ -91,37 +91,77 @@ def solve_flow(
 
     Inlet nodes keep the inlet velocity also where a no-slip wall begins, so that the volume flow is the prescribed one.
     """
-    dim = mesh.skfem.dim()
-    kink = c.forchheimer > 0 and any(c.velocity_solid.items)  # of the drag where the fluid moves with the bed
-    system = make_system(mesh, {"u": (2, dim), "p": (1, 0)}, 9 if kink else 5)
+    equations = flow_equations(mesh, c, inlet, conditions, local)
+    system = equations.system
     state = np.zeros(system.size)
     system.part(state, "u")[:] = np.asarray(inlet, dtype=float)[:, None]
     if before is not None:
         _carry(before, system, state)
-    fixed: list[Any] = []
-    for kind in ("slip", "no_slip", "inlet"):
-        for name in (name for name, condition in conditions.items() if condition == kind):
-            facets = mesh.skfem.boundaries[name]
-            for component, value in _values(mesh, name, kind, inlet).items():
-                nodes = system.nodes("u", facets, component)
-                state[nodes] = value
-                fixed.append(nodes)
-    if "outlet" not in conditions.values():  # between walls the pressure is known but for a constant
-        fixed.append(system.nodes("p", next(iter(mesh.skfem.boundaries.values())))[:1])
-    if local is not None:
-        expansion, viscosity = (system.known(system.cells, local.space, x) for x in (local.expansion, local.viscosity))
-        c = replace(c, expansion=expansion, viscosity=viscosity)
-    form = [(porous_flow.residual, system.cells, c)]
     state, history = newton(
-        lambda x, jacobian: system.assemble(form, x, jacobian),
-        state,
-        np.unique(np.concatenate(fixed)),
+        equations.residual,
+        equations.with_given(state),
+        equations.fixed,
         system.ordered(policy),
         tolerance=tolerance,
         iterations=iterations,
         what="flow",
     )
     return Flow(system, state, history, c.porosity, local)
+
+
+@dataclass(frozen=True)
+class FlowEquations:
+    """The discrete equations of the flow: the form on its system, and the nodes that are given.
+
+    `given` are the numbers of the prescribed velocities and `values` these velocities [m/s]; `fixed` holds the numbers
+    of all unknowns that stay as they are, a pressure between walls included.
+    """
+
+    system: System
+    form: list[Any]
+    given: Any
+    values: Any
+    fixed: Any
+
+    def with_given(self, state: Any) -> Any:
+        """Return a state with the prescribed velocities in place."""
+        state = state.copy()
+        state[self.given] = self.values
+        return state
+
+    def residual(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
+        """Assemble the residual and its Jacobian."""
+        return self.system.assemble(self.form, state, jacobian)
+
+
+def flow_equations(
+    mesh: Mesh,
+    c: porous_flow.Coefficients,
+    inlet: Any,
+    conditions: dict[str, str],
+    local: LocalProperties | None = None,
+    system: System | None = None,
+) -> FlowEquations:
+    """Return the discrete equations of a flow; see `solve_flow`. `system` is that of an earlier flow on this mesh."""
+    dim = mesh.skfem.dim()
+    kink = c.forchheimer > 0 and any(c.velocity_solid.items)  # of the drag where the fluid moves with the bed
+    if system is None:
+        system = make_system(mesh, {"u": (2, dim), "p": (1, 0)}, 9 if kink else 5)
+    velocities = np.full(system.size, np.nan)
+    for kind in ("slip", "no_slip", "inlet"):
+        for name in (name for name, condition in conditions.items() if condition == kind):
+            facets = mesh.skfem.boundaries[name]
+            for component, value in _values(mesh, name, kind, inlet).items():
+                velocities[system.nodes("u", facets, component)] = value
+    given = np.flatnonzero(np.isfinite(velocities))
+    fixed = given
+    if "outlet" not in conditions.values():  # between walls the pressure is known but for a constant
+        pinned = system.nodes("p", next(iter(mesh.skfem.boundaries.values())))[:1]
+        fixed = np.unique(np.concatenate([given, pinned]))
+    if local is not None:
+        expansion, viscosity = (system.known(system.cells, local.space, x) for x in (local.expansion, local.viscosity))
+        c = replace(c, expansion=expansion, viscosity=viscosity)
+    return FlowEquations(system, [(porous_flow.residual, system.cells, c)], given, velocities[given], fixed)
 
 
 def _carry(before: Flow, system: System, state: Any) -> None:

@@ -35,7 +35,7 @@ class HeatProblem:
 
     `linear` is true for constant properties; `fixed` and `fixed_values` are the prescribed temperatures, `idle` names
     those that nothing carries into the bed and that are left out. In a `piece` of a run in which values change with
-    time, `at` puts those of a time in place.
+    time, `at` puts those of a time in place. `system` is that of the same problem with other values on this mesh.
     """
 
     def __init__(
@@ -46,6 +46,7 @@ class HeatProblem:
         motion: Motion,
         section: float = 1.0,
         piece: Piece | None = None,
+        system: Any = None,
     ):
         self.scene, self.mesh, self.medium, self.motion, self.piece = scene, mesh, medium, motion, piece
         self.degree = degree = scene.solver.degree
@@ -57,7 +58,7 @@ class HeatProblem:
         names = two_energy.FIELDS if self.radiation is None else (*two_energy.FIELDS, *self.radiation.fields)
         names = (*names, *(mode.name for mode in self.modes))
         fields = dict.fromkeys(names, (degree, 0))
-        self.system = make_system(mesh, fields, order, section)
+        self.system = make_system(mesh, fields, order, section) if system is None else system
         self.linear = medium.constant
         self.T_span = self._span()
         self.weights = self._weights()

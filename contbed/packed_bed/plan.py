@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any
 
 from contbed.errors import SceneError
-from contbed.mesh.build import build, require_names
+from contbed.mesh.build import build, moved, require_names
 from contbed.mesh.grading import finest
 from contbed.mesh.mesh import Mesh
 from contbed.models import described
@@ -165,6 +165,32 @@ class Plan:
         """Coordinates of a line before it is refined [m]: checkpoints keep them, as cells follow the output times."""
         grid = self.mesh.skfem
         return grid.p[0, : grid.nelements // 2**self.solved.mesh.refine + 1]
+
+    def with_values(self, scene: s.Scene) -> Plan:
+        """Return the plan of a steady scene that has other numbers, with the discretisation of this one.
+
+        The nodes of the mesh move with the lengths of the bed; levels of radiation and of the inside of particles stay.
+        """
+        kept: dict[str, Any] = {}
+        if scene.radiation is not None and self.solved.radiation is not None:
+            kept["radiation"] = scene.radiation.model_copy(update={"level": self.solved.radiation.level})
+        if scene.particle is not None and self.solved.particle is not None:
+            kept["particle"] = scene.particle.model_copy(update={"heat": self.solved.particle.heat})
+        target = scene.model_copy(update=kept)
+        medium = Medium.of(target, inlet_temperature(target), bed_diameter(target.mesh))
+        line = None if self.solved.mesh is self.scene.mesh else reduced(target)
+        target, section = line or (target, 1.0)
+        velocity, solid = velocities(target)
+        return replace(
+            self,
+            scene=scene,
+            solved=target,
+            medium=medium,
+            mesh=moved(self.mesh, self.solved.mesh, target.mesh),
+            section=section,
+            velocity=velocity,
+            velocity_solid=solid,
+        )
 
     def on(self, vertices: Any) -> Plan:
         """Return the plan on a mesh with other coordinates in each direction [m]."""

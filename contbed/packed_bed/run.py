@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,16 @@ RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "output
 TURNS = 40  # of flow and temperatures, each with the other's last solution
 SETTLED = 0.1  # share of solver.tolerance by which theta may still change in a turn
 OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is given
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What a steady run has solved: `problem` and `state` of the temperatures, None without [heat], and the `flow`."""
+
+    line: Line
+    problem: Any
+    state: Any
+    flow: Any
 
 
 def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
@@ -51,10 +62,11 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         if not plan.plug:
             with result.timed("flow"):
                 flow = _flow(plan, flow, result)
-                _report_flow(plan, line, flow, result)
+                report_flow(plan, line, flow, result)
         last = attempt == plan.adaptations
         if scene.heat is None:
             better, estimate = _better(plan, flow, None, None, estimate, last, result)
+            result.solved = Solved(line, None, None, flow)
         else:
             if scene.time is not None:
                 _transient(plan, line, flow, result, folder, quiet, start)
@@ -121,7 +133,8 @@ def _flow(plan: Plan, before: Any, result: Result, local: Any = None) -> Any:
     return flow
 
 
-def _report_flow(plan: Plan, line: Line, flow: Any, result: Result) -> None:
+def report_flow(plan: Plan, line: Line, flow: Any, result: Result) -> None:
+    """Fill in the balance of the volume, the fields and the named results of a flow."""
     from contbed.packed_bed.flow import coefficients
     from contbed.packed_bed.results import flow_findings
 
@@ -146,7 +159,7 @@ def _heat_balance(fluxes: Any, reactions: Any, source: float, stored: float, uni
     return Balance.of_fluxes(parts, unit, source, stored, HELD_SHARE * held).as_dict()
 
 
-def _steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, dict[str, Any]]:
+def steady_balance(problem: Any, state: Any, residual: Any) -> tuple[Any, Any, dict[str, Any]]:
     """Return heat through boundaries, heat conducted in by prescribed temperatures, and their balance."""
     fluxes, reactions = problem.fluxes(state), problem.reactions(residual)
     balance = _heat_balance(fluxes, reactions, problem.source(), 0.0, "W", problem.throughput())
@@ -176,7 +189,7 @@ def _with_local_properties(plan: Plan, line: Line, problem: Any, state: Any, res
             result.history += history
         change, state = float(np.abs(problem.weights * (found - state)).max() / problem.span_of(found)), found
         if change <= allowed:
-            _report_flow(plan, line, flow, result)
+            report_flow(plan, line, flow, result)
             return problem, state
     raise ConvergenceError(
         f"flow and temperatures change each other: after {TURNS} turns theta still changes by {change:.1g} in each; "
@@ -202,13 +215,14 @@ def _steady(plan: Plan, line: Line, problem: Any, result: Result, before: Any, l
         return better, estimate
     with result.timed("heat"):
         residual, _ = problem.steady(state, False)
-        fluxes, reactions, balance = _steady_balance(problem, state, residual)
+        fluxes, reactions, balance = steady_balance(problem, state, residual)
         if abs(balance["relative_residual"]) > 0.1 * plan.scene.solver.balance_tolerance:
             state, residual = problem.refined(state, plan.policy)
-            fluxes, reactions, balance = _steady_balance(problem, state, residual)
+            fluxes, reactions, balance = steady_balance(problem, state, residual)
     with result.timed("results"):
         result.balances["energy"] = balance
         steady_findings(plan, line, problem, state, fluxes, reactions, result)
+        result.solved = Solved(line, problem, state, problem.motion.flow)
         _check_state(plan, problem, [state], result)
     return None, estimate
 
@@ -387,16 +401,24 @@ def _check_state(plan: Plan, problem: Any, states: list[Any], result: Result) ->
                 f"{values.min():.6g} to {values.max():.6g} K"
             )
         _require_physical(phase, material, values)
+    beyond = overshoot(plan, problem, states)
+    if beyond is None:
+        return
+    result.qoi["theta_overshoot"] = beyond
+    if beyond > OVERSHOOT:
+        result.warnings.append(
+            f"theta leaves [0, 1] by {beyond:.2g}: a layer is not resolved; refine the mesh or leave out mesh.cells"
+        )
+
+
+def overshoot(plan: Plan, problem: Any, states: list[Any]) -> float | None:
+    """Return how far theta leaves [0, 1] in any of the states; None where sources or fluxes may take it out."""
     low, high = problem.T_span
     has_heat = problem.source() or any(
         table.flux for b in plan.scene.boundary.values() for table in (b.fluid, b.solid) if table is not None
     )
     if has_heat or high <= low:
-        return
+        return None
     both = [problem.system.part(state, name) for state in states for name in ("T_fluid", "T_solid")]
     beyond = max(max(float(T.max()) - high, low - float(T.min())) for T in both) / (high - low)
-    result.qoi["theta_overshoot"] = max(beyond, 0.0)
-    if beyond > OVERSHOOT:
-        result.warnings.append(
-            f"theta leaves [0, 1] by {beyond:.2g}: a layer is not resolved; refine the mesh or leave out mesh.cells"
-        )
+    return float(max(beyond, 0.0))

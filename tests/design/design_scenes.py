@@ -3,7 +3,7 @@
 SLIP = """\
 [mesh]
 type = "line"
-length = 0.3
+length = 0.04
 cells = 60
 [fluid]
 density = 0.4345
@@ -31,3 +31,83 @@ solid.fixed = 400.0
 stabilisation = false
 degree = 3
 """
+
+
+def frozen_results(result, qoi):
+    """Results of full solutions on the mesh of a run, as a function of the scene."""
+    from contbed.design.gradients import picked
+    from contbed.packed_bed.plan import Plan
+    from contbed.packed_bed.run import run
+    from contbed.result import Result
+
+    class OneMesh(Plan):
+        """A plan that keeps its mesh."""
+
+        adaptations = 0
+
+    def solve(scene):
+        plan = result.plan.with_values(scene)
+        found = Result(OneMesh(**{name: getattr(plan, name) for name in plan.__dataclass_fields__}))
+        run(found.plan, found, None, True, None)
+        return picked(scene, found.qoi, qoi)
+
+    return solve
+
+
+def random_scene(seed):
+    """A steady bed: line, plane, round bed or box; constant or varying properties; plug or computed flow; radiation."""
+    import numpy as np
+
+    from contbed.loading import from_dict
+
+    random = np.random.default_rng(seed)
+    shape = ["line", "rectangle", "axisymmetric", "box"][random.choice(4, p=[0.45, 0.25, 0.2, 0.1])]
+    length = float(random.uniform(0.1, 0.4))
+    across = float(random.uniform(0.02, 0.06))
+    mesh = {"type": shape, "length": length}
+    mesh["cells"] = {"line": 30, "rectangle": [10, 5], "axisymmetric": [5, 10], "box": [6, 3, 3]}[shape]
+    if shape == "rectangle":
+        mesh |= {"height": across, "shape": str(random.choice(["triangle", "quadrilateral"]))}
+    elif shape == "axisymmetric":
+        mesh["radius"] = across
+    elif shape == "box":
+        mesh |= {"width": across, "height": across}
+    varies = random.random() < 0.5
+    fluid = {"density": 0.6, "heat_capacity": 1100.0, "conductivity": 0.05, "viscosity": 3e-5}
+    if varies:
+        fluid = {"model": "cantera", "composition": "N2:0.79, O2:0.21", "pressure": 1.2e5}
+    low, high = ("bottom", "top") if shape == "axisymmetric" else ("left", "right")
+    wall = {"line": None, "rectangle": "top", "axisymmetric": "wall", "box": "back"}[shape]
+    boundary = {
+        low: {"fluid": {str(random.choice(["inflow", "fixed"])): float(random.uniform(300, 400))}},
+        high: {},
+    }
+    moves = random.random() < 0.5
+    counter = bool(moves and random.random() < 0.5)
+    boundary[high if counter else low]["solid"] = {"fixed": float(random.uniform(600, 900))}
+    speed = float(random.uniform(5e-5, 3e-4)) * (-1 if counter else 1) if moves else 0.0
+    heat = {
+        "nusselt": [8.0, "wakao_kaguei", {"name": "gunn"}][random.choice(3)],
+        "conductivity_solid": float(random.uniform(0.3, 2.0)),
+    }
+    if random.random() < 0.3:
+        heat["dispersion"] = {"axial": 0.3, "transverse": 0.1}
+    if wall and random.random() < 0.6:
+        boundary[wall] = {"solid": {"coefficient": float(random.uniform(20, 90)), "ambient": 500.0}}
+    if wall and shape != "box" and random.random() < 0.5:
+        boundary.setdefault(wall, {})["type"] = "no_slip"
+    values = {
+        "mesh": mesh,
+        "fluid": fluid,
+        "solid": {"density": 2300.0, "heat_capacity": 900.0, "conductivity": 1.5},
+        "bed": {"porosity": float(random.uniform(0.36, 0.5)), "particle_diameter": float(random.uniform(4e-3, 12e-3))},
+        "flow": {"velocity": float(random.uniform(0.1, 0.6)), "velocity_solid": speed},
+        "heat": heat,
+        "boundary": boundary,
+        "solver": {"degree": 2, "newton_tolerance": 1e-12, "balance_tolerance": 1e-6},
+    }
+    if varies and random.random() < 0.5:
+        values["solid"]["heat_capacity"] = [700.0, 0.3]
+    if random.random() < 0.25:
+        values["radiation"] = {"level": "p1", "emissivity": 0.8, "allow_rosseland": False}
+    return from_dict(values)

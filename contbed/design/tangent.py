@@ -1,0 +1,59 @@
+"""Derivatives of a solved steady scene by its discrete tangent, for every physics that has a module `tangent`.
+
+That module offers `applies(result)` and `Tangent(result)`, whose `results(below, above)` are the named results of two
+scenes that differ a little from the solved one, without a new solution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.design.differences import Slope, Steps, steps
+from contbed.design.keys import Key
+from contbed.errors import ContbedError, UnlikeError
+from contbed.models import model_of
+from contbed.result import Result
+from contbed.scene.tables import SceneBase
+
+Array = NDArray[np.float64]
+
+STEP = 1e-5  # relative: leaves a truncation of some 1e-10, and 1e-8 of rounding at most
+
+
+def applies(result: Result) -> bool:
+    """Return whether the physics of a run has a tangent, and the run a solution to start from."""
+    model = model_of(result.plan.scene)
+    if find_spec(f"contbed.{model.package}.tangent") is None:
+        return False
+    return bool(model.find("tangent", "applies")(result))
+
+
+def of(result: Result) -> Any:
+    """Return the tangent of a run that has one."""
+    return model_of(result.plan.scene).find("tangent", "Tangent")(result)
+
+
+def slope(base: Any, scene: SceneBase, key: Key, pick: Callable[[dict[str, Any]], Array]) -> Slope:
+    """Return the derivatives of the results that `pick` takes with respect to a key.
+
+    Raises
+    ------
+    UnlikeError : the key changes more than numbers
+    ContbedError : closures or properties cannot be evaluated beside the value of the key
+    """
+    chosen: Steps = steps(scene, key, STEP)
+    ends = [key.value + side * chosen.size if side in chosen.sides else key.value for side in (-1, 1)]
+    try:
+        found = [pick(one) for one in base.results(*(key.on(scene, value) for value in ends))]
+    except UnlikeError:
+        raise
+    except ContbedError as error:
+        text = f"{scene.origin.at(key.path)}: the derivative to {key.name} cannot be found at {key.value:.6g}: "
+        raise type(error)(f"{text}{error}") from error
+    values = (found[1] - found[0]) / (ends[1] - ends[0])
+    return Slope(values, np.zeros_like(values), chosen.note)

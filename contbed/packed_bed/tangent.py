@@ -1,0 +1,197 @@
+"""Linear response of a solved steady bed to small changes of its scene: the discrete tangent.
+
+    R(u, p) = 0,   A = dR/du:      du = -A^-1 (R(u, p + h) - R(u, p - h))/2,      results at (u +- du, p +- h)
+
+Central differences of the results have an error of O(h^2), with one solution for each key by factors of A that are
+found once. Mesh topology, elements and quadrature stay as they are; nodes move with the lengths of the bed. The flow
+comes first, then the temperatures in the changed flow; where the fluid expands, both in turn until they agree.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contbed.errors import ConvergenceError, UnlikeError
+from contbed.fem.probe import Line, line_along
+from contbed.packed_bed import scene as s
+from contbed.packed_bed.flow import Flow, FlowEquations, LocalProperties, coefficients, flow_equations
+from contbed.packed_bed.heat import HeatProblem
+from contbed.packed_bed.heat_coefficients import Motion
+from contbed.packed_bed.results import steady_findings
+from contbed.packed_bed.run import overshoot, report_flow, steady_balance
+from contbed.result import Result
+from contbed.solvers.linear import Solver, constrain
+
+TURNS = 40  # of flow and temperatures, each with the other's last change
+SETTLED = 1e-8  # relative change of the temperatures' response in a turn
+ROUNDING = 1e-13  # relative change of the temperatures that counts as none
+OTHER = "a small change adds or removes a stream or a condition"
+
+
+def applies(result: Result) -> bool:
+    """Return whether a run has solved a steady problem that has a tangent on this engine."""
+    return result.solved is not None and result.plan.mesh.engine == "skfem"
+
+
+class _End:
+    """The discrete problem at a changed value of a key: plan, line of profiles, and what is found of its solution."""
+
+    def __init__(self, base: Tangent, scene: s.Scene):
+        self.plan = base.plan.with_values(scene)
+        same_mesh = self.plan.mesh is base.plan.mesh
+        output = scene.output
+        self.line = base.line if same_mesh else line_along(self.plan.mesh, output.positions, output.across)
+        self.flow: Flow | None = base.flow
+        self.local: LocalProperties | None = None
+        self.problem: Any = None
+        self.state: Any = base.state
+        self.residual: Any = None  # of the steady heat balances, linear in the response
+        # numbering and quadrature are those of the solved bed unless its nodes have moved
+        self.flow_system = base.flow.system if base.flow is not None and same_mesh else None
+        same_measure = same_mesh and self.plan.section == base.plan.section
+        self.heat_system = base.problem.system if base.problem is not None and same_measure else None
+
+    def equations(self) -> FlowEquations:
+        """Return the equations of the flow, with properties at the temperatures where these matter."""
+        plan = self.plan
+        if self.flow is not None and self.flow.local is not None:
+            fluid, T = plan.medium.fluid, self.problem.system.part(self.state, "T_fluid")
+            values = plan.medium.mass_flux_scale() / fluid.density(T), fluid.viscosity(T)
+            space = self.problem.system.fields["T_fluid"][0]
+            self.local = LocalProperties(space, *(np.broadcast_to(value, T.shape) for value in values))
+        c = coefficients(plan.solved, plan.medium, plan.velocity, plan.velocity_solid)
+        made = flow_equations(plan.mesh, c, plan.velocity, plan.conditions, self.local, self.flow_system)
+        self.flow_system = made.system
+        return made
+
+    def heat(self) -> None:
+        """Make the problem of the temperatures in the flow as it is now."""
+        plan, motion = self.plan, Motion(self.plan.velocity, self.plan.velocity_solid, self.flow)
+        self.problem = HeatProblem(plan.solved, plan.mesh, plan.medium, motion, plan.section, system=self.heat_system)
+        self.heat_system = self.problem.system
+
+    def results(self) -> dict[str, Any]:
+        """Return the named results."""
+        result = Result(self.plan)
+        if self.flow is not None:
+            report_flow(self.plan, self.line, self.flow, result)
+        if self.problem is not None:
+            fluxes, reactions, _ = steady_balance(self.problem, self.state, self.residual)
+            steady_findings(self.plan, self.line, self.problem, self.state, fluxes, reactions, result)
+            beyond = overshoot(self.plan, self.problem, [self.state])
+            if beyond is not None:
+                result.qoi["theta_overshoot"] = beyond
+        return result.qoi
+
+
+class Tangent:
+    """A solved steady bed, whose matrices are factored when they are first needed."""
+
+    def __init__(self, result: Result):
+        self.plan: Any = result.plan
+        self.line: Line = result.solved.line
+        self.problem, self.state, self.flow = result.solved.problem, result.solved.state, result.solved.flow
+        self._flow: tuple[Any, Any] | None = None
+        self._heat: tuple[Any, Any] | None = None
+
+    def results(self, below: s.Scene, above: s.Scene) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the named results of two scenes with a key a little below and above that of the solved one.
+
+        Raises
+        ------
+        UnlikeError : the change adds or removes an unknown or a condition
+        ConvergenceError : flow and temperatures do not settle
+        """
+        ends = [_End(self, scene) for scene in (below, above)]
+        if self.flow is not None and self.flow.local is not None:
+            for end in ends:
+                end.heat()
+            self._coupled(ends)
+        else:
+            if self.flow is not None:
+                self._move_flow(ends)
+            if self.problem is not None:
+                self._move_heat(ends)
+        return ends[0].results(), ends[1].results()
+
+    def _coupled(self, ends: list[_End]) -> None:
+        """Find the responses of flow and temperatures to each other, in turn."""
+        before = self.state
+        for _ in range(TURNS):
+            self._move_flow(ends)
+            self._move_heat(ends)
+            change, before = np.abs(ends[1].state - before).max(), ends[1].state
+            response = np.abs(ends[1].state - self.state).max()
+            if change <= max(SETTLED * response, ROUNDING * np.abs(before).max()):
+                return
+        raise ConvergenceError(
+            f"the responses of flow and temperatures to a key do not settle in {TURNS} turns; the gradient by "
+            "differences needs runs at both sides: use contbed sweep"
+        )
+
+    def _move_flow(self, ends: list[_End]) -> None:
+        assert self.flow is not None
+        equations = [end.equations() for end in ends]
+        if any(not np.array_equal(one.fixed, equations[0].fixed) for one in equations[1:]):
+            raise UnlikeError(OTHER)
+        if self._flow is None:
+            middle = flow_equations(
+                self.plan.mesh,
+                coefficients(self.plan.solved, self.plan.medium, self.plan.velocity, self.plan.velocity_solid),
+                self.plan.velocity,
+                self.plan.conditions,
+                self.flow.local,
+                self.flow.system,
+            )
+            self._flow = self._factored(middle.residual(self.flow.state, True)[1], middle.fixed, self.flow.system)
+        solver, matrix = self._flow
+        starts = [one.with_given(self.flow.state) for one in equations]
+        found = [one.residual(start, False)[0] for one, start in zip(equations, starts, strict=True)]
+        states, _ = _moved(solver, matrix, equations[0].fixed, starts, found)
+        for end, one, state in zip(ends, equations, states, strict=True):
+            end.flow = Flow(one.system, state, [], end.plan.solved.bed.porosity, end.local)
+
+    def _move_heat(self, ends: list[_End]) -> None:
+        for end in ends:
+            end.heat()
+            _require_alike(end.problem, self.problem)
+        if self._heat is None:
+            matrix = self.problem.steady(self.state, True)[1]
+            self._heat = self._factored(matrix, self.problem.fixed, self.problem.system)
+        solver, matrix = self._heat
+        starts = []
+        for end in ends:
+            start = self.state.copy()
+            start[end.problem.fixed] = end.problem.fixed_values
+            starts.append(start)
+        found = [end.problem.steady(start, False)[0] for end, start in zip(ends, starts, strict=True)]
+        states, residuals = _moved(solver, matrix, self.problem.fixed, starts, found)
+        for end, state, residual in zip(ends, states, residuals, strict=True):
+            end.state, end.residual = state, residual
+
+    def _factored(self, matrix: Any, fixed: Any, system: Any) -> tuple[Solver, Any]:
+        return Solver(constrain(matrix, fixed), system.ordered(self.plan.policy)), matrix
+
+
+def _moved(
+    solver: Solver, matrix: Any, fixed: Any, starts: list[Any], found: list[Any]
+) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+    """Return the states at both ends and their residuals, linear in the response."""
+    change = 0.5 * (found[1] - found[0])
+    change[fixed] = 0.0
+    step = -solver(change)
+    lift = matrix @ step
+    return (starts[0] - step, starts[1] + step), (found[0] - lift, found[1] + lift)
+
+
+def _require_alike(problem: HeatProblem, base: HeatProblem) -> None:
+    """Raise UnlikeError where unknowns, prescribed nodes or the kinds of conditions differ."""
+    kinds = [
+        [(name, wall.name, wall.mass_flux is None, wall.inflow is None, wall.crossed) for name, _, wall in one.walls]
+        for one in (problem, base)
+    ]
+    same = problem.system.size == base.system.size and np.array_equal(problem.fixed, base.fixed)
+    if not same or kinds[0] != kinds[1]:
+        raise UnlikeError(OTHER)
