@@ -251,31 +251,33 @@ def sweep(
 
 
 @app.command()
-def sensitivities(
-    scene: SceneFile,
-    qoi: Annotated[list[str], Option("--qoi", metavar="RESULT", help="T_fluid_out_K and the like; repeatable")],
-    to: Annotated[
-        list[str] | None, Option("--to", metavar="KEY", help="bed.porosity and the like; all that the scene gives")
-    ] = None,
+def optimise(
+    design: Annotated[Path, Argument(metavar="DESIGN", help="a TOML file: scene, keys, objective and constraints")],
     out: OutFolder = None,
-    settings: Settings = None,
-    as_json: Annotated[bool, Option("--json", help="print JSON instead of the table")] = False,
+    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
+    quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
-    """Show the derivatives of results with respect to the continuous keys of a scene, the largest first."""
-    loaded = _load(scene, settings, trust, allow_large)
-    import json
+    """Find the best values of some keys of a scene under constraints, and what each constraint costs."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ[name] = "1"  # so that a search that goes on takes the same steps to the last digit
+    from contbed.design.found import OPTIMUM
+    from contbed.design.optimise import optimise as search
 
-    from contbed.design import sensitivities as design
-    from contbed.output.summary import plain
-
-    found, about = design.sensitivities(loaded, qoi, to or ())
-    folder = out or Path("results") / f"{scene.stem}-sensitivities"
-    design.write(found, about, folder, loaded.title)
-    print(json.dumps(plain(about), indent=1) if as_json else design.table(found, about))
-    if not as_json:
-        print(f"table and picture are in {folder}")
+    folder = out or Path("results") / design.stem
+    _resume[:] = [(folder / "runs", "the same command")]
+    done = search(design, folder, retry_failed, quiet, trust, allow_large)
+    for text in done.found.remarks:
+        _complain(f"warning: {text}")
+    if not quiet:
+        print(done.text())
+    print(f"{done.found.status}: {done.found.why}")
+    print(
+        f"{len(done.evaluations)} evaluations, {done.before} were before, {done.failed} failed; results are in {folder}"
+    )
+    if done.found.status != OPTIMUM:
+        raise typer.Exit(3)
 
 
 @app.command()

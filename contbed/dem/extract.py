@@ -23,6 +23,7 @@ from contbed.closures.transferred import FORMAT, Transferred
 from contbed.dem import heat, network
 from contbed.errors import SceneError
 from contbed.output.files import atomic
+from contbed.output.toml_text import toml_text
 
 Array = NDArray[np.float64]
 CONFIDENCE = 0.95
@@ -73,7 +74,7 @@ class Fit:
         """Write the closure file. The version and a hash of the fitted content are added to `provenance`."""
         origin = {**provenance, "contbed": __version__, "hash": content_hash(self.content)}
         with atomic(path) as temporary:
-            temporary.write_text(_toml({**self.content, "provenance": origin}), encoding="utf-8")
+            temporary.write_text(toml_text({**self.content, "provenance": origin}), encoding="utf-8")
 
 
 def conductivity_sweep(
@@ -207,27 +208,3 @@ def _summary(residuals: Array, what: str) -> dict[str, Any]:
         "largest": float(np.abs(residuals).max()),
         "confidence": CONFIDENCE,
     }
-
-
-def _toml(content: Mapping[str, Any]) -> str:
-    """Write the content as TOML: scalars, then one table after the other, inner tables in one line."""
-    lines = [f"{_key(key)} = {_value(value)}" for key, value in content.items() if not isinstance(value, dict | list)]
-    for key, value in content.items():
-        if isinstance(value, dict):
-            lines += ["", f"[{key}]", *(f"{_key(name)} = {_value(item)}" for name, item in value.items())]
-        elif isinstance(value, list):
-            for table in value:
-                lines += ["", f"[[{key}]]", *(f"{_key(name)} = {_value(item)}" for name, item in table.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _key(name: str) -> str:
-    return name if name.replace("_", "").isalnum() else json.dumps(name)
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{_key(name)} = {_value(item)}" for name, item in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_value, value)) + "]"
-    return json.dumps(value) if isinstance(value, str | bool | int) else repr(float(value))

@@ -120,3 +120,34 @@ def base_value(text: str) -> float:
     if found is None:
         raise ValueError(f"unknown unit '{name}'")
     return float(_registry().Quantity(float(match[1]), found).to_base_units().magnitude)
+
+
+def exponents(unit: str) -> dict[str, float]:
+    """Return the exponents of the SI base units in a unit; empty for a plain number.
+
+    >>> exponents("W/m")
+    {'kilogram': 1.0, 'meter': 1.0, 'second': -3.0}
+    """
+    found = _parse("" if unit == "1" else unit)
+    if found is None:
+        raise ValueError(f"unknown unit '{unit}'")
+    base = _registry().Quantity(1.0, found).to_base_units().units
+    return {str(name): float(str(power)) for name, power in sorted(base._units.items())}
+
+
+def unit_with(powers: dict[str, float]) -> str:
+    """Return a unit with these exponents of the base units, a short one where there is one.
+
+    >>> unit_with({"kilogram": 1.0, "meter": 1.0, "second": -3.0}), unit_with({})
+    ('W/m', '1')
+    """
+    if not powers:
+        return "1"
+    for name in (*QUANTITIES, "kg", "W", "J", "kg/s", "W/m", "J/kg", "m**3"):
+        if exponents(name) == powers:
+            return name
+    registry = _registry()
+    product = registry.Quantity(1.0, "")
+    for base, power in powers.items():
+        product = product * registry.Quantity(1.0, base) ** power
+    return f"{product.units:~C}"

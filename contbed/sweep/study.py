@@ -198,7 +198,7 @@ class _Reader:
         if not isinstance(table, dict):
             self.say(at, "expected a table of keys of the scene")
             return
-        for below, entry in _flat(table, is_entry):
+        for below, entry in flat(table, is_entry):
             name, path = ".".join(below), (*at, *below)
             if name in self.places:
                 self.say(path, f"stands twice, also at {self.places[name]}", name)
@@ -206,12 +206,12 @@ class _Reader:
             self.places[name] = self.origin.at(path)
             if design.is_log(entry):
                 self.logarithmic.add(name)
-            found = read_entry(entry, _unit(name), partial(self._say_below, path, name))
+            found = read_entry(entry, unit_of(name), partial(self._say_below, path, name))
             if found is not None:
                 yield name, found
 
 
-def _flat(
+def flat(
     table: Mapping[str, Any], is_entry: Callable[[Any], bool], above: tuple[str, ...] = ()
 ) -> Iterator[tuple[tuple[str, ...], Any]]:
     """Return the entries by path, whether written as "a.b" = [...], a.b = [...] or in sub-tables."""
@@ -219,10 +219,11 @@ def _flat(
         if is_entry(value):
             yield (*above, key), value
         else:
-            yield from _flat(value, is_entry, (*above, key))
+            yield from flat(value, is_entry, (*above, key))
 
 
-def _unit(name: str) -> str | None:
+def unit_of(name: str) -> str | None:
+    """Return the SI unit of a dotted key; None if it has none or is not known."""
     try:
         return explain.unit(parse_key(name))
     except ValueError:  # told by the scene
@@ -241,7 +242,7 @@ def _cases(
             loaded = make(values)
         except SceneError as error:
             for text in error.problems:
-                name, told = _relocated(text, places)
+                name, told = relocated(text, places)
                 known = problems.setdefault(name or text, [] if name else [f"{told} (with {_shown(values)})"])
                 if name and told not in known:
                     known.append(told)
@@ -255,7 +256,7 @@ def _cases(
     return list(cases.values())
 
 
-def _relocated(problem: str, places: Mapping[str, str]) -> tuple[str, str]:
+def relocated(problem: str, places: Mapping[str, str]) -> tuple[str, str]:
     """Replace an override of a scene in a message by the parameter and the line of the study."""
     text = problem.removeprefix("override: ")
     if text != problem:

@@ -1,0 +1,342 @@
+"""The command `contbed optimise` on a model in closed form: reading, files, what is told, going on after a kill."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed import cli
+from contbed.design import evaluations, plots
+from contbed.design.expression import read_expression
+from contbed.design.reading import read_design
+from contbed.errors import ConvergenceError, SceneError
+
+SCENE = """\
+[mesh]
+type = "line"
+length = 2
+[fluid]
+density = 1
+viscosity = 2e-5
+[bed]
+porosity = 0.4
+particle_diameter = "3 mm"
+[flow]
+velocity = 0.1
+[output]
+plots = false
+"""
+DESIGN = """\
+title = "Fast flow"
+scene = "scene.toml"
+maximise = "flow.velocity"
+constraints = ["pressure_drop_Pa <= 0.1 kPa", "u_max <= 0.4"]
+[keys]
+flow.velocity = { from = "5 cm/s", to = 0.5 }
+bed.particle_diameter = { from = "1 mm", to = "4 mm" }
+"""
+
+
+def model(scene):
+    """Pressure drop 2000 v^2/(d/1 mm) [Pa] and largest velocity v + 10 d [m/s]."""
+    v, d = scene.flow.velocity, scene.bed.particle_diameter
+    return {"pressure_drop_Pa": 2000.0 * v**2 / (1e3 * d), "u_max": v + 10.0 * d, "heat_wall_W": 3.0}
+
+
+def slopes(scene, qoi, keys):
+    """Derivatives of `model`."""
+    v, d = scene.flow.velocity, scene.bed.particle_diameter
+    drop = 2000.0 * v**2 / (1e3 * d)
+    table = {
+        "pressure_drop_Pa": {"flow.velocity": 4.0 * v / d, "bed.particle_diameter": -drop / d},
+        "u_max": {"flow.velocity": 1.0, "bed.particle_diameter": 10.0},
+        "heat_wall_W": {"flow.velocity": 0.0, "bed.particle_diameter": 0.0},
+    }
+    derivatives = np.array([[table[name][key] for key in keys] for name in qoi])
+    return types.SimpleNamespace(derivatives=derivatives, standard_errors=None, method="tangent")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "design.toml").write_text(DESIGN)
+    return tmp_path
+
+
+@pytest.fixture
+def runner(monkeypatch):
+    """A runner that records its calls; `runner.error(scene)` may return what it raises."""
+    module = types.ModuleType("contbed.runner")
+    module.calls, module.gradients, module.error, module.model = [], [], lambda scene: None, model
+
+    def run(scene, out, quiet):
+        module.calls.append(scene)
+        if error := module.error(scene):
+            raise error
+        out.mkdir(parents=True, exist_ok=True)
+        return types.SimpleNamespace(summary={"qoi": module.model(scene)})
+
+    def gradient(scene, qoi, keys):
+        module.gradients.append(scene)
+        return slopes(scene, qoi, keys)
+
+    module.run = run
+    monkeypatch.setitem(sys.modules, "contbed.runner", module)
+    monkeypatch.setattr(evaluations, "gradient", gradient)
+    module.plot = plots.plot
+    monkeypatch.setattr(plots, "plot", lambda *_: None)
+    return module
+
+
+def optimise(*arguments):
+    return cli.main(["optimise", "design.toml", "--out", "out", *arguments])
+
+
+def change(folder, *pairs):
+    text = (folder / "design.toml").read_text()
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "design.toml").write_text(text)
+
+
+def summary(folder):
+    return json.loads((folder / "out" / "summary.json").read_text())
+
+
+def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
+    """Both constraints are active: v = 0.4 - 10 d and 2000 v^2 = P (1000 d), with P = 100 Pa."""
+
+    def fastest_at(pressure):
+        return 0.4 - 10.0 * min(np.roots([100.0, -8.0 - 0.5 * pressure, 0.16]))
+
+    monkeypatch.setattr(plots, "plot", runner.plot)
+    assert optimise() == 0
+    v = fastest_at(100.0)
+    d = 0.04 - 0.1 * v
+    found = summary(folder)
+    assert found["status"] == "optimum"
+    assert found["keys"]["flow.velocity"]["value"] == pytest.approx(v, rel=1e-8)
+    assert found["keys"]["bed.particle_diameter"]["value"] == pytest.approx(d, rel=1e-7)
+    assert found["objective"]["value"] == pytest.approx(v, rel=1e-8)
+    assert found["objective"]["unit"] == "m/s"
+    pressure, fastest = found["constraints"]
+    assert pressure["active"] and fastest["active"]
+    slope = (fastest_at(100.01) - fastest_at(99.99)) / 0.02
+    assert pressure["price"] == pytest.approx(slope, rel=1e-6)  # of central differences
+    assert pressure["price_unit"] == "m/s per Pa"
+    assert pressure["bound"] == 100.0
+    assert "u_max <= 0.4" in fastest["constraint"]
+    scene = cb.load(folder / "out" / "optimum.toml")
+    assert scene.flow.velocity == pytest.approx(v, rel=1e-8)
+    assert scene.bed.porosity == 0.4
+    with open(folder / "out" / "table.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(runner.calls) == found["runs"]["evaluated"]
+    assert rows[0]["flow.velocity [m/s]"] == "0.1"
+    assert rows[0]["flow.velocity: objective [m/s]"] == "0.1"  # as it is maximised, not its negative
+    assert float(rows[0]["pressure_drop [Pa]"]) == pytest.approx(2000.0 * 0.01 / 3.0)
+    assert (folder / "out" / "convergence.png").read_bytes()[:4] == b"\x89PNG"
+    text = capsys.readouterr().out
+    assert '"pressure_drop_Pa <= 0.1 kPa": 10 Pa more allowed changes flow.velocity by +0.0' in text
+    assert text.splitlines()[-1].startswith(f"{len(rows)} evaluations, 0 were before, 0 failed")
+
+
+def test_a_second_call_computes_nothing(folder, runner):
+    assert optimise() == 0
+    first = summary(folder)
+    calls, gradients = len(runner.calls), len(runner.gradients)
+    assert optimise() == 0
+    assert (len(runner.calls), len(runner.gradients)) == (calls, gradients)
+    second = summary(folder)
+    assert second["runs"]["before"] == calls and first["runs"]["before"] == 0
+    assert {**second, "runs": 0} == {**first, "runs": 0}
+
+
+def test_a_failed_run_is_stepped_back_from_and_told(folder, runner, capsys):
+    runner.error = lambda scene: ConvergenceError("no convergence here") if scene.flow.velocity > 0.3723 else None
+    assert optimise() == 0
+    captured = capsys.readouterr()
+    assert "warning: stepped back to" in captured.err and "no convergence here" in captured.err
+    found = summary(folder)
+    assert found["runs"]["failed"] >= 1 and found["warnings"]
+    assert found["keys"]["flow.velocity"]["value"] == pytest.approx(0.3723, abs=1e-4)
+    with open(folder / "out" / "table.csv", newline="") as file:
+        failed = [row for row in csv.DictReader(file) if row["exit code"] == "3"]
+    assert failed and failed[0]["problem"] == "no convergence here"
+    # a failed run is kept, until it is asked for again
+    calls = len(runner.calls)
+    runner.error = lambda scene: None
+    assert optimise() == 0 and len(runner.calls) == calls
+    assert optimise("--retry-failed") == 0 and len(runner.calls) > calls
+
+
+def test_a_start_that_fails_is_told(folder, runner, capsys):
+    runner.error = lambda scene: ConvergenceError("no convergence here")
+    assert optimise() == 3
+    assert "the run at the start failed: no convergence here; give a start" in capsys.readouterr().err
+
+
+def test_constraints_that_cannot_hold_are_named_with_the_miss(folder, runner, capsys):
+    change(folder, ("u_max <= 0.4", "u_max >= 0.7"))
+    assert optimise() == 3
+    told = capsys.readouterr().out
+    assert 'the nearest misses "pressure_drop_Pa <= 0.1 kPa" by 22.' in told
+    assert '"u_max >= 0.7" by 0.16' in told
+    found = summary(folder)
+    assert found["status"] == "infeasible"
+    assert found["constraints"][1]["missed_by"] > 0.0
+    assert found["costs"] == []
+
+
+def test_as_many_runs_as_are_allowed(folder, runner, capsys):
+    (folder / "design.toml").write_text("runs = 3\n" + DESIGN)
+    assert optimise() == 3
+    assert "all 3 runs are computed; raise runs" in capsys.readouterr().out
+    assert summary(folder)["status"] == "not converged"
+    calls = len(runner.calls)
+    (folder / "design.toml").write_text(DESIGN)
+    assert optimise() == 0
+    assert summary(folder)["runs"]["before"] == calls == 3
+
+
+def test_formulas_with_prices_and_whole_numbers(folder, runner):
+    """The pressure drop asks for d >= 2 mm at any velocity, u_max for 1 m/s."""
+    cost = '{ formula = "2*flow.velocity + bed.particle_diameter", unit = "EUR" }'
+    change(
+        folder,
+        ('maximise = "flow.velocity"', f"minimise = {cost}"),
+        ("pressure_drop_Pa <= 0.1 kPa", "pressure_drop_Pa <= 1e3 * fluid.density * flow.velocity**2"),
+        ('from = "5 cm/s", to = 0.5', "from = 0, to = 3, start = 2, integer = true"),
+        ("u_max <= 0.4", "u_max >= 1.01"),
+    )
+    assert optimise() == 0
+    found = summary(folder)
+    assert found["keys"]["flow.velocity"]["value"] == 1
+    assert found["keys"]["bed.particle_diameter"]["value"] == pytest.approx(2e-3, rel=1e-6)
+    assert found["objective"]["unit"] == "EUR"
+    assert found["constraints"][0]["bound"] == pytest.approx(1e3)
+    assert "all 4 choices of whole numbers were tried" in found["verdict"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('"flow.velocity"', '"u_mux"', "toml:3: maximise: \"u_mux\": 'u_mux' is neither a named result nor a key"),
+        ('"flow.velocity"', '"u_mux"', "nearest: u_max"),
+        ('"flow.velocity"', '"flow.velocty"', "the scene has no number 'flow.velocty'; nearest: flow.velocity"),
+        ('"flow.velocity"', '"u_max + T_fluid_out_K"', "u_max is in m/s, T_fluid_out_K in K; they cannot be added"),
+        ("maximise", "minimize", "design.toml:3: minimize: unknown key; allowed:"),
+        ('"u_max <= 0.4"', '"u_max < 0.4"', "toml:4: constraints[1]: 'u_max < 0.4': expected one of <=, >= and =="),
+        ('"u_max <= 0.4"', '"u_max <= 40 Pa"', "expected a velocity like 'm/s', found '40 Pa'"),
+        ('"u_max <= 0.4"', '"u_max <= 2*pressure_drop_Pa"', "the left side is in m/s, the right one in Pa"),
+        ("0.4", '0.4", "u_max >= 50 cm/s', '"u_max >= 50 cm/s" contradicts "u_max <= 0.4" by 0.1 m/s; change one'),
+        ("u_max <= 0.4", "flow.velocity >= 0.6", '"flow.velocity >= 0.6" cannot hold within the bounds'),
+        ("u_max <= 0.4", "flow.velocity >= 0.6", "missed by at least 0.1 m/s, at flow.velocity = 0.5 m/s"),
+        ('"5 cm/s"', '"90 cm/s"', "design.toml:6: flow.velocity: from, 0.9, is above to, 0.5; swap them"),
+        ('"5 cm/s"', '"20 cm/s"', "flow.velocity: the scene's value, 0.1, is outside of 0.2 to 0.5; give start = ..."),
+        ('"5 cm/s"', '"5 cm"', "design.toml:6: flow.velocity: from: expected a velocity like 'm/s', found '5 cm'"),
+        ("to = 0.5", "to = 0.5, start = 0.6", "start, 0.6, is outside of 0.05 to 0.5; move it inside"),
+        ("to = 0.5", "to = 0.5, count = 3", "count: unknown key; allowed: from, to, start, integer"),
+        ("flow.velocity = {", "flow.velosity = {", "toml:6: flow.velosity: the scene has no such key; allowed: veloc"),
+        ("flow.velocity = {", "mesh.type = {", "mesh.type: is no number and cannot be varied between bounds"),
+        ('"scene.toml"', '"bed.toml"', 'design.toml:2: scene: no such file: "bed.toml"'),
+        ("title =", "runs = 0\ntitle =", "toml:1: runs: runs is 0; allowed: a whole number from 1 to"),
+    ],
+)
+def test_mistakes_are_told_before_any_run(folder, runner, capsys, old, new, told):
+    change(folder, (old, new))
+    assert optimise() == 2
+    assert told in capsys.readouterr().err
+    assert runner.calls == [] and not (folder / "out").exists()
+
+
+def test_a_result_that_the_run_does_not_have_is_told_after_one_run(folder, runner, capsys):
+    change(folder, ("u_max <= 0.4", "T_fluid_out_K <= 400"))
+    assert optimise() == 2
+    assert 'design.toml:4: the run has no result "T_fluid_out_K"; allowed: pressure_drop_Pa' in capsys.readouterr().err
+    assert len(runner.calls) == 1
+
+
+def test_all_mistakes_at_once(folder):
+    change(folder, ("u_max <= 0.4", "u_max < 0.4"), ("flow.velocity = {", "flow.velosity = {"))
+    with pytest.raises(SceneError) as caught:
+        read_design("design.toml")
+    assert len(caught.value.problems) == 1  # the keys come first, as units of constraints follow from them
+    change(folder, ("flow.velosity = {", "flow.velocity = {"), ('maximise = "flow', 'maximise = "flo'))
+    with pytest.raises(SceneError) as caught:
+        read_design("design.toml")
+    assert len(caught.value.problems) == 2
+
+
+UNITS = {"mesh.length": "m", "pressure_drop_Pa": "Pa", "flow.velocity": "m/s", "k_eff [W/m/K]": "W/m/K", "Nu": "1"}
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "unit"),
+    [
+        ("mesh.length", 1.5, "m"),
+        ("2*mesh.length + 0.3", 3.3, "m"),
+        ("pressure_drop_Pa * flow.velocity", 2.25, "W/m**2"),
+        ('0.5*"k_eff [W/m/K]" + 1e-1', 0.85, "W/m/K"),
+        ("max(mesh.length, 1e-3)/flow.velocity", 1.0, "s"),
+        ("exp(-Nu)*mesh.length**2", 2.25 * np.exp(-1.5), "m**2"),
+        ("Nu - sqrt(Nu)", 1.5 - 1.5**0.5, "1"),
+    ],
+)
+def test_formulas_have_values_units_and_derivatives(text, value, unit):
+    found = read_expression(text, UNITS.__getitem__)
+    at = dict.fromkeys(UNITS, 1.5)
+    assert (found(at), found.unit) == (pytest.approx(value, rel=1e-14), unit)
+    for name, slope in found.derivatives(at).items():
+        h = 1e-6
+        difference = (found({**at, name: 1.5 + h}) - found({**at, name: 1.5 - h})) / (2.0 * h)
+        assert slope == pytest.approx(difference, rel=1e-8, abs=1e-9)
+
+
+KILLED = """
+import os, signal, sys
+sys.path[:0] = {paths}
+import test_optimise as t
+from contbed import cli, runner
+from contbed.design import evaluations, plots
+evaluations.gradient = t.slopes
+kept, count = runner.run, 0
+def run(scene, out, quiet):
+    global count
+    count += 1
+    if count == {last}:
+        os.kill(os.getpid(), signal.SIGKILL)
+    import types
+    return types.SimpleNamespace(summary={{"qoi": t.model(scene)}})
+runner.run = run
+sys.exit(cli.main(["optimise", "design.toml", "--out", "out"]))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs SIGKILL")
+def test_a_killed_search_goes_on_and_computes_no_run_twice(folder, runner):
+    whole = cli.main(["optimise", "design.toml", "--out", "whole"])
+    assert whole == 0
+    calls = len(runner.calls)
+    paths = [str(Path(__file__).parent), str(Path(cb.__file__).parents[1])]
+    code = textwrap.dedent(KILLED.format(paths=paths, last=4))
+    done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == -signal.SIGKILL, done.stderr
+    assert not (folder / "out" / "summary.json").exists()
+    assert (folder / "out" / "table.csv").exists()  # of the three that had ended
+    runner.calls.clear()
+    assert optimise() == 0
+    assert len(runner.calls) == calls - 3
+    same = json.loads((folder / "whole" / "summary.json").read_text())
+    assert {**summary(folder), "runs": 0} == {**same, "runs": 0}
