@@ -281,6 +281,32 @@ def optimise(
 
 
 @app.command()
+def calibrate(
+    data: Annotated[Path, Argument(metavar="DATA", help="a TOML file with scenes, measured tables and keys to fit")],
+    jobs: Annotated[int, Option("--jobs", metavar="N", help="processes; -1 for one a core")] = 1,
+    out: OutFolder = None,
+    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
+    quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
+) -> None:
+    """Fit keys of scenes to measured values: keys with intervals, what the data do not see, predictions with bands."""
+    if jobs == 0 or jobs < -1:
+        raise typer.BadParameter("a number of processes, or -1", param_hint="--jobs")
+    from contbed.calibration import calibrate as command
+    from contbed.calibration.write import table
+
+    folder = out or Path("results") / data.stem
+    _resume[:] = [(folder / "runs.jsonl", "the same command")]
+    found = command.calibrate(data, folder, jobs, retry_failed, quiet, trust, allow_large)
+    for text in found.warnings:
+        _complain(f"warning: {text}")
+    print(table(found))
+    print(f"{found.runs} runs, {found.before} were before, {len(found.failed)} failed; results are in {folder}")
+    command.require_converged(found)
+
+
+@app.command()
 def report(
     folders: Annotated[list[Path], Argument(metavar="DIR...", help="folders of runs, or that of a sweep")],
     out: Annotated[

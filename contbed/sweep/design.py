@@ -5,6 +5,7 @@
     { from = 0.01, to = 100, count = 5, spacing = "log" }       even ratios, both ends exact; ends of one sign
     { distribution = "uniform", from = 0.36, to = 0.44 }        in a sample; also "log_uniform"
     { distribution = "normal", mean = "6 mm", deviation = "0.2 mm" }
+    { distribution = "log_normal", median = "5 W/m/K", factor = 1.3 }   two of three are within 5/1.3 to 5*1.3
 
 A sample is a set of points in the unit cube, Latin hypercube or scrambled Sobol, that each distribution maps to
 its values. The Latin hypercube has one point in each of `count` slices of equal probability, for every parameter
@@ -25,16 +26,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.scene.names import nearest
+from contbed.sweep.distributions import Distribution
 
 Array = NDArray[np.float64]
 Say = Callable[[tuple[str, ...], str], None]
-Distribution = Callable[[Array], Array]
 
 MOST_RUNS = 100_000
 METHODS = ("latin_hypercube", "sobol")
 SPACINGS = ("linear", "log")
-_MAGNITUDE = re.compile(r"^[\s+-]*[\d.]+(?:[eE][+-]?\d+)?")
-DISTRIBUTIONS = {"uniform": ("from", "to"), "log_uniform": ("from", "to"), "normal": ("mean", "deviation")}
+MAGNITUDE = re.compile(r"^[\s+-]*[\d.]+(?:[eE][+-]?\d+)?")
+DISTRIBUTIONS = {
+    "uniform": ("from", "to"),
+    "log_uniform": ("from", "to"),
+    "normal": ("mean", "deviation"),
+    "log_normal": ("median", "factor"),
+}
+_BY_KEY = {"mean": "normal", "median": "log_normal"}  # distributions that are known by a key of theirs
 
 
 def is_values(entry: Any) -> bool:
@@ -44,7 +51,9 @@ def is_values(entry: Any) -> bool:
 
 def is_distribution(entry: Any) -> bool:
     """Return whether an entry of [sample.parameters] holds a distribution, and not keys further down."""
-    return not isinstance(entry, Mapping) or not entry or bool({"distribution", "from", "to", "mean"} & entry.keys())
+    return not isinstance(entry, Mapping) or not entry or bool(
+        {"distribution", "from", "to", "mean", "median"} & entry.keys()
+    )
 
 
 def is_log(entry: Any) -> bool:
@@ -81,21 +90,21 @@ def values(entry: Any, unit: str | None, say: Say) -> list[Any] | None:
 def distribution(entry: Any, unit: str | None, say: Say) -> Distribution | None:
     """Return the map from (0, 1) to the values of a distribution."""
     if not isinstance(entry, Mapping):
-        say((), 'expected a distribution, { from, to } or { distribution = "normal", mean, deviation }')
+        say((), "expected a distribution: { from, to }, { mean, deviation } or { median, factor }")
         return None
-    name = choice(entry, "distribution", tuple(DISTRIBUTIONS), say, "normal" if "mean" in entry else "uniform")
+    usual = next((name for key, name in _BY_KEY.items() if key in entry), "uniform")
+    name = choice(entry, "distribution", tuple(DISTRIBUTIONS), say, usual)
     if name is None:
         return None
     _only(entry, ("distribution", *DISTRIBUTIONS[name]), say)
     if name == "normal":
         return _normal(entry, unit, say)
+    if name == "log_normal":
+        return _log_normal(entry, unit, say)
     ends = _ends(entry, unit, name == "log_uniform", say)
     if ends is None:
         return None
-    low, high = ends
-    if name == "uniform":
-        return lambda u: low + u * (high - low)
-    return lambda u: low * np.exp(u * math.log(high / low))
+    return Distribution(*ends, even=True, logarithmic=name == "log_uniform")
 
 
 def tidy(value: float) -> float:
@@ -145,7 +154,7 @@ def choice(
 
 
 def _ends(entry: Mapping[str, Any], unit: str | None, logarithmic: bool, say: Say) -> tuple[float, float] | None:
-    low, high = (_number(entry, key, unit, say) for key in ("from", "to"))
+    low, high = (number(entry, key, unit, say) for key in ("from", "to"))
     if low is None or high is None:
         return None
     if low == high:
@@ -158,25 +167,34 @@ def _ends(entry: Mapping[str, Any], unit: str | None, logarithmic: bool, say: Sa
 
 
 def _normal(entry: Mapping[str, Any], unit: str | None, say: Say) -> Distribution | None:
-    from scipy.special import ndtri
-
-    mean, deviation = _number(entry, "mean", unit, say), _number(entry, "deviation", unit, say, difference=True)
+    mean, deviation = number(entry, "mean", unit, say), number(entry, "deviation", unit, say, difference=True)
     if mean is None or deviation is None:
         return None
     if deviation <= 0.0:
         say(("deviation",), f"deviation is {deviation:g}; allowed: a number > 0")
         return None
-    return lambda u: mean + deviation * ndtri(u)
+    return Distribution(mean, mean + deviation, even=False)
 
 
-def _number(entry: Mapping[str, Any], key: str, unit: str | None, say: Say, difference: bool = False) -> float | None:
+def _log_normal(entry: Mapping[str, Any], unit: str | None, say: Say) -> Distribution | None:
+    median, factor = number(entry, "median", unit, say), number(entry, "factor", "1", say)
+    if median is None or factor is None:
+        return None
+    if median == 0.0 or factor <= 1.0:
+        key, value, allowed = ("factor", factor, "> 1") if median else ("median", median, "that is not 0")
+        say((key,), f"{key} is {value:g}; allowed: a number {allowed}")
+        return None
+    return Distribution(median, median * factor, even=False, logarithmic=True)
+
+
+def number(entry: Mapping[str, Any], key: str, unit: str | None, say: Say, difference: bool = False) -> float | None:
     """Return a number in SI; a `difference` of temperatures does not move with the zero of its scale."""
     value = entry.get(key)
     if isinstance(value, str) and unit is not None:
         from contbed.scene.units import to_si
 
         try:
-            return to_si(value, unit) - (to_si(_MAGNITUDE.sub("0 ", value), unit) if difference else 0.0)
+            return to_si(value, unit) - (to_si(MAGNITUDE.sub("0 ", value), unit) if difference else 0.0)
         except ValueError as error:
             say((key,), f"{key}: {error}")
             return None

@@ -1,0 +1,144 @@
+"""The predictions of all experiments as a function of the scaled keys; runs are kept and computed on several cores."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.calibration.experiments import Job, Point
+from contbed.calibration.observe import observe
+from contbed.calibration.settings import FittedKey
+from contbed.calibration.store import Outcome, Store
+from contbed.errors import ContbedError, SceneError, interrupt_in
+from contbed.scene.identity import scene_hash
+from contbed.scene.tables import SceneBase
+from contbed.sweep.design import tidy
+from contbed.sweep.runs import KILLED
+
+Array = NDArray[np.float64]
+
+
+class Model(Protocol):
+    """What a fit needs to know of a model."""
+
+    def values(self, z: Array) -> Array:
+        """Return the predictions, shape (sets, points), for sets of scaled keys, shape (sets, keys); nan if failed."""
+        ...
+
+
+class SceneModel:
+    """The runs of the jobs of a calibration.
+
+    Attributes
+    ----------
+    points : what is predicted, in the order of the predictions
+    computed : runs that were computed by this process
+    """
+
+    def __init__(self, keys: Sequence[FittedKey], jobs: Sequence[Job], store: Store, processes: int = 1):
+        self._keys, self._jobs, self._store, self._processes = tuple(keys), tuple(jobs), store, processes
+        self.points: tuple[Point, ...] = tuple(point for job in jobs for point in job.points)
+        self.computed = 0
+
+    def at(self, z: Array) -> dict[str, float]:
+        """Return the keys in SI at one set of scaled keys, shape (keys,)."""
+        return {key.name: tidy(float(key.prior.value(float(each)))) for key, each in zip(self._keys, z, strict=True)}
+
+    def values(self, z: Array) -> Array:
+        """Return the predictions, shape (sets, points), for sets of scaled keys, shape (sets, keys).
+
+        A run that fails leaves not-a-numbers in its points and is kept with its problem.
+        """
+        names: list[list[str]] = []
+        waiting: dict[str, tuple[SceneBase, Job]] = {}
+        for one in z:
+            keys, row = self.at(one), []
+            for job in self._jobs:
+                try:
+                    scene = job.load(keys)
+                except SceneError as error:
+                    name = _name(json.dumps([str(job.scene), sorted(keys.items())]), job)
+                    if self._store.known(name) is None:
+                        self._store.add(name, _failed(error, keys))
+                else:
+                    name = _name(scene_hash(scene), job)
+                    if self._store.known(name) is None:
+                        waiting.setdefault(name, (scene, job))
+                row.append(name)
+            names.append(row)
+        for name, outcome in self._found(waiting):
+            self.computed += 1
+            scene = waiting[name][0]
+            self._store.add(name, outcome | ({"scene": scene_hash(scene)} if outcome["exit_code"] else {}))
+        return np.array([[value for name, job in zip(row, self._jobs, strict=True) for value in self._of(name, job)]
+                         for row in names])  # fmt: skip
+
+    def _of(self, name: str, job: Job) -> list[float]:
+        outcome = self._store.known(name)
+        assert outcome is not None, "all runs have ended"
+        if outcome["exit_code"]:
+            return [np.nan] * len(job.points)
+        return [np.nan if value is None else value for value in outcome["values"]]
+
+    def problem(self) -> str:
+        """Return why the last run that failed did so."""
+        failed = self._store.failed()
+        return str(failed[-1]["problem"]) if failed else ""
+
+    def _found(self, waiting: dict[str, tuple[SceneBase, Job]]) -> Iterator[tuple[str, Outcome]]:
+        """Yield the outcomes of runs; a process that dies takes one run with it, not the others."""
+        tasks = [(name, scene, job) for name, (scene, job) in waiting.items()]
+        if self._processes == 1:
+            yield from (_pair(*task) for task in tasks)
+            return
+        done = set()
+        try:
+            for name, outcome in _pool(tasks, self._processes):
+                done.add(name)
+                yield name, outcome
+        except BrokenProcessPool:
+            for task in tasks:
+                if task[0] in done:
+                    continue
+                try:
+                    yield from _pool([task], self._processes)
+                except BrokenProcessPool:
+                    text = "its worker died: out of memory, killed from outside, or crashed"
+                    yield task[0], {"exit_code": KILLED, "problem": text}
+
+
+def _pool(tasks: list[tuple[str, SceneBase, Job]], processes: int) -> Iterator[tuple[str, Outcome]]:
+    from joblib import Parallel, delayed, parallel_config
+
+    with parallel_config(backend="loky", inner_max_num_threads=1):
+        pool = Parallel(n_jobs=processes, return_as="generator_unordered")
+        yield from pool(delayed(_pair)(*task) for task in tasks)
+
+
+def _name(scene: str, job: Job) -> str:
+    wanted = [[point.quantity, repr(point.t), repr(point.x)] for point in job.points]
+    return hashlib.sha256(json.dumps([scene, wanted]).encode()).hexdigest()[:16]
+
+
+def _pair(name: str, scene: SceneBase, job: Job) -> tuple[str, Outcome]:
+    from contbed.runner import run
+
+    try:
+        result = run(scene)
+    except Exception as error:  # one broken run must not lose the others
+        if interrupt_in(error) is not None:
+            raise
+        return name, _failed(error, {})
+    return name, {"exit_code": 0, "problem": "", "values": observe(result, job.points)}
+
+
+def _failed(error: Exception, keys: dict[str, float]) -> Outcome:
+    code, kind = (error.exit_code, "") if isinstance(error, ContbedError) else (1, f"{type(error).__name__}: ")
+    shown = f" (with {', '.join(f'{name} = {value:.6g}' for name, value in keys.items())})" if keys else ""
+    return {"exit_code": code, "problem": f"{kind}{error}{shown}".replace("\n", "; ")}
