@@ -219,8 +219,8 @@ def warnings_of(file: CalibrationFile, found: Fit, samples: Samples | None) -> l
         told.append("the fit has not converged; narrow the priors, or leave out keys that the data do not see")
     if found.scatter > 1.0:
         told.append(
-            f"deviations are {found.scatter:.2g} times the stated standard errors, more than chance explains: the errors "
-            "are too small, or the model lacks something; all errors are taken as larger by this factor"
+            f"deviations are {found.scatter:.2g} times the stated standard errors, more than chance explains: the "
+            "errors are too small, or the model lacks something; all errors are taken as larger by this factor"
         )
     if found.alike > 0.0:
         share = (1.0 - found.alike) / (1.0 + found.alike)
@@ -241,4 +241,3 @@ def require_converged(found: Calibrated) -> None:
     """Raise ConvergenceError for a fit that has not converged, after all is written."""
     if not found.fit.converged:
         raise ConvergenceError(found.warnings[0])
-

@@ -1,10 +1,10 @@
-"""Measured values and the runs that predict them: each value with its place, time, standard error and line of its file."""
+"""Measured values and the runs that predict them: each value with place, time, error and line of its file."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from contbed.calibration.settings import CalibrationFile, ExperimentSettings, Value, experiment_names
 from contbed.errors import SceneError
-from contbed.fields import FIELDS
+from contbed.fields import FIELDS, RESULTS, result
 from contbed.loading import load
 from contbed.scene.data_table import DataTable, read_table
-from contbed.scene.names import nearest
+from contbed.scene.names import near_names
 from contbed.scene.tables import SceneBase
 from contbed.scene.units import factor_and_offset, to_si
 from contbed.sweep.design import MAGNITUDE
@@ -34,7 +34,7 @@ class Point:
 
     t, x : time [s] and position [m] in the profiles; not a number where there is none
     value, error : measured, and its standard error; not a number where nothing was measured
-    line : "file:line" of the measured value
+    line : "file:line" of the measured value, or of what is predicted
     fitted : it takes part in the fit
     """
 
@@ -117,6 +117,7 @@ def _jobs(
     keep = np.ones(len(table.cells), dtype=bool)
     for column, text in settings.where.items():
         keep &= np.array([cell == text for cell in table.texts(column)])
+    predict_at = origin.at(("experiment", k, "predict"))
     t = _column(table, settings.time, "s")
     rows = np.flatnonzero(keep & ~(t <= 0.0))  # a run begins with what is at 0 s
     if not len(rows):
@@ -133,7 +134,7 @@ def _jobs(
         columns = {
             key: table.column(column, explain.unit(parse_key(key)) or "1") for key, column in settings.keys.items()
         }
-        extra = _predicted(name, settings, t, x)
+        extra = tuple(_predicted(name, settings, t, x, predict_at))
         for index, row in enumerate(rows):
             own = {key: float(column[row]) for key, column in columns.items()}
             yield Job(
@@ -145,7 +146,7 @@ def _jobs(
                 allow_large,
             )
         return
-    found = (*(point for each in points for point in each), *_predicted(name, settings, t, x))
+    found = (*(point for each in points for point in each), *_predicted(name, settings, t, x, predict_at))
     changes = dict(settings.set)
     if times := sorted({point.t for point in found if not math.isnan(point.t)}):
         changes["time.times"] = times
@@ -174,7 +175,10 @@ def _points(
     where = file.origin.at((*at,))
     in_profiles = settings.time is not None or settings.position is not None
     if in_profiles and value.quantity not in FIELDS:
-        raise SceneError(f"{where}: quantity: no such column of profiles; {nearest(value.quantity, [*FIELDS])}")
+        hint = meant(value.quantity, FIELDS)
+        raise SceneError(f"{where}: quantity: no profiles have a column '{value.quantity}'{hint}")
+    if not in_profiles:
+        _require_result(value.quantity, f"{where}: quantity")
     unit = FIELDS[value.quantity].unit if in_profiles else named_result(value.quantity).unit or "1"
     measured = table.column(value.column, unit)
     errors = _errors(value, table, measured, unit, where)
@@ -183,11 +187,13 @@ def _points(
     for row in rows:
         line = f"{table.path.name}:{table.lines[row]}"
         if not errors[row] > 0.0:
-            raise SceneError(f"{line}: the standard error of '{value.column}' is {errors[row]:g}; allowed: a number > 0")
+            raise SceneError(
+                f"{line}: the standard error of '{value.column}' is {errors[row]:g}; allowed: a number > 0"
+            )
         found.append(
             Point(
-                name, value.quantity, unit, float(t[row]), float(x[row]), float(measured[row]), float(errors[row]), line,
-                not t[row] > end,
+                name, value.quantity, unit, float(t[row]), float(x[row]), float(measured[row]), float(errors[row]),
+                line, not t[row] > end,
             )
         )  # fmt: skip
     return found
@@ -211,17 +217,30 @@ def _errors(value: Value, table: DataTable, measured: Array, unit: str, where: s
     return np.full(len(measured), error)
 
 
-def _predicted(name: str, settings: ExperimentSettings, t: Array, x: Array) -> Iterator[Point]:
+def _predicted(name: str, settings: ExperimentSettings, t: Array, x: Array, at: str) -> Iterator[Point]:
     """Yield what is predicted besides the measured values."""
     wanted = settings.predict
-    for result in wanted.results:
-        yield Point(name, result, named_result(result).unit or "1")
+    for key in wanted.results:
+        _require_result(key, f"{at}: predict")
+        yield Point(name, key, named_result(key).unit or "1", line=at)
     if not wanted.times and not wanted.positions:
         return
     for value in dict.fromkeys(value.quantity for value in settings.values):
         for moment in wanted.times or (sorted({float(v) for v in t}) if settings.time else (NONE,)):
             for place in wanted.positions or (sorted({float(v) for v in x}) if settings.position else (NONE,)):
-                yield Point(name, value, FIELDS[value].unit, moment, place)
+                yield Point(name, value, FIELDS[value].unit, moment, place, line=at)
+
+
+def _require_result(name: str, where: str) -> None:
+    """Raise SceneError for a name that no run of any scene reports."""
+    if result(name) is None:
+        raise SceneError(f'{where}: no run has a result "{name}"{meant(name, RESULTS)}')
+
+
+def meant(name: str, known: Iterable[str]) -> str:
+    """Return which name was probably meant, or nothing."""
+    found = near_names(name, list(known))
+    return f"; did you mean '{found[0]}'?" if found else ""
 
 
 def _check(file: CalibrationFile, k: int, job: Job, start: Mapping[str, float]) -> None:
@@ -236,16 +255,17 @@ def _check(file: CalibrationFile, k: int, job: Job, start: Mapping[str, float]) 
     time = getattr(scene, "time", None)
     problems = []
     for point in job.points:
-        place = point.line or file.origin.at(("experiment", k, "predict"))
         if math.isnan(point.t):
             continue
         if time is None:
-            problems.append(f"{place}: the scene {job.scene.name} is steady; leave out time, or give it a [time] table")
+            problems.append(
+                f"{point.line}: the scene {job.scene.name} is steady; leave out time, or give it a [time] table"
+            )
             break
         if point.t > time.end:
             problems.append(
-                f"{place}: {point.t:g} s is after the end of the run, time.end = {time.end:g} s in {job.scene.name}; "
-                "let the scene run longer, or leave out these rows with where"
+                f"{point.line}: {point.t:g} s is after the end of the run, time.end = {time.end:g} s in "
+                f"{job.scene.name}; let the scene run longer, or leave out these rows with where"
             )
     if problems:
         raise SceneError(problems)
@@ -293,6 +313,5 @@ def _outside(file: CalibrationFile, k: int, job: Job, text: str) -> str:
         return _relocated(file, k, text)
     place = job.changes["output.positions"][int(found[1])]
     point = next(point for point in job.points if point.x == place)
-    line = point.line or file.origin.at(("experiment", k, "predict"))
     reason = text.rpartition(": ")[2]
-    return f"{line}: position {place:g} m: {reason}; leave out these rows with where"
+    return f"{point.line}: position {place:g} m: {reason}; leave out these rows with where"

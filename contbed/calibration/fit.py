@@ -1,6 +1,6 @@
 """Least squares with priors: the most probable keys, their covariance, and how far the stated errors hold.
 
-With measured values y, their standard errors s, predictions p(z) and keys z scaled by their priors, what is minimised is
+With measured values y, their standard errors s, predictions p(z) and keys z scaled by their priors, the fit minimises
 
     sum ((p - y)/s)^2 + sum z^2,
 
@@ -36,6 +36,7 @@ DIFFERENCE = 0.02
 MOST_EVALUATIONS = 60
 TOLERANCE = 1e-6  # of the keys, in standard deviations of their priors, and of the sum of squares
 TRIALS = 8  # further points of the priors that are tried if there is no solution in their middle
+SETTLED = 0.1  # standard errors that one more step may still change the keys by
 MOST_ALIKE = 0.95  # correlation of neighbours above which a table resolves nothing but the same deviation
 
 
@@ -89,7 +90,7 @@ class Fit:
 
     def bands(self, slopes: Array) -> Array:
         """Return the standard errors of predictions with these derivatives, shape (points,)."""
-        return np.sqrt(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes))
+        return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", slopes, self.covariance, slopes)))
 
 
 def fit(model: Model, data: Data, priors: Sequence[Distribution]) -> Fit:
@@ -184,12 +185,19 @@ def least_squares(
     predicted, there = known[found.x.tobytes()] if found.x.tobytes() in known else derivatives(
         model, whole(found.x), priors, free
     )  # fmt: skip
-    return Solution(whole(found.x), predicted, there, float(found.cost), bool(found.success))
+    settled = _rest(found, low[free], high[free]) < SETTLED
+    return Solution(whole(found.x), predicted, there, float(found.cost), bool(found.success and settled))
 
 
-def derivatives(
-    model: Model, z: Array, priors: Sequence[Distribution], free: NDArray[np.int64]
-) -> tuple[Array, Array]:
+def _rest(found: Any, low: Array, high: Array) -> float:
+    """Return by how many standard errors a further step would change the keys; steps end early where runs fail."""
+    free = (found.x > low + SETTLED) & (found.x < high - SETTLED)
+    slopes = found.jac[:, free]
+    step = np.linalg.lstsq(slopes, -found.fun, rcond=None)[0]
+    return float(np.linalg.norm(slopes @ step))
+
+
+def derivatives(model: Model, z: Array, priors: Sequence[Distribution], free: NDArray[np.int64]) -> tuple[Array, Array]:
     """Return predictions, shape (points,), and their derivatives with respect to scaled keys, (points, keys).
 
     Central differences of all keys at once; to one side at a bound of a prior, and where a run of the other failed.

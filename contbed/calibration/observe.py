@@ -32,17 +32,14 @@ def _named(result: Result, point: Point) -> float:
     value: Any = result.qoi.get(point.quantity)
     if isinstance(value, bool) or not isinstance(value, int | float):
         numbers = [key for key, item in result.qoi.items() if isinstance(item, int | float)]
-        raise SceneError(
-            f'{point.line or point.experiment}: the run has no number "{point.quantity}"; '
-            f"{nearest(point.quantity, numbers)}"
-        )
+        raise SceneError(f'{point.line}: the run has no number "{point.quantity}"; it has {", ".join(numbers)}')
     return float(value)
 
 
 def _in_profiles(result: Result, point: Point) -> float:
     profiles = result.profiles
     values = profiles.get(header(point.quantity))
-    place = point.line or point.experiment
+    place = point.line
     if values is None:
         known = [name_of(name) for name in profiles]
         raise SceneError(f'{place}: the profiles have no "{point.quantity}"; {nearest(point.quantity, known)}')
@@ -51,6 +48,8 @@ def _in_profiles(result: Result, point: Point) -> float:
     if math.isnan(point.x) and axis is not None:
         raise SceneError(f"{place}: the profiles have positions; give position, the column of those of the measurement")
     if math.isnan(point.x):
+        if times is None:
+            raise SceneError(f"{place}: the profiles have no times; leave out time")
         return float(np.interp(point.t, times, values))
     if axis is None:
         raise SceneError(f"{place}: the profiles of this scene have no positions; leave out position")

@@ -154,7 +154,9 @@ def read_file(path: str | Path) -> CalibrationFile:
     for k, experiment in enumerate(settings.experiment):
         _check(k, experiment, origin, [key.name for key in keys], say)
     if settings.posterior is not None and settings.posterior.walkers < 2 * len(keys):
-        say(("posterior", "walkers"), f"posterior.walkers: at least twice the number of keys is needed, {2 * len(keys)}")
+        say(
+            ("posterior", "walkers"), f"posterior.walkers: at least twice the number of keys is needed, {2 * len(keys)}"
+        )
     names = experiment_names(settings)
     for k, name in enumerate(names):
         if name in names[:k]:

@@ -1,4 +1,4 @@
-"""Runs of a calibration by the hash of their scene, one line each in `runs.jsonl`: what was found is never computed again.
+"""Runs of a calibration by the hash of their scene, one line each in `runs.jsonl`: none is computed twice.
 
 A line has a checksum. What a killed process has written of its last line does not fit it and is computed again.
 """

@@ -1,4 +1,4 @@
-"""Files of a calibration: tables of keys, points, combinations, profiles and samples, summary.json and calibrated scenes."""
+"""Files of a calibration: tables of keys, points, combinations, profiles and samples, summary, calibrated scenes."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ POINTS = (
 
 
 def key_rows(found: Calibrated) -> list[Row]:
-    """Return a row for each key, in SI: fitted value, standard error, and ends of the intervals; open ends are empty."""
-    rows = []
+    """Return a row for each key, in SI: fitted value, standard error, ends of the intervals; open ends are empty."""
+    rows: list[Row] = []
     for k, key in enumerate(found.keys):
         z, prior = float(found.fit.z[k]), key.prior
         error = math.sqrt(found.fit.covariance[k, k])
@@ -196,7 +196,10 @@ def table(found: Calibrated) -> str:
     ]  # fmt: skip
     names = [key.name for key in found.keys]
     fit = found.fit
-    lines += ["", f"{len(found.data.value)} values, chi-square {fit.chi_square:.4g} of {fit.freedom:.4g} degrees of freedom"]
+    lines += [
+        "",
+        f"{len(found.data.value)} values, chi-square {fit.chi_square:.4g} of {fit.freedom:.4g} degrees of freedom",
+    ]
     for each in found.combinations:
         told = f"known {each.singular:.3g} times better than by the prior" if each.seen else "not seen by the data"
         lines.append(f"{told}: {each.named(names)}")

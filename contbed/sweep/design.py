@@ -51,8 +51,10 @@ def is_values(entry: Any) -> bool:
 
 def is_distribution(entry: Any) -> bool:
     """Return whether an entry of [sample.parameters] holds a distribution, and not keys further down."""
-    return not isinstance(entry, Mapping) or not entry or bool(
-        {"distribution", "from", "to", "mean", "median"} & entry.keys()
+    return (
+        not isinstance(entry, Mapping)
+        or not entry
+        or bool({"distribution", "from", "to", "mean", "median"} & entry.keys())
     )
 
 

@@ -1,0 +1,328 @@
+"""The command: keys of scenes recovered from tables, files, mistakes with file and line, and what a kill leaves."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed import cli
+from contbed.calibration.calibrate import calibrate
+from contbed.calibration.store import FILE, Store
+
+SCENE = """\
+mesh = { type = "line", length = 2, cells = 4 }
+fluid = { density = 1.2, heat_capacity = 1000.0, conductivity = 0.03, viscosity = 2e-5 }
+solid = { density = 2000.0, heat_capacity = 900.0, conductivity = 1.0 }
+bed = { porosity = 0.4, particle_diameter = "3 mm" }
+flow = { velocity = 0.1 }
+heat = { nusselt = 2.0 }
+boundary.left = { fluid.inflow = 300 }
+"""
+DROPS = """\
+title = "pressure drops"
+profiles = false
+[keys]
+bed.porosity = { from = 0.35, to = 0.45 }
+bed.particle_diameter = { median = "3 mm", factor = 1.2 }
+[[experiment]]
+scene = "scene.toml"
+file = "drops.csv"
+keys = { "flow.velocity" = "u" }
+values = [{ quantity = "pressure_drop_Pa", column = "dp", error = "2 %" }]
+predict = { results = ["residence_time_s"] }
+"""
+# a thin bed that a flux heats: dT/dt = q/(C L), the same everywhere
+TANK = """\
+mesh = { type = "line", length = 0.01, cells = 4 }
+fluid = { density = 1.2, heat_capacity = 1000.0, conductivity = 0.03, viscosity = 2e-5 }
+solid = { density = 2000.0, heat_capacity = 900.0, conductivity = 1e3 }
+bed = { porosity = 0.4, particle_diameter = "1 mm" }
+flow = { velocity = 0.0 }
+heat = { nusselt = 0.0 }
+[boundary.left]
+solid = { flux = 500.0 }
+[time]
+end = 400
+initial_fluid = 300
+initial_solid = 300
+"""
+HEATED = """\
+[keys]
+boundary.left.solid.flux = { from = 100, to = 1000 }
+[[experiment]]
+name = "tank"
+scene = "tank.toml"
+file = "heated.csv"
+where = { probe = "A" }
+time = "t"
+position = "x"
+until = "200 s"
+values = [{ quantity = "T_solid", column = "T", error = "0.5 degC" }]
+predict = { times = ["5 min"], positions = [0.004] }
+[[experiment]]
+name = "other"
+scene = "tank.toml"
+set = { "solid.heat_capacity" = 450.0 }
+file = "heated.csv"
+where = { probe = "B" }
+time = "t"
+position = "x"
+values = [{ quantity = "T_solid", column = "T", error_column = "error" }]
+"""
+CAPACITY = 0.6 * 2000.0 * 900.0 * 0.01  # J/m2/K of the tank
+FLUX = 620.0
+
+
+def drop(u, porosity=0.39, diameter=3.2e-3):
+    """Ergun's equation."""
+    share = (1.0 - porosity) / porosity**3
+    return 2.0 * (150.0 * 2e-5 * share * (1.0 - porosity) * u / diameter**2 + 1.75 * 1.2 * share * u**2 / diameter)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "drops.toml").write_text(DROPS)
+    rows = [f"{100.0 * u},{1e-2 * drop(u)!r}" for u in (0.02, 0.2, 1.0)]
+    (tmp_path / "drops.csv").write_text("\n".join(["# measured", "u [cm/s],dp [mbar]", *rows, ""]))
+    (tmp_path / "tank.toml").write_text(TANK)
+    (tmp_path / "heated.toml").write_text(HEATED)
+    lines = ["t [min],x [mm],T [degC],probe,error [K]"]
+    for minutes in (1.0, 2.0, 3.0, 6.0):
+        warm = 300.0 + FLUX / CAPACITY * 60.0 * minutes - 273.15
+        twice = 300.0 + 2.0 * FLUX / CAPACITY * 60.0 * minutes - 273.15
+        lines += [f"{minutes},{x},{warm!r},A,1" for x in (2, 8)] + [f"{minutes},5,{twice!r},B,1"]
+    (tmp_path / "heated.csv").write_text("\n".join(lines))
+    return tmp_path
+
+
+@pytest.fixture
+def no_pictures(monkeypatch):
+    from contbed.calibration import plots
+
+    monkeypatch.setattr(plots, "plot", lambda found, out: None)
+
+
+def read(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
+    text = (folder / "drops.toml").read_text().replace("profiles = false", "profiles = true")
+    (folder / "drops.toml").write_text(text)
+    assert cli.main(["calibrate", "drops.toml", "--out", "out"]) == 0
+    keys = json.loads((folder / "out" / "summary.json").read_text())["keys"]
+    fitted = [keys[name]["fitted"] for name in ("bed.porosity", "bed.particle_diameter")]
+    # the data are exact; the prior about 3 mm draws the fit by 2 % of its distance
+    np.testing.assert_allclose(fitted, [0.39, 3.2e-3], rtol=5e-3)
+    for key, true in (("bed.porosity", 0.39), ("bed.particle_diameter", 3.2e-3)):
+        assert keys[key]["low"] < true < keys[key]["high"]
+        assert keys[key]["low of profile"] < true < keys[key]["high of profile"]
+    points = read(folder / "out" / "points.csv")
+    assert [row["line"] for row in points if row["measured"]] == [f"drops.csv:{k}" for k in range(3, 6)]
+    assert points[0]["unit"] == "Pa"
+    ahead = [row for row in points if row["quantity"] == "residence_time_s"]
+    # porosity by itself: the band of eps L/u follows that of eps
+    low, high = (keys["bed.porosity"][end] * 2.0 / 0.02 for end in ("low", "high"))
+    np.testing.assert_allclose([float(ahead[0]["low"]), float(ahead[0]["high"])], [low, high], rtol=1e-6)
+    out = capsys.readouterr().out
+    assert "3 values, chi-square" in out and "known" in out
+    assert {path.name for path in (folder / "out").iterdir()} >= {
+        "keys.csv", "points.csv", "combinations.csv", "profiles", "fit.png", "residuals.png", "keys.png", FILE,
+        "calibrated.toml",
+    }  # fmt: skip
+
+
+def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(folder, no_pictures):
+    found = calibrate("heated.toml", "out")
+    # the temperature is linear in the flux: the closed form of the weighted mean
+    np.testing.assert_allclose(found.values["boundary.left.solid.flux"], FLUX, rtol=1e-5)  # of the steps in time
+    fitted = [point for point in found.points if point.fitted]
+    slopes = [(2.0 if p.experiment == "other" else 1.0) * p.t / CAPACITY / p.error for p in fitted]
+    error = 1.0 / np.sqrt(np.sum(np.square(slopes)))
+    assert len(fitted) == 6 + 4  # those of the first after 200 s are kept back
+    assert {p.error for p in fitted} == {0.5, 1.0}  # a difference of 0.5 degC is 0.5 K
+    prior = found.keys[0].prior
+    scale = prior.slope(0.0)
+    np.testing.assert_allclose(np.sqrt(found.fit.covariance[0, 0]) * scale, error, rtol=1e-5)
+    ahead = next(k for k, point in enumerate(found.points) if point.t == 300.0 and np.isnan(point.value))
+    np.testing.assert_allclose(found.prediction.value[ahead], 300.0 + FLUX / CAPACITY * 300.0, rtol=1e-5)
+    np.testing.assert_allclose(found.prediction.deviation[ahead], error * 300.0 / CAPACITY, rtol=1e-5)
+    whole = found.prediction.high_measured[ahead] - found.prediction.value[ahead]
+    np.testing.assert_allclose(whole, 1.6448536 * np.hypot(error * 300.0 / CAPACITY, 0.5), rtol=1e-5)
+    summary = json.loads((folder / "out" / "summary.json").read_text())
+    assert summary["data"]["kept back"] == 2 == summary["data"]["kept back inside of the band"]
+    # the scenes that are written are those that were fitted
+    scene = cb.load(folder / "out" / "calibrated_other.toml")
+    assert scene.solid.heat_capacity == 450.0
+    np.testing.assert_allclose(scene.boundary["left"].solid.flux, FLUX, rtol=1e-5)
+
+
+def test_the_same_command_computes_nothing_again(folder, no_pictures):
+    first = calibrate("drops.toml", "out")
+    again = calibrate("drops.toml", "out")
+    assert again.runs == again.before == first.runs > 0
+    np.testing.assert_array_equal(first.fit.z, again.fit.z)
+
+
+def test_a_line_that_was_not_written_whole_is_computed_again(folder, no_pictures):
+    first = calibrate("drops.toml", "out")
+    file = folder / "out" / FILE
+    text = file.read_bytes()
+    file.write_bytes(text[:-40])
+    again = calibrate("drops.toml", "out")
+    assert (again.runs, again.before) == (first.runs, first.runs - 1)
+    np.testing.assert_array_equal(first.fit.z, again.fit.z)
+    assert calibrate("drops.toml", "out").before == first.runs
+
+
+def test_a_killed_command_goes_on(folder, no_pictures):
+    command = [sys.executable, "-m", "contbed", "calibrate", "drops.toml", "--out", "out"]
+    process = subprocess.Popen(command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)})
+    file, deadline = folder / "out" / FILE, time.monotonic() + 60.0
+    while not (file.is_file() and file.stat().st_size > 2000) and time.monotonic() < deadline:
+        time.sleep(0.005)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert not (folder / "out" / "summary.json").exists()
+    done = calibrate("drops.toml", "out")
+    whole = calibrate("drops.toml", "whole")
+    assert 0 < done.before < done.runs == whole.runs
+    np.testing.assert_array_equal(done.fit.z, whole.fit.z)
+
+
+def test_failed_runs_are_kept_and_lose_nothing(folder, monkeypatch, no_pictures):
+    from contbed import runner
+    from contbed.errors import ConvergenceError
+
+    run = runner.run
+
+    def fails_above(scene, *arguments, **options):
+        if scene.bed.porosity > 0.3995:  # the middle of the prior among them
+            raise ConvergenceError("no solution")
+        return run(scene, *arguments, **options)
+
+    monkeypatch.setattr(runner, "run", fails_above)
+    found = calibrate("drops.toml", "out")
+    assert found.failed and all(each["exit_code"] == 3 for each in found.failed)
+    np.testing.assert_allclose(found.values["bed.porosity"], 0.39, rtol=5e-3)
+    monkeypatch.setattr(runner, "run", run)
+    again = calibrate("drops.toml", "out", retry_failed=True)
+    assert not again.failed and again.before == found.runs - len(found.failed)
+
+
+def test_several_processes_find_the_same(folder, no_pictures):
+    one, two = calibrate("drops.toml", "one"), calibrate("drops.toml", "two", jobs=2)
+    np.testing.assert_array_equal(one.fit.z, two.fit.z)
+
+
+def test_a_store_in_memory_writes_nothing(folder):
+    store = Store(None)
+    store.add("name", {"exit_code": 0, "problem": "", "values": [1.0]})
+    assert store.known("name")["values"] == [1.0] and len(store) == 1
+
+
+MISTAKES = [
+    ("drops", 'column = "dp"', 'column = "dP"', "drops.csv:2: no column 'dP'; allowed: u, dp; did you mean 'dp'?"),
+    ("drops", 'keys = { "flow.velocity" = "u" }', 'keys = { "flow.velocity" = "dp" }',
+     "drops.csv:2: expected a velocity in m/s, found 'dp [mbar]'"),
+    ("drops", '"2 %"', '"2 K"', "drops.toml:10: error: expected a pressure like 'Pa', found '2 K', or a share"),
+    ("drops", '"2 %"', '"0 %"', "drops.csv:3: the standard error of 'dp' is 0; allowed: a number > 0"),
+    ("drops", ', error = "2 %"', "", "drops.toml:10: values of pressure_drop_Pa: give the standard error"),
+    ("drops", "to = 0.45", "to = 1.2", "drops.toml:4: the prior reaches to values that the scene does not take: "
+     "bed.porosity = 1.2: out of range"),
+    ("drops", "from = 0.35", "from = 0.45", "drops.toml:4: bed.porosity: an empty range"),
+    ("drops", 'median = "3 mm"', 'median = "-3 mm"', "drops.toml:5: bed.particle_diameter = -0.003: out of range"),
+    ("drops", "factor = 1.2", "factor = 0.9",
+     "drops.toml:5: bed.particle_diameter: factor is 0.9; allowed: a number > 1"),
+    ("drops", "bed.porosity =", "bed.porosty =", "drops.toml:4: bed.porosty = 0.4: unknown key; allowed: porosity"),
+    ("drops", "title", "titel", "drops.toml:1: titel: unknown key; allowed: title, keys, "),
+    ("drops", 'file = "drops.csv"', 'file = "drop.csv"', 'drops.toml:8: file: no such file: "drop.csv"'),
+    ("drops", 'scene = "scene.toml"', 'scene = "seen.toml"', 'drops.toml:7: scene: no such file: "seen.toml"'),
+    ("drops", '"pressure_drop_Pa"', '"pressure_dro_Pa"', 'drops.toml:10: quantity: no run has a result '
+     "\"pressure_dro_Pa\"; did you mean 'pressure_drop_Pa'?"),
+    ("drops", '["residence_time_s"]', '["residence_s"]', 'drops.toml:11: predict: no run has a result "residence_s"'),
+    ("drops", '["residence_time_s"]', '["storage_efficiency"]', 'drops.toml:11: the run has no number "storage_efficiency"'),
+    ("drops", 'keys = { "flow.velocity"', 'keys = { "bed.porosity"',
+     "drops.toml:9: bed.porosity: is fitted under [keys]"),
+    ("heated", "until", "where2", "heated.toml:10: experiment[0].where2: unknown key"),
+    ("heated", 'where = { probe = "A" }', 'where = { probe = "C" }', "heated.toml:7: where: no row of heated.csv fits"),
+    ("heated", '"T_solid", column = "T", error =', '"T_sold", column = "T", error =',
+     "heated.toml:11: quantity: no profiles have a column 'T_sold'"),
+    ("heated", '"0.5 degC"', '"0.5 C"', "heated.toml:11: error: expected a temperature like 'K', found '0.5 C'"),
+    ("heated", 'time = "t"\nposition = "x"\nuntil = "200 s"', 'position = "x"\nuntil = "200 s"',
+     "heated.toml:9: until: needs the column of the times"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "old", "new", "told"), MISTAKES, ids=[case[3][:60] for case in MISTAKES])
+def test_mistakes_are_told_with_file_and_line(folder, capsys, name, old, new, told):
+    path = folder / f"{name}.toml"
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    assert cli.main(["calibrate", f"{name}.toml", "--out", "out"]) == 2
+    assert told in capsys.readouterr().err.replace(f"{folder}/", "")
+    assert not (folder / "out" / "summary.json").exists()
+
+
+def test_data_outside_of_the_model_are_told_by_their_line(folder, capsys):
+    with open(folder / "heated.csv", "a") as file:
+        file.write("\n8,2,40.0,A,1\n5,12,40.0,A,1\n")
+    assert cli.main(["calibrate", "heated.toml"]) == 2
+    assert (
+        "heated.csv:14: 480 s is after the end of the run, time.end = 400 s in tank.toml; let the scene run longer"
+        in capsys.readouterr().err
+    )
+    text = (folder / "heated.csv").read_text().replace("8,2,40.0,A,1\n", "")
+    (folder / "heated.csv").write_text(text)
+    assert cli.main(["calibrate", "heated.toml"]) == 2
+    assert "heated.csv:14: position 0.012 m: outside of the bed, 0 to 0.01 m" in capsys.readouterr().err
+
+
+def test_fewer_data_than_keys_are_refused(folder, capsys):
+    lines = (folder / "drops.csv").read_text().splitlines()
+    (folder / "drops.csv").write_text("\n".join(lines[:3]))
+    assert cli.main(["calibrate", "drops.toml"]) == 2
+    assert (
+        "drops.toml:3: 2 keys are to be fitted to 1 measured values; leave out keys, or give" in capsys.readouterr().err
+    )
+
+
+def test_a_steady_scene_has_no_times(folder, capsys):
+    (folder / "tank.toml").write_text(SCENE)
+    text = (folder / "heated.toml").read_text().replace("boundary.left.solid.flux = { from = 100, to = 1000 }", "")
+    (folder / "heated.toml").write_text(text.replace("[keys]", "[keys]\nbed.porosity = { from = 0.3, to = 0.5 }"))
+    assert cli.main(["calibrate", "heated.toml"]) == 2
+    assert "heated.csv:2: the scene tank.toml is steady; leave out time" in capsys.readouterr().err
+
+
+def test_the_posterior_goes_on_where_it_was_and_says_when_it_is_short(folder, no_pictures):
+    pytest.importorskip("emcee")
+    with open(folder / "drops.toml", "a") as file:
+        file.write("[posterior]\nwalkers = 6\nsteps = 12\n")
+    found = calibrate("drops.toml", "out")
+    assert found.samples is not None and found.samples.z.shape == (6 * 9, 2)
+    assert any("autocorrelation times" in text for text in found.warnings)
+    again = calibrate("drops.toml", "out")
+    assert again.before == found.runs
+    np.testing.assert_array_equal(found.samples.z, again.samples.z)
+    assert len(read(folder / "out" / "posterior.csv")) == 54
+
+
+def test_without_emcee_the_posterior_is_refused_before_any_run(folder, capsys, monkeypatch):
+    with open(folder / "drops.toml", "a") as file:
+        file.write("[posterior]\n")
+    monkeypatch.setitem(sys.modules, "emcee", None)
+    assert cli.main(["calibrate", "drops.toml", "--out", "out"]) == 1
+    assert "pip install 'contbed[calibrate]'" in capsys.readouterr().err
+    assert not (folder / "out").exists()
