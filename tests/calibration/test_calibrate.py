@@ -156,9 +156,9 @@ def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(
     np.testing.assert_allclose(np.sqrt(found.fit.covariance[0, 0]) * scale, error, rtol=1e-5)
     ahead = next(k for k, point in enumerate(found.points) if point.t == 300.0 and np.isnan(point.value))
     np.testing.assert_allclose(found.prediction.value[ahead], 300.0 + FLUX / CAPACITY * 300.0, rtol=1e-5)
-    np.testing.assert_allclose(found.prediction.deviation[ahead], error * 300.0 / CAPACITY, rtol=1e-5)
+    np.testing.assert_allclose(found.prediction.deviation[ahead], error * 300.0 / CAPACITY, rtol=1e-4)
     whole = found.prediction.high_measured[ahead] - found.prediction.value[ahead]
-    np.testing.assert_allclose(whole, 1.6448536 * np.hypot(error * 300.0 / CAPACITY, 0.5), rtol=1e-5)
+    np.testing.assert_allclose(whole, 1.6448536 * np.hypot(error * 300.0 / CAPACITY, 0.5), rtol=1e-4)
     summary = json.loads((folder / "out" / "summary.json").read_text())
     assert summary["data"]["kept back"] == 2 == summary["data"]["kept back inside of the band"]
     # the scenes that are written are those that were fitted
@@ -251,7 +251,8 @@ MISTAKES = [
     ("drops", '"pressure_drop_Pa"', '"pressure_dro_Pa"', 'drops.toml:10: quantity: no run has a result '
      "\"pressure_dro_Pa\"; did you mean 'pressure_drop_Pa'?"),
     ("drops", '["residence_time_s"]', '["residence_s"]', 'drops.toml:11: predict: no run has a result "residence_s"'),
-    ("drops", '["residence_time_s"]', '["storage_efficiency"]', 'drops.toml:11: the run has no number "storage_efficiency"'),
+    ("drops", '["residence_time_s"]', '["storage_efficiency"]',
+     'drops.toml:11: the run has no number "storage_efficiency"'),
     ("drops", 'keys = { "flow.velocity"', 'keys = { "bed.porosity"',
      "drops.toml:9: bed.porosity: is fitted under [keys]"),
     ("heated", "until", "where2", "heated.toml:10: experiment[0].where2: unknown key"),
