@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.calibration.calibrate import Calibrated
 from contbed.calibration.experiments import Point
+from contbed.calibration.found import Calibrated
 from contbed.output.plots import styled_figure
 
 Array = NDArray[np.float64]

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from contbed.calibration.calibrate import Calibrated
 from contbed.calibration.fit import COVERAGE
+from contbed.calibration.found import Calibrated
 from contbed.output.files import atomic
 from contbed.output.summary import write_json
 from contbed.output.tables import write_table

@@ -106,9 +106,7 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def no_pictures(monkeypatch):
-    from contbed.calibration import plots
-
-    monkeypatch.setattr(plots, "plot", lambda found, out: None)
+    monkeypatch.setattr("contbed.calibration.calibrate.plot", lambda found, out: None)
 
 
 def read(path):

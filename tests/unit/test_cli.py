@@ -145,7 +145,20 @@ def test_usage_errors_end_with_2(scene, capsys, arguments):
 def test_version_and_help(capsys):
     assert cli.main(["--version"]) == 0
     assert capsys.readouterr().out.startswith("contbed ")
-    for command in ("run", "check", "plan", "explain", "list", "converge", "bench", "sweep", "calibrate", "warm", "new", "schema"):
+    for command in (
+        "run",
+        "check",
+        "plan",
+        "explain",
+        "list",
+        "converge",
+        "bench",
+        "sweep",
+        "calibrate",
+        "warm",
+        "new",
+        "schema",
+    ):
         assert cli.main([command, "--help"]) == 0
         assert command in capsys.readouterr().out
 
