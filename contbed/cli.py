@@ -251,6 +251,34 @@ def sweep(
 
 
 @app.command()
+def sensitivities(
+    scene: SceneFile,
+    qoi: Annotated[list[str], Option("--qoi", metavar="RESULT", help="T_fluid_out_K and the like; repeatable")],
+    to: Annotated[
+        list[str] | None, Option("--to", metavar="KEY", help="bed.porosity and the like; all that the scene gives")
+    ] = None,
+    out: OutFolder = None,
+    settings: Settings = None,
+    as_json: Annotated[bool, Option("--json", help="print JSON instead of the table")] = False,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
+) -> None:
+    """Show the derivatives of results with respect to the continuous keys of a scene, the largest first."""
+    loaded = _load(scene, settings, trust, allow_large)
+    import json
+
+    from contbed.design import sensitivities as design
+    from contbed.output.summary import plain
+
+    found, about = design.sensitivities(loaded, qoi, to or ())
+    folder = out or Path("results") / f"{scene.stem}-sensitivities"
+    design.write(found, about, folder, loaded.title)
+    print(json.dumps(plain(about), indent=1) if as_json else design.table(found, about))
+    if not as_json:
+        print(f"table and picture are in {folder}")
+
+
+@app.command()
 def optimise(
     design: Annotated[Path, Argument(metavar="DESIGN", help="a TOML file: scene, keys, objective and constraints")],
     out: OutFolder = None,

@@ -1,0 +1,66 @@
+"""The command that shows derivatives: table, JSON, picture, refusals with their exit code."""
+
+import csv
+import json
+
+import pytest
+from design_scenes import SLIP
+
+from contbed.cli import main
+from contbed.design.gradients import gradient
+from contbed.loading import loads
+
+
+@pytest.fixture
+def scene(tmp_path):
+    file = tmp_path / "slip.toml"
+    file.write_text(SLIP)
+    return file
+
+
+def run(scene, *more):
+    return main(["sensitivities", str(scene), "--qoi", "T_fluid_out_K", "--out", str(scene.parent / "out"), *more])
+
+
+def test_table_and_files(scene, capsys):
+    assert run(scene, "--qoi", "pressure_drop_Pa") == 0
+    text = capsys.readouterr().out
+    lines = text.splitlines()
+    made = gradient(loads(SLIP), ["T_fluid_out_K"], ["heat.nusselt", "flow.velocity"])
+    row = next(line.split() for line in lines if line.strip().startswith("flow.velocity "))
+    assert row[1:3] == ["0.2", "m/s"]
+    assert float(row[3]) == pytest.approx(made.derivatives[0, 1], rel=1e-4)
+    assert row[4] == "K/(m/s)"
+    assert float(row[5]) == pytest.approx(made.logarithmic[0, 1], rel=1e-2)
+    # the largest relative derivative comes first: the outlet follows the temperature of the solid that enters
+    assert lines[2].split()[0] == "boundary.left.solid.fixed"
+    assert any(line.startswith("pressure_drop_Pa = ") for line in lines)
+    assert not any("mesh.cells" in line for line in lines)
+    out = scene.parent / "out"
+    rows = list(csv.DictReader((out / "sensitivities.csv").open()))
+    assert {row["result"] for row in rows} == {"T_fluid_out_K", "pressure_drop_Pa"}
+    assert (out / "sensitivities.png").stat().st_size > 10_000
+
+
+def test_json(scene, capsys):
+    assert run(scene, "--json", "--to", "heat.nusselt", "--to", "flow.velocity") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert list(found["keys"]) == ["heat.nusselt", "flow.velocity"]
+    assert found["keys"]["flow.velocity"] == {"value": 0.2, "unit": "m/s"}
+    assert found["qoi"]["T_fluid_out_K"]["unit"] == "K"
+    assert found["method"] == "tangent"
+    assert found["standard_errors"] is None
+    assert len(found["derivatives"][0]) == 2
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        (("--to", "mesh.cells"), "slip.toml:4: mesh.cells is a whole number"),
+        (("--to", "bed.porosty"), "did you mean bed.porosity"),
+        (("--qoi", "T_fluid_ou"), "did you mean T_fluid_out_K"),
+    ],
+)
+def test_refusals(scene, capsys, more, told):
+    assert run(scene, *more) == 2
+    assert told in capsys.readouterr().err
