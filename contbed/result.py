@@ -48,6 +48,10 @@ class Result:
     solved: Any = None  # problem and state of a steady run, for the `tangent` of its physics
     status: str = "ok"
 
+    def __post_init__(self) -> None:
+        # as it was written; the plan may go on to another scene, such as that of a bed that has settled
+        self.scene: Any = getattr(self.plan, "scene", None)
+
     def __repr__(self) -> str:
         """Return kind, status and first named results in one line."""
         shown = [f"{key} = {value:.6g}" for key, value in self.qoi.items() if isinstance(value, int | float)][
@@ -108,7 +112,7 @@ class Result:
     def gradient(self, qoi: Sequence[str], keys: Sequence[str]) -> Any:
         """Return derivatives of named results with respect to keys of the scene; see `contbed.design.gradients`."""
         # found by name, as it stands on top of the runs that make results
-        return import_module("contbed.design.gradients").gradient(self.plan.scene, qoi, keys)
+        return import_module("contbed.design.gradients").gradient(self.scene, qoi, keys)
 
     def table(self) -> str:
         """Return the result as a table for a terminal."""

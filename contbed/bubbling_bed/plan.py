@@ -102,8 +102,13 @@ def plan(scene: b.BubblingScene) -> BubblingPlan:
     return BubblingPlan(scene, c, mesh, tuple(built), tuple(skipped), albedo)
 
 
-def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | None]:
-    """Return the coefficients of the model, and the albedo of the emulsion where it radiates."""
+def coefficients(
+    scene: b.BubblingScene, typical: dict[str, Any] | None = None
+) -> tuple[model.Coefficients, float | None]:
+    """Return the coefficients of the model, and the albedo of the emulsion where it radiates.
+
+    `typical` are known numbers in place of those that layers are predicted from, where coefficients follow the state.
+    """
     bed, present, level = scene.bubbling_bed, scene.present, scene.radiation.level
     names = list(present)
     fractions = np.array([bed.solids_fraction * item.volume_fraction for item in present.values()])
@@ -117,9 +122,13 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
             diffusion = float(found.diffusion(level))
     section = bed.section
     computed = _computed(scene)
-    if computed is not None:
+    if computed is None:
+        number = _frozen(scene, surface)
+    elif typical is not None:
+        number = typical
+    else:
         _fluidized(scene, computed)
-    number = _frozen(scene, surface) if computed is None else computed.frozen(_hot(scene), bed.height)
+        number = typical_numbers(scene, computed)
     species = {
         name: model.Species(
             _solids(name, item, bed.height, section, number["conduction"][name], computed),
@@ -164,6 +173,12 @@ def coefficients(scene: b.BubblingScene) -> tuple[model.Coefficients, float | No
         computed.fields if computed is not None else (),
         (computed.parts if computed is not None else ()) + _water(scene),
     ), albedo
+
+
+def typical_numbers(scene: b.BubblingScene, computed: Any) -> dict[str, Any]:
+    """Return coefficients that follow the state at the highest temperature that the scene gives."""
+    found: dict[str, Any] = computed.frozen(_hot(scene), scene.bubbling_bed.height)
+    return found
 
 
 def _water(scene: b.BubblingScene) -> tuple[Any, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,14 @@ from contbed.result import Result, timed
 
 COLD, HOT = 400.0, 2000.0  # temperatures from which other steady states are looked for [K]
 APART = 1.0  # difference of temperatures of two steady states [K]
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What a run has solved; the scene of the `problem` has the sizes and the height that have settled."""
+
+    problem: BubblingProblem
+    state: Any
 
 
 @timed("heat")
@@ -38,6 +47,7 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
             problem, state = settle(problem, state, result)
             plan = result.plan = problem.plan
     fill(plan, problem, state, result)
+    result.solved = Solved(problem, state)
     scene = plan.scene
     if scene.continuation is not None:
         from contbed.bubbling_bed.branch import follow

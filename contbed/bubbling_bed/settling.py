@@ -49,13 +49,13 @@ def settle(problem: BubblingProblem, state: Any, result: Result) -> tuple[Bubbli
     raise ConvergenceError(f"sizes and height of the bed still change by {change:.2g}", result.history, state)
 
 
-def stretched(plan: BubblingPlan, scene: Any) -> BubblingProblem:
-    """Return the problem of a scene on the mesh of a plan, stretched to its height."""
+def stretched(plan: BubblingPlan, scene: Any, typical: dict[str, Any] | None = None) -> BubblingProblem:
+    """Return the problem of a scene on the mesh of a plan, stretched to its height; `typical` as in `coefficients`."""
     ratio = scene.bubbling_bed.height / plan.scene.bubbling_bed.height
     mesh = plan.mesh
     if ratio != 1.0:
         mesh = replace(line(ratio * np.sort(mesh.skfem.p[0])), engine=mesh.engine)
-    c, albedo = coefficients(scene)
+    c, albedo = coefficients(scene, typical)
     return BubblingProblem(replace(plan, scene=scene, coefficients=c, mesh=mesh, albedo=albedo))
 
 

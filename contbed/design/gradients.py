@@ -116,13 +116,13 @@ def picked(scene: SceneBase, found: dict[str, Any], qoi: Sequence[str]) -> Array
 
 
 def _by_tangent(result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
-    scene: SceneBase = result.plan.scene
+    scene: SceneBase = result.scene
     centre = picked(scene, result.qoi, qoi)
     base = tangent.of(result)
     slopes = []
     for one in keys:
         try:
-            slopes.append(tangent.slope(base, scene, one, lambda found: picked(scene, found, qoi)))
+            slopes.append(tangent.slope(base, scene, one, lambda found: _of_state(scene, found, qoi)))
         except UnlikeError as error:
             other = differences.slope(scene, one, lambda changed: _results(changed, qoi), centre)
             note = f"{one.name} = {one.value:g}: {error}; its derivatives are differences of whole runs"
@@ -130,8 +130,16 @@ def _by_tangent(result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradie
     return _gradient(qoi, keys, centre, slopes, "tangent")
 
 
+def _of_state(scene: SceneBase, found: dict[str, Any], qoi: tuple[str, ...]) -> Array:
+    """Return the named results as numbers; UnlikeError for one that does not follow from the state alone, a fold."""
+    for name in qoi:
+        if name not in found:
+            raise UnlikeError(f"{name} does not follow from the steady state alone")
+    return picked(scene, found, qoi)
+
+
 def _by_runs(result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
-    scene: SceneBase = result.plan.scene
+    scene: SceneBase = result.scene
     centre = picked(scene, result.qoi, qoi)
     scatters = model_of(scene).scatters
     find: Callable[..., Slope] = differences.noisy_slope if scatters else differences.slope

@@ -27,7 +27,7 @@ STEP = 1e-5  # relative: leaves a truncation of some 1e-10, and 1e-8 of rounding
 
 def applies(result: Result) -> bool:
     """Return whether the physics of a run has a tangent, and the run a solution to start from."""
-    model = model_of(result.plan.scene)
+    model = model_of(result.scene)
     if find_spec(f"contbed.{model.package}.tangent") is None:
         return False
     return bool(model.find("tangent", "applies")(result))
@@ -35,7 +35,7 @@ def applies(result: Result) -> bool:
 
 def of(result: Result) -> Any:
     """Return the tangent of a run that has one."""
-    return model_of(result.plan.scene).find("tangent", "Tangent")(result)
+    return model_of(result.scene).find("tangent", "Tangent")(result)
 
 
 def slope(base: Any, scene: SceneBase, key: Key, pick: Callable[[dict[str, Any]], Array]) -> Slope:

@@ -1,0 +1,118 @@
+"""Linear response of a solved bubbling bed to small changes of its scene: the discrete tangent.
+
+    R(u, s, p) = 0,   s = S(u, s, p):      du = -A^-1 (R(u, s+, p + h) - R(u, s-, p - h))/2,   A = dR/du
+
+s are the sizes of the particles and the height of the bed, which follow from its state; they and u change in turn until
+both agree, as in `settling`. Results at both ends have a central difference with an error of O(h^2). The nodes of the
+mesh move with the height of the bed, their number stays.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contbed.bubbling_bed.plan import coefficients, typical_numbers
+from contbed.bubbling_bed.problem import BubblingProblem
+from contbed.bubbling_bed.results import fill
+from contbed.bubbling_bed.settling import CHANGE, ROUNDS, settled, stretched, unsettled
+from contbed.errors import ConvergenceError, UnlikeError
+from contbed.result import Result
+from contbed.solvers.linear import Solver
+
+Array = Any
+OTHER = "a small change adds or removes an unknown"
+
+
+def applies(result: Result) -> bool:
+    """Return whether a run has solved a steady problem on an engine that has a tangent."""
+    return result.solved is not None and result.plan.mesh.engine == "skfem"
+
+
+class Tangent:
+    """A solved steady bed and the factors of its Jacobian."""
+
+    def __init__(self, result: Result):
+        self.problem: BubblingProblem = result.solved.problem
+        self.state: Array = result.solved.state
+        self.x = self.problem.unknowns(self.state)
+        plan, computed = self.problem.plan, self.problem.c.computed
+        self.typical = None if computed is None else typical_numbers(plan.scene, computed)
+        self.settles = unsettled(result.scene)
+        _, matrix = self.problem.steady(self.x, True)
+        self.solver = Solver(matrix, plan.policy)
+
+    def results(self, below: Any, above: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the named results of two scenes with a key a little below and above that of the solved one.
+
+        Raises
+        ------
+        UnlikeError : the change adds or removes an unknown
+        ConvergenceError : sizes and height do not settle
+        """
+        scenes = [self._as_settled(scene) for scene in (below, above)]
+        found = [Result(self.problem.plan) for _ in scenes]
+        moved = 0.0
+        for _ in range(ROUNDS):
+            problems = [self._problem(scene) for scene in scenes]
+            states = self._states(problems)
+            if not self.settles:
+                break
+            scenes = [settled(*each)[0] for each in zip(problems, states, found, strict=True)]
+            change, moved = abs(_apart(scenes) - moved), _apart(scenes)
+            if change <= CHANGE * max(moved, CHANGE):
+                break
+        else:
+            raise ConvergenceError("the response of sizes and height to a key does not settle; use contbed sweep")
+        for result, problem, state in zip(found, problems, states, strict=True):
+            result.plan = problem.plan
+            fill(problem.plan, problem, state, result)
+        return found[0].qoi, found[1].qoi
+
+    def _as_settled(self, scene: Any) -> Any:
+        """Return a scene as written with the sizes and the height of the solved one."""
+        if not self.settles:
+            return scene
+        solved: Any = self.problem.plan.scene
+        species = {
+            name: item
+            if item.sizes is None or item.sizes.feed is None or name not in solved.present
+            else item.model_copy(
+                update={
+                    "diameter": solved.species[name].diameter,
+                    "sizes": item.sizes.model_copy(update={"bed": solved.species[name].sizes.bed}),
+                }
+            )
+            for name, item in scene.species.items()
+        }
+        bed = scene.bubbling_bed
+        if bed.settled_height is not None:
+            bed = bed.model_copy(update={"height": solved.bubbling_bed.height})
+        return scene.model_copy(update={"species": species, "bubbling_bed": bed})
+
+    def _problem(self, scene: Any) -> BubblingProblem:
+        plan = self.problem.plan
+        if scene.bubbling_bed.height == plan.scene.bubbling_bed.height:
+            c, albedo = coefficients(scene, self.typical)
+            made = self.problem.with_coefficients(replace(plan, scene=scene, coefficients=c, albedo=albedo))
+        else:
+            made = stretched(plan, scene, self.typical)
+        if made.plan.fields != plan.fields:
+            raise UnlikeError(OTHER)
+        return made
+
+    def _states(self, problems: list[BubblingProblem]) -> list[Array]:
+        with np.errstate(all="ignore"):  # bubbles of no size, where the bed rests
+            low, high = (problem.steady(self.x, False)[0] for problem in problems)
+        step = -self.solver(0.5 * (high - low))
+        return [problem._state(self.x + side * step) for problem, side in zip(problems, (-1.0, 1.0), strict=True)]
+
+
+def _apart(scenes: list[Any]) -> float:
+    """Return how far sizes and heights of two scenes are from each other, relative to their values."""
+    low, high = scenes
+    far = [abs(high.bubbling_bed.height / low.bubbling_bed.height - 1.0)]
+    far += [abs(item.diameter / low.species[name].diameter - 1.0) for name, item in high.present.items()]
+    return float(max(far))
