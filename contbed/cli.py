@@ -244,6 +244,15 @@ def sweep(
         _complain(f"warning: {text}")
     for text in done.failures():
         _complain(text)
+    if done.study.sample is not None:
+        from contbed.uncertainty.write import table
+        from contbed.uncertainty.write import write as write_uncertainty
+
+        found = write_uncertainty(done.study, done.rows, folder)
+        if found is not None:
+            for text in found.warnings:
+                _complain(f"warning: {text}")
+            print(table(found))
     finished = len(done.rows) - len(done.failed)
     print(f"{finished} of {len(done.rows)} runs are finished, {done.before} were before; see {folder / 'table.csv'}")
     if done.failed:

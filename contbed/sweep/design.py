@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.errors import ContbedError
 from contbed.scene.names import nearest
 from contbed.sweep.distributions import Distribution
 
@@ -32,7 +33,10 @@ Array = NDArray[np.float64]
 Say = Callable[[tuple[str, ...], str], None]
 
 MOST_RUNS = 100_000
-METHODS = ("latin_hypercube", "sobol")
+METHODS = ("latin_hypercube", "sobol", "sobol_indices", "morris")
+BY_THEMSELVES = ("sobol_indices", "morris")  # methods whose points belong together, one group for each of `count`
+LEVELS = 4  # of a Morris design, as its authors take
+TAIL = 0.05  # probability below and above the values of a normal distribution in a Morris design, which has ends
 SPACINGS = ("linear", "log")
 MAGNITUDE = re.compile(r"^[\s+-]*[\d.]+(?:[eE][+-]?\d+)?")
 DISTRIBUTIONS = {
@@ -115,7 +119,15 @@ def tidy(value: float) -> float:
 
 
 def sample(method: str, count: int, seed: int, dimensions: int) -> Array:
-    """Return the points of a design in the unit cube, (count, dimensions); the same for the same seed.
+    """Return the points of a design in the unit cube, (runs, dimensions); the same for the same seed.
+
+    "sobol_indices" has `count` groups of dimensions + 2 points (Saltelli et al. 2010, doi:10.1016/j.cpc.2009.09.018),
+    "morris" `count` ways of dimensions + 1 points that differ in one coordinate each (Morris 1991,
+    doi:10.1080/00401706.1991.10484804); any other `count` points.
+
+    Raises
+    ------
+    ContbedError : SALib is needed and not installed
 
     >>> points = sample("latin_hypercube", 5, seed=1, dimensions=2)
     >>> [sorted(int(5 * u) for u in column) for column in points.T]
@@ -126,6 +138,8 @@ def sample(method: str, count: int, seed: int, dimensions: int) -> Array:
     from scipy.stats import qmc
 
     random = np.random.default_rng(seed)
+    if method in BY_THEMSELVES:
+        return _with_salib(method, count, seed % 2**32, dimensions)  # SALib's seeds have 32 bits
     if method == "latin_hypercube":
         points: Array = qmc.LatinHypercube(dimensions, seed=random).random(count)
         return points
@@ -133,6 +147,30 @@ def sample(method: str, count: int, seed: int, dimensions: int) -> Array:
         warnings.simplefilter("ignore", UserWarning)  # on counts that are no power of two, which the study tells
         points = qmc.Sobol(dimensions, scramble=True, seed=random).random(count)
     return points
+
+
+def _with_salib(method: str, count: int, seed: int, dimensions: int) -> Array:
+    try:
+        from SALib.sample import morris, sobol
+    except ImportError:
+        raise ContbedError(f"method = \"{method}\" needs SALib: pip install 'contbed[calibrate]'") from None
+    import warnings
+
+    problem = {
+        "num_vars": dimensions,
+        "names": [str(k) for k in range(dimensions)],
+        "bounds": [[0.0, 1.0]] * dimensions,
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # on counts that are no power of two, which the study tells
+        if method == "sobol_indices":
+            return np.asarray(sobol.sample(problem, count, calc_second_order=False, seed=seed))
+        return np.asarray(morris.sample(problem, count, num_levels=LEVELS, seed=seed))
+
+
+def within_tails(u: Array, spread: Distribution) -> Array:
+    """Return the coordinates of a Morris design, of which a normal distribution takes those within its tails."""
+    return u if spread.even else TAIL + (1.0 - 2.0 * TAIL) * u
 
 
 def whole(entry: Mapping[str, Any], key: str, low: int, high: int, say: Say, default: int | None = None) -> int | None:

@@ -13,9 +13,10 @@
     fluid.viscosity = [1.8e-5, 3.0e-5]
 
     [sample]                                             # points of a design
-    method = "sobol"                                     # or "latin_hypercube"
+    method = "sobol"                                     # or "latin_hypercube", "sobol_indices", "morris"
     count = 64
     seed = 1                                             # 0 if left out
+    gradients = true                                     # uncertainty by derivatives at the means beside the samples
     [sample.parameters]
     bed.porosity = { from = 0.36, to = 0.44 }
 
@@ -32,6 +33,8 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from contbed import explain
 from contbed.errors import SceneError
 from contbed.loading import load
@@ -40,11 +43,12 @@ from contbed.scene.names import nearest
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse_key, read
 from contbed.sweep import design
+from contbed.sweep.distributions import Distribution
 
 _KEYS = ("title", "scene", "qoi", "parameters", "zipped", "sample")
 _VALUES = (design.is_values, design.values)
 _DISTRIBUTIONS = (design.is_distribution, design.distribution)
-_SAMPLE_KEYS = ("method", "count", "seed", "parameters")
+_SAMPLE_KEYS = ("method", "count", "seed", "gradients", "parameters")
 
 
 @dataclass(frozen=True)
@@ -57,11 +61,25 @@ class Case:
 
 
 @dataclass(frozen=True)
+class Sample:
+    """The design of [sample]: method, distribution of each parameter, its points in the unit cube.
+
+    gradients : results are propagated by their derivatives at the means as well
+    """
+
+    method: str
+    distributions: Mapping[str, Distribution]
+    points: design.Array
+    gradients: bool
+
+
+@dataclass(frozen=True)
 class Study:
     """The runs of a study file.
 
     `axes` are the parameters that vary by themselves, among them the first of each [[zipped]] table; `logarithmic` are
-    those with even ratios; `qoi_at` is where the file says what to plot.
+    those with even ratios; `qoi_at` is where the file says what to plot. `order` are the names of the cases of all
+    combinations, in which one that is the same scene as another stands again; `base` loads the scene of other values.
     """
 
     file: Path
@@ -73,6 +91,9 @@ class Study:
     parameters: tuple[str, ...]
     axes: tuple[str, ...]
     warnings: tuple[str, ...]
+    order: tuple[str, ...]
+    base: Callable[[dict[str, Any]], SceneBase]
+    sample: Sample | None = None
 
 
 def read_study(path: str | Path, trust: bool = False, allow_large: bool = False) -> Study:
@@ -94,16 +115,20 @@ def read_study(path: str | Path, trust: bool = False, allow_large: bool = False)
     if reader.problems:
         raise SceneError(list(dict.fromkeys(reader.problems)))
     make = partial(load, origin.base / values["scene"], trust=trust, allow_large=allow_large)
+    cases, order = _cases(make, groups, reader.places)
     return Study(
         file=path,
         title=values.get("title", ""),
-        cases=_cases(make, groups, reader.places),
+        cases=cases,
         qoi=tuple(values.get("qoi", ())),
         qoi_at=origin.at(("qoi",)),
         logarithmic=frozenset(reader.logarithmic),
         parameters=tuple(reader.places),
         axes=tuple(name for name in reader.places if name not in reader.followers),
         warnings=tuple(reader.warnings),
+        order=order,
+        base=make,
+        sample=reader.design,
     )
 
 
@@ -117,6 +142,7 @@ class _Reader:
         self.places: dict[str, str] = {}
         self.logarithmic: set[str] = set()
         self.followers: set[str] = set()
+        self.design: Sample | None = None
 
     def say(self, path: KeyPath, text: str, shown: str = "") -> None:
         """Note a mistake at a key, which is shown by its name in the scene where it has one."""
@@ -176,20 +202,31 @@ class _Reader:
         method = design.choice(table, "method", design.METHODS, say)
         count = design.whole(table, "count", 1, design.MOST_RUNS, say)
         seed = design.whole(table, "seed", 0, 2**63 - 1, say, default=0)
+        gradients = table.get("gradients", False)
+        if not isinstance(gradients, bool):
+            say(("gradients",), "gradients: expected true or false")
         entries = list(self.entries((*at, "parameters"), table.get("parameters", {}), *_DISTRIBUTIONS))
         if not entries and not self.problems:
             say(("parameters",), "parameters: missing; give distributions, bed.porosity = { from = 0.36, to = 0.44 }")
         if self.problems or method is None or count is None or seed is None:
             return
-        if method == "sobol" and count & (count - 1):
+        if method in design.BY_THEMSELVES and (others := {"parameters", "zipped"} & self.values.keys()):
+            say(("method",), f'method = "{method}" stands by itself; leave out {" and ".join(sorted(others))}')
+            return
+        if method.startswith("sobol") and count & (count - 1):
             near = 2 ** (count.bit_length() - 1)
             self.warnings.append(
                 f"{self.origin.at((*at, 'count'))}: sample.count = {count}: not a power of two; "
                 f"Sobol points fill the space evenly at {near} or {2 * near}"
             )
         points = design.sample(method, count, seed, len(entries))
+        if method == "morris":
+            points = np.column_stack(
+                [design.within_tails(points[:, k], spread) for k, (_, spread) in enumerate(entries)]
+            )
+        self.design = Sample(method, dict(entries), points, gradients)
         columns = {name: spread(points[:, k]) for k, (name, spread) in enumerate(entries)}
-        yield [{name: design.tidy(column[k]) for name, column in columns.items()} for k in range(count)]
+        yield [{name: design.tidy(column[k]) for name, column in columns.items()} for k in range(len(points))]
 
     def entries(
         self, at: KeyPath, table: Any, is_entry: Callable[[Any], bool], read_entry: Callable[..., Any]
@@ -232,9 +269,10 @@ def unit_of(name: str) -> str | None:
 
 def _cases(
     make: Callable[[dict[str, Any]], SceneBase], groups: list[list[dict[str, Any]]], places: Mapping[str, str]
-) -> list[Case]:
-    """Return the scene of each combination; a mistake that several combinations share is reported once."""
+) -> tuple[list[Case], tuple[str, ...]]:
+    """Return the scenes of all combinations, and their names in order; a mistake that several share is told once."""
     cases: dict[str, Case] = {}
+    order: list[str] = []
     problems: dict[str, list[str]] = {}
     for points in product(*groups):
         values = {name: value for point in points for name, value in point.items()}
@@ -250,10 +288,11 @@ def _cases(
             found = resolved(loaded)
             case = Case(scene_hash(loaded), {name: _at(found, name) for name in values}, loaded)
             cases.setdefault(case.name, case)
+            order.append(case.name)
     if problems:
         again = " (and {} more values)"
         raise SceneError([first + (again.format(len(more)) if more else "") for first, *more in problems.values()])
-    return list(cases.values())
+    return list(cases.values()), tuple(order)
 
 
 def relocated(problem: str, places: Mapping[str, str]) -> tuple[str, str]:

@@ -28,6 +28,7 @@ class Sweep:
     rows: list[Row]
     before: int
     warnings: tuple[str, ...]
+    study: Study
 
     @property
     def failed(self) -> list[Row]:
@@ -102,7 +103,7 @@ def sweep(
 
     with _alone(folder):
         plot(folder / "sweep.png", todo, rows)
-    return Sweep(rows, before, (*todo.warnings, *warnings))
+    return Sweep(rows, before, (*todo.warnings, *warnings), todo)
 
 
 @contextmanager

@@ -16,7 +16,7 @@ PACKAGE = Path(contbed.__file__).parent
 # from the top to the bottom; a layer imports itself and what is below
 LAYERS = (
     ("cli", "__main__", "lookup"),
-    ("calibration",),
+    ("calibration", "uncertainty"),
     ("sweep", "verify", "validation", "warm", "trial", "report", "design"),
     ("runner",),
     ("explain", "editor", "choose", "loading"),

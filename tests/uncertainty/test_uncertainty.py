@@ -1,0 +1,183 @@
+"""Indices with known answers, propagation that is exact where results are linear, and the files of a sweep."""
+
+import csv
+import json
+import sys
+
+import numpy as np
+import pytest
+
+from contbed import cli
+from contbed.errors import ContbedError
+from contbed.sweep import design
+from contbed.sweep.distributions import Distribution
+from contbed.uncertainty.indices import indices
+from contbed.uncertainty.propagate import first_order, independent, of_sample
+
+SCENE = """\
+mesh = { type = "line", length = 2, cells = 4 }
+fluid = { density = 1.2, heat_capacity = 1000.0, conductivity = 0.03, viscosity = 2e-5 }
+solid = { density = 2000.0, heat_capacity = 900.0, conductivity = 1.0 }
+bed = { porosity = 0.4, particle_diameter = "3 mm" }
+flow = { velocity = 0.1 }
+heat = { nusselt = 2.0 }
+boundary.left = { fluid.inflow = 300 }
+output = { plots = false, fields = false, profiles = false }
+"""
+STUDY = """\
+scene = "scene.toml"
+qoi = ["pressure_drop_Pa"]
+[sample]
+method = "sobol_indices"
+count = 16
+seed = 1
+gradients = true
+[sample.parameters]
+fluid.viscosity = { mean = 2e-5, deviation = 2e-6 }
+fluid.density = { from = 1.0, to = 1.4 }
+fluid.conductivity = { from = 0.02, to = 0.04 }
+"""
+
+
+def drop(viscosity, density):
+    """Ergun's equation, linear in both."""
+    share = 0.6 / 0.4**3
+    return 2.0 * (150.0 * viscosity * share * 0.6 * 0.1 / 3e-3**2 + 1.75 * density * share * 0.1**2 / 3e-3)
+
+
+def ishigami(u):
+    """Ishigami & Homma's function with a = 7 and b = 0.1 of points in the unit cube."""
+    x = np.pi * (2.0 * u - 1.0)
+    return np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+
+
+VARIANCE = 49.0 / 8.0 + 0.1 * np.pi**4 / 5.0 + 0.01 * np.pi**8 / 18.0 + 0.5
+ALONE = np.array([0.5 * (1.0 + 0.1 * np.pi**4 / 5.0) ** 2, 49.0 / 8.0, 0.0]) / VARIANCE
+TOTAL = ALONE + 0.01 * np.pi**8 * (1.0 / 18.0 - 1.0 / 50.0) / VARIANCE * np.array([1.0, 0.0, 1.0])
+
+
+def test_sobol_indices_of_ishigami_are_the_exact_ones():
+    pytest.importorskip("SALib")
+    points = design.sample("sobol_indices", 4096, seed=2, dimensions=3)
+    found = indices("sobol_indices", points, ishigami(points))
+    # 4096 groups: half widths at 90 % are below 0.03, errors of scrambled points below half of that
+    np.testing.assert_allclose(found.columns["first order"], ALONE, atol=0.015)
+    np.testing.assert_allclose(found.columns["total"], TOTAL, atol=0.015)
+    assert np.all(found.columns["first order +-"] < 0.04) and found.groups == 4096
+    spread = of_sample(ishigami(points)[independent("sobol_indices", points)])
+    np.testing.assert_allclose([spread.mean, spread.deviation], [3.5, np.sqrt(VARIANCE)], rtol=0.02)
+    assert spread.runs == 2 * 4096
+
+
+def test_morris_effects_of_a_linear_model_are_its_slopes():
+    pytest.importorskip("SALib")
+    points = design.sample("morris", 10, seed=2, dimensions=3)
+    found = indices("morris", points, points @ np.array([3.0, -2.0, 0.0]))
+    np.testing.assert_allclose(found.columns["mean effect"], [3.0, -2.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(found.columns["mean magnitude"], [3.0, 2.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(found.columns["scatter"], 0.0, atol=1e-12)
+
+
+def test_groups_with_a_failed_run_are_left_out():
+    pytest.importorskip("SALib")
+    points = design.sample("sobol_indices", 64, seed=2, dimensions=3)
+    values = ishigami(points)
+    whole = indices("sobol_indices", points[5:], values[5:])
+    values[2] = np.nan
+    found = indices("sobol_indices", points, values)
+    assert found.groups == 63
+    np.testing.assert_array_equal(found.columns["total"], whole.columns["total"])
+    assert indices("sobol_indices", points, np.where(np.arange(320) < 310, np.nan, values)) is None
+    assert indices("sobol_indices", points, np.ones(320)) is None  # shares of a variance of nothing
+
+
+def test_first_order_is_exact_where_the_result_is_linear():
+    spreads = {
+        "a": Distribution(1.0, 1.2, even=False),
+        "b": Distribution(-2.0, 4.0, even=True),
+        "c": Distribution(2.0, 3.0, even=False, logarithmic=True),
+    }
+    slopes = np.array([3.0, -1.0, 0.5])
+    value = float(slopes @ [spread.mean for spread in spreads.values()])
+    found = first_order(value, slopes, spreads, 1)
+    variance = (3.0 * 0.2) ** 2 + 6.0**2 / 12.0 + (0.5 * spreads["c"].deviation) ** 2
+    np.testing.assert_allclose(found.deviation, np.sqrt(variance), rtol=1e-14)
+    u = design.sample("sobol", 2**14, seed=1, dimensions=3)
+    values = np.column_stack([spread(u[:, k]) for k, spread in enumerate(spreads.values())]) @ slopes
+    # Sobol points: far below the 1/root(n) of independent ones
+    np.testing.assert_allclose([found.mean, found.deviation], [values.mean(), values.std()], rtol=1e-3)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "study.toml").write_text(STUDY)
+    return tmp_path
+
+
+def read(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_sweep_writes_samples_gradients_and_indices_side_by_side(folder, capsys, monkeypatch):
+    pytest.importorskip("SALib")
+    assert cli.main(["sweep", "study.toml", "--out", "out", "--jobs", "1", "--quiet"]) == 0
+    out = capsys.readouterr().out
+    assert "80 of 80 runs are finished" in out and "share by gradients" in out
+    samples, gradients = read(folder / "out" / "uncertainty.csv")
+    assert (samples["estimator"], samples["runs"], gradients["estimator"]) == ("samples", "32", "gradients")
+    parts = np.array([drop(2e-6, 0.0), drop(0.0, 0.4 / np.sqrt(12.0)), 0.0])
+    # the derivative is exact to 1e-6, CSV holds nine digits
+    np.testing.assert_allclose(float(gradients["mean"]), drop(2e-5, 1.2), rtol=1e-6)
+    np.testing.assert_allclose(float(gradients["standard deviation"]), np.linalg.norm(parts), rtol=1e-6)
+    np.testing.assert_allclose(float(samples["mean"]), drop(2e-5, 1.2), rtol=0.02)  # 32 points
+    np.testing.assert_allclose(float(samples["standard deviation"]), np.linalg.norm(parts), rtol=0.2)
+    rows = read(folder / "out" / "indices.csv")
+    exact = parts**2 / np.sum(parts**2)
+    np.testing.assert_allclose([float(row["share by gradients"]) for row in rows], exact, atol=1e-6)
+    for row, share in zip(rows, exact, strict=True):
+        assert abs(float(row["first order"]) - share) <= 2.0 * float(row["first order +-"]) + 1e-6
+        assert abs(float(row["total"]) - share) <= 2.0 * float(row["total +-"]) + 1e-6
+    content = json.loads((folder / "out" / "uncertainty.json").read_text())
+    assert content["method"] == "sobol_indices" and (folder / "out" / "uncertainty.png").exists()
+    monkeypatch.setattr("contbed.uncertainty.write.gradient", None)  # what is known is not computed again
+    assert cli.main(["sweep", "study.toml", "--out", "out", "--jobs", "1", "--quiet"]) == 0
+    assert "80 were before" in capsys.readouterr().out
+
+
+def test_a_morris_design_of_normal_parameters_stays_within_their_tails(folder, capsys):
+    pytest.importorskip("SALib")
+    text = STUDY.replace('"sobol_indices"', '"morris"').replace("count = 16", "count = 4")
+    (folder / "study.toml").write_text(text)
+    assert cli.main(["sweep", "study.toml", "--out", "out", "--jobs", "1", "--quiet"]) == 0
+    rows = read(folder / "out" / "indices.csv")
+    # levels are 0.05, 0.35, 0.65 and 0.95 of the normal, 1.0 to 1.4 of the even one
+    np.testing.assert_allclose(float(rows[1]["mean effect"]), drop(0.0, 0.4), rtol=1e-6)
+    assert float(rows[2]["mean magnitude"]) == 0.0
+    values = {float(row["fluid.viscosity [Pa*s]"]) for row in read(folder / "out" / "table.csv")}
+    assert max(values) <= 2e-5 + 1.6449 * 2e-6 and len(values) <= 4
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("[sample]", "[parameters]\nflow.velocity = [0.1, 0.2]\n[sample]",
+         'study.toml:6: sample: method = "sobol_indices" stands by itself; leave out parameters'),
+        ("gradients = true", "gradients = 1", "study.toml:7: sample: gradients: expected true or false"),
+        ("count = 16", "count = 3", "not a power of two; Sobol points fill the space evenly at 2 or 4"),
+        ('"sobol_indices"', '"sobol_index"', "did you mean 'sobol_indices'"),
+    ],
+)  # fmt: skip
+def test_mistakes_in_a_design_of_indices_are_told(folder, capsys, old, new, told):
+    pytest.importorskip("SALib")
+    (folder / "study.toml").write_text(STUDY.replace(old, new))
+    cli.main(["sweep", "study.toml", "--out", "out", "--jobs", "1", "--quiet"])
+    assert told in capsys.readouterr().err
+
+
+def test_without_salib_indices_are_refused_before_any_run(monkeypatch):
+    monkeypatch.setitem(sys.modules, "SALib.sample", None)
+    with pytest.raises(ContbedError, match=r"needs SALib: pip install 'contbed\[calibrate\]'"):
+        design.sample("sobol_indices", 4, seed=1, dimensions=2)
