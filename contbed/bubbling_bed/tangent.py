@@ -3,8 +3,8 @@
     R(u, s, p) = 0,   s = S(u, s, p):      du = -A^-1 (R(u, s+, p + h) - R(u, s-, p - h))/2,   A = dR/du
 
 s are the sizes of the particles and the height of the bed, which follow from its state; they and u change in turn until
-both agree, as in `settling`. Results at both ends have a central difference with an error of O(h^2). The nodes of the
-mesh move with the height of the bed, their number stays.
+both agree, as in `settling`. The nodes of the mesh move with the height of the bed, their number stays; see
+`solvers.tangent`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from contbed.bubbling_bed.results import fill
 from contbed.bubbling_bed.settling import CHANGE, ROUNDS, settled, stretched, unsettled
 from contbed.errors import ConvergenceError, UnlikeError
 from contbed.result import Result
-from contbed.solvers.linear import Solver
+from contbed.solvers.tangent import Response
 
 Array = Any
 OTHER = "a small change adds or removes an unknown"
@@ -42,7 +42,7 @@ class Tangent:
         self.typical = None if computed is None else typical_numbers(plan.scene, computed)
         self.settles = unsettled(result.scene)
         _, matrix = self.problem.steady(self.x, True)
-        self.solver = Solver(matrix, plan.policy)
+        self.response = Response(matrix, self.problem.fixed, plan.policy)
 
     def results(self, below: Any, above: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the named results of two scenes with a key a little below and above that of the solved one.
@@ -106,8 +106,8 @@ class Tangent:
     def _states(self, problems: list[BubblingProblem]) -> list[Array]:
         with np.errstate(all="ignore"):  # bubbles of no size, where the bed rests
             low, high = (problem.steady(self.x, False)[0] for problem in problems)
-        step = -self.solver(0.5 * (high - low))
-        return [problem._state(self.x + side * step) for problem, side in zip(problems, (-1.0, 1.0), strict=True)]
+        states, _ = self.response.states((self.x, self.x), (low, high))
+        return [problem._state(x) for problem, x in zip(problems, states, strict=True)]
 
 
 def _apart(scenes: list[Any]) -> float:

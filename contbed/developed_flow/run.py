@@ -44,6 +44,7 @@ def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any)
         problem, state = aligned(problem, state)
     result.plan = problem.plan
     fill(problem, state, result)
+    result.solved = problem, state
     if problem.particles and meant is not None and abs(result.qoi["theta_centre"] / meant - 1.0) > BRANCH_TOLERANCE:
         where = plan.scene.origin.at(("fully_developed", "theta_centre"))
         more = "" if plan.scene.solver.branches else "; solver.branches = true looks for others"

@@ -1,10 +1,9 @@
 """Linear response of a solved steady bed to small changes of its scene: the discrete tangent.
 
-    R(u, p) = 0,   A = dR/du:      du = -A^-1 (R(u, p + h) - R(u, p - h))/2,      results at (u +- du, p +- h)
-
-Central differences of the results have an error of O(h^2), with one solution for each key by factors of A that are
-found once. Mesh topology, elements and quadrature stay as they are; nodes move with the lengths of the bed. The flow
-comes first, then the temperatures in the changed flow; where the fluid expands, both in turn until they agree.
+Central differences of the results at both ends of a small step have an error of O(h^2), with one solution for each key
+by factors that are found once; see `solvers.tangent`. Mesh topology, elements and quadrature stay as they are; nodes
+move with the lengths of the bed. The flow comes first, then the temperatures in the changed flow; where the fluid
+expands, both in turn until they agree.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from contbed.packed_bed.heat_coefficients import Motion
 from contbed.packed_bed.results import steady_findings
 from contbed.packed_bed.run import overshoot, report_flow, steady_balance
 from contbed.result import Result
-from contbed.solvers.linear import Solver, constrain
+from contbed.solvers.tangent import Response, with_prescribed
 
 TURNS = 40  # of flow and temperatures, each with the other's last change
 SETTLED = 1e-8  # relative change of the temperatures' response in a turn
@@ -93,8 +92,8 @@ class Tangent:
         self.plan: Any = result.plan
         self.line: Line = result.solved.line
         self.problem, self.state, self.flow = result.solved.problem, result.solved.state, result.solved.flow
-        self._flow: tuple[Any, Any] | None = None
-        self._heat: tuple[Any, Any] | None = None
+        self._flow: Response | None = None
+        self._heat: Response | None = None
 
     def results(self, below: s.Scene, above: s.Scene) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the named results of two scenes with a key a little below and above that of the solved one.
@@ -145,11 +144,11 @@ class Tangent:
                 self.flow.local,
                 self.flow.system,
             )
-            self._flow = self._factored(middle.residual(self.flow.state, True)[1], middle.fixed, self.flow.system)
-        solver, matrix = self._flow
+            matrix = middle.residual(self.flow.state, True)[1]
+            self._flow = Response(matrix, middle.fixed, self.flow.system.ordered(self.plan.policy))
         starts = [one.with_given(self.flow.state) for one in equations]
         found = [one.residual(start, False)[0] for one, start in zip(equations, starts, strict=True)]
-        states, _ = _moved(solver, matrix, equations[0].fixed, starts, found)
+        states, _ = self._flow.states((starts[0], starts[1]), (found[0], found[1]))
         for end, one, state in zip(ends, equations, states, strict=True):
             end.flow = Flow(one.system, state, [], end.plan.solved.bed.porosity, end.local)
 
@@ -159,31 +158,13 @@ class Tangent:
             _require_alike(end.problem, self.problem)
         if self._heat is None:
             matrix = self.problem.steady(self.state, True)[1]
-            self._heat = self._factored(matrix, self.problem.fixed, self.problem.system)
-        solver, matrix = self._heat
-        starts = []
-        for end in ends:
-            start = self.state.copy()
-            start[end.problem.fixed] = end.problem.fixed_values
-            starts.append(start)
+            policy = self.problem.system.ordered(self.plan.policy)
+            self._heat = Response(matrix, self.problem.fixed, policy)
+        starts = [with_prescribed(self.state, end.problem.fixed, end.problem.fixed_values) for end in ends]
         found = [end.problem.steady(start, False)[0] for end, start in zip(ends, starts, strict=True)]
-        states, residuals = _moved(solver, matrix, self.problem.fixed, starts, found)
+        states, residuals = self._heat.states((starts[0], starts[1]), (found[0], found[1]))
         for end, state, residual in zip(ends, states, residuals, strict=True):
             end.state, end.residual = state, residual
-
-    def _factored(self, matrix: Any, fixed: Any, system: Any) -> tuple[Solver, Any]:
-        return Solver(constrain(matrix, fixed), system.ordered(self.plan.policy)), matrix
-
-
-def _moved(
-    solver: Solver, matrix: Any, fixed: Any, starts: list[Any], found: list[Any]
-) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
-    """Return the states at both ends and their residuals, linear in the response."""
-    change = 0.5 * (found[1] - found[0])
-    change[fixed] = 0.0
-    step = -solver(change)
-    lift = matrix @ step
-    return (starts[0] - step, starts[1] + step), (found[0] - lift, found[1] + lift)
 
 
 def _require_alike(problem: HeatProblem, base: HeatProblem) -> None:

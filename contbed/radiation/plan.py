@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from contbed.mesh.build import build, require_names
+from contbed.mesh.build import build, moved, require_names
 from contbed.mesh.mesh import Mesh
 from contbed.models import described
 from contbed.radiation.grading import nodes
@@ -49,6 +49,15 @@ class Plan:
         directions = table.directions if table.level == "ordinates" else 1
         conducting = table.level != "rosseland" and bool(table.conductivity)
         return {"radiation": (directions + conducting) * Space(self.mesh.skfem, self.scene.solver.degree).size}
+
+    def with_values(self, scene: RadiationScene) -> Plan:
+        """Return the plan of a scene with other numbers, at the level and on the cells of this one.
+
+        The nodes move with the lengths of the medium.
+        """
+        level = scene.radiation.model_copy(update={"level": self.solved.radiation.level})
+        solved = scene.model_copy(update={"radiation": level})
+        return replace(self, scene=scene, solved=solved, mesh=moved(self.mesh, self.solved.mesh, scene.mesh))
 
     def with_more_ordinates(self) -> Plan | None:
         """Return the plan with twice the ordinates on a mesh for them; None where their number is given or enough."""

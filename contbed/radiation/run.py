@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contbed.balance import HELD_SHARE, Balance
-from contbed.fem.probe import Probe, line_along
+from contbed.fem.probe import Line, Probe, line_along
 from contbed.radiation.plan import Plan
 from contbed.radiation.problem import RadiationProblem, emission
 from contbed.radiation.results import fill
@@ -20,6 +21,15 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-10  # share of its scale that a balance may be open by as a rule, solver.balance_tolerance
 SAMPLES = 41  # points along the medium at which solutions with different ordinates are compared
 SMALL_FLUX = 1e-6  # share of G
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What a run has solved by P1, two-flux or Rosseland."""
+
+    line: Line
+    problem: Any
+    state: Any
 
 
 def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
@@ -38,6 +48,8 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     result.warnings += [line.note] if line.note else []
     if error is not None:
         _report_angles(plan, error, result)
+    if plan.solved.radiation.level != "ordinates":
+        result.solved = Solved(line, problem, state)
     fluxes, conducted = problem.fluxes(state), problem.conducted(problem.assemble(state, False)[0])
     held = HELD_SHARE * emission(problem.optics, problem.surfaces, plan.mesh, 1.0)
     rounding = problem.rounding(state) / TOLERANCE
@@ -48,7 +60,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
 
 
 def _solved(plan: Plan, result: Result) -> tuple[RadiationProblem | OrdinatesProblem, Any]:
-    problem = _problem(plan)
+    problem = problem_of(plan)
     state, history = problem.solve(plan.policy)
     result.history += history
     return problem, state
@@ -82,7 +94,8 @@ def _report_angles(plan: Plan, error: float, result: Result) -> None:
         )
 
 
-def _problem(plan: Plan) -> RadiationProblem | OrdinatesProblem:
+def problem_of(plan: Plan) -> RadiationProblem | OrdinatesProblem:
+    """Return the problem of the level of the radiation."""
     level = plan.solved.radiation.level
     if level == "ordinates":
         from contbed.radiation.ordinates import OrdinatesProblem

@@ -55,6 +55,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         result.warnings.append("the first cells took steps in time to the steady state")
     with result.timed("results"):
         results.fill(problem, u, result)
+    result.solved = problem, u
     result.qoi["cells"] = problem.line.cells
     if plan.scene.continuation is not None:
         from contbed.reacting_bed.branch import follow

@@ -1,0 +1,48 @@
+"""Response of a discrete solution to a small change, from residuals on both sides of it.
+
+    R(u, p) = 0,   A = dR/du:      du = -A^-1 (R(u, p + h) - R(u, p - h))/2
+
+The two states u +- du differ by the central difference of the solution, whose error is O(h^2), as the second-order
+terms of both sides are alike. The residuals R(u, p +- h) +- A du belong to these states, to the same order.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.solvers.linear import Policy, Solver, constrain
+
+Array = NDArray[np.float64]
+Pair = tuple[Array, Array]
+
+
+class Response:
+    """The Jacobian of a solution and its factors; `fixed` are the unknowns that are prescribed."""
+
+    def __init__(self, matrix: Any, fixed: NDArray[np.int64], policy: Policy):
+        self.matrix, self.fixed = matrix, fixed
+        self.solver = Solver(constrain(matrix, fixed) if len(fixed) else matrix, policy)
+
+    def states(self, starts: Pair, residuals: Pair) -> tuple[Pair, Pair]:
+        """Return the states below and above, and their residuals.
+
+        Parameters
+        ----------
+        starts : the solution with the prescribed unknowns of either side in place
+        residuals : those of the starts, with the values of either side
+        """
+        change = 0.5 * (residuals[1] - residuals[0])
+        change[self.fixed] = 0.0
+        step = -self.solver(change)
+        lift = self.matrix @ step
+        return (starts[0] - step, starts[1] + step), (residuals[0] - lift, residuals[1] + lift)
+
+
+def with_prescribed(state: Array, fixed: NDArray[np.int64], values: Array) -> Array:
+    """Return a state with prescribed unknowns in place."""
+    state = state.copy()
+    state[fixed] = values
+    return state
