@@ -112,7 +112,7 @@ class Result:
     def gradient(self, qoi: Sequence[str], keys: Sequence[str]) -> Any:
         """Return derivatives of named results with respect to keys of the scene; see `contbed.design.gradients`."""
         # found by name, as it stands on top of the runs that make results
-        return import_module("contbed.design.gradients").gradient(self.scene, qoi, keys)
+        return import_module("contbed.design.gradients").gradient_of(self, qoi, keys)
 
     def table(self) -> str:
         """Return the result as a table for a terminal."""

@@ -78,9 +78,21 @@ def gradient(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) -> Gradi
     SceneError : a key has no derivative, a result does not exist; with the nearest name
     ContbedError : the scene, or the scene with a key a little changed, cannot be solved
     """
-    chosen = [key(scene, name) for name in keys]
+    require_possible(scene, qoi, keys)
+    return gradient_of(run(scene), qoi, keys)
+
+
+def require_possible(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) -> None:
+    """Raise SceneError, before anything is solved, for a key without derivative or a name that no result has."""
+    for name in keys:
+        key(scene, name)
     require_known(qoi)
-    result = run(scene)
+
+
+def gradient_of(result: Result, qoi: Sequence[str], keys: Sequence[str]) -> Gradient:
+    """Return `gradient` for a scene that has been run."""
+    require_possible(result.scene, qoi, keys)
+    chosen = [key(result.scene, name) for name in keys]
     if tangent.applies(result):
         return _by_tangent(result, tuple(qoi), chosen)
     return _by_runs(result, tuple(qoi), chosen)

@@ -68,12 +68,12 @@ class Medium:
     tables: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, scene: s.Scene, T_fluid_in: float, bed_diameter: float) -> Medium:
-        """Resolve the materials of a scene."""
+    def of(cls, scene: s.Scene, T_fluid_in: float, bed_diameter: float, fluid: Any = None) -> Medium:
+        """Resolve the materials of a scene; `fluid` if it is known from one with the same."""
         solid = scene.solid
         return cls(
             scene,
-            fluid_of(scene.fluid, scene.origin.base),
+            fluid_of(scene.fluid, scene.origin.base) if fluid is None else fluid,
             None if solid is None else solid_of(solid),
             T_fluid_in,
             bed_diameter,

@@ -177,7 +177,8 @@ class Plan:
         if scene.particle is not None and self.solved.particle is not None:
             kept["particle"] = scene.particle.model_copy(update={"heat": self.solved.particle.heat})
         target = scene.model_copy(update=kept)
-        medium = Medium.of(target, inlet_temperature(target), bed_diameter(target.mesh))
+        fluid = self.medium.fluid if scene.fluid == self.scene.fluid else None  # a mixture takes long to make
+        medium = Medium.of(target, inlet_temperature(target), bed_diameter(target.mesh), fluid)
         line = None if self.solved.mesh is self.scene.mesh else reduced(target)
         target, section = line or (target, 1.0)
         velocity, solid = velocities(target)

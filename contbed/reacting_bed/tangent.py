@@ -60,7 +60,9 @@ class Tangent:
             drop = "ergun" if base.layout.pressure else "none"
             frozen = frozen.model_copy(update={"flow": frozen.flow.model_copy(update={"pressure_drop": drop})})
         ratio = scene.mesh.length / base.scene.mesh.length
-        made = Problem.of(frozen, base.line.vertices * ratio)
+        # data of the species take longer to read than the equations to make
+        same = (frozen.fluid, frozen.solid) == (base.scene.fluid, base.scene.solid)
+        made = Problem.of(frozen, base.line.vertices * ratio, base.species if same else None)
         made = made.with_strength(base.bed.strength).with_small(base.bed.small)
         if made.layout != base.layout or len(made.reactions) != len(base.reactions):
             raise UnlikeError(OTHER)
