@@ -16,6 +16,7 @@ from contbed.calibration.observe import observe
 from contbed.calibration.settings import FittedKey
 from contbed.calibration.store import Outcome, Store
 from contbed.errors import ContbedError, SceneError, interrupt_in
+from contbed.result import Result
 from contbed.scene.identity import scene_hash
 from contbed.scene.tables import SceneBase
 from contbed.sweep.design import tidy
@@ -29,6 +30,10 @@ class Model(Protocol):
 
     def values(self, z: Array) -> Array:
         """Return the predictions, shape (sets, points), for sets of scaled keys, shape (sets, keys); nan if failed."""
+        ...
+
+    def slopes(self, z: Array) -> Array | None:
+        """Return derivatives of the predictions, shape (points, keys), at one set of scaled keys; None if unknown."""
         ...
 
 
@@ -45,6 +50,7 @@ class SceneModel:
         self._keys, self._jobs, self._store, self._processes = tuple(keys), tuple(jobs), store, processes
         self.points: tuple[Point, ...] = tuple(point for job in jobs for point in job.points)
         self.computed = 0
+        self._has_tangents = True  # until a run says otherwise
 
     def at(self, z: Array) -> dict[str, float]:
         """Return the keys in SI at one set of scaled keys, shape (keys,)."""
@@ -79,6 +85,35 @@ class SceneModel:
         return np.array([[value for name, job in zip(row, self._jobs, strict=True) for value in self._of(name, job)]
                          for row in names])  # fmt: skip
 
+    def slopes(self, z: Array) -> Array | None:
+        """Return the derivatives with respect to scaled keys, shape (points, keys), by the tangents of the runs.
+
+        None where a prediction is not a named result of a scene that has a tangent, or a run failed.
+        """
+        if not self._has_tangents or any(point.in_profiles for point in self.points):
+            return None
+        keys = self.at(z)
+        try:
+            scenes = [job.load(keys) for job in self._jobs]
+        except SceneError:
+            return None
+        names = [_name(f"{scene_hash(scene)} slopes", job) for scene, job in zip(scenes, self._jobs, strict=True)]
+        missing = {
+            name: (scene, job)
+            for name, scene, job in zip(names, scenes, self._jobs, strict=True)
+            if self._store.known(name) is None
+        }
+        for name, outcome in self._found(missing, tuple(keys)):
+            self.computed += 1
+            self._store.add(name, outcome)
+        outcomes = [self._store.known(name) or {} for name in names]
+        rows = [row for outcome in outcomes for row in outcome.get("slopes") or [None]]
+        self._has_tangents = all(outcome.get("slopes") is not None or outcome["exit_code"] for outcome in outcomes)
+        if any(row is None for row in rows):
+            return None
+        scale = [key.prior.slope(float(at)) for key, at in zip(self._keys, z, strict=True)]
+        return np.asarray(np.array(rows) * np.array(scale))
+
     def _of(self, name: str, job: Job) -> list[float]:
         outcome = self._store.known(name)
         assert outcome is not None, "all runs have ended"
@@ -91,9 +126,11 @@ class SceneModel:
         failed = self._store.failed()
         return str(failed[-1]["problem"]) if failed else ""
 
-    def _found(self, waiting: dict[str, tuple[SceneBase, Job]]) -> Iterator[tuple[str, Outcome]]:
-        """Yield the outcomes of runs; a process that dies takes one run with it, not the others."""
-        tasks = [(name, scene, job) for name, (scene, job) in waiting.items()]
+    def _found(
+        self, waiting: dict[str, tuple[SceneBase, Job]], keys: tuple[str, ...] = ()
+    ) -> Iterator[tuple[str, Outcome]]:
+        """Yield the outcomes of runs, or of derivatives to keys; a process that dies takes one run with it."""
+        tasks = [(name, scene, job, keys) for name, (scene, job) in waiting.items()]
         if self._processes == 1:
             yield from (_pair(*task) for task in tasks)
             return
@@ -113,7 +150,10 @@ class SceneModel:
                     yield task[0], {"exit_code": KILLED, "problem": text}
 
 
-def _pool(tasks: list[tuple[str, SceneBase, Job]], processes: int) -> Iterator[tuple[str, Outcome]]:
+Task = tuple[str, SceneBase, Job, tuple[str, ...]]
+
+
+def _pool(tasks: list[Task], processes: int) -> Iterator[tuple[str, Outcome]]:
     from joblib import Parallel, delayed, parallel_config
 
     with parallel_config(backend="loky", inner_max_num_threads=1):
@@ -126,16 +166,29 @@ def _name(scene: str, job: Job) -> str:
     return hashlib.sha256(json.dumps([scene, wanted]).encode()).hexdigest()[:16]
 
 
-def _pair(name: str, scene: SceneBase, job: Job) -> tuple[str, Outcome]:
+def _pair(name: str, scene: SceneBase, job: Job, keys: tuple[str, ...]) -> tuple[str, Outcome]:
     from contbed.runner import run
 
     try:
         result = run(scene)
+        if keys:
+            return name, {"exit_code": 0, "problem": "", "slopes": _slopes(result, scene, job, keys)}
     except Exception as error:  # one broken run must not lose the others
         if interrupt_in(error) is not None:
             raise
         return name, _failed(error, {})
     return name, {"exit_code": 0, "problem": "", "values": observe(result, job.points)}
+
+
+def _slopes(result: Result, scene: SceneBase, job: Job, keys: tuple[str, ...]) -> list[list[float]] | None:
+    """Return derivatives in SI, (points, keys); None where the physics has no tangent."""
+    from contbed.design import tangent
+    from contbed.design.gradients import gradient
+
+    if not tangent.applies(result):
+        return None
+    found = gradient(scene, [point.quantity for point in job.points], keys)
+    return [[float(value) for value in row] for row in found.derivatives]
 
 
 def _failed(error: Exception, keys: dict[str, float]) -> Outcome:

@@ -12,6 +12,7 @@ from contbed.output.files import atomic
 from contbed.output.folder import SUMMARY, read_summary
 from contbed.output.summary import write_json
 from contbed.report import charts, page
+from contbed.report.calibration import is_calibration, of_calibration
 from contbed.report.fields import pictures
 from contbed.report.read import Run, is_sweep, read_run, read_sweep
 
@@ -23,7 +24,7 @@ def write(folders: Sequence[Path], file: Path | None = None) -> Path:
 
     Parameters
     ----------
-    folders : of runs, or of one sweep
+    folders : of runs, or of one sweep or calibration
     file : where to write; report.html in the first folder if None
 
     Raises
@@ -31,6 +32,12 @@ def write(folders: Sequence[Path], file: Path | None = None) -> Path:
     ContbedError : a folder holds no run, plotly is not installed, or the file cannot be written
     """
     target = file or folders[0] / FILE
+    if any(is_calibration(folder) for folder in folders):
+        if len(folders) > 1:
+            raise ContbedError(f"{folders[0]}: a report shows one calibration; give its folder alone")
+        with atomic(target) as temporary:
+            temporary.write_text(of_calibration(folders[0]), encoding="utf-8")
+        return target
     if any(is_sweep(folder) for folder in folders):
         if len(folders) > 1:
             raise ContbedError(f"{folders[0]}: a report shows one sweep, or runs; give one folder of a sweep")

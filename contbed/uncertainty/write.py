@@ -219,7 +219,7 @@ def _plot(report: Report, path: Path) -> None:
                 title=one.result.name,
                 xlabel=f"mean magnitude of effects{unit}" if "mean magnitude" in found else "share of the variance",
             )
-            axes.legend(fontsize=8)
+            axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0))
 
 
 def table(report: Report) -> str:

@@ -14,6 +14,9 @@ import pytest
 import contbed as cb
 from contbed import cli
 from contbed.calibration.calibrate import calibrate
+from contbed.calibration.experiments import read_jobs
+from contbed.calibration.model import SceneModel
+from contbed.calibration.settings import read_file
 from contbed.calibration.store import FILE, Store
 
 SCENE = """\
@@ -134,6 +137,9 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
     np.testing.assert_allclose([float(ahead[0]["low"]), float(ahead[0]["high"])], [low, high], rtol=1e-6)
     out = capsys.readouterr().out
     assert "3 values, chi-square" in out and "known" in out
+    assert cli.main(["report", "out"]) == 0
+    report = (folder / "out" / "report.html").read_text()
+    assert "bed.particle_diameter" in report and report.count("data:image/png;base64,") == 3
     assert {path.name for path in (folder / "out").iterdir()} >= {
         "keys.csv", "points.csv", "combinations.csv", "profiles", "fit.png", "residuals.png", "keys.png", FILE,
         "calibrated.toml",
@@ -183,6 +189,16 @@ def test_a_line_that_was_not_written_whole_is_computed_again(folder, no_pictures
     assert calibrate("drops.toml", "out").before == first.runs
 
 
+def test_a_line_that_was_changed_is_computed_again(folder):
+    store = Store(folder)
+    store.add("one", {"exit_code": 0, "problem": "", "values": [1.5]})
+    store.add("two", {"exit_code": 0, "problem": "", "values": [2.5]})
+    file = folder / FILE
+    file.write_text(file.read_text().replace("1.5", "1.6"))
+    again = Store(folder)
+    assert again.known("one") is None and again.known("two")["values"] == [2.5]
+
+
 def test_a_killed_command_goes_on(folder, no_pictures):
     command = [sys.executable, "-m", "contbed", "calibrate", "drops.toml", "--out", "out"]
     process = subprocess.Popen(command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)})
@@ -221,6 +237,29 @@ def test_failed_runs_are_kept_and_lose_nothing(folder, monkeypatch, no_pictures)
 def test_several_processes_find_the_same(folder, no_pictures):
     one, two = calibrate("drops.toml", "one"), calibrate("drops.toml", "two", jobs=2)
     np.testing.assert_array_equal(one.fit.z, two.fit.z)
+
+
+def test_tangents_of_the_runs_are_the_derivatives(folder):
+    file = read_file("drops.toml")
+    model = SceneModel(file.keys, read_jobs(file), Store(None))
+    z = np.array([0.3, 0.4])
+    slopes = model.slopes(z)
+    keys = model.at(z)
+    assert model.computed == 3
+    for k, u in enumerate((0.02, 0.2, 1.0)):
+        for j, name in enumerate(("porosity", "diameter")):
+            given = {"porosity": keys["bed.porosity"], "diameter": keys["bed.particle_diameter"]}
+            step = 1e-6 * given[name]
+            ends = [drop(u, **(given | {name: given[name] + side * step})) for side in (1.0, -1.0)]
+            exact = (ends[0] - ends[1]) / (2.0 * step) * file.keys[j].prior.slope(z[j])
+            # central differences of the closed form are good to 1e-9, the tangent to 1e-6
+            np.testing.assert_allclose(slopes[2 * k, j], exact, rtol=1e-6)
+
+
+def test_profiles_and_transients_have_no_tangents(folder):
+    file = read_file("heated.toml")
+    model = SceneModel(file.keys, read_jobs(file), Store(None))
+    assert model.slopes(np.array([0.3])) is None and model.computed == 0
 
 
 def test_a_store_in_memory_writes_nothing(folder):

@@ -91,6 +91,12 @@ def test_groups_with_a_failed_run_are_left_out():
     assert indices("sobol_indices", points, np.ones(320)) is None  # shares of a variance of nothing
 
 
+def test_samples_of_groups_are_their_independent_points():
+    rows = independent("sobol_indices", np.zeros((10, 3)))
+    assert np.flatnonzero(rows).tolist() == [0, 4, 5, 9]
+    assert independent("sobol", np.zeros((4, 3))).all() and not independent("morris", np.zeros((4, 3))).any()
+
+
 def test_first_order_is_exact_where_the_result_is_linear():
     spreads = {
         "a": Distribution(1.0, 1.2, even=False),
