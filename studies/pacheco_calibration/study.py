@@ -11,12 +11,14 @@ import numpy as np
 from contbed.calibration.calibrate import calibrate
 from contbed.calibration.found import Calibrated
 from contbed.calibration.write import key_rows
+from contbed.validation.case import read_case
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
 DATA = HERE / "data" / "calibration.toml"
 HOUR = 3600.0
+FITTED = (0.5, 1.0)  # [h]
 KEYS = {"key": "", "unit": "", "fitted": ".5g", "standard error": ".3g"} | dict.fromkeys(
     ("low", "high", "low of profile", "high of profile", "low of posterior", "high of posterior"), ".5g"
 )
@@ -27,6 +29,12 @@ def compute() -> Tables:
     with TemporaryDirectory() as out:
         found = calibrate(DATA, out)
     return tables(found)
+
+
+def reference(hour: float) -> np.ndarray:
+    """Measured temperatures [K] at a time, in the order of the file."""
+    points = read_case("pacheco_2002").points
+    return points.value[np.isclose(points.t, hour * HOUR)]
 
 
 def tables(found: Calibrated) -> Tables:
@@ -54,6 +62,10 @@ def tables(found: Calibrated) -> Tables:
         "correlation of neighbours": fit.alike,
         "share of fitted values in the band of a measurement": float(np.mean(inside)),
     }
+    for hour in FITTED:
+        here = np.array([point.fitted and point.t == hour * HOUR for point in points])
+        deviation = p.value[here] - reference(hour)
+        facts[f"RMS of the deviations at {hour:g} h [K]"] = float(np.sqrt(np.mean(deviation**2)))
     return {
         "keys": Table(KEYS, [(row[0], row[1], *row[3:]) for row in key_rows(found)]),
         "combinations": Table(
