@@ -22,12 +22,16 @@ IN_PLANE = 1e-9  # share of its speed with which a wall may move along its norma
 
 @dataclass(frozen=True)
 class Wall:
-    """A wall; with `velocity` [m/s] in its own plane. Johnson and Jackson's law takes `specularity`, `restitution`."""
+    """A wall; with `velocity` [m/s] in its own plane.
+
+    Johnson and Jackson's law takes `specularity` and `restitution` of collisions, and `friction`, Coulomb's coefficient.
+    """
 
     gas: Literal["no_slip", "slip"] = "no_slip"
     solid: Literal["no_slip", "slip", "johnson_jackson"] = "no_slip"
     specularity: float = 0.0
     restitution: float = 1.0
+    friction: float = 0.0
     velocity: tuple[float, ...] = ()
 
 
@@ -98,6 +102,7 @@ class Edge(NamedTuple):
     p: Array
     specularity: Array
     restitution: Array
+    friction: Array
 
 
 def assemble(grid: Grid, conditions: Mapping[str, Condition], rho_solid: float) -> Edge:
@@ -125,7 +130,7 @@ def assemble(grid: Grid, conditions: Mapping[str, Condition], rho_solid: float) 
     def side() -> Side:
         return Side(np.zeros(nb, dtype=np.int64), np.zeros(nb), np.zeros((nb, dim)), np.zeros(nb), np.zeros(nb))
 
-    edge = Edge(side(), side(), *(np.zeros(nb) for _ in range(5)))
+    edge = Edge(side(), side(), *(np.zeros(nb) for _ in range(6)))
     for name, c in conditions.items():
         faces = grid.boundaries[name]
         _fill(edge, faces - grid.interior, c, grid.geometry.normal[faces], grid.middles[faces], rho_solid)
@@ -140,7 +145,7 @@ def _fill(edge: Edge, at: Indices, c: Condition, normal: Array, position: Array,
         gas.u[at] = solid.u[at] = velocity
         gas.slip[at] = c.gas == "slip"
         solid.slip[at] = {"no_slip": 0.0, "slip": 1.0, "johnson_jackson": -1.0}[c.solid]
-        edge.specularity[at], edge.restitution[at] = c.specularity, c.restitution
+        edge.specularity[at], edge.restitution[at], edge.friction[at] = c.specularity, c.restitution, c.friction
     elif isinstance(c, Outlet):
         gas.kind[at] = solid.kind[at] = OUTLET
         edge.p[at] = c.pressure
@@ -195,18 +200,28 @@ class Particles(NamedTuple):
 
 
 @kernel
-def wall_slip(g: Geometry, edge: Edge, particles: Particles, mu: Array, slip: Array) -> None:
-    """Share `slip` (nb,) of the cell's tangential velocity that particles keep at the wall.
+def wall_slip(
+    g: Geometry, edge: Edge, particles: Particles, mu: Array, p_friction: Array, u: Array, slip: Array
+) -> None:
+    """Share `slip` (nb,) of the cell's tangential velocity u (nc, dim) that particles keep at the wall.
 
-    Partial slip of Johnson and Jackson (1987, J. Fluid Mech. 176, 67-93): the collisional shear
-    (pi/6) sqrt(3) specularity rho_s eps_s g0 sqrt(theta) u/eps_max equals mu (u_cell - u)/distance.
+    Johnson and Jackson (1987, J. Fluid Mech. 176, 67-93): with the velocity u_w at the wall, what particles bring by
+    collisions and by friction, (pi/6) sqrt(3) specularity rho_s eps_s g0 sqrt(theta) u_w/eps_max + friction p_friction,
+    equals mu (u - u_w)/distance. Where that would turn u_w around they stick, as friction only opposes.
     """
-    ni = len(g.right)
+    ni, dim = len(g.right), len(g.axes)
     for b in range(len(slip)):
         slip[b] = edge.solid.slip[b]
         if slip[b] < 0.0:
             c = g.left[ni + b]
             agitation = np.pi * np.sqrt(3.0 * particles.theta[c]) * edge.specularity[b] * particles.rho
             collisions = agitation * particles.eps_s[c] * particles.g0[c] / (6.0 * particles.eps_max)
-            viscous = mu[c] / g.distance[ni + b]
+            viscous, rubbing = mu[c] / g.distance[ni + b], edge.friction[b] * p_friction[c]
             slip[b] = viscous / (viscous + collisions + SMALLEST) if collisions > 0.0 else 1.0
+            if rubbing > 0.0:
+                away = along = 0.0
+                for k in range(dim):
+                    away += (u[c, k] - edge.solid.u[b, k]) * g.normal[ni + b, k]
+                for k in range(dim):
+                    along += (u[c, k] - edge.solid.u[b, k] - away * g.normal[ni + b, k]) ** 2
+                slip[b] = max(0.0, slip[b] - rubbing / ((viscous + collisions) * np.sqrt(along) + SMALLEST))

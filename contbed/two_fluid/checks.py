@@ -136,6 +136,8 @@ def boundaries_are_complete(boundary: dict[str, t.Boundary], mesh: meshes.Mesh) 
             yield where, "is the partner of a periodic boundary and cannot be given twice"
         if isinstance(part, t.Wall) and (part.solid == "johnson_jackson") != (part.specularity is not None):
             yield (*where, "specularity"), "belongs to solid = 'johnson_jackson', which needs it"
+        if isinstance(part, t.Wall) and part.friction and part.solid != "johnson_jackson":
+            yield (*where, "friction"), "belongs to solid = 'johnson_jackson'; elsewhere particles stick or slip freely"
         if isinstance(part, t.Inlet):
             if part.solid_flux is not None and part.solid_velocity is not None:
                 yield (*where, "solid_velocity"), "give either solid_flux or solid_velocity"

@@ -168,7 +168,7 @@ def predict(
     materials, edge, r, eps_s = model.materials, model.edge, properties.rheology, moved.eps_s
     mu_solid, slip = r.mu + properties.mu_friction, np.empty(len(model.boundary_cells))
     particles = Particles(materials.rho_solid, materials.eps_max, eps_s, state.theta, r.g0)
-    wall_slip(model.grid.geometry, edge, particles, mu_solid, slip)
+    wall_slip(model.grid.geometry, edge, particles, mu_solid, r.p_friction, state.u_solid, slip)
     crossed = dt * state.fluxes.outflow_gas.max() / SUBCYCLE_COURANT
     gas = Phase(
         "u_gas",

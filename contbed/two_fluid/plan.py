@@ -230,6 +230,7 @@ def _condition(part: Any) -> boundary.Condition:
             part.solid,
             part.specularity or 0.0,
             1.0 if part.restitution is None else part.restitution,
+            part.friction,
             part.velocity,
         )
     if isinstance(part, t.Inlet):

@@ -129,6 +129,9 @@ class Wall(Part, HeatOfWall):
     solid: Literal["no_slip", "slip", "johnson_jackson"] = "no_slip"
     specularity: Annotated[Number, Field(gt=0, le=1)] | None = None
     restitution: Annotated[Number, Field(gt=0, le=1)] | None = None
+    friction: Annotated[Number, Field(ge=0, le=2)] = Field(
+        0.0, description="Coulomb's coefficient of particles that rub along the wall under their frictional pressure"
+    )
     velocity: tuple[Speed, ...] = Field((), description="of the wall in its own plane")
 
 

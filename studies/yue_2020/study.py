@@ -18,12 +18,14 @@ HERE = Path(__file__).parent
 BED = "yue_2020"
 NOT_COMPARED = ("CPU [s]",)
 SPEED, MIDDLE, REST = "speed_solid [m/s]", 0.14, 0.2  # m: middle of the bed, height of the bed at rest
-MODELS = ("plane", "plane, newtonian friction", "box", "box, walls that stick")
+MODELS = ("plane", "plane, newtonian friction", "box", "box, walls that rub", "box, walls that stick")
+FRICTION = 0.3  # coefficient of the walls, as the authors state it for glass on the walls
 WALLS = ("front", "left", "right", "bottom")
 COLOURS = {
     "plane": gallery.BLUE,
     "plane, newtonian friction": gallery.SKY,
     "box": gallery.VERMILION,
+    "box, walls that rub": gallery.GREEN,
     "box, walls that stick": gallery.ORANGE,
 }
 
@@ -34,6 +36,8 @@ def scene_of(model: str) -> cb.Scene:
         return read_case(BED).scene()
     if model == "box":
         return cb.load(HERE / "box.toml")
+    if model == "box, walls that rub":
+        return cb.load(HERE / "box.toml", {f"boundary.{wall}.friction": FRICTION for wall in WALLS})
     if model == "box, walls that stick":
         stuck = {"type": "wall", "gas": "slip", "solid": "no_slip"}
         return cb.load(HERE / "box.toml", {f"boundary.{wall}": stuck for wall in WALLS})

@@ -79,6 +79,30 @@ def test_walls_produce_and_dissipate_as_johnson_and_jackson_say():
     assert rates == pytest.approx([common * phi * U**2 / 6.0, -common * (1.0 - e**2) * theta / 4.0], rel=2e-3)
 
 
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("viscosity", [1e2, 1e4])
+def test_walls_drag_rubbing_particles_with_coulombs_stress(viscosity, shape):
+    """rho_s eps_s h du/dt = 2 mu p_friction until the particles have the velocity U of both walls, which then keep it.
+
+    p_friction is 1 Pa. What rubs does not depend on the viscosity, by which it reaches the particles further inside. The
+    share of the velocity that walls keep is that of the last step, so the error is of first order in the step.
+    """
+    height, U, coefficient, errors = 0.01, 0.01, 0.3, []
+    wall = Wall("slip", "johnson_jackson", 1e-9, friction=coefficient, velocity=(U,))
+    grid = rectangle(height, height, (4, 4), [("left", "right")], shape)
+    laws = closures(viscosity=viscosity, friction=1e-12)
+    speed = 0.1 * 2.0 * coefficient / (2500.0 * 0.6 * height)
+    for dt in (2e-3, 1e-3, 5e-4):
+        b = bed(grid, laws, {"bottom": wall, "top": wall}, options=Options(dt=dt))
+        b.start(eps_s=0.6, theta=1e-8)
+        b.advance(0.1)
+        errors.append(np.average(b.state.u_solid[:, 0], weights=grid.geometry.volume) / speed - 1.0)
+    assert np.abs(errors[-1]) < 5e-3
+    assert orders(errors) == pytest.approx(1.0, abs=0.1)
+    b.advance(0.5)
+    np.testing.assert_allclose(b.state.u_solid[:, 0], U, rtol=1e-6)
+
+
 @pytest.mark.parametrize(("shape", "cells"), [("quadrilateral", (4, 32)), ("triangle", (2, 16))])
 def test_shear_between_moving_walls(shape, cells):
     """Production balances dissipation: theta = mu S^2/gamma, uniform, with linear velocity."""
