@@ -318,6 +318,28 @@ def optimise(
 
 
 @app.command()
+def cascade(
+    file: Annotated[Path, Argument(metavar="CASCADE", help="a TOML file: scene, packings, laws of a particle")],
+    out: OutFolder = None,
+    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
+    quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
+) -> None:
+    """Packings of particles give closures, these the results of a bed: with a band, and what makes it."""
+    from contbed.design.cascade.run import cascade as compute
+
+    folder = out or Path("results") / file.stem
+    _resume[:] = [(folder / "particles", "the same command")]
+    done = compute(file, folder, retry_failed, quiet, trust, allow_large)
+    for text in done.warnings:
+        _complain(f"warning: {text}")
+    if not quiet:
+        print(done.text())
+    print(f"{done.runs} runs, {done.before} were before; results are in {folder}")
+
+
+@app.command()
 def calibrate(
     data: Annotated[Path, Argument(metavar="DATA", help="a TOML file with scenes, measured tables and keys to fit")],
     jobs: Annotated[int, Option("--jobs", metavar="N", help="processes; -1 for one a core")] = 1,

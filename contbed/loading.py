@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from contbed.errors import SceneError
 from contbed.models import MODELS, kind_of
@@ -21,6 +21,7 @@ from contbed.scene.size import too_large
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse, parse_key, read
 
+_Table = TypeVar("_Table", bound=BaseModel)
 _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
 
@@ -76,6 +77,21 @@ def from_dict(
     """`load` for plain nested dicts, as `resolved` returns them."""
     origin = Origin(name, Path(base).absolute(), trust=trust, allow_large=allow_large)
     return _build(deepcopy(dict(values)), origin, {})
+
+
+def table_of(model: type[_Table], values: dict[str, Any], origin: Origin) -> _Table:
+    """Return a file other than a scene as its table `model`.
+
+    Raises
+    ------
+    SceneError : all mistakes, each with file and line
+    """
+    try:
+        return model.model_validate(values)
+    except ValidationError as invalid:
+        errors = invalid.errors(include_url=False)
+    found = [_translate(error, values, schema.of(model)) for error in errors]
+    raise SceneError(list(dict.fromkeys(_line(origin, values, path, text) for path, text in found)))
 
 
 def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any]) -> Any:

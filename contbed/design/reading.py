@@ -16,7 +16,7 @@ from contbed.errors import SceneError
 from contbed.loading import load
 from contbed.models import model_of
 from contbed.scene import schema
-from contbed.scene.names import nearest
+from contbed.scene.names import nearest, nearest_of
 from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse_key, read
 from contbed.scene.units import exponents, to_si
@@ -75,22 +75,12 @@ def _unit(scene: SceneBase, keys: Mapping[str, DesignKey], name: str) -> str:
         path = parse_key(name)
         if not isinstance(value_at(scene, name), int | float):
             numbers = [*keys, *_numbers(scene)]
-            raise SceneError(f"the scene has no number {name!r}; {_nearest_of(name, numbers)}")
+            raise SceneError(f"the scene has no number {name!r}; {nearest_of(name, numbers)}")
         return schema.unit(schema.of(type(scene)), path) or "1"
     unit = fields.unit_of(name)
     if unit is None:
-        raise SceneError(f"{name!r} is neither a named result nor a key; {_nearest_of(name, [*fields.RESULTS, *keys])}")
+        raise SceneError(f"{name!r} is neither a named result nor a key; {nearest_of(name, [*fields.RESULTS, *keys])}")
     return unit
-
-
-def _nearest_of(name: str, known: list[str]) -> str:
-    """Name the most similar ones only, as there are many."""
-    from difflib import get_close_matches
-
-    found = get_close_matches(name, known, n=3, cutoff=0.4)
-    return (
-        f"nearest: {', '.join(found)}" if found else "`contbed list` shows results, a run's summary.json those it has"
-    )
 
 
 def _numbers(part: Any, above: str = "") -> list[str]:

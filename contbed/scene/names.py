@@ -17,3 +17,11 @@ def nearest(name: str, known: list[Any]) -> str:
 def near_names(name: str, known: list[Any]) -> list[str]:
     """Return the known name that is most similar to `name`, as a list of one; empty if none is similar."""
     return get_close_matches(name.lower(), [item for item in known if isinstance(item, str)], n=1, cutoff=0.6)
+
+
+def nearest_of(name: str, known: list[str]) -> str:
+    """Name the most similar ones only, as there are many."""
+    found = get_close_matches(name, known, n=3, cutoff=0.4)
+    return (
+        f"nearest: {', '.join(found)}" if found else "`contbed list` shows results, a run's summary.json those it has"
+    )

@@ -24,7 +24,7 @@ IN_PLANE = 1e-9  # share of its speed with which a wall may move along its norma
 class Wall:
     """A wall; with `velocity` [m/s] in its own plane.
 
-    Johnson and Jackson's law takes `specularity` and `restitution` of collisions, and `friction`, Coulomb's coefficient.
+    Johnson and Jackson's law takes `specularity`, `restitution` of collisions, and `friction`, Coulomb's coefficient.
     """
 
     gas: Literal["no_slip", "slip"] = "no_slip"

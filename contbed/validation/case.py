@@ -26,8 +26,7 @@ conductivity = "9 %"
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -46,12 +45,12 @@ from contbed.scene.identity import resolved
 from contbed.scene.names import nearest
 from contbed.scene.quantities import Instant, Position, Switch, Table
 from contbed.scene.tables import SceneBase
-from contbed.scene.toml_lines import Origin, dotted, parse_key, read
+from contbed.scene.toml_lines import Origin, dotted, read
+from contbed.scene.uncertain import share_of, uncertain_numbers
 from contbed.scene.units import to_si
 
 Array = NDArray[np.float64]
 SHIPPED = Path(__file__).parent / "cases"
-_PERCENT = re.compile(r"\s*([0-9.eE+-]+)\s*%\s*")
 
 
 class Measured(Table):
@@ -178,18 +177,7 @@ class Case:
         ------
         SceneError : a key that the scene does not have as a number, or an uncertainty that is none
         """
-        values = resolved(self.scene())
-        for key, given in _flat(self.settings.uncertain):
-            where = self.origin.at(("uncertain", *parse_key(key)))
-            value: Any = values
-            for step in parse_key(key):
-                value = value.get(step) if isinstance(value, dict) else None
-            if isinstance(value, bool) or not isinstance(value, int | float):
-                raise SceneError(f"{where}: uncertain.{key}: the scene has no number under this key")
-            share = _PERCENT.fullmatch(given) if isinstance(given, str) else None
-            if share is None and (isinstance(given, bool) or not isinstance(given, int | float) or given <= 0):
-                raise SceneError(f'{where}: uncertain.{key}: expected a number > 0 in SI, or a share like "5 %"')
-            yield key, float(value), float(share[1]) / 100.0 * abs(value) if share else float(given)
+        yield from uncertain_numbers(self.settings.uncertain, resolved(self.scene()), self.origin)
 
     def uncertain_closures(self) -> Iterator[tuple[str, float]]:
         """Yield the kinds of closures whose values are not known exactly, with their relative standard uncertainty.
@@ -204,18 +192,10 @@ class Case:
             if kind not in kinds:
                 known = nearest(kind, sorted(kinds))
                 raise SceneError(f"{where}: uncertain_closures.{kind}: no such kind of closure; {known}")
-            share = _PERCENT.fullmatch(given)
-            if share is None or not 0.0 < float(share[1]) < 100.0:
+            share = share_of(given)
+            if share is None or not 0.0 < share < 1.0:
                 raise SceneError(f'{where}: uncertain_closures.{kind}: expected a share like "9 %", found "{given}"')
-            yield kind, float(share[1]) / 100.0
-
-
-def _flat(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{above}{key}.")
-        else:
-            yield above + key, value
+            yield kind, share
 
 
 def names() -> list[str]:

@@ -19,7 +19,7 @@ BED = "yue_2020"
 NOT_COMPARED = ("CPU [s]",)
 SPEED, MIDDLE, REST = "speed_solid [m/s]", 0.14, 0.2  # m: middle of the bed, height of the bed at rest
 MODELS = ("plane", "plane, newtonian friction", "box", "box, walls that rub", "box, walls that stick")
-FRICTION = 0.3  # coefficient of the walls, as the authors state it for glass on the walls
+FRICTION = 0.3  # coefficient of the case's spheres, taken for the walls as well
 WALLS = ("front", "left", "right", "bottom")
 COLOURS = {
     "plane": gallery.BLUE,

@@ -82,9 +82,9 @@ def test_walls_produce_and_dissipate_as_johnson_and_jackson_say():
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("viscosity", [1e2, 1e4])
 def test_walls_drag_rubbing_particles_with_coulombs_stress(viscosity, shape):
-    """rho_s eps_s h du/dt = 2 mu p_friction until the particles have the velocity U of both walls, which then keep it.
+    """rho_s eps_s h du/dt = 2 mu p_friction until the particles move with both walls, at U, as they do from then on.
 
-    p_friction is 1 Pa. What rubs does not depend on the viscosity, by which it reaches the particles further inside. The
+    p_friction is 1 Pa. What rubs does not depend on the viscosity, which carries it to the particles inside. The
     share of the velocity that walls keep is that of the last step, so the error is of first order in the step.
     """
     height, U, coefficient, errors = 0.01, 0.01, 0.3, []

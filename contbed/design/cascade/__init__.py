@@ -1,0 +1,1 @@
+"""From particles to the results of a bed, with the uncertainty of all steps between."""

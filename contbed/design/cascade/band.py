@@ -1,0 +1,267 @@
+"""Steps of a cascade: range that the bed visits, fits of the packings, runs of the bed, parts of the uncertainty.
+
+Parts, each a standard deviation of a result with all else at its best value:
+
+    packing     over the packings, each with its own fit and porosity
+    fit         over the joint distribution of the parameters that are fitted to all packings
+    laws        over the laws of one particle, equally probable: a choice among models, no more
+    KEY         half the difference of runs one standard uncertainty above and below
+    mesh        difference to a finer mesh
+
+The band is that of runs with all of them at random at once, the mesh excepted.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.closures import registry
+from contbed.closures.file import content_hash
+from contbed.dem import extract
+from contbed.design.cascade.file import Cascade
+from contbed.design.cascade.particles import DEGREE, Ensemble
+from contbed.errors import ContbedError, ConvergenceError, SceneError
+from contbed.loading import load
+from contbed.scene.identity import scene_hash
+from contbed.scene.mesh import MeshFile
+from contbed.scene.names import nearest_of
+from contbed.sweep.runs import compute, folder_of, forget, known
+from contbed.sweep.study import Case
+
+Array = NDArray[np.float64]
+Range = tuple[float, float]
+
+BAND = 0.90  # of the probability
+FIT_SAMPLES = 12  # runs for the part of the fit
+TIGHTER = 0.1  # factor of the tolerance of an automatic mesh for the part of the mesh
+CONDUCTIVITY, NUSSELT = "heat.conductivity_solid", "heat.nusselt"
+# Wakao and Funazkri's exponents; only the range that the first run visits is taken from it
+FIRST_NUSSELT = {"base": 2.0, "a": 1.1, "b": 0.6, "c": 1.0 / 3.0}
+FIRST_DEGREE = 5  # of Zehner and Schluender's conductivity as a polynomial of logarithms, for the same purpose
+WIDEST = {"k_solid/k_fluid": (1e-2, 1e6), "Re": (1e-6, 1e7), "Pr": (1e-4, 1e5)}
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of the uncertainty: what it is, and the standard deviation of each result in its unit."""
+
+    name: str
+    deviation: Mapping[str, float]
+
+
+@dataclass
+class Runs:
+    """Runs of the scene with closures from packings, kept by the hash of their scenes."""
+
+    cascade: Cascade
+    folder: Path
+    told: Callable[[], None]
+    retry_failed: bool = False
+    before: int = 0
+    seen: set[str] = field(default_factory=set)
+    failed: list[str] = field(default_factory=list)
+    outside: set[str] = field(default_factory=set)
+
+    def results(self, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]) -> dict[str, float] | None:
+        """Return the results asked for with fitted closures by their key of the scene; None if the run failed."""
+        folder = self.run(fits, changes)
+        if folder is None:
+            return None
+        summary = self.summary(folder)
+        for closure in summary["closures"]:
+            if closure["share_outside"] > 0 and closure["name"].endswith(".toml"):
+                self.outside.add(folder.name)
+        return {name: float(summary["qoi"][name]) for name in self.cascade.settings.qoi}
+
+    def summary(self, folder: Path) -> dict[str, Any]:
+        """Return the summary of a run, which has all results that are asked for.
+
+        Raises
+        ------
+        SceneError : it lacks one
+        """
+        summary: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        qoi = summary["qoi"]
+        missing = [name for name in self.cascade.settings.qoi if not isinstance(qoi.get(name), int | float)]
+        if missing:
+            numbers = [key for key, value in qoi.items() if isinstance(value, int | float)]
+            why = f'the run has no result "{missing[0]}"; {nearest_of(missing[0], numbers)}'
+            raise SceneError(f"{self.cascade.path}: qoi: {why}")
+        return summary
+
+    def run(self, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]) -> Path | None:
+        """Run the scene, or find its run; return its folder, or None if it failed."""
+        files = {key: {"file": str(self._written(fit))} for key, fit in fits.items()}
+        output = {"output.plots": False, "output.fields": False}
+        cascade = self.cascade
+        values = {**output, **files, **changes}
+        scene = load(cascade.scene_file, values, trust=cascade.trust, allow_large=cascade.allow_large)
+        case = Case(scene_hash(scene), {}, scene)
+        outcome = known(case, self.folder)
+        if outcome is not None and outcome["exit_code"] and self.retry_failed:
+            forget(case, self.folder)
+            outcome = None
+        self.before += outcome is not None and case.name not in self.seen
+        self.seen.add(case.name)
+        outcome = outcome or compute(case, self.folder)
+        self.told()
+        if outcome["exit_code"]:
+            self.failed.append(f"run {case.name}: {outcome['problem']}")
+            return None
+        return folder_of(case, self.folder)
+
+    def _written(self, fit: extract.Fit) -> Path:
+        path = (self.folder / "closures" / f"{content_hash(fit.content)}.toml").absolute()
+        if not path.is_file():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            fit.write(path, {"scene": self.cascade.path.name})
+        return path
+
+
+def visited(runs: Runs) -> dict[str, Range]:
+    """Return the ranges of k_solid/k_fluid, Re and Pr that the bed visits with closures of the literature."""
+    cascade = runs.cascade
+    eps = cascade.scene.bed.porosity
+    fits: dict[str, extract.Fit] = {}
+    if cascade.settings.laws.conduction:
+        ratios = np.geomspace(*WIDEST["k_solid/k_fluid"], 25)
+        k = registry.get("conductivity_zehner_schluender")(k_fluid=1.0, k_solid=ratios, eps=eps)
+        fits[CONDUCTIVITY] = _polynomial({extract.RATIO: ratios}, k, FIRST_DEGREE)
+    if cascade.settings.laws.exchange:
+        parameters = {name: {"value": value, "given": True} for name, value in FIRST_NUSSELT.items()}
+        content = {"format": 1, "kind": "nusselt", "form": "power", "parameters": parameters}
+        content["range"] = {name: list(WIDEST[name]) for name in ("Re", "Pr")}
+        fits[NUSSELT] = extract.Fit(content, np.zeros((0, 0)), np.zeros(0))
+    folder = runs.run(fits, {})
+    if folder is None:
+        raise ConvergenceError(f"{cascade.scene_file}: the first run failed: {runs.failed[-1]}")
+    summary = runs.summary(folder)
+    return {
+        name: (float(use["used"][0]), float(use["used"][1]))
+        for closure in summary["closures"]
+        if closure["name"].endswith(".toml")
+        for name, use in closure["ranges"].items()
+    }
+
+
+@dataclass(frozen=True)
+class Fits:
+    """Closures fitted to packings: to one of them or to all, by a law of conduction and one of exchange."""
+
+    ensemble: Ensemble
+    ranges: Mapping[str, Range]
+
+    @property
+    def choices(self) -> tuple[int, int]:
+        """How many laws of conduction and of exchange there are, at least one of each."""
+        laws = self.ensemble.cascade.settings.laws
+        return max(1, len(laws.conduction)), max(1, len(laws.exchange))
+
+    def of(self, beds: list[int], conduction: int = 0, exchange: int = 0) -> dict[str, extract.Fit]:
+        """Return the fits by their key of the scene."""
+        laws, found = self.ensemble.cascade.settings.laws, {}
+        if laws.conduction:
+            ratios = self.ranges[extract.RATIO]
+            columns = _together([self.ensemble.conduction(bed, laws.conduction[conduction], ratios) for bed in beds])
+            k = columns.pop("k/k_fluid")
+            found[CONDUCTIVITY] = _polynomial(columns, k, DEGREE)
+        if laws.exchange:
+            ranges = self.ranges["Re"], self.ranges["Pr"]
+            columns = _together([self.ensemble.exchange(bed, exchange, *ranges) for bed in beds])
+            found[NUSSELT] = extract.fit_power(columns["Re"], columns["Pr"], columns["Nu"])
+        return found
+
+
+def _polynomial(columns: Mapping[str, Array], k: Array, degree: int) -> extract.Fit:
+    return extract.fit_log_polynomial("conductivity", columns, k, {extract.RATIO: "log"}, (degree,))
+
+
+def _together(parts: list[dict[str, Array]]) -> dict[str, Array]:
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def drawn(fits: Mapping[str, extract.Fit], count: int, seed: int) -> list[dict[str, extract.Fit]]:
+    """Return fits whose parameters follow their joint normal distribution."""
+    samples = {key: fit.samples(count, seed) for key, fit in fits.items()}
+    return [{key: replace(fits[key], content=dict(of[n].content)) for key, of in samples.items()} for n in range(count)]
+
+
+def parts_of(runs: Runs, fits: Fits, base: Mapping[str, float]) -> list[Part]:
+    """Return the parts of the uncertainty, each from runs with all else at its best value.
+
+    Raises
+    ------
+    ContbedError : so many runs failed that a part has none
+    """
+    beds, porosity = list(range(len(fits.ensemble.beds))), float(fits.ensemble.porosities.mean())
+    best, laws = fits.of(beds), fits.choices
+    at = {"bed.porosity": porosity}
+    single = [runs.results(fits.of([bed]), {"bed.porosity": float(fits.ensemble.porosities[bed])}) for bed in beds]
+    found = [_spread("packing", single, 1)]
+    found.append(_spread("fit", [runs.results(one, at) for one in drawn(best, FIT_SAMPLES, seed=0)], 1))
+    if laws[0] > 1:
+        results = [runs.results(fits.of(beds, conduction=k), at) for k in range(laws[0])]
+        found.append(_spread("law of conduction", results, 0))
+    if laws[1] > 1:
+        results = [runs.results(fits.of(beds, exchange=k), at) for k in range(laws[1])]
+        found.append(_spread("law of exchange", results, 0))
+    for key, value, uncertainty in runs.cascade.uncertain:
+        middle = porosity if key == "bed.porosity" else value
+        ends = [runs.results(best, at | {key: middle + sign * uncertainty}) for sign in (-1.0, 1.0)]
+        found.append(_spread(key, ends, 0))
+    found.append(_spread("mesh", [base, _on_finer_mesh(runs, best, at)], 0, scale=2.0))
+    return found
+
+
+def _on_finer_mesh(runs: Runs, fits: Mapping[str, extract.Fit], at: Mapping[str, Any]) -> dict[str, float] | None:
+    scene = runs.cascade.scene
+    automatic = not isinstance(scene.mesh, MeshFile) and scene.mesh.cells is None
+    if automatic:
+        return runs.results(fits, {**at, "solver.tolerance": TIGHTER * scene.solver.tolerance})
+    return runs.results(fits, {**at, "mesh.refine": scene.mesh.refine + 1})
+
+
+def _spread(name: str, results: list[Any], lost: int, scale: float = 1.0) -> Part:
+    """Return the standard deviation of each result; `lost` degrees of freedom are those of a mean from the sample."""
+    there = [one for one in results if one is not None]
+    if len(there) < 2:
+        raise ContbedError(f"uncertainty by {name}: {len(there)} of {len(results)} runs succeeded, two are needed")
+    return Part(name, {q: scale * float(np.std([one[q] for one in there], ddof=lost)) for q in there[0]})
+
+
+def sampled(runs: Runs, fits: Fits) -> dict[str, Array]:
+    """Return each result of the runs with everything at random at once, (runs,); failed runs are left out."""
+    cascade, laws = runs.cascade, fits.choices
+    found = []
+    for number in range(cascade.settings.samples):
+        random = np.random.default_rng([cascade.settings.packings.seed, number])  # each by itself: more can be added
+        bed = int(random.integers(len(fits.ensemble.beds)))
+        chosen = fits.of([bed], *(int(random.integers(count)) for count in laws))
+        one = drawn(chosen, 1, seed=int(random.integers(2**31)))[0]
+        changes = {"bed.porosity": float(fits.ensemble.porosities[bed])}
+        for key, value, uncertainty in cascade.uncertain:
+            middle = changes["bed.porosity"] if key == "bed.porosity" else value
+            changes[key] = float(middle + uncertainty * random.standard_normal())
+        found.append(_or_failed(runs, one, changes))
+    there = [one for one in found if one is not None]
+    if len(there) < 2:
+        raise ContbedError(f"{len(there)} of {len(found)} samples succeeded; the first problem: {runs.failed[0]}")
+    return {name: np.array([one[name] for one in there]) for name in cascade.settings.qoi}
+
+
+def _or_failed(runs: Runs, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]) -> dict[str, float] | None:
+    """Return the results; None where the numbers that were drawn make no scene, which is noted."""
+    try:
+        return runs.results(fits, changes)
+    except SceneError as error:
+        if any(key in str(error) for key in changes):
+            runs.failed.append("; ".join(error.problems))
+            return None
+        raise

@@ -1,0 +1,141 @@
+"""A cascade file: the scene of a packed or moving bed whose closures come from packings of particles.
+
+    title = "From pebbles to the outlet of a heater"
+    scene = "heater.toml"
+    qoi = ["T_fluid_out_K", "pressure_drop_Pa"]
+    samples = 64                             # runs with everything uncertain at once, for the band
+
+    [packings]                               # of spheres as large as the scene's
+    count = 4
+    particles = 1000
+    youngs_modulus = "50 GPa"                # of the material; the packings are settled with `simulated`
+
+    [laws]                                   # what is believed of one particle; more than one: a part of the band
+    conduction = ["cones", "columns"]
+    exchange = [{ name = "power", a = 1.2, b = 0.5 }, "gunn"]
+
+    [uncertain]                              # standard uncertainty of numbers of the scene, in SI or as a share
+    solid.conductivity = "10 %"
+
+`laws.conduction` gives heat.conductivity_solid, `laws.exchange` gives heat.nusselt; what is absent stays as the scene
+has it, and the particles are not asked for it. The scene gets the porosity of the packings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Discriminator, Field
+
+from contbed import fields
+from contbed.closures.binding import bind
+from contbed.errors import SceneError
+from contbed.loading import load, table_of
+from contbed.packed_bed.scene import Scene
+from contbed.scene.names import nearest_of
+from contbed.scene.quantities import Length, Number, Pressure, Table, Whole, form
+from contbed.scene.tables import Named
+from contbed.scene.toml_lines import Origin, read
+from contbed.scene.uncertain import uncertain_numbers
+
+AT_PARTICLE = ("Re", "Pr", "eps")  # what a law of exchange is given
+Law = Annotated[Named, Discriminator(form)]
+
+
+class Packings(Table):
+    """Random packings of equal spheres with periodic sides, settled by their weight."""
+
+    count: Annotated[Whole, Field(ge=2, le=32)] = 4
+    particles: Annotated[Whole, Field(ge=300, le=50_000)] = Field(1000, description="in each")
+    width: Annotated[Number, Field(ge=5)] = Field(10.0, description="of the box, in diameters")
+    seed: Annotated[Whole, Field(ge=0)] = Field(0, description="of the first packing; the next count on")
+    diameter: Length | None = Field(None, description="of the spheres; that of the scene if absent")
+    youngs_modulus: Pressure = Field(5e10, description="of the material, to which contacts are corrected")
+    simulated: Pressure = Field(1e7, description="Young's modulus with which the packings settle")
+
+
+class Laws(Table):
+    """Laws of one particle, equally probable where there are several."""
+
+    conduction: tuple[Literal["cones", "columns", "spreading"], ...] = Field(
+        (), description="paths of heat between two particles, for heat.conductivity_solid"
+    )
+    exchange: tuple[Law, ...] = Field((), description="Nusselt numbers of a particle in its surroundings")
+
+
+class Settings(Table):
+    """The file."""
+
+    kind: ClassVar[str] = "cascade"
+
+    title: str = ""
+    scene: str
+    qoi: Annotated[tuple[str, ...], Field(min_length=1)]
+    samples: Annotated[Whole, Field(ge=8, le=10_000)] = Field(64, description="runs for the band")
+    packings: Packings = Packings()
+    laws: Laws
+    uncertain: dict[str, Any] = Field(default_factory=dict, description="standard uncertainty by key of the scene")
+
+
+@dataclass(frozen=True)
+class Cascade:
+    """What a cascade file asks for; `uncertain` holds key, value and standard uncertainty in SI."""
+
+    path: Path
+    settings: Settings
+    scene: Scene
+    uncertain: tuple[tuple[str, float, float], ...]
+    trust: bool
+    allow_large: bool
+
+    @property
+    def scene_file(self) -> Path:
+        """The file of the scene."""
+        return self.path.parent / self.settings.scene
+
+    @property
+    def diameter(self) -> float:
+        """Diameter of the spheres of the packings [m]."""
+        return self.settings.packings.diameter or self.scene.bed.particle_diameter
+
+
+def read_cascade(path: str | Path, trust: bool = False, allow_large: bool = False) -> Cascade:
+    """Read a cascade file; flags as in `contbed.loading.load`.
+
+    Raises
+    ------
+    SceneError : with file:line, the mistakes of the file or of its scene
+    """
+    path = Path(path)
+    values, origin = read(path)
+    settings: Settings = table_of(Settings, values, origin)
+    if not (origin.base / settings.scene).is_file():
+        raise SceneError(f'{origin.at(("scene",))}: scene: no such file: "{settings.scene}", looked for beside it')
+    scene = load(origin.base / settings.scene, trust=trust, allow_large=allow_large)
+    problems = list(_mistakes(settings, scene, origin))
+    if problems:
+        raise SceneError(problems)
+    assert isinstance(scene, Scene)
+    uncertain = tuple(uncertain_numbers(settings.uncertain, scene, origin))
+    return Cascade(path, settings, scene, uncertain, trust, allow_large)
+
+
+def _mistakes(settings: Settings, scene: Any, origin: Origin) -> Iterator[str]:
+    if not isinstance(scene, Scene) or scene.heat is None:
+        yield f"{origin.at(('scene',))}: scene: a cascade ends in a packed or moving bed with [heat]"
+        return
+    if scene.bed.shape != "spheres":
+        yield f"{origin.at(('scene',))}: scene: the packings are of spheres, but bed.shape is {scene.bed.shape!r}"
+    if not settings.laws.conduction and not settings.laws.exchange:
+        yield f"{origin.at(('laws',))}: laws: asks nothing of the particles; give conduction, exchange, or both"
+    for k, law in enumerate(settings.laws.exchange):
+        try:
+            bind(law, "nusselt", AT_PARTICLE)
+        except SceneError as error:
+            yield f"{origin.at(('laws', 'exchange'))}: laws.exchange[{k}]: {error}"
+    for name in settings.qoi:
+        if fields.unit_of(name) is None:
+            yield f"{origin.at(('qoi',))}: qoi: no named result {name!r}; {nearest_of(name, list(fields.RESULTS))}"

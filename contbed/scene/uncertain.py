@@ -1,0 +1,50 @@
+"""Numbers of a scene that are not known exactly: a table of standard uncertainties, in SI or as a share.
+
+[uncertain]
+bed.porosity = 0.01
+solid.conductivity = "20 %"
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from contbed.errors import SceneError
+from contbed.scene.toml_lines import Origin, parse_key
+from contbed.scene.values import value_at
+
+_PERCENT = re.compile(r"\s*([0-9.eE+-]+)\s*%\s*")
+
+
+def share_of(given: Any) -> float | None:
+    """Return the share that a text like "5 %" gives; None for anything else."""
+    found = _PERCENT.fullmatch(given) if isinstance(given, str) else None
+    return None if found is None else float(found[1]) / 100.0
+
+
+def uncertain_numbers(table: Mapping[str, Any], scene: Any, origin: Origin) -> Iterator[tuple[str, float, float]]:
+    """Yield key, value and standard uncertainty in SI of a table `uncertain` about a scene.
+
+    Raises
+    ------
+    SceneError : a key that the scene does not have as a number, or an uncertainty that is none
+    """
+    for key, given in _flat(table):
+        where = f"{origin.at(('uncertain', *parse_key(key)))}: uncertain.{key}"
+        value = value_at(scene, key)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise SceneError(f"{where}: the scene has no number under this key")
+        share = share_of(given)
+        if share is None and (isinstance(given, bool) or not isinstance(given, int | float) or given <= 0):
+            raise SceneError(f'{where}: expected a number > 0 in SI, or a share like "5 %"')
+        yield key, float(value), share * abs(value) if share is not None else float(given)
+
+
+def _flat(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{above}{key}.")
+        else:
+            yield above + key, value
