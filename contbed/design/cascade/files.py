@@ -6,20 +6,18 @@ import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contbed.dem.extract import Fit
 from contbed.design.cascade.band import BAND
+from contbed.design.cascade.outcome import Outcome
 from contbed.output.files import atomic
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
 from contbed.sweep.table import result
 from contbed.versions import versions
-
-if TYPE_CHECKING:
-    from contbed.design.cascade.run import Outcome
 
 _BLUE, _GREY = "#0072B2", "0.75"
 

@@ -1,0 +1,61 @@
+"""What a cascade found: results with their bands and the parts of these."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.design.cascade.band import BAND, Part
+from contbed.design.cascade.file import Cascade
+from contbed.fields import unit_of
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a cascade found.
+
+    base : each result with the fits to all packings and the first laws
+    samples : each result of the runs with all at random, (samples,)
+    ranges : what the bed visits of k_solid/k_fluid, Re and Pr
+    warnings : failed runs, closures outside of their range
+    """
+
+    cascade: Cascade
+    base: dict[str, float]
+    parts: list[Part]
+    samples: dict[str, Array]
+    ranges: dict[str, tuple[float, float]]
+    porosities: Array
+    runs: int
+    before: int
+    warnings: tuple[str, ...]
+    folder: Path
+
+    def band(self, name: str) -> tuple[float, float]:
+        """Return the ends of the band of a result."""
+        low, high = np.quantile(self.samples[name], [0.5 * (1.0 - BAND), 0.5 * (1.0 + BAND)])
+        return float(low), float(high)
+
+    def shares(self, name: str) -> dict[str, float]:
+        """Return the share of each part in the sum of the variances of a result."""
+        squares = {part.name: part.deviation[name] ** 2 for part in self.parts}
+        total = sum(squares.values())
+        return {part: square / total if total else 0.0 for part, square in squares.items()}
+
+    def text(self) -> str:
+        """Return results, bands and parts as lines."""
+        lines = []
+        for name, value in self.base.items():
+            unit = unit_of(name)
+            low, high = self.band(name)
+            with_unit = "" if unit in (None, "1", "-") else f" {unit}"
+            lines.append(f"{name}: {value:.6g}{with_unit}, {BAND:.0%} between {low:.6g} and {high:.6g}{with_unit}")
+            for part, share in sorted(self.shares(name).items(), key=lambda item: -item[1]):
+                deviation = next(one.deviation[name] for one in self.parts if one.name == part)
+                lines.append(f"  {share:6.1%}  {part}: standard deviation {deviation:.3g}{with_unit}")
+        return "\n".join(lines)
