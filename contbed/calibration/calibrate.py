@@ -19,8 +19,10 @@ from contbed.calibration.settings import CalibrationFile, read_file
 from contbed.calibration.store import Store
 from contbed.calibration.write import write
 from contbed.errors import ConvergenceError
+from contbed.models import MODELS, kind_of
 from contbed.output.files import prepare
 from contbed.output.progress import Progress
+from contbed.scene.toml_lines import read
 
 
 def calibrate(
@@ -93,8 +95,19 @@ def _found(file: CalibrationFile, work: Sequence[Job], model: SceneModel, store:
         len(store),
         store.before,
         store.failed(),
-        warnings_of(file, result, samples),
+        [*scattering(work), *warnings_of(file, result, samples)],
     )
+
+
+def scattering(work: Sequence[Job]) -> list[str]:
+    """Return a warning for each scene whose results scatter with the start of the particles."""
+    scenes = {job.scene.name: job for job in work}
+    return [
+        f"{name}: results of such a scene scatter from run to run, more than a small change of a key changes them; "
+        "derivatives and intervals are not sure"
+        for name, job in scenes.items()
+        if MODELS[kind_of(read(job.scene)[0])].scatters
+    ]
 
 
 def _counter(progress: Progress) -> Callable[[str], None]:

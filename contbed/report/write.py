@@ -14,6 +14,7 @@ from contbed.output.summary import write_json
 from contbed.report import charts, page
 from contbed.report.calibration import is_calibration, of_calibration
 from contbed.report.fields import pictures
+from contbed.report.indices import uncertainty
 from contbed.report.read import Run, is_sweep, read_run, read_sweep
 
 FILE = "report.html"
@@ -120,6 +121,7 @@ def of_sweep(folder: Path) -> str:
     parts = [
         f"<header><h1>{escape(title)}</h1><p class=quiet>{escape(text)}</p></header>",
         page.section("Warnings", f'<ul class="warnings">{warnings}</ul>' if warnings else "", "warnings"),
+        page.section("Uncertainty", uncertainty(folder), "uncertainty"),
         page.section("Linked plots", _grid(range(len(made)), made), "plots"),
         page.section("All runs", page.table(head, rows, range(1, len(head))), "runs"),
     ]

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ import contbed as cb
 from contbed import cli
 from contbed.calibration.calibrate import calibrate
 from contbed.calibration.experiments import read_jobs
+from contbed.calibration.fit import fit
+from contbed.calibration.found import data_of
 from contbed.calibration.model import SceneModel
 from contbed.calibration.settings import read_file
 from contbed.calibration.store import FILE, Store
@@ -169,6 +172,23 @@ def test_two_transient_experiments_are_fitted_at_once_and_the_rest_is_predicted(
     scene = cb.load(folder / "out" / "calibrated_other.toml")
     assert scene.solid.heat_capacity == 450.0
     np.testing.assert_allclose(scene.boundary["left"].solid.flux, FLUX, rtol=1e-5)
+
+
+@pytest.mark.slow
+def test_intervals_of_a_scene_hold_the_keys_in_nine_of_ten_repetitions(folder):
+    text = (folder / "drops.toml").read_text().replace('median = "3 mm", factor = 1.2', 'from = "2 mm", to = "4 mm"')
+    (folder / "drops.toml").write_text(text)
+    file = read_file("drops.toml")
+    jobs, store, random = read_jobs(file), Store(None), np.random.default_rng(7)
+    model, priors = SceneModel(file.keys, jobs, store), [key.prior for key in file.keys]
+    true = np.array([float(prior.scaled(value)) for prior, value in zip(priors, (0.39, 3.2e-3), strict=True)])
+    measured, held = data_of(model.points), np.zeros(2)
+    for _ in range(200):
+        values = measured.value + measured.error * random.standard_normal(3)
+        found = fit(model, replace(measured, value=values), priors)
+        held += np.abs(found.z - true) <= found.quantile * np.sqrt(np.diag(found.covariance))
+    # 180 with a standard deviation of 4.2
+    assert np.all(held >= 170) and np.all(held <= 190), held
 
 
 def test_the_same_command_computes_nothing_again(folder, no_pictures):
