@@ -20,19 +20,17 @@ from contbed.bubbling_bed.results import fill
 from contbed.bubbling_bed.settling import CHANGE, ROUNDS, settled, stretched, unsettled
 from contbed.errors import ConvergenceError, UnlikeError
 from contbed.result import Result
-from contbed.solvers.tangent import Response
+from contbed.solvers.tangent import STEP, Response
 
 Array = Any
 OTHER = "a small change adds or removes an unknown"
 
 
-def applies(result: Result) -> bool:
-    """Return whether a run has solved a steady problem on an engine that has a tangent."""
-    return result.solved is not None and result.plan.mesh.engine == "skfem"
-
-
 class Tangent:
     """A solved steady bed and the factors of its Jacobian."""
+
+    step = STEP
+    method = "tangent"
 
     def __init__(self, result: Result):
         self.problem: BubblingProblem = result.solved.problem
@@ -116,3 +114,8 @@ def _apart(scenes: list[Any]) -> float:
     far = [abs(high.bubbling_bed.height / low.bubbling_bed.height - 1.0)]
     far += [abs(item.diameter / low.species[name].diameter - 1.0) for name, item in high.present.items()]
     return float(max(far))
+
+
+def of(result: Result) -> Tangent | None:
+    """Return the tangent of a run; None where it has solved nothing that has one."""
+    return None if result.solved is None or result.plan.mesh.engine != "skfem" else Tangent(result)

@@ -1,7 +1,13 @@
 """Gradient of named results with respect to continuous keys of a scene.
 
-Steady scenes of packed beds take the discrete tangent, in which mesh and discretisation stay as they are; all others
-take differences of whole runs.
+Steady scenes take the discrete tangent, in which mesh and discretisation stay as they are: packed beds with and without
+computed flow and radiation, radiation alone, bubbling beds with reactions and what settles, reacting beds, developed
+flow. Transient packed beds take differences of runs that are repeated with the same mesh and time steps. Fronts,
+ordinates, cycles, other transients and particles take differences of whole runs; results that scatter come with the
+standard error of common seeds.
+
+The tangent costs one solution with known factors for each key and gives all results. An adjoint would cost one for each
+result and give all keys: it would be cheaper where keys are many more than results, as with a value in every cell.
 """
 
 from __future__ import annotations
@@ -93,8 +99,9 @@ def gradient_of(result: Result, qoi: Sequence[str], keys: Sequence[str]) -> Grad
     """Return `gradient` for a scene that has been run."""
     require_possible(result.scene, qoi, keys)
     chosen = [key(result.scene, name) for name in keys]
-    if tangent.applies(result):
-        return _by_tangent(result, tuple(qoi), chosen)
+    base = tangent.of(result)
+    if base is not None:
+        return _by_tangent(base, result, tuple(qoi), chosen)
     return _by_runs(result, tuple(qoi), chosen)
 
 
@@ -127,10 +134,9 @@ def picked(scene: SceneBase, found: dict[str, Any], qoi: Sequence[str]) -> Array
     return np.array(values)
 
 
-def _by_tangent(result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
+def _by_tangent(base: Any, result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
     scene: SceneBase = result.scene
     centre = picked(scene, result.qoi, qoi)
-    base = tangent.of(result)
     slopes = []
     for one in keys:
         try:
@@ -139,7 +145,7 @@ def _by_tangent(result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradie
             other = differences.slope(scene, one, lambda changed: _results(changed, qoi), centre)
             note = f"{one.name} = {one.value:g}: {error}; its derivatives are differences of whole runs"
             slopes.append(replace(other, note=note))
-    return _gradient(qoi, keys, centre, slopes, "tangent")
+    return _gradient(qoi, keys, centre, slopes, base.method)
 
 
 def _of_state(scene: SceneBase, found: dict[str, Any], qoi: tuple[str, ...]) -> Array:

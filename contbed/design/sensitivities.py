@@ -86,7 +86,7 @@ def table(found: Gradient, about: dict[str, Any]) -> str:
         lines.append("")
     how = {
         "tangent": "by the tangent of the solution, mesh and discretisation kept",
-        "differences": "by differences of whole runs",
+        "differences": "by differences of runs",
     }
     lines.append(f"derivatives {how[found.method]}; relative: percent of the result for one percent of the key")
     return "\n".join([*lines, *(f"note: {note}" for note in found.notes)])

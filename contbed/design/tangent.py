@@ -1,7 +1,8 @@
 """Derivatives of a solved steady scene by its discrete tangent, for every physics that has a module `tangent`.
 
-That module offers `applies(result)` and `Tangent(result)`, whose `results(below, above)` are the named results of two
-scenes that differ a little from the solved one, without a new solution.
+That module offers `of(result)`: an object whose `results(below, above)` are the named results of two scenes that differ
+a little from the solved one, or None where it has none. Its `step` is the relative step of a key, and its `method` that
+of the gradient: "tangent", or "differences" where a transient is repeated with its mesh and time steps.
 """
 
 from __future__ import annotations
@@ -22,20 +23,13 @@ from contbed.scene.tables import SceneBase
 
 Array = NDArray[np.float64]
 
-STEP = 1e-5  # relative: leaves a truncation of some 1e-10, and 1e-8 of rounding at most
 
-
-def applies(result: Result) -> bool:
-    """Return whether the physics of a run has a tangent, and the run a solution to start from."""
+def of(result: Result) -> Any | None:
+    """Return the tangent of a run; None where its physics has none, or has none of what the run solved."""
     model = model_of(result.scene)
     if find_spec(f"contbed.{model.package}.tangent") is None:
-        return False
-    return bool(model.find("tangent", "applies")(result))
-
-
-def of(result: Result) -> Any:
-    """Return the tangent of a run that has one."""
-    return model_of(result.scene).find("tangent", "Tangent")(result)
+        return None
+    return model.find("tangent", "of")(result)
 
 
 def slope(base: Any, scene: SceneBase, key: Key, pick: Callable[[dict[str, Any]], Array]) -> Slope:
@@ -46,7 +40,7 @@ def slope(base: Any, scene: SceneBase, key: Key, pick: Callable[[dict[str, Any]]
     UnlikeError : the key changes more than numbers
     ContbedError : closures or properties cannot be evaluated beside the value of the key
     """
-    chosen: Steps = steps(scene, key, STEP)
+    chosen: Steps = steps(scene, key, base.step)
     ends = [key.value + side * chosen.size if side in chosen.sides else key.value for side in (-1, 1)]
     try:
         found = [pick(one) for one in base.results(*(key.on(scene, value) for value in ends))]

@@ -17,18 +17,16 @@ from contbed.developed_flow.results import fill
 from contbed.developed_flow.scene import DevelopedScene
 from contbed.errors import UnlikeError
 from contbed.result import Result
-from contbed.solvers.tangent import Response
+from contbed.solvers.tangent import STEP, Response
 
 OTHER = "a small change adds or removes the particles"
 
 
-def applies(result: Result) -> bool:
-    """Return whether a run has solved a problem on an engine that has a tangent."""
-    return result.solved is not None and result.plan.mesh.engine == "skfem"
-
-
 class Tangent:
     """A solved flow and the factors of its Jacobian."""
+
+    step = STEP
+    method = "tangent"
 
     def __init__(self, result: Result):
         self.problem: DevelopedProblem
@@ -65,3 +63,8 @@ class Tangent:
         other = copy(self.problem)
         other.plan, other.c = changed, c
         return other
+
+
+def of(result: Result) -> Tangent | None:
+    """Return the tangent of a run; None where it has solved nothing that has one."""
+    return None if result.solved is None or result.plan.mesh.engine != "skfem" else Tangent(result)

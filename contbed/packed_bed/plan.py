@@ -167,11 +167,15 @@ class Plan:
         return grid.p[0, : grid.nelements // 2**self.solved.mesh.refine + 1]
 
     def with_values(self, scene: s.Scene) -> Plan:
-        """Return the plan of a steady scene that has other numbers, with the discretisation of this one.
+        """Return the plan of a scene that has other numbers, with the discretisation of this one.
 
         The nodes of the mesh move with the lengths of the bed; levels of radiation and of the inside of particles stay.
         """
         kept: dict[str, Any] = {}
+        written, schedule = scene, self.schedule
+        if scene.time is not None and schedule:
+            schedule = Schedule.of(scene.flow, scene.boundary, scene.origin.base)
+            scene = schedule.frozen(scene, 0.0)
         if scene.radiation is not None and self.solved.radiation is not None:
             kept["radiation"] = scene.radiation.model_copy(update={"level": self.solved.radiation.level})
         if scene.particle is not None and self.solved.particle is not None:
@@ -184,7 +188,8 @@ class Plan:
         velocity, solid = velocities(target)
         return replace(
             self,
-            scene=scene,
+            scene=written,
+            schedule=schedule,
             solved=target,
             medium=medium,
             mesh=moved(self.mesh, self.solved.mesh, target.mesh),

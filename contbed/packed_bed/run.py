@@ -26,12 +26,16 @@ OVERSHOOT = 1e-3  # share of the span of temperatures beyond which a warning is 
 
 @dataclass(frozen=True)
 class Solved:
-    """What a steady run has solved: `problem` and `state` of the temperatures, None without [heat], and the `flow`."""
+    """What a run has solved: the `flow`, and `problem` and `state` of steady temperatures, None without [heat].
+
+    `levels` are the sizes of all time steps of a transient from its start, one list for each part of the run.
+    """
 
     line: Line
     problem: Any
     state: Any
     flow: Any
+    levels: list[list[int]] | None = None
 
 
 def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
@@ -61,7 +65,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         result.warnings += [line.note] if line.note and line.note not in result.warnings else []
         if not plan.plug:
             with result.timed("flow"):
-                flow = _flow(plan, flow, result)
+                flow = solved_flow(plan, flow, result)
                 report_flow(plan, line, flow, result)
         last = attempt == plan.adaptations
         if scene.heat is None:
@@ -69,7 +73,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
             result.solved = Solved(line, None, None, flow)
         else:
             if scene.time is not None:
-                _transient(plan, line, flow, result, folder, quiet, start)
+                transient(plan, line, flow, result, folder, quiet, start)
                 return
             problem = _heat_problem(plan, flow, result)
             better, estimate = _steady(plan, line, problem, result, estimate, last)
@@ -113,7 +117,8 @@ def _heat_problem(plan: Plan, flow: Any, result: Result, piece: Piece | None = N
     return problem
 
 
-def _flow(plan: Plan, before: Any, result: Result, local: Any = None) -> Any:
+def solved_flow(plan: Plan, before: Any, result: Result, local: Any = None) -> Any:
+    """Solve for the flow, from the one `before` if there is one, with `local` properties if they vary."""
     from contbed.packed_bed.flow import coefficients, solve_flow
 
     scene, options = plan.scene, plan.scene.solver
@@ -182,7 +187,7 @@ def _with_local_properties(plan: Plan, line: Line, problem: Any, state: Any, res
         expansion, viscosity = plan.medium.mass_flux_scale() / fluid.density(T), fluid.viscosity(T)
         local = LocalProperties(space, *(np.broadcast_to(values, T.shape) for values in (expansion, viscosity)))
         with result.timed("flow"):
-            flow = _flow(plan, problem.motion.flow, result, local)
+            flow = solved_flow(plan, problem.motion.flow, result, local)
         problem = _heat_problem(plan, flow, result)
         with result.timed("heat"):
             found, history = problem.solve(plan.policy, state)
@@ -227,7 +232,7 @@ def _steady(plan: Plan, line: Line, problem: Any, result: Result, before: Any, l
     return None, estimate
 
 
-def _transient(
+def transient(
     plan: Plan,
     line: Line,
     flow: Any,
@@ -235,7 +240,9 @@ def _transient(
     folder: Path | None,
     quiet: bool,
     start: tuple[Any, Any] | None,
+    levels: list[list[int]] | None = None,
 ) -> None:
+    """Take the steps of a transient run and report; `levels` are the sizes of all of them in a run that is repeated."""
     from contbed.output import checkpoint
     from contbed.output.progress import Progress
     from contbed.packed_bed.cycle import exchanged
@@ -254,12 +261,13 @@ def _transient(
         checkpoint.save(folder, arrays | grid, meta | {"identity": label})
 
     pieces = plan.pieces()
-    cycle = None
+    cycle, whole = None, history is None
     if scene.time.cycle is not None and history is None:
         with result.timed("cycle"):
             cycle = _cycle(plan, pieces, flow, result)
         history = History(cycle.state)
     heats: list[float] = []
+    taken: list[list[int]] = []
     if history is not None and cycle is None:  # of those that have passed only the last is needed, for the results
         reached = history.time * (1 + 1e-12)
         pieces = [piece for piece in pieces if piece is None or piece.end > reached] or pieces[-1:]
@@ -273,7 +281,8 @@ def _transient(
                     history = history or History(problem.begin(plan.policy))
                     if piece is not None and (cycle or piece.start > 0.0) and history.time <= piece.start * (1 + 1e-12):
                         enter(problem, history, plan.policy, None if piece.jumps else history.size)
-                    before = streamed(history)
+                    before, steps = streamed(history), len(history.levels)
+                    known = levels if cycle is None else cycle.levels
                     run_transient(
                         problem,
                         history,
@@ -281,9 +290,12 @@ def _transient(
                         end=scene.time.end if piece is None else piece.end,
                         advance=progress.advance_to,
                         save=save if folder is not None else None,
-                        levels=None if cycle is None else cycle.levels[k],
+                        levels=None if known is None else known[k],
                     )
+                    taken.append(history.levels[steps:])
                     heats.append(streamed(history) - before)
+        if whole and cycle is None:
+            result.solved = Solved(line, None, None, flow, taken)
     finally:
         if history is not None:
             with result.timed("results"):

@@ -19,9 +19,9 @@ from contbed.packed_bed.flow import Flow, FlowEquations, LocalProperties, coeffi
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
 from contbed.packed_bed.results import steady_findings
-from contbed.packed_bed.run import overshoot, report_flow, steady_balance
+from contbed.packed_bed.run import overshoot, report_flow, solved_flow, steady_balance, transient
 from contbed.result import Result
-from contbed.solvers.tangent import Response, with_prescribed
+from contbed.solvers.tangent import STEP, Response, with_prescribed
 
 TURNS = 40  # of flow and temperatures, each with the other's last change
 SETTLED = 1e-7  # relative change of the temperatures' response in a turn
@@ -29,15 +29,39 @@ ROUNDING = 1e-13  # relative change of the temperatures that counts as none
 OTHER = "a small change adds or removes a stream or a condition"
 
 
-def applies(result: Result) -> bool:
-    """Return whether a run has solved a steady problem that has a tangent on this engine."""
-    return result.solved is not None and result.plan.mesh.engine == "skfem"
+class Repeated:
+    """A transient run that is repeated on its mesh with its time steps, at both ends of a small step of a key.
+
+    Both runs have the same discretisation, so that their difference is as smooth as the equations; what Newton's method
+    leaves of them allows larger steps than the tangent.
+    """
+
+    step = 1e-4  # relative: Newton's method leaves 1e-10 of the temperatures
+    method = "differences"
+
+    def __init__(self, result: Result):
+        self.plan: Any = result.plan
+        self.flow, self.levels = result.solved.flow, result.solved.levels
+
+    def results(self, below: s.Scene, above: s.Scene) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the named results of two scenes with a key a little below and above that of the solved one."""
+        return self._results(below), self._results(above)
+
+    def _results(self, scene: s.Scene) -> dict[str, Any]:
+        plan = self.plan.with_values(scene)
+        found, flow = Result(plan), None
+        line = line_along(plan.mesh, scene.output.positions, scene.output.across)
+        if not plan.plug:
+            flow = solved_flow(plan, self.flow if plan.mesh is self.plan.mesh else None, found)
+            report_flow(plan, line, flow, found)
+        transient(plan, line, flow, found, None, True, None, self.levels)
+        return found.qoi
 
 
 class _End:
     """The discrete problem at a changed value of a key: plan, line of profiles, and what is found of its solution."""
 
-    def __init__(self, base: Tangent, scene: s.Scene):
+    def __init__(self, base: Steady, scene: s.Scene):
         self.plan = base.plan.with_values(scene)
         same_mesh = self.plan.mesh is base.plan.mesh
         output = scene.output
@@ -85,8 +109,11 @@ class _End:
         return result.qoi
 
 
-class Tangent:
+class Steady:
     """A solved steady bed, whose matrices are factored when they are first needed."""
+
+    step = STEP
+    method = "tangent"
 
     def __init__(self, result: Result):
         self.plan: Any = result.plan
@@ -197,3 +224,13 @@ def _require_alike(problem: HeatProblem, base: HeatProblem) -> None:
     same = problem.system.size == base.system.size and np.array_equal(problem.fixed, base.fixed)
     if not same or kinds[0] != kinds[1]:
         raise UnlikeError(OTHER)
+
+
+def of(result: Result) -> Steady | Repeated | None:
+    """Return what follows a run to other numbers: the tangent of a steady one, repetitions of a transient.
+
+    None for fronts, cycles, restarts and other engines.
+    """
+    if result.solved is None or result.plan.mesh.engine != "skfem":
+        return None
+    return Steady(result) if result.solved.levels is None else Repeated(result)

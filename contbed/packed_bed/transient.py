@@ -27,7 +27,7 @@ class History:
 
     `mean` is the time integral of the state, `reaction` of the heat that prescribed temperatures conduct in by
     boundary, `flux` of the boundary fluxes where properties or boundary values vary, `gain` of the content; `ranges` is
-    the record of how closures were used, see `Medium.state`.
+    the record of how closures were used, see `Medium.state`; `levels` are the sizes of the steps of this process.
     """
 
     state: Any
@@ -44,6 +44,7 @@ class History:
     flux: dict[str, float] = field(default_factory=dict)
     gain: float = 0.0
     ranges: dict[str, Any] = field(default_factory=dict)
+    levels: list[int] = field(default_factory=list)
 
     def pack(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the arrays and numbers of a checkpoint."""
@@ -166,6 +167,7 @@ def run_transient(
             problem.medium.record()
             after.ranges = problem.medium.state()
         vars(history).update(vars(after))  # at once, so that an interrupt never leaves half a step
+        history.levels.append(step.level)
         advance(step.end)
         if save is not None and clock.monotonic() - saved >= time.checkpoint_every:
             save(*history.pack())

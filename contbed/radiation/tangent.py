@@ -15,18 +15,16 @@ from contbed.radiation.results import fill
 from contbed.radiation.run import problem_of
 from contbed.radiation.scene import RadiationScene
 from contbed.result import Result
-from contbed.solvers.tangent import Response, with_prescribed
+from contbed.solvers.tangent import STEP, Response, with_prescribed
 
 OTHER = "a small change adds or removes a surface or a field"
 
 
-def applies(result: Result) -> bool:
-    """Return whether a run has solved a problem that has a tangent on this engine."""
-    return result.solved is not None and result.plan.mesh.engine == "skfem"
-
-
 class Tangent:
     """A solved medium and the factors of its Jacobian."""
+
+    step = STEP
+    method = "tangent"
 
     def __init__(self, result: Result):
         self.plan: Any = result.plan
@@ -59,3 +57,8 @@ class Tangent:
             fill(plan, line, problem, state, problem.fluxes(state), problem.conducted(residual), result)
             out.append(result.qoi)
         return out[0], out[1]
+
+
+def of(result: Result) -> Tangent | None:
+    """Return the tangent of a run; None where it has solved nothing that has one."""
+    return None if result.solved is None or result.plan.mesh.engine != "skfem" else Tangent(result)

@@ -18,17 +18,16 @@ from contbed.reacting_bed.results import fill
 from contbed.reacting_bed.scene import ReactingScene
 from contbed.reacting_bed.schedule import Schedule
 from contbed.result import Result
+from contbed.solvers.tangent import STEP
 
 OTHER = "a small change adds or removes a species, a reaction or a pressure"
 
 
-def applies(result: Result) -> bool:
-    """Return whether a run has solved for a steady state."""
-    return result.solved is not None
-
-
 class Tangent:
     """A solved steady bed and the factors of its Jacobian."""
+
+    step = STEP
+    method = "tangent"
 
     def __init__(self, result: Result):
         self.problem: Problem
@@ -67,3 +66,8 @@ class Tangent:
         if made.layout != base.layout or len(made.reactions) != len(base.reactions):
             raise UnlikeError(OTHER)
         return made
+
+
+def of(result: Result) -> Tangent | None:
+    """Return the tangent of a run; None where it has solved nothing that has one."""
+    return None if result.solved is None else Tangent(result)

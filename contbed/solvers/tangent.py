@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from contbed.solvers.linear import Policy, Solver, constrain
 
+STEP = 1e-5  # relative, of a key: leaves a truncation of some 1e-10, and 1e-8 of rounding at most
 REFINED = 1e-11  # share of the right-hand side that one solution may leave
 
 Array = NDArray[np.float64]

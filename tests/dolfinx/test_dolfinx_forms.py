@@ -17,7 +17,7 @@ from contbed.developed_flow.problem import DevelopedProblem
 from contbed.fem.dolfinx import on_dolfinx
 from contbed.loading import from_dict
 from contbed.models import plan as make_plan
-from contbed.packed_bed.run import _flow, _heat_problem
+from contbed.packed_bed.run import _heat_problem, solved_flow
 from contbed.radiation.run import _problem as _radiation_problem
 from contbed.result import Result
 from contbed.solvers.linear import bordered, constrain, scaled
@@ -37,7 +37,7 @@ def problems(name: str):
         return POINTWISE[made.scene.kind](one), POINTWISE[made.scene.kind](other)
     if made.scene.heat is None:
         return _radiation_problem(one), _radiation_problem(other)
-    flow = None if made.plug else _flow(one, None, Result(one))
+    flow = None if made.plug else solved_flow(one, None, Result(one))
     return _heat_problem(one, flow, Result(one)), _heat_problem(other, flow, Result(other))
 
 
