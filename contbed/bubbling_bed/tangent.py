@@ -10,6 +10,7 @@ both agree, as in `settling`. The nodes of the mesh move with the height of the 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -39,8 +40,12 @@ class Tangent:
         plan, computed = self.problem.plan, self.problem.c.computed
         self.typical = None if computed is None else typical_numbers(plan.scene, computed)
         self.settles = unsettled(result.scene)
+
+    @cached_property
+    def response(self) -> Response:
+        """The factors, found when they are first needed."""
         _, matrix = self.problem.steady(self.x, True)
-        self.response = Response(matrix, self.problem.fixed, plan.policy)
+        return Response(matrix, self.problem.fixed, self.problem.plan.policy)
 
     def results(self, below: Any, above: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the named results of two scenes with a key a little below and above that of the solved one.

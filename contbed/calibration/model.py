@@ -172,7 +172,7 @@ def _pair(name: str, scene: SceneBase, job: Job, keys: tuple[str, ...]) -> tuple
     try:
         result = run(scene)
         if keys:
-            return name, {"exit_code": 0, "problem": "", "slopes": _slopes(result, scene, job, keys)}
+            return name, {"exit_code": 0, "problem": "", "slopes": _slopes(result, job, keys)}
     except Exception as error:  # one broken run must not lose the others
         if interrupt_in(error) is not None:
             raise
@@ -180,14 +180,14 @@ def _pair(name: str, scene: SceneBase, job: Job, keys: tuple[str, ...]) -> tuple
     return name, {"exit_code": 0, "problem": "", "values": observe(result, job.points)}
 
 
-def _slopes(result: Result, scene: SceneBase, job: Job, keys: tuple[str, ...]) -> list[list[float]] | None:
+def _slopes(result: Result, job: Job, keys: tuple[str, ...]) -> list[list[float]] | None:
     """Return derivatives in SI, (points, keys); None where the physics has no tangent."""
     from contbed.design import tangent
-    from contbed.design.gradients import gradient
+    from contbed.design.gradients import gradient_of
 
-    if not tangent.applies(result):
+    if tangent.of(result) is None:
         return None
-    found = gradient(scene, [point.quantity for point in job.points], keys)
+    found = gradient_of(result, [point.quantity for point in job.points], keys)
     return [[float(value) for value in row] for row in found.derivatives]
 
 

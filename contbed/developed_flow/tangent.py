@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -31,8 +32,12 @@ class Tangent:
     def __init__(self, result: Result):
         self.problem: DevelopedProblem
         self.problem, self.state = result.solved
+
+    @cached_property
+    def response(self) -> Response:
+        """The factors, found when they are first needed."""
         _, matrix = self.problem.steady(self.state, True)
-        self.response = Response(matrix, self.problem.fixed, self.problem.plan.policy)
+        return Response(matrix, self.problem.fixed, self.problem.plan.policy)
 
     def results(self, below: DevelopedScene, above: DevelopedScene) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the named results of two scenes with a key a little below and above that of the solved one.

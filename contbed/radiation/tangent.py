@@ -5,6 +5,7 @@ By P1, two-flux and Rosseland; discrete ordinates, whose number follows their er
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,9 +30,12 @@ class Tangent:
     def __init__(self, result: Result):
         self.plan: Any = result.plan
         self.line, self.problem, self.state = result.solved.line, result.solved.problem, result.solved.state
+
+    @cached_property
+    def response(self) -> Response:
+        """The factors, found when they are first needed."""
         _, matrix = self.problem.assemble(self.state, True)
-        policy = self.problem.system.ordered(self.plan.policy)
-        self.response = Response(matrix, self.problem.fixed, policy)
+        return Response(matrix, self.problem.fixed, self.problem.system.ordered(self.plan.policy))
 
     def results(self, below: RadiationScene, above: RadiationScene) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the named results of two scenes with a key a little below and above that of the solved one.

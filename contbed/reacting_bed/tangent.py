@@ -8,6 +8,7 @@ ends move with the length of the bed.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 from contbed.errors import UnlikeError
@@ -33,7 +34,11 @@ class Tangent:
         self.problem: Problem
         self.problem, self.u = result.solved
         self.plan = result.plan
-        self.solver = Factors(self.problem.system.assemble(self.u)[1])
+
+    @cached_property
+    def solver(self) -> Factors:
+        """The factors, found when they are first needed."""
+        return Factors(self.problem.system.assemble(self.u)[1])
 
     def results(self, below: ReactingScene, above: ReactingScene) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the named results of two scenes with a key a little below and above that of the solved one.
