@@ -49,6 +49,7 @@ ARGUMENTS: dict[str, Argument] = {
     "eps_s": Argument("-", "fraction of the particles", "[0, 1)"),
     "f_1": Argument("-", "share of kind 1 in the volume of the emulsion", "[0, 1]"),
     "f_2": Argument("-", "share of kind 2 in the volume of the emulsion", "[0, 1]"),
+    "filter_froude": Argument("-", "filter size times g over the square of the terminal velocity", "[0, inf)"),
     "g0": Argument("-", "radial distribution at contact", "[1, inf)"),
     "gamma": Argument("-", "ratio of the heat capacities of the gas", "(1, 2)"),
     "hardness": Argument("Pa", "microhardness of the softer solid", "(0, inf)"),

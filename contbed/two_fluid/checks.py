@@ -12,7 +12,7 @@ from contbed.scene.checking import Mistakes, See
 from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import Origin
 from contbed.two_fluid import scene as t
-from contbed.two_fluid.closures import ABSENT, GIVES, HEAT_KINDS, KINDS
+from contbed.two_fluid.closures import ABSENT, FROM_CELLS, GIVES, HEAT_KINDS, KINDS
 from contbed.two_fluid.heat.scene import Heat
 from contbed.two_fluid.warnings import WARNINGS as WARNINGS
 
@@ -97,7 +97,7 @@ def closures_exist(two_fluid: t.TwoFluid, origin: Origin) -> Mistakes:
                 yield ("two_fluid", key), 'cannot be "none"; without collisions: pressure = "granular_pressure_dilute"'
             continue
         try:
-            bind(chosen, kind, GIVES[kind], origin.base)
+            bind(chosen, kind, (*GIVES[kind], *FROM_CELLS.get(kind, ())), origin.base)
         except SceneError as error:
             yield ("two_fluid", key), str(error)
 

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed.closures.binding import BoundClosure, bind, named
+from contbed.errors import SceneError
+from contbed.scene.mesh import MeshFile
+from contbed.scene.tables import Closure
 from contbed.two_fluid import scene as t
 
 if TYPE_CHECKING:
@@ -31,6 +34,8 @@ HEAT_KINDS = {"nusselt": "nusselt", "conductivity_bed": "conductivity"}
 """Kinds by the keys of [heat]."""
 
 MIN_REPORTED_FRACTION = 1e-6  # solids fraction below which the range use of closures is not recorded
+FILTERED = "drag_igci"
+FILTER_CELLS = 2.0  # cells across a filter, of which the resolved scales are free of the scheme's own diffusion
 _THEORY = ("eps_s", "g0", "e")
 GIVES: dict[str, tuple[str, ...]] = {
     "drag": ("Re", "eps", "d_p", "mu"),
@@ -47,6 +52,9 @@ GIVES: dict[str, tuple[str, ...]] = {
 }
 """The arguments that closures of each kind can have; kernels call the closures with them in this order."""
 
+FROM_CELLS = {"drag": ("filter_froude",)}
+"""Parameters by kind that follow from the cells where a scene does not give them."""
+
 Bound = Mapping[str, BoundClosure | None]
 
 
@@ -54,12 +62,45 @@ def bound(scene: t.TwoFluidScene) -> Bound:
     """Bind the closures of a scene by kind, None for what is absent."""
     flow, base = scene.two_fluid, scene.origin.base
     chosen = {kind: getattr(flow, key) for key, kind in KINDS.items()}
+    chosen["drag"] = filtered(chosen["drag"], scene)
     found = {kind: None if spec == ABSENT else bind(spec, kind, GIVES[kind], base) for kind, spec in chosen.items()}
     if scene.heat is not None:
         for key, kind in HEAT_KINDS.items():
             if named(spec := getattr(scene.heat, key)):
                 found[kind] = bind(spec, kind, GIVES[kind], base)
     return found
+
+
+def filtered(drag: Any, scene: t.TwoFluidScene) -> Any:
+    """Return the drag with the filter of the cells if it is one for cells that do not resolve clusters.
+
+    Filter size FILTER_CELLS times the square root of a cell's area, in a box the cube root of its volume.
+
+    Raises
+    ------
+    SceneError : the cells of a mesh file have no common size, so that the scene has to give the number
+    """
+    given = drag.model_extra or {} if isinstance(drag, Closure) else {}
+    name = drag.name if isinstance(drag, Closure) else drag
+    if name.removeprefix("drag_") != FILTERED.removeprefix("drag_") or "filter_froude" in given:
+        return drag
+    if isinstance(scene.mesh, MeshFile) or scene.mesh.cells is None:
+        where = scene.origin.at(("two_fluid", "drag"))
+        text = f'cells of unknown size; give the filter: {{ name = "{FILTERED}", filter_froude = ... }}'
+        raise SceneError(f"{where}: two_fluid.drag: {text}")
+    cells = np.atleast_1d(scene.mesh.cells) * 2**scene.mesh.refine
+    size = float(np.prod(_extents(scene.mesh) / cells) ** (1.0 / len(cells)))
+    solid, gas = scene.solid, scene.gas
+    settling = (
+        scene.two_fluid.gravity * solid.particle_diameter**2 * (solid.density - gas.density) / 18.0 / gas.viscosity
+    )
+    return Closure(name=FILTERED, filter_froude=FILTER_CELLS * size * scene.two_fluid.gravity / settling**2)
+
+
+def _extents(mesh: Any) -> Any:
+    """Length, height or radius, width of a built-in mesh, as many as it has axes [m]."""
+    names = ("length", "radius", "width", "height")
+    return np.array([value for name in names if (value := getattr(mesh, name, None)) is not None])
 
 
 def constants(scene: t.TwoFluidScene) -> dict[str, Any]:

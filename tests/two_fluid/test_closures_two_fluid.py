@@ -4,6 +4,8 @@ shear against dissipation, limits, joins, and the compiled functions against num
 Tolerances: the printed digits of the references where those are numbers, round-off where two ways must agree.
 """
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -11,11 +13,14 @@ from scipy.optimize import brentq
 from contbed import closures
 from contbed.closures.compiled import compiled
 from contbed.closures.granular_transport import share_drag, share_free_path
+from contbed.loading import from_dict
+from contbed.two_fluid.closures import bound
 
 SEED = {"rho_s": 2550.0, "d_p": 150e-6, "rho": 1.2, "mu": 1.8e-5}
 TAGHIPOUR = {"rho_s": 2500.0, "d_p": 275e-6, "rho": 1.225, "mu": 1.7894e-5}
 GRAVITY = 9.81
 DRAG = ("drag_wen_yu", "drag_syamlal_obrien", "drag_gidaspow", "drag_di_felice")
+PLANE = {"type": "rectangle", "length": 0.2, "height": 0.4, "cells": [10, 40]}
 RADIAL = ("g0_sinclair_jackson", "g0_lun_savage", "g0_carnahan_starling", "g0_ma_ahmadi")
 
 
@@ -177,3 +182,57 @@ def test_compiled_functions_are_those_of_numpy(name):
     kernel = compiled(function)
     one = [kernel(*(np.broadcast_to(known[k], s.shape)[i] for k in names), *options) for i in range(len(s))]
     np.testing.assert_allclose(one, function(*(known[k] for k in names)), rtol=1e-13)
+
+
+def filtered_over_plain(eps_s, filter_froude):
+    given = {"Re": 1.0, "eps": 1.0 - eps_s, "d_p": 1e-4, "mu": 1.8e-5}
+    plain = closures.get("drag_wen_yu", "drag")(**given)
+    return closures.get("drag_igci", "drag")(**given, filter_froude=filter_froude) / plain
+
+
+def test_filtered_drag_has_the_values_of_its_formulas():
+    """Factors of the pieces as printed, evaluated elsewhere to six decimals at 12 fractions and 10 filters.
+
+    The logistic steps between the pieces add up to 4e-5, three widths of a step away from a joint.
+    """
+    path = Path(__file__).parents[1] / "data/filtered_drag_igci.csv"
+    eps_s, froude, factor = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
+    assert len(factor) == 120
+    np.testing.assert_allclose(filtered_over_plain(eps_s, froude), factor, rtol=6e-5)
+
+
+def test_filtered_drag_without_filter_and_at_its_ends():
+    eps_s = np.array([1e-9, 1e-8, 0.3, 0.64])
+    np.testing.assert_array_equal(filtered_over_plain(eps_s, 0.0), 1.0)
+    found = filtered_over_plain(eps_s, 32.0)
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+    assert found[0] > 0.8  # dilute: hardly any clusters
+    assert found[2] < 0.25
+    assert found[3] == pytest.approx(1.0, abs=1e-4)  # dense: no room for clusters
+
+
+@pytest.mark.parametrize(
+    ("mesh", "size"),
+    [
+        (PLANE, (0.02 * 0.01) ** 0.5),
+        (PLANE | {"refine": 1}, (0.01 * 0.005) ** 0.5),
+        ({"type": "box", "length": 0.2, "width": 0.1, "height": 0.4, "cells": [10, 4, 16]}, 0.0125 ** (1 / 3) / 10),
+    ],
+)
+def test_filter_is_two_cells_wide(mesh, size):
+    """F = 2 size g/v_t^2 with Stokes' velocity v_t = g d^2 (rho_s - rho)/(18 mu)."""
+    sides = ["left", "right", "bottom", "top"] + (["front", "back"] if mesh["type"] == "box" else [])
+    scene = {
+        "mesh": mesh,
+        "two_fluid": {"drag": "igci"},
+        "gas": {"density": 1.2, "viscosity": 1.8e-5},
+        "solid": {"particle_diameter": 75e-6, "density": 1500.0, "restitution": 0.9, "packing": 0.6},
+        "initial": {"eps_s": 0.05},
+        "boundary": {side: {"type": "wall", "solid": "slip"} for side in sides},
+        "time": {"end": 0.1},
+    }
+    settling = GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)
+    found = bound(from_dict(scene))["drag"].parameters["filter_froude"]
+    assert found == pytest.approx(2.0 * size * GRAVITY / settling**2, rel=1e-12)
+    scene["two_fluid"]["drag"] = {"name": "drag_igci", "filter_froude": 3.0}
+    assert bound(from_dict(scene))["drag"].parameters["filter_froude"] == 3.0

@@ -1,0 +1,76 @@
+"""From packings of particles to the outlet of two beds, with a band and what makes it."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed.design.cascade.outcome import Outcome
+from contbed.design.cascade.run import cascade
+from contbed.fields import unit_of
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
+
+HERE = Path(__file__).parent
+BEDS = ("heated_wall", "moving_bed")
+NOT_COMPARED = ("CPU [s]",)
+COLOURS = {
+    "packing": gallery.BLUE,
+    "fit": gallery.BLACK,
+    "law of conduction": gallery.VERMILION,
+    "law of exchange": gallery.ORANGE,
+    "solid.conductivity": gallery.GREEN,
+    "bed.particle_diameter": gallery.SKY,
+    "flow.velocity": gallery.PURPLE,
+    "mesh": gallery.GREY,
+}
+
+
+def compute() -> Tables:
+    """Run both cascades: their results with bands, and the parts of these."""
+    found, cpu = {}, {}
+    for bed in BEDS:
+        with tempfile.TemporaryDirectory() as folder:
+            timed = gallery.cpu(lambda bed=bed, folder=folder: cascade(HERE / f"{bed}.cascade.toml", folder), samples=1)
+            found[bed], cpu[bed] = timed.result, timed.seconds
+    return tables_of(found, cpu)
+
+
+def tables_of(found: Mapping[str, Outcome], cpu: Mapping[str, float]) -> Tables:
+    """Tables of outcomes and of their processor time [s]."""
+    results, parts = [], []
+    for bed, one in found.items():
+        for name, value in one.base.items():
+            low, high = one.band(name)
+            spread = float(np.std(one.samples[name], ddof=1))
+            results.append((bed, name, unit_of(name), value, low, high, spread, one.runs, cpu[bed]))
+            shares = one.shares(name)
+            parts += [(bed, name, part.name, part.deviation[name], shares[part.name]) for part in one.parts]
+    columns = {"bed": "", "result": "", "unit": ""}
+    columns |= dict.fromkeys(("best", "band from", "band to", "deviation"), ".5g") | {"runs": "d", "CPU [s]": ".0f"}
+    of_parts = {"bed": "", "result": "", "part": "", "deviation": ".3g", "share": ".4f"}
+    return {"results": Table(columns, results), "parts": Table(of_parts, parts)}
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Share of each part in the variance of each result."""
+    table = tables["parts"]
+    rows = [(bed, name) for bed in BEDS for name in dict.fromkeys(table.where({"bed": bed}).values("result"))]
+    figure, axes = gallery.figure(size=(9, 0.5 * len(rows) + 1.6))
+    left = np.zeros(len(rows))
+    for part, colour in COLOURS.items():
+        shares = [
+            sum(float(r["share"]) for r in table if (r["bed"], r["result"], r["part"]) == (bed, name, part))
+            for bed, name in rows
+        ]
+        axes.barh(range(len(rows)), shares, left=left, color=colour, label=part)
+        left += shares
+    axes.set_yticks(range(len(rows)), [f"{bed}: {name}" for bed, name in rows])
+    axes.invert_yaxis()
+    axes.set(xlabel="share of the variance [-]", xlim=(0, 1))
+    figure.legend(loc="outside lower center", ncols=4)
+    return {"parts": figure}
