@@ -6,7 +6,8 @@ A key at a bound is changed to one side only, where D(h) = (f(p + h) - f(p))/h a
 
 Results of particles and of two-fluid runs scatter: they are computed for several seeds, the same seeds on both sides
 (common random numbers), with one large step; the mean of the differences is reported with its standard error
-(Glasserman & Yao 1992, doi:10.1287/mnsc.38.6.884).
+(Glasserman & Yao 1992, doi:10.1287/mnsc.38.6.884). A scene without a seed is computed with several steps, and a
+straight line over their squares, by least squares, gives D(0) and its standard error.
 """
 
 from __future__ import annotations
@@ -111,11 +112,12 @@ def noisy_slope(scene: SceneBase, key: Key, results: Results, centre: Array) -> 
 
     A scene without a seed is run with steps of several sizes instead.
     """
-    found, note = [], ""
+    found, distances, note = [], [], ""
     seeded = seeds(scene)
     chosen = steps(scene, key, 0.5 * STEP_OF_NOISY)
     for number in range(SEEDS):
         distance = 2 * chosen.size if seeded else chosen.size * (1 + number / (SEEDS - 1))
+        distances.append(distance)
         other = _with_seeds(scene, seeded, number)
         ends = {side: _at(other, key, key.value + side * distance, results) for side in chosen.sides}
         if len(ends) == 2:
@@ -126,7 +128,18 @@ def noisy_slope(scene: SceneBase, key: Key, results: Results, centre: Array) -> 
             found.append(side * (ends[side] - start) / distance)
         note = chosen.note
     each = np.array(found)
+    if not seeded:
+        return Slope(*_at_no_distance(np.array(distances), each, len(chosen.sides)), note)
     return Slope(each.mean(axis=0), each.std(axis=0, ddof=1) / math.sqrt(SEEDS), note)
+
+
+def _at_no_distance(distances: Array, found: Array, order: int) -> tuple[Array, Array]:
+    """Return differences (n, n_qoi) extrapolated to no distance by an error of that order, and standard errors."""
+    line = np.column_stack([np.ones_like(distances), (distances / distances.max()) ** order])
+    coefficients, *_ = np.linalg.lstsq(line, found, rcond=None)
+    rest = found - line @ coefficients
+    variance = (rest**2).sum(axis=0) / (len(distances) - line.shape[1])
+    return coefficients[0], np.sqrt(variance * np.linalg.inv(line.T @ line)[0, 0])
 
 
 def seeds(scene: SceneBase) -> list[tuple[tuple[Any, ...], int]]:

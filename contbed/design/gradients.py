@@ -25,7 +25,7 @@ from contbed import fields
 from contbed.design import differences, tangent
 from contbed.design.differences import Slope
 from contbed.design.keys import Key, key
-from contbed.errors import SceneError, UnlikeError
+from contbed.errors import EngineError, SceneError, UnlikeError
 from contbed.models import model_of
 from contbed.result import Result
 from contbed.runner import run
@@ -96,8 +96,19 @@ def require_possible(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) 
 
 
 def gradient_of(result: Result, qoi: Sequence[str], keys: Sequence[str]) -> Gradient:
-    """Return `gradient` for a scene that has been run."""
+    """Return `gradient` for a scene that has been run.
+
+    Raises
+    ------
+    EngineError : the scene was run with another engine than scikit-fem; and what `gradient` raises
+    """
     require_possible(result.scene, qoi, keys)
+    engine = getattr(result.plan.mesh, "engine", "skfem")
+    if engine != "skfem":
+        raise EngineError(
+            f"{result.scene.origin.name}: gradients are not found with {engine}; run the scene without --engine, on "
+            "one process"
+        )
     chosen = [key(result.scene, name) for name in keys]
     base = tangent.of(result)
     if base is not None:
