@@ -29,7 +29,7 @@ scene = "scene.toml"
 qoi = ["pressure_drop_Pa"]
 [sample]
 method = "sobol_indices"
-count = 16
+count = 8
 seed = 1
 gradients = true
 [sample.parameters]
@@ -131,15 +131,15 @@ def test_a_sweep_writes_samples_gradients_and_indices_side_by_side(folder, capsy
     pytest.importorskip("SALib")
     assert cli.main(["sweep", "study.toml", "--out", "out", "--jobs", "1", "--quiet"]) == 0
     out = capsys.readouterr().out
-    assert "80 of 80 runs are finished" in out and "share by gradients" in out
+    assert "40 of 40 runs are finished" in out and "share by gradients" in out
     samples, gradients = read(folder / "out" / "uncertainty.csv")
-    assert (samples["estimator"], samples["runs"], gradients["estimator"]) == ("samples", "32", "gradients")
+    assert (samples["estimator"], samples["runs"], gradients["estimator"]) == ("samples", "16", "gradients")
     parts = np.array([drop(2e-6, 0.0), drop(0.0, 0.4 / np.sqrt(12.0)), 0.0])
     # the derivative is exact to 1e-6, CSV holds nine digits
     np.testing.assert_allclose(float(gradients["mean"]), drop(2e-5, 1.2), rtol=1e-6)
     np.testing.assert_allclose(float(gradients["standard deviation"]), np.linalg.norm(parts), rtol=1e-6)
-    np.testing.assert_allclose(float(samples["mean"]), drop(2e-5, 1.2), rtol=0.02)  # 32 points
-    np.testing.assert_allclose(float(samples["standard deviation"]), np.linalg.norm(parts), rtol=0.2)
+    np.testing.assert_allclose(float(samples["mean"]), drop(2e-5, 1.2), rtol=0.03)  # 16 points
+    np.testing.assert_allclose(float(samples["standard deviation"]), np.linalg.norm(parts), rtol=0.3)
     rows = read(folder / "out" / "indices.csv")
     exact = parts**2 / np.sum(parts**2)
     np.testing.assert_allclose([float(row["share by gradients"]) for row in rows], exact, atol=1e-6)
@@ -154,12 +154,12 @@ def test_a_sweep_writes_samples_gradients_and_indices_side_by_side(folder, capsy
     capsys.readouterr()
     monkeypatch.setattr("contbed.uncertainty.write.gradient", None)  # what is known is not computed again
     assert cli.main(["sweep", "study.toml", "--out", "out", "--jobs", "1", "--quiet"]) == 0
-    assert "80 were before" in capsys.readouterr().out
+    assert "40 were before" in capsys.readouterr().out
 
 
 def test_a_morris_design_of_normal_parameters_stays_within_their_tails(folder, capsys):
     pytest.importorskip("SALib")
-    text = STUDY.replace('"sobol_indices"', '"morris"').replace("count = 16", "count = 4")
+    text = STUDY.replace('"sobol_indices"', '"morris"').replace("count = 8", "count = 4")
     (folder / "study.toml").write_text(text)
     assert cli.main(["sweep", "study.toml", "--out", "out", "--jobs", "1", "--quiet"]) == 0
     rows = read(folder / "out" / "indices.csv")
@@ -176,7 +176,7 @@ def test_a_morris_design_of_normal_parameters_stays_within_their_tails(folder, c
         ("[sample]", "[parameters]\nflow.velocity = [0.1, 0.2]\n[sample]",
          'study.toml:6: sample: method = "sobol_indices" stands by itself; leave out parameters'),
         ("gradients = true", "gradients = 1", "study.toml:7: sample: gradients: expected true or false"),
-        ("count = 16", "count = 3", "not a power of two; Sobol points fill the space evenly at 2 or 4"),
+        ("count = 8", "count = 3", "not a power of two; Sobol points fill the space evenly at 2 or 4"),
         ('"sobol_indices"', '"sobol_index"', "did you mean 'sobol_indices'"),
     ],
 )  # fmt: skip
