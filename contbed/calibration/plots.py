@@ -17,6 +17,7 @@ from contbed.output.plots import styled_figure
 Array = NDArray[np.float64]
 _ROW = 3.6  # height of a row of panels [inches]
 _MOST_CURVES = 8  # of a panel
+_DARK = 0.6  # magnitude of a correlation above which its colour is dark
 _FEW = 12  # points of a curve of a prediction up to which they are marked
 
 
@@ -55,30 +56,29 @@ def _curves(axes: Any, found: Calibrated, chosen: list[int]) -> None:
     over_time = all(math.isnan(place) for place in places) or (
         len(places) < len({points[k].t for k in chosen}) and not math.isnan(points[chosen[0]].t)
     )
-    series: dict[float, list[int]] = {}
+    series: dict[float | None, list[int]] = {}
     for k in chosen:
-        series.setdefault(points[k].x if over_time else points[k].t, []).append(k)
-    for colour, (at, members) in enumerate(list(series.items())[:_MOST_CURVES]):
+        at = points[k].x if over_time else points[k].t
+        series.setdefault(None if math.isnan(at) else at, []).append(k)
+    for number, (place, members) in enumerate(list(series.items())[:_MOST_CURVES]):
         members = sorted(members, key=lambda k: points[k].t if over_time else points[k].x)
         along = np.array([points[k].t if over_time else points[k].x for k in members])
-        fitted = any(points[k].fitted for k in members)
-        name = "" if math.isnan(at) else f"{at:g} {'m' if over_time else 's'}"
-        label = f"{name}{'' if fitted else ', not fitted'}".removeprefix(", ") or "predicted"
-        marker = "." if len(members) <= _FEW and not fitted else ""
-        axes.plot(along, p.value[members], f"-{marker}" if fitted else f"--{marker}", color=f"C{colour}", label=label)
+        fitted, colour = any(points[k].fitted for k in members), f"C{number}"
+        name = "predicted" if place is None else f"{place:g} {'m' if over_time else 's'}"
+        line = ("-" if fitted else "--") + ("." if len(members) <= _FEW and not fitted else "")
+        axes.plot(along, p.value[members], line, color=colour, label=name if fitted else f"{name}, not fitted")
         wide = p.low_measured[members], p.high_measured[members]
         if np.isfinite(wide[0]).all():
-            axes.fill_between(along, *wide, color=f"C{colour}", alpha=0.12, lw=0)
-        axes.fill_between(along, p.low[members], p.high[members], color=f"C{colour}", alpha=0.35, lw=0)
-        shown = [k for k in members if not math.isnan(points[k].value)]
-        axes.errorbar(
-            [points[k].t if over_time else points[k].x for k in shown],
-            [points[k].value for k in shown],
-            [points[k].error for k in shown],
-            fmt="o", ms=3, lw=0.6, alpha=0.7, color=f"C{colour}", mfc=f"C{colour}" if fitted else "white",
-        )  # fmt: skip
+            axes.fill_between(along, *wide, color=colour, alpha=0.12, lw=0)
+        axes.fill_between(along, p.low[members], p.high[members], color=colour, alpha=0.35, lw=0)
+        for k in members:
+            if not math.isnan(points[k].value):
+                x, face = points[k].t if over_time else points[k].x, colour if points[k].fitted else "white"
+                axes.errorbar(x, points[k].value, points[k].error, fmt="o", ms=3, lw=0.6, color=colour, mfc=face)
     axes.set(xlabel="time [s]" if over_time else "position [m]", ylabel=_unit(points[chosen[0]]))
-    axes.legend(fontsize=8, ncols=2, title="bands of 90 %: prediction, and a measurement", title_fontsize=8)
+    axes.legend(
+        fontsize=8, ncols=2, title="bands of 90 %: prediction, and a measurement; open: not fitted", title_fontsize=8
+    )
 
 
 def _results(axes: Any, found: Calibrated, chosen: list[int]) -> None:
@@ -153,7 +153,16 @@ def _keys(figure: Any, found: Calibrated) -> None:
     right.set_yticks(rows, [str(k + 1) for k in rows])
     for i in rows:
         for j in rows:
-            right.text(j, i, f"{correlation[i, j]:.2f}", ha="center", va="center", fontsize=7)
+            dark = abs(correlation[i, j]) > _DARK
+            right.text(
+                j,
+                i,
+                f"{correlation[i, j]:.2f}",
+                ha="center",
+                va="center",
+                fontsize=7,
+                color="white" if dark else "black",
+            )
     right.set(title="correlation, keys in this order")
     figure.colorbar(picture, ax=right, shrink=0.8)
 

@@ -8,17 +8,20 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import contbed as cb
 from contbed import cli
 from contbed.calibration.calibrate import calibrate
-from contbed.calibration.experiments import read_jobs
+from contbed.calibration.experiments import Point, read_jobs
 from contbed.calibration.fit import fit
-from contbed.calibration.found import data_of
+from contbed.calibration.found import Prediction, data_of
 from contbed.calibration.model import SceneModel
+from contbed.calibration.plots import _curves
 from contbed.calibration.settings import read_file
 from contbed.calibration.store import FILE, Store
 
@@ -355,6 +358,18 @@ def test_fewer_data_than_keys_are_refused(folder, capsys):
     assert (
         "drops.toml:3: 2 keys are to be fitted to 1 measured values; leave out keys, or give" in capsys.readouterr().err
     )
+
+
+def test_a_series_over_time_is_one_curve():
+    """A quantity without positions has no number to tell series apart."""
+    points = [Point("one", "mass_fraction", "1", t, value=1.0, error=0.1, fitted=t < 3.0) for t in (1.0, 2.0, 3.0)]
+    three = np.array([1.0, 1.1, 1.2])
+    prediction = Prediction(three, 0.1 * three, three - 0.2, three + 0.2, three - 0.3, three + 0.3)
+    figure = Figure()
+    axes = figure.subplots()
+    _curves(axes, SimpleNamespace(points=points, prediction=prediction), [0, 1, 2])
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["predicted"]
+    np.testing.assert_array_equal(axes.get_lines()[0].get_xdata(), [1.0, 2.0, 3.0])
 
 
 def test_a_steady_scene_has_no_times(folder, capsys):
