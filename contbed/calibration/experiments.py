@@ -19,7 +19,7 @@ from contbed.scene.data_table import DataTable, read_table
 from contbed.scene.names import near_names
 from contbed.scene.tables import SceneBase
 from contbed.scene.units import factor_and_offset, to_si
-from contbed.sweep.design import MAGNITUDE
+from contbed.sweep.design import MAGNITUDE, tidy
 from contbed.sweep.table import result as named_result
 
 Array = NDArray[np.float64]
@@ -90,11 +90,11 @@ def read_jobs(file: CalibrationFile, trust: bool = False, allow_large: bool = Fa
     """
     jobs: list[Job] = []
     problems: list[str] = []
-    start = {key.name: float(key.prior.value(0.0)) for key in file.keys}
+    start = {key.name: tidy(float(key.prior.value(0.0))) for key in file.keys}
     for k, (name, settings) in enumerate(zip(experiment_names(file.settings), file.settings.experiment, strict=True)):
         try:
-            for job in _jobs(file, k, name, settings, trust, allow_large):
-                _check(file, k, job, start)
+            for number, job in enumerate(_jobs(file, k, name, settings, trust, allow_large)):
+                _check(file, k, job, start, ends=number == 0)
                 jobs.append(job)
         except SceneError as error:
             problems += error.problems
@@ -243,15 +243,16 @@ def meant(name: str, known: Iterable[str]) -> str:
     return f"; did you mean '{found[0]}'?" if found else ""
 
 
-def _check(file: CalibrationFile, k: int, job: Job, start: Mapping[str, float]) -> None:
-    """Raise SceneError for values that the scene does not reach, and for keys that it does not take."""
+def _check(file: CalibrationFile, k: int, job: Job, start: Mapping[str, float], ends: bool) -> None:
+    """Raise SceneError for values that the scene does not reach, keys that it does not take, `ends` of priors too."""
     base = Job(job.experiment, job.scene, {}, (), job.trust, job.allow_large)
     static = {key: value for key, value in job.changes.items() if key not in ("time.times", "output.positions")}
     try:
         scene: Any = base.load({**static, **start})
     except SceneError as error:
         raise SceneError([_relocated(file, k, text) for text in error.problems]) from None
-    _check_ends(file, base, static, start)
+    if ends:
+        _check_ends(file, base, static, start)
     time = getattr(scene, "time", None)
     problems = []
     for point in job.points:

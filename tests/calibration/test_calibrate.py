@@ -301,6 +301,8 @@ MISTAKES = [
     ("drops", ', error = "2 %"', "", "drops.toml:10: values of pressure_drop_Pa: give the standard error"),
     ("drops", "to = 0.45", "to = 1.2", "drops.toml:4: the prior reaches to values that the scene does not take: "
      "bed.porosity = 1.2: out of range"),
+    ("drops", "from = 0.35, to = 0.45", "from = 1.2, to = 1.4",
+     "drops.toml:4: bed.porosity = 1.3: out of range; allowed: a number > 0 and < 1; in the middle of its prior"),
     ("drops", "from = 0.35", "from = 0.45", "drops.toml:4: bed.porosity: an empty range"),
     ("drops", 'median = "3 mm"', 'median = "-3 mm"', "drops.toml:5: bed.particle_diameter = -0.003: out of range"),
     ("drops", "factor = 1.2", "factor = 0.9",
