@@ -107,18 +107,19 @@ def slope(scene: SceneBase, key: Key, results: Results, centre: Array, relative:
     return Slope(near + change, np.abs(change), chosen.note)
 
 
-def noisy_slope(scene: SceneBase, key: Key, results: Results, centre: Array) -> Slope:
+def noisy_slope(scene: SceneBase, key: Key, results: Results, centre: Array, seeded: bool = True) -> Slope:
     """Return the mean derivatives over common seeds, and their standard errors.
 
-    A scene without a seed is run with steps of several sizes instead.
+    A scene without a seed, or one whose seed changes nothing, is run with steps of several sizes instead.
     """
-    found, distances, note = [], [], ""
-    seeded = seeds(scene)
+    found, distances = [], []
+    places = seeds(scene) if seeded else []
+    seeded = bool(places)
     chosen = steps(scene, key, 0.5 * STEP_OF_NOISY)
     for number in range(SEEDS):
         distance = 2 * chosen.size if seeded else chosen.size * (1 + number / (SEEDS - 1))
         distances.append(distance)
-        other = _with_seeds(scene, seeded, number)
+        other = _with_seeds(scene, places, number)
         ends = {side: _at(other, key, key.value + side * distance, results) for side in chosen.sides}
         if len(ends) == 2:
             found.append((ends[1] - ends[-1]) / (2 * distance))
@@ -126,11 +127,12 @@ def noisy_slope(scene: SceneBase, key: Key, results: Results, centre: Array) -> 
             side = chosen.sides[0]
             start = centre if number == 0 or not seeded else _at(other, key, key.value, results)
             found.append(side * (ends[side] - start) / distance)
-        note = chosen.note
+        if seeded and number == 1 and np.array_equal(found[0], found[1]):
+            return noisy_slope(scene, key, results, centre, seeded=False)
     each = np.array(found)
     if not seeded:
-        return Slope(*_at_no_distance(np.array(distances), each, len(chosen.sides)), note)
-    return Slope(each.mean(axis=0), each.std(axis=0, ddof=1) / math.sqrt(SEEDS), note)
+        return Slope(*_at_no_distance(np.array(distances), each, len(chosen.sides)), chosen.note)
+    return Slope(each.mean(axis=0), each.std(axis=0, ddof=1) / math.sqrt(SEEDS), chosen.note)
 
 
 def _at_no_distance(distances: Array, found: Array, order: int) -> tuple[Array, Array]:

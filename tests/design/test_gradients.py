@@ -12,6 +12,7 @@ from contbed.design.gradients import gradient
 from contbed.design.keys import continuous, key
 from contbed.errors import EngineError, SceneError
 from contbed.loading import loads
+from contbed.models import MODELS
 from contbed.scene.values import with_value
 
 OUT = ["T_fluid_out_K"]
@@ -105,8 +106,6 @@ def test_scatter_of_common_seeds_cancels():
             random = np.random.default_rng(scene.initial.seed)
             return np.array([3.0 * scene.initial.eps_s * (1 + 0.01 * random.normal())])
 
-    from contbed.models import MODELS
-
     scene = loads(MODELS["two_fluid"].template.read_text(encoding="utf-8"))
     one = key(scene, "initial.eps_s")
     noise = Noise()
@@ -114,6 +113,14 @@ def test_scatter_of_common_seeds_cancels():
     # with seeds of their own the scatter would be 0.01 * 3 * 0.6/0.03
     assert abs(found.values[0] - 3.0) < 4 * found.errors[0]
     assert 0.0 < found.errors[0] < 0.05
+
+
+def test_a_seed_that_changes_nothing_leaves_the_error_of_the_step():
+    scene = loads(MODELS["two_fluid"].template.read_text(encoding="utf-8"))
+    one = key(scene, "gas.density")
+    found = differences.noisy_slope(scene, one, lambda s: np.array([s.gas.density**3]), np.array([1.2**3]))
+    assert found.values == pytest.approx([3 * 1.2**2], rel=1e-9)  # a cubic has an error in the square of the step alone
+    assert found.errors == pytest.approx([0.0], abs=1e-9)
 
 
 def test_pressure_drop_by_its_closed_form():
