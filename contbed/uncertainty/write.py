@@ -229,7 +229,7 @@ def table(report: Report) -> str:
         unit = "" if one.result.unit in (None, "1") else f" {one.result.unit}"
         for s in one.spreads:
             lines.append(
-                f"{one.result.name}, by {s.estimator} ({s.runs} runs): mean {s.mean:.6g}{unit}, standard deviation "
+                f"{one.result.name}, by {s.estimator} ({s.runs} run{'s' * (s.runs > 1)}): mean {s.mean:.6g}{unit}, standard deviation "
                 f"{s.deviation:.4g}{unit}, 90 % from {s.low:.6g} to {s.high:.6g}{unit}"
             )
         for k, name in enumerate(report.sample.distributions):
