@@ -228,8 +228,9 @@ def table(report: Report) -> str:
     for one in report.results:
         unit = "" if one.result.unit in (None, "1") else f" {one.result.unit}"
         for s in one.spreads:
+            runs = "1 run" if s.runs == 1 else f"{s.runs} runs"
             lines.append(
-                f"{one.result.name}, by {s.estimator} ({s.runs} run{'s' * (s.runs > 1)}): mean {s.mean:.6g}{unit}, standard deviation "
+                f"{one.result.name}, by {s.estimator} ({runs}): mean {s.mean:.6g}{unit}, standard deviation "
                 f"{s.deviation:.4g}{unit}, 90 % from {s.low:.6g} to {s.high:.6g}{unit}"
             )
         for k, name in enumerate(report.sample.distributions):
