@@ -17,7 +17,8 @@ STUDIES = Path(__file__).parents[1]
 FUNCTIONS = ("compute", "reference", "plot")
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 SHORT = 60.0  # CPU [s] up to which a study is run with all others
-NO_SCENES = ("closures", "sweep", "sweeps", "bench", "data")  # folders of a study whose TOML files are no scenes
+# folders of a study whose TOML files are no scenes
+NO_SCENES = ("closures", "sweep", "sweeps", "design", "bench", "data")
 
 
 @dataclass(frozen=True)
