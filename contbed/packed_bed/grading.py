@@ -39,7 +39,9 @@ def nodes(scene: s.Scene, medium: Medium, velocity: Any, solid: Any, fronts: boo
     if isinstance(mesh, MeshLine) and (mesh.cells is None or mesh.graded):
         if fronts:
             return [np.linspace(0.0, mesh.length, FRONT_CELLS + 1)]
-        layers = axial_layers(scene, medium, float(velocity[0]), float(solid[0]), mesh.length)
+        layers = []
+        if scene.heat is not None:
+            layers += axial_layers(scene, medium, float(velocity[0]), float(solid[0]), mesh.length)
         layers += _radiation_layers(scene, medium, 0, mesh.length)
         if mesh.cells is None:
             tolerance, degree = scene.solver.tolerance, scene.solver.degree

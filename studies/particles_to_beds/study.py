@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+import contbed as cb
 from contbed.design.cascade.outcome import Outcome
 from contbed.design.cascade.run import cascade
 from contbed.fields import unit_of
@@ -30,12 +31,21 @@ COLOURS = {
 }
 
 
+def reference() -> dict[str, float]:
+    """Temperatures of the air [K] at the outlet of the moving bed with each law of exchange as that of the bed."""
+    laws = {"gunn": "gunn", "power": {"name": "power", "a": 1.2, "b": 0.5}}
+    return {
+        name: float(cb.run(cb.load(HERE / "moving_bed.toml", {"heat.nusselt": law})).qoi["T_fluid_out_K"])
+        for name, law in laws.items()
+    }
+
+
 def compute() -> Tables:
     """Run both cascades: their results with bands, and the parts of these."""
     found, cpu = {}, {}
     for bed in BEDS:
         with tempfile.TemporaryDirectory() as folder:
-            timed = gallery.cpu(lambda bed=bed, folder=folder: cascade(HERE / f"{bed}.cascade.toml", folder), samples=1)
+            timed = gallery.cpu(lambda bed=bed, folder=folder: cascade(HERE / f"data/{bed}.toml", folder), samples=1)
             found[bed], cpu[bed] = timed.result, timed.seconds
     return tables_of(found, cpu)
 
