@@ -31,8 +31,8 @@ class Wall:
     solid: Literal["no_slip", "slip", "johnson_jackson"] = "no_slip"
     specularity: float = 0.0
     restitution: float = 1.0
-    friction: float = 0.0
     velocity: tuple[float, ...] = ()
+    friction: float = 0.0
 
 
 def symmetry() -> Wall:

@@ -230,8 +230,8 @@ def _condition(part: Any) -> boundary.Condition:
             part.solid,
             part.specularity or 0.0,
             1.0 if part.restitution is None else part.restitution,
-            part.friction,
             part.velocity,
+            part.friction,
         )
     if isinstance(part, t.Inlet):
         return boundary.Inlet(part.velocity, part.eps_s, part.solid_flux or 0.0, part.solid_velocity or 0.0, part.theta)

@@ -15,7 +15,7 @@ import contbed
 PACKAGE = Path(contbed.__file__).parent
 # from the top to the bottom; a layer imports itself and what is below
 LAYERS = (
-    ("cli", "__main__", "lookup"),
+    ("cli", "__main__", "lookup", "many_runs", "terminal"),
     ("calibration", "uncertainty"),
     ("sweep", "verify", "validation", "warm", "trial", "report", "design"),
     ("runner",),

@@ -1,0 +1,163 @@
+"""Commands that run a scene many times: sweeps, derivatives, optima, cascades from particles, calibrations."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer import Argument, Option
+
+from contbed.terminal import AllowLarge, OutFolder, SceneFile, Settings, Trust, complain, load_scene, resume
+
+
+def sweep(
+    study: Annotated[Path, Argument(metavar="STUDY", help="a TOML file with a scene and values of its keys")],
+    jobs: Annotated[int, Option("--jobs", metavar="N", help="processes; -1 for one a core")] = -1,
+    out: OutFolder = None,
+    scheduler: Annotated[
+        str | None, Option("--scheduler", metavar="tcp://HOST:PORT", help="compute on this dask cluster")
+    ] = None,
+    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
+    quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
+) -> None:
+    """Run every scene of a study that has not been run, then write a table and plots."""
+    if jobs == 0 or jobs < -1:
+        raise typer.BadParameter("a number of processes, or -1", param_hint="--jobs")
+    if scheduler is not None and not re.fullmatch(r"([a-z]+://)?(\[[0-9a-fA-F:]+\]|[^\s:/\[\]]+):\d{1,5}", scheduler):
+        raise typer.BadParameter(f"{scheduler!r} is not an address like tcp://HOST:8786", param_hint="--scheduler")
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ[name] = "1"  # also where this process computes, so that all get the same to the last digit
+    from contbed.sweep.sweep import sweep as run_all
+
+    folder = out or Path("results") / study.stem
+    resume[:] = [(folder / "runs", "the same command")]
+    done = run_all(study, folder, jobs, scheduler, retry_failed, quiet, trust, allow_large)
+    for text in done.warnings:
+        complain(f"warning: {text}")
+    for text in done.failures():
+        complain(text)
+    if done.study.sample is not None:
+        from contbed.uncertainty.write import table
+        from contbed.uncertainty.write import write as write_uncertainty
+
+        found = write_uncertainty(done.study, done.rows, folder)
+        if found is not None:
+            for text in found.warnings:
+                complain(f"warning: {text}")
+            print(table(found))
+    finished = len(done.rows) - len(done.failed)
+    print(f"{finished} of {len(done.rows)} runs are finished, {done.before} were before; see {folder / 'table.csv'}")
+    if done.failed:
+        raise typer.Exit(3)
+
+
+def sensitivities(
+    scene: SceneFile,
+    qoi: Annotated[list[str], Option("--qoi", metavar="RESULT", help="T_fluid_out_K and the like; repeatable")],
+    to: Annotated[
+        list[str] | None, Option("--to", metavar="KEY", help="bed.porosity and the like; all that the scene gives")
+    ] = None,
+    out: OutFolder = None,
+    settings: Settings = None,
+    as_json: Annotated[bool, Option("--json", help="print JSON instead of the table")] = False,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
+) -> None:
+    """Show the derivatives of results with respect to the continuous keys of a scene, the largest first."""
+    loaded = load_scene(scene, settings, trust, allow_large)
+    import json
+
+    from contbed.design import sensitivities as design
+    from contbed.output.summary import plain
+
+    found, about = design.sensitivities(loaded, qoi, to or ())
+    folder = out or Path("results") / f"{scene.stem}-sensitivities"
+    design.write(found, about, folder, loaded.title)
+    print(json.dumps(plain(about), indent=1) if as_json else design.table(found, about))
+    if not as_json:
+        print(f"table and picture are in {folder}")
+
+
+def optimise(
+    design: Annotated[Path, Argument(metavar="DESIGN", help="a TOML file: scene, keys, objective and constraints")],
+    out: OutFolder = None,
+    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
+    quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
+) -> None:
+    """Find the best values of some keys of a scene under constraints, and what each constraint costs."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ[name] = "1"  # so that a search that goes on takes the same steps to the last digit
+    from contbed.design.found import OPTIMUM
+    from contbed.design.optimise import optimise as search
+
+    folder = out or Path("results") / design.stem
+    resume[:] = [(folder / "runs", "the same command")]
+    done = search(design, folder, retry_failed, quiet, trust, allow_large)
+    for text in done.found.remarks:
+        complain(f"warning: {text}")
+    if not quiet:
+        print(done.text())
+    print(f"{done.found.status}: {done.found.why}")
+    print(
+        f"{len(done.evaluations)} evaluations, {done.before} were before, {done.failed} failed; results are in {folder}"
+    )
+    if done.found.status != OPTIMUM:
+        raise typer.Exit(3)
+
+
+def cascade(
+    file: Annotated[Path, Argument(metavar="CASCADE", help="a TOML file: scene, packings, laws of a particle")],
+    out: OutFolder = None,
+    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
+    quiet: Annotated[bool, Option("--quiet", help="no progress, no table")] = False,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
+) -> None:
+    """Packings of particles give closures, these the results of a bed: with a band, and what makes it."""
+    from contbed.design.cascade.run import cascade as compute
+
+    folder = out or Path("results") / file.stem
+    resume[:] = [(folder / "particles", "the same command")]
+    done = compute(file, folder, retry_failed, quiet, trust, allow_large)
+    for text in done.warnings:
+        complain(f"warning: {text}")
+    if not quiet:
+        print(done.text())
+    print(f"{done.runs} runs, {done.before} were before; results are in {folder}")
+
+
+def calibrate(
+    data: Annotated[Path, Argument(metavar="DATA", help="a TOML file with scenes, measured tables and keys to fit")],
+    jobs: Annotated[int, Option("--jobs", metavar="N", help="processes; -1 for one a core")] = 1,
+    out: OutFolder = None,
+    retry_failed: Annotated[bool, Option("--retry-failed", help="compute failed runs again")] = False,
+    quiet: Annotated[bool, Option("--quiet", help="no progress")] = False,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
+) -> None:
+    """Fit keys of scenes to measured values: keys with intervals, what the data do not see, predictions with bands."""
+    if jobs == 0 or jobs < -1:
+        raise typer.BadParameter("a number of processes, or -1", param_hint="--jobs")
+    from contbed.calibration import calibrate as command
+    from contbed.calibration.write import table
+
+    folder = out or Path("results") / data.stem
+    resume[:] = [(folder / "runs.jsonl", "the same command")]
+    found = command.calibrate(data, folder, jobs, retry_failed, quiet, trust, allow_large)
+    for text in found.warnings:
+        complain(f"warning: {text}")
+    print(table(found))
+    print(f"{found.runs} runs, {found.before} were before, {len(found.failed)} failed; results are in {folder}")
+    command.require_converged(found)
+
+
+COMMANDS: tuple[Callable[..., Any], ...] = (sweep, sensitivities, optimise, cascade, calibrate)
+"""What `contbed.cli` adds to the command line."""

@@ -1,0 +1,68 @@
+"""What the commands share: their options, messages on stderr, how to go on after Ctrl-C."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer import Argument, Option
+
+RANK = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")  # number of a process, set by what started it
+
+resume: list[tuple[Path, str]] = []  # what must be there to go on, and the command that does
+
+SceneFile = Annotated[Path, Argument(metavar="SCENE", help="a TOML file")]
+OutFolder = Annotated[Path | None, Option("--out", metavar="DIR", help="folder for the results")]
+Settings = Annotated[
+    list[str] | None, Option("--set", metavar="KEY=VALUE", help="replace a value, such as mesh.refine=2; repeatable")
+]
+
+
+Trust = Annotated[
+    bool, Option("--trust", help="let files of the scene run programs: commands in a .geo, extensions of Cantera")
+]
+Threads = Annotated[
+    int | None,
+    Option("--threads", metavar="N", min=1, help="cores to use; by default all, where faster"),
+]
+AllowLarge = Annotated[
+    bool, Option("--allow-large", help="take sizes that are refused otherwise: memory, numbers of cells, files")
+]
+
+
+def load_scene(path: Path, settings: list[str] | None, trust: bool, allow_large: bool) -> Any:
+    """Return the scene of a file with the values of --set."""
+    from contbed.loading import load
+
+    values = dict(_assignment(text) for text in settings or [])
+    return load(path, values, trust=trust, allow_large=allow_large)
+
+
+def _assignment(text: str) -> tuple[str, Any]:
+    """KEY=VALUE, the value as in TOML; what is not TOML is a text, so that units need no second pair of quotes."""
+    import tomllib
+
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise typer.BadParameter(f"{text!r} is not KEY=VALUE", param_hint="--set")
+    try:
+        return key.strip(), tomllib.loads(f"value = {value}")["value"]
+    except (ValueError, RecursionError):
+        return key.strip(), value.strip()
+
+
+def interrupted() -> str:
+    """Return what to say after Ctrl-C: how to go on, where there is a state to go on from."""
+    for needed, command in resume:
+        if needed.exists():
+            return f"interrupted; to go on: {command}"
+    return "interrupted"
+
+
+def complain(text: str) -> None:
+    """Print a message on stderr; of the processes that mpirun started the first speaks for all."""
+    if not any(os.environ.get(name, "0").strip("0") for name in RANK):
+        print(text, file=sys.stderr)
