@@ -340,3 +340,19 @@ def test_a_killed_search_goes_on_and_computes_no_run_twice(folder, runner):
     assert len(runner.calls) == calls - 3
     same = json.loads((folder / "whole" / "summary.json").read_text())
     assert {**summary(folder), "runs": 0} == {**same, "runs": 0}
+
+
+def test_a_gradient_that_fails_on_the_way_loses_nothing(folder, runner, monkeypatch):
+    def gradient(scene, qoi, keys):
+        if scene.flow.velocity > 0.3723:
+            raise SceneError("no room for a step")
+        return slopes(scene, qoi, keys)
+
+    monkeypatch.setattr(evaluations, "gradient", gradient)
+    assert optimise() in (0, 3)
+    assert any("no gradient: no room for a step" in text for text in summary(folder)["warnings"])
+    monkeypatch.setattr(
+        evaluations, "gradient", lambda *_: gradient(cb.load("scene.toml", {"flow.velocity": 1}), [], [])
+    )
+    (folder / "out" / "summary.json").unlink()
+    assert cli.main(["optimise", "design.toml", "--out", "fresh"]) == 2  # a key without derivative is told at once
