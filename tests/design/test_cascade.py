@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from contbed.cli import main
+from contbed.design.cascade import band, particles
 from contbed.design.cascade.run import cascade
 from contbed.design.gradients import gradient
 from contbed.errors import SceneError
@@ -38,6 +39,14 @@ def written(folder, text=FILE, scene=SCENE):
     (folder / "bed.toml").write_text(scene)
     (folder / "cascade.toml").write_text(text)
     return folder / "cascade.toml"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_runs():
+    """Three samples for the part of the fit, which is small: what is tested here does not depend on their number."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(band, "FIT_SAMPLES", 3)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -89,8 +98,6 @@ def test_part_of_the_laws_is_their_scatter(found):
 
 
 def test_second_command_computes_nothing(found, monkeypatch):
-    from contbed.design.cascade import particles
-
     monkeypatch.setattr(particles, "pack", None)
     monkeypatch.setattr(particles, "bed_nusselt", None)
     again = cascade(found.cascade.path, found.folder)
@@ -100,8 +107,6 @@ def test_second_command_computes_nothing(found, monkeypatch):
 
 def test_interrupted_cascade_goes_on(found, tmp_path, monkeypatch):
     """Ctrl-C in a packing, in a point of one and in a run: the same command ends with the same numbers."""
-    from contbed.design.cascade import band, particles
-
     path = written(tmp_path)
     for module, name, when in ((particles, "pack", 2), (particles, "bed_nusselt", 7), (band, "compute", 9)):
         left, function = [when], getattr(module, name)
@@ -137,8 +142,6 @@ def test_files(found, capsys):
 
 
 def test_particles_that_nothing_needs_are_not_asked(tmp_path, monkeypatch):
-    from contbed.design.cascade import particles
-
     monkeypatch.setattr(particles, "bed_nusselt", None)
     text = FILE.replace(
         'conduction = ["cones", "columns"], exchange = [{ name = "power", a = 1.2, b = 0.5 }, "gunn"]',
