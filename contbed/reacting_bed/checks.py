@@ -29,13 +29,15 @@ Reactions = dict[str, s.Reaction]
 Boundaries = dict[str, s.Boundary]
 
 
-def compositions_sum_to_one(fluid: Any, solid: s.Solids | None) -> Mistakes:
+def compositions_sum_to_one(fluid: Any, solid: s.Solids | None, time: s.Time | None) -> Mistakes:
     """Check that fractions sum to one, where they are no amounts in moles."""
     gas = fluid.composition
     texts = gas.values if isinstance(gas, CompositionSeries) else [gas]
     given: list[tuple[KeyPath, str | None]] = [(("fluid", "composition"), text) for text in texts]
     if solid is not None:
         given.append((("solid", "composition"), solid.composition))
+    if time is not None:
+        given.append((("time", "initial_composition"), time.initial_composition))
     for path, text in given:
         if text is None:
             continue
@@ -200,6 +202,8 @@ def particles_are_known(
     if flow.velocity_solid and solid is None:
         yield ("flow", "velocity_solid"), "there is no [solid]; give it, with composition, or density and heat_capacity"
     if solid is None:
+        if heat is not None and time is not None:
+            yield ("solid",), "missing; particles whose temperature changes hold heat: give density and heat_capacity"
         for name, table in reactions.items():
             if table.basis == "catalyst" or str(table.law).startswith("xu_froment"):
                 yield (
@@ -319,6 +323,9 @@ def times_are_in_order(time: s.Time | None, continuation: s.Continuation | None,
     for index, instant in enumerate(time.times):
         if instant > time.end:
             yield ("time", "times", index), f"{instant:g} s is after the end; see {see('time.end')}"
+    if time.gas == "quasi_steady" and time.initial_composition is not None:
+        key = ("time", "initial_composition")
+        yield key, f"has no meaning for a gas that follows at once; see {see('time.gas')}"
     if continuation is not None:
         yield ("continuation",), f"follows steady states, and the scene is transient; see {see('time')}"
 

@@ -18,6 +18,7 @@ from contbed.reacting_bed.substances import substances
 from contbed.scene.toml_lines import KeyPath
 
 TRANSIENT_CELLS = 60  # of one length, through which fronts move
+SHORT_RESIDENCE = 0.01  # of the gas over the times in which something changes, below which it is quasi-steady
 FIRST_LAYER = 1e-4  # length of the first and last cell over that of the bed
 
 
@@ -28,6 +29,7 @@ class Plan:
     scene: s.ReactingScene
     problem: Problem
     schedule: Schedule
+    stores_gas: bool
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
@@ -79,7 +81,27 @@ def plan(scene: s.ReactingScene) -> Plan:
         if any(text.startswith((scene.origin.name, "override")) for text in error.problems):
             raise
         raise SceneError([f"{scene.origin.at(_place(text))}: {text}" for text in error.problems]) from None
-    return Plan(scene, problem, schedule, *_lists(scene, problem, schedule))
+    stores_gas, reason = _gas_storage(scene, problem, schedule)
+    built, skipped = _lists(scene, problem, schedule)
+    if scene.time is not None:
+        (built if stores_gas else skipped).append(("storage in the gas", reason))
+    return Plan(scene, problem, schedule, stores_gas, tuple(built), tuple(skipped))
+
+
+def _gas_storage(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -> tuple[bool, str]:
+    """Return whether the gas is stored in time, and why."""
+    time = scene.time
+    if time is None:
+        return False, ""
+    moments = schedule.moments() or [0.0]
+    delay = max(problem.within(schedule.frozen(scene, moment)).gas_residence for moment in moments)
+    shortest = schedule.shortest(time.end)
+    what = "the run" if len(schedule.cuts(time.end)) == 2 else "the shortest time between changes of the streams"
+    size = f"the gas stays for {delay:.3g} s, {delay / shortest:.2g} of {what}"
+    if time.gas != "auto":
+        return time.gas == "stored", f'time.gas = "{time.gas}"; {size}'
+    stored = delay > SHORT_RESIDENCE * shortest or time.initial_composition is not None
+    return stored, size if stored else f"what leaves is early by that: {size}"
 
 
 def _at_start(scene: s.ReactingScene, schedule: Schedule) -> Problem:
@@ -105,7 +127,7 @@ def _place(text: str) -> KeyPath:
 
 def _lists(
     scene: s.ReactingScene, problem: Problem, schedule: Schedule
-) -> tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...]]:
+) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
     layout, species = problem.layout, problem.species
     built = [
         ("cells", f"{problem.line.cells} to begin with, polynomials of degree {scene.solver.degree}"),
@@ -142,6 +164,4 @@ def _lists(
         assert scene.time is not None
         keys = ", ".join(".".join(str(part) for part in path) for path in schedule.samples)
         built.append(("time series", f"{keys}, in {len(schedule.cuts(scene.time.end)) - 1} pieces"))
-    if scene.time is not None:
-        skipped.append(("storage in the gas", "the gas holds little beside the particles: it is quasi-steady"))
-    return tuple(built), tuple(skipped)
+    return built, skipped

@@ -180,6 +180,10 @@ class Problem:
         """Return the problem with all rates multiplied by a factor."""
         return replace(self, bed=replace(self.bed, strength=strength))
 
+    def with_gas_stored(self, pressure: Any) -> Problem:
+        """Return the problem whose gas is stored in time at a pressure [Pa], one number or one for each node."""
+        return replace(self, bed=replace(self.bed, gas_pressure=pressure))
+
     def with_small(self, small: float | None) -> Problem:
         """Return the problem with powers of what is left of a solid made straight below another share."""
         return replace(self, bed=replace(self.bed, small=small))
@@ -262,6 +266,13 @@ class Problem:
             elif moves or name == "T_solid":
                 given[end][k], flux[end][k] = True, at[k] if moves else 0.0
         return Ends((flux[0], flux[1]), (given[0], given[1]), (value[0], value[1]))
+
+    @property
+    def gas_residence(self) -> float:
+        """Time that the gas as it enters takes through the pores of the bed [s]."""
+        streams, scene = self.streams, self.scene
+        u = abs(sum(streams.gas.values())) * R_GAS * streams.T_gas / streams.pressure
+        return scene.bed.porosity * scene.mesh.length / u
 
     @property
     def mixing_temperature(self) -> float:

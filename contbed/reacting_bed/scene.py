@@ -273,12 +273,20 @@ class Continuation(Table):
 
 
 class Time(Table):
-    """A transient run, in which the gas follows at once; absent means steady."""
+    """A transient run; absent means steady."""
 
     end: Seconds
     times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
     initial_temperature: Temperature | None = Field(
-        None, description="of the particles at the start; absent: that of the gas that enters"
+        None, description="of gas and particles at the start; absent: that of the gas that enters"
+    )
+    initial_composition: str | None = Field(
+        None, description="of the gas in the bed at the start, where it is stored; absent: of the gas that enters"
+    )
+    gas: Literal["auto", "quasi_steady", "stored"] = Field(
+        "auto",
+        description="storage in the gas between particles; auto leaves it out where its residence time is below 1 % of "
+        "the times in which streams change and of the run",
     )
     tolerance: Fraction = Field(1e-4, description="local error over typical sizes of the fields, of an order below")
     checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")

@@ -138,11 +138,16 @@ class Storage:
         values: list[Any] = [Dual(x, {k: one}) for k, x in enumerate(flat)] if jacobian else list(flat)
         state = problem.bed.state(values)
         parts: list[Any] = [0.0] * m
+        gas, heat = problem.bed.held_by_gas(state) if problem.bed.gas_pressure is not None else ({}, 0.0)
         for k, name in enumerate(names):
             if name.startswith("n_"):
                 parts[k] = values[k]
+            elif name.startswith("g_") and gas:
+                parts[k] = gas[name[2:]]
+            elif name == "T_fluid":
+                parts[k] = heat
             elif name in ("T_solid", "T"):
-                parts[k] = problem.bed.held_by_solids(state)
+                parts[k] = problem.bed.held_by_solids(state) + (heat if name == "T" else 0.0)
             if name in ("T_solid", "T") and not problem.bed.inert and not state.n:
                 parts[k] = NO_DATA * values[k]
         table = np.array([np.broadcast_to(getattr(p, "value", p), one.shape) for p in parts]).reshape(u.shape)

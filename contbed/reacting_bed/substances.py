@@ -93,7 +93,9 @@ def substances(scene: s.ReactingScene) -> Substances:
     if isinstance(fluid, s.GasCantera):
         mechanism = Mechanism.read(find_mechanism(fluid.mechanism, scene.origin.base))
     gas_names, tables = [], solids_tables(scene)
-    for name in [*entering, *sorted(named)]:
+    at_start = None if scene.time is None else scene.time.initial_composition
+    filling = [] if at_start is None else mole_fractions(at_start)
+    for name in [*entering, *filling, *sorted(named)]:
         if name in solids or name in gas_names:
             continue
         if name in fluid.species or (mechanism is not None and name in mechanism.names):

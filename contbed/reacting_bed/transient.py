@@ -1,17 +1,10 @@
-"""Steps in time of a reacting bed: particles store moles and heat, the gas follows at once.
+"""Steps in time of a reacting bed: particles store moles and heat, the gas too or it follows at once.
 
-    d/dt C(u) + R(u, t) = 0,    C what particles hold per volume of bed, zero for equations of the gas
+    d/dt C(u) + R(u, t) = 0,    C what is held per volume of bed, zero for equations of a gas that follows at once
 
-Two stages of an L-stable diagonally implicit method of order 2 with gamma = 1 - 1/sqrt(2), written for C:
-
-    C(U1) = C_n - gamma dt R(U1, t + gamma dt),
-    C(u) = C_n - (1 - gamma) dt R(U1, t + gamma dt) - gamma dt R(u, t + dt)
-
-What is stored is exactly what has passed the ends, weighted as the stages are. Steps follow the difference to a method
-of order 1, filtered by the matrix of the last stage. None crosses a jump or kink of a series: streams that enter have
-at each stage the values of its time, and those before a jump where it ends there.
-
-Source: Alexander 1977, SIAM J. Numer. Anal. 14, 1006-1021, doi:10.1137/0714068.
+What is stored is exactly what has passed the ends, weighted as the stages of a step are (`stages`). No step crosses a
+jump or kink of a series: streams that enter have at each stage the values of its time, and those before a jump where it
+ends there.
 """
 
 from __future__ import annotations
@@ -26,20 +19,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.errors import ConvergenceError
-from contbed.fem.line_blocks import Factors
+from contbed.materials.composition import mole_fractions
 from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import Schedule
+from contbed.reacting_bed.stages import GAMMA, stages
 from contbed.reacting_bed.transient_results import contents, fill
 from contbed.result import Result
 from contbed.scene.identity import identity
 
 Array = NDArray[np.float64]
 Save = Callable[[History], None]
-GAMMA = 1.0 - 0.5**0.5
 SMOOTH = 1e-5  # share of a solid that is left, below which its powers are straight lines
 FIRST_STEP = 1e-5  # of the whole time, at the start and after a jump
 SHORTEST_STEP = 1e-12  # of the whole time, below which a run is given up
@@ -55,6 +48,25 @@ class Course:
     problem: Problem
     schedule: Schedule
 
+    @classmethod
+    def of(cls, scene: s.ReactingScene, problem: Problem, schedule: Schedule, stores_gas: bool) -> Course:
+        """Return the bed of a plan; a gas that is stored is so at the pressures of the first moment.
+
+        Raises
+        ------
+        ConvergenceError : these are not found
+        """
+        course = cls(scene, problem.with_small(SMOOTH), schedule)
+        if not stores_gas:
+            return course
+        pressure: Any = problem.bed.p_in
+        if problem.layout.pressure:
+            u = course.start()
+            storage = solve.Storage.after(course.problem, u, FIRST_STEP * course.time.end)
+            at_once = solve.newton(course.problem, u, solve.Report(), storage, most=solve.FIRST_ITERATIONS)
+            pressure = at_once[problem.layout.names.index("p")].ravel()
+        return replace(course, problem=course.problem.with_gas_stored(pressure))
+
     @property
     def time(self) -> s.Time:
         """The [time] table."""
@@ -66,6 +78,17 @@ class Course:
         if not self.schedule:
             return self.problem
         return self.problem.within(self.schedule.frozen(self.scene, time, before))
+
+    def start(self) -> Array:
+        """Return the state at the start (m, N, p + 1)."""
+        problem, time = self.problem, self.time
+        u = problem.start(time.initial_temperature or problem.streams.T_gas)
+        if time.initial_composition is not None:
+            fractions = mole_fractions(time.initial_composition)
+            moles = sum(problem.streams.gas.values())
+            for k, name in enumerate(problem.layout.gases):
+                u[k] = fractions.get(name, 0.0) * moles
+        return u
 
     def stops(self) -> list[float]:
         """Return the times at which a step ends: output times, and jumps and kinks of the series [s]."""
@@ -124,11 +147,10 @@ def run_transient(
 
 def begin(course: Course) -> History:
     """Return the history at the start of a run."""
-    problem = course.at(0.0, before=False)
-    time = course.time
-    u = problem.start(time.initial_temperature or problem.streams.T_gas)
+    u = course.start()
     m = len(u)
-    return History(u, FIRST_STEP * time.end, contents(problem, u), np.zeros((m, 2)), np.zeros(m))
+    held = contents(course.problem, u)
+    return History(u, FIRST_STEP * course.time.end, held, np.zeros((m, 2)), np.zeros(m))
 
 
 def march(course: Course, history: History, report: solve.Report) -> Iterator[History]:
@@ -216,30 +238,6 @@ def turned(problem: Problem, u: Array) -> Array:
     gas = [k for k, name in enumerate(names) if name.startswith("g_")]
     out[gas] *= sum(problem.streams.gas.values()) / u[gas].sum(axis=0).mean()
     return out
-
-
-def stages(
-    problems: tuple[Problem, Problem], u: Array, guess: Array, dt: float, report: solve.Report
-) -> tuple[Array, Array, float]:
-    """Return both stages of a step from a state, and the estimate of its local error over typical sizes.
-
-    problems : at the times of the stages; guess : of the first
-    """
-    one, two = (solve.Storage(problem, np.zeros_like(u), GAMMA * dt, loose=False) for problem in problems)
-    before = one.content(u, False)[0]
-    one = solve.Storage(problems[0], before, GAMMA * dt, loose=False)
-    first = solve.newton(problems[0], guess, report, one, most=solve.FIRST_ITERATIONS)
-    slope = (one.content(first, False)[0] - before) / (GAMMA * dt)
-    target = before + (1.0 - GAMMA) * dt * slope
-    two = solve.Storage(problems[1], target, GAMMA * dt, loose=False)
-    last = solve.newton(problems[1], first, report, two, most=solve.FIRST_ITERATIONS)
-    change = slope - (two.content(last, False)[0] - target) / (GAMMA * dt)
-    line = problems[1].line
-    difference = (0.5 - GAMMA) / GAMMA * change * line.weights * line.h[:, None]
-    _, blocks = problems[1].system.assemble(last)
-    blocks[1][...] += two(last, True)[1]
-    filtered = Factors(blocks).solve(difference) / problems[1].sizes[:, None, None]
-    return first, last, float(np.abs(filtered).max())
 
 
 def outlet(problem: Problem, u: Array, fluxes: Array, time: float) -> dict[str, float]:

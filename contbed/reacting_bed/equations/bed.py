@@ -94,6 +94,7 @@ class Bed:
     T_in: float
     strength: float = 1.0  # factor of all rates
     small: float | None = None  # share of a solid below which powers of it are straight lines; None: that of the laws
+    gas_pressure: Any = None  # [Pa] at the nodes, at which the gas is stored in time; None: it follows at once
 
     def state(self, u: Sequence[Any]) -> State:
         """Return the state at points from the unknowns."""
@@ -176,6 +177,20 @@ class Bed:
         T = state.T_solid
         total: Any = sum(n * self.enthalpies[name](T) for name, n in state.n.items())
         return total + sum(n * h(T) for n, h in self.inert)
+
+    def held_by_gas(self, state: State) -> tuple[dict[str, Any], Any]:
+        """Return the moles of each gas in the pores, and their enthalpy [per m3 bed].
+
+        The pressure is `gas_pressure`, constant in time: a flow and a pressure that are both given where the gas enters
+        leave no freedom to store more by compression.
+        """
+        eps = self.medium.porosity
+        molar = self.gas_pressure / (R_GAS * np.maximum(state.T_fluid, LEAST_T))
+        held = {name: eps * molar * x for name, x in state.x.items()}
+        if not self.layout.temperatures:
+            return held, 0.0
+        enthalpy: Any = sum(c * self.enthalpies[name](state.T_fluid) for name, c in held.items())
+        return held, enthalpy
 
     def _energies(
         self,

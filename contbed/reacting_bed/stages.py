@@ -1,0 +1,101 @@
+"""One step in time of a reacting bed, d/dt C(u) + R(u, t) = 0 with what is held C and fluxes less sources R.
+
+Two stages of an L-stable diagonally implicit method of order 2 with gamma = 1 - 1/sqrt(2), written for C, so that what
+is stored is exactly what has passed:
+
+    C(U1) = C_n - gamma dt R(U1, t + gamma dt),
+    C(u) = C_n - (1 - gamma) dt R(U1, t + gamma dt) - gamma dt R(u, t + dt)
+
+Both have the same matrix C'/(gamma dt) + R' but for the change of the state: it is computed and factorised once for a
+step and again only where corrections do not fall fast. The error of a step is the difference to a method of order 1,
+filtered by this matrix.
+
+Source: Alexander 1977, SIAM J. Numer. Anal. 14, 1006-1021, doi:10.1137/0714068.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.fem.line_blocks import Factors
+from contbed.reacting_bed import solve
+from contbed.reacting_bed.problem import Problem
+
+Array = NDArray[np.float64]
+GAMMA = 1.0 - 0.5**0.5
+SLOWEST = 0.2  # factor by which a correction with an older matrix has to fall
+CORRECTIONS = 12  # at most, with an older matrix
+ROUNDING = 1e-14  # of typical sizes, below which what is left of an error does not open balances
+
+
+def stages(
+    problems: tuple[Problem, Problem], u: Array, guess: Array, dt: float, report: solve.Report
+) -> tuple[Array, Array, float]:
+    """Return both stages of a step from a state, and the estimate of its local error over typical sizes.
+
+    Parameters
+    ----------
+    problems : at the times of the stages
+    u : state at the begin of the step (m, N, p + 1)
+    guess : of the first stage
+    dt : length of the step [s]
+
+    Raises
+    ------
+    ConvergenceError : a stage is not found
+    """
+    before = solve.Storage(problems[0], np.zeros_like(u), GAMMA * dt).content(u, False)[0]
+    one = solve.Storage(problems[0], before, GAMMA * dt, loose=False)
+    first, factors = _solved(problems[0], guess, report, one, None)
+    slope = (one.content(first, False)[0] - before) / (GAMMA * dt)
+    target = before + (1.0 - GAMMA) * dt * slope
+    two = solve.Storage(problems[1], target, GAMMA * dt, loose=False)
+    last, factors = _solved(problems[1], first, report, two, factors)
+    change = slope - (two.content(last, False)[0] - target) / (GAMMA * dt)
+    line = problems[1].line
+    difference = (0.5 - GAMMA) / GAMMA * change * line.weights * line.h[:, None]
+    filtered = factors.solve(difference) / problems[1].sizes[:, None, None]
+    return first, last, float(np.abs(filtered).max())
+
+
+def _matrix(problem: Problem, u: Array, storage: solve.Storage) -> Factors:
+    _, blocks = problem.system.assemble(u)
+    blocks[1][...] += storage(u, True)[1]
+    return Factors(blocks)
+
+
+def _solved(
+    problem: Problem, guess: Array, report: solve.Report, storage: solve.Storage, factors: Factors | None
+) -> tuple[Array, Factors]:
+    """Return the solution of a stage, and the last matrix; that of the former stage is used as long as it serves."""
+    with np.errstate(all="ignore"):
+        for known in (factors, None):
+            if known is None:
+                known = _matrix(problem, guess, storage)
+            found = _corrected(problem, guess, report, storage, known)
+            if found is not None:
+                return found, known
+        found = solve.newton(problem, guess, report, storage, most=solve.FIRST_ITERATIONS)
+        return found, _matrix(problem, found, storage)
+
+
+def _corrected(
+    problem: Problem, u: Array, report: solve.Report, storage: solve.Storage, factors: Factors
+) -> Array | None:
+    """Return the solution by corrections with one matrix; None where they do not fall fast."""
+    scale = problem.sizes[:, None, None]
+    before = np.inf
+    for _ in range(CORRECTIONS):
+        residual = problem.system.assemble(u, False)[0] + storage(u, False)[0]
+        report.history.append(solve.measure(problem, residual))
+        du = factors.solve(-residual)
+        change = float(np.abs(du / scale).max())
+        if not change < SLOWEST * before or solve.limited(problem, u, du) < 1.0:
+            return u if change < ROUNDING else None
+        u = u + du
+        rate = change / before if np.isfinite(before) else SLOWEST
+        if change * rate < ROUNDING:
+            return u
+        before = change
+    return None
