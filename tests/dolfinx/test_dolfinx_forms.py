@@ -18,7 +18,7 @@ from contbed.fem.dolfinx import on_dolfinx
 from contbed.loading import from_dict
 from contbed.models import plan as make_plan
 from contbed.packed_bed.run import _heat_problem, solved_flow
-from contbed.radiation.run import _problem as _radiation_problem
+from contbed.radiation.run import problem_of
 from contbed.result import Result
 from contbed.solvers.linear import bordered, constrain, scaled
 
@@ -36,7 +36,7 @@ def problems(name: str):
     if made.scene.kind in POINTWISE:
         return POINTWISE[made.scene.kind](one), POINTWISE[made.scene.kind](other)
     if made.scene.heat is None:
-        return _radiation_problem(one), _radiation_problem(other)
+        return problem_of(one), problem_of(other)
     flow = None if made.plug else solved_flow(one, None, Result(one))
     return _heat_problem(one, flow, Result(one)), _heat_problem(other, flow, Result(other))
 
