@@ -107,6 +107,7 @@ _FIELDS = (
     Field("T_NAME", r"T_\mathrm{NAME}", "K", "temperature of a species, a gas or a surface", lower=0.0),
     Field("h_NAME_water", r"h_\mathrm{NAME}", "kJ/kg", "enthalpy of water inside of a surface"),
     Field("x_NAME", r"x_\mathrm{NAME}", "1", "mole fraction of a gas"),
+    Field("q_NAME", r"q_\mathrm{NAME}", "mol/kg", "moles of a gas in the particles, adsorbed and in pores, per mass"),
     Field("moisture", r"n_\mathrm{H_2O}", "mol/m", "moisture of the fuel held per height"),
     Field("volatiles", r"m_\mathrm{v}", "kg/m", "mass of volatiles held per height"),
     Field("char", r"n_\mathrm{C}", "mol/m", "char held per height"),

@@ -117,7 +117,9 @@ def _only_radiates(values: Mapping[str, Any]) -> bool:
 
 def _reacts(values: Mapping[str, Any]) -> bool:
     solid, flow = values.get("solid"), values.get("flow")
-    if _has("reactions", "mass")(values) or any(get_close_matches(name, ["reactions"], cutoff=0.8) for name in values):
+    if _has("reactions", "mass", "adsorption")(values) or any(
+        get_close_matches(name, ["reactions"], cutoff=0.8) for name in values
+    ):
         return True
     return (isinstance(solid, dict) and "composition" in solid) or (
         isinstance(flow, dict) and not {"mass_flux", "molar_flux"}.isdisjoint(flow)

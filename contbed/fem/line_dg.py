@@ -184,22 +184,24 @@ class System:
         """Return upwind values, values and gradients on the other side, each (m, N + 1)."""
         line = self.line
         shape = (self.m, line.cells + 1)
-        up, down, slope = np.empty(shape), np.empty(shape), np.empty(shape)
         low, high = u @ line.left, u @ line.right
-        qlow, qhigh = q @ line.left, q @ line.right
         left, right = self.ends.value
-        for f in range(self.m):
-            from_left = np.concatenate([[left[f] if np.isfinite(left[f]) else low[f, 0]], high[f]])
-            from_right = np.concatenate([low[f], [right[f] if np.isfinite(right[f]) else high[f, -1]]])
-            slope_left = np.concatenate([[qlow[f, 0]], qhigh[f]])
-            slope_right = np.concatenate([qlow[f], [qhigh[f, -1]]])
-            ahead = self.ahead[f]
-            up[f] = from_left if ahead else from_right
-            down[f] = from_right if ahead else from_left
-            slope[f] = slope_right if ahead else slope_left
+        # values at the vertices from the cell on the left and on the right; at an end what is prescribed, or the inside
+        from_left, from_right = np.empty(shape), np.empty(shape)
+        from_left[:, 1:], from_right[:, :-1] = high, low
+        from_left[:, 0] = np.where(np.isfinite(left), left, low[:, 0])
+        from_right[:, -1] = np.where(np.isfinite(right), right, high[:, -1])
+        ahead = self.ahead[:, None]
+        up, down = np.where(ahead, from_left, from_right), np.where(ahead, from_right, from_left)
         # at an end that a field leaves by, the other side is the inside as well
         down[self.ahead, -1] = high[self.ahead, -1]
         down[~self.ahead, 0] = low[~self.ahead, 0]
+        slope = np.zeros(shape)
+        if self.diffuses.any():
+            qlow, qhigh = q @ line.left, q @ line.right
+            slope_left = np.concatenate([qlow[:, :1], qhigh], axis=1)
+            slope_right = np.concatenate([qlow, qhigh[:, -1:]], axis=1)
+            slope = np.where(ahead, slope_right, slope_left)
         return up, down, slope
 
     def fluxes(self, u: Array) -> Array:
@@ -340,7 +342,10 @@ def _seeded(u: Array, q: Array, diffuses: Any, jacobian: bool) -> tuple[Values, 
 
 
 def _values(parts: Values, shape: tuple[int, ...], m: int) -> Array:
-    return np.array([np.broadcast_to(_plain(part), shape) for part in parts]).reshape(m, *shape)
+    out = np.empty((m, *shape))
+    for k, part in enumerate(parts):
+        out[k] = _plain(part)
+    return out
 
 
 def _plain(part: Any) -> Any:

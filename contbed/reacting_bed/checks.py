@@ -11,6 +11,12 @@ from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions, names_in
 from contbed.materials.elements import elements_of
 from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.adsorption_checks import (
+    adsorbed_gases_are_there,
+    adsorbed_gases_do_not_react_there,
+    particles_can_adsorb,
+    uptake_has_a_meaning,
+)
 from contbed.reacting_bed.inlet_series import SUM, CompositionSeries, constant
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
@@ -316,14 +322,16 @@ def the_parameter_is_a_number(
         yield ("continuation", "back_to"), f"lies on the same side of the value in the scene, {found:g}, as `to`"
 
 
-def times_are_in_order(time: s.Time | None, continuation: s.Continuation | None, see: See) -> Mistakes:
+def times_are_in_order(
+    time: s.Time | None, continuation: s.Continuation | None, adsorption: dict[str, s.Adsorption], see: See
+) -> Mistakes:
     """Check that output times lie within the run, and that a branch is one of steady states."""
     if time is None:
         return
     for index, instant in enumerate(time.times):
         if instant > time.end:
             yield ("time", "times", index), f"{instant:g} s is after the end; see {see('time.end')}"
-    if time.gas == "quasi_steady" and time.initial_composition is not None:
+    if time.gas == "quasi_steady" and time.initial_composition is not None and not adsorption:
         key = ("time", "initial_composition")
         yield key, f"has no meaning for a gas that follows at once; see {see('time.gas')}"
     if continuation is not None:
@@ -348,6 +356,10 @@ CHECKS: tuple[Check, ...] = (
         )
     ),
     heat_fits_the_bed,
+    adsorbed_gases_are_there,
+    particles_can_adsorb,
+    adsorbed_gases_do_not_react_there,
+    uptake_has_a_meaning,
     closures_exist,
     particles_fit,
     positions_are_inside,

@@ -100,7 +100,8 @@ def _gas_storage(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -
     size = f"the gas stays for {delay:.3g} s, {delay / shortest:.2g} of {what}"
     if time.gas != "auto":
         return time.gas == "stored", f'time.gas = "{time.gas}"; {size}'
-    stored = delay > SHORT_RESIDENCE * shortest or time.initial_composition is not None
+    fills = time.initial_composition is not None and not scene.adsorption  # where no particles hold gas as well
+    stored = delay > SHORT_RESIDENCE * shortest or fills
     return stored, size if stored else f"what leaves is early by that: {size}"
 
 
@@ -156,8 +157,10 @@ def _lists(
             built.append(("dispersion of species", "axial"))
         if layout.films:
             built.append(("films", f"{', '.join(layout.films)} at the particles"))
-        elif scene.mass.sherwood is not None and not any(r.own_film for r in problem.reactions):
+        elif scene.mass.sherwood is not None and not (layout.inside or any(r.own_film for r in problem.reactions)):
             skipped.append(("films", "no reaction at particles needs them"))
+    if problem.choice is not None:
+        built.append((f"adsorption of {', '.join(layout.inside)}", str(problem.choice)))
     for reaction in problem.reactions:
         built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else "at the particles"))
     if schedule:

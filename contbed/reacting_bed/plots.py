@@ -13,7 +13,13 @@ from contbed.output.plots import plain_ticks, styled_figure
 from contbed.result import Result
 
 COLOURS = ("#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2", "#999999")
-PANELS = (("T_", "T [K]"), ("x_", "mole fraction"), ("w_", "mass fraction of solids"), ("p_gas", "p [Pa]"))
+PANELS = (
+    ("T_", "T [K]"),
+    ("x_", "mole fraction"),
+    ("w_", "mass fraction of solids"),
+    ("q_", "loading [mol/kg]"),
+    ("p_gas", "p [Pa]"),
+)
 FLAT = 1e-9  # relative range below which a panel is left out
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,13 +15,15 @@ from contbed.fem.line_dg import Ends, Line, System
 from contbed.materials.composition import mole_fractions
 from contbed.materials.thermo import T_STANDARD
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.equations.bed import Bed, Layout, State
+from contbed.reacting_bed.equations.bed import Bed, Layout, State, conserved
 from contbed.reacting_bed.inlet_series import constant
+from contbed.reacting_bed.inside import Choice, inside_of
 from contbed.reacting_bed.kinetics import Reaction, reactions_of
 from contbed.reacting_bed.medium import Medium
 from contbed.reacting_bed.substances import Substances, substances
 
 Array = NDArray[np.float64]
+LARGE_T = 1e3  # [K], of the temperatures of most reactors
 LITTLE_DROP = 1e-3  # share of the pressure below which its drop is left out
 
 
@@ -112,6 +114,8 @@ class Problem:
     reactions: tuple[Reaction, ...]
     bed: Bed
     line: Line
+    choice: Choice | None = None  # of what is resolved inside of particles that adsorb
+    peaks: Mapping[str, float] = field(default_factory=dict)  # largest mole fractions of gases that are adsorbed
 
     @classmethod
     def of(cls, scene: s.ReactingScene, vertices: Array, species: Substances | None = None) -> Problem:
@@ -161,7 +165,26 @@ class Problem:
             entering.pressure,
             entering.T_gas,
         )
-        return cls(scene, species, entering, reactions, bed, Line(vertices, scene.solver.degree))
+        made = cls(scene, species, entering, reactions, bed, Line(vertices, scene.solver.degree))
+        return made._with_inside() if scene.adsorption else made
+
+    def _with_inside(self) -> Problem:
+        """Return the problem whose particles take up gas."""
+        at_inlet = self._state_entering(self.streams.T_gas, self.streams.T_solid)
+        density = self.streams.solids_density / (1.0 - self.scene.bed.porosity)
+        inside, choice = inside_of(self.scene, self.bed, at_inlet, density)
+        assert inside is not None
+        layout = replace(self.layout, inside=inside.gases, points=inside.count)
+        made = replace(self, bed=replace(self.bed, inside=inside, layout=layout), choice=choice)
+        return made.with_peaks(at_inlet.x)
+
+    def with_peaks(self, fractions: Mapping[str, float]) -> Problem:
+        """Return the problem whose adsorbed gases are measured by their largest mole fractions, where these are known.
+
+        Other gases are measured by the flux of all: reactions make much of what enters as a trace.
+        """
+        known = {name: float(x) for name, x in fractions.items() if name in self.layout.inside and x > 0.0}
+        return replace(self, peaks={**self.peaks, **known})
 
     def on(self, vertices: Array) -> Problem:
         """Return the problem on other cells."""
@@ -202,7 +225,7 @@ class Problem:
     def _directions(self) -> list[int]:
         gas = 1 if self.streams.ahead else -1
         solid = -1 if self.bed.velocity_solid < 0 else 1
-        return [solid if name.startswith("n_") or name == "T_solid" else gas for name in self.layout.names]
+        return [solid if name.startswith(("n_", "a_")) or name == "T_solid" else gas for name in self.layout.names]
 
     @property
     def _diffuses(self) -> list[bool]:
@@ -223,7 +246,8 @@ class Problem:
         total = sum(streams.gas.values())
         one |= {f"g_{name}": g for name, g in streams.gas.items()}
         one |= {f"s_{name}": g / total * molar for name, g in streams.gas.items()}
-        return one | {f"n_{name}": n for name, n in streams.solid.items()}
+        clean = {name: 0.0 for name in self.layout.names if name.startswith("a_")}
+        return one | clean | {f"n_{name}": n for name, n in streams.solid.items()}
 
     def _state_entering(self, T_gas: float, T_solid: float) -> State:
         values = self.entering | {"T": T_gas, "T_fluid": T_gas, "T_solid": T_solid}
@@ -294,27 +318,33 @@ class Problem:
                 out[k] = T
         return out
 
+    @property
+    def moles(self) -> float:
+        """Molar flux of the gas that enters [mol/m2/s]."""
+        return abs(sum(self.streams.gas.values()))
+
+    def _share(self, name: str) -> float:
+        """Return the mole fraction by which an unknown of a gas is measured."""
+        return self.peaks.get(conserved(name) or name, 1.0)
+
     @cached_property
     def sizes(self) -> Array:
         """Typical values of the unknowns (m,)."""
-        moles = abs(sum(self.streams.gas.values()))
         solids = max(sum(self.streams.solid.values()), 1e-30)
         molar = self.streams.pressure / (R_GAS * self.streams.T_gas)
-        found = []
-        for name in self.layout.names:
-            kind = name.split("_")[0]
-            found.append({"g": moles, "n": solids, "T": 1e3, "p": self.streams.pressure, "s": molar}[kind])
-        return np.array(found)
+        one = {"g": self.moles, "n": solids, "p": self.streams.pressure, "s": molar, "a": molar}
+        names = self.layout.names
+        return np.array([one.get(name.split("_")[0], LARGE_T) * self._share(name) for name in names])
 
     @cached_property
     def flux_sizes(self) -> Array:
         """Typical fluxes of the equations (m,)."""
-        moles = abs(sum(self.streams.gas.values()))
+        moles = self.moles
         solids = abs(self.bed.velocity_solid) * max(sum(self.streams.solid.values()), 1e-30)
         cp = 30.0  # [J/mol/K], of most gases
-        sizes: dict[str, float] = {"g": moles, "n": max(solids, 1e-9 * moles), "p": self.streams.pressure, "s": moles}
-        heat = moles * cp * 1e3 + solids * 1e5
-        return np.array([sizes.get(name.split("_")[0], heat) for name in self.layout.names])
+        one = {"g": moles, "n": max(solids, 1e-9 * moles), "p": self.streams.pressure, "s": moles, "a": moles}
+        heat = moles * cp * LARGE_T + solids * 1e5
+        return np.array([one.get(name.split("_")[0], heat) * self._share(name) for name in self.layout.names])
 
     def state(self, u: Array) -> State:
         """Return what follows from values of the unknowns (m, points)."""

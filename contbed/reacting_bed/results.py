@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from contbed.balance import Balance
 from contbed.closures.reactions import R_GAS
 from contbed.materials.thermo import T_STANDARD, Equilibrium
-from contbed.reacting_bed.equations.bed import State
+from contbed.reacting_bed.equations.bed import State, conserved
 from contbed.reacting_bed.laws import IRON
 from contbed.reacting_bed.problem import Problem
 from contbed.result import Result, outside
@@ -45,12 +45,24 @@ def profiles(problem: Problem, u: Array) -> dict[str, Array]:
     out = {"x [m]": x, "T_fluid [K]": state.T_fluid * ones, "T_solid [K]": state.T_solid * ones}
     out |= {"p_gas [Pa]": state.p * ones, "u [m/s]": state.u * ones}
     out |= {f"x_{name} [1]": value * ones for name, value in state.x.items()}
+    out |= loadings(problem, state, ones)
     solids = solids_at(problem, state, ones)
     mass = sum(n * problem.species.solids[name].molar_mass for name, n in solids.items())
     if problem.layout.solids:
         for name, n in solids.items():
             out[f"w_{name} [1]"] = n * problem.species.solids[name].molar_mass / mass
     return out
+
+
+def loadings(problem: Problem, state: State, ones: Array) -> dict[str, Array]:
+    """Return the moles of each gas inside of particles, adsorbed and in their pores, per mass of particles."""
+    inside = problem.bed.inside
+    if inside is None:
+        return {}
+    held = inside.held(state.inner, state.T_solid)[0]
+    return {
+        f"q_{name} [mol/kg]": sum(points) / (inside.solids * inside.density) * ones for name, points in held.items()
+    }
 
 
 def solids_at(problem: Problem, state: State, ones: Array) -> dict[str, Array]:
@@ -176,8 +188,7 @@ def _balances(problem: Problem, u: Array, fluxes: Mapping[str, Array], result: R
     for element in elements:
         streams = []
         for name in names:
-            key = name[2:]
-            if name[:2] in ("g_", "n_"):
+            if (key := conserved(name)) is not None:
                 atoms = problem.species.all[key].composition.get(element, 0.0)
                 streams += [sign * float(fluxes[name][k]) * atoms for k, sign in zip((0, -1), inward, strict=True)]
         entering = sum(value for value in streams if value > 0)

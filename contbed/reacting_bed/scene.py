@@ -254,6 +254,38 @@ class Particle(Table):
     mass: Literal["none", "effectiveness"] = Field(
         "none", description="effectiveness of a sphere by the Thiele modulus of each reaction with a diffusivity"
     )
+    adsorption: Literal["auto", "film", "linear_driving_force", "interior"] = Field(
+        "auto",
+        description="what resists the uptake of gas: the film alone; in series with it diffusion inside, by one "
+        "concentration per particle; diffusion between points inside. auto: the cheapest that changes what leaves by "
+        "less than 0.5 %",
+    )
+    points: Annotated[Whole, Field(ge=2, le=20)] = Field(3, description="inside of a particle, beside its surface")
+
+
+class Adsorption(Table):
+    """Isotherm of a gas and its diffusion in the pores; give henry, or capacity and affinity (Langmuir)."""
+
+    henry: Annotated[float, *unit("mol/kg/Pa"), Field(gt=0)] | None = Field(
+        None, description="moles adsorbed per mass of particles over the partial pressure"
+    )
+    capacity: Annotated[float, *unit("mol/kg"), Field(gt=0)] | None = Field(
+        None, description="moles adsorbed per mass of particles when all sites are taken"
+    )
+    affinity: Annotated[float, *unit("1/Pa"), Field(gt=0)] | None = Field(
+        None, description="b of q = q_s b p/(1 + sum b p)"
+    )
+    temperature: Temperature = Field(298.15, description="at which henry or affinity holds")
+    enthalpy: MolarEnergy = Field(0.0, description="of adsorption, negative where heat is released")
+    diffusivity: PositiveDiffusivity = Field(description="effective, in the pores of the particles")
+
+    @model_validator(mode="after")
+    def _one_isotherm(self) -> Adsorption:
+        if (self.capacity is None) != (self.affinity is None):
+            raise ValueError("capacity and affinity belong together")
+        if (self.henry is None) == (self.capacity is None):
+            raise ValueError("give henry, or capacity and affinity")
+        return self
 
 
 class Guess(Table):
@@ -319,6 +351,7 @@ class ReactingScene(SceneBase):
     mass: Mass | None = None
     wall: Wall | None = None
     particle: Particle = Particle()
+    adsorption: dict[str, Adsorption] = Field(default_factory=dict, description="of gases by name")
     reactions: dict[str, Reaction] = Field(default_factory=dict)
     boundary: dict[str, Boundary] = Field(default_factory=dict)
     guess: Guess = Guess()

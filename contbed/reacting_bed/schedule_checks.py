@@ -53,7 +53,11 @@ def _flow_keeps_its_sign(path: Any, samples: Any) -> Mistakes:
     values = [float(value) for value in samples.values]
     if path[-1] in FLOWS and 0.0 in values:
         moment = samples.times[values.index(0.0)]
-        yield path, f"no gas flows at {moment:g} s; the fluxes of species need a flow: give a small one, such as 1 %"
+        yield (
+            path,
+            f"no gas flows at {moment:g} s; composition is that of the fluxes of species, which a gas at rest does not "
+            "have: give a small flow, such as 1 % of the usual one",
+        )
     if samples.form == "linear":
         for k, (a, b) in enumerate(pairwise(values)):
             if a * b < 0.0:

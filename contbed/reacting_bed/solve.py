@@ -64,9 +64,10 @@ def limited(problem: Problem, u: Array, du: Array) -> float:
         step = du[k]
         if name.startswith("T"):
             share = min(share, LARGEST_T / max(float(np.abs(step).max()), 1e-300))
-        else:
-            size = problem.sizes[k] * (np.sign(u[k].mean()) if name.startswith("g_") else 1.0)
-            size = np.where(size == 0.0, problem.sizes[k], size)
+        elif not name.startswith("a_"):  # isotherms are concave: Newton's method needs no shorter steps
+            typical = problem.moles if name.startswith("g_") else problem.sizes[k]
+            size = typical * (np.sign(u[k].mean()) if name.startswith("g_") else 1.0)
+            size = np.where(size == 0.0, typical, size)
             there, fall = u[k] / size, -step / size
             room = LARGEST_SHARE * np.maximum(there, LEAST_SHARE * 10)
             taken = fall > room
@@ -139,11 +140,14 @@ class Storage:
         state = problem.bed.state(values)
         parts: list[Any] = [0.0] * m
         gas, heat = problem.bed.held_by_gas(state) if problem.bed.gas_pressure is not None else ({}, 0.0)
+        inside = iter(problem.bed.held_inside(state))
         for k, name in enumerate(names):
             if name.startswith("n_"):
                 parts[k] = values[k]
             elif name.startswith("g_") and gas:
                 parts[k] = gas[name[2:]]
+            elif name.startswith("a_"):
+                parts[k] = next(inside)
             elif name == "T_fluid":
                 parts[k] = heat
             elif name in ("T_solid", "T"):

@@ -30,9 +30,9 @@ ROUNDING = 1e-14  # of typical sizes, below which what is left of an error does 
 
 
 def stages(
-    problems: tuple[Problem, Problem], u: Array, guess: Array, dt: float, report: solve.Report
+    problems: tuple[Problem, Problem], u: Array, guess: Array, dt: float, report: solve.Report, sizes: Array
 ) -> tuple[Array, Array, float]:
-    """Return both stages of a step from a state, and the estimate of its local error over typical sizes.
+    """Return both stages of a step from a state, and the estimate of its local error over sizes.
 
     Parameters
     ----------
@@ -40,6 +40,7 @@ def stages(
     u : state at the begin of the step (m, N, p + 1)
     guess : of the first stage
     dt : length of the step [s]
+    sizes : (m,) of the unknowns, that the estimate refers to
 
     Raises
     ------
@@ -55,7 +56,7 @@ def stages(
     change = slope - (two.content(last, False)[0] - target) / (GAMMA * dt)
     line = problems[1].line
     difference = (0.5 - GAMMA) / GAMMA * change * line.weights * line.h[:, None]
-    filtered = factors.solve(difference) / problems[1].sizes[:, None, None]
+    filtered = factors.solve(difference) / sizes[:, None, None]
     return first, last, float(np.abs(filtered).max())
 
 

@@ -18,12 +18,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.closures.reactions import R_GAS
 from contbed.errors import ConvergenceError
 from contbed.materials.composition import mole_fractions
 from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
 from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.equations.bed import conserved
 from contbed.reacting_bed.history import SAME, History, output_times
+from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import Schedule
 from contbed.reacting_bed.stages import GAMMA, stages
@@ -38,15 +41,20 @@ FIRST_STEP = 1e-5  # of the whole time, at the start and after a jump
 SHORTEST_STEP = 1e-12  # of the whole time, below which a run is given up
 SAFETY, MOST_GROWTH, LEAST_GROWTH = 0.8, 2.5, 0.2
 SHORTER = 0.25  # of a step that does not converge
+LEAST_RANGE = 1.0  # [K] of the temperatures of a run, where those of the scene and of the bed differ by less
 
 
 @dataclass(frozen=True)
 class Course:
-    """The bed of a scene in the course of a run, whose series have the values of a time; `problem` is at the start."""
+    """The bed of a scene in the course of a run, whose series have the values of a time; `problem` is at the start.
+
+    `temperatures` are the lowest and highest of the scene: of what enters, of the wall and of the start [K].
+    """
 
     scene: s.ReactingScene
     problem: Problem
     schedule: Schedule
+    temperatures: tuple[float, float]
 
     @classmethod
     def of(cls, scene: s.ReactingScene, problem: Problem, schedule: Schedule, stores_gas: bool) -> Course:
@@ -56,7 +64,9 @@ class Course:
         ------
         ConvergenceError : these are not found
         """
-        course = cls(scene, problem.with_small(SMOOTH), schedule)
+        moments = [problem.within(schedule.frozen(scene, moment)) for moment in schedule.moments() or [0.0]]
+        problem = problem.with_small(SMOOTH).with_peaks(_peaks(scene, moments))
+        course = cls(scene, problem, schedule, _temperatures(scene, moments))
         if not stores_gas:
             return course
         pressure: Any = problem.bed.p_in
@@ -82,13 +92,27 @@ class Course:
     def start(self) -> Array:
         """Return the state at the start (m, N, p + 1)."""
         problem, time = self.problem, self.time
-        u = problem.start(time.initial_temperature or problem.streams.T_gas)
+        T = time.initial_temperature or problem.streams.T_gas
+        u, moles = problem.start(T), sum(problem.streams.gas.values())
         if time.initial_composition is not None:
             fractions = mole_fractions(time.initial_composition)
-            moles = sum(problem.streams.gas.values())
             for k, name in enumerate(problem.layout.gases):
                 u[k] = fractions.get(name, 0.0) * moles
+        molar = problem.streams.pressure / (R_GAS * T)
+        for k, name in enumerate(problem.layout.names):
+            if name.startswith("a_"):  # particles begin in equilibrium with the gas around them
+                u[k] = u[problem.layout.gases.index(str(conserved(name)))] / moles * molar
         return u
+
+    def sizes(self, u: Array) -> Array:
+        """Return what errors of the unknowns refer to (m,): temperatures to the range of the scene and of a state."""
+        out = self.problem.sizes.copy()
+        rows = [k for k, name in enumerate(self.problem.layout.names) if name in self.problem.layout.temperatures]
+        if rows:
+            low, high = self.temperatures
+            out[rows] = max(high, u[rows].max()) - min(low, u[rows].min())
+            out[rows] = np.maximum(out[rows], LEAST_RANGE)
+        return out
 
     def stops(self) -> list[float]:
         """Return the times at which a step ends: output times, and jumps and kinks of the series [s]."""
@@ -98,6 +122,24 @@ class Course:
             if not found or stop - found[-1] > SAME * stop:
                 found.append(stop)
         return found
+
+
+def _peaks(scene: s.ReactingScene, moments: list[Problem]) -> dict[str, float]:
+    """Return the largest mole fraction of each gas that enters or fills the bed."""
+    parts = [{name: g / sum(at.streams.gas.values()) for name, g in at.streams.gas.items()} for at in moments]
+    assert scene.time is not None
+    if scene.time.initial_composition is not None:
+        parts.append(mole_fractions(scene.time.initial_composition))
+    return {name: max(part.get(name, 0.0) for part in parts) for part in parts for name in part}
+
+
+def _temperatures(scene: s.ReactingScene, moments: list[Problem]) -> tuple[float, float]:
+    """Return the lowest and highest temperature of what enters, of the wall and of the start [K]."""
+    assert scene.time is not None
+    found: list[Any] = [T for at in moments for T in (at.streams.T_gas, at.streams.T_solid)]
+    found += [at.scene.wall.ambient for at in moments if at.scene.wall is not None]
+    known = [constant(T) for T in (*found, scene.time.initial_temperature) if T is not None]
+    return min(known), max(known)
 
 
 def run_transient(
@@ -189,7 +231,7 @@ def advanced(course: Course, history: History, stop: float, report: solve.Report
             raise ConvergenceError("steps in time become ever smaller")
         problems = (course.at(history.time + GAMMA * step), course.at(history.time + step))
         try:
-            first, last, error = stages(problems, history.u, u, step, report)
+            first, last, error = stages(problems, history.u, u, step, report, course.sizes(u))
         except ConvergenceError:
             dt = SHORTER * step
             if dt < shortest:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from contbed.balance import Balance
 from contbed.reacting_bed import results, solve
+from contbed.reacting_bed.equations.bed import conserved
 from contbed.reacting_bed.history import History
 from contbed.reacting_bed.problem import Problem
 from contbed.result import Result
@@ -48,8 +49,8 @@ def _balances(problem: Problem, history: History, result: Result) -> None:
     for element in dict.fromkeys(e for item in problem.species.all.values() for e in item.composition):
         atoms = np.zeros(len(names))
         for k, name in enumerate(names):
-            if name[:2] in ("g_", "n_"):
-                atoms[k] = problem.species.all[name[2:]].composition.get(element, 0.0)
+            if (species := conserved(name)) is not None:
+                atoms[k] = problem.species.all[species].composition.get(element, 0.0)
         parts = (inward * atoms[:, None]).ravel()
         entering, leaving = parts[parts > 0].sum(), -parts[parts < 0].sum()
         stored = float(gain @ atoms)

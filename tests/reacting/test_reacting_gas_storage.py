@@ -65,7 +65,7 @@ def marched(course, steps):
     u, dt = course.start(), course.time.end / steps
     for k in range(steps):
         problems = course.at((k + GAMMA) * dt), course.at((k + 1) * dt)
-        _, u, _ = stages(problems, u, u, dt, Report())
+        _, u, _ = stages(problems, u, u, dt, Report(), course.sizes(u))
     return u
 
 
@@ -99,7 +99,7 @@ def test_heat_of_the_gas_delays_the_front():
     scene, eta_per_s = heated(4.0)
     scene["fluid"]["pressure"] = 1e7
     scene["boundary"]["left"]["fluid"]["inflow"] = 302.0  # little, so that the density of the gas is nearly constant
-    scene["time"] |= {"gas": "stored", "tolerance": 4e-6}  # over 1000 K, the typical size of a temperature
+    scene["time"] |= {"gas": "stored", "tolerance": 2e-3}  # over 2 K
     scene["solid"] |= {"density": 200.0}
     scene["mesh"]["cells"] = 10
     eta_per_s *= 10.0

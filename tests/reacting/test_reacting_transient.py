@@ -47,3 +47,18 @@ def test_heating_of_a_bed_by_a_gas():
     theta = (result.qoi["T_fluid_out_K"] - 300.0) / 300.0
     assert theta == pytest.approx(schumann(4.0, 5.0), abs=1e-4)
     assert abs(result.balances["energy"]["relative_residual"]) < CLOSED
+
+
+def test_steps_do_not_depend_on_how_far_a_bed_is_heated():
+    """Errors refer to the temperatures of the scene: 4 K and 300 K take the same steps to the same share of them."""
+    steps, thetas = [], []
+    for rise in (4.0, 300.0):
+        scene, eta_per_s = heated(4.0)
+        scene["boundary"]["left"]["fluid"]["inflow"] = 300.0 + rise
+        scene["time"] |= {"end": 5.0 / eta_per_s, "tolerance": 1e-3}
+        scene["mesh"]["cells"] = 6
+        result = contbed.run(from_dict(scene))
+        steps.append(result.qoi["time_steps"])
+        thetas.append((result.qoi["T_fluid_out_K"] - 300.0) / rise)
+    assert abs(steps[0] - steps[1]) <= 2  # rounding may move a step
+    assert thetas[0] == pytest.approx(thetas[1], abs=1e-5)

@@ -6,6 +6,7 @@
     solid         d/dx [ v_s sum n_j h_j(T_s) - K_s T_s' ] = -h a (T_s - T_f) - X
     pressure      d/dx p = -mu U/K - c_F rho |U| U/sqrt(K)
     film          0 = k_f,k a (c_k - c_s,k) + S_k,s
+    inside        d/dx [ v_s m_k,i ] = what point i of the particles gains of gas k, see `equations.inside`
 
 Superficial fluxes: G = sum M_k g_k, u = G/rho, U = u - eps u_s/(1 - eps) relative to the particles, v_s = u_s/(1-eps).
 Enthalpies contain heats of formation, so that no heat of reaction appears anywhere. What particles make leaves them at
@@ -25,11 +26,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from contbed.closures.reactions import R_GAS
+from contbed.reacting_bed.equations.inside import Inside
 
 Enthalpy = Callable[[Any], Any]
 LEAST_T = 50.0  # [K] below which properties are evaluated there, for states within an iteration
@@ -44,13 +47,24 @@ class Layout:
     temperatures: tuple[str, ...]  # (), ("T",) or ("T_fluid", "T_solid")
     pressure: bool
     films: tuple[str, ...] = ()
+    inside: tuple[str, ...] = ()  # gases inside of particles
+    points: int = 0  # of a particle, at which they are known
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of all unknowns."""
         pressure = ("p",) if self.pressure else ()
         gases, films = (f"g_{name}" for name in self.gases), (f"s_{name}" for name in self.films)
-        return (*gases, *(f"n_{name}" for name in self.solids), *self.temperatures, *pressure, *films)
+        inner = (f"a_{name}_{i}" for name in self.inside for i in range(self.points))
+        return (*gases, *(f"n_{name}" for name in self.solids), *self.temperatures, *pressure, *films, *inner)
+
+
+def conserved(name: str) -> str | None:
+    """Return the species whose moles an unknown counts; None for temperatures, pressure and films."""
+    kind, _, rest = name.partition("_")
+    if kind == "a":
+        return rest.rpartition("_")[0]
+    return rest if kind in ("g", "n") else None
 
 
 @dataclass(frozen=True)
@@ -68,6 +82,7 @@ class State:
     c: Mapping[str, Any]
     rho: Any
     films: Mapping[str, Any] = field(default_factory=dict)  # concentrations at the particle [mol/m3]
+    inner: Mapping[str, Sequence[Any]] = field(default_factory=dict)  # in the pores of particles, at their points
 
     @property
     def u(self) -> Any:
@@ -95,6 +110,7 @@ class Bed:
     strength: float = 1.0  # factor of all rates
     small: float | None = None  # share of a solid below which powers of it are straight lines; None: that of the laws
     gas_pressure: Any = None  # [Pa] at the nodes, at which the gas is stored in time; None: it follows at once
+    inside: Inside | None = None  # particles that take up gas
 
     def state(self, u: Sequence[Any]) -> State:
         """Return the state at points from the unknowns."""
@@ -111,7 +127,8 @@ class Bed:
         c = {name: x_k * molar for name, x_k in x.items()}
         films = {name: values[f"s_{name}"] for name in layout.films}
         n = {name: values[f"n_{name}"] for name in layout.solids}
-        return State(g, n, T_fluid, T_solid, p, moles, flux, x, c, molar * flux / moles, films)
+        inner = {name: [values[f"a_{name}_{i}"] for i in range(layout.points)] for name in layout.inside}
+        return State(g, n, T_fluid, T_solid, p, moles, flux, x, c, molar * flux / moles, films, inner)
 
     def __call__(self, u: Sequence[Any], q: Sequence[Any], _: Any) -> tuple[list[Any], list[Any], list[Any]]:
         """Return convective fluxes, diffusive fluxes and sources of all equations at points."""
@@ -120,6 +137,7 @@ class Bed:
         transport = self.medium.at(state)
         J = self.diffusion(state, slopes, transport)
         made, by_particles = self.made(state, transport)
+        gains = self._taken_up(state, transport, made, by_particles)
         convective, diffusive, source = self._species(state, J, made)
         self._energies(state, slopes, transport, J, by_particles, convective, diffusive, source)
         if self.layout.pressure:
@@ -131,7 +149,25 @@ class Bed:
             diffusive.append(0.0)
             passed = transport.films[name] * self.medium.area * (state.c[name] - state.films[name])
             source.append(passed + by_particles.get(name, 0.0))
+        if self.inside is not None:
+            gained = [gain for points in gains.values() for gain in points]
+            moves = self.velocity_solid != 0.0
+            convective += [self.velocity_solid * m for m in self.held_inside(state)] if moves else [0.0] * len(gained)
+            diffusive += [0.0] * len(gained)
+            source += gained
         return convective, diffusive, source
+
+    def _taken_up(
+        self, state: State, transport: Any, made: dict[str, Any], by_particles: dict[str, Any]
+    ) -> Mapping[str, list[Any]]:
+        """Return what the points of particles gain of each gas, and take it from the gas."""
+        if self.inside is None:
+            return {}
+        gains, lost = self.inside.exchange(state.inner, state.c, transport.films)
+        for name, moles in lost.items():
+            made[name] = made.get(name, 0.0) - moles
+            by_particles[name] = by_particles.get(name, 0.0) - moles
+        return gains
 
     def diffusion(self, state: State, slopes: Mapping[str, Any], transport: Any) -> dict[str, Any]:
         """Return the molar fluxes of dispersion J_k/M_k [mol/m2/s]; empty without dispersion."""
@@ -176,7 +212,17 @@ class Bed:
         """Return the enthalpy of the solids [J/m3 bed]."""
         T = state.T_solid
         total: Any = sum(n * self.enthalpies[name](T) for name, n in state.n.items())
+        if self.inside is not None:
+            held, heat = self.inside.held(state.inner, np.maximum(T, LEAST_T))
+            total = total + heat + sum(sum(points) * self.enthalpies[name](T) for name, points in held.items())
         return total + sum(n * h(T) for n, h in self.inert)
+
+    def held_inside(self, state: State) -> list[Any]:
+        """Return the moles that each point of particles holds of each gas, as the unknowns are ordered [mol/m3 bed]."""
+        if self.inside is None:
+            return []
+        held = self.inside.held(state.inner, np.maximum(state.T_solid, LEAST_T))[0]
+        return [moles for points in held.values() for moles in points]
 
     def held_by_gas(self, state: State) -> tuple[dict[str, Any], Any]:
         """Return the moles of each gas in the pores, and their enthalpy [per m3 bed].

@@ -1,0 +1,94 @@
+"""Checks of gases that particles adsorb."""
+
+from __future__ import annotations
+
+from contbed.closures.reactions_reforming import REACTIONS as REFORMING
+from contbed.errors import SceneError
+from contbed.materials.composition import names_in
+from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.inlet_series import CompositionSeries, constant
+from contbed.reacting_bed.schedule import series_of
+from contbed.reacting_bed.substances import equations_of
+from contbed.scene.checking import Mistakes, See
+from contbed.scene.names import nearest
+from contbed.scene.series import Series
+
+Reactions = dict[str, s.Reaction]
+Adsorptions = dict[str, s.Adsorption]
+
+
+def adsorbed_gases_are_there(adsorption: Adsorptions, fluid: s.Gas, time: s.Time | None) -> Mistakes:
+    """Check that the gases that are adsorbed enter the bed or fill it at the start."""
+    texts = [] if time is None or time.initial_composition is None else [time.initial_composition]
+    if isinstance(fluid.composition, CompositionSeries):
+        if fluid.composition.file is not None:
+            return  # its columns are read where series are checked
+        texts += fluid.composition.values
+    else:
+        texts.append(fluid.composition)
+    try:
+        there = {name for text in texts for name in names_in(text)}
+    except SceneError:
+        return  # other checks say so
+    for name in adsorption:
+        if name not in there:
+            yield ("adsorption", name), f"no gas of this name enters or fills the bed; {nearest(name, sorted(there))}"
+
+
+def particles_can_adsorb(adsorption: Adsorptions, mass: s.Mass | None, solid: s.Solids | None) -> Mistakes:
+    """Check that particles that adsorb have a density and a film."""
+    if not adsorption:
+        return
+    if mass is None or mass.sherwood is None:
+        key = ("mass", "sherwood")
+        yield key, "missing; the film around particles that adsorb: a number, or sherwood_wakao_funazkri"
+    if solid is None:
+        yield ("solid",), "missing; loadings are per mass of particles: give [solid] with density"
+
+
+def adsorbed_gases_do_not_react_there(
+    adsorption: Adsorptions, reactions: Reactions, solid: s.Solids | None
+) -> Mistakes:
+    """Check that no gas is both adsorbed and made or taken by particles, whose film is one."""
+    solids = set() if solid is None else set(solid.constituent)
+    try:
+        if solid is not None and solid.composition is not None:
+            solids |= set(names_in(solid.composition))
+        species = {
+            name: {key for equation in equations_of(name, table).values() for key in equation.stoichiometry}
+            for name, table in reactions.items()
+        }
+    except SceneError:
+        return  # other checks say so
+    for name, table in reactions.items():
+        in_gas = table.basis in (None, "gas", "bed") and table.law not in REFORMING and not species[name] & solids
+        for gas in sorted(species[name] & set(adsorption)):
+            if not in_gas:
+                yield (
+                    ("reactions", name),
+                    f"{gas} is adsorbed by the particles (adsorption.{gas}) and reacts in them: its film and pores "
+                    "are modelled for one of the two; remove one",
+                )
+
+
+def uptake_has_a_meaning(
+    adsorption: Adsorptions, flow: s.Flow, fluid: s.Gas, boundary: dict[str, s.Boundary], time: s.Time | None, see: See
+) -> Mistakes:
+    """Check that a bed that adsorbs is not one in which nothing is taken up."""
+    if not adsorption:
+        return
+    if time is None:
+        if not isinstance(flow.velocity_solid, Series) and not constant(flow.velocity_solid):
+            yield (
+                ("adsorption",),
+                "particles at rest take up nothing in a steady state: add a [time] table, or give them a velocity, "
+                f"{see('flow.velocity_solid')}",
+            )
+        return
+    changes = [path for path, _ in series_of({"fluid": fluid, "boundary": boundary})]
+    if time.initial_composition is None and not changes:
+        yield (
+            ("time", "initial_composition"),
+            "missing; particles begin in equilibrium with the gas that fills the bed, and without it this is the gas "
+            "that enters, of which nothing more is taken up",
+        )

@@ -1,0 +1,143 @@
+"""Gas inside of the particles of a bed: it diffuses in their pores and is adsorbed.
+
+    dm/dt = r^-s d/dr( r^s D dc/dr ),   m = eps_p c + rho_p q(p, T_s)     per volume of particles [mol/m3]
+    D dc/dr = k_f (c_bulk - c)          at the surface, r = R;  s = 2 of a sphere, 1 of a long cylinder
+
+at the points of `particle.interior`, with its weights w and conduction matrix K, and n = s + 1,
+
+    w_i dm_i/dt = -(D/R^2) sum_j K_ij c_j + (n/R) k_f (c_bulk - c_i) [i is the surface]
+
+One concentration per particle is the same with one point and the film in series with R/((n + 2) D): the linear driving
+force of Glueckauf. With the film alone nothing resists inside. Isotherms, p_k = c_k R T_s the partial pressure:
+
+    linear      q = H p                       H, b = their values at T_0 times exp(-dH/R (1/T_s - 1/T_0))
+    Langmuir    q_k = q_s b_k p_k/(1 + sum_j b_j p_j)
+
+Gases of Langmuir isotherms compete for the same sites. Below 0, within an iteration or behind a front that undershoots,
+an isotherm is a straight line.
+
+Source: Glueckauf, Trans. Faraday Soc. 51 (1955) 1540, doi:10.1039/TF9555101540; Ruthven 1984, Principles of Adsorption
+and Adsorption Processes, ch. 8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.closures.reactions import R_GAS
+
+Inner = Mapping[str, Sequence[Any]]  # concentrations [mol/m3 of pores] at the points of a particle, by gas
+
+
+@dataclass(frozen=True)
+class Isotherm:
+    """Moles adsorbed per mass of particles at a partial pressure.
+
+    affinity : H [mol/kg/Pa] where `capacity` is None, else b [1/Pa], at T_reference [K]
+    capacity : q_s [mol/kg] of Langmuir's isotherm
+    enthalpy : of adsorption [J/mol], negative where heat is released
+    """
+
+    affinity: float
+    capacity: float | None
+    enthalpy: float
+    T_reference: float
+
+    def affinity_at(self, T: Any) -> Any:
+        """Return H or b at a temperature."""
+        if self.enthalpy == 0.0:
+            return self.affinity
+        return self.affinity * np.exp((1.0 / self.T_reference - 1.0 / T) * (self.enthalpy / R_GAS))
+
+
+def adsorbed(isotherms: Mapping[str, Isotherm], c: Mapping[str, Any], T: Any) -> dict[str, Any]:
+    """Return the moles of each gas that are adsorbed per mass of particles, at concentrations in the pores [mol/m3]."""
+    found, sites = {}, 1.0
+    for name, isotherm in isotherms.items():
+        found[name] = c[name] * (R_GAS * T) * isotherm.affinity_at(T)
+        if isotherm.capacity is not None:
+            sites = sites + np.maximum(found[name], 0.0)
+    return {
+        name: value if isotherms[name].capacity is None else value * isotherms[name].capacity / sites
+        for name, value in found.items()
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class Inside:
+    """The particles of a bed whose inside takes up gas.
+
+    gases : that are adsorbed
+    diffusivities : effective, in the pores [m2/s]
+    weights, stiffness, surface : of the points of a particle, see the module; one point for one concentration
+    resistance : share of R/D that adds to the film, 0 where the inside is resolved
+    porosity, density : of the particles, [kg/m3]
+    solids : volume of particles per volume of bed
+    """
+
+    gases: tuple[str, ...]
+    isotherms: Mapping[str, Isotherm]
+    diffusivities: Mapping[str, float]
+    weights: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+    surface: int
+    resistance: float
+    radius: float
+    porosity: float
+    density: float
+    solids: float
+
+    @property
+    def count(self) -> int:
+        """Number of points in a particle."""
+        return len(self.weights)
+
+    def held(self, inner: Inner, T: Any) -> tuple[dict[str, list[Any]], Any]:
+        """Return what each point holds of each gas [mol/m3 bed], and the heat of adsorption of all [J/m3 bed].
+
+        The sum over the points is what the particles hold.
+        """
+        out: dict[str, list[Any]] = {name: [] for name in self.gases}
+        heat: Any = 0.0
+        for i, weight in enumerate(self.weights):
+            c = {name: inner[name][i] for name in self.gases}
+            share = float(weight) * self.solids
+            for name, q in adsorbed(self.isotherms, c, T).items():
+                out[name].append(share * (self.porosity * c[name] + self.density * q))
+                if self.isotherms[name].enthalpy:
+                    heat = heat + (share * self.density * self.isotherms[name].enthalpy) * q
+        return out, heat
+
+    def exchange(self, inner: Inner, bulk: Mapping[str, Any], films: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
+        """Return what points gain of each gas, and what the gas loses of each to the particles [mol/m3 bed/s].
+
+        Parameters
+        ----------
+        inner : concentrations at the points
+        bulk : concentrations around the particles [mol/m3]
+        films : coefficients of the films [m/s]
+        """
+        gains: dict[str, list[Any]] = {}
+        lost: dict[str, Any] = {}
+        area = self.solids * self.surface / self.radius
+        for name in self.gases:
+            c, D = inner[name], self.diffusivities[name]
+            through = films[name]
+            if self.resistance:
+                through = through / (1.0 + through * (self.resistance * self.radius / D))
+            lost[name] = area * through * (bulk[name] - c[-1])
+            conduction = self.solids * D / self.radius**2
+            gains[name] = []
+            for row in self.stiffness:
+                flow: Any = 0.0
+                if self.count > 1:
+                    for k, value in zip(row, c, strict=True):
+                        flow = flow - (conduction * float(k)) * value
+                gains[name].append(flow)
+            gains[name][-1] = gains[name][-1] + lost[name]
+        return gains, lost
