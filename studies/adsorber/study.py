@@ -1,4 +1,4 @@
-"""Breakthrough of an adsorber: Rosen's curve, the linear driving force and a Langmuir front, error over cells and CPU."""
+"""Breakthrough of an adsorber: Rosen's curve, the linear driving force and a Langmuir front over cells and CPU."""
 
 from __future__ import annotations
 
