@@ -11,8 +11,8 @@ tested with the same polynomials; fluxes of cells meet at the ends of the cells:
     u' h = u_xi + (u_upwind - u) phi/w   at the end from which u comes.
 
 Fields that come from the left and from the right share the points, so that what one gains the other loses exactly, and
-the sum of an equation over all cells is flux in = flux out + source to rounding. Fields are of order p + 1. Where D = 0 and all fields have one
-direction the fluxes at the ends of the cells are those of Radau's collocation, of order 2 p + 1.
+the sum of an equation over all cells is flux in = flux out + source to rounding. Fields are of order p + 1. Where D = 0
+and all fields have one direction fluxes at the ends of the cells are those of Radau's collocation, of order 2 p + 1.
 
 Source: Cockburn, Shu 1998, SIAM J. Numer. Anal. 35, 2440-2463, doi:10.1137/S0036142997316712.
 """

@@ -118,7 +118,10 @@ def interface_rates(X: Three, R: Any, gas: Gas, at: Constants, guard: float = GU
     if guard == 0.0:
         return _solve(X, R, gas, at, (1.0, 1.0, 1.0))
     forward, backward = _available(X, guard)
-    first = _solve(X, R, gas, at, forward)
+    # only signs are read from the first solution: it needs no derivatives
+    values = Gas(*(plain(each) for each in (gas.reducing, gas.oxidised, gas.film)))
+    constants = Constants(*(_three([plain(each) for each in three]) for three in (at.K, at.k, at.D)))
+    first = _solve(_three([plain(x) for x in X]), R, values, constants, _three([plain(each) for each in forward]))
     chosen = [np.where(v >= 0.0, f, b) for v, f, b in zip(first, forward, backward, strict=True)]
     return _solve(X, R, gas, at, _three(chosen))
 
@@ -138,6 +141,11 @@ def iron_shares(X: Three) -> tuple[Any, Any, Any, Any]:
     """Shares of the iron in Fe2O3, Fe3O4, FeO and Fe."""
     core, inner, outer = (x * x * x for x in X)
     return core, inner - core, outer - inner, 1.0 - outer
+
+
+def plain(value: Any) -> Any:
+    """Return the value of a dual number, or a number or array as it is."""
+    return getattr(value, "value", value)
 
 
 def _available(X: Three, guard: float) -> tuple[Three, Three]:

@@ -49,13 +49,18 @@ Rate = Callable[[Local], Any]
 
 @dataclass(frozen=True)
 class Reaction:
-    """One reaction. `site` is "gas" or "particle"; `own_film` tells that the law contains the film around particles."""
+    """One reaction. `site` is "gas" or "particle"; `own_film` tells that the law contains the film around particles.
+
+    `step` is None where `rate` gives the rate; else `rate` gives those of all steps of a law at once, as they share
+    their work, and this is the step that is meant.
+    """
 
     name: str
     equation: Equation
     rate: Rate
     site: str
     own_film: bool = False
+    step: int | None = None
 
     @property
     def stoichiometry(self) -> Mapping[str, float]:
@@ -270,20 +275,17 @@ def _stages(table: s.Reaction, equations: Mapping[str, Equation]) -> list[Reacti
     gas = STAGED[str(table.law)]
     data = three_interfaces.TAKAHASHI[gas]
 
-    def stage(k: int) -> Rate:
-        def rate(at: Local) -> Any:
-            left = interface_volumes(at.n)
-            X = tuple(shrinking_core.remaining_radius(share, at.small) for share in left)
-            around = three_interfaces.Gas(at.c[data.reducing], at.c[data.oxidised], at.films.get(gas, np.inf))
-            guard = max(three_interfaces.GUARD, at.small)
-            taken = three_interfaces.interface_rates(X, at.radius, around, data.constants(at.T), guard)  # type: ignore[arg-type]
-            return taken[k] * X[k] * X[k] * (3.0 / at.radius)
-
-        return rate
+    def rates(at: Local) -> Any:
+        left = interface_volumes(at.n)
+        X = tuple(shrinking_core.remaining_radius(share, at.small) for share in left)
+        around = three_interfaces.Gas(at.c[data.reducing], at.c[data.oxidised], at.films.get(gas, np.inf))
+        guard = max(three_interfaces.GUARD, at.small)
+        taken = three_interfaces.interface_rates(X, at.radius, around, data.constants(at.T), guard)  # type: ignore[arg-type]
+        scale = (3.0 / at.radius) * table.factor * (1.0 - at.eps)
+        return [w * x * x * scale for w, x in zip(taken, X, strict=True)]
 
     return [
-        Reaction(key, equation, _per_bed(stage(k), "particle", table.factor), "particle", True)
-        for k, (key, equation) in enumerate(equations.items())
+        Reaction(key, equation, rates, "particle", True, step) for step, (key, equation) in enumerate(equations.items())
     ]
 
 

@@ -197,10 +197,16 @@ class Bed:
 
     def rates(self, state: State, transport: Any) -> list[Any]:
         """Return the rates of all reactions [mol/m3 bed/s]."""
-        return [
-            self.strength * reaction.rate(self.medium.local(state, transport, reaction, self.small))
-            for reaction in self.reactions
-        ]
+        found, steps = [], {}
+        for reaction in self.reactions:
+            if reaction.step is None:
+                rate = reaction.rate(self.medium.local(state, transport, reaction, self.small))
+            else:  # all steps of a law are found together
+                if reaction.rate not in steps:
+                    steps[reaction.rate] = reaction.rate(self.medium.local(state, transport, reaction, self.small))
+                rate = steps[reaction.rate][reaction.step]
+            found.append(self.strength * rate)
+        return found
 
     def _species(self, state: State, J: Mapping[str, Any], made: Mapping[str, Any]) -> tuple[list[Any], ...]:
         convective = [*state.g.values(), *(self.velocity_solid * n for n in state.n.values())]
