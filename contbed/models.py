@@ -69,6 +69,7 @@ class Model:
     equations : modules in the package whose docstrings `contbed explain` shows, by name
     compiles : whether its loops are compiled at their first use, which takes a while
     scatters : whether its results scatter with the start of the particles, so that small changes cannot be told apart
+    searches : whether a steady state is searched in ways whose length only a trial tells, which the run reports
     """
 
     package: str
@@ -77,6 +78,7 @@ class Model:
     equations: Mapping[str, str]
     compiles: bool = False
     scatters: bool = False
+    searches: bool = False
 
     def find(self, module: str, name: str) -> Any:
         """Import a module of the package and return its attribute `name`."""
@@ -130,7 +132,7 @@ def _reacts(values: Mapping[str, Any]) -> bool:
 MODELS: dict[str, Model] = {
     "two_fluid": Model("two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "equations"}, True, True),
     "fully_developed": Model(
-        "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}
+        "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}, searches=True
     ),
     "bubbling_bed": Model(
         "bubbling_bed",
@@ -143,6 +145,7 @@ MODELS: dict[str, Model] = {
             "freeboard": "equations.freeboard",
             "steam": "equations.steam",
         },
+        searches=True,
     ),
     "particles_gas": Model(
         "cfd_dem",

@@ -1,8 +1,9 @@
-"""How long a run with time steps will take, from a trial of its first steps on this machine.
+"""How long a run will take whose cost no formula gives, from a trial of its beginning on this machine.
 
-The trial runs the scene itself for `BUDGET` seconds of processor time and reads what a step costs here. How many steps
-are to come follows from the pace of its second half; in a packed bed, whose steps grow or shrink over the whole run,
-from a run on a coarse mesh instead, as the steps follow the temperatures and hardly the mesh.
+Time steps: the trial runs the scene itself for `BUDGET` seconds of processor time and reads what a step costs here. How
+many steps are to come follows from the pace of its second half; in a packed bed, whose steps grow or shrink over the
+whole run, from a run on a coarse mesh instead, as the steps follow the temperatures and hardly the mesh. Searches for a
+steady state: most end within `SEARCH_BUDGET`; the others tell which share of their way they have gone by then.
 """
 
 from __future__ import annotations
@@ -21,8 +22,10 @@ from contbed.output.progress import Progress
 from contbed.result import Result
 
 BUDGET = 2.0  # s of processor time of a trial, after its first step, which may compile
+SEARCH_BUDGET = 3.0  # s of processor time of the trial of a search for a steady state
 COARSE = 40  # cells along the bed of the run that counts the steps; across it a quarter
 OUTPUT = 0.5  # s of processor time for pictures and fields
+BRANCH = "; the branch over [continuation] comes on top"
 FEWEST = 3  # steps from which a pace is read
 
 
@@ -59,7 +62,9 @@ class Trial:
 
 
 def predicted_time(plan: Plan) -> str:
-    """Return a line with the processor time of a run with time steps; empty for one without, or that fails at once."""
+    """Return a line with the processor time of a run with time steps or a search; empty for others, or if it fails."""
+    if models.model_of(plan.scene).searches:
+        return _text_of_search(plan)
     if not plan.steps:
         return ""
     before = clock.process_time()
@@ -67,6 +72,36 @@ def predicted_time(plan: Plan) -> str:
     if not steps:
         return ""
     return f"time: about {_text(before + seconds + OUTPUT)} of processor for some {steps:.2g} steps, by a trial"
+
+
+def _text_of_search(plan: Plan) -> str:
+    before = clock.process_time()
+    seconds, ended = _searched(plan)
+    if not seconds:
+        return ""
+    branch = getattr(plan.scene, "continuation", None) is not None and not ended
+    how = "by a trial" if ended else f"by the first {SEARCH_BUDGET:g} s of a trial"
+    return f"time: about {_text(before + seconds + OUTPUT)} of processor, {how}{BRANCH if branch else ''}"
+
+
+def _searched(plan: Plan) -> tuple[float, bool]:
+    """Return the processor time of a search [s], zero if it fails, and whether the trial came to its end."""
+    start, guess, last, guesses = clock.process_time(), 0, 0.0, getattr(plan, "guesses", 1)
+    seconds = 0.0
+
+    def watch(progress: Progress, value: float) -> None:
+        nonlocal guess, last, seconds
+        guess, last = guess + (value < last), value
+        spent, share = clock.process_time() - start, (min(guess, guesses - 1) + value / progress.total) / guesses
+        if spent >= SEARCH_BUDGET and share > 0.0:
+            seconds = spent / share
+            raise _Enough
+
+    run: Callable[..., None] = models.model_of(plan.scene).find("run", "run")
+    with Progress.watched(watch), suppress(Exception):  # a run that fails is told by the run
+        run(plan, Result(plan), None, True, None)
+        return clock.process_time() - start, True
+    return seconds, False
 
 
 def _predict(plan: Plan, end: float) -> tuple[float, float]:

@@ -54,6 +54,12 @@ class BubblingPlan:
         along: dict[str, tuple[int, int]] = dict.fromkeys(self.coefficients.fields, (self.scene.solver.degree, 0))
         return along | dict.fromkeys(self.coefficients.scalars, (0, 0))
 
+    @property
+    def guesses(self) -> int:
+        """Number of guesses that are solved from: a cold and a hot one as well where several states are possible."""
+        items: tuple[Any, ...] = (self.scene.gas, *self.scene.present.values())
+        return 3 if any(item.release is not None and item.release.activation for item in items) else 1
+
     def unknowns(self) -> dict[str, int]:
         """Return the number of unknowns of each part that is solved."""
         size = self.scene.solver.degree * self.mesh.skfem.nelements + 1

@@ -53,7 +53,7 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
         from contbed.bubbling_bed.branch import follow
 
         follow(problem, state, result)
-    if any(item.release is not None and item.release.activation for item in (scene.gas, *scene.present.values())):
+    if plan.guesses > 1:
         result.qoi["steady_states_found"] = _steady_states(problem, state, result)
 
 

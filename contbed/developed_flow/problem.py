@@ -13,7 +13,7 @@ from contbed.developed_flow import equations as model
 from contbed.developed_flow.plan import DevelopedPlan
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
-from contbed.solvers.continuation import relax
+from contbed.solvers.continuation import relax, unwatched
 from contbed.solvers.newton import newton
 
 Array = Any
@@ -30,6 +30,7 @@ class DevelopedProblem:
     """Unknowns and equations of a plan; a `solvers.timestep.Problem` in granular energy."""
 
     linear = False
+    watch: Callable[[float, str], None] = staticmethod(unwatched)
 
     def __init__(self, plan: DevelopedPlan, coefficients: model.Coefficients | None = None):
         self.plan, self.c = plan, coefficients or plan.coefficients
@@ -88,18 +89,20 @@ class DevelopedProblem:
             return self.solve_from(x)
         rough, turbulent = self.c.specularity, "eddy_viscosity" in self.c.closures
         smooth = min(rough, START_SPECULARITY)
-        x = self.with_values(specularity=smooth, eddies_share=0.0)._relaxed(x)
-        x, history = self.with_values(specularity=smooth, eddies_share=0.0).solve_from(x)
+        ways: list[Callable[[float], dict[str, float]]] = []
         if rough > smooth:
-            x, history = self._followed(
-                x, lambda s: {"specularity": smooth * (rough / smooth) ** s, "eddies_share": 0.0}
-            )
+            ways.append(lambda s: {"specularity": smooth * (rough / smooth) ** s, "eddies_share": 0.0})
         if turbulent:
-            x, history = self._followed(x, lambda s: {"eddies_share": s})
+            ways.append(lambda s: {"eddies_share": s})
+        part = 1.0 / (1 + len(ways))
+        x = self.with_values(specularity=smooth, eddies_share=0.0)._relaxed(x, part)
+        x, history = self.with_values(specularity=smooth, eddies_share=0.0).solve_from(x)
+        for number, values in enumerate(ways, 1):
+            x, history = self._followed(x, values, (number * part, part))
         return x, history
 
-    def _relaxed(self, x: Array) -> Array:
-        """Return the state to which granular energy relaxes in pseudo-time."""
+    def _relaxed(self, x: Array, part: float = 0.0) -> Array:
+        """Return the state to which granular energy relaxes in pseudo-time, `part` of the way of a solution."""
         return relax(
             self,
             x,
@@ -109,12 +112,16 @@ class DevelopedProblem:
             last=LAST_PSEUDO_STEP,
             tolerance=1e-5,
             patience=PATIENCE,
+            watch=(lambda share, note: self.watch(part * share, note)) if part else unwatched,
         )
 
-    def _followed(self, x: Array, values: Callable[[float], dict[str, float]]) -> tuple[Array, list[float]]:
+    def _followed(
+        self, x: Array, values: Callable[[float], dict[str, float]], part: tuple[float, float]
+    ) -> tuple[Array, list[float]]:
         """Follow a solution while `values(share)` change from share 0, to which `x` belongs, to 1.
 
         A step that Newton's method does not take is halved; one that is too short for that is taken in pseudo-time.
+        `part` of the way of the whole solution begins here and is this long.
         """
         history: list[float] = []
         done, step = 0.0, FIRST_SHARE
@@ -129,6 +136,7 @@ class DevelopedProblem:
                     continue
                 x, history = there.solve_from(there._relaxed(x))
             done, step = ahead, 2.0 * step
+            self.watch(part[0] + part[1] * done, "wall and turbulence")
         return x, history
 
     def with_values(self, **values: Any) -> DevelopedProblem:

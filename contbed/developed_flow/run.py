@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -29,9 +30,17 @@ MAX_BRANCH_POINTS = 60  # solutions along the branch in that search
 
 @timed("flow")
 def run(plan: Any, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
-    """Solve and fill the result; a steady run is quick, so that `folder`, `quiet` and `start` are not used."""
+    """Solve and fill the result; a steady run has no state to go on from, so that `folder` and `start` are not used."""
+    from contbed.output.progress import Progress
+
+    with Progress(100.0, "% of the way", quiet) as progress:
+        _run(plan, result, lambda share, note: progress.advance_to(100.0 * share, note))
+
+
+def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None:
     meant = plan.scene.fully_developed.theta_centre
     problem = DevelopedProblem(plan)
+    problem.watch = watch
     try:
         problem, state, history = _found(problem, meant or START_THETA, result)
         result.history += history
@@ -58,7 +67,9 @@ def _found(problem: DevelopedProblem, theta: float, result: Result) -> tuple[Dev
     for refinement in (1, 2, 4):
         try:
             if refinement > 1:
+                watch = problem.watch
                 problem = DevelopedProblem(problem.plan.on(_halved(np.sort(problem.plan.mesh.skfem.p[0]))))
+                problem.watch = watch
             state, history = problem.solve(theta)
             finished, state = aligned(problem, state)
         except ConvergenceError as error:

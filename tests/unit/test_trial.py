@@ -1,12 +1,14 @@
 """Processor time that a plan predicts for runs with time steps: how it follows from a trial, and that it is right."""
 
 import time
+from types import SimpleNamespace
 
 import pytest
 from small_scenes import STEADY
 
 import contbed as cb
-from contbed import cli, trial
+from contbed import cli, models, trial
+from contbed.errors import ConvergenceError
 from contbed.loading import from_dict, loads
 from contbed.models import plan
 from contbed.output.progress import Progress
@@ -82,6 +84,17 @@ def test_predicted_time_of_studies(scene, changes):
     assert 0.5 < seconds / (result.timings["total"] - result.timings["plan"]) < 2.0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", ["hamel_gasifiers/wsv_d.toml", "coal_boiler_design/boiler.toml"])
+def test_predicted_time_of_searches(scene):
+    """Within a factor of 2: the promise of the plan."""
+    loaded = cb.load(f"studies/{scene}")
+    seconds, _ = trial._searched(plan(loaded))
+    start = time.process_time()
+    cb.run(loaded)
+    assert 0.5 < seconds / (time.process_time() - start) < 2.0
+
+
 def test_a_run_that_fails_at_once_has_no_line():
     bed = {"type": "line", "length": 0.1, "cells": 4}
     scene = from_dict(
@@ -97,4 +110,39 @@ def test_a_run_that_fails_at_once_has_no_line():
     )
     planned = plan(scene)
     object.__setattr__(planned, "probes", {"nowhere": 10**6})
+    assert predicted_time(planned) == ""
+
+
+def test_a_search_that_ends_is_told_as_it_was():
+    line = predicted_time(plan(cb.load("contbed/bubbling_bed/template.toml")))
+    assert line.startswith("time: about ") and line.endswith(" of processor, by a trial")
+
+
+@pytest.mark.parametrize(("guesses", "seconds"), [(1, 10.0), (3, 30.0)])
+def test_time_of_a_search_follows_from_the_share_of_its_way(monkeypatch, guesses, seconds):
+    """A search of 20 equal parts of 0.5 s, stopped after 3 s; exact, as its parts are equal."""
+    planned = plan(cb.load("contbed/bubbling_bed/template.toml"))
+    now = SimpleNamespace(process_time=lambda: now.value, value=0.0)
+
+    def run(plan, result, folder, quiet, start):
+        for _ in range(guesses):
+            with Progress(100.0, "%", quiet) as progress:
+                for part in range(1, 21):
+                    now.value += 0.5
+                    progress.advance_to(5.0 * part)
+
+    monkeypatch.setattr(trial, "clock", now)
+    monkeypatch.setattr(type(planned), "guesses", guesses)
+    monkeypatch.setattr(models.Model, "find", lambda self, module, name: run)
+    assert trial._searched(planned) == (pytest.approx(seconds), False)
+    assert trial._text_of_search(planned).endswith("of processor, by the first 3 s of a trial")
+
+
+def test_a_search_that_fails_has_no_line(monkeypatch):
+    planned = plan(cb.load("contbed/bubbling_bed/template.toml"))
+
+    def run(*arguments):
+        raise ConvergenceError("no steady state is found", [])
+
+    monkeypatch.setattr(models.Model, "find", lambda self, module, name: run)
     assert predicted_time(planned) == ""
