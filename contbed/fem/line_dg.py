@@ -19,10 +19,10 @@ Source: Cockburn, Shu 1998, SIAM J. Numer. Anal. 35, 2440-2463, doi:10.1137/S003
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +32,19 @@ from contbed.fem.line_blocks import Blocks
 
 Array = NDArray[np.float64]
 Values = list[Any]
-# (values, gradients or None) of all fields at points -> convective fluxes, diffusive fluxes, sources of all equations
-Point = Callable[[Values, Values, Any], tuple[Values, Values, Values]]
+
+
+class Point(Protocol):
+    """Fluxes and sources of all equations at points, from values and gradients of all fields, and positions."""
+
+    def __call__(self, u: Values, q: Values, x: Any, /) -> tuple[Values, Values, Values]:
+        """Return convective fluxes, diffusive fluxes and sources."""
+
+    def convective(self, u: Values) -> Values:
+        """Return convective fluxes alone."""
+
+    def diffusive(self, u: Values, q: Values) -> Values:
+        """Return diffusive fluxes alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,8 +218,8 @@ class System:
     def fluxes(self, u: Array) -> Array:
         """Return the fluxes of all equations through all vertices (m, N + 1)."""
         up, down, slope = self.traces(u, self.gradients(u))
-        convective = self.point(list(up), list(slope), self.line.vertices)[0]
-        diffusive = self.point(list(down), list(slope), self.line.vertices)[1]
+        convective = self.point.convective(list(up))
+        diffusive = self.point.diffusive(list(down), list(slope)) if self.diffuses.any() else [0.0] * self.m
         total = np.array([np.broadcast_to(c + d, up[0].shape) for c, d in zip(convective, diffusive, strict=True)])
         return self._at_ends(total, np.array([np.broadcast_to(c, up[0].shape) for c in convective]))
 
@@ -242,9 +253,9 @@ class System:
         C, D, S = self.point(values, grads, line.points.ravel())
         up, down, slope = self.traces(u, q)
         values, grads = _seeded(up, slope, self.diffuses, jacobian)
-        Cf = self.point(values, grads, line.vertices)[0]
+        Cf = self.point.convective(values)
         values, grads = _seeded(down, slope, self.diffuses, jacobian)
-        Df = self.point(values, grads, line.vertices)[1] if self.diffuses.any() else [0.0] * m
+        Df = self.point.diffusive(values, grads) if self.diffuses.any() else [0.0] * m
 
         F = _values(C, shape, m).reshape(m, N, n) + _values(D, shape, m).reshape(m, N, n)
         source = _values(S, shape, m).reshape(m, N, n)

@@ -6,7 +6,7 @@ rest, two temperatures with exchange and conduction. Derivatives are those of co
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -130,6 +130,26 @@ def added(x: Any, t: float, v: float, transient: bool) -> list[Any]:
     return out
 
 
+@dataclass(frozen=True)
+class Driven:
+    """A bed whose sources are those that make `fields` its solution at a time."""
+
+    bed: Any
+    t: float
+    transient: bool
+
+    def __call__(self, u: Any, q: Any, x: Any) -> Any:
+        C, diffusive, S = self.bed(u, q, x)
+        more = added(x, self.t, self.bed.velocity_solid, self.transient)
+        return C, diffusive, [a + b for a, b in zip(S, more, strict=True)]
+
+    def convective(self, u: Any) -> Any:
+        return self.bed.convective(u)
+
+    def diffusive(self, u: Any, q: Any) -> Any:
+        return self.bed.diffusive(u, q)
+
+
 def problem_of(velocity_solid: float, cells: int, degree: int, transient: bool = False) -> Any:
     """The bed of the scene, its gas stored where it is transient."""
     made = plan(from_dict(scene(velocity_solid, cells, degree, transient))).problem
@@ -149,13 +169,9 @@ def at(problem: Any, t: float, transient: bool = False) -> Any:
             end[3] = 0.0
     base = problem.system
 
-    def point(u: Any, q: Any, x: Any) -> Any:
-        C, Dif, S = problem.bed(u, q, x)
-        return C, Dif, [a + b for a, b in zip(S, added(x, t, v, transient), strict=True)]
-
     directions = [1 if ahead else -1 for ahead in base.ahead]
     given = Ends((flux[0], flux[1]), ends.given, ends.value)
-    copy.__dict__["system"] = System(problem.line, directions, base.diffuses, point, given)
+    copy.__dict__["system"] = System(problem.line, directions, base.diffuses, Driven(problem.bed, t, transient), given)
     return copy
 
 

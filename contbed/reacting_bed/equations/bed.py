@@ -133,29 +133,78 @@ class Bed:
     def __call__(self, u: Sequence[Any], q: Sequence[Any], _: Any) -> tuple[list[Any], list[Any], list[Any]]:
         """Return convective fluxes, diffusive fluxes and sources of all equations at points."""
         state = self.state(u)
+        transport, h = self.medium.at(state), self._gas_enthalpies(state)
+        return (
+            self._convective(state, h),
+            self._diffusive(state, q, transport, h),
+            self._sources(state, transport, h),
+        )
+
+    def convective(self, u: Sequence[Any]) -> list[Any]:
+        """Return the convective fluxes of all equations at points."""
+        state = self.state(u)
+        return self._convective(state, self._gas_enthalpies(state))
+
+    def diffusive(self, u: Sequence[Any], q: Sequence[Any]) -> list[Any]:
+        """Return the diffusive fluxes of all equations at points."""
+        state = self.state(u)
+        return self._diffusive(state, q, self.medium.at(state), self._gas_enthalpies(state))
+
+    def _gas_enthalpies(self, state: State) -> dict[str, Any]:
+        if not self.layout.temperatures:
+            return {}
+        return {name: self.enthalpies[name](state.T_fluid) for name in state.g}
+
+    def _convective(self, state: State, h: Mapping[str, Any]) -> list[Any]:
+        out = [*state.g.values(), *(self.velocity_solid * n for n in state.n.values())]
+        temperatures = self.layout.temperatures
+        if temperatures:
+            gas: Any = sum(g * h[name] for name, g in state.g.items())
+            solid = self.velocity_solid * self.held_by_solids(state) if self.velocity_solid else 0.0
+            out += [gas + solid] if len(temperatures) == 1 else [gas, solid]
+        if self.layout.pressure:
+            out.append(state.p)
+        out += [0.0] * len(self.layout.films)
+        if self.inside is not None:
+            moves = self.velocity_solid != 0.0
+            inner = len(self.layout.inside) * self.layout.points
+            out += [self.velocity_solid * m for m in self.held_inside(state)] if moves else [0.0] * inner
+        return out
+
+    def _diffusive(self, state: State, q: Sequence[Any], transport: Any, h: Mapping[str, Any]) -> list[Any]:
         slopes = dict(zip(self.layout.names, q, strict=True))
-        transport = self.medium.at(state)
         J = self.diffusion(state, slopes, transport)
+        out = [*(J.get(name, 0.0) for name in state.g), *(0.0 for _ in state.n)]
+        temperatures = self.layout.temperatures
+        if temperatures:
+            carried: Any = sum(flux * h[name] for name, flux in J.items()) if J else 0.0
+            K_f, K_s = transport.conductivity_fluid, transport.conductivity_solid
+            if len(temperatures) == 1:
+                out.append(carried - (K_f + K_s) * slopes["T"])
+            else:
+                out += [carried - K_f * slopes["T_fluid"], -K_s * slopes["T_solid"]]
+        return out + [0.0] * (len(self.layout.names) - len(out))
+
+    def _sources(self, state: State, transport: Any, h: Mapping[str, Any]) -> list[Any]:
         made, by_particles = self.made(state, transport)
         gains = self._taken_up(state, transport, made, by_particles)
-        convective, diffusive, source = self._species(state, J, made)
-        self._energies(state, slopes, transport, J, by_particles, convective, diffusive, source)
+        out = [made.get(name, 0.0) for name in (*state.g, *state.n)]
+        temperatures = self.layout.temperatures
+        if len(temperatures) == 1:
+            out.append(transport.wall)
+        elif temperatures:
+            X: Any = 0.0
+            for name, rate in by_particles.items():
+                leaves = getattr(rate, "value", rate) > 0.0
+                X = X + rate * np.where(leaves, self.enthalpies[name](state.T_solid), h[name])
+            passed = transport.exchange * (state.T_solid - state.T_fluid) + X
+            out += [passed + transport.wall, -passed]
         if self.layout.pressure:
-            convective.append(state.p)
-            diffusive.append(0.0)
-            source.append(-transport.pressure_gradient)
+            out.append(-transport.pressure_gradient)
         for name in self.layout.films:
-            convective.append(0.0)
-            diffusive.append(0.0)
-            passed = transport.films[name] * self.medium.area * (state.c[name] - state.films[name])
-            source.append(passed + by_particles.get(name, 0.0))
-        if self.inside is not None:
-            gained = [gain for points in gains.values() for gain in points]
-            moves = self.velocity_solid != 0.0
-            convective += [self.velocity_solid * m for m in self.held_inside(state)] if moves else [0.0] * len(gained)
-            diffusive += [0.0] * len(gained)
-            source += gained
-        return convective, diffusive, source
+            through = transport.films[name] * self.medium.area * (state.c[name] - state.films[name])
+            out.append(through + by_particles.get(name, 0.0))
+        return out + [gain for points in gains.values() for gain in points]
 
     def _taken_up(
         self, state: State, transport: Any, made: dict[str, Any], by_particles: dict[str, Any]
@@ -208,12 +257,6 @@ class Bed:
             found.append(self.strength * rate)
         return found
 
-    def _species(self, state: State, J: Mapping[str, Any], made: Mapping[str, Any]) -> tuple[list[Any], ...]:
-        convective = [*state.g.values(), *(self.velocity_solid * n for n in state.n.values())]
-        diffusive = [*(J.get(name, 0.0) for name in state.g), *(0.0 for _ in state.n)]
-        source = [made.get(name, 0.0) for name in (*state.g, *state.n)]
-        return convective, diffusive, source
-
     def held_by_solids(self, state: State) -> Any:
         """Return the enthalpy of the solids [J/m3 bed]."""
         T = state.T_solid
@@ -243,40 +286,3 @@ class Bed:
             return held, 0.0
         enthalpy: Any = sum(c * self.enthalpies[name](state.T_fluid) for name, c in held.items())
         return held, enthalpy
-
-    def _energies(
-        self,
-        state: State,
-        slopes: Mapping[str, Any],
-        transport: Any,
-        J: Mapping[str, Any],
-        by_particles: Mapping[str, Any],
-        convective: list[Any],
-        diffusive: list[Any],
-        source: list[Any],
-    ) -> None:
-        """Append the equations of energy."""
-        temperatures = self.layout.temperatures
-        if not temperatures:
-            return
-        h = {name: self.enthalpies[name](state.T_fluid) for name in state.g}
-        gas: Any = sum(g * h[name] for name, g in state.g.items())
-        carried: Any = sum(flux * h[name] for name, flux in J.items()) if J else 0.0
-        solid = self.velocity_solid * self.held_by_solids(state) if self.velocity_solid else 0.0
-        if len(temperatures) == 1:
-            convective.append(gas + solid)
-            conductivity = transport.conductivity_fluid + transport.conductivity_solid
-            diffusive.append(carried - conductivity * slopes["T"])
-            source.append(transport.wall)
-            return
-        X: Any = 0.0
-        for name, rate in by_particles.items():
-            made = getattr(rate, "value", rate) > 0.0
-            X = X + rate * np.where(made, self.enthalpies[name](state.T_solid), h[name])
-        passed = transport.exchange * (state.T_solid - state.T_fluid) + X
-        convective += [gas, solid]
-        diffusive += [
-            carried - transport.conductivity_fluid * slopes["T_fluid"],
-            -transport.conductivity_solid * slopes["T_solid"],
-        ]
-        source += [passed + transport.wall, -passed]
