@@ -187,6 +187,7 @@ _RESULTS = (
     Field("NAME_carryover_kg_s", r"\dot m", "kg/s", "particles of a species that the gas carries away"),
     Field("steady_states_found", "n", "1", "number of steady states found"),
     Field("fold_NAME", "p", "1", "value of the continuation's key at a fold, in the unit of the key"),
+    Field("fold_distance", r"|p_1/p - 1|", "1", "distance to the first fold, or to the end, if none"),
     Field("gas_out_mol_s", r"\dot n", "mol/s", "gas that leaves"),
     Field("x_NAME_wet", "x", "1", "mole fraction in the gas that leaves"),
     Field("x_NAME_dry", "x", "1", "mole fraction in the gas that leaves, water left aside"),

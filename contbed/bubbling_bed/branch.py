@@ -1,4 +1,11 @@
-"""Branch of the steady states of a bubbling bed over one value of its scene."""
+"""Branch of the steady states of a bubbling bed over one value p of its scene, its folds and how they move.
+
+At a fold (x_1, p_1) of R(x, p, q) = 0 the left null vector w of dR/dx leaves of a small change of another value q
+
+    w . dR/dp dp_1 = -w . dR/dq dq
+
+Source: Govaerts 2000, Numerical Methods for Bifurcations of Dynamical Equilibria, SIAM, doi:10.1137/1.9780898719543
+"""
 
 from __future__ import annotations
 
@@ -8,13 +15,15 @@ from typing import Any
 import numpy as np
 
 from contbed.bubbling_bed import scene as b
-from contbed.bubbling_bed.plan import coefficients
+from contbed.bubbling_bed.plan import coefficients, typical_numbers
 from contbed.bubbling_bed.problem import TYPICAL, BubblingProblem
 from contbed.result import Result
 from contbed.scene import schema
 from contbed.scene.toml_lines import parse_key
 from contbed.scene.values import value_at, with_value
 from contbed.solvers.branch import Branch, trace
+from contbed.solvers.linear import Solver, bordered
+from contbed.solvers.tangent import STEP
 
 
 class Family:
@@ -22,11 +31,14 @@ class Family:
 
     def __init__(self, problem: BubblingProblem, key: str):
         self.problem, self.key = problem, key
+        computed = problem.c.computed
+        # layers of the mesh are predicted from these numbers; they cost as much as a residual, and the mesh stays
+        self.typical = None if computed is None else typical_numbers(problem.plan.scene, computed)
 
     def at(self, value: float) -> BubblingProblem:
         """Return the problem with that value."""
         scene: b.BubblingScene = with_value(self.problem.plan.scene, parse_key(self.key), value)
-        c, _ = coefficients(scene)
+        c, _ = coefficients(scene, self.typical)
         return self.problem.with_coefficients(replace(self.problem.plan, scene=scene, coefficients=c))
 
     def assemble(self, x: Any, value: float, jacobian: bool) -> tuple[Any, Any]:
@@ -34,7 +46,7 @@ class Family:
         return self.at(value).steady(x, jacobian)
 
 
-def follow(problem: BubblingProblem, state: Any, result: Result) -> None:
+def follow(problem: BubblingProblem, state: Any, result: Result) -> Branch:
     """Trace the branch that a state lies on, and report it."""
     table = problem.plan.scene.continuation
     assert table is not None
@@ -50,6 +62,7 @@ def follow(problem: BubblingProblem, state: Any, result: Result) -> None:
         size=TYPICAL,
         points=table.points,
         back=table.back_to,
+        first_fold=table.first_fold,
         watch=problem.watch,
     )
     if not branch.complete:
@@ -57,8 +70,50 @@ def follow(problem: BubblingProblem, state: Any, result: Result) -> None:
             f"the branch ends at {table.parameter} = {branch.parameter[-1]:.6g} after "
             f"{len(branch.parameter)} points; raise continuation.points"
         )
-    result.qoi |= {f"fold_{k}": p for k, (_, p, _) in enumerate(branch.folds, 1)}
+    folds = [p for _, p, _ in branch.folds]
+    result.qoi |= {f"fold_{k}": p for k, p in enumerate(folds, 1)}
+    result.qoi |= distance(problem.plan.scene, folds, branch.complete)
     result.tables["continuation"] = columns(problem, family, branch)
+    return branch
+
+
+def distance(scene: b.BubblingScene, folds: list[float], complete: bool) -> dict[str, float]:
+    """Return the relative distance of the scene from the first fold, or from the end of a branch without one.
+
+    There is none where the value of the scene is 0, or where the branch was given up before a fold.
+    """
+    table = scene.continuation
+    assert table is not None
+    start = float(value_at(scene, table.parameter))
+    if start == 0.0 or not (folds or complete):
+        return {}
+    return {"fold_distance": abs((folds[0] if folds else table.to) / start - 1.0)}
+
+
+class Fold:
+    """A fold (x, p) of a bed, with the left null vector w of its Jacobian, where w . dR/dp = 1."""
+
+    def __init__(self, family: Family, solved: Any, p: float, x: Any):
+        self.family, self.p, self.x = family, p, x
+        _, matrix = family.assemble(x, p, True)
+        step = STEP * abs(p)
+        slope = (family.assemble(x, p + step, False)[0] - family.assemble(x, p - step, False)[0]) / (2.0 * step)
+        # any direction will do that is not across the null vector; scaled as the rows of the matrix
+        along = as_large_as(matrix, x - solved)
+        policy = family.problem.plan.policy
+        border = bordered(matrix.T.tocsc(), along, slope, 0.0)
+        self.null = Solver(border, policy)(np.append(np.zeros(len(x)), 1.0))[:-1]
+
+    def values(self, problems: list[BubblingProblem]) -> list[float]:
+        """Return where the fold lies for the scenes of two problems, a little below and above the solved one."""
+        low, high = (Family(one, self.family.key).assemble(self.x, self.p, False)[0] for one in problems)
+        shift = -0.5 * float(self.null @ (high - low))
+        return [self.p - shift, self.p + shift]
+
+
+def as_large_as(matrix: Any, direction: Any) -> Any:
+    """Return a direction as long as the largest row of a matrix, so that both are one system of like numbers."""
+    return direction * float(abs(matrix).sum(axis=1).max()) / (float(np.abs(direction).max()) or 1.0)
 
 
 def columns(problem: BubblingProblem, family: Family, branch: Branch) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.bubbling_bed.results import fill
 from contbed.errors import ConvergenceError
 from contbed.result import Result, timed
+from contbed.solvers.branch import Branch
 
 COLD, HOT = 400.0, 2000.0  # temperatures from which other steady states are looked for [K]
 APART = 1.0  # difference of temperatures of two steady states [K]
@@ -20,10 +21,14 @@ APART = 1.0  # difference of temperatures of two steady states [K]
 
 @dataclass(frozen=True)
 class Solved:
-    """What a run has solved; the scene of the `problem` has the sizes and the height that have settled."""
+    """What a run has solved, and the branch that was followed from there.
+
+    The scene of the `problem` has the sizes and the height that have settled.
+    """
 
     problem: BubblingProblem
     state: Any
+    branch: Branch | None = None
 
 
 @timed("heat")
@@ -52,7 +57,7 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
     if scene.continuation is not None:
         from contbed.bubbling_bed.branch import follow
 
-        follow(problem, state, result)
+        result.solved = Solved(problem, state, follow(problem, state, result))
     if plan.guesses > 1:
         result.qoi["steady_states_found"] = _steady_states(problem, state, result)
 

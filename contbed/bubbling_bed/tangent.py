@@ -4,7 +4,7 @@
 
 s are the sizes of the particles and the height of the bed, which follow from its state; they and u change in turn until
 both agree, as in `settling`. The nodes of the mesh move with the height of the bed, their number stays; see
-`solvers.tangent`.
+`solvers.tangent`. Folds of the continuation move as `branch` says.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed.bubbling_bed.branch import Family, Fold, distance
 from contbed.bubbling_bed.plan import coefficients, typical_numbers
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.bubbling_bed.results import fill
@@ -40,12 +41,23 @@ class Tangent:
         plan, computed = self.problem.plan, self.problem.c.computed
         self.typical = None if computed is None else typical_numbers(plan.scene, computed)
         self.settles = unsettled(result.scene)
+        self.branch = result.solved.branch
 
     @cached_property
     def response(self) -> Response:
         """The factors, found when they are first needed."""
         _, matrix = self.problem.steady(self.x, True)
         return Response(matrix, self.problem.fixed, self.problem.plan.policy)
+
+    @cached_property
+    def folds(self) -> list[Fold]:
+        """The folds of the branch that was followed, found when they are first needed."""
+        if self.branch is None:
+            return []
+        table = self.problem.plan.scene.continuation
+        assert table is not None
+        family = Family(self.problem, table.parameter)
+        return [Fold(family, self.x, p, x) for _, p, x in self.branch.folds]
 
     def results(self, below: Any, above: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the named results of two scenes with a key a little below and above that of the solved one.
@@ -72,6 +84,12 @@ class Tangent:
         for result, problem, state in zip(found, problems, states, strict=True):
             result.plan = problem.plan
             fill(problem.plan, problem, state, result)
+        if self.branch is not None:
+            moved_folds = [fold.values(problems) for fold in self.folds]
+            for side, (result, problem) in enumerate(zip(found, problems, strict=True)):
+                places = [values[side] for values in moved_folds]
+                result.qoi |= {f"fold_{k}": p for k, p in enumerate(places, 1)}
+                result.qoi |= distance(problem.plan.scene, places, self.branch.complete)
         return found[0].qoi, found[1].qoi
 
     def _as_settled(self, scene: Any) -> Any:

@@ -160,7 +160,7 @@ def _by_tangent(base: Any, result: Result, qoi: tuple[str, ...], keys: list[Key]
 
 
 def _of_state(scene: SceneBase, found: dict[str, Any], qoi: tuple[str, ...]) -> Array:
-    """Return the named results as numbers; UnlikeError for one that does not follow from the state alone, a fold."""
+    """Return the named results as numbers; UnlikeError for one that does not follow from the state alone."""
     for name in qoi:
         if name not in found:
             raise UnlikeError(f"{name} does not follow from the steady state alone")

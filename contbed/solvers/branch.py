@@ -37,13 +37,13 @@ class Branch:
     """Points of a branch in the order in which they are found.
 
     `folds` holds (index of the point behind the fold, parameter, state). `complete` says whether the branch reaches an
-    end of the range of the parameter.
+    end of the range of the parameter, or the first fold if no more is wanted.
     """
 
     parameter: list[float] = field(default_factory=list)
     states: list[Array] = field(default_factory=list)
     folds: list[tuple[int, float, Array]] = field(default_factory=list)
-    complete: bool = False  # whether it ends at an end of the parameter
+    complete: bool = False
 
 
 @dataclass
@@ -132,12 +132,14 @@ def trace(
     points: int,
     back: float | None = None,
     first: float = 0.02,
+    first_fold: bool = False,
     tolerance: float = 1e-8,
     watch: Callable[[float, str], None] = unwatched,
 ) -> Branch:
     """Follow the branch of `assemble(x, p, jacobian) -> (R, matrix)` from a state `x` at `start`.
 
-    It ends where p passes `stop` or, on the other side, `back`, or where `points` are found. `weights` make the
+    It ends where p passes `stop` or, on the other side, `back`, or where `points` are found; with `first_fold` at the
+    first fold as well. `weights` make the
     unknowns comparable with `size`. A branch that cannot be continued is returned incomplete. `watch` is told the
     share of the way, by the parameter or by the number of points, and the parameter.
     """
@@ -156,6 +158,9 @@ def trace(
         if found.tangent[1] * point.tangent[1] < 0:
             turn = continuation.fold(point, s)
             out.folds.append((len(out.parameter), turn.p, turn.x))
+            if first_fold:
+                out.complete = True
+                break
         if not low <= found.p <= high:
             edge = low if found.p < low else high
             found = _at(continuation, point, found, edge)

@@ -6,16 +6,19 @@ from bubbling_scenes import case1, one, species, values
 from scipy.optimize import brentq
 
 import contbed as cb
+from contbed.design.gradients import gradient
+from contbed.design.keys import key
 from contbed.errors import SceneError
+from contbed.scene.values import with_value
 
 E, RISE = 3000.0, 5.0 * 3000.0 / 2.5  # activation and heat release at infinite temperature over the capacity flow [K]
 
 
-def stirred(guess, start, to):
+def stirred(guess, start, to, mixing=1e7):
     """One temperature: W (T - T_in) = W RISE exp(-E/T)."""
     flow, height, section = 300.0, 0.6, 1.3
     release = {"rate": RISE * np.exp(-E / 1000.0) * flow / height / section, "activation": E, "reference": 1000.0}
-    inert = {"gas_coefficient": 1e5, "conductivity": 1e7, "release": release}
+    inert = {"gas_coefficient": 1e5, "conductivity": mixing, "release": release}
     return one(
         inert=inert,
         gas={"capacity_flow": flow, "temperature": start},
@@ -75,3 +78,44 @@ def test_a_bed_with_radiation_ignites_at_a_fold():
 def test_what_cannot_be_varied_is_refused(parameter):
     with pytest.raises(SceneError, match="can be varied"):
         case1(continuation={"parameter": parameter, "to": 3.0})
+
+
+def test_distance_to_the_first_fold():
+    """The ignited bed goes out where the gas is colder by 1 - 661.4/760."""
+    scene = stirred(2500.0, 760.0, 600.0)
+    whole = cb.run(scene)
+    table = {"parameter": "gas.temperature", "to": 600.0, "first_fold": True}
+    first = cb.run(with_value(scene, ("continuation",), scene.continuation.model_copy(update=table)))
+    assert first.qoi["fold_1"] == whole.qoi["fold_1"] and "fold_2" not in first.qoi
+    assert first.qoi["fold_distance"] == pytest.approx(1.0 - first.qoi["fold_1"] / 760.0, rel=1e-12)
+    assert len(first.tables["continuation"]["turns [1]"]) < len(whole.tables["continuation"]["turns [1]"])
+    assert first.warnings == []
+
+
+def test_distance_without_a_fold_is_that_to_the_end_of_the_branch():
+    result = cb.run(stirred(2500.0, 760.0, 700.0))
+    assert "fold_1" not in result.qoi and result.qoi["fold_distance"] == pytest.approx(1.0 - 700.0 / 760.0)
+
+
+def test_a_branch_that_is_given_up_has_no_distance():
+    scene = stirred(2500.0, 760.0, 600.0)
+    short = with_value(scene, ("continuation",), scene.continuation.model_copy(update={"points": 3}))
+    result = cb.run(short)
+    assert "fold_distance" not in result.qoi and any("raise continuation.points" in text for text in result.warnings)
+
+
+def test_how_folds_move_with_a_key():
+    """d(p_1/p - 1)/dq by the null vector of the fold against differences of whole branches."""
+    scene = stirred(2500.0, 760.0, 600.0, mixing=1e4)  # little: rounding of a strong one hides small changes
+    names = ["gas.capacity_flow", "gas.temperature", "species.inert.release.rate"]
+    made = gradient(scene, ["fold_1", "fold_2", "fold_distance", "T_inert_mid_K"], names)
+    assert made.method == "tangent" and made.notes == ()
+    for k, changed in enumerate(key(scene, name) for name in names):
+        ends = [cb.run(changed.on(scene, changed.value * (1.0 + side * 1e-4))).qoi for side in (1, -1)]
+        for q, name in enumerate(made.qoi):
+            found = (ends[0][name] - ends[1][name]) / 2e-4
+            # of central differences with folds to 1e-9 of the span: 1e-6 K over 2e-4
+            assert made.derivatives[q, k] * changed.value == pytest.approx(
+                found, rel=1e-5, abs=1e-5 * made.values[q]
+            ), name
+    assert made.derivatives[0, 1] == 0.0  # a fold in the gas temperature does not know that of the scene
