@@ -11,13 +11,14 @@ from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions, names_in
 from contbed.materials.elements import elements_of
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.adsorption_checks import (
+from contbed.reacting_bed.inlet_series import SUM, CompositionSeries, constant
+from contbed.reacting_bed.inside_checks import (
     adsorbed_gases_are_there,
     adsorbed_gases_do_not_react_there,
     particles_can_adsorb,
+    pellets_have_diffusivities,
     uptake_has_a_meaning,
 )
-from contbed.reacting_bed.inlet_series import SUM, CompositionSeries, constant
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
 from contbed.reacting_bed.medium import bound, places_of
@@ -359,6 +360,7 @@ CHECKS: tuple[Check, ...] = (
     adsorbed_gases_are_there,
     particles_can_adsorb,
     adsorbed_gases_do_not_react_there,
+    pellets_have_diffusivities,
     uptake_has_a_meaning,
     closures_exist,
     particles_fit,

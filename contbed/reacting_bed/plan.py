@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from contbed.errors import SceneError
 from contbed.models import described
+from contbed.particle.effectiveness import effectiveness_of
 from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.pellets import Pellets
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import Schedule, tables_of
 from contbed.reacting_bed.solve import FIRST_CELLS
@@ -119,6 +121,27 @@ def _at_start(scene: s.ReactingScene, schedule: Schedule) -> Problem:
     return problem
 
 
+def _effectiveness(problem: Problem, pellets: Pellets) -> str:
+    """Return the effectiveness of each reaction where the gas enters, resolved and by its Thiele modulus."""
+    bed = problem.bed
+    state = problem.state(problem.start()[:, 0, 0])
+    at = bed.medium.local(state, bed.medium.at(state), pellets.reactions[0], bed.small)
+    parts = []
+    for reaction, mean in zip(pellets.reactions, pellets(at), strict=True):
+        rate = float(reaction.rate(at))
+        if not rate:
+            parts.append(f"{reaction.name} at rest")
+            continue
+        text = f"{reaction.name} {float(mean) / rate:.3g}"
+        gas, moles = next((name, -n) for name, n in reaction.stoichiometry.items() if n < 0)
+        k = moles * rate / pellets.solids / max(float(at.c[gas]), 1e-300)
+        if k > 0.0:
+            D = problem.scene.particle.diffusivity[gas]
+            text += f" (by the Thiele modulus of {gas} {float(effectiveness_of(at.radius, k, D)):.3g})"
+        parts.append(text)
+    return f"diffusion and reaction of {', '.join(pellets.gases)}; effectiveness at the inlet: {', '.join(parts)}"
+
+
 def _place(text: str) -> KeyPath:
     """Return the table that a message is about."""
     if "closure" in text or "Nusselt" in text:
@@ -161,6 +184,9 @@ def _lists(
             skipped.append(("films", "no reaction at particles needs them"))
     if problem.choice is not None:
         built.append((f"adsorption of {', '.join(layout.inside)}", str(problem.choice)))
+    resolved = next((r.rate for r in problem.reactions if isinstance(r.rate, Pellets)), None)
+    if resolved is not None:
+        built.append(("inside of pellets", _effectiveness(problem, resolved)))
     for reaction in problem.reactions:
         built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else "at the particles"))
     if schedule:

@@ -20,6 +20,7 @@ from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.inside import Choice, inside_of
 from contbed.reacting_bed.kinetics import Reaction, reactions_of
 from contbed.reacting_bed.medium import Medium
+from contbed.reacting_bed.pellets import in_pellets
 from contbed.reacting_bed.substances import Substances, substances
 
 Array = NDArray[np.float64]
@@ -122,7 +123,7 @@ class Problem:
         """Build the bed of a scene; `species` if they are known from one with the same."""
         species = species or substances(scene)
         entering = streams(scene, species)
-        reactions = tuple(reactions_of(scene, species))
+        reactions = tuple(in_pellets(scene, reactions_of(scene, species), species.gases))
         reacting = {name for reaction in reactions for name in reaction.stoichiometry}
         solids = tuple(name for name in species.solids if name in reacting)
         heat = scene.heat

@@ -251,8 +251,13 @@ class Reaction(Table):
 class Particle(Table):
     """What happens inside of a particle."""
 
-    mass: Literal["none", "effectiveness"] = Field(
-        "none", description="effectiveness of a sphere by the Thiele modulus of each reaction with a diffusivity"
+    mass: Literal["none", "effectiveness", "interior"] = Field(
+        "none",
+        description="effectiveness of a sphere by the Thiele modulus of each reaction with a diffusivity; or diffusion "
+        "and reaction of all gases resolved inside of the particles, with particle.diffusivity",
+    )
+    diffusivity: dict[str, PositiveDiffusivity] = Field(
+        default_factory=dict, description='effective, of each gas that reacts in particles, { CH4 = "2e-6 m**2/s" }'
     )
     adsorption: Literal["auto", "film", "linear_driving_force", "interior"] = Field(
         "auto",

@@ -1,4 +1,4 @@
-"""Checks of gases that particles adsorb."""
+"""Checks of what happens inside of particles: gases that are adsorbed, reactions in pellets that are resolved."""
 
 from __future__ import annotations
 
@@ -46,10 +46,8 @@ def particles_can_adsorb(adsorption: Adsorptions, mass: s.Mass | None, solid: s.
         yield ("solid",), "missing; loadings are per mass of particles: give [solid] with density"
 
 
-def adsorbed_gases_do_not_react_there(
-    adsorption: Adsorptions, reactions: Reactions, solid: s.Solids | None
-) -> Mistakes:
-    """Check that no gas is both adsorbed and made or taken by particles, whose film is one."""
+def _species_in_particles(reactions: Reactions, solid: s.Solids | None) -> dict[str, set[str]]:
+    """Return the species of the reactions that run in particles; none where an equation cannot be read."""
     solids = set() if solid is None else set(solid.constituent)
     try:
         if solid is not None and solid.composition is not None:
@@ -59,16 +57,44 @@ def adsorbed_gases_do_not_react_there(
             for name, table in reactions.items()
         }
     except SceneError:
-        return  # other checks say so
-    for name, table in reactions.items():
-        in_gas = table.basis in (None, "gas", "bed") and table.law not in REFORMING and not species[name] & solids
-        for gas in sorted(species[name] & set(adsorption)):
-            if not in_gas:
-                yield (
-                    ("reactions", name),
-                    f"{gas} is adsorbed by the particles (adsorption.{gas}) and reacts in them: its film and pores "
-                    "are modelled for one of the two; remove one",
-                )
+        return {}  # other checks say so
+    return {
+        name: named
+        for name, named in species.items()
+        if reactions[name].basis in ("catalyst", "particle") or reactions[name].law in REFORMING or named & solids
+    }
+
+
+def adsorbed_gases_do_not_react_there(
+    adsorption: Adsorptions, reactions: Reactions, solid: s.Solids | None
+) -> Mistakes:
+    """Check that no gas is both adsorbed and made or taken by particles, whose film is one."""
+    for name, species in _species_in_particles(reactions, solid).items():
+        for gas in sorted(species & set(adsorption)):
+            yield (
+                ("reactions", name),
+                f"{gas} is adsorbed by the particles (adsorption.{gas}) and reacts in them: its film and pores "
+                "are modelled for one of the two; remove one",
+            )
+
+
+def pellets_have_diffusivities(particle: s.Particle, reactions: Reactions, solid: s.Solids | None) -> Mistakes:
+    """Check that gases that react in pellets that are resolved have diffusivities, and no others have."""
+    inside = _species_in_particles(reactions, solid) if particle.mass == "interior" else {}
+    gases = {gas for species in inside.values() for gas in species}
+    if solid is not None and solid.composition is not None:
+        gases = set()
+        if particle.mass == "interior":
+            yield (
+                ("particle", "mass"),
+                "resolves catalytic reactions of gases; particles that react have shrinking_core or three_interfaces",
+            )
+    elif particle.mass == "interior" and not inside:
+        yield ("particle", "mass"), "nothing reacts in the particles; remove it, or give a reaction basis = 'catalyst'"
+    for gas in sorted(gases - set(particle.diffusivity)):
+        yield ("particle", "diffusivity"), f"{gas} reacts in the particles and has none; give {gas} = in m2/s"
+    for gas in sorted(set(particle.diffusivity) - gases):
+        yield ("particle", "diffusivity", gas), "no reaction in particles that are resolved needs it; remove it"
 
 
 def uptake_has_a_meaning(

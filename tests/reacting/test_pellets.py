@@ -1,0 +1,136 @@
+"""Pellets whose inside is resolved: closed forms of first order, derivatives, and the reformer's rates."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from reacting_bed_scenes import isothermal, species
+
+import contbed
+from contbed.errors import SceneError
+from contbed.fem.dual import Dual
+from contbed.loading import from_dict
+from contbed.particle.effectiveness import sphere
+from contbed.reacting_bed.plan import plan
+
+D_A, D_B, R = 2e-6, 5e-6, 1.5e-3
+
+
+def pellets(phi, K=None):
+    """A -> B of first order in pellets, phi = R sqrt(k/D_A); with the equilibrium constant K reversible."""
+    scene = isothermal("A:1", species(A=0.028, B=0.028))
+    k = D_A * (phi / R) ** 2
+    rate = "k*c_A" if K is None else "k*(c_A - c_B/K)"
+    parameters = {"k": k} if K is None else {"k": k, "K": K}
+    scene["reactions"] = {"r": {"equation": "A -> B", "rate": rate, "parameters": parameters, "basis": "particle"}}
+    scene["solid"] = {"density": 1000.0}
+    scene["particle"] = {"mass": "interior", "diffusivity": {"A": D_A, "B": D_B}}
+    return scene, k
+
+
+def left(k, eta):
+    """Share of A that is left of first order in plug flow of 1 m."""
+    return np.exp(-0.6 * k * eta / 0.5)
+
+
+@pytest.mark.parametrize("phi", [0.5, 5.0])
+def test_first_order(phi):
+    scene, k = pellets(phi)
+    scene["mesh"]["length"] = L = min(1.0, 1.0 / (0.6 * k * sphere(phi) / 0.5))
+    result = contbed.run(from_dict(scene))
+    # 3e-6 of the effectiveness by the shells
+    assert result.qoi["x_A_out"] == pytest.approx(left(k * L, sphere(phi)), rel=1e-5)
+
+
+def test_reversible_first_order():
+    """phi^2 = k R^2 (1/D_A + 1/(K D_B)), the driving force c_A - c_B/K."""
+    K, phi = 2.0, 4.0
+    scene, k = pellets(phi, K)
+    scene["mesh"]["length"] = L = 0.02
+    eta = sphere(R * np.sqrt(k / D_A + k / (K * D_B)))
+    equal = 1.0 / (1.0 + K)  # share of A at equilibrium
+    exact = equal + (1.0 - equal) * left(k * L * (1.0 + 1.0 / K), eta)
+    result = contbed.run(from_dict(scene))
+    assert result.qoi["x_A_out"] == pytest.approx(exact, rel=1e-5)
+
+
+REFORMER = {
+    "mesh": {"type": "line", "length": 1.0},
+    "fluid": {
+        "model": "cantera",
+        "composition": "CH4:0.2, H2O:0.6, H2:0.12, CO:0.02, CO2:0.06",
+        "pressure": "20 bar",
+        "viscosity": 3e-5,
+    },
+    "solid": {"density": 2700.0},
+    "bed": {"porosity": 0.5, "particle_diameter": 8e-3},
+    "flow": {"mass_flux": 5.0, "pressure_drop": "none"},
+    "heat": {},
+    "reactions": {name: {"law": f"xu_froment_{name}"} for name in ("reforming", "shift", "total")},
+    "particle": {
+        "mass": "interior",
+        "diffusivity": {"CH4": 2e-6, "H2O": 2.5e-6, "H2": 6e-6, "CO": 2e-6, "CO2": 1.5e-6},
+    },
+    "boundary": {"left": {"fluid": {"inflow": 900.0}}},
+    "output": {"plots": False},
+}
+
+
+def test_derivatives_of_mean_rates():
+    """Against central differences of the inputs."""
+    problem = plan(from_dict(REFORMER)).problem
+    bed = problem.bed
+    state = problem.state(problem.start()[:, 0, :1])
+    inside = problem.reactions[0].rate
+    at = bed.medium.local(state, bed.medium.at(state), problem.reactions[0])
+    one = np.ones(1)
+    c = {name: Dual(value * one, {name: one}) for name, value in at.c.items()}
+    found = inside(replace(at, T=Dual(at.T * one, {"T": one}), c=c))
+    for key in ("T", "CH4", "H2", "CO2"):
+        value = float(at.T[0] if key == "T" else at.c[key][0])
+        h = 1e-4 * value
+        sides = []
+        for sign in (1.0, -1.0):
+            moved = {**at.c, key: at.c[key] + sign * h} if key != "T" else at.c
+            T_moved = at.T + sign * h if key == "T" else at.T
+            sides.append(inside(replace(at, T=T_moved, c=moved)))
+        for k, rate in enumerate(found):
+            slope = (sides[0][k] - sides[1][k]) / (2.0 * h)
+            # differences err by the square of 1e-4
+            assert rate.tangents[key][0] == pytest.approx(float(slope[0]), rel=1e-5), (key, k)
+
+
+def test_a_reformer_closes_and_the_plan_tells_the_effectiveness():
+    scene = from_dict(REFORMER)
+    text = dict(plan(scene).built)["inside of pellets"]
+    assert "effectiveness at the inlet: reforming 0.0" in text
+    assert "by the Thiele modulus of CH4" in text
+    result = contbed.run(scene)
+    for name, balance in result.balances.items():
+        assert abs(balance["relative_residual"]) < 1e-12, name
+    assert 0.05 < result.qoi["conversion_CH4"] < 0.5
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"diffusivity": {"A": 1e-6}}, "particle.diffusivity: B reacts in the particles and has none"),
+        ({"diffusivity": {"A": 1e-6, "B": 1e-6, "C": 1e-6}}, "no reaction in particles that are resolved needs it"),
+        ({"mass": "none"}, "no reaction in particles that are resolved needs it"),
+    ],
+)
+def test_mistakes(change, said):
+    scene, _ = pellets(1.0)
+    scene["particle"] |= change
+    with pytest.raises(SceneError, match=said):
+        from_dict(scene)
+
+
+def test_nothing_to_resolve():
+    scene, _ = pellets(1.0)
+    scene["reactions"]["r"]["basis"] = "gas"
+    scene["particle"].pop("diffusivity")
+    with pytest.raises(SceneError, match="nothing reacts in the particles"):
+        from_dict(scene)
