@@ -11,6 +11,7 @@ from contbed.fields import header
 from contbed.packed_bed.heat import INSIDE
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.pressure import along_bed
+from contbed.packed_bed.streams import Streams, outlet_table, streams
 from contbed.result import Result
 from contbed.scene.mesh import power_units
 
@@ -60,7 +61,7 @@ def steady_findings(
     fluid, solid = _profiles(plan, line, problem, [state], None, result)
     span = problem.T_span
     result.nodal |= _nodal(problem, state)
-    leaving, entering = _streams(problem, state)
+    leaving, entering = streams(problem, state)
     _outlets(leaving, result)
     _exchanger(plan, problem, entering, fluxes, result)
     heats = {name: value + sum(fluxes[name].values()) for name, value in reactions.items()}
@@ -88,33 +89,6 @@ def _equilibrium(x: Any, gap: Any, mean: Any, result: Result) -> None:
     a, b = abs(gap[k]), max(abs(gap[k + 1]), 1e-300)
     result.qoi["theta_equilibrium"] = float(mean[-1])
     result.qoi["equilibrium_length_m"] = float(x[k] + (x[k + 1] - x[k]) * np.log(a / APART) / np.log(a / b))
-
-
-Streams = dict[str, tuple[float, float]]
-
-
-def _streams(problem: Any, state: Any) -> tuple[Streams, Streams]:
-    """Return mass flow and mass-weighted mean temperature by phase, of the streams that leave and that enter."""
-    sums: dict[tuple[str, bool], list[float]] = {}
-    for name, part, wall in sorted(problem.walls, key=lambda item: item[2].name):
-        if wall.mass_flux is None:
-            continue
-        out = problem.system.integrate(lambda u, o, c=wall: o.dot(c.mass_flux, o.n), [part], state)
-        carried = problem.system.integrate(
-            lambda u, o, c=wall: o.dot(c.mass_flux, o.n) * getattr(u, c.name), [part], state
-        )
-        phase = wall.name.removeprefix("T_")
-        condition = problem.build.condition(name, phase)
-        if out < 0 and condition is not None and condition.inflow is not None:
-            carried = out * condition.inflow  # conduction makes the bed differ from the stream that enters it
-        total = sums.setdefault((phase, out > 0), [0.0, 0.0])
-        total[0] += abs(out)
-        total[1] += carried if out > 0 else -carried
-    leaving, entering = (
-        {phase: (flow, heat / flow) for (phase, leaves), (flow, heat) in sums.items() if leaves == wanted and flow > 0}
-        for wanted in (True, False)
-    )
-    return leaving, entering
 
 
 def _outlets(leaving: Streams, result: Result) -> None:
@@ -241,8 +215,10 @@ def _columns(
 
 
 def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, result: Result) -> None:
-    """Fill in profiles at the output times, fields of each, and the number of steps."""
+    """Fill in profiles at the output times, fields of each, the outlet over time, and the number of steps."""
     result.qoi |= {"time_steps": history.steps, "time_reached_s": history.time}
+    if history.outlet:
+        result.tables["outlet"] = outlet_table(history.outlet)
     times, snapshots = [*history.times], [*history.snapshots]
     if history.steps and (not times or times[-1] < history.time * (1 - 1e-12)):  # a run that was stopped
         times.append(history.time)
@@ -253,7 +229,7 @@ def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, resul
     flow = dict(result.nodal)
     result.series = [(time, flow | _nodal(problem, state)) for time, state in zip(times, snapshots, strict=True)]
     result.nodal |= _nodal(problem, snapshots[-1])
-    _outlets(_streams(problem, snapshots[-1])[0], result)
+    _outlets(streams(problem, snapshots[-1])[0], result)
 
 
 def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Result) -> None:

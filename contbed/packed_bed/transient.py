@@ -12,6 +12,7 @@ import numpy as np
 from contbed.errors import SceneError
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.scene import Time
+from contbed.packed_bed.streams import Outlets
 from contbed.scene.toml_lines import Origin
 from contbed.solvers.linear import Policy
 from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, march
@@ -27,7 +28,8 @@ class History:
 
     `mean` is the time integral of the state, `reaction` of the heat that prescribed temperatures conduct in by
     boundary, `flux` of the boundary fluxes where properties or boundary values vary, `gain` of the content; `ranges` is
-    the record of how closures were used, see `Medium.state`; `levels` are the sizes of the steps of this process.
+    the record of how closures were used, see `Medium.state`; `outlet` holds time and outlet temperatures of each step,
+    see `Outlets`; `levels` are the sizes of the steps of this process.
     """
 
     state: Any
@@ -44,6 +46,7 @@ class History:
     flux: dict[str, float] = field(default_factory=dict)
     gain: float = 0.0
     ranges: dict[str, Any] = field(default_factory=dict)
+    outlet: list[tuple[float, ...]] = field(default_factory=list)
     levels: list[int] = field(default_factory=list)
 
     def pack(self) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -54,6 +57,7 @@ class History:
             "reaction": np.asarray(self.reaction),
             "times": np.array(self.times),
             "snapshots": np.array(self.snapshots),
+            "outlet": np.array([row for row in self.outlet if row[0] <= self.time]),
             "sums": np.array([self.time, self.gain]),
             "flux": np.array(list(self.flux.values())),
             **self.ranges,
@@ -80,6 +84,7 @@ class History:
             end=meta["end"],
             times=list(arrays["times"]),
             snapshots=list(arrays["snapshots"]),
+            outlet=[tuple(row) for row in arrays["outlet"].tolist()],
             mean=arrays["mean"],
             reaction=arrays["reaction"],
             flux=dict(zip(meta["flux"], (float(v) for v in arrays["flux"]), strict=True)),
@@ -151,6 +156,7 @@ def run_transient(
         _keep(history, 0.0, history.state)
     steps = steps_of(problem, history, policy, end, levels)
     saved = clock.monotonic()
+    outlets = Outlets(problem, history.state)
     if problem.linear:  # closures have been evaluated once for all steps
         problem.medium.record()
         history.ranges = problem.medium.state()
@@ -166,6 +172,7 @@ def run_transient(
         if not problem.linear:
             problem.medium.record()
             after.ranges = problem.medium.state()
+        history.outlet.append(outlets(step.end, step.states[-1]))
         vars(history).update(vars(after))  # at once, so that an interrupt never leaves half a step
         history.levels.append(step.level)
         advance(step.end)
