@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from contbed import closures
 
@@ -96,7 +94,7 @@ VANISHES = {
     closures.friction_johnson_jackson,
 }
 ALL = [closures.get(name) for name in closures.names()]
-shares = st.lists(st.floats(0, 1), min_size=14, max_size=14)
+MOST_ARGUMENTS = 14
 
 
 def between(name, share):
@@ -107,6 +105,12 @@ def between(name, share):
 
 def point(function, shares):
     return {name: between(name, share) for name, share in zip(function.sheet.arguments, shares, strict=False)}
+
+
+def points(function, count, seed):
+    """Random points of the box (count, 1) of each argument, a sixth of their coordinates at its ends."""
+    drawn = np.random.default_rng(seed).uniform(-0.1, 1.1, (MOST_ARGUMENTS, count, 1))
+    return point(function, np.clip(drawn, 0.0, 1.0))
 
 
 class Dual(np.lib.mixins.NDArrayOperatorsMixin):
@@ -174,33 +178,31 @@ def difference(function, arguments, name, step):
 
 
 @pytest.mark.parametrize("function", ALL, ids=lambda function: function.__name__)
-@settings(deadline=None)
-@given(shares=shares)
-def test_dual_numbers_give_the_slope(function, shares):
-    arguments = point(function, shares)
+def test_dual_numbers_give_the_slope(function):
+    arguments = points(function, 200, seed=1)
     value = function(**arguments)
-    assert np.isfinite(value)
+    assert np.isfinite(value).all()
     for name in arguments:
         exact, estimate = slope(function, arguments, name), difference(function, arguments, name, 1e-5)
         # A central difference with step 1e-5 is good to 1e-9; conditioning costs up to three digits more.
-        assert exact == pytest.approx(estimate, rel=1e-6, abs=1e-6 * abs(value / arguments[name]))
+        allowed = 1e-6 * np.maximum(abs(estimate), abs(value / arguments[name]))
+        assert (abs(exact - estimate) <= allowed).all()
 
 
 @pytest.mark.parametrize("function", ALL, ids=lambda function: function.__name__)
-@settings(deadline=None)
-@given(shares=shares)
-def test_no_nan_no_jump_no_kink_along_any_argument(function, shares):
-    arguments = point(function, shares)
+def test_no_nan_no_jump_no_kink_along_any_argument(function):
+    arguments = points(function, 25, seed=2)
     for name in arguments:
         line = between(name, np.linspace(0, 1, 4001))
-        values = np.broadcast_to(function(**{**arguments, name: line}), line.shape)
+        values = function(**{**arguments, name: line})
+        values = np.broadcast_to(values, np.broadcast_shapes((25, 1), np.shape(values), line.shape))
         assert np.all(np.isfinite(values))
         # Neighbours differ by 0.25 % at most, so the second difference of a smooth function, even of a cube, stays
         # below 1e-4 of it, while a jump or a kink shows in first order.
-        scale = np.maximum(np.abs(values[:-2]), np.abs(values[2:]))
+        scale = np.maximum(np.abs(values[:, :-2]), np.abs(values[:, 2:]))
         if function in VANISHES:
-            scale = np.abs(values).max()
-        assert np.all(np.abs(values[:-2] - 2 * values[1:-1] + values[2:]) <= 1e-4 * scale)
+            scale = np.abs(values).max(axis=1, keepdims=True)
+        assert np.all(np.abs(values[:, :-2] - 2 * values[:, 1:-1] + values[:, 2:]) <= 1e-4 * scale)
 
 
 @pytest.mark.parametrize("function", ALL, ids=lambda function: function.__name__)
@@ -222,7 +224,7 @@ def test_arrays_broadcast_and_stay_untouched(function):
 @pytest.mark.parametrize("function", ALL, ids=lambda function: function.__name__)
 def test_values_are_finite_without_flow(function):
     still = {"Re": 0.0, "Pe": 0.0, "u": 0.0}
-    arguments = point(function, [0.4] * 14)
+    arguments = point(function, [0.4] * MOST_ARGUMENTS)
     assert np.isfinite(function(**(arguments | {name: still[name] for name in arguments if name in still})))
 
 
