@@ -35,7 +35,8 @@ class Ore:
     """Sizes and kinetics of the ore, as in the published case.
 
     radii [m] and mass fractions; rate constants (k_0 [m/s], E [J/mol]) of hematite, magnetite, wustite by gas; porosity
-    of the layers of magnetite, wustite and iron over the tortuosity: share of the molecular diffusivity
+    of the layers of magnetite, wustite and iron over the tortuosity: share of the molecular diffusivity; film
+    coefficient over that of a sphere in gas at rest
     """
 
     mass: float = 0.365  # [kg]
@@ -50,6 +51,7 @@ class Ore:
     )
     porosity: tuple[float, float, float] = (0.187, 0.318, 0.613)
     tortuosity: float = 4.0
+    film: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,7 @@ def reduce(run: Run, ore: Ore, fitted: Fitted, times: NDArray[np.float64]) -> ND
         D = diffusivity(name, T, p)
         inner = tuple(D * porosity / ore.tortuosity for porosity in ore.porosity)
         constants[name] = three.Constants(K, k, inner)  # type: ignore[arg-type]
-        film[name] = D / R  # Sh = 2 of small particles
+        film[name] = ore.film * D / R  # Sh = 2 of small particles
 
     def speeds(t: float, state: NDArray[np.float64]) -> NDArray[np.float64]:
         X = tuple(np.maximum(state.reshape(3, -1), 0.0))
