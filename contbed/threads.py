@@ -73,7 +73,7 @@ def using(number: int | None) -> Iterator[None]:
         _limit = before
 
 
-def parallel(kernel: Callable[..., Any], n: int, *arguments: Any, least: int = LEAST) -> None:
+def parallel(kernel: Callable[..., Any], n: int, *arguments: Any, least: int = LEAST) -> list[Any]:
     """Call `kernel(begin, end, *arguments)` for parts of the range 0 to n, one for each thread.
 
     Parameters
@@ -83,17 +83,20 @@ def parallel(kernel: Callable[..., Any], n: int, *arguments: Any, least: int = L
     arguments : passed on to the kernel
     least : elements that a thread must have
 
+    Returns
+    -------
+    what the calls return, by part
+
     Raises
     ------
     KeyboardInterrupt : SIGINT arrived; all parts are complete
     """
     number = count(n, least)
     if number == 1:
-        kernel(0, n, *arguments)
-        return
+        return [kernel(0, n, *arguments)]
     bounds = [ALIGNED * (n * k // (number * ALIGNED)) for k in range(number)] + [n]
     calls = [(kernel, (bounds[k], bounds[k + 1], *arguments)) for k in range(number)]
-    together(calls)
+    return together(calls)
 
 
 def sums(kernel: Callable[..., Any], n: int, *arguments: Any, part: int = PART) -> Any:

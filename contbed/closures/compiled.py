@@ -88,7 +88,7 @@ def _kernel(template: Function, key: str, uses: Any, constants: Any) -> Function
         functions = {name: use.compile() if isinstance(use, Face) else compiled(use) for name, use in uses}
         plain = FunctionType(template.__code__, template.__globals__ | functions | dict(constants), template.__name__)
         plain.__qualname__ = f"{template.__qualname__}_{key}"  # names the entry on disk
-        _kernels[template, key] = njit(plain, cache=True)
+        _kernels[template, key] = njit(plain, cache=True, nogil=True)
     return _kernels[template, key]
 
 

@@ -169,7 +169,14 @@ def face_residual(g: Geometry, edge: Edge, face: Array, u: Array, grad: Array, o
 
 @kernel
 def add_reconstruction_remainder(
-    dt: float, cells: Cells, velocities: Velocities, gathered: Gathered, force_gas: Array, force_solid: Array
+    begin: int,
+    end: int,
+    dt: float,
+    cells: Cells,
+    velocities: Velocities,
+    gathered: Gathered,
+    force_gas: Array,
+    force_solid: Array,
 ) -> None:
     """Add to the cell velocities, in place, the remainder of H that interpolation and least squares lose.
 
@@ -185,7 +192,7 @@ def add_reconstruction_remainder(
             gathered.h_solid[:, k],
         )
         new_g, new_s, force_g, force_s = gathered.gas[:, k], gathered.solid[:, k], force_gas[:, k], force_solid[:, k]
-        for c in range(len(s)):
+        for c in range(begin, end):
             a_s = dt * cells.drag[c] / cells.rho_solid
             a_g = dt * cells.drag[c] * s[c] / ((1.0 - s[c]) * cells.rho_gas[c])
             gas = new_g[c] + (h_g[c] - old_g[c]) / (1.0 + a_g)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from contbed.closures.binding import BoundClosure
 from contbed.closures.compiled import face, kernel, own_values
 from contbed.closures.granular_transport import share_drag, share_free_path
+from contbed.threads import parallel
 from contbed.two_fluid.closures import GIVES, Bound
 from contbed.two_fluid.model import Materials
 from contbed.two_fluid.rheology import Closures, Rheology
@@ -56,7 +57,7 @@ class FrictionTables(NamedTuple):
 
 
 class GuardCounts(NamedTuple):
-    """Cells, summed over all steps, in which a limit acted; arrays of one number each, to which the kernel adds.
+    """Cells, summed over all steps, in which a limit acted; arrays of one number each.
 
     drag_guard_cells, free_path_guard_cells : guards of dilute flow left less than MIN_UNGUARDED_SHARE
     packed_cells : above MAX_RADIAL_FRACTION
@@ -117,13 +118,15 @@ def make(materials: Materials, particles: ParticleProperties, bound: Bound) -> C
     def drag_coefficient(eps_s: Array, slip: Array) -> Array:
         """K = beta/eps_s (nc,) [kg/m3/s]."""
         out = np.empty_like(eps_s)
-        drag(eps_s, slip, gas, own, out)
+        parallel(drag, len(out), eps_s, slip, gas, own, out)
         return out
 
     def rheology(eps_s: Array, theta: Array, K: Array) -> Rheology:
         """Kinetic theory and frictional pressure in all cells."""
         out = Rheology(*(np.empty_like(eps_s) for _ in Rheology._fields))
-        granular(eps_s, theta, K, constants, parameters, tables, counts, out)
+        found = parallel(granular, len(eps_s), eps_s, theta, K, constants, parameters, tables, out)
+        for number, of_parts in zip(counts, zip(*found, strict=True), strict=True):
+            number += sum(of_parts)
         return out
 
     viscosity = bound["granular_friction_viscosity"]
@@ -153,10 +156,10 @@ drag_guard = free_path_guard = beta
 singular = True  # whether the radial distribution is singular at eps_max
 
 
-def _drag_in_cells(eps_s: Any, slip: Any, gas: Any, own: Any, out: Any) -> None:
+def _drag_in_cells(begin: int, end: int, eps_s: Any, slip: Any, gas: Any, own: Any, out: Any) -> None:
     """Set out = K (nc,) [kg/m3/s]; gas = (rho, mu, d_p), own = parameters of the closure."""
     rho, mu, d_p = gas
-    for i in range(len(eps_s)):
+    for i in range(begin, end):
         s = max(eps_s[i], MIN_DRAG_FRACTION)
         out[i] = beta((1.0 - s) * rho * slip[i] * d_p / mu, 1.0 - s, d_p, mu, own) / s
 
@@ -173,9 +176,9 @@ def _granular(theory: tuple[BoundClosure | None, ...]) -> Callable[..., None]:
 
 
 def _granular_in_cells(
-    eps_s: Any, theta: Any, K: Any, constants: Any, own: Any, tables: Any, counts: Any, out: Any
-) -> None:
-    """Set the `Rheology` out; `own` are the parameters of the closures in the order of KINETIC_THEORY.
+    begin: int, end: int, eps_s: Any, theta: Any, K: Any, constants: Any, own: Any, tables: Any, out: Any
+) -> tuple[int, int, int]:
+    """Set the `Rheology` out and return the numbers of `GuardCounts`; `own` are the parameters of the closures in the order of KINETIC_THEORY.
 
     The guards limit the kinetic parts of viscosity and conductivity in dilute flow; they take the dilute limits of both
     over rho_s d_p sqrt(theta). The factor of `share_drag` is 2 for viscosity and 1.2 for conductivity.
@@ -185,11 +188,12 @@ def _granular_in_cells(
     h_table, p_table = tables.h, tables.p_friction
     eta, spacing = 0.5 * (1.0 + e), (eps_max - first) / (TABLE_SIZE - 1)
     dilute_mu, dilute_k = 5.0 / 96.0 * ROOT_PI, 75.0 * ROOT_PI / (48.0 * eta * (41.0 - 33.0 * eta))
-    for i in range(len(eps_s)):
+    few_by_drag = few_by_path = packed = 0
+    for i in range(begin, end):
         s, t = eps_s[i], theta[i]
         if singular and s > MAX_RADIAL_FRACTION * eps_max:
             s = MAX_RADIAL_FRACTION * eps_max
-            counts.packed_cells[0] += 1
+            packed += 1
         g0, s_ahead = radial_distribution(s, eps_max, own[0]), s + SLOPE_STEP * eps_max
         p = pressure(s, g0, e, own[1])
         slope = (pressure(s_ahead, radial_distribution(s_ahead, eps_max, own[0]), e, own[1]) - p) / (
@@ -199,11 +203,11 @@ def _granular_in_cells(
         kinetic_k = kinetic_mu
         if path < np.inf:
             share = drag_guard(K[i], t, s, g0, rho, d_p, dilute_mu, 2.0)
-            counts.drag_guard_cells[0] += share < MIN_UNGUARDED_SHARE
+            few_by_drag += share < MIN_UNGUARDED_SHARE
             kinetic_mu *= share
             kinetic_k *= drag_guard(K[i], t, s, g0, rho, d_p, dilute_k, 1.2)
             share = free_path_guard(s, g0, d_p, path)
-            counts.free_path_guard_cells[0] += share < MIN_UNGUARDED_SHARE
+            few_by_path += share < MIN_UNGUARDED_SHARE
             kinetic_mu *= share
             kinetic_k *= share
         scale = rho * d_p * t**0.5
@@ -222,6 +226,7 @@ def _granular_in_cells(
             out.h[i] = h_table[j] + w * (h_table[j + 1] - h_table[j])
             out.stiffness[i] += eps_s[i] * (h_table[j + 1] - h_table[j]) / spacing
             out.p_friction[i] = p_table[j] + w * (p_table[j + 1] - p_table[j])
+    return few_by_drag, few_by_path, packed
 
 
 def _friction(materials: Materials, particles: ParticleProperties, closure: BoundClosure | None) -> FrictionTables:

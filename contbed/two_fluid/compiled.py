@@ -1,6 +1,6 @@
 """How kernels are compiled, the types of their arguments, and two constants that all of them share.
 
-Kernels are kept on disk; a division by zero gives infinity as in numpy. Kernels of the kind `summing` may take sums in
+Kernels are kept on disk, and threads may run them at the same time; a division by zero gives infinity as in numpy. Kernels of the kind `summing` may take sums in
 another order than written, always the same one.
 """
 
@@ -32,9 +32,9 @@ UNDERFLOW = 1e-60  # magnitudes below count as zero: products of two of them wou
 
 def kernel(function: Function) -> Function:
     """Compile a function of arrays."""
-    return cast(Function, njit(cache=True, error_model="numpy")(function))
+    return cast(Function, njit(cache=True, error_model="numpy", nogil=True)(function))
 
 
 def summing(function: Function) -> Function:
     """Compile a function whose sums may be reordered into vectors."""
-    return cast(Function, njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})(function))
+    return cast(Function, njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})(function))

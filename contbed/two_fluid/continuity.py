@@ -10,8 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contbed.threads import parallel
 from contbed.two_fluid.compiled import Array, Flags
 from contbed.two_fluid.fv import limiter
+from contbed.two_fluid.fv.grid import over_rows
 from contbed.two_fluid.implicit import solve_system
 from contbed.two_fluid.linear.cg import empty_system, transposed
 from contbed.two_fluid.model import Model
@@ -53,22 +55,21 @@ def advance(state: State, dt: float, model: Model) -> Moved:
     if rows is None:
         assemble_compaction(g, dt, solids, flux, source, system)
     else:
-        solids_of_rows.assemble_compaction(g, rows, dt, solids, flux, source, transposed(system))
+        over_rows(model.grid, solids_of_rows.assemble_compaction, dt, solids, flux, source, transposed(system))
     # solved for in all cells: the small change ahead of a front keeps nearly empty cells smooth
     y = solve_system(state, "eps_s", system, model, explicit=0.0)
-    links, shift = system.links, np.zeros(len(old))
+    shift = np.zeros(len(old))
     for _ in range(MAX_TANGENT_ROUNDS):
-        if not move_tangents(g, table, solids, links, y, system, shift):
+        if not any(parallel(move_tangents, len(old), g.volume, table, solids, y, system, shift)):
             break
         counters = counters.add(packing_rounds=1)
-        y = solve_system(state, "eps_s", system._replace(links=np.zeros_like(links)), model, explicit=0.0)
+        y = solve_system(state, "eps_s", system._replace(links=np.zeros_like(system.links)), model, explicit=0.0)
     velocity = np.empty_like(flux)
     if rows is None:
         add_compaction_flux(g, dt, system, y, flux, velocity)
     else:
-        solids_of_rows.add_compaction_flux(
-            g, rows, dt, system.coef[:, 0], system.content[:, 0], y[:, 0], flux, velocity
-        )
+        links_of_faces, content = system.coef[:, 0], system.content[:, 0]
+        over_rows(model.grid, solids_of_rows.add_compaction_flux, dt, links_of_faces, content, y[:, 0], flux, velocity)
     new, upwind_cells = np.empty_like(old), np.zeros(len(old), dtype=np.bool_)
     touched, rounds = limiter.limit(g, dt, old, source, model.materials.eps_max, flux, new, upwind_cells)
     if touched:

@@ -220,7 +220,7 @@ def predict_on_boundary(
     """Set the velocities of boundary faces, see `predict_on_faces`; forces act on outlets alone."""
     h_g, h_s, gas, solid, rho_s = velocities.h_gas, velocities.h_solid, edge.gas, edge.solid, cells.rho_solid
     ni, dim = len(g.right), len(g.axes)
-    for f in range(ni, len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         b, c, distance = f - ni, g.left[f], g.distance[f]
         s, rho_g = cells.eps_s[c], cells.rho_gas[c]
         if gas.kind[b] != OUTLET:
@@ -279,7 +279,7 @@ def reconstruct_boundary_fractions(
 ) -> None:
     """Set the fractions of boundary faces, see `reconstruct_fractions`."""
     ni, s, grad, half_step, limited = len(g.right), field.values, field.gradient, field.half_step, field.limited
-    for f in range(ni, len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         b, left = f - ni, g.left[f]
         if edge.gas.kind[b] == OUTLET:
             # gas may come back, without particles

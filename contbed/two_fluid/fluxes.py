@@ -31,7 +31,7 @@ def assemble_boundary_pressure(
 ) -> None:
     """Add given fluxes and pressures of the boundary, see `assemble_pressure`."""
     ni, gas, solid = len(g.right), edge.gas, edge.solid
-    for f in range(ni, len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         b, c = f - ni, g.left[f]
         if gas.kind[b] != OUTLET:
             coef[f] = 0.0
@@ -87,7 +87,7 @@ def correct_boundary_fluxes(
 ) -> None:
     """Set velocities and fluxes of boundary faces, see `correct_fluxes`."""
     ni = len(g.right)
-    for f in range(ni, len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         b, c, area = f - ni, g.left[f], g.area[f]
         drop = (edge.p[b] - p[c]) / g.distance[f]
         u_g = predictor.star_gas[f] - predictor.mobility_gas[f] * drop

@@ -15,13 +15,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contbed.threads import parallel
 from contbed.two_fluid import boundary
 from contbed.two_fluid.boundary import WALL, Edge, Particles
 from contbed.two_fluid.cell_velocities import FaceVelocities, divergence_solid
 from contbed.two_fluid.compiled import SMALLEST, UNDERFLOW, Array, Flags, kernel
 from contbed.two_fluid.continuity import Moved
 from contbed.two_fluid.fv.gradient import NO_PARTICLES
-from contbed.two_fluid.fv.grid import Geometry
+from contbed.two_fluid.fv.grid import Geometry, over_rows
 from contbed.two_fluid.fv.operators import convect, gradient, predictor_half_step
 from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.implicit import solve_system
@@ -138,20 +139,20 @@ def assemble_theta(
 
 @kernel
 def max_compression_rate(
-    g: Geometry, links: Array, particles: Particles, theta: Array, pressure: Array, sink: Array, drag: Array
+    begin: int, end: int, links: Array, particles: Particles, theta: Array, pressure: Array, sink: Array, drag: Array
 ) -> float:
     """Largest 1/dt [1/s] at which the part of sound that warmer particles make grows.
 
     The step follows a compression by its heat, and that by the velocity that it drives, so that
     K dt^2 < (2 + d dt)(2 + b dt) with the rates K of both, d of dissipation and b of drag.
-    links (nc,) : sum of area over distance of the interior faces of a cell
+    links (nc,) [1/m2] : sum of area over distance of the interior faces of a cell, over its volume
     theta (nc,) : new granular temperature; pressure (nc,) : p_solid/(rho_s theta); sink (nc,) as in `GranularTerms`
     """
     s, rho_s = particles.eps_s, particles.rho
     fastest = 0.0
-    for c in range(len(s)):
+    for c in range(begin, end):
         if s[c] > MIN_PUSHED_FRACTION:
-            both = 4.0 / 3.0 * theta[c] * (pressure[c] / s[c]) ** 2 * links[c] / g.volume[c]
+            both = 4.0 / 3.0 * theta[c] * (pressure[c] / s[c]) ** 2 * links[c]
             d, b = sink[c] / (1.5 * rho_s * s[c]), drag[c] / rho_s
             fastest = max(fastest, 0.25 * (np.sqrt((d - b) ** 2 + 4.0 * both) - d - b))
     return fastest
@@ -194,7 +195,7 @@ def advance(
     if rows is None:
         divergence_solid(g, faces, moved.eps_s, u_solid, divergence)
     else:
-        cells.divergence_solid(g, rows, faces, moved.eps_s, u_solid.T, divergence)
+        over_rows(model.grid, cells.divergence_solid, faces, moved.eps_s, u_solid.T, divergence)
     kinetic_share = solid.shear_production / g.volume * r.mu / (r.mu + properties.mu_friction + SMALLEST)
     production = kinetic_share + model.sources.theta
     if model.options.theta == "algebraic":
@@ -242,7 +243,7 @@ def _transport(
     if rows is None:
         conduct(g, r.conductivity, old, outside, grad, rhs, system.coef)
     else:
-        solids_of_rows.conduct(g, rows, r.conductivity, old, outside, rhs[:, 0], system.coef[:, 0])
+        over_rows(model.grid, solids_of_rows.conduct, r.conductivity, old, outside, rhs[:, 0], system.coef[:, 0])
     particles = Particles(rho_s, model.materials.eps_max, s, old, r.g0)
     assemble_theta(g, edge, dt, particles, terms, slip, u_solid, system)
     theta = old + solve_system(state, "theta", system, model)[:, 0]
@@ -250,8 +251,10 @@ def _transport(
         counters = counters.add(theta_clipped_cells=int((theta < 0.0).sum()))
         theta[low] = 0.0
     rate = (theta.reshape(-1, 1) - column) / dt - convected
-    compression = max_compression_rate(g, model.grid.links, particles, theta, r.pressure, terms.sink, properties.drag)
-    return Granular(theta, rate, compression, counters)
+    rates = parallel(
+        max_compression_rate, len(s), model.grid.links, particles, theta, r.pressure, terms.sink, properties.drag
+    )
+    return Granular(theta, rate, max(rates), counters)
 
 
 def _balanced(

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contbed.threads import parallel
 from contbed.two_fluid import boundary
 from contbed.two_fluid.boundary import Particles, Side, boundary_velocity, wall_slip
 from contbed.two_fluid.cell_velocities import (
@@ -18,7 +19,7 @@ from contbed.two_fluid.cell_velocities import (
 from contbed.two_fluid.compiled import Array, Flags, kernel
 from contbed.two_fluid.continuity import Moved
 from contbed.two_fluid.fv.gradient import NO_PARTICLES
-from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.fv.grid import Grid, over_rows
 from contbed.two_fluid.fv.operators import convect, gradient, predictor_half_step
 from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.implicit import solve_system
@@ -105,38 +106,47 @@ class Velocity(NamedTuple):
 
 @kernel
 def add_forces(
-    dt: float, rho: float, volume: Array, source: Array, force: Array, system: System, convected: Array
+    begin: int,
+    end: int,
+    dt: float,
+    rho: float,
+    volume: Array,
+    given: tuple[Array, Array],
+    system: System,
+    convected: Array,
 ) -> None:
     """Turn the convection of the right-hand side [m3/s times u] into a force, and add the given accelerations.
 
-    volume (nc, 1) [m3] : of the phase; its mass over dt is the content. `source` and `force` (nc, m) are accelerations;
-    `convected` (nc, m) becomes the rate of change by convection.
+    volume (nc, 1) [m3] : of the phase; its mass over dt is the content. The accelerations (nc, m) are `given` ones and the
+    last ones; `convected` (nc, m) becomes the rate of change by convection.
     """
-    rhs, content = system.rhs, system.content
+    rhs, content, source, force = system.rhs, system.content, given[0], given[1]
     for k in range(rhs.shape[1]):
-        for c in range(rhs.shape[0]):
+        for c in range(begin, end):
             convected[c, k] = rhs[c, k] / volume[c, 0]
             content[c, k] = rho / dt * volume[c, 0]
             rhs[c, k] = rho * rhs[c, k] + rho * volume[c, 0] * (source[c, k] + force[c, k])
 
 
 @kernel
-def add_change(dt: float, u: Array, force: Array, change: Array) -> None:
+def add_change(begin: int, end: int, dt: float, u: Array, force: Array, change: Array) -> None:
     """Turn the `change` (nc, m) of u in a step into H: the new velocity without what `force` gave it."""
     for k in range(u.shape[1]):
-        for c in range(u.shape[0]):
+        for c in range(begin, end):
             change[c, k] = u[c, k] + change[c, k] - dt * force[c, k]
 
 
 @kernel
-def advance_subcycle(part: float, n: int, now: Array, rhs: Array, volume: Array, given: Accelerations) -> None:
+def advance_subcycle(
+    begin: int, end: int, part: float, n: int, now: Array, rhs: Array, volume: Array, given: Accelerations
+) -> None:
     """Set `now` (nc, dim), the velocity at the start of the step, to that after `n` subcycles of `part` [s].
 
     rhs (nc, dim) is the sum of their convection. The last forces go along, so that a steady flow stays as it is.
     """
     source, force = given.source, given.force
     for k in range(now.shape[1]):
-        for c in range(now.shape[0]):
+        for c in range(begin, end):
             now[c, k] += part * (rhs[c, k] / volume[c, 0] + n * (source[c, k] + force[c, k]))
 
 
@@ -152,7 +162,7 @@ def convect_in_subcycles(one: Phase, field: Reconstruction, dt: float, volume: A
         now, slopes = field.values, field.gradient
         if n > 0:
             now = now.copy(order="K")
-            advance_subcycle(part, n, now, out, volume, given)
+            parallel(advance_subcycle, len(now), part, n, now, out, volume, given)
             slopes = gradient(grid, now, field.edge)
         half_step = predictor_half_step(grid, part, now, slopes, now, one.rate)
         convect(grid, one.flux, field._replace(values=now, gradient=slopes, half_step=half_step), out)
@@ -205,7 +215,7 @@ def predict(
     if rows is None:
         add_compaction_velocity(g, compaction, materials.eps_max, eps_s, h)
     else:
-        solids_of_rows.add_compaction_velocity(g, rows, compaction, materials.eps_max, eps_s, h.T)
+        over_rows(model.grid, solids_of_rows.add_compaction_velocity, compaction, materials.eps_max, eps_s, h.T)
     return predicted_gas, predicted_solid
 
 
@@ -222,20 +232,20 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
     convect_in_subcycles(one, field, dt, volume, system.rhs, model.grid)
     convected = np.empty_like(u)
     # with the last forces the change vanishes in a steady state, which the implicit part then leaves alone
-    add_forces(dt, one.rho, volume, one.source, one.force, system, convected)
+    parallel(add_forces, len(u), dt, one.rho, volume, (one.source, one.force), system, convected)
     work, motion = np.zeros(len(eps)), Motion(u, grad, given, one.slip)
     if model.grid.rows is None:
         add_stress(g, side, one.fluid, motion, system, work)
     else:
         by_component = Motion(u.T, grad.T, given, one.slip)
-        stress_of_rows.add_stress(g, model.grid.rows, side, one.fluid, by_component, transposed(system), work)
+        over_rows(model.grid, stress_of_rows.add_stress, side, one.fluid, by_component, transposed(system), work)
     if model.grid.axisymmetric:
         add_hoop_stress(g, one.fluid, motion, system, work)
     change = solve_system(state, one.name, system, model)
     at_walls = side.u[:, -1] - (u[model.boundary_cells, -1] + change[model.boundary_cells, -1])
     walls = side.kind == boundary.WALL
     wall_force = float(np.sum(system.coef[model.grid.interior :, -1] * at_walls, where=walls))
-    add_change(dt, u, one.force, change)
+    parallel(add_change, len(u), dt, u, one.force, change)
     return Predicted(change, grad, convected, work, one.slip, wall_force)
 
 
@@ -251,11 +261,11 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
         gather_gas(g, faces, grad_gas, grad_gas, False, gathered)
         gather_solid(g, faces, s, grad_solid, grad_solid, False, gathered)
     else:
-        cells_of_rows.gather(g, rows, faces, s, Gathered(*(u.T for u in gathered)))
+        over_rows(model.grid, cells_of_rows.gather, faces, s, Gathered(*(u.T for u in gathered)))
     force_gas, force_solid, residual = np.empty_like(h_gas), np.empty_like(h_solid), np.empty(len(g.left))
     if g.skewed:
         # second pass, exact for linear fields: corrected with the gradients of H and of the first result
-        add_reconstruction_remainder(dt, cells, velocities, gathered, force_gas, force_solid)
+        parallel(add_reconstruction_remainder, len(s), dt, cells, velocities, gathered, force_gas, force_solid)
         change_gas = zero_slope_gradient(gathered.gas - h_gas, None, model)
         change_solid = zero_slope_gradient(gathered.solid - h_solid, s, model)
         gather_gas(g, faces, grad_gas + change_gas, grad_gas, True, gathered)
@@ -264,6 +274,6 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
     if rows is None:
         face_residual(g, model.edge, faces.gas, gathered.gas, grad_gas, residual)
     else:
-        cells_of_rows.face_residual(g, rows, model.edge, faces.gas, gathered.gas.T, residual)
-    add_reconstruction_remainder(dt, cells, velocities, gathered, force_gas, force_solid)
+        over_rows(model.grid, cells_of_rows.face_residual, model.edge, faces.gas, gathered.gas.T, residual)
+    parallel(add_reconstruction_remainder, len(s), dt, cells, velocities, gathered, force_gas, force_solid)
     return Velocity(gathered.gas, gathered.solid, force_gas, force_solid, residual)

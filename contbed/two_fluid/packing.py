@@ -153,7 +153,7 @@ def frictional_pressure(table: FrictionTable, s: float) -> tuple[float, float]:
 
 @kernel
 def move_tangents(
-    g: Geometry, table: FrictionTable, solids: Solids, links: Array, y: Array, system: System, shift: Array
+    begin: int, end: int, volumes: Array, table: FrictionTable, solids: Solids, y: Array, system: System, shift: Array
 ) -> bool:
     """Linearize the frictional pressure anew where the tangent misses it; return whether that was so in any cell.
 
@@ -161,12 +161,13 @@ def move_tangents(
     fraction. There the tangent is taken at the fraction that the cell has if its neighbours keep their y (one nonlinear
     Jacobi iteration for one cell, solved by Newton's method within bounds).
 
-    links (nc, 1) : sum of the links of a cell; shift (nc,) : what the tangents so far have added to the right-hand side
+    volumes (nc,) [m3]; system : its links (nc, 1) are the sums of those of all faces of a cell
+    shift (nc,) : what the tangents so far have added to the right-hand side
     """
-    content, rhs = system.content, system.rhs
+    links, content, rhs = system.links, system.content, system.rhs
     found = False
-    for c in range(len(solids.eps_s)):
-        volume, old = g.volume[c], solids.eps_s[c]
+    for c in range(begin, end):
+        volume, old = volumes[c], solids.eps_s[c]
         predicted = old + (content[c, 0] * y[c, 0] - shift[c]) / volume
         if max(old, predicted) <= table.start:
             continue

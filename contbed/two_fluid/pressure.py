@@ -21,6 +21,7 @@ from contbed.two_fluid.face_velocities import (
 )
 from contbed.two_fluid.fluxes import assemble_pressure, correct_fluxes
 from contbed.two_fluid.fv.gradient import gradient_rest_potential
+from contbed.two_fluid.fv.grid import over_rows
 from contbed.two_fluid.fv.operators import gradient, predictor_half_step, transposed
 from contbed.two_fluid.fv.reconstruction import Reconstruction, divergence
 from contbed.two_fluid.model import Model
@@ -81,14 +82,16 @@ def project(
     if rows is None:
         predict_on_faces(g, edge, dt, model.gravity, cells, velocities, gradients, predictor)
     else:
-        faces_of_rows.predict_on_faces(g, rows, edge, dt, model.gravity, cells, velocities, gradients, predictor)
+        over_rows(
+            model.grid, faces_of_rows.predict_on_faces, edge, dt, model.gravity, cells, velocities, gradients, predictor
+        )
 
     field = _half_step_fraction(state, eps_s, rate_eps_s, dt, model)
     fractions = FaceFractions(np.empty(nf), np.empty(nf))
     if rows is None:
         reconstruct_fractions(g, edge, field, predictor, fractions)
     else:
-        faces_of_rows.reconstruct_fractions(g, rows, edge, transposed(field), predictor, fractions)
+        over_rows(model.grid, faces_of_rows.reconstruct_fractions, edge, transposed(field), predictor, fractions)
     if model.closed:
         damp_buoyancy_waves(g, dt, model.gravity, cells, fractions, predictor)
 
@@ -98,14 +101,14 @@ def project(
     if rows is None:
         assemble_pressure(g, edge, fractions, predictor, coef, rhs)
     else:
-        faces_of_rows.assemble_pressure(g, rows, edge, fractions, predictor, coef, rhs)
+        over_rows(model.grid, faces_of_rows.assemble_pressure, edge, fractions, predictor, coef, rhs)
     p = model.pressure_solver.solve(coef, rhs, state.p)
     faces = FaceVelocities(np.empty(nf), np.empty(nf), predictor.h_gas, predictor.h_solid, fractions.solid)
     fluxes = Fluxes(np.empty(nf), np.empty(nf), state.fluxes.moved, np.empty_like(p), np.empty_like(p))
     if rows is None:
         correct_fluxes(g, edge, p, fractions, predictor, faces, fluxes)
     else:
-        faces_of_rows.correct_fluxes(g, rows, edge, p, fractions, predictor, faces, fluxes)
+        over_rows(model.grid, faces_of_rows.correct_fluxes, edge, p, fractions, predictor, faces, fluxes)
     if model.closed:
         # with the convected rate of the faces, buoyancy waves of N dt of about 1 would grow
         rate_eps_s = rate_eps_s - 2.0 / dt * field.half_step
@@ -114,7 +117,7 @@ def project(
         if rows is None:
             divergence(g, volume_flux, fractions.solid, eps_s, np.empty_like(p), convected)
         else:
-            solids_of_rows.divergence(g, rows, volume_flux, fractions.solid, eps_s, convected)
+            over_rows(model.grid, solids_of_rows.divergence, volume_flux, fractions.solid, eps_s, convected)
         rate_eps_s = -(convected / g.volume)[:, None]
     return Projection(p, faces, fluxes, cells, velocities, gradients, rate_eps_s)
 

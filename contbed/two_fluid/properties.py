@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from contbed.threads import parallel
 from contbed.two_fluid.compiled import Array, kernel
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.state import Energy, Properties, State
@@ -16,9 +17,9 @@ MIN_INTERACTING_FRACTION = 1e-8
 
 
 @kernel
-def slip_speed(u_gas: Array, u_solid: Array, out: Array) -> None:
+def slip_speed(begin: int, end: int, u_gas: Array, u_solid: Array, out: Array) -> None:
     """|u_gas - u_solid| (nc,) of each cell [m/s]."""
-    for c in range(len(out)):
+    for c in range(begin, end):
         total = 0.0
         for k in range(u_gas.shape[1]):
             total += (u_gas[c, k] - u_solid[c, k]) ** 2
@@ -34,7 +35,7 @@ def density_ratio(energy: Energy | None) -> float | Array:
 def evaluate_closures(state: State, eps_s: Array, energy: Energy | None, model: Model) -> Properties:
     """Closures at the new fraction and temperatures, and the other fields of the state."""
     speed = np.empty_like(eps_s)
-    slip_speed(state.u_gas, state.u_solid, speed)
+    parallel(slip_speed, len(speed), state.u_gas, state.u_solid, speed)
     # the slip acts through a Reynolds number with the density of `materials`
     drag = model.closures.drag(eps_s, speed * density_ratio(energy))
     r = model.closures.granular(eps_s, state.theta, drag)

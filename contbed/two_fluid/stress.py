@@ -123,7 +123,7 @@ def add_boundary_stress(g: Geometry, side: Side, fluid: Fluid, motion: Motion, s
     u, grad, edge, slip = motion.u, motion.gradient, motion.edge, motion.slip
     out, coef = system.rhs, system.coef
     local = np.empty((dim, dim))
-    for f in range(ni, len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         b, left = f - ni, g.left[f]
         m, lam = fluid.mu[left], fluid.bulk[left]
         scale = g.area[f] / g.distance[f]

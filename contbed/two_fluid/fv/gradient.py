@@ -51,7 +51,7 @@ def _extend_stencil(g: Geometry, s: Array, out: Array) -> None:
 def add_boundary_gradient(g: Geometry, values: Array, edge: Array, out: Array) -> None:
     """Add the jumps from the cells to the boundary values `edge` (nb, m)."""
     ni = len(g.right)
-    for f in range(ni, len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         left = g.left[f]
         for k in range(values.shape[1]):
             for d in range(len(g.axes)):

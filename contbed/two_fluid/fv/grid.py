@@ -11,16 +11,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from skfem.quadrature import get_quadrature
 
+from contbed import threads
 from contbed.errors import SceneError
 from contbed.mesh.mesh import Mesh
-from contbed.two_fluid.fv.rows import Rows, build_rows, numbering, places
+from contbed.two_fluid.fv.rows import Rows, build_rows, numbering, part_of_rows, places
 
 Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
@@ -45,6 +46,7 @@ class Geometry(NamedTuple):
     skewed : whether any face needs corrections by `non_orthogonal` or `skew`; then gradients take the faces of
         neighbours, too, as what the few of one flat tetrahedron give is noise
     axes : dim zeros; a tuple, so that its length is known to the compiler
+    edge_from, edge_to : first boundary face, and the one after the last; of a part of a rectangular grid those of its cells
     """
 
     left: np.ndarray
@@ -66,6 +68,8 @@ class Geometry(NamedTuple):
     radius: np.ndarray
     skewed: bool
     axes: tuple[int, ...]
+    edge_from: int
+    edge_to: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,12 +108,32 @@ class Grid:
 
     @cached_property
     def links(self) -> np.ndarray:
-        """Sum (nc,) of area over distance of the interior faces of each cell."""
+        """Sum (nc,) [1/m2] of area over distance of the interior faces of each cell, over its volume."""
         g, ni = self.geometry, self.interior
         link, found = g.area[:ni] / g.distance[:ni], np.zeros(len(self.cells))
         np.add.at(found, g.left[:ni], link)
         np.add.at(found, g.right, link)
-        return found
+        return found / g.volume
+
+    def parts(self, number: int) -> list[tuple[Geometry, Rows]]:
+        """Return lists and rows of a rectangular grid in a number of parts with equally many cells."""
+        if number not in self._parts:
+            assert self.rows is not None
+            g, count = self.geometry, len(self.cells)
+            bounds = [count * k // number for k in range(number + 1)]
+            edges = self.interior + np.searchsorted(g.left[self.interior :], bounds)
+            self._parts[number] = [
+                (
+                    g._replace(edge_from=int(edges[k]), edge_to=int(edges[k + 1])),
+                    part_of_rows(self.rows, bounds[k], bounds[k + 1]),
+                )
+                for k in range(number)
+            ]
+        return self._parts[number]
+
+    @cached_property
+    def _parts(self) -> dict[int, list[tuple[Geometry, Rows]]]:
+        return {}
 
     @property
     def order(self) -> Literal["C", "F"]:
@@ -120,6 +144,16 @@ class Grid:
     def interior(self) -> int:
         """Number of interior faces."""
         return len(self.geometry.right)
+
+
+def over_rows(grid: Grid, kernel: Callable[..., Any], *arguments: Any) -> list[Any]:
+    """Call `kernel(geometry, rows, *arguments)` for parts of a rectangular grid at the same time, and return the results.
+
+    A kernel writes only what belongs to the cells of its part, in an order that the parts do not change: the numbers
+    do not depend on how many threads there are.
+    """
+    parts = grid.parts(threads.count(len(grid.cells)))
+    return threads.together([(kernel, (*part, *arguments)) for part in parts])
 
 
 def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
@@ -167,6 +201,9 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
         low, high = np.where(turned, right, left), np.where(turned, left, right)
         order = np.lexsort((low, high - low, np.argmax(np.abs(vector[front]), axis=1)))
     edge = np.setdiff1d(np.flatnonzero(second < 0), np.concatenate(joined))
+    if place is not None:
+        # in the order of their cells, so that those of a part of the cells follow each other
+        edge = edge[np.argsort(rank[first[edge]], kind="stable")]
     seen = np.where(turned, back, front)[order], np.where(turned, front, back)[order]
     face = np.concatenate((front[order], edge))  # facet that lends area and normal
     sign = np.concatenate((np.where(turned, -1.0, 1.0)[order], np.ones(len(edge))))
@@ -216,7 +253,7 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     number[edge] = ni + np.arange(len(edge))
     named = {name: number[facets] for name, facets in old.boundaries.items()}
     return Grid(
-        Geometry._make([*map(np.ascontiguousarray, arrays), bool(skewed), (0,) * dim]),
+        Geometry._make([*map(np.ascontiguousarray, arrays), bool(skewed), (0,) * dim, ni, len(left)]),
         cells,
         centres,
         middles[face],
@@ -224,7 +261,7 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
         {name: np.sort(rank[c]) for name, c in old.subdomains.items()},
         mesh.axisymmetric,
         bandwidth,
-        None if place is None else build_rows(left, right, normal, (arm_left, arm_right), (slopes[0], slopes[1])),
+        None if place is None else build_rows(left, right, normal, (arm_left, arm_right), (slopes[0], slopes[1]), count),
         None if place is None or periodic else place[cells],
     )
 

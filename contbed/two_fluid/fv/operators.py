@@ -7,9 +7,10 @@ import numpy as np
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv import gradient as faces
 from contbed.two_fluid.fv import reconstruction
-from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.fv.grid import Grid, over_rows
 from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.rectangular import fields
+from contbed.threads import parallel
 
 
 def gradient(grid: Grid, values: Array, edge: Array, eps_s: Array | None = None) -> Array:
@@ -24,9 +25,9 @@ def gradient(grid: Grid, values: Array, edge: Array, eps_s: Array | None = None)
         else:
             faces.gradient_solid(grid.geometry, eps_s, values, edge, out)
     elif eps_s is None:
-        fields.gradient(grid.geometry, grid.rows, values.T, edge, out.T)
+        over_rows(grid, fields.gradient, values.T, edge, out.T)
     else:
-        fields.gradient_solid(grid.geometry, grid.rows, eps_s, values.T, edge, out.T)
+        over_rows(grid, fields.gradient_solid, eps_s, values.T, edge, out.T)
     return out
 
 
@@ -36,7 +37,7 @@ def predictor_half_step(grid: Grid, dt: float, u: Array, grad: Array, carrier: A
     if grid.rows is None:
         reconstruction.predictor_half_step(dt, u, grad, carrier, rate, out)
     else:
-        fields.predictor_half_step(dt, u.T, grad.T, carrier.T, rate.T, out.T)
+        parallel(fields.predictor_half_step, len(u), dt, u.T, grad.T, carrier.T, rate.T, out.T)
     return out
 
 
@@ -45,7 +46,7 @@ def convect(grid: Grid, flux: Array, field: Reconstruction, out: Array) -> None:
     if grid.rows is None:
         reconstruction.convect(grid.geometry, flux, field, out)
     else:
-        fields.convect(grid.geometry, grid.rows, flux, transposed(field), out.T)
+        over_rows(grid, fields.convect, flux, transposed(field), out.T)
 
 
 def transposed(field: Reconstruction) -> Reconstruction:

@@ -96,7 +96,7 @@ def convect_at_boundary(g: Geometry, flux: Array, field: Reconstruction, out: Ar
     """Add what crosses the boundary, see `convect`."""
     u, grad, half_step, edge = field.values, field.gradient, field.half_step, field.edge
     first_order, limited, ni = field.first_order, field.limited, len(g.right)
-    for f in range(ni, len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         rate, c = flux[f], g.left[f]
         for k in range(u.shape[1]):
             value = edge[f - ni, k]

@@ -18,8 +18,13 @@ ON_AXIS = 1e-9  # largest other component of a normal along an axis; spread of p
 class Rows(NamedTuple):
     """Rows of interior faces, nr of them; a periodic pair is a row with negative or no distance of its cells.
 
+    Those of a part of the grid, for one of several threads, hold its cells begin to end and all faces of these; a face
+    between two parts is in both, and belongs to that of its left cell.
+
     axis, face, left, right, length (nr,) : direction of the faces, first face with its cells, number of faces; but for
         the axis unsigned, as indices that count from them are then known not to be negative
+    left_from, left_to, right_from, right_to (nr,) : faces of the row whose left, and whose right cell is in the part
+    begin, end : first cell of the part, and the one after its last
     arm_left, arm_right (nf,) [m] : distance of the left and of the right centre to the face, on boundaries only left
     slope_left, slope_right (nf,) [1/m] : of a cell's gradient along the axis of the face, per jump right - left
     edge_axis (nb,) : axis of each boundary face; edge_sign (nb,) : 1 where it points along it, or -1
@@ -30,6 +35,12 @@ class Rows(NamedTuple):
     left: np.ndarray
     right: np.ndarray
     length: np.ndarray
+    left_from: np.ndarray
+    left_to: np.ndarray
+    right_from: np.ndarray
+    right_to: np.ndarray
+    begin: int
+    end: int
     arm_left: np.ndarray
     arm_right: np.ndarray
     slope_left: np.ndarray
@@ -68,8 +79,9 @@ def build_rows(
     normal: np.ndarray,
     arms: tuple[np.ndarray, np.ndarray],
     slopes: tuple[np.ndarray, np.ndarray],
+    cells: int,
 ) -> Rows:
-    """Join faces (nf,), ordered by axis and cell, to rows.
+    """Join faces (nf,), ordered by axis and cell, to rows; `cells` is the number of cells.
 
     `arms` and `slopes` are those of both sides, (nf, dim) and (ni, dim).
     """
@@ -88,10 +100,49 @@ def build_rows(
         left[first].astype(np.uint64),
         right[first].astype(np.uint64),
         length.astype(np.uint64),
+        np.zeros(len(first), np.uint64),
+        length.astype(np.uint64),
+        np.zeros(len(first), np.uint64),
+        length.astype(np.uint64),
+        0,
+        cells,
         np.abs(arms[0][each, along]),
         np.abs(arms[1][each[:ni], axis]),
         slopes[0][each, along],
         slopes[1][each[:ni], axis],
         edge_axis,
         np.sign(normal[each[ni:], edge_axis]),
+    )
+
+
+def part_of_rows(rows: Rows, begin: int, end: int) -> Rows:
+    """Return the rows of the cells from `begin` to before `end`."""
+    length = rows.length.astype(np.int64)
+    spans = []
+    for first in (rows.left.astype(np.int64), rows.right.astype(np.int64)):
+        start = np.clip(begin - first, 0, length)
+        spans.append((start, np.maximum(start, np.clip(end - first, 0, length))))
+    (left_from, left_to), (right_from, right_to) = spans
+    of_left, of_right = left_from < left_to, right_from < right_to
+    none = length.max(initial=0)
+    lowest = np.minimum(np.where(of_left, left_from, none), np.where(of_right, right_from, none))
+    highest = np.maximum(np.where(of_left, left_to, 0), np.where(of_right, right_to, 0))
+    there = of_left | of_right
+
+    def shifted(number: np.ndarray, by: np.ndarray) -> np.ndarray:
+        return (number.astype(np.int64) + by)[there].astype(np.uint64)
+
+    return rows._replace(
+        axis=rows.axis[there],
+        face=shifted(rows.face, lowest),
+        left=shifted(rows.left, lowest),
+        right=shifted(rows.right, lowest),
+        length=shifted(highest, -lowest),
+        # a row without a left or a right cell in the part starts where the other one does
+        left_from=shifted(np.where(of_left, left_from, lowest), -lowest),
+        left_to=shifted(np.where(of_left, left_to, lowest), -lowest),
+        right_from=shifted(np.where(of_right, right_from, lowest), -lowest),
+        right_to=shifted(np.where(of_right, right_to, lowest), -lowest),
+        begin=begin,
+        end=end,
     )

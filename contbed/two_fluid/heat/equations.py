@@ -30,6 +30,7 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, cg
 
 from contbed.errors import ConvergenceError
+from contbed.threads import parallel
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.continuity import Moved
 from contbed.two_fluid.face_velocities import eliminate_drag
@@ -247,7 +248,7 @@ def _exchange(
     """
     p, materials = heat.physics, model.materials
     speed = np.empty_like(eps_s)
-    slip_speed(state.u_gas, state.u_solid, speed)
+    parallel(slip_speed, len(speed), state.u_gas, state.u_solid, speed)
     h = p.coefficient(eps_s, speed, energy.rho_ratio, energy.T_gas)
     of_solid = dt * 6.0 * h / (materials.d_p * materials.rho_solid * p.cp_solid)
     of_gas = of_solid * content[:, 1] / content[:, 0]

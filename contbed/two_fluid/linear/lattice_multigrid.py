@@ -203,7 +203,7 @@ def iterate(
 @kernel
 def boundary_links(g: Geometry, coef: Array, rest: Array) -> None:
     """Add the links of boundary faces to given values to those of their cells, `rest` (nc,)."""
-    for f in range(len(g.right), len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         rest[g.left[f]] += coef[f]
 
 
@@ -217,16 +217,16 @@ def _sum_links(g: Geometry, rows: Rows, system: System, explicit: float, rest: A
     coef, links, content, rhs = system.coef, system.links, system.content, system.rhs
     for k in range(len(coef)):
         boundary_links(g, coef[k], links[k])
-        for c in range(links.shape[1]):
+        for c in range(rows.begin, rows.end):
             rest[k, c] = links[k, c]
             x[k, c] = rhs[k, c] / content[k, c]
         for r in range(len(rows.length)):
             face, left, right = rows.face[r], rows.left[r], rows.right[r]
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.left_from[r], rows.left_to[r]):
                 links[k, left + i] += coef[k, face + i]
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.right_from[r], rows.right_to[r]):
                 links[k, right + i] += coef[k, face + i]
-        for c in range(links.shape[1]):
+        for c in range(rows.begin, rows.end):
             found |= links[k, c] > explicit * content[k, c]
     return found
 

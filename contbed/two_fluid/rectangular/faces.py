@@ -48,7 +48,7 @@ def predict_on_faces(
     for r in range(len(rows.length)):
         d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
         h_g, h_s, weight = velocities.h_gas.T[d], velocities.h_solid.T[d], gravity[d]
-        for i in range(ZERO, rows.length[r]):
+        for i in range(rows.left_from[r], rows.left_to[r]):
             f, a, b = face + i, left + i, right + i
             w, distance, s_a, s_b = g.weight[f], g.distance[f], s[a], s[b]
             hg, hs = w * h_g[a] + (1.0 - w) * h_g[b], w * h_s[a] + (1.0 - w) * h_s[b]
@@ -75,12 +75,12 @@ def reconstruct_fractions(
     """Set the fractions `out` of both phases on faces; `field` by component."""
     s, limited = field.values, field.limited
     for r in range(len(rows.length)):
-        face, left, right = rows.face[r], rows.left[r], rows.right[r]
-        upwind_values(rows, 0, r, predictor.upwind_gas, field, out.gas)
-        upwind_values(rows, 0, r, predictor.upwind_solid, field, out.solid)
-        for i in range(ZERO, rows.length[r]):
+        face, left, right, start, stop = rows.face[r], rows.left[r], rows.right[r], rows.left_from[r], rows.left_to[r]
+        upwind_values(rows, 0, r, start, stop, predictor.upwind_gas, field, out.gas)
+        upwind_values(rows, 0, r, start, stop, predictor.upwind_solid, field, out.solid)
+        for i in range(start, stop):
             out.gas[face + i] = 1.0 - out.gas[face + i]
-        for i in range(ZERO, rows.length[r]):
+        for i in range(start, stop):
             here, there = s[0, left + i], s[0, right + i]
             upwind = here if predictor.upwind_solid[face + i] >= 0.0 else there
             out.solid[face + i] = carried_fraction(out.solid[face + i], upwind, limited)
@@ -94,16 +94,19 @@ def assemble_pressure(
 ) -> None:
     """Assemble sum of coef (nf,) (p - p_neighbour) = rhs (nc,) from the sum of both fluxes; `rhs` holds the sources."""
     flux = np.empty(len(g.right))
-    for f in range(len(g.right)):
-        flux[f] = g.area[f] * (fractions.gas[f] * predictor.star_gas[f] + fractions.solid[f] * predictor.star_solid[f])
-    for f in range(len(g.right)):
-        mobility = fractions.gas[f] * predictor.mobility_gas[f] + fractions.solid[f] * predictor.mobility_solid[f]
-        coef[f] = g.area[f] * mobility / g.distance[f]
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
         for i in range(ZERO, rows.length[r]):
+            f = face + i
+            both = fractions.gas[f] * predictor.star_gas[f] + fractions.solid[f] * predictor.star_solid[f]
+            flux[f] = g.area[f] * both
+        for i in range(rows.left_from[r], rows.left_to[r]):
+            f = face + i
+            mobility = fractions.gas[f] * predictor.mobility_gas[f] + fractions.solid[f] * predictor.mobility_solid[f]
+            coef[f] = g.area[f] * mobility / g.distance[f]
+        for i in range(rows.left_from[r], rows.left_to[r]):
             rhs[left + i] -= flux[face + i]
-        for i in range(ZERO, rows.length[r]):
+        for i in range(rows.right_from[r], rows.right_to[r]):
             rhs[right + i] += flux[face + i]
     assemble_boundary_pressure(g, edge, fractions, predictor, coef, rhs)
 
@@ -121,24 +124,27 @@ def correct_fluxes(
 ) -> None:
     """Set the velocities of `faces` with the pressure p (nc,), and the `fluxes` but for `moved`."""
     area, outflow_gas, outflow_solid = g.area, fluxes.outflow_gas, fluxes.outflow_solid
-    outflow_gas[:] = 0.0
-    outflow_solid[:] = 0.0
+    u_gas, u_solid = np.empty(len(g.right)), np.empty(len(g.right))
+    for c in range(rows.begin, rows.end):
+        outflow_gas[c] = outflow_solid[c] = 0.0
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
         for i in range(ZERO, rows.length[r]):
             f, drop = face + i, (p[right + i] - p[left + i]) / g.distance[face + i]
-            faces.gas[f] = predictor.star_gas[f] - predictor.mobility_gas[f] * drop
-            faces.solid[f] = predictor.star_solid[f] - predictor.mobility_solid[f] * drop
-        for i in range(ZERO, rows.length[r]):
-            outflow_gas[left + i] += max(0.0, area[face + i] * faces.gas[face + i])
-            outflow_solid[left + i] += max(0.0, area[face + i] * faces.solid[face + i])
-        for i in range(ZERO, rows.length[r]):
-            outflow_gas[right + i] -= min(0.0, area[face + i] * faces.gas[face + i])
-            outflow_solid[right + i] -= min(0.0, area[face + i] * faces.solid[face + i])
-    for f in range(len(g.right)):
-        fluxes.solid[f] = area[f] * (fractions.solid[f] * faces.solid[f])
-        fluxes.total[f] = area[f] * (fractions.gas[f] * faces.gas[f] + fractions.solid[f] * faces.solid[f])
+            u_gas[f] = predictor.star_gas[f] - predictor.mobility_gas[f] * drop
+            u_solid[f] = predictor.star_solid[f] - predictor.mobility_solid[f] * drop
+        for i in range(rows.left_from[r], rows.left_to[r]):
+            f = face + i
+            faces.gas[f], faces.solid[f] = u_gas[f], u_solid[f]
+            fluxes.solid[f] = area[f] * (fractions.solid[f] * u_solid[f])
+            fluxes.total[f] = area[f] * (fractions.gas[f] * u_gas[f] + fractions.solid[f] * u_solid[f])
+        for i in range(rows.left_from[r], rows.left_to[r]):
+            outflow_gas[left + i] += max(0.0, area[face + i] * u_gas[face + i])
+            outflow_solid[left + i] += max(0.0, area[face + i] * u_solid[face + i])
+        for i in range(rows.right_from[r], rows.right_to[r]):
+            outflow_gas[right + i] -= min(0.0, area[face + i] * u_gas[face + i])
+            outflow_solid[right + i] -= min(0.0, area[face + i] * u_solid[face + i])
     correct_boundary_fluxes(g, edge, p, fractions, predictor, faces, fluxes)
-    for c in range(len(g.volume)):
+    for c in range(rows.begin, rows.end):
         outflow_gas[c] /= g.volume[c]
         outflow_solid[c] /= g.volume[c]

@@ -14,14 +14,14 @@ from contbed.two_fluid.fv.rows import Rows
 @kernel
 def gradient(g: Geometry, rows: Rows, values: Array, edge: Array, out: Array) -> None:
     """Gradients `out` (dim, m, nc) of `values` (m, nc) with boundary values `edge` (nb, m)."""
-    out[:] = 0.0
+    out[:, :, rows.begin : rows.end] = 0.0
     for r in range(len(rows.length)):
         d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
         for k in range(values.shape[0]):
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.left_from[r], rows.left_to[r]):
                 jump = values[k, right + i] - values[k, left + i]
                 out[d, k, left + i] += rows.slope_left[face + i] * jump
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.right_from[r], rows.right_to[r]):
                 jump = values[k, right + i] - values[k, left + i]
                 out[d, k, right + i] += rows.slope_right[face + i] * jump
     add_boundary_gradient(g, values.T, edge, out.T)
@@ -46,37 +46,44 @@ def gradient_solid(g: Geometry, rows: Rows, s: Array, values: Array, edge: Array
     """Gradients `out` (dim, m, nc) of a field of the particles; neighbours with few particles have less weight."""
     to_left, to_right = np.empty(len(g.right)), np.empty(len(g.right))
     weigh_neighbours(rows, s, to_left, to_right)
-    out[:] = 0.0
+    out[:, :, rows.begin : rows.end] = 0.0
     for r in range(len(rows.length)):
         d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
         for k in range(values.shape[0]):
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.left_from[r], rows.left_to[r]):
                 jump = values[k, right + i] - values[k, left + i]
                 out[d, k, left + i] += to_left[face + i] * rows.slope_left[face + i] * jump
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.right_from[r], rows.right_to[r]):
                 jump = values[k, right + i] - values[k, left + i]
                 out[d, k, right + i] += to_right[face + i] * rows.slope_right[face + i] * jump
     add_boundary_gradient(g, values.T, edge, out.T)
 
 
 @kernel
-def predictor_half_step(dt: float, u: Array, grad: Array, carrier: Array, rate: Array, out: Array) -> None:
+def predictor_half_step(
+    begin: int, end: int, dt: float, u: Array, grad: Array, carrier: Array, rate: Array, out: Array
+) -> None:
     """Set the change `out` (m, nc) in half a step, by convection with `carrier` (dim, nc) and by `rate` (m, nc)."""
     for k in range(u.shape[0]):
-        for c in range(u.shape[1]):
+        for c in range(begin, end):
             out[k, c] = 0.5 * dt * rate[k, c]
         for d in range(carrier.shape[0]):
-            for c in range(u.shape[1]):
+            for c in range(begin, end):
                 out[k, c] -= 0.5 * dt * carrier[d, c] * grad[d, k, c]
 
 
 @kernel
-def upwind_values(rows: Rows, k: int, r: int, flow: Array, field: Reconstruction, out: Array) -> None:
-    """Set `out` (ni,) on row r to component k of the field, reconstructed in the cell that `flow` (nf,) comes from."""
+def upwind_values(
+    rows: Rows, k: int, r: int, start: int, stop: int, flow: Array, field: Reconstruction, out: Array
+) -> None:
+    """Set `out` (ni,) on the faces start to stop of row r to component k of the field.
+
+    It is reconstructed in the cell that `flow` (nf,) comes from.
+    """
     u, grad, half_step, first_order = field.values, field.gradient, field.half_step, field.first_order
     arm_left, arm_right, limited = rows.arm_left, rows.arm_right, field.limited
     d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
-    for i in range(ZERO, rows.length[r]):
+    for i in range(start, stop):
         here, there, forward = u[k, left + i], u[k, right + i], flow[face + i] >= 0.0
         before, behind = arm_left[face + i], arm_right[face + i]
         grad_left, grad_right = grad[d, k, left + i], grad[d, k, right + i]
@@ -97,10 +104,10 @@ def convect(g: Geometry, rows: Rows, flux: Array, field: Reconstruction, out: Ar
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
         for k in range(u.shape[0]):
-            upwind_values(rows, k, r, flux, field, face_value)
-            for i in range(ZERO, rows.length[r]):
+            upwind_values(rows, k, r, ZERO, rows.length[r], flux, field, face_value)
+            for i in range(rows.left_from[r], rows.left_to[r]):
                 out[k, left + i] -= flux[face + i] * (face_value[face + i] - u[k, left + i])
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.right_from[r], rows.right_to[r]):
                 out[k, right + i] += flux[face + i] * (face_value[face + i] - u[k, right + i])
     by_cell = Reconstruction(u.T, field.gradient.T, field.half_step.T, field.edge, field.first_order, field.limited)
     convect_at_boundary(g, flux, by_cell, out.T)

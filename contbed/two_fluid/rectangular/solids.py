@@ -22,11 +22,11 @@ def add_outflow(g: Geometry, rows: Rows, factor: float, flux: Array, out: Array)
     """Add `factor` times what `flux` (nf,) takes out of each cell to `out` (nc,)."""
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
-        for i in range(ZERO, rows.length[r]):
+        for i in range(rows.left_from[r], rows.left_to[r]):
             out[left + i] += factor * flux[face + i]
-        for i in range(ZERO, rows.length[r]):
+        for i in range(rows.right_from[r], rows.right_to[r]):
             out[right + i] -= factor * flux[face + i]
-    for f in range(len(g.right), len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         out[g.left[f]] += factor * flux[f]
 
 
@@ -36,17 +36,17 @@ def assemble_compaction(
 ) -> None:
     """Set links, content and right-hand side for the change of p_solid/rho_s in a step; `system` by component."""
     drag, coef, content, rhs = solids.drag, system.coef[0], system.content[0], system.rhs[0]
-    for c in range(len(drag)):
+    for c in range(rows.begin, rows.end):
         content[c] = g.volume[c] / (solids.stiffness[c] + MIN_STIFFNESS)
         rhs[c] = dt * g.volume[c] * source[c]
     add_outflow(g, rows, -dt, flux, rhs)
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
-        for i in range(ZERO, rows.length[r]):
+        for i in range(rows.left_from[r], rows.left_to[r]):
             f, w = face + i, g.weight[face + i]
             mean_drag = w * drag[left + i] + (1.0 - w) * drag[right + i]
             coef[f] = compaction_link(dt, mean_drag, solids.rho, g.area[f], g.distance[f])
-    coef[len(g.right) :] = 0.0
+    coef[g.edge_from : g.edge_to] = 0.0
 
 
 @kernel
@@ -54,10 +54,10 @@ def add_compaction_flux(
     g: Geometry, rows: Rows, dt: float, coef: Array, content: Array, y: Array, flux: Array, velocity: Array
 ) -> None:
     """Add the flux that the change y (nc,) of p_solid/rho_s drives; set its part that becomes velocity (nf,)."""
-    velocity[:] = 0.0
+    velocity[g.edge_from : g.edge_to] = 0.0
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
-        for i in range(ZERO, rows.length[r]):
+        for i in range(rows.left_from[r], rows.left_to[r]):
             f = face + i
             change = -coef[f] * (y[right + i] - y[left + i]) / dt
             flux[f] += change
@@ -74,27 +74,29 @@ def add_compaction_velocity(g: Geometry, rows: Rows, velocity: Array, eps_max: f
             f, w = face + i, g.weight[face + i]
             mean = (1.0 - w) * s[left + i] + w * s[right + i]
             speed[f] = 0.5 * velocity[f] * kept_compaction(mean, s[left + i], s[right + i], eps_max)
-        for i in range(ZERO, rows.length[r]):
+        for i in range(rows.left_from[r], rows.left_to[r]):
             u[d, left + i] += speed[face + i]
-        for i in range(ZERO, rows.length[r]):
+        for i in range(rows.right_from[r], rows.right_to[r]):
             u[d, right + i] += speed[face + i]
 
 
 @kernel
 def conduct(g: Geometry, rows: Rows, k: Array, values: Array, given: Array, out: Array, coef: Array) -> None:
     """Add what is conducted between cells [W] to `out` (nc,), set the links `coef` (nf,)."""
-    rate = np.empty(len(g.right))
+    rate, link = np.empty(len(g.right)), np.empty(len(g.right))
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
         for i in range(ZERO, rows.length[r]):
             f, a, b = face + i, k[left + i], k[right + i]
-            coef[f] = 2.0 * a * b / (a + b + SMALLEST) * g.area[f] / g.distance[f]
-            rate[f] = coef[f] * (values[right + i] - values[left + i])
-        for i in range(ZERO, rows.length[r]):
+            link[f] = 2.0 * a * b / (a + b + SMALLEST) * g.area[f] / g.distance[f]
+            rate[f] = link[f] * (values[right + i] - values[left + i])
+        for i in range(rows.left_from[r], rows.left_to[r]):
+            coef[face + i] = link[face + i]
+        for i in range(rows.left_from[r], rows.left_to[r]):
             out[left + i] += rate[face + i]
-        for i in range(ZERO, rows.length[r]):
+        for i in range(rows.right_from[r], rows.right_to[r]):
             out[right + i] -= rate[face + i]
-    for f in range(len(g.right), len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         c, outside = g.left[f], given[f - len(g.right)]
         coef[f] = 0.0 if np.isnan(outside) else k[c] * g.area[f] / g.distance[f]
         if coef[f] > 0.0:
@@ -116,7 +118,7 @@ def mark_negative(g: Geometry, rows: Rows, dt: float, s: Array, old: Array, rhs:
         for i in range(ZERO, rows.length[r]):
             if negative[left + i] or negative[right + i]:
                 first_order[left + i] = first_order[right + i] = True
-    for f in range(len(g.right), len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         first_order[g.left[f]] |= negative[g.left[f]]
     return bool(first_order.sum() > before)
 
@@ -124,12 +126,12 @@ def mark_negative(g: Geometry, rows: Rows, dt: float, s: Array, old: Array, rhs:
 @kernel
 def divergence(g: Geometry, rows: Rows, flux: Array, face: Array, values: Array, out: Array) -> None:
     """Set `out` (nc,) to -sum of flux (face - value) over the faces of a cell."""
-    out[:] = 0.0
+    out[rows.begin : rows.end] = 0.0
     for r in range(len(rows.length)):
         first, left, right = rows.face[r], rows.left[r], rows.right[r]
-        for i in range(ZERO, rows.length[r]):
+        for i in range(rows.left_from[r], rows.left_to[r]):
             out[left + i] -= flux[first + i] * (face[first + i] - values[left + i])
-        for i in range(ZERO, rows.length[r]):
+        for i in range(rows.right_from[r], rows.right_to[r]):
             out[right + i] += flux[first + i] * (face[first + i] - values[right + i])
-    for f in range(len(g.right), len(g.left)):
+    for f in range(g.edge_from, g.edge_to):
         out[g.left[f]] -= flux[f] * (face[f] - values[g.left[f]])

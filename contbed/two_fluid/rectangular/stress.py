@@ -69,17 +69,17 @@ def add_stress(g: Geometry, rows: Rows, side: Side, fluid: Fluid, motion: Motion
                 f = face + i
                 jump = u[k, right + i] - u[k, left + i]
                 force[f] = g.area[f] * (stress[f] + excess[f] / g.distance[f] * jump)
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.left_from[r], rows.left_to[r]):
                 f = face + i
                 coef[k, f] = g.area[f] * stress_link(m[f], lam[f], excess[f], n, 1.0 / g.distance[f])
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.left_from[r], rows.left_to[r]):
                 out[k, left + i] += force[face + i]
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.right_from[r], rows.right_to[r]):
                 out[k, right + i] -= force[face + i]
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.left_from[r], rows.left_to[r]):
                 f, jump = face + i, u[k, right + i] - u[k, left + i]
                 work[left + i] += g.area[f] * stress[f] * (1.0 - g.weight[f]) * jump
-            for i in range(ZERO, rows.length[r]):
+            for i in range(rows.right_from[r], rows.right_to[r]):
                 f, jump = face + i, u[k, right + i] - u[k, left + i]
                 work[right + i] += g.area[f] * stress[f] * g.weight[f] * jump
     by_cell = Motion(u.T, grad.T, motion.edge, motion.slip)
