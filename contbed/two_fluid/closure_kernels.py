@@ -178,7 +178,9 @@ def _granular(theory: tuple[BoundClosure | None, ...]) -> Callable[..., None]:
 def _granular_in_cells(
     begin: int, end: int, eps_s: Any, theta: Any, K: Any, constants: Any, own: Any, tables: Any, out: Any
 ) -> tuple[int, int, int]:
-    """Set the `Rheology` out and return the numbers of `GuardCounts`; `own` are the parameters of the closures in the order of KINETIC_THEORY.
+    """Set the `Rheology` out and return the numbers of `GuardCounts`.
+
+    `own` are the parameters of the closures in the order of KINETIC_THEORY.
 
     The guards limit the kinetic parts of viscosity and conductivity in dilute flow; they take the dilute limits of both
     over rho_s d_p sqrt(theta). The factor of `share_drag` is 2 for viscosity and 1.2 for conductivity.

@@ -1,7 +1,7 @@
 """How kernels are compiled, the types of their arguments, and two constants that all of them share.
 
-Kernels are kept on disk, and threads may run them at the same time; a division by zero gives infinity as in numpy. Kernels of the kind `summing` may take sums in
-another order than written, always the same one.
+Kernels are kept on disk, and several threads may run them at the same time; a division by zero gives infinity as in
+numpy. Kernels of the kind `summing` may take sums in another order than written, always the same one.
 """
 
 from __future__ import annotations

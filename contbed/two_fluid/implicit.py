@@ -30,7 +30,7 @@ def solve_system(state: State, name: str, system: System, model: Model, explicit
         iterations = solve(g, system, explicit, TOLERANCE, MAX_ITERATIONS, x)
     else:
         by_component = transposed(system)
-        iterations = solve_exchange(lattice, rows, by_component, explicit, TOLERANCE, MAX_ITERATIONS, x.T)
+        iterations = solve_exchange(lattice, by_component, explicit, TOLERANCE, MAX_ITERATIONS, x.T)
     if iterations < 0:
         check_finite(state, model.grid)
         raise ConvergenceError(

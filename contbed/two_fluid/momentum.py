@@ -117,8 +117,8 @@ def add_forces(
 ) -> None:
     """Turn the convection of the right-hand side [m3/s times u] into a force, and add the given accelerations.
 
-    volume (nc, 1) [m3] : of the phase; its mass over dt is the content. The accelerations (nc, m) are `given` ones and the
-    last ones; `convected` (nc, m) becomes the rate of change by convection.
+    volume (nc, 1) [m3] : of the phase; its mass over dt is the content. The accelerations (nc, m) are `given` ones and
+    those of the last step; `convected` (nc, m) becomes the rate of change by convection.
     """
     rhs, content, source, force = system.rhs, system.content, given[0], given[1]
     for k in range(rhs.shape[1]):

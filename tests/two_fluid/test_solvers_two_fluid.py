@@ -63,7 +63,7 @@ def on_lattice(grid):
         found = np.ascontiguousarray(x.T)
         by_component = System(*(np.ascontiguousarray(part.T) for part in system))
         lattice = LatticeMultigrid(grid, levels)
-        iterations = solve_exchange(lattice, grid.rows, by_component, explicit, tolerance, most, found)
+        iterations = solve_exchange(lattice, by_component, explicit, tolerance, most, found)
         x[:], system.links[:] = found.T, by_component.links.T
         return iterations
 

@@ -46,7 +46,7 @@ class Geometry(NamedTuple):
     skewed : whether any face needs corrections by `non_orthogonal` or `skew`; then gradients take the faces of
         neighbours, too, as what the few of one flat tetrahedron give is noise
     axes : dim zeros; a tuple, so that its length is known to the compiler
-    edge_from, edge_to : first boundary face, and the one after the last; of a part of a rectangular grid those of its cells
+    edge_from, edge_to : first boundary face, and the one after the last; in a part of a rectangular grid, of its cells
     """
 
     left: np.ndarray
@@ -147,7 +147,7 @@ class Grid:
 
 
 def over_rows(grid: Grid, kernel: Callable[..., Any], *arguments: Any) -> list[Any]:
-    """Call `kernel(geometry, rows, *arguments)` for parts of a rectangular grid at the same time, and return the results.
+    """Call `kernel(geometry, rows, *arguments)` for parts of a rectangular grid at the same time; return the results.
 
     A kernel writes only what belongs to the cells of its part, in an order that the parts do not change: the numbers
     do not depend on how many threads there are.
@@ -252,6 +252,7 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     number = np.full(len(first), -1)
     number[edge] = ni + np.arange(len(edge))
     named = {name: number[facets] for name, facets in old.boundaries.items()}
+    arms = arm_left, arm_right
     return Grid(
         Geometry._make([*map(np.ascontiguousarray, arrays), bool(skewed), (0,) * dim, ni, len(left)]),
         cells,
@@ -261,7 +262,7 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
         {name: np.sort(rank[c]) for name, c in old.subdomains.items()},
         mesh.axisymmetric,
         bandwidth,
-        None if place is None else build_rows(left, right, normal, (arm_left, arm_right), (slopes[0], slopes[1]), count),
+        None if place is None else build_rows(left, right, normal, arms, (slopes[0], slopes[1]), count),
         None if place is None or periodic else place[cells],
     )
 

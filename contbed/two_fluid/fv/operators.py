@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from contbed.threads import parallel
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv import gradient as faces
 from contbed.two_fluid.fv import reconstruction
 from contbed.two_fluid.fv.grid import Grid, over_rows
 from contbed.two_fluid.fv.reconstruction import Reconstruction
 from contbed.two_fluid.rectangular import fields
-from contbed.threads import parallel
 
 
 def gradient(grid: Grid, values: Array, edge: Array, eps_s: Array | None = None) -> Array:

@@ -3,6 +3,10 @@
 A place (i, j, k) counts from 0 along the axes, the longest axis first. Its number is first + i + s (j + n k), and the
 numbers before and after a lattice are places without links, so that every place has neighbours in memory and one loop
 runs over all. Places without a cell (obstacles) have no links either.
+
+Kernels that take a `Crew` run in all its threads at once. Threads share the places of a lattice by blocks of a fixed
+length, and its rows where two become one, so that the numbers do not depend on how many threads there are; a small
+lattice is left to the first of them.
 """
 
 from __future__ import annotations
@@ -11,12 +15,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from contbed.barrier import Crew, wait
 from contbed.two_fluid.compiled import Array, Indices, kernel
 from contbed.two_fluid.fv.grid import Grid
 
 # longest over shortest distance of places up to which an axis is coarsened with the shortest one; smoothing does not
 # even out what differs along a longer one
 MAX_ASPECT = 1.5
+BLOCK = 2048  # places that one thread takes without a pause, about 3 us of work
+MIN_BLOCKS = 4  # of a lattice that threads share; on a smaller one a barrier costs more than it saves
 COARSE_LINK = 0.5  # a coarse link spans twice the distance of the links that it is the sum of (Braess 1995)
 
 
@@ -100,23 +107,78 @@ def empty_stencil(levels: Levels) -> Stencil:
 
 
 @kernel
-def load_links(levels: Levels, coef: Array, out: Stencil) -> None:
-    """Set the links of the first lattice to those of the interior faces, `coef` (nf,)."""
-    faces, place = levels.faces, levels.place
-    for f in range(faces[0, 0], faces[0, 1]):
-        out.fast[place[f]] = coef[f]
-    for f in range(faces[1, 0], faces[1, 1]):
-        out.middle[place[f]] = coef[f]
-    for f in range(faces[2, 0], faces[2, 1]):
-        out.slow[place[f]] = coef[f]
+def shared(levels: Levels, level: int) -> bool:
+    """Whether threads share a lattice."""
+    return blocks(levels, level) >= MIN_BLOCKS
 
 
 @kernel
-def load_diagonal(levels: Levels, rest: Array, out: Stencil) -> None:
-    """Set the diagonal of the first lattice: its links and the `rest` (nc,) of each cell."""
-    for c in range(len(rest)):
+def blocks(levels: Levels, level: int) -> int:
+    """Return the number of blocks of a lattice."""
+    nx, ny, nz = levels.size[level]
+    return int((nx * ny * nz + BLOCK - 1) // BLOCK)
+
+
+@kernel
+def share(crew: Crew, levels: Levels, level: int, count: int) -> tuple[int, int]:
+    """Which of `count` equal pieces of a lattice a thread takes: the first, and the one after the last."""
+    if shared(levels, level):
+        return count * crew.number // crew.size, count * (crew.number + 1) // crew.size
+    return 0, count if crew.number == 0 else 0
+
+
+@kernel
+def span(levels: Levels, level: int) -> tuple[Any, Any, Any, Any]:
+    """First place of a lattice, the one after its last, and the distances of places along the second and third axis."""
+    begin, s1 = np.uint64(levels.first[level]), np.uint64(levels.size[level, 0])
+    s2 = np.uint64(levels.size[level, 0] * levels.size[level, 1])
+    return begin, begin + s2 * np.uint64(levels.size[level, 2]), s1, s2
+
+
+@kernel
+def block(levels: Levels, level: int, number: int) -> tuple[Any, Any]:
+    """First place of a block of a lattice, and the one after its last."""
+    begin, end, _, _ = span(levels, level)
+    first = begin + np.uint64(number * BLOCK)
+    return first, min(end, first + np.uint64(BLOCK))
+
+
+@kernel
+def load_links(crew: Crew, levels: Levels, coef: Array, out: Stencil) -> None:
+    """Set the links of the first lattice to those of the interior faces, `coef` (nf,)."""
+    place = levels.place
+    for axis in range(len(levels.axes)):
+        first, count = levels.faces[axis, 0], levels.faces[axis, 1] - levels.faces[axis, 0]
+        lowest, highest = share(crew, levels, 0, count)
+        for f in range(first + lowest, first + highest):
+            if axis == 0:
+                out.fast[place[f]] = coef[f]
+            elif axis == 1:
+                out.middle[place[f]] = coef[f]
+            else:
+                out.slow[place[f]] = coef[f]
+
+
+@kernel
+def set_up_pressure(
+    crew: Crew, levels: Levels, coef: Array, rest: Array, floating: bool, out: Stencil, work: Array
+) -> None:
+    """Set the systems of all lattices to links `coef` (nf,) and to the `rest` (nc,) of the diagonal of each cell.
+
+    The diagonal of the first cell counts twice where the system is `floating`. `work` (total,) is a workspace.
+    """
+    load_links(crew, levels, coef, out)
+    first, last = share(crew, levels, 0, len(rest))
+    for c in range(first, last):
         out.diagonal[levels.of_cell[c]] = rest[c]
-    _add_links(levels, 0, out)
+    wait(crew)
+    _add_links(crew, levels, 0, out)
+    wait(crew)
+    if floating and crew.number == 0:
+        out.diagonal[levels.of_cell[0]] *= 2.0
+        out.inverse[levels.of_cell[0]] *= 0.5
+    wait(crew)
+    _coarsen(crew, levels, out, work)
 
 
 @kernel
@@ -132,89 +194,127 @@ def add_neighbours(levels: Levels, stiff: Array, solved: Array) -> None:
         solved[p] = near
 
 
-@kernel
-def load_solved(levels: Levels, content: Array, rest: Array, solved: Array, out: Stencil) -> None:
-    """Keep the links between cells that are `solved` for; set the diagonal to content (nc,) and all links that stay.
+class Exchange(NamedTuple):
+    """One component of a system: links (nf,) of faces, content (nc,), rest (nc,) of links of each cell to given values.
 
-    rest (nc,) : links of each cell to given values
+    solved (total,) : 1 in the places that are solved for; stiff : whether iterations use multigrid
     """
-    begin, end, s1, s2 = span(levels, 0)
+
+    coef: Array
+    content: Array
+    rest: Array
+    solved: Array
+    stiff: bool
+
+
+@kernel
+def set_up_exchange(crew: Crew, levels: Levels, exchange: Exchange, out: Stencil, work: Array) -> None:
+    """Keep the links between cells that are solved for; set the diagonal to the content and all links that stay.
+
+    `work` (total,) is a workspace.
+    """
     one, fast, middle, slow = np.uint64(1), out.fast, out.middle, out.slow
-    for p in range(begin, end):
-        fast[p] *= solved[p] * solved[p + one]
-    for p in range(begin, end):
-        middle[p] *= solved[p] * solved[p + s1]
-    if len(levels.axes) > 2:
+    solved, content, rest = exchange.solved, exchange.content, exchange.rest
+    _, _, s1, s2 = span(levels, 0)
+    load_links(crew, levels, exchange.coef, out)
+    wait(crew)
+    first, last = share(crew, levels, 0, blocks(levels, 0))
+    for number in range(first, last):
+        begin, end = block(levels, 0, number)
         for p in range(begin, end):
-            slow[p] *= solved[p] * solved[p + s2]
-    for c in range(len(content)):
+            fast[p] *= solved[p] * solved[p + one]
+        for p in range(begin, end):
+            middle[p] *= solved[p] * solved[p + s1]
+        if len(levels.axes) > 2:
+            for p in range(begin, end):
+                slow[p] *= solved[p] * solved[p + s2]
+    first, last = share(crew, levels, 0, len(content))
+    for c in range(first, last):
         out.diagonal[levels.of_cell[c]] = content[c] + solved[levels.of_cell[c]] * rest[c]
-    _add_links(levels, 0, out)
+    wait(crew)
+    _add_links(crew, levels, 0, out)
+    wait(crew)
+    if exchange.stiff:
+        _coarsen(crew, levels, out, work)
 
 
 @kernel
-def span(levels: Levels, level: int) -> tuple[Any, Any, Any, Any]:
-    """First place of a lattice, the one after its last, and the distances of places along the second and third axis."""
-    begin, s1 = np.uint64(levels.first[level]), np.uint64(levels.size[level, 0])
-    s2 = np.uint64(levels.size[level, 0] * levels.size[level, 1])
-    return begin, begin + s2 * np.uint64(levels.size[level, 2]), s1, s2
-
-
-@kernel
-def _add_links(levels: Levels, level: int, out: Stencil) -> None:
+def _add_links(crew: Crew, levels: Levels, level: int, out: Stencil) -> None:
     """Add the links of each place of a lattice to the diagonal, and set its inverse."""
-    begin, end, s1, s2 = span(levels, level)
+    _, _, s1, s2 = span(levels, level)
     one = np.uint64(1)
     fast, middle, slow, diagonal, inverse = out.fast, out.middle, out.slow, out.diagonal, out.inverse
-    for p in range(begin, end):
-        total = diagonal[p] + fast[p] + fast[p - one] + middle[p] + middle[p - s1]
-        if len(levels.axes) > 2:
-            total += slow[p] + slow[p - s2]
-        diagonal[p] = total
-        inverse[p] = 1.0 / total if total > 0.0 else 0.0
+    first, last = share(crew, levels, level, blocks(levels, level))
+    for number in range(first, last):
+        begin, end = block(levels, level, number)
+        for p in range(begin, end):
+            total = diagonal[p] + fast[p] + fast[p - one] + middle[p] + middle[p - s1]
+            if len(levels.axes) > 2:
+                total += slow[p] + slow[p - s2]
+            diagonal[p] = total
+            inverse[p] = 1.0 / total if total > 0.0 else 0.0
 
 
 @kernel
-def coarsen(levels: Levels, out: Stencil) -> None:
-    """Set the systems of all coarser lattices from that of the first one.
+def _coarsen(crew: Crew, levels: Levels, out: Stencil, rest: Array) -> None:
+    """Set the systems of all coarser lattices from that of the first one; `rest` (total,) is a workspace.
 
     A coarse place has the sum of what its places have besides links, and of the links that lead out of it.
     """
-    dim = len(levels.axes)
-    rest = np.empty(len(out.diagonal))
     for level in range(len(levels.first) - 1):
-        nx, ny, nz = levels.size[level]
-        bx, by, bz = levels.by[level]
-        cx, cy, cz = levels.size[level + 1]
-        begin, coarse = levels.first[level], levels.first[level + 1]
-        s2, end = nx * ny, levels.first[level] + nx * ny * nz
-        for p in range(begin, end):
-            total = out.diagonal[p] - out.fast[p] - out.fast[p - 1] - out.middle[p] - out.middle[p - nx]
-            if dim > 2:
-                total -= out.slow[p] + out.slow[p - s2]
-            rest[p] = max(total, 0.0)
-        last = coarse + cx * cy * cz
-        out.fast[coarse:last] = 0.0
-        out.middle[coarse:last] = 0.0
-        out.diagonal[coarse:last] = 0.0
+        if shared(levels, level) or crew.number == 0:
+            _, by, bz = levels.by[level]
+            _, ny, nz = levels.size[level]
+            _, cy, cz = levels.size[level + 1]
+            first, last = share(crew, levels, level, cy * cz)
+            for row in range(first, last):
+                _empty_row(levels, level + 1, row, out)
+                for k in range(row // cy * bz, min(nz, (row // cy + 1) * bz)):
+                    for j in range(row % cy * by, min(ny, (row % cy + 1) * by)):
+                        _coarsen_row(levels, level, j, k, out, rest)
+            if shared(levels, level):
+                wait(crew)
+            _add_links(crew, levels, level + 1, out)
+            if shared(levels, level):
+                wait(crew)
+
+
+@kernel
+def _empty_row(levels: Levels, level: int, row: int, out: Stencil) -> None:
+    """Set the system of a row of a lattice to zero."""
+    nx = levels.size[level, 0]
+    start = levels.first[level] + nx * row
+    for p in range(start, start + nx):
+        out.fast[p] = out.middle[p] = out.diagonal[p] = 0.0
+    if len(levels.axes) > 2:
+        for p in range(start, start + nx):
+            out.slow[p] = 0.0
+
+
+@kernel
+def _coarsen_row(levels: Levels, level: int, j: int, k: int, out: Stencil, rest: Array) -> None:
+    """Add the row (j, k) of a lattice to its row on the next one."""
+    dim = len(levels.axes)
+    nx, ny, _ = levels.size[level]
+    bx, by, bz = levels.by[level]
+    cx, cy, _ = levels.size[level + 1]
+    row, to = levels.first[level] + nx * (j + ny * k), levels.first[level + 1] + cx * (j // by + cy * (k // bz))
+    for p in range(row, row + nx):
+        total = out.diagonal[p] - out.fast[p] - out.fast[p - 1] - out.middle[p] - out.middle[p - nx]
         if dim > 2:
-            out.slow[coarse:last] = 0.0
-        along = COARSE_LINK if bx > 1 else 1.0
-        aside = COARSE_LINK if by > 1 else 1.0
-        across = COARSE_LINK if bz > 1 else 1.0
-        for k in range(nz):
-            for j in range(ny):
-                row, to = begin + nx * (j + ny * k), coarse + cx * (j // by + cy * (k // bz))
-                outer_j, outer_k = j % by == by - 1, k % bz == bz - 1
-                for b in range(bx):
-                    for i in range((nx - b + bx - 1) // bx):
-                        out.diagonal[to + i] += rest[row + bx * i + b]
-                    if outer_j:
-                        for i in range((nx - b + bx - 1) // bx):
-                            out.middle[to + i] += aside * out.middle[row + bx * i + b]
-                    if dim > 2 and outer_k:
-                        for i in range((nx - b + bx - 1) // bx):
-                            out.slow[to + i] += across * out.slow[row + bx * i + b]
-                for i in range(nx // bx):
-                    out.fast[to + i] += along * out.fast[row + bx * i + bx - 1]
-        _add_links(levels, level + 1, out)
+            total -= out.slow[p] + out.slow[p - nx * ny]
+        rest[p] = max(total, 0.0)
+    along = COARSE_LINK if bx > 1 else 1.0
+    aside = COARSE_LINK if by > 1 else 1.0
+    across = COARSE_LINK if bz > 1 else 1.0
+    for b in range(bx):
+        for i in range((nx - b + bx - 1) // bx):
+            out.diagonal[to + i] += rest[row + bx * i + b]
+        if j % by == by - 1:
+            for i in range((nx - b + bx - 1) // bx):
+                out.middle[to + i] += aside * out.middle[row + bx * i + b]
+        if dim > 2 and k % bz == bz - 1:
+            for i in range((nx - b + bx - 1) // bx):
+                out.slow[to + i] += across * out.slow[row + bx * i + b]
+    for i in range(nx // bx):
+        out.fast[to + i] += along * out.fast[row + bx * i + bx - 1]

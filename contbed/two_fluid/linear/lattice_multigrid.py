@@ -8,23 +8,29 @@ run over contiguous memory and sum in a fixed order. Brandt 1977, Math. Comput. 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from contbed.two_fluid.compiled import ZERO, Array, Indices, kernel, summing
-from contbed.two_fluid.fv.grid import Geometry, Grid
+from contbed import barrier, threads
+from contbed.barrier import Crew, wait
+from contbed.two_fluid.compiled import Array, Indices, kernel, summing
+from contbed.two_fluid.fv.grid import Geometry, Grid, over_rows
 from contbed.two_fluid.fv.rows import Rows
 from contbed.two_fluid.linear.cg import System
 from contbed.two_fluid.linear.lattice import (
+    BLOCK,
+    Exchange,
     Levels,
     Stencil,
     add_neighbours,
-    coarsen,
+    block,
+    blocks,
     empty_stencil,
-    load_diagonal,
-    load_links,
-    load_solved,
+    set_up_exchange,
+    set_up_pressure,
+    share,
+    shared,
     span,
 )
 
@@ -34,6 +40,8 @@ WEIGHTS = (1.0 / (1.25 - 0.75 * 0.5**0.5), 1.0 / (1.25 + 0.75 * 0.5**0.5))
 MIN_STIFFNESS = 20.0
 # as in multigrid.py
 PRESSURE_TOLERANCE, PRESSURE_ROUNDING, PRESSURE_ITERATIONS = 1e-11, 1e-16, 100
+
+Part = tuple[int, int]  # first block of a thread, and the one after the last
 
 
 @summing
@@ -48,154 +56,237 @@ def _row(axes: tuple[int, ...], a: Stencil, x: Array, p: Any, s1: Any, s2: Any) 
 
 
 @summing
-def _smooth(levels: Levels, level: int, a: Stencil, weight: float, b: Array, x: Array, out: Array) -> None:
+def _smooth(levels: Levels, level: int, part: Part, a: Stencil, weight: float, b: Array, x: Array, out: Array) -> None:
     """Set out to x after one step of Jacobi."""
-    begin, end, s1, s2 = span(levels, level)
+    _, _, s1, s2 = span(levels, level)
     inverse = a.inverse
-    for p in range(begin, end):
-        out[p] = x[p] + weight * inverse[p] * (b[p] - _row(levels.axes, a, x, p, s1, s2))
+    for number in range(part[0], part[1]):
+        begin, end = block(levels, level, number)
+        for p in range(begin, end):
+            out[p] = x[p] + weight * inverse[p] * (b[p] - _row(levels.axes, a, x, p, s1, s2))
 
 
 @summing
-def _residual(levels: Levels, level: int, a: Stencil, b: Array, x: Array, out: Array) -> None:
+def _residual(levels: Levels, level: int, part: Part, a: Stencil, b: Array, x: Array, out: Array) -> None:
     """Set out to what x leaves of b."""
-    begin, end, s1, s2 = span(levels, level)
-    for p in range(begin, end):
-        out[p] = b[p] - _row(levels.axes, a, x, p, s1, s2)
+    _, _, s1, s2 = span(levels, level)
+    for number in range(part[0], part[1]):
+        begin, end = block(levels, level, number)
+        for p in range(begin, end):
+            out[p] = b[p] - _row(levels.axes, a, x, p, s1, s2)
 
 
 @kernel
-def _restrict(levels: Levels, level: int, r: Array, b: Array) -> None:
+def _restrict(crew: Crew, levels: Levels, level: int, r: Array, b: Array) -> None:
     """Set b on the next lattice to the sums of r."""
     nx, ny, nz = levels.size[level]
     bx, by, bz = levels.by[level]
     cx, cy, cz = levels.size[level + 1]
-    begin, coarse = levels.first[level], levels.first[level + 1]
-    b[coarse : coarse + cx * cy * cz] = 0.0
-    for k in range(nz):
-        for j in range(ny):
-            row, to = begin + nx * (j + ny * k), coarse + cx * (j // by + cy * (k // bz))
-            if bx == 2:
-                for i in range(nx // 2):
-                    b[to + i] += r[row + 2 * i] + r[row + 2 * i + 1]
-                if nx % 2 == 1:
-                    b[to + nx // 2] += r[row + nx - 1]
-            else:
-                for i in range(nx):
-                    b[to + i] += r[row + i]
+    first, last = share(crew, levels, level, cy * cz)
+    for coarse in range(first, last):
+        to = levels.first[level + 1] + cx * coarse
+        b[to : to + cx] = 0.0
+        for k in range(coarse // cy * bz, min(nz, (coarse // cy + 1) * bz)):
+            for j in range(coarse % cy * by, min(ny, (coarse % cy + 1) * by)):
+                row = levels.first[level] + nx * (j + ny * k)
+                if bx == 2:
+                    for i in range(nx // 2):
+                        b[to + i] += r[row + 2 * i] + r[row + 2 * i + 1]
+                    if nx % 2 == 1:
+                        b[to + nx // 2] += r[row + nx - 1]
+                else:
+                    for i in range(nx):
+                        b[to + i] += r[row + i]
 
 
 @kernel
-def _correct(levels: Levels, level: int, x: Array) -> None:
+def _correct(crew: Crew, levels: Levels, level: int, x: Array) -> None:
     """Add x of the next lattice to x of this one."""
     nx, ny, nz = levels.size[level]
     bx, by, bz = levels.by[level]
     cx, cy, _ = levels.size[level + 1]
-    begin, coarse = levels.first[level], levels.first[level + 1]
-    for k in range(nz):
-        for j in range(ny):
-            row, at = begin + nx * (j + ny * k), coarse + cx * (j // by + cy * (k // bz))
-            if bx == 2:
-                for i in range(nx // 2):
-                    x[row + 2 * i] += x[at + i]
-                    x[row + 2 * i + 1] += x[at + i]
-                if nx % 2 == 1:
-                    x[row + nx - 1] += x[at + nx // 2]
-            else:
-                for i in range(nx):
-                    x[row + i] += x[at + i]
+    first, last = share(crew, levels, level, ny * nz)
+    for number in range(first, last):
+        row = levels.first[level] + nx * number
+        at = levels.first[level + 1] + cx * (number % ny // by + cy * (number // ny // bz))
+        if bx == 2:
+            for i in range(nx // 2):
+                x[row + 2 * i] += x[at + i]
+                x[row + 2 * i + 1] += x[at + i]
+            if nx % 2 == 1:
+                x[row + nx - 1] += x[at + nx // 2]
+        else:
+            for i in range(nx):
+                x[row + i] += x[at + i]
 
 
 @kernel
-def _cycle(levels: Levels, a: Stencil, b: Array, x: Array, other: Array) -> None:
-    """Approximate solution x on the first lattice for the right-hand side b there; `other` is a workspace."""
+def _scale(levels: Levels, level: int, part: Part, weight: float, a: Stencil, b: Array, x: Array) -> None:
+    """Set x to `weight` times b over the diagonal."""
+    for number in range(part[0], part[1]):
+        begin, end = block(levels, level, number)
+        for p in range(begin, end):
+            x[p] = weight * a.inverse[p] * b[p]
+
+
+@kernel
+def _cycle(crew: Crew, levels: Levels, a: Stencil, b: Array, x: Array, other: Array) -> None:
+    """Approximate solution x on the first lattice for the right-hand side b there; `other` is a workspace.
+
+    Each thread has set its part of x where it returns.
+    """
     last = len(levels.first) - 1
     for level in range(last):
-        begin, end, _, _ = span(levels, level)
-        for p in range(begin, end):
-            other[p] = WEIGHTS[0] * a.inverse[p] * b[p]
-        _smooth(levels, level, a, WEIGHTS[1], b, other, x)
-        _residual(levels, level, a, b, x, other)
-        _restrict(levels, level, other, b)
-    begin, end, _, _ = span(levels, last)
-    for p in range(begin, end):
-        x[p] = a.inverse[p] * b[p]
+        part = share(crew, levels, level, blocks(levels, level))
+        _scale(levels, level, part, WEIGHTS[0], a, b, other)
+        _meet(crew, levels, level)
+        _smooth(levels, level, part, a, WEIGHTS[1], b, other, x)
+        _meet(crew, levels, level)
+        _residual(levels, level, part, a, b, x, other)
+        _meet(crew, levels, level)
+        _restrict(crew, levels, level, other, b)
+        _meet(crew, levels, level)
+    _scale(levels, last, share(crew, levels, last, 1), 1.0, a, b, x)
     for level in range(last - 1, -1, -1):
-        _correct(levels, level, x)
-        _smooth(levels, level, a, WEIGHTS[1], b, x, other)
-        _smooth(levels, level, a, WEIGHTS[0], b, other, x)
-
-
-@summing
-def _square(begin: Any, end: Any, inverse: Array, r: Array) -> float:
-    """Return r . r in the norm of the inverse diagonal."""
-    square = 0.0
-    for i in range(begin, end):
-        square += inverse[i] * r[i] * r[i]
-    return square
+        part = share(crew, levels, level, blocks(levels, level))
+        # where the next lattice was left to the first thread, the others wait for it
+        _meet(crew, levels, level)
+        _correct(crew, levels, level, x)
+        _meet(crew, levels, level)
+        _smooth(levels, level, part, a, WEIGHTS[1], b, x, other)
+        _meet(crew, levels, level)
+        _smooth(levels, level, part, a, WEIGHTS[0], b, other, x)
 
 
 @kernel
-def _start(levels: Levels, a: Stencil, b: Array, x: Array, r: Array) -> float:
-    """Set r to what x leaves of b; return its square in the norm of the inverse diagonal."""
-    begin, end, _, _ = span(levels, 0)
-    _residual(levels, 0, a, b, x, r)
-    return _square(begin, end, a.inverse, r)
+def _meet(crew: Crew, levels: Levels, level: int) -> None:
+    """Wait for the other threads if they share a lattice."""
+    if shared(levels, level):
+        wait(crew)
 
 
-@summing
-def _advance(levels: Levels, a: Stencil, slope: float, part: float, p: Array, q: Array, x: Array, r: Array) -> float:
-    """One step along p, which holds the preconditioned residual: plus `part` times q, the direction before.
+class Vectors(NamedTuple):
+    """What iterations need on the lattices: right-hand side b and solution x, which holds a guess, each (total,).
 
-    `slope` is r times the preconditioned residual. Return the square of the new residual. q becomes the direction.
+    r, z, direction, other (total,) : residual, preconditioned residual, direction of the last step, workspace
+    parts (3, blocks) : sums and largest values of the blocks of the first lattice
     """
-    begin, end, s1, s2 = span(levels, 0)
-    for i in range(begin, end):
-        q[i] = p[i] + part * q[i]
-    total = 0.0
-    for i in range(begin, end):
-        row = _row(levels.axes, a, q, i, s1, s2)
-        p[i] = row
-        total += row * q[i]
-    alpha = slope / total
-    for i in range(begin, end):
-        x[i] += alpha * q[i]
-        r[i] -= alpha * p[i]
-    return _square(begin, end, a.inverse, r)
+
+    b: Array
+    x: Array
+    r: Array
+    z: Array
+    direction: Array
+    other: Array
+    parts: Array
+
+
+class End(NamedTuple):
+    """Iterations end where the largest residual, or the square in the norm of the inverse diagonal, is not above least.
+
+    by_largest : whether it is the largest one; most : iterations
+    """
+
+    least: float
+    by_largest: bool
+    most: int
 
 
 @summing
-def _precondition(levels: Levels, a: Stencil, multigrid: bool, r: Array, z: Array, other: Array) -> float:
-    """Set z to the approximate solution for r by a cycle of multigrid, or r over the diagonal; return z . r."""
-    begin, end, _, _ = span(levels, 0)
-    if multigrid:
-        _cycle(levels, a, r, z, other)
-    else:
+def _measure(levels: Levels, part: Part, by_largest: bool, inverse: Array, r: Array, out: Array) -> None:
+    """Set `out` (blocks,) to the largest value of r in each block, or to its square in the norm of `inverse`."""
+    for number in range(part[0], part[1]):
+        begin, end = block(levels, 0, number)
+        found = total = 0.0
+        if by_largest:
+            for i in range(begin, end):
+                found = max(found, abs(r[i]))
+                total += r[i]
+            out[number] = found if np.isfinite(total) else np.nan
+        else:
+            for i in range(begin, end):
+                total += inverse[i] * r[i] * r[i]
+            out[number] = total
+
+
+@summing
+def _products(levels: Levels, part: Part, x: Array, y: Array, out: Array) -> None:
+    """Set `out` (blocks,) to x . y in each block."""
+    for number in range(part[0], part[1]):
+        begin, end = block(levels, 0, number)
+        found = 0.0
         for i in range(begin, end):
-            z[i] = a.inverse[i] * r[i]
-    total = 0.0
-    for i in range(begin, end):
-        total += z[i] * r[i]
-    return total
+            found += x[i] * y[i]
+        out[number] = found
 
 
-def iterate(
-    levels: Levels, a: Stencil, b: Array, x: Array, multigrid: bool, least: float, by_largest: bool, most: int
-) -> int:
-    """Solve from the guess `x` on the first lattice; return the number of iterations, -1 if too many.
+@kernel
+def _turn(levels: Levels, part: Part, share_of_last: float, z: Array, direction: Array) -> None:
+    """Set the direction to z plus a share of the last one."""
+    for number in range(part[0], part[1]):
+        begin, end = block(levels, 0, number)
+        for i in range(begin, end):
+            direction[i] = z[i] + share_of_last * direction[i]
 
-    It ends where the largest residual, or the square in the norm of the inverse diagonal, is not above `least`.
-    """
-    r, z, direction, other = (np.zeros_like(x) for _ in range(4))
-    first, places = levels.first[0], int(np.prod(levels.size[0]))
-    inside = r[first : first + places]
-    square, before = _start(levels, a, b, x, r), 1.0
-    for iteration in range(most + 1):
-        if (max(inside.max(), -inside.min()) if by_largest else square) <= least:
+
+@summing
+def _apply(levels: Levels, part: Part, a: Stencil, x: Array, y: Array, out: Array) -> None:
+    """Set y to the matrix times x, and `out` (blocks,) to x . y in each block."""
+    _, _, s1, s2 = span(levels, 0)
+    for number in range(part[0], part[1]):
+        begin, end = block(levels, 0, number)
+        found = 0.0
+        for i in range(begin, end):
+            row = _row(levels.axes, a, x, i, s1, s2)
+            y[i] = row
+            found += row * x[i]
+        out[number] = found
+
+
+@summing
+def _step(levels: Levels, part: Part, alpha: float, direction: Array, change: Array, x: Array, r: Array) -> None:
+    """Add alpha times the direction to x, and take alpha times its `change` of the residual from r."""
+    for number in range(part[0], part[1]):
+        begin, end = block(levels, 0, number)
+        for i in range(begin, end):
+            x[i] += alpha * direction[i]
+            r[i] -= alpha * change[i]
+
+
+@kernel
+def _together(parts: Array, by_largest: bool) -> float:
+    """Sum, or largest value, of the `parts` (blocks,) in their order; not a number where one of them is none."""
+    found = total = 0.0
+    for part in parts:
+        found, total = max(found, part), total + part
+    return found if by_largest and np.isfinite(total) else total
+
+
+@kernel
+def iterate(crew: Crew, levels: Levels, a: Stencil, v: Vectors, multigrid: bool, end: End) -> int:
+    """Solve on the first lattice; return the number of iterations, -1 if too many or where a number is not finite."""
+    part, parts = share(crew, levels, 0, blocks(levels, 0)), v.parts
+    _residual(levels, 0, part, a, v.b, v.x, v.r)
+    _measure(levels, part, end.by_largest, a.inverse, v.r, parts[0])
+    wait(crew)
+    before = 1.0
+    for iteration in range(end.most + 1):
+        if _together(parts[0], end.by_largest) <= end.least:
             return iteration
-        slope = _precondition(levels, a, multigrid, r, z, other)
-        part = slope / before if iteration > 0 else 0.0
-        square = _advance(levels, a, slope, part, z, direction, x, r)
+        if multigrid:
+            _cycle(crew, levels, a, v.r, v.z, v.other)
+        else:
+            _scale(levels, 0, part, 1.0, a, v.r, v.z)
+        _products(levels, part, v.z, v.r, parts[1])
+        wait(crew)
+        slope = _together(parts[1], False)
+        _turn(levels, part, slope / before if iteration > 0 else 0.0, v.z, v.direction)
+        wait(crew)
+        _apply(levels, part, a, v.direction, v.z, parts[2])
+        wait(crew)
+        _step(levels, part, slope / _together(parts[2], False), v.direction, v.z, v.x, v.r)
+        _measure(levels, part, end.by_largest, a.inverse, v.r, parts[0])
+        wait(crew)
         before = slope
     return -1
 
@@ -232,15 +323,15 @@ def _sum_links(g: Geometry, rows: Rows, system: System, explicit: float, rest: A
 
 
 def solve_exchange(
-    lattice: LatticeMultigrid, rows: Rows, system: System, explicit: float, tolerance: float, most: int, x: Array
+    lattice: LatticeMultigrid, system: System, explicit: float, tolerance: float, most: int, x: Array
 ) -> int:
     """Solve for `x` (m, nc), the `system` by component, as linear/cg.py.
 
     Return the most iterations that a component took, -1 if too many.
     """
-    levels, a, at = lattice.levels, lattice.stencil, lattice.at
+    levels, a, at, v = lattice.levels, lattice.stencil, lattice.at, lattice.vectors
     rest, total, longest = np.empty_like(x), levels.joined.shape[1], 0
-    if not _sum_links(lattice.geometry, rows, system, explicit, rest, x):
+    if not any(over_rows(lattice.grid, _sum_links, system, explicit, rest, x)):
         return 0
     over = system.links > explicit * system.content
     stiff, solved = np.zeros(total), np.zeros(total)
@@ -248,21 +339,17 @@ def solve_exchange(
     add_neighbours(levels, stiff, solved)
     inside = solved[at] > 0.0
     for k, content in enumerate(system.content):
-        load_links(levels, system.coef[k], a)
-        load_solved(levels, content, rest[k], solved, a)
         multigrid = bool((system.links[k] > MIN_STIFFNESS * content).any())
-        if multigrid:
-            coarsen(levels, a)
-        b, y = np.zeros(total), np.zeros(total)
-        b[at] = system.rhs[k]
-        y[at] = a.inverse[at] * system.rhs[k]
-        least = tolerance**2 * float((y[at] * system.rhs[k])[inside].sum())
-        iterations = iterate(levels, a, b, y, multigrid, least, False, most)
+        lattice.run(set_up_exchange, Exchange(system.coef[k], content, rest[k], solved, multigrid), a, v.other)
+        v.b[at] = system.rhs[k]
+        v.x[at] = a.inverse[at] * system.rhs[k]
+        least = tolerance**2 * float((v.x[at] * system.rhs[k])[inside].sum())
+        iterations = lattice.iterate(multigrid, End(least, False, most))
         if iterations < 0:
             return -1
         longest = max(longest, iterations)
         # where nothing is solved for, iterations change the last digits
-        np.copyto(x[k], y[at], where=inside)
+        np.copyto(x[k], v.x[at], where=inside)
     return longest
 
 
@@ -270,11 +357,26 @@ class LatticeMultigrid:
     """Multigrid for the pressure equation of one grid."""
 
     def __init__(self, grid: Grid, levels: Levels):
-        self.levels, self.stencil, self.geometry = levels, empty_stencil(levels), grid.geometry
+        self.grid, self.levels, self.stencil = grid, levels, empty_stencil(levels)
+        total, count = levels.joined.shape[1], int(np.prod(levels.size[0]))
+        self.vectors = Vectors(*(np.zeros(total) for _ in range(6)), np.zeros((3, -(-count // BLOCK))))
         first, cells = int(levels.of_cell[0]), len(levels.of_cell)
         without_holes = np.array_equal(levels.of_cell, first + np.arange(cells))
         # of the cells on the first lattice
         self.at: slice | Indices = slice(first, first + cells) if without_holes else levels.of_cell
+
+    def run(self, kernel: Any, *arguments: Any) -> Any:
+        """Run a kernel in the threads that the grid is worth, and return what the first one returns."""
+        return barrier.run(kernel, threads.count(len(self.grid.cells)), self.levels, *arguments)
+
+    def iterate(self, multigrid: bool, end: End) -> int:
+        """Iterate from `vectors`, see `iterate`."""
+        found: int = self.run(iterate, self.stencil, self.vectors, multigrid, end)
+        if found < 0:
+            # places without a cell must stay finite, as their links of 0 times what is there have to be 0
+            for vector in self.vectors:
+                vector[:] = 0.0
+        return found
 
     def solve(self, coef: Array, floating: bool, rhs: Array, x: Array) -> int:
         """Put the solution in `x`, which holds a guess; return the number of iterations, -1 without convergence.
@@ -283,17 +385,11 @@ class LatticeMultigrid:
         """
         if not np.isfinite(coef.sum() + rhs.sum()):
             return -1
-        levels, a, rest = self.levels, self.stencil, np.zeros(len(x))
-        boundary_links(self.geometry, coef, rest)
-        load_links(levels, coef, a)
-        load_diagonal(levels, rest, a)
-        if floating:
-            rest[0] += a.diagonal[levels.of_cell[0]]
-            load_diagonal(levels, rest, a)
-        coarsen(levels, a)
-        b, y = np.zeros(len(a.fast)), np.zeros(len(a.fast))
-        b[self.at], y[self.at] = rhs, x
+        a, v, rest = self.stencil, self.vectors, np.zeros(len(x))
+        boundary_links(self.grid.geometry, coef, rest)
+        self.run(set_up_pressure, coef, rest, floating, a, v.other)
+        v.b[self.at], v.x[self.at] = rhs, x
         least = PRESSURE_TOLERANCE * np.abs(rhs).max() + PRESSURE_ROUNDING * np.abs(a.diagonal[self.at] * x).max()
-        found = iterate(levels, a, b, y, True, float(least), True, PRESSURE_ITERATIONS)
-        x[:] = y[self.at]
+        found = self.iterate(True, End(float(least), True, PRESSURE_ITERATIONS))
+        x[:] = v.x[self.at]
         return found
