@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from contbed import threads
 from contbed.errors import SceneError
 from contbed.mesh.build import build
 from contbed.mesh.mesh import Mesh
@@ -104,6 +105,7 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
     built = [("cells", f"{len(cells.cells)}, about {cost * 1e3:.2g} ms a step")]
     how = "elimination" if uses_elimination(cells) else "conjugate gradients with multigrid"
     built.append(("pressure", f"{how}, band of {cells.bandwidth} cells"))
+    built.append(("threads", _threads(cells)))
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
         (table.drag != ABSENT, "drag", str(table.drag), 'drag = "none"'),
@@ -125,6 +127,22 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
     points = probes.cells(mesh, cells, scene.output.probes)
     seldom_meant = warnings.of_the_mesh(scene, mesh, cells)
     return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, seldom_meant)
+
+
+def _threads(cells: grid.Grid) -> str:
+    """On how many cores a step is computed, and why."""
+    count, allowed, number = len(cells.cells), threads.count(), threads.count(len(cells.cells))
+    if cells.rows is None:
+        return "1: the mesh is not a rectangular grid, whose rows are shared among cores"
+    if number == 1:
+        why = (
+            "one core is allowed"
+            if allowed == 1
+            else f"below {2 * threads.LEAST} cells, sharing costs more than it saves"
+        )
+        return f"1: {why}"
+    few = f", {allowed} are allowed: each takes at least {threads.LEAST} cells" if number < allowed else ""
+    return f"{number}, each takes {count // number} cells{few}"
 
 
 def _require_resolved(scene: t.TwoFluidScene, mesh: Mesh, cells: grid.Grid) -> None:

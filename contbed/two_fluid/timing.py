@@ -7,6 +7,8 @@ from functools import wraps
 from time import perf_counter
 from typing import Any, ParamSpec, TypeVar
 
+from contbed.interrupts import deferred_interrupt
+
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -37,7 +39,9 @@ def phase(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
         def timed(*arguments: P.args, **named_arguments: P.kwargs) -> T:
             model: Any = arguments[-1]
             timer: Timer = model.timer
-            return timer.run(name, lambda: function(*arguments, **named_arguments))
+            # held back once for all kernels of the phase, which takes well below a second
+            with deferred_interrupt():
+                return timer.run(name, lambda: function(*arguments, **named_arguments))
 
         return timed
 

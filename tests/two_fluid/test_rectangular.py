@@ -9,6 +9,7 @@ from changed_scenes import changed
 from core_closures import bed, closures, line, rectangle, shaken
 
 import contbed as cb
+from contbed import threads
 from contbed.loading import from_dict
 from contbed.mesh import build as meshing
 from contbed.scene.mesh import MeshRectangle
@@ -117,6 +118,50 @@ def test_a_step_by_rows_is_that_of_any_mesh(name, monkeypatch):
             both_values = found[key][filled], values[filled]
         largest = max(np.abs(values).max(initial=0), least)
         np.testing.assert_allclose(*both_values, rtol=0, atol=1e-12 * largest, err_msg=key)
+
+
+# cells that threads share the lattices of multigrid for, 5 blocks, and where no multigrid is needed
+FINE = changed(BED, {"mesh.cells": (90, 100), "boundary.bottom": SOLID_INLET})
+
+
+@pytest.mark.parametrize("name", [*CASES, "fine"])
+def test_bits_do_not_depend_on_the_number_of_threads(name, monkeypatch):
+    make, found = CASES.get(name, lambda: cb.plan(from_dict(FINE)).bed()[0]), []
+    for number in (1, 2, 3):
+        # also for beds that are too small to gain from threads
+        monkeypatch.setattr(threads, "count", lambda *_, number=number: number)
+        made = make()
+        for _ in range(4):
+            made.step(made.next_step())
+        found.append({key: np.asarray(value).tobytes() for key, value in flatten(made.state).items()})
+    assert made.model.pressure_solver.lattice is not None
+    assert found[0] == found[1] == found[2]
+
+
+def test_parts_hold_every_face_once():
+    on = rectangle(0.1, 0.2, (5, 9), [("left", "right")])
+    for number in (1, 2, 4):
+        taken, cells = np.zeros(len(on.geometry.left), int), np.zeros((2, len(on.cells)), int)
+        for g, rows in on.parts(number):
+            taken[g.edge_from : g.edge_to] += 1
+            cells[0, g.left[g.edge_from : g.edge_to]] -= 1
+            for r in range(len(rows.length)):
+                of_left = np.arange(rows.left_from[r], rows.left_to[r], dtype=int)
+                of_right = np.arange(rows.right_from[r], rows.right_to[r], dtype=int)
+                taken[int(rows.face[r]) + of_left] += 1
+                cells[0, int(rows.left[r]) + of_left] += 1
+                cells[1, int(rows.right[r]) + of_right] += 1
+                np.testing.assert_array_equal(g.left[int(rows.face[r]) + of_left], int(rows.left[r]) + of_left)
+                np.testing.assert_array_equal(g.right[int(rows.face[r]) + of_right], int(rows.right[r]) + of_right)
+                assert (rows.begin <= int(rows.left[r]) + of_left).all() and (
+                    int(rows.left[r]) + of_left < rows.end
+                ).all()
+        assert (taken == 1).all()
+        g, ni = on.geometry, on.interior
+        np.testing.assert_array_equal(
+            cells[0], np.bincount(g.left[:ni], minlength=45) - np.bincount(g.left[ni:], minlength=45)
+        )
+        np.testing.assert_array_equal(cells[1], np.bincount(g.right, minlength=45))
 
 
 @pytest.mark.parametrize(

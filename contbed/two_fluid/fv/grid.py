@@ -113,7 +113,8 @@ class Grid:
         link, found = g.area[:ni] / g.distance[:ni], np.zeros(len(self.cells))
         np.add.at(found, g.left[:ni], link)
         np.add.at(found, g.right, link)
-        return found / g.volume
+        found /= g.volume
+        return found
 
     def parts(self, number: int) -> list[tuple[Geometry, Rows]]:
         """Return lists and rows of a rectangular grid in a number of parts with equally many cells."""

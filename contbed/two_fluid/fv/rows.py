@@ -130,7 +130,8 @@ def part_of_rows(rows: Rows, begin: int, end: int) -> Rows:
     there = of_left | of_right
 
     def shifted(number: np.ndarray, by: np.ndarray) -> np.ndarray:
-        return (number.astype(np.int64) + by)[there].astype(np.uint64)
+        found: np.ndarray = (number.astype(np.int64) + by)[there].astype(np.uint64)
+        return found
 
     return rows._replace(
         axis=rows.axis[there],

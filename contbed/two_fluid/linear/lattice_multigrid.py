@@ -359,7 +359,8 @@ class LatticeMultigrid:
     def __init__(self, grid: Grid, levels: Levels):
         self.grid, self.levels, self.stencil = grid, levels, empty_stencil(levels)
         total, count = levels.joined.shape[1], int(np.prod(levels.size[0]))
-        self.vectors = Vectors(*(np.zeros(total) for _ in range(6)), np.zeros((3, -(-count // BLOCK))))
+        sums = np.zeros((3, -(-count // BLOCK)))
+        self.vectors = Vectors._make([*(np.zeros(total) for _ in Vectors._fields[:-1]), sums])
         first, cells = int(levels.of_cell[0]), len(levels.of_cell)
         without_holes = np.array_equal(levels.of_cell, first + np.arange(cells))
         # of the cells on the first lattice

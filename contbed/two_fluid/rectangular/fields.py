@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from contbed.two_fluid.compiled import ZERO, Array, kernel
@@ -74,7 +76,7 @@ def predictor_half_step(
 
 @kernel
 def upwind_values(
-    rows: Rows, k: int, r: int, start: int, stop: int, flow: Array, field: Reconstruction, out: Array
+    rows: Rows, k: int, r: int, start: Any, stop: Any, flow: Array, field: Reconstruction, out: Array
 ) -> None:
     """Set `out` (ni,) on the faces start to stop of row r to component k of the field.
 
