@@ -1,17 +1,20 @@
-"""Plots of a packed bed: profiles along it, at output times of a transient, and fields of a plane or of a box."""
+"""Plots of a packed bed: profiles along it, the outlet over time, and fields of a plane or of a box."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
+from contbed.output.history_plot import history_plot
 from contbed.output.maps import slice_maps
 from contbed.output.plots import plot_profiles_and_fields
 
 
 def plot(result: Any, folder: Path) -> None:
-    """Write profiles.png and fields.png; of a box the temperatures, else the pressure, in its middle plane."""
+    """Write profiles.png, fields.png (of a box temperatures or pressure in its middle plane) and outlet.png."""
     plot_profiles_and_fields(result, folder)
+    if "outlet" in result.tables:
+        history_plot(folder / "outlet.png", result.tables["outlet"], result.plan.scene.title)
     if not result.nodal or result.plan.mesh.skfem.dim() < 3:
         return
     temperatures = [name for name in ("T_fluid", "T_solid") if name in result.nodal]

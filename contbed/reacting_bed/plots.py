@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from contbed.fields import name_of
+from contbed.output.history_plot import history_plot
 from contbed.output.plots import plain_ticks, styled_figure
 from contbed.result import Result
 
@@ -24,7 +25,9 @@ FLAT = 1e-9  # relative range below which a panel is left out
 
 
 def plot(result: Result, folder: Path) -> None:
-    """Write profiles.png, and continuation.png where steady states were followed."""
+    """Write profiles.png, outlet.png of a run over time, and continuation.png where steady states were followed."""
+    if "outlet" in result.tables:
+        history_plot(folder / "outlet.png", result.tables["outlet"], result.plan.scene.title)
     if "continuation" in result.tables:
         branch_plot(folder / "continuation.png", result.tables["continuation"], result.plan.scene.title)
     columns = {name_of(header): np.asarray(values) for header, values in result.profiles.items()}
