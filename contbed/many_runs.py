@@ -95,7 +95,7 @@ def optimise(
     """Find the best values of some keys of a scene under constraints, and what each constraint costs."""
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ[name] = "1"  # so that a search that goes on takes the same steps to the last digit
-    from contbed.design.found import OPTIMUM
+    from contbed.design.found import OPTIMUM, SETTLED
     from contbed.design.optimise import optimise as search
 
     folder = out or Path("results") / design.stem
@@ -109,7 +109,7 @@ def optimise(
     print(
         f"{len(done.evaluations)} evaluations, {done.before} were before, {done.failed} failed; results are in {folder}"
     )
-    if done.found.status != OPTIMUM:
+    if done.found.status not in (OPTIMUM, SETTLED):
         raise typer.Exit(3)
 
 

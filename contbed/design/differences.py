@@ -119,7 +119,7 @@ def noisy_slope(scene: SceneBase, key: Key, results: Results, centre: Array, see
     for number in range(SEEDS):
         distance = 2 * chosen.size if seeded else chosen.size * (1 + number / (SEEDS - 1))
         distances.append(distance)
-        other = _with_seeds(scene, places, number)
+        other = with_seeds(scene, places, number)
         ends = {side: _at(other, key, key.value + side * distance, results) for side in chosen.sides}
         if len(ends) == 2:
             found.append((ends[1] - ends[-1]) / (2 * distance))
@@ -149,7 +149,8 @@ def seeds(scene: SceneBase) -> list[tuple[tuple[Any, ...], int]]:
     return [(path, value) for path, value in numbers_of(scene) if path[-1] == "seed"]
 
 
-def _with_seeds(scene: SceneBase, seeded: Sequence[tuple[tuple[Any, ...], int]], shift: int) -> SceneBase:
+def with_seeds(scene: SceneBase, seeded: Sequence[tuple[tuple[Any, ...], int]], shift: int) -> SceneBase:
+    """Return the scene with its seeds, as `seeds` gives them, so much higher."""
     for path, value in seeded:
         scene = with_value(scene, path, value + shift)
     return scene

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.design.differences import seeds, with_seeds
 from contbed.design.gradients import gradient
 from contbed.design.problem import Design, plain
 from contbed.design.sqp import EvaluationFailed
@@ -40,6 +41,7 @@ class Evaluation:
     """One point: its keys (keys,), run and outcome, values of objective and constraints if it has them.
 
     functions : what is minimised, then the excess of each constraint, (1 + constraints,); None if the run failed
+    each : the same of every run, if the design repeats them, (runs, 1 + constraints); all else are their means
     """
 
     point: Array
@@ -49,6 +51,7 @@ class Evaluation:
     problem: str
     functions: Array | None
     differentiated: bool = False
+    each: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     @property
     def values(self) -> Array:
@@ -100,44 +103,59 @@ class Evaluations:
 
     def _computed(self, point: Array) -> Evaluation:
         try:
-            case = self._case(point)
+            cases = self._repeated(self._case(point))
         except SceneError as error:
             return Evaluation(point, "", {}, TEXT, "; ".join(error.problems), None)
+        outcomes = [self._outcome(case) for case in cases]
+        there = [outcome["qoi"] for outcome in outcomes if not outcome["exit_code"]]
+        if not there:
+            return Evaluation(point, cases[0].name, {}, outcomes[0]["exit_code"], outcomes[0]["problem"], None)
+        found = Evaluation(point, cases[0].name, there[0] if len(there) == 1 else _means(there), 0, "", None)
+        self._fill(found, there)
+        return found
+
+    def _repeated(self, case: Case) -> list[Case]:
+        """Return a case with as many seeds as the design repeats it."""
+        places = seeds(case.scene)
+        scenes = [case.scene, *(with_seeds(case.scene, places, k) for k in range(1, self.design.repeats))]
+        return [case, *(Case(scene_hash(scene), case.parameters, scene) for scene in scenes[1:])]
+
+    def _outcome(self, case: Case) -> dict[str, Any]:
+        """Return the outcome of a run, computed or kept."""
         outcome = known(case, self.folder)
         if outcome is not None and outcome["exit_code"] and self.retry_failed:
             forget(case, self.folder)
             outcome = None
         self.before += outcome is not None
-        outcome = outcome or compute(case, self.folder)
-        found = Evaluation(point, case.name, outcome["qoi"], outcome["exit_code"], outcome["problem"], None)
-        if not found.exit_code:
-            self._fill(found)
-        return found
+        return outcome or compute(case, self.folder)
 
     def _case(self, point: Array) -> Case:
         scene = self.design.scene_at(point)
         parameters = {key.name: float(value) for key, value in zip(self.design.keys, point, strict=True)}
         return Case(scene_hash(scene), parameters, scene)
 
-    def _fill(self, found: Evaluation) -> None:
-        """Fill in objective and constraints, or why there are none."""
+    def _fill(self, found: Evaluation, runs: Sequence[Mapping[str, Any]]) -> None:
+        """Fill in objective and constraints by the results of all runs of a point, or why there are none."""
         missing = [name for name in self.design.results if not isinstance(found.qoi.get(name), int | float)]
         if missing:
             if not self.found:
                 raise SceneError([self._unknown(name, found.qoi) for name in missing])
             found.problem = f"the run has no result {', '.join(missing)}"
             return
-        values = named_values(self.design, found)
-        sign = -1.0 if self.design.maximise else 1.0
-        functions = np.array(
-            [sign * self.design.objective(values), *(one.excess(values) for one in self.design.constraints)]
-        )
+        found.each = np.array([self._functions(found.point, qoi) for qoi in runs])
+        functions = found.each.mean(axis=0)
         if np.isfinite(functions).all():
             found.functions = functions
         else:
             texts = [self.design.objective.text, *(one.text for one in self.design.constraints)]
             bad = ", ".join(text for text, value in zip(texts, functions, strict=True) if not np.isfinite(value))
             found.problem = f"{bad}: not a finite number"
+
+    def _functions(self, point: Array, qoi: Mapping[str, Any]) -> list[float]:
+        """Return what is minimised and the excess of each constraint by the results of one run."""
+        values = self.design.values_at(point) | {name: float(qoi[name]) for name in self.design.results}
+        sign = -1.0 if self.design.maximise else 1.0
+        return [sign * self.design.objective(values), *(one.excess(values) for one in self.design.constraints)]
 
     def _unknown(self, name: str, qoi: Mapping[str, Any]) -> str:
         """Say that a run has no such result, and where the design asks for it."""
@@ -203,6 +221,16 @@ class Evaluations:
         self.method = kept["method"]
         self.standard_errors |= kept["standard_errors"] is not None
         return dict(zip(results, np.array(kept["derivatives"], dtype=float), strict=True))
+
+
+def _means(runs: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """Return the means of the numbers that all runs have."""
+    numbers = [name for name, value in runs[0].items() if isinstance(value, int | float)]
+    return {
+        name: float(np.mean([run[name] for run in runs]))
+        for name in numbers
+        if all(isinstance(run.get(name), int | float) for run in runs)
+    }
 
 
 def _kept(path: Path) -> dict[str, Any] | None:

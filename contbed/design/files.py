@@ -97,7 +97,9 @@ def summary(design: Design, found: Found, evaluations: Evaluations) -> dict[str,
         "first_order": {"residual": found.residual, "allowed": FIRST_ORDER},
         "qoi": dict(at.qoi),
         "run": at.run,
+        "method": design.method,
         "gradients": evaluations.method,
+        "surrogate": _expected(design, found),
         "runs": {
             "evaluated": len(rows),
             "before": evaluations.before,
@@ -105,6 +107,17 @@ def summary(design: Design, found: Found, evaluations: Evaluations) -> dict[str,
         },
         "warnings": list(found.remarks),
     }
+
+
+def _expected(design: Design, found: Found) -> dict[str, Any] | None:
+    """Return what the surrogate expects at the point, with standard errors; None with gradients."""
+    if found.expected is None or found.errors is None:
+        return None
+    names = [design.objective.text, *(f"{one.text}: missed by" for one in design.constraints)]
+    return {
+        name: {"expected": float(value), "standard_error": float(error)}
+        for name, value, error in zip(names, found.expected, found.errors, strict=True)
+    } | {"runs_at_a_point": design.repeats}
 
 
 def _constraint(design: Design, found: Found, k: int, values: dict[str, float]) -> dict[str, Any]:

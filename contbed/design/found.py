@@ -18,14 +18,15 @@ Array = NDArray[np.float64]
 
 NOTHING = 1e-9  # of the objective, a change that is no more than rounding
 
-OPTIMUM, INFEASIBLE, NOT_CONVERGED = "optimum", "infeasible", "not converged"
+OPTIMUM, SETTLED, INFEASIBLE, NOT_CONVERGED = "optimum", "settled", "infeasible", "not converged"
 
 
 @dataclass(frozen=True)
 class Found:
     """The point that a search ended at.
 
-    status : "optimum", "infeasible" or "not converged"
+    status : "optimum", "settled" for a search without gradients that expects nothing better, "infeasible" or "not
+        converged"
     why : the verdict in one sentence
     evaluation : the run there
     slopes : derivatives of objective and excess of each constraint to the keys, (1 + constraints, keys); nan where
@@ -34,6 +35,8 @@ class Found:
     bound_prices : change of the objective by one unit of each bound that a key lies on, (keys,)
     active : constraints without slack, (constraints,)
     residual : of the first-order conditions; None without gradients
+    expected, errors : objective and excess of each constraint by the surrogate, and their standard errors,
+        (1 + constraints,); None with gradients
     """
 
     status: str
@@ -45,6 +48,8 @@ class Found:
     active: NDArray[np.bool_]
     residual: float | None
     remarks: tuple[str, ...]
+    errors: Array | None = None
+    expected: Array | None = None
 
 
 def found_at(
@@ -100,7 +105,8 @@ def infeasible(design: Design, evaluation: Evaluation) -> str:
         beyond = abs(excess) if one.sign == "==" else excess
         if beyond > 0.0:
             missed.append(f'"{one.text}" by {beyond:.4g}{with_unit(one.left.unit)}')
-    return f"no point within the bounds was found that fulfils all constraints; the nearest misses {', '.join(missed)}"
+    nearest = ", ".join(missed) or "none by more than it scatters"
+    return f"no point within the bounds was found that fulfils all constraints; the nearest misses {nearest}"
 
 
 def best_of(evaluations: Sequence[Evaluation], design: Design) -> Evaluation:

@@ -12,12 +12,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.design import files
+from contbed.design import files, without_gradients
 from contbed.design.evaluations import Evaluation, Evaluations, OutOfRuns, Slice, named_values
 from contbed.design.found import Found, costs, found_at
 from contbed.design.problem import Design, with_unit
 from contbed.design.reading import read_design
 from contbed.design.sqp import EvaluationFailed, Optimum, minimise
+from contbed.design.surrogate import require_sklearn
 from contbed.design.whole import best_choice
 from contbed.errors import ConvergenceError
 from contbed.output.files import prepare
@@ -78,10 +79,12 @@ def optimise(
     ------
     SceneError : mistakes in the design or its scene; a result that the run does not have, a key without derivative
     ConvergenceError : the run at the start failed
-    ContbedError : the folder cannot be written
+    ContbedError : the folder cannot be written; scikit-learn is needed and not installed
     """
     todo = read_design(design, trust, allow_large)
     folder = (Path(out) if out else Path("results") / todo.file.stem).absolute()
+    if todo.method == "surrogate":
+        require_sklearn()
     prepare(folder)
     evaluations = Evaluations(todo, folder, retry_failed)
     with Progress(todo.runs, "runs", quiet) as progress:
@@ -96,7 +99,7 @@ def optimise(
             raise ConvergenceError(
                 f"{todo.file}: the run at the start failed: {first.problem}; give a start of the keys where it does not"
             )
-        found = by_gradient(evaluations)
+        found = without_gradients.search(evaluations) if todo.method == "surrogate" else by_gradient(evaluations)
     files.write(folder, todo, found, evaluations)
     return Optimisation(todo, found, evaluations.rows, evaluations.before, folder)
 

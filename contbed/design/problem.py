@@ -10,7 +10,8 @@
     flow.velocity_solid = { from = "-2 mm/s", to = "-0.2 mm/s" }
 
 `minimise = { formula = "120*tubes.perimeter - 3e-5*tubes_W", unit = "EUR/h" }` has prices in its numbers: the units of
-its parts are then not compared. `runs` is the most runs that are computed.
+its parts are then not compared. `runs` is the most points that are computed. `method` is "gradient" or "surrogate", the
+latter where results scatter if it is left out. `repeats` is the number of seeds at each point of a surrogate.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,6 +83,8 @@ class Design:
     maximise: bool
     constraints: tuple[Constraint, ...]
     runs: int
+    method: Literal["gradient", "surrogate"]
+    repeats: int
     trust: bool
     allow_large: bool
 

@@ -6,10 +6,11 @@ import re
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from contbed import fields
 from contbed.design.bounds import DesignKey, entries, read_key
+from contbed.design.differences import seeds
 from contbed.design.expression import Expression, read_expression
 from contbed.design.problem import Constraint, Design, is_key, plain, require_possible
 from contbed.errors import SceneError
@@ -24,8 +25,10 @@ from contbed.scene.values import value_at
 from contbed.sweep import design
 from contbed.sweep.study import relocated
 
-_KEYS = ("title", "scene", "minimise", "maximise", "constraints", "keys", "runs")
+_KEYS = ("title", "scene", "minimise", "maximise", "constraints", "keys", "runs", "method", "repeats")
 MOST_RUNS = 200  # if the file does not say
+REPEATS = 3  # of a scene with seeds, if the file does not say
+MOST_REPEATS = 100
 _SIGN = re.compile(r"<=|>=|==|<|>|=")
 
 
@@ -42,9 +45,8 @@ def read_design(path: str | Path, trust: bool = False, allow_large: bool = False
     scene_file = reader.scene()
     reader.stop()
     scene = load(scene_file, trust=trust, allow_large=allow_large)
-    if model_of(scene).scatters:
-        text = "results of particles and of two fluids scatter and have no gradients to follow; use contbed sweep"
-        raise SceneError(f"{origin.at(('scene',))}: scene: {text}")
+    method = reader.method(model_of(scene).scatters)
+    repeats = reader.repeats(method, bool(seeds(scene)))
     keys = reader.keys(scene)
     reader.stop()
     try:
@@ -56,12 +58,14 @@ def read_design(path: str | Path, trust: bool = False, allow_large: bool = False
     objective, maximise = reader.objective()
     constraints = reader.constraints()
     runs = reader.runs()
+    if method == "surrogate":
+        reader.refuse_equalities(constraints)
     reader.stop()
     assert objective is not None
     at = origin.at(("maximise" if maximise else "minimise",))
     found = Design(
         path, str(values.get("title", "")), scene_file, scene, keys, objective, at, maximise, constraints, runs,
-        trust, allow_large,
+        method, repeats, trust, allow_large,
     )  # fmt: skip
     require_possible(found)
     return found
@@ -220,6 +224,33 @@ class _Reader:
     def runs(self) -> int:
         """Return the most runs."""
         return design.whole(self.values, "runs", 1, design.MOST_RUNS, self._say_top, default=MOST_RUNS) or 1
+
+    def method(self, scatters: bool) -> Literal["gradient", "surrogate"]:
+        """Return the method: what the file says, or by whether the results of the scene scatter."""
+        given = self.values.get("method")
+        if given not in (None, "gradient", "surrogate"):
+            self.say(("method",), f'{given!r}; allowed: "gradient", "surrogate"')
+        elif given == "gradient" and scatters:
+            self.say(("method",), "results of particles and of two fluids scatter, so that there are no gradients to "
+                     'follow; leave it out, or give "surrogate"')  # fmt: skip
+        return "surrogate" if scatters or given == "surrogate" else "gradient"
+
+    def repeats(self, method: str, seeded: bool) -> int:
+        """Return the number of runs at a point."""
+        default = REPEATS if seeded and method == "surrogate" else 1
+        found = design.whole(self.values, "repeats", 1, MOST_REPEATS, self._say_top, default=default) or 1
+        if found > 1 and method == "gradient":
+            self.say(("repeats",), 'a search by gradients runs a point once; give method = "surrogate"')
+        elif found > 1 and not seeded:
+            self.say(("repeats",), "the scene has no seed, so that a repeated run would be the same; leave it out")
+        return found
+
+    def refuse_equalities(self, constraints: tuple[Constraint, ...]) -> None:
+        """Note equality constraints, which no point with scatter fulfils."""
+        for one in constraints:
+            if one.sign == "==":
+                path: KeyPath = ("constraints", self.values["constraints"].index(one.text))
+                self.say(path, f'"{one.text}": without gradients no point fulfils it; give two limits, with <= and >=')
 
     def _say_top(self, below: tuple[str, ...], text: str) -> None:
         self.say(below, text)
