@@ -74,7 +74,9 @@ class Gas(Table):
 class Friction(Table):
     """Of particles near packing."""
 
-    start: Annotated[Number, Field(gt=0, lt=1)] = Field(0.5, description="fraction above which particles rub")
+    start: Annotated[Number, Field(gt=0, lt=1)] = Field(
+        0.5, description="fraction above which particles rub; a bed fluidizes near the porosity 1 - start"
+    )
     strength: Annotated[float, *unit("Pa"), Field(gt=0)] = 0.05
     angle: Angle = 0.49742
 
