@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,6 +46,11 @@ class Blocks:
         target = self.lower if self.ahead[f] else self.upper
         target[:, e, :, f, :] += rows @ self.outer[f]
 
+    def add_sources(self, e: int, f: int, values: Array) -> None:
+        """Add derivatives (N, n) of an equation at each node by the value of a field there."""
+        nodes = np.arange(values.shape[1])
+        self.own[:, e, nodes, f, nodes] += values
+
     def add_trace(self, e: int, f: int, slot: str, factor: Array, trace: Array, shift: int) -> None:
         """Add factor (N, n, 1) times the trace of a field (its value or its gradient) in the cell `shift` further."""
         targets = {-1: self.lower, 0: self.own, 1: self.upper}
@@ -61,9 +67,24 @@ class Blocks:
 
 
 class Factors:
-    """LU factors of a block tridiagonal matrix as a band."""
+    """LU factors of a block tridiagonal matrix as a band.
 
-    def __init__(self, blocks: tuple[Array, ...]):
+    Parameters
+    ----------
+    blocks : (lower, own, upper), see `Blocks`
+    local : fields whose equations have no fluxes and that are in no flux: they are eliminated at each node first
+
+    Raises
+    ------
+    ConvergenceError : the matrix is singular or not finite
+    """
+
+    def __init__(self, blocks: tuple[Array, ...], local: Sequence[int] = ()):
+        m = blocks[1].shape[1]
+        self.local = np.array(sorted(local), dtype=int)
+        self.kept = np.setdiff1d(np.arange(m), self.local)
+        if len(self.local):
+            blocks = self._condensed(blocks)
         lower, own, upper = blocks
         N, m, n = own.shape[:3]
         size = m * n
@@ -82,8 +103,36 @@ class Factors:
         if info:
             raise ConvergenceError("the linear system is singular")
 
+    def _condensed(self, blocks: tuple[Array, ...]) -> tuple[Array, ...]:
+        """Return the blocks of the kept fields, and keep what gives the eliminated ones at each node."""
+        kept, local = self.kept, self.local
+        nodes = np.arange(blocks[1].shape[2])
+        at_nodes = blocks[1][:, :, nodes, :, nodes]  # (node, N, m, m)
+        try:
+            self._inverse = np.linalg.inv(at_nodes[:, :, local[:, None], local])
+        except np.linalg.LinAlgError:
+            raise ConvergenceError("the equations of a node are singular") from None
+        self._onto = at_nodes[:, :, kept[:, None], local] @ self._inverse  # rows of kept fields
+        self._by_kept = self._inverse @ at_nodes[:, :, local[:, None], kept]
+        lower, own, upper = (b[:, kept][:, :, :, kept] for b in blocks)
+        taken = self._onto @ at_nodes[:, :, local[:, None], kept]
+        own[:, :, nodes, :, nodes] -= taken
+        return lower, own, upper
+
     def solve(self, residual: Array) -> Array:
         """Return the solution for a right-hand side (m, N, p + 1)."""
+        if not len(self.local):
+            return self._banded(residual)
+        of_local = residual[self.local].transpose(2, 1, 0)[..., None]  # (node, N, local, 1)
+        out = np.empty_like(residual)
+        right = residual[self.kept] - (self._onto @ of_local)[..., 0].transpose(2, 1, 0)
+        out[self.kept] = self._banded(right)
+        of_kept = out[self.kept].transpose(2, 1, 0)[..., None]
+        found = self._inverse @ of_local - self._by_kept @ of_kept
+        out[self.local] = found[..., 0].transpose(2, 1, 0)
+        return out
+
+    def _banded(self, residual: Array) -> Array:
         N, m, n = self.shape
         rhs = np.ascontiguousarray(residual.transpose(1, 2, 0)).ravel()
         x = dgbtrs(self.factors, self.width, self.width, rhs, self.pivots)[0]

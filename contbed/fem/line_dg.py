@@ -154,10 +154,22 @@ class System:
     directions : +1 where a field is taken from the left, -1 from the right
     diffuses : whether the gradient of a field enters a flux
     point : fluxes and sources of a point
+    local : fields whose equations have no fluxes and that are in no flux
+    coupling : (m, m) sources of equations per value of fields that add to those of `point`, where they are constant
     """
 
-    def __init__(self, line: Line, directions: Sequence[int], diffuses: Sequence[bool], point: Point, ends: Ends):
+    def __init__(
+        self,
+        line: Line,
+        directions: Sequence[int],
+        diffuses: Sequence[bool],
+        point: Point,
+        ends: Ends,
+        local: Sequence[int] = (),
+        coupling: Array | None = None,
+    ):
         self.line, self.point, self.ends = line, point, ends
+        self.local, self.coupling = tuple(local), coupling
         self.ahead = np.asarray(directions) > 0
         self.diffuses = np.asarray(diffuses)
         self.m = len(self.ahead)
@@ -237,6 +249,8 @@ class System:
         shape = u[0].shape
         values = self.point([x.ravel() for x in u], [x.ravel() for x in q], self.line.points.ravel())[2]
         table = np.array([np.broadcast_to(v, (u[0].size,)).reshape(shape) for v in values])
+        if self.coupling is not None:
+            table += np.tensordot(self.coupling, u, axes=1)
         total: Array = np.einsum("ecj,j,c->e", table, self.line.weights, self.line.h)
         return total
 
@@ -259,6 +273,8 @@ class System:
 
         F = _values(C, shape, m).reshape(m, N, n) + _values(D, shape, m).reshape(m, N, n)
         source = _values(S, shape, m).reshape(m, N, n)
+        if self.coupling is not None:
+            source += np.tensordot(self.coupling, u, axes=1)
         convective = _values(Cf, (N + 1,), m)
         hat = self._at_ends(convective + _values(Df, (N + 1,), m), convective)
         test = line.weights[:, None] * line.slopes  # (node j, test i): w_j phi_i'(xi_j)
@@ -277,12 +293,18 @@ class System:
             for parts, kind in ((C, "flux"), (D, "flux"), (S, "source")):
                 for (slot, f), tangent in getattr(parts[e], "tangents", {}).items():
                     t = np.broadcast_to(tangent, (N * n,)).reshape(N, n)
+                    if kind == "source" and slot == "u":
+                        blocks.add_sources(e, f, -t * line.weights * line.h[:, None])
+                        continue
                     if kind == "flux":
                         rows = -test.T[None] * t[:, None, :]  # (N, i, a)
                     else:
                         rows = np.zeros((N, n, n))
                         rows[:, range(n), range(n)] = -t * line.weights * line.h[:, None]
                     blocks.add_nodes(e, f, slot, rows)
+        if self.coupling is not None:
+            for j, weight in enumerate(line.weights):
+                blocks.own[:, :, j, :, j] -= self.coupling * (weight * line.h)[:, None, None]
         self._faces(blocks, Cf, Df)
         return blocks.lower, blocks.own, blocks.upper
 

@@ -220,7 +220,14 @@ class Problem:
     @cached_property
     def system(self) -> System:
         """Equations on the line."""
-        return System(self.line, self._directions, self._diffuses, self.bed, self._ends)
+        bed = self.bed
+        return System(self.line, self._directions, self._diffuses, bed, self._ends, self._local, bed.coupling())
+
+    @property
+    def _local(self) -> list[int]:
+        """Return the unknowns of particles at rest and of films, which are in no flux."""
+        kinds = ("s_",) if self.bed.velocity_solid else ("s_", "n_", "a_")
+        return [k for k, name in enumerate(self.layout.names) if name.startswith(kinds)]
 
     @property
     def _directions(self) -> list[int]:

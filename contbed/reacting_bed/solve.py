@@ -92,14 +92,12 @@ def newton(problem: Problem, u: Array, report: Report, storage: Storage | None =
         with np.errstate(all="ignore"):
             residual, blocks = system.assemble(u)
             if storage is not None:
-                extra, slopes = storage(u, True)
-                residual = residual + extra
-                blocks[1][...] += slopes
+                residual = storage.add(u, residual, blocks[1])
             norm = measure(problem, residual)
             if not np.isfinite(norm):
                 raise ConvergenceError("a rate or property is not finite", report.history, u)
             report.history.append(norm)
-            du = Factors(blocks).solve(-residual)
+            du = Factors(blocks, system.local).solve(-residual)
             share = limited(problem, u, du)
             change = float(np.abs(du / scale).max())
         if not np.isfinite(change):
@@ -157,19 +155,23 @@ class Storage:
         table = np.array([np.broadcast_to(getattr(p, "value", p), one.shape) for p in parts]).reshape(u.shape)
         return table, parts
 
-    def __call__(self, u: Array, jacobian: bool) -> tuple[Array, Array]:
-        """Return what storage adds to the residuals and to the blocks of the cells' own unknowns."""
+    def residual(self, u: Array) -> Array:
+        """Return what storage adds to the residuals."""
+        weight = self.problem.line.weights * self.problem.line.h[:, None] / self.dt
+        found: Array = (self.content(u, False)[0] - self.held) * weight
+        return found
+
+    def add(self, u: Array, residual: Array, own: Array) -> Array:
+        """Return the residuals with what storage adds, and add its derivatives to the blocks of cells' own unknowns."""
         line = self.problem.line
-        m, N, n = u.shape
-        held, parts = self.content(u, jacobian)
+        _, N, n = u.shape
+        held, parts = self.content(u, True)
         weight = line.weights * line.h[:, None] / self.dt
-        blocks = np.zeros((N, m, n, m, n))
         nodes = range(n)
         for e, part in enumerate(parts):
             for f, tangent in getattr(part, "tangents", {}).items():
-                t = np.broadcast_to(tangent, (N * n,)).reshape(N, n)
-                blocks[:, e, nodes, f, nodes] = t * weight
-        return (held - self.held) * weight, blocks
+                own[:, e, nodes, f, nodes] += np.broadcast_to(tangent, (N * n,)).reshape(N, n) * weight
+        return residual + (held - self.held) * weight
 
 
 def residence_time(problem: Problem) -> float:

@@ -61,9 +61,9 @@ def stages(
 
 
 def _matrix(problem: Problem, u: Array, storage: solve.Storage) -> Factors:
-    _, blocks = problem.system.assemble(u)
-    blocks[1][...] += storage(u, True)[1]
-    return Factors(blocks)
+    residual, blocks = problem.system.assemble(u)
+    storage.add(u, residual, blocks[1])
+    return Factors(blocks, problem.system.local)
 
 
 def _solved(
@@ -88,7 +88,7 @@ def _corrected(
     scale = problem.sizes[:, None, None]
     before = np.inf
     for _ in range(CORRECTIONS):
-        residual = problem.system.assemble(u, False)[0] + storage(u, False)[0]
+        residual = problem.system.assemble(u, False)[0] + storage.residual(u)
         report.history.append(solve.measure(problem, residual))
         du = factors.solve(-residual)
         change = float(np.abs(du / scale).max())

@@ -38,7 +38,8 @@ class Tangent:
     @cached_property
     def solver(self) -> Factors:
         """The factors, found when they are first needed."""
-        return Factors(self.problem.system.assemble(self.u)[1])
+        system = self.problem.system
+        return Factors(system.assemble(self.u)[1], system.local)
 
     def results(self, below: ReactingScene, above: ReactingScene) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the named results of two scenes with a key a little below and above that of the solved one.

@@ -6,7 +6,8 @@
     solid         d/dx [ v_s sum n_j h_j(T_s) - K_s T_s' ] = -h a (T_s - T_f) - X
     pressure      d/dx p = -mu U/K - c_F rho |U| U/sqrt(K)
     film          0 = k_f,k a (c_k - c_s,k) + S_k,s
-    inside        d/dx [ v_s m_k,i ] = what point i of the particles gains of gas k, see `equations.inside`
+    inside        d/dx [ v_s m_k,i ] = what point i of the particles gains of gas k, see `equations.inside`; what it
+                  gains from other points is linear and constant, and stands in `Bed.coupling`
 
 Superficial fluxes: G = sum M_k g_k, u = G/rho, U = u - eps u_s/(1 - eps) relative to the particles, v_s = u_s/(1-eps).
 Enthalpies contain heats of formation, so that no heat of reaction appears anywhere. What particles make leaves them at
@@ -30,6 +31,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contbed.closures.reactions import R_GAS
 from contbed.reacting_bed.equations.inside import Inside
@@ -204,19 +206,30 @@ class Bed:
         for name in self.layout.films:
             through = transport.films[name] * self.medium.area * (state.c[name] - state.films[name])
             out.append(through + by_particles.get(name, 0.0))
-        return out + [gain for points in gains.values() for gain in points]
+        return out + gains
 
-    def _taken_up(
-        self, state: State, transport: Any, made: dict[str, Any], by_particles: dict[str, Any]
-    ) -> Mapping[str, list[Any]]:
-        """Return what the points of particles gain of each gas, and take it from the gas."""
+    def _taken_up(self, state: State, transport: Any, made: dict[str, Any], by_particles: dict[str, Any]) -> list[Any]:
+        """Return what points of particles gain through films, that at the surface alone, and take it from the gas."""
         if self.inside is None:
-            return {}
-        gains, lost = self.inside.exchange(state.inner, state.c, transport.films)
-        for name, moles in lost.items():
+            return []
+        gains: list[Any] = []
+        for name, moles in self.inside.taken(state.inner, state.c, transport.films).items():
             made[name] = made.get(name, 0.0) - moles
             by_particles[name] = by_particles.get(name, 0.0) - moles
+            gains += [*(0.0 for _ in range(self.layout.points - 1)), moles]
         return gains
+
+    def coupling(self) -> NDArray[np.float64] | None:
+        """Return the sources that are linear in the unknowns (m, m): diffusion between points inside of particles."""
+        if self.inside is None or self.layout.points == 1:
+            return None
+        names, points = self.layout.names, self.layout.points
+        out = np.zeros((len(names), len(names)))
+        for gas in self.layout.inside:
+            first = names.index(f"a_{gas}_0")
+            here = slice(first, first + points)
+            out[here, here] = self.inside.conduction(gas)
+        return out
 
     def diffusion(self, state: State, slopes: Mapping[str, Any], transport: Any) -> dict[str, Any]:
         """Return the molar fluxes of dispersion J_k/M_k [mol/m2/s]; empty without dispersion."""

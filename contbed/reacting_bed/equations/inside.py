@@ -113,8 +113,8 @@ class Inside:
                     heat = heat + (share * self.density * self.isotherms[name].enthalpy) * q
         return out, heat
 
-    def exchange(self, inner: Inner, bulk: Mapping[str, Any], films: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
-        """Return what points gain of each gas, and what the gas loses of each to the particles [mol/m3 bed/s].
+    def taken(self, inner: Inner, bulk: Mapping[str, Any], films: Mapping[str, Any]) -> dict[str, Any]:
+        """Return what the surface of particles takes of each gas through the film [mol/m3 bed/s].
 
         Parameters
         ----------
@@ -122,22 +122,14 @@ class Inside:
         bulk : concentrations around the particles [mol/m3]
         films : coefficients of the films [m/s]
         """
-        gains: dict[str, list[Any]] = {}
-        lost: dict[str, Any] = {}
-        area = self.solids * self.surface / self.radius
+        area, out = self.solids * self.surface / self.radius, {}
         for name in self.gases:
-            c, D = inner[name], self.diffusivities[name]
             through = films[name]
             if self.resistance:
-                through = through / (1.0 + through * (self.resistance * self.radius / D))
-            lost[name] = area * through * (bulk[name] - c[-1])
-            conduction = self.solids * D / self.radius**2
-            gains[name] = []
-            for row in self.stiffness:
-                flow: Any = 0.0
-                if self.count > 1:
-                    for k, value in zip(row, c, strict=True):
-                        flow = flow - (conduction * float(k)) * value
-                gains[name].append(flow)
-            gains[name][-1] = gains[name][-1] + lost[name]
-        return gains, lost
+                through = through / (1.0 + through * (self.resistance * self.radius / self.diffusivities[name]))
+            out[name] = area * through * (bulk[name] - inner[name][-1])
+        return out
+
+    def conduction(self, gas: str) -> NDArray[np.float64]:
+        """Return what points gain of a gas per concentration at the points (n, n) [m3/m3 bed/s]."""
+        return -self.solids * self.diffusivities[gas] / self.radius**2 * self.stiffness
