@@ -297,14 +297,22 @@ def interface_volumes(n: Mapping[str, Any]) -> tuple[Any, Any, Any]:
 
 
 def _slowed(rate: Rate, table: s.Reaction, equation: Equation, species: Substances, basis: str) -> Rate:
-    """Return a rate times the effectiveness of a sphere, by its rate per concentration of the first gas."""
+    """Return a rate times the effectiveness of a sphere.
+
+    The modulus is that of the size of the rate per concentration of the first gas that is used up: on the left, or on
+    the right where the reaction runs back.
+    """
     gas, moles = _key(equation, species)
+    made = [(name, n) for name, n in equation.stoichiometry.items() if n > 0 and name in species.gases]
+    back, back_moles = made[0] if made else (gas, moles)
 
     def slowed(at: Local) -> Any:
         value = rate(at)
-        volume = {"particle": 1.0, "bed": 1.0 / (1.0 - at.eps), "catalyst": at.catalyst / (1.0 - at.eps), "gas": 1.0}
+        share = {"particle": 1.0, "bed": 1.0 / (1.0 - at.eps), "catalyst": at.catalyst / (1.0 - at.eps), "gas": 1.0}
         least = 1e-9 * at.p / (R_GAS * at.T)
-        k = moles * value * volume[basis] / np.maximum(at.c[gas], least)
+        ahead: Any = np.asarray(getattr(value, "value", value)) >= 0.0
+        used: Any = np.where(ahead, at.c[gas] / moles, at.c[back] / back_moles)
+        k: Any = np.abs(value) * share[basis] / np.maximum(used, least)
         return value * effectiveness_of(at.radius, k, table.diffusivity)
 
     return slowed

@@ -23,10 +23,9 @@ RATES = ("reforming", "shift", "total")
 OWN_RATES = {f"reactions.{name}.factor": 1.0 for name in RATES}
 INSIDE = {
     "pellets resolved": OWN_RATES | {"particle.mass": "interior", "particle.diffusivity": DIFFUSIVITY},
-    # the shift is near its equilibrium, where the modulus of a net rate has no meaning: it is not held back
     "effectiveness by Thiele": OWN_RATES
     | {"particle.mass": "effectiveness"}
-    | {f"reactions.{name}.diffusivity": DIFFUSIVITY["CH4"] for name in ("reforming", "total")},
+    | {f"reactions.{name}.diffusivity": DIFFUSIVITY["CH4"] for name in RATES},
 }
 
 

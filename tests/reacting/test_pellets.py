@@ -56,6 +56,23 @@ def test_reversible_first_order():
     assert result.qoi["x_A_out"] == pytest.approx(exact, rel=1e-5)
 
 
+def test_thiele_where_a_reaction_runs_back():
+    """Pure B: the modulus is that of k/K, which B is used up with."""
+    K, phi = 0.5, 6.0
+    scene, _ = pellets(phi, K)
+    scene["fluid"]["composition"] = "B:1"
+    scene["particle"] = {"mass": "none"}
+    scene["reactions"]["r"]["diffusivity"] = D_A
+    rates = []
+    for mass in ("none", "effectiveness"):
+        scene["particle"]["mass"] = mass
+        problem = plan(from_dict(scene)).problem
+        state = problem.state(problem.start()[:, 0, :1])
+        rates.append(float(problem.bed.rates(state, problem.bed.medium.at(state))[0][0]))
+    assert rates[0] < 0.0
+    assert rates[1] / rates[0] == pytest.approx(sphere(phi / np.sqrt(K)), rel=1e-12)
+
+
 REFORMER = {
     "mesh": {"type": "line", "length": 1.0},
     "fluid": {
