@@ -20,18 +20,29 @@ NOT_COMPARED = ("CPU [s]",)
 PRESSURE, HEIGHTS = "middle p [Pa]", ("height [m]", "height_max [m]")
 START = 2.0  # s, from when on statistics are taken
 SHOWN = (3.0, 6.0)  # s, of the measured trace
-COLOURS = {"measured": gallery.BLACK, "particles": gallery.BLUE, "two fluids": gallery.VERMILION}
-MODELS = ("particles", "two fluids", "two fluids, newtonian friction")
+COLOURS = {
+    "measured": gallery.BLACK,
+    "particles": gallery.BLUE,
+    "particles, drag of Gidaspow": gallery.GREEN,
+    "two fluids": gallery.VERMILION,
+}
+TWO_FLUID: dict[str, dict[str, str]] = {  # keys of two_fluid.toml that each of these models changes
+    "two fluids": {},
+    "two fluids, newtonian friction": {"two_fluid.friction_viscosity": "friction_viscosity_newtonian"},
+    "two fluids, drag of Beetstra": {"two_fluid.drag": "drag_beetstra"},
+}
+PARTICLES: dict[str, dict[str, str]] = {  # and of the scene of the case
+    "particles": {},
+    "particles, drag of Gidaspow": {"gas.drag": "gidaspow"},
+}
+MODELS = (*PARTICLES, *TWO_FLUID)
 
 
 def scene_of(model: str) -> cb.Scene:
     """Scene of a model: that of the case, or of this folder."""
-    case = read_case(BED)
-    if model == "particles":
-        return case.scene()
-    if model == "two fluids":
-        return cb.load(HERE / "two_fluid.toml")
-    return cb.load(HERE / "two_fluid.toml", {"two_fluid.friction_viscosity": "friction_viscosity_newtonian"})
+    if model in PARTICLES:
+        return read_case(BED).scene(**PARTICLES[model])
+    return cb.load(HERE / "two_fluid.toml", TWO_FLUID[model])
 
 
 def reference() -> Case:
