@@ -100,7 +100,7 @@ def optimise(
 
     folder = out or Path("results") / design.stem
     resume[:] = [(folder / "runs", "the same command")]
-    done = search(design, folder, retry_failed, quiet, trust, allow_large)
+    done = search(design, folder, retry_failed, quiet, trust, allow_large, lambda text: complain(f"warning: {text}"))
     for text in done.found.remarks:
         complain(f"warning: {text}")
     if not quiet:

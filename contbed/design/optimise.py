@@ -5,7 +5,7 @@ All data is in the folder: an interrupted search continues with the same command
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from contbed.design import files, without_gradients
 from contbed.design.evaluations import Evaluation, Evaluations, OutOfRuns, Slice, named_values
 from contbed.design.found import Found, costs, found_at
 from contbed.design.problem import Design, with_unit
+from contbed.design.reach import warnings_at_start
 from contbed.design.reading import read_design
 from contbed.design.sqp import EvaluationFailed, Optimum, minimise
 from contbed.design.surrogate import require_sklearn
@@ -64,6 +65,7 @@ def optimise(
     quiet: bool = True,
     trust: bool = False,
     allow_large: bool = False,
+    warn: Callable[[str], None] = lambda text: None,
 ) -> Optimisation:
     """Search the optimum that a design file asks for.
 
@@ -74,6 +76,7 @@ def optimise(
     retry_failed : compute the failed runs again
     quiet : no progress bar
     trust, allow_large : as in `contbed.loading.load`
+    warn : is told, before the search, of constraints that seem out of reach
 
     Raises
     ------
@@ -99,7 +102,12 @@ def optimise(
             raise ConvergenceError(
                 f"{todo.file}: the run at the start failed: {first.problem}; give a start of the keys where it does not"
             )
-        found = without_gradients.search(evaluations) if todo.method == "surrogate" else by_gradient(evaluations)
+        if todo.method == "surrogate":
+            found = without_gradients.search(evaluations)
+        else:
+            for text in warnings_at_start(evaluations):
+                warn(text)
+            found = by_gradient(evaluations)
     files.write(folder, todo, found, evaluations)
     return Optimisation(todo, found, evaluations.rows, evaluations.before, folder)
 

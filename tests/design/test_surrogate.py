@@ -17,6 +17,8 @@ from contbed.design.surrogate import expected_improvement
 from contbed.errors import SceneError
 from contbed.models import MODELS
 
+pytest.importorskip("sklearn", reason="scikit-learn is not installed: pip install 'contbed[surrogate]'")
+
 DESIGN = """\
 title = "Known optimum"
 scene = "scene.toml"
