@@ -1,4 +1,4 @@
-"""The shortest heater under three constraints, over the pressure drop that is allowed."""
+"""The shortest heater under three constraints, over the pressure drop that is allowed, and what it leaves open."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from studies._gallery import Table, Tables
 HERE = Path(__file__).parent
 DESIGN = HERE / "design" / "shortest.toml"
 ALLOWED = (330.0, 335.0, 340.0, 345.0, 350.0, 360.0)  # pressure drops [Pa]
+INDICES = HERE / "sweeps" / "indices.toml"
+KEPT = ("result", "parameter", "first order", "first order +-", "total", "total +-")
 NOT_COMPARED = ("evaluations",)
 
 
@@ -23,8 +25,21 @@ def reference() -> float:
 
 
 def compute() -> Tables:
-    """The optimum and the prices of its constraints for each pressure drop."""
-    return {"optimum": Table.of([optimum(allowed) for allowed in ALLOWED], ".8g")}
+    """The optimum and the prices of its constraints for each pressure drop; Sobol indices of that with 340 Pa."""
+    return {"optimum": Table.of([optimum(allowed) for allowed in ALLOWED], ".8g"), "indices": indices()}
+
+
+def indices() -> Table:
+    """Share of the variance of each result that each uncertain key of the shortest heater causes."""
+    from contbed.sweep.sweep import sweep
+    from contbed.uncertainty.write import write
+
+    with TemporaryDirectory() as folder:
+        done = sweep(INDICES, folder, quiet=False)
+        write(done.study, done.rows, Path(folder))
+        found = Table.read(Path(folder) / "indices.csv")
+    rows = [dict(zip(found.columns, row, strict=True)) for row in found.rows]
+    return Table.of([{name: row[name] for name in KEPT} for row in rows])
 
 
 def optimum(allowed: float) -> dict[str, Any]:
@@ -65,4 +80,17 @@ def plot(tables: Tables) -> dict[str, Any]:
     left.legend()
     right.plot(allowed, 1e3 * table["particle_diameter_m"], "o-", color=gallery.BLUE)
     right.set(xlabel="pressure drop allowed [Pa]", ylabel="pebbles [mm]")
-    return {"optimum": figure}
+    return {"optimum": figure, "indices": plot_indices(tables["indices"])}
+
+
+def plot_indices(table: Table) -> Any:
+    """Total index of each key, for each result, with its half width at 90 %."""
+    results, keys = (list(dict.fromkeys(table.values(name))) for name in ("result", "parameter"))
+    figure, panels = gallery.figure(1, len(results), size=(9, 2.8), sharey=True)
+    total, half = (np.array(table[name]).reshape(len(results), len(keys)) for name in ("total", "total +-"))
+    for k, (panel, name) in enumerate(zip(panels, results, strict=True)):
+        panel.barh(range(len(keys)), total[k], xerr=half[k], color=gallery.BLUE, error_kw={"lw": 1.0})
+        panel.set(xlabel="total index", title=name)
+    panels[0].set_yticks(range(len(keys)), keys)
+    panels[0].invert_yaxis()
+    return figure
