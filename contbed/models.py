@@ -162,7 +162,12 @@ MODELS: dict[str, Model] = {
     "radiation": Model(
         "radiation", "RadiationScene", _only_radiates, {"radiation": "equations.p1", "ordinates": "equations.ordinates"}
     ),
-    "reacting_bed": Model("reacting_bed", "ReactingScene", _reacts, {"reacting_bed": "equations.bed"}),
+    "reacting_bed": Model(
+        "reacting_bed",
+        "ReactingScene",
+        _reacts,
+        {"reacting_bed": "equations.bed", "gas_inside_particles": "equations.inside"},
+    ),
     "packed_bed": Model(
         "packed_bed",
         "Scene",
