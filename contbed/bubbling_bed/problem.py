@@ -29,6 +29,9 @@ ROUNDED = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003)  # shares of u_mf over which the ex
 FAR_STEP = 1e-5  # relative step from which a residual of rounding does not count as converged: see `_newton`
 PATIENCE = 16  # steps in time, none longer than one before, after which closures have no steady state or none is found
 MAX_ITERATIONS = 15  # of Newton's method in such a step: one that needs more is shortened
+# relative change of unknowns by Newton's method at which a step in time from the guess ends: the next one starts there,
+# and the steady state is solved to solver.newton_tolerance
+STARTING_TOLERANCE = 0.1
 SHARPENED = 2  # Newton steps at the end: rounding in thin cells hides what is left of a smooth error
 
 
@@ -109,7 +112,7 @@ class BubblingProblem:
                         first=1e-3,
                         last=1e7,
                         growth=8.0,
-                        tolerance=1e-3,
+                        tolerance=STARTING_TOLERANCE,
                         watch=self.watch,
                     )
             except ConvergenceError as error:

@@ -43,6 +43,8 @@ _BINARY: dict[np.ufunc, Callable[[Array, Array, Array], tuple[Array, Array]]] = 
     np.minimum: lambda a, b, f: (1.0 * (a <= b), 1.0 * (a > b)),
 }
 
+_CONSTANTS = {float, int, np.float64, np.ndarray}  # what operators of dual numbers take without numpy's protocol
+_NONE: dict[Slot, Array] = {}  # derivatives of a constant
 _COMPARISONS = {np.less, np.less_equal, np.greater, np.greater_equal, np.equal, np.not_equal}
 
 
@@ -57,26 +59,76 @@ def _combine(parts: list[tuple[dict[Slot, Array], Array]]) -> dict[Slot, Array]:
     return total
 
 
+def _operator(ufunc: np.ufunc, name: str) -> Callable[[Any, Any], Any]:
+    """Return an operator of two dual numbers, or of one and a number or array: as by numpy's protocol, but faster."""
+    by_protocol, rule = getattr(NDArrayOperatorsMixin, name), _BINARY[ufunc]
+
+    def operate(self: Dual, other: Any) -> Any:
+        kind = type(other)
+        if not self.plain or not (kind in _CONSTANTS or (issubclass(kind, Dual) and other.plain)):
+            return by_protocol(self, other)
+        if kind in _CONSTANTS:
+            second, of_second = other, _NONE
+        else:
+            second, of_second = other.value, other.tangents
+        first, of_first = self.value, self.tangents
+        result = ufunc(first, second)
+        if not of_first and not of_second:
+            return Dual(result, {})
+        by_first, by_second = rule(first, second, result)
+        return Dual(result, _combine([(of_first, by_first), (of_second, by_second)]))
+
+    return operate
+
+
+def _reversed(ufunc: np.ufunc, name: str) -> Callable[[Any, Any], Any]:
+    """Return an operator of a number and a dual number, see `_operator`."""
+    by_protocol, rule = getattr(NDArrayOperatorsMixin, name), _BINARY[ufunc]
+
+    def operate(self: Dual, other: Any) -> Any:
+        if not self.plain or type(other) not in _CONSTANTS:
+            return by_protocol(self, other)
+        result = ufunc(other, self.value)
+        if not self.tangents:
+            return Dual(result, {})
+        return Dual(result, _combine([(self.tangents, rule(other, self.value, result)[1])]))
+
+    return operate
+
+
 class Dual(NDArrayOperatorsMixin):
     """A value at all quadrature points with its derivative to each slot it depends on."""
 
     __slots__ = ("tangents", "value")
+    plain = True  # whether operators do what this class says; a subclass that records them is none
 
     def __init__(self, value: Array, tangents: dict[Slot, Array]):
         self.value = value
         self.tangents = tangents
 
+    __add__, __radd__ = _operator(np.add, "__add__"), _reversed(np.add, "__radd__")
+    __sub__, __rsub__ = _operator(np.subtract, "__sub__"), _reversed(np.subtract, "__rsub__")
+    __mul__, __rmul__ = _operator(np.multiply, "__mul__"), _reversed(np.multiply, "__rmul__")
+    __truediv__, __rtruediv__ = _operator(np.divide, "__truediv__"), _reversed(np.divide, "__rtruediv__")
+
     def apply(self, f: Callable[[Array], Array], derivative: Callable[[Array], Array]) -> Dual:
         """Apply a function given with its derivative; property tables enter a form this way."""
+        if not self.tangents:
+            return Dual(f(self.value), {})
         return Dual(f(self.value), _combine([(self.tangents, derivative(self.value))]))
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
-        if method != "__call__" or kwargs or any(isinstance(item, Linear | Components) for item in inputs):
+        if method != "__call__" or kwargs:
             return NotImplemented
-        values = [item.value if isinstance(item, Dual) else item for item in inputs]
+        values, tangents = [], []
+        for item in inputs:
+            if isinstance(item, _OTHERS):
+                return NotImplemented
+            of_dual = isinstance(item, Dual)
+            values.append(item.value if of_dual else item)
+            tangents.append(item.tangents if of_dual else _NONE)
         if ufunc in _COMPARISONS:
             return ufunc(*values)
-        tangents = [item.tangents if isinstance(item, Dual) else {} for item in inputs]
         if not any(tangents):  # a constant, such as a speed of 0, needs no derivative
             return Dual(ufunc(*values), {})
         if ufunc in (np.power, np.float_power):
@@ -176,3 +228,6 @@ class Components:
 
     def __truediv__(self, divisor: Any) -> Components:
         return Components(a / divisor for a in self.items)
+
+
+_OTHERS = (Linear, Components)

@@ -28,6 +28,7 @@ class Recorded(Dual):
     """A pointwise value that remembers how it was made; `operands` are Recorded, or the data of a leaf."""
 
     __slots__ = ("on", "operands", "operation")
+    plain = False
 
     def __init__(self, on: Tape, operation: str, *operands: Any):
         self.on, self.operation, self.operands = on, operation, operands

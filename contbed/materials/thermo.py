@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,6 +19,7 @@ from contbed.materials.common import integrated, polynomial
 from contbed.materials.pointwise import pointwise
 
 T_STANDARD = 298.15  # reference of heats of formation [K]
+MAX_KNOWN = 1024  # enthalpies at one temperature that are kept; a scene has some ten species and feeds
 BLEND = 2.0  # temperatures [K] above the mid temperature over which the jump of two NASA polynomials is spread
 
 
@@ -59,6 +61,11 @@ class Thermo(Protocol):
         """Return the Gibbs energy at standard pressure [J/mol]; T is a plain number or array."""
 
 
+def _within(x: Any, low: float, high: float) -> Any:
+    """Return x within bounds: a third of the time of numpy's clip for few points."""
+    return np.minimum(np.maximum(x, low), high)
+
+
 def _derivative(coefficients: tuple[float, ...]) -> list[float]:
     return [n * a for n, a in enumerate(coefficients)][1:]
 
@@ -86,16 +93,16 @@ class Species:
     has_entropy: bool = True
 
     def _of(self, polynomials: Any, T: Any) -> Any:
-        t = np.clip(T, *self.T_range)
+        t = _within(T, *self.T_range)
         return np.where(t > self.T_mid, polynomial(polynomials[1], t), polynomial(polynomials[0], t))
 
     def _share(self, T: Any) -> Any:
         """Return the share of the jump that is added: a smooth step from 0 to 1 above the mid temperature."""
-        s = np.clip((T - self.T_mid) / BLEND, 0.0, 1.0)
+        s = _within((T - self.T_mid) / BLEND, 0.0, 1.0)
         return s * s * (3.0 - 2.0 * s)
 
     def _share_slope(self, T: Any) -> Any:
-        s = np.clip((T - self.T_mid) / BLEND, 0.0, 1.0)
+        s = _within((T - self.T_mid) / BLEND, 0.0, 1.0)
         return 6.0 * s * (1.0 - s) / BLEND
 
     def _cp(self, T: Any) -> Any:
@@ -106,7 +113,9 @@ class Species:
         return np.where(inside, R_GAS * self._of([_derivative(cp) for cp in self.cp], T), 0.0)
 
     def _h(self, T: Any) -> Any:
-        h = R_GAS * self._of(self.h, T) + self._cp(T) * (T - np.clip(T, *self.T_range))
+        h, beyond = R_GAS * self._of(self.h, T), T - _within(T, *self.T_range)
+        if np.any(beyond):
+            h = h + self._cp(T) * beyond
         return h + R_GAS * self.h_jump * self._share(T) if self.h_jump else h
 
     def _h_slope(self, T: Any) -> Any:
@@ -118,11 +127,11 @@ class Species:
 
     def enthalpy(self, T: Any) -> Any:
         """Return the enthalpy, heat of formation included [J/mol]."""
-        return pointwise(self._h, self._h_slope, T)
+        return _enthalpy(self, T) if isinstance(T, float) else pointwise(self._h, self._h_slope, T)
 
     def entropy(self, T: Any) -> Any:
         """Return the entropy at standard pressure [J/mol/K]; T is a plain number or array."""
-        t = np.clip(T, *self.T_range)
+        t = _within(T, *self.T_range)
         parts = [
             cp[0] * np.log(t) + polynomial(integrated(cp[1:]), t) + constant
             for cp, constant in zip(self.cp, self.s, strict=True)
@@ -133,6 +142,12 @@ class Species:
     def gibbs(self, T: Any) -> Any:
         """Return the Gibbs energy at standard pressure [J/mol]; T is a plain number or array."""
         return self._h(T) - T * self.entropy(T)
+
+
+@lru_cache(maxsize=MAX_KNOWN)
+def _enthalpy(species: Species, T: float) -> Any:
+    """Return the enthalpy at one temperature: balances ask for that of each feed again and again."""
+    return species._h(T)
 
 
 def species_of(name: str, item: Any, molar_mass: float, with_jumps: bool = False) -> Species:

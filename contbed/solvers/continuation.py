@@ -68,6 +68,7 @@ def relax(
                     tolerance=tolerance,
                     iterations=iterations,
                     lower=lower,
+                    rough=True,  # the state is only where the next step starts
                     what="continuation",
                 )
         except ConvergenceError as error:

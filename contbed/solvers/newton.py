@@ -29,6 +29,7 @@ def newton(
     floor: float | None = None,
     far_step: float = np.inf,
     weights: Any = 1.0,
+    rough: bool = False,
     what: str = "Newton",
 ) -> tuple[Any, list[float]]:
     """Solve `assemble(state, jacobian) -> (residual, matrix)` for the unknowns not in `fixed`.
@@ -37,7 +38,8 @@ def newton(
     raises it is halved, and none takes an unknown further than `MAX_SHARE_TO_BOUND` of its distance to `lower`. A
     linear problem takes one step. Residuals below `floor` count as rounding where the relative step is below
     `far_step`; if `floor` is None, it is estimated from the terms that cancel in them. `weights` make the steps of all
-    unknowns comparable. Returns the state and the history of norms.
+    unknowns comparable. A `rough` solution, where another problem starts, is not improved after convergence.
+    Returns the state and the history of norms.
     """
     state = state.copy()
     residual, matrix = assemble(state, True)
@@ -82,7 +84,7 @@ def newton(
         small = damping == 1.0 and length <= tolerance
         rounded = norm <= floor and length <= far_step
         if norm <= goal * scale or rounded or small:
-            return _polish(assemble, state, residual, fixed, solver), history
+            return state if rough else _polish(assemble, state, residual, fixed, solver), history
         _, matrix = assemble(state, True)
     if norm <= floor and np.isfinite(far_step):
         return state, history

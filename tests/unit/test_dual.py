@@ -1,6 +1,8 @@
 """Dual numbers against complex steps, and what they refuse."""
 
+import operator
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,7 @@ from hypothesis import strategies as st
 
 from contbed.fem import dual
 from contbed.fem.dual import Dual
+from contbed.fem.tape import Recorded
 
 STEP = 1e-30
 # smooth on all reals and bounded, so that any composition stays finite
@@ -68,6 +71,36 @@ def test_derivative_is_the_complex_step(expression: Any, x: float, y: float) -> 
         step = evaluate(expression, at[0] + shift[0], at[1] + shift[1])
         expected = np.imag(step) / STEP * np.ones(1)
         np.testing.assert_allclose(np.zeros(1) + result.tangents.get(slot, 0.0), expected, **close)
+
+
+@pytest.mark.parametrize("ufunc", [np.add, np.subtract, np.multiply, np.divide])
+@pytest.mark.parametrize("with_tangents", [True, False])
+def test_operators_are_those_of_numpys_protocol(ufunc: np.ufunc, with_tangents: bool) -> None:
+    """To the bit, for two dual numbers and for one with a number or an array on either side."""
+    operate = {np.add: operator.add, np.subtract: operator.sub, np.multiply: operator.mul, np.divide: operator.truediv}
+    one = Dual(np.array([1.3, -0.2]), {"x": 1.0, "y": np.array([0.3, 2.0])} if with_tangents else {})
+    two = Dual(np.array([0.7, 3.1]), {"y": np.array([1.1, -0.4])} if with_tangents else {})
+    array = np.array([0.3, -7.0])
+    for pair in ((one, two), (one, one), (one, 0.3), (0.3, one), (one, 1.0), (1, one), (one, array), (array, one)):
+        found, expected = operate[ufunc](*pair), ufunc(*pair)
+        np.testing.assert_array_equal(found.value, expected.value)
+        assert found.tangents.keys() == expected.tangents.keys()
+        for slot, tangent in expected.tangents.items():
+            np.testing.assert_array_equal(found.tangents[slot], tangent)
+
+
+def test_operators_of_recorded_values_are_recorded() -> None:
+    tape = SimpleNamespace(leaf=lambda item: item if isinstance(item, Recorded) else Recorded(tape, "number", item))
+    known = Recorded(tape, "number", 2.0)
+    for found, name in ((known + 1.0, "add"), (1.0 - known, "subtract"), (known * known, "multiply")):
+        assert isinstance(found, Recorded) and found.operation == name
+
+
+def test_a_constant_needs_no_derivative_of_a_table() -> None:
+    def derivative(x: Any) -> Any:
+        raise AssertionError("the derivative of a constant was asked for")
+
+    assert Dual(np.array([2.0]), {}).apply(np.square, derivative).value == 4.0
 
 
 def test_every_rule_is_tried() -> None:
