@@ -128,7 +128,7 @@ def bed_tube_martin(
 
     Fitted to: `packets` to data of many authors, single tubes and walls
     Limits: delta -> 0: the gas's share alone.
-    Source: As in the VDI Heat Atlas, section M5; quoted from memory of secondary sources.
+    Source: As in the VDI Heat Atlas, section M5, from secondary sources, not checked against it.
 
     >>> h = bed_tube_martin(Ar=700.0, Pr=0.7, delta=0.25, eps_mf=0.45, d_p=5e-4, T=1100.0, p=101325.0, molar_mass=0.029,
     ...                     cp_gas=1150.0, k_gas=0.075, rho_solid=2600.0, cp_solid=1000.0)

@@ -96,7 +96,7 @@ def elutriation_geldart(u_gas: Value, u_t: Value, rho_gas: Value) -> Value:
 
     Fitted to: sands and other solids of groups A and B
     Limits: u_t -> inf: 0.
-    Source: Quoted from memory of secondary sources.
+    Source: From secondary sources, not checked against the paper.
 
     >>> round(float(elutriation_geldart(u_gas=1.0, u_t=0.5, rho_gas=0.3)), 6)
     0.477831
@@ -112,7 +112,7 @@ def elutriation_colakyan_levenspiel(u_gas: Value, u_t: Value, rho_solid: Value) 
 
     Fitted to: particles of 36 mm/s to some m/s terminal velocity, ambient air
     Limits: u_t -> u_gas: 0, with zero slope.
-    Source: Quoted from memory of secondary sources.
+    Source: From secondary sources, not checked against the paper.
 
     >>> round(float(elutriation_colakyan_levenspiel(u_gas=1.0, u_t=0.5, rho_solid=2600.0)), 6)
     7.15
