@@ -499,5 +499,5 @@ def test_main_effects_of_a_sum_are_its_terms():
 @pytest.mark.parametrize("path", sorted(STUDIES.glob("*/sweeps/*.toml")), ids=lambda path: path.stem)
 def test_the_sweeps_of_studies_are_read(path):
     found = read_study(path)
-    assert len(found.cases) == {"map": 91, "uncertainty": 64}[path.stem]
+    assert len(found.cases) == {"map": 91, "uncertainty": 64, "indices": 448}[path.stem]
     assert found.qoi and not found.warnings
