@@ -192,7 +192,7 @@ def add_reconstruction_remainder(
             gathered.h_solid[:, k],
         )
         new_g, new_s, force_g, force_s = gathered.gas[:, k], gathered.solid[:, k], force_gas[:, k], force_solid[:, k]
-        for c in range(begin, end):
+        for c in range(np.uint64(begin), np.uint64(end)):
             a_s = dt * cells.drag[c] / cells.rho_solid
             a_g = dt * cells.drag[c] * s[c] / ((1.0 - s[c]) * cells.rho_gas[c])
             gas = new_g[c] + (h_g[c] - old_g[c]) / (1.0 + a_g)

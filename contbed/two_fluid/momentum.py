@@ -122,7 +122,7 @@ def add_forces(
     """
     rhs, content, source, force = system.rhs, system.content, given[0], given[1]
     for k in range(rhs.shape[1]):
-        for c in range(begin, end):
+        for c in range(np.uint64(begin), np.uint64(end)):
             convected[c, k] = rhs[c, k] / volume[c, 0]
             content[c, k] = rho / dt * volume[c, 0]
             rhs[c, k] = rho * rhs[c, k] + rho * volume[c, 0] * (source[c, k] + force[c, k])
@@ -132,7 +132,7 @@ def add_forces(
 def add_change(begin: int, end: int, dt: float, u: Array, force: Array, change: Array) -> None:
     """Turn the `change` (nc, m) of u in a step into H: the new velocity without what `force` gave it."""
     for k in range(u.shape[1]):
-        for c in range(begin, end):
+        for c in range(np.uint64(begin), np.uint64(end)):
             change[c, k] = u[c, k] + change[c, k] - dt * force[c, k]
 
 
@@ -146,7 +146,7 @@ def advance_subcycle(
     """
     source, force = given.source, given.force
     for k in range(now.shape[1]):
-        for c in range(begin, end):
+        for c in range(np.uint64(begin), np.uint64(end)):
             now[c, k] += part * (rhs[c, k] / volume[c, 0] + n * (source[c, k] + force[c, k]))
 
 

@@ -19,7 +19,7 @@ MIN_INTERACTING_FRACTION = 1e-8
 @kernel
 def slip_speed(begin: int, end: int, u_gas: Array, u_solid: Array, out: Array) -> None:
     """|u_gas - u_solid| (nc,) of each cell [m/s]."""
-    for c in range(begin, end):
+    for c in range(np.uint64(begin), np.uint64(end)):
         total = 0.0
         for k in range(u_gas.shape[1]):
             total += (u_gas[c, k] - u_solid[c, k]) ** 2

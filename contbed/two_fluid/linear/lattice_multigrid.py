@@ -308,7 +308,7 @@ def _sum_links(g: Geometry, rows: Rows, system: System, explicit: float, rest: A
     coef, links, content, rhs = system.coef, system.links, system.content, system.rhs
     for k in range(len(coef)):
         boundary_links(g, coef[k], links[k])
-        for c in range(rows.begin, rows.end):
+        for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
             rest[k, c] = links[k, c]
             x[k, c] = rhs[k, c] / content[k, c]
         for r in range(len(rows.length)):
@@ -317,7 +317,7 @@ def _sum_links(g: Geometry, rows: Rows, system: System, explicit: float, rest: A
                 links[k, left + i] += coef[k, face + i]
             for i in range(rows.right_from[r], rows.right_to[r]):
                 links[k, right + i] += coef[k, face + i]
-        for c in range(rows.begin, rows.end):
+        for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
             found |= links[k, c] > explicit * content[k, c]
     return found
 

@@ -24,7 +24,7 @@ def gather(g: Geometry, rows: Rows, faces: FaceVelocities, s: Array, out: Gather
     ni, total = len(g.right), np.empty((len(g.axes), len(s)))
     gas, solid, h_gas, h_solid = out.gas, out.solid, out.h_gas, out.h_solid
     for d in range(len(g.axes)):
-        for c in range(rows.begin, rows.end):
+        for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
             gas[d, c] = solid[d, c] = h_gas[d, c] = h_solid[d, c] = 0.0
             total[d, c] = 2.0 * MIN_MOMENT_WEIGHT
     for r in range(len(rows.length)):
@@ -48,7 +48,7 @@ def gather(g: Geometry, rows: Rows, faces: FaceVelocities, s: Array, out: Gather
         h_solid[d, c] += weight * sign * faces.h_solid[f]
         total[d, c] += weight
     for d in range(len(g.axes)):
-        for c in range(rows.begin, rows.end):
+        for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
             solid[d, c] /= total[d, c]
             h_solid[d, c] /= total[d, c]
 
@@ -57,7 +57,7 @@ def gather(g: Geometry, rows: Rows, faces: FaceVelocities, s: Array, out: Gather
 def divergence_solid(g: Geometry, rows: Rows, faces: FaceVelocities, s: Array, u: Array, out: Array) -> None:
     """Divergence (nc,) [1/s] of the velocity u (dim, nc) of the solids."""
     ni = len(g.right)
-    for c in range(rows.begin, rows.end):
+    for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
         out[c] = u[0, c] / g.radius[c] if g.radius[c] > 0.0 else 0.0
     for r in range(len(rows.length)):
         d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]

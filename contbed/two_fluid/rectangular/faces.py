@@ -125,7 +125,7 @@ def correct_fluxes(
     """Set the velocities of `faces` with the pressure p (nc,), and the `fluxes` but for `moved`."""
     area, outflow_gas, outflow_solid = g.area, fluxes.outflow_gas, fluxes.outflow_solid
     u_gas, u_solid = np.empty(len(g.right)), np.empty(len(g.right))
-    for c in range(rows.begin, rows.end):
+    for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
         outflow_gas[c] = outflow_solid[c] = 0.0
     for r in range(len(rows.length)):
         face, left, right = rows.face[r], rows.left[r], rows.right[r]
@@ -145,6 +145,6 @@ def correct_fluxes(
             outflow_gas[right + i] -= min(0.0, area[face + i] * u_gas[face + i])
             outflow_solid[right + i] -= min(0.0, area[face + i] * u_solid[face + i])
     correct_boundary_fluxes(g, edge, p, fractions, predictor, faces, fluxes)
-    for c in range(rows.begin, rows.end):
+    for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
         outflow_gas[c] /= g.volume[c]
         outflow_solid[c] /= g.volume[c]

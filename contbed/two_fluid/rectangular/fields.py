@@ -67,10 +67,10 @@ def predictor_half_step(
 ) -> None:
     """Set the change `out` (m, nc) in half a step, by convection with `carrier` (dim, nc) and by `rate` (m, nc)."""
     for k in range(u.shape[0]):
-        for c in range(begin, end):
+        for c in range(np.uint64(begin), np.uint64(end)):
             out[k, c] = 0.5 * dt * rate[k, c]
         for d in range(carrier.shape[0]):
-            for c in range(begin, end):
+            for c in range(np.uint64(begin), np.uint64(end)):
                 out[k, c] -= 0.5 * dt * carrier[d, c] * grad[d, k, c]
 
 

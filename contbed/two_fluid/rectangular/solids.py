@@ -36,7 +36,7 @@ def assemble_compaction(
 ) -> None:
     """Set links, content and right-hand side for the change of p_solid/rho_s in a step; `system` by component."""
     drag, coef, content, rhs = solids.drag, system.coef[0], system.content[0], system.rhs[0]
-    for c in range(rows.begin, rows.end):
+    for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
         content[c] = g.volume[c] / (solids.stiffness[c] + MIN_STIFFNESS)
         rhs[c] = dt * g.volume[c] * source[c]
     add_outflow(g, rows, -dt, flux, rhs)
