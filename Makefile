@@ -32,7 +32,7 @@ gallery: $(VENV)/.test
 	$(BIN)/python -m studies
 
 test: system $(VENV)/.test
-	$(BIN)/python -m pytest -q -n auto
+	$(BIN)/python -m pytest -q -n auto --dist worksteal
 
 test-slow: system $(VENV)/.test
 	$(BIN)/python -m pytest -q -n auto -m slow

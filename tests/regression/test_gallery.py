@@ -68,6 +68,7 @@ def test_closure_files_are_toml(path):
     assert tomllib.loads(path.read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("study", ALL.values(), ids=list(ALL))
 def test_figures_are_drawn_from_the_committed_tables(study, tmp_path):
     """Every figure is one that the README shows."""
