@@ -17,6 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import roots_jacobi
 
 Array = NDArray[np.float64]
 EDGES = (1.0, 0.4, 0.13, 0.04, 0.012, 0.003, 0.0)  # depths of the ends of shells below the surface, over R
@@ -44,7 +45,7 @@ def shells() -> Shells:
     (25, 1.0)
     """
     legendre = np.polynomial.legendre.Legendre.basis(DEGREE)
-    nodes = np.concatenate([[-1.0], legendre.deriv().roots(), [1.0]])
+    nodes = np.concatenate([[-1.0], roots_jacobi(DEGREE - 1, 1.0, 1.0)[0], [1.0]])  # where the slope of legendre is 0
     quadrature = 2.0 / (DEGREE * (DEGREE + 1) * legendre(nodes) ** 2)
     slopes = np.array([np.polynomial.polynomial.polyder(row) for row in _lagrange(nodes)])
     at_nodes = np.polynomial.polynomial.polyval(nodes, slopes.T)  # (polynomial, node)
@@ -64,4 +65,4 @@ def shells() -> Shells:
 
 def _lagrange(nodes: Array) -> Array:
     """Return the coefficients of the Lagrange polynomials of nodes, one row each."""
-    return np.linalg.inv(np.vander(nodes, increasing=True)).T.astype(np.float64)
+    return np.asarray(np.linalg.inv(np.vander(nodes, increasing=True)).T, np.float64)
