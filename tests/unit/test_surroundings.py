@@ -30,6 +30,7 @@ def test_an_interrupt_while_modules_are_imported(tmp_path, module):
     (tmp_path / "scene.toml").write_text(STEADY)
     code = """
         import os, signal, sys
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a run in the background may ignore it
         wanted, sys.argv = sys.argv[1], ["contbed", "run", "scene.toml", "--quiet", "--out", "out"]
         class Interrupt:
             def find_spec(self, name, path=None, target=None):
