@@ -3,7 +3,8 @@
 Time steps: the trial runs the scene itself for `BUDGET` seconds of processor time and reads what a step costs here. How
 many steps are to come follows from the pace of its second half; in a packed bed, whose steps grow or shrink over the
 whole run, from a run on a coarse mesh instead, as the steps follow the temperatures and hardly the mesh. Searches for a
-steady state: most end within `SEARCH_BUDGET`; the others tell which share of their way they have gone by then.
+steady state: most end within `SEARCH_BUDGET`; the others tell which share of their way they have gone by then. Steady
+planes and volumes whose meshes are chosen by their errors: the first of these meshes tell the last one.
 """
 
 from __future__ import annotations
@@ -62,9 +63,11 @@ class Trial:
 
 
 def predicted_time(plan: Plan) -> str:
-    """Return a line with the processor time of a run with time steps or a search; empty for others, or if it fails."""
+    """Return a line with the processor time of a run whose cost no formula gives; empty for others, or if it fails."""
     if models.model_of(plan.scene).searches:
         return _text_of_search(plan)
+    if getattr(plan, "balanced", False):
+        return _text_of_last_mesh(plan)
     if not plan.steps:
         return ""
     before = clock.process_time()
@@ -82,6 +85,15 @@ def _text_of_search(plan: Plan) -> str:
     branch = getattr(plan.scene, "continuation", None) is not None and not ended
     how = "by a trial" if ended else f"by the first {SEARCH_BUDGET:g} s of a trial"
     return f"time: about {_text(before + seconds + OUTPUT)} of processor, {how}{BRANCH if branch else ''}"
+
+
+def _text_of_last_mesh(plan: Plan) -> str:
+    before = clock.process_time()
+    found = models.model_of(plan.scene).find("last_mesh", "last_mesh")(plan)
+    if found is None:
+        return ""
+    seconds, how = before + found.seconds + OUTPUT, "by a trial" if found.ended else "by a trial of the first ones"
+    return f"time: about {_text(seconds)} of processor, {found.cells} cells in the last mesh, {how}"
 
 
 def _searched(plan: Plan) -> tuple[float, bool]:

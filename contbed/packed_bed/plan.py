@@ -235,7 +235,10 @@ class Plan:
         return plan(self.scene.model_copy(update={"mesh": mesh.model_copy(update=changes)}))
 
     def __str__(self) -> str:
-        return described(self) if self.fronts else described(self, advice(self.unknowns(), self.policy))
+        if self.fronts:
+            return described(self)
+        run = "the first mesh" if self.balanced else "a steady scene"
+        return described(self, advice(self.unknowns(), self.policy, run))
 
 
 def plan(scene: s.Scene) -> Plan:

@@ -57,30 +57,51 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         return
     if start is not None and "vertices" in start[0]:
         plan = result.plan = plan.on([start[0]["vertices"]])
+    if scene.time is not None:
+        line, flow = _line_and_flow(plan, None, result)
+        transient(plan, line, flow, result, folder, quiet, start)
+        return
     flow, estimate = None, None
     for attempt in range(plan.adaptations + 1):
-        plan.policy.check_memory(max(plan.unknowns().values()))  # before a matrix is assembled, which may take most
-        # before anything is solved, as a line that leaves the mesh is a mistake of the scene
-        line = line_along(plan.mesh, scene.output.positions, scene.output.across)
-        result.warnings += [line.note] if line.note and line.note not in result.warnings else []
-        if not plan.plug:
-            with result.timed("flow"):
-                flow = solved_flow(plan, flow, result)
-                report_flow(plan, line, flow, result)
-        last = attempt == plan.adaptations
-        if scene.heat is None:
-            better, estimate = _better(plan, flow, None, None, estimate, last, result)
-            result.solved = Solved(line, None, None, flow)
-        else:
-            if scene.time is not None:
-                transient(plan, line, flow, result, folder, quiet, start)
-                return
-            problem = _heat_problem(plan, flow, result)
-            better, estimate = _steady(plan, line, problem, result, estimate, last)
+        better, flow, estimate = on_one_mesh(plan, flow, estimate, attempt == plan.adaptations, result)
         if better is None:
             return
         plan = result.plan = better
         result.adaptations += 1
+
+
+def _line_and_flow(plan: Plan, before: Any, result: Result) -> tuple[Line, Any]:
+    """Return the line of the profiles, and the flow from that on the mesh `before`; None for plug flow."""
+    scene, flow = plan.scene, None
+    plan.policy.check_memory(max(plan.unknowns().values()))  # before a matrix is assembled, which may take most
+    # before anything is solved, as a line that leaves the mesh is a mistake of the scene
+    line = line_along(plan.mesh, scene.output.positions, scene.output.across)
+    result.warnings += [line.note] if line.note and line.note not in result.warnings else []
+    if not plan.plug:
+        with result.timed("flow"):
+            flow = solved_flow(plan, before, result)
+            report_flow(plan, line, flow, result)
+    return line, flow
+
+
+def on_one_mesh(plan: Plan, flow: Any, before: Any, last: bool, result: Result) -> tuple[Plan | None, Any, Any]:
+    """Solve a steady scene on the mesh of its plan; report it if that mesh is good enough or the `last` one.
+
+    Parameters
+    ----------
+    flow, before : the flow and the estimated errors on the former mesh, or None
+
+    Returns
+    -------
+    the plan on a better mesh, None where this one is kept; the flow and the estimated errors on this mesh
+    """
+    line, flow = _line_and_flow(plan, flow, result)
+    if plan.scene.heat is None:
+        better, estimate = _better(plan, flow, None, None, before, last, result)
+        result.solved = Solved(line, None, None, flow)
+    else:
+        better, estimate = _steady(plan, line, _heat_problem(plan, flow, result), result, before, last)
+    return better, flow, estimate
 
 
 def _better(

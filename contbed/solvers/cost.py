@@ -47,8 +47,10 @@ RATES = {
 }
 
 
-def advice(unknowns: dict[str, int], policy: Policy) -> str:
+def advice(unknowns: dict[str, int], policy: Policy, run: str = "a steady scene") -> str:
     """Say which engine suits a scene with these unknowns of its parts, and what the scene costs there.
+
+    `run` names what these costs are for.
 
     scikit-fem as long as its factors fit in the memory allowed and time is short, else DOLFINx on as many ranks as
     bring the time below `LONG_RUN`.
@@ -60,7 +62,7 @@ def advice(unknowns: dict[str, int], policy: Policy) -> str:
     limit = policy.limit_GB if policy.limit_GB is not None else 0.6 * free_memory_GB()
     there = f"about {_time(other.time(size))} of processor and {other.memory_GB(size):.2g} GB"
     if need <= limit and one.time(size) <= LONG_RUN:
-        return f"engine: skfem, about {_time(one.time(size))} of processor for a steady scene; dolfinx {there}"
+        return f"engine: skfem, about {_time(one.time(size))} of processor for {run}; dolfinx {there}"
     why = (
         f"skfem would need {need:.3g} GB of {limit:.3g} GB"
         if need > limit
@@ -68,9 +70,7 @@ def advice(unknowns: dict[str, int], policy: Policy) -> str:
     )
     ranks = max(2, ceil(other.time(size) / LONG_RUN))
     first = 0.15 + 1e-9 * ROOT_BYTES * size + other.memory_GB(size) / ranks
-    return (
-        f"engine: dolfinx, mpirun -n {ranks}: {there} for a steady scene, {first:.2g} GB of it on the first rank; {why}"
-    )
+    return f"engine: dolfinx, mpirun -n {ranks}: {there} for {run}, {first:.2g} GB of it on the first rank; {why}"
 
 
 def _time(seconds: float) -> str:
