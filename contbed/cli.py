@@ -95,7 +95,8 @@ def run(
     restart: Annotated[Path | None, Option("--restart", metavar="DIR", help="continue from its checkpoint")] = None,
     settings: Settings = None,
     engine: Annotated[
-        Literal["skfem", "dolfinx"] | None, Option("--engine", help="dolfinx: PETSc, the default under mpirun")
+        Literal["skfem", "dolfinx", "lammps"] | None,
+        Option("--engine", help="dolfinx: PETSc, the default under mpirun; lammps: settles a [packing]"),
     ] = None,
     threads: Threads = None,
     report: Annotated[bool, Option("--report", help="write report.html into DIR as well")] = False,

@@ -110,7 +110,7 @@ def _is_bubbling_bed(values: Mapping[str, Any]) -> bool:
 
 
 def _is_particles(values: Mapping[str, Any]) -> bool:
-    return _has("particles", "lattice")(values) or ("mesh" not in values and "conduction" in values)
+    return _has("particles", "lattice", "packing")(values) or ("mesh" not in values and "conduction" in values)
 
 
 def _only_radiates(values: Mapping[str, Any]) -> bool:

@@ -45,7 +45,8 @@ def run(
     out : folder for the results; nothing is written, plotted or imported for it if None
     quiet : no progress bar
     restart : folder of an earlier run of the same scene whose checkpoint is continued
-    engine : "skfem", or "dolfinx" for PETSc under MPI; then only the first rank returns a result, others None
+    engine : "skfem", or "dolfinx" for PETSc under MPI; then only the first rank returns a result, others None;
+        "lammps" settles the packing of a scene of particles with LAMMPS
     threads : cores to compute on; None: all that may be used, where that is faster. The numbers do not depend on it
 
     Raises
@@ -54,7 +55,7 @@ def run(
     ContbedError : a file cannot be written, after all others have been; another run is writing to `out`
     """
     with using(threads):
-        if engine != "skfem":
+        if engine == "dolfinx":
             from contbed.fem.ranks import run_on_root
 
             return run_on_root(lambda: _run(scene, out, quiet, restart, engine))
@@ -87,10 +88,14 @@ def _found(
     goes_on = place is not None and restart is not None and place.path.resolve() == Path(restart).resolve()
     try:
         plan: Any = models.plan(scene)
-        if engine != "skfem":
+        if engine == "dolfinx":
             from contbed.fem.dolfinx import on_dolfinx
 
             plan = on_dolfinx(plan)
+        elif engine == "lammps":
+            from contbed.dem.plan import on_lammps
+
+            plan = on_lammps(plan)
         checkpoint = None if restart is None else _checkpoint(scene, plan, Path(restart))
     except Exception as error:
         if place is not None and not goes_on:
@@ -107,7 +112,7 @@ def _found(
         place.give_back()
         return result, failure
     result.timings["total"] = clock.perf_counter() - start
-    if engine != "skfem":
+    if engine == "dolfinx":
         from contbed.fem.dolfinx import engine_usage
 
         result.engine = engine_usage()

@@ -8,17 +8,26 @@ from contbed.dem import dumps
 from contbed.dem import scene as p
 from contbed.dem.heat import VORONOI
 from contbed.dem.particle_files import FileParticles, missing_step, read_particles, tells_radii
-from contbed.dem.plan import porosity_of
+from contbed.dem.plan import CUT, porosity_of
+from contbed.dem.walls import SKIN
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.toml_lines import Origin
 
+LOWEST = 5.0  # diameters: a packing has hot and cold layers of three together, and a slope is read between them
 
-def one_source(lattice: p.Lattice | None, particles: p.Particles | None, see: See) -> Mistakes:
-    """Require either a lattice or a file of particles."""
+
+def one_source(
+    lattice: p.Lattice | None, particles: p.Particles | None, packing: p.Packing | None, see: See
+) -> Mistakes:
+    """Require one of a lattice, a file of particles and a packing."""
+    if packing is not None:
+        for name, other in (("lattice", lattice), ("particles", particles)):
+            if other is not None:
+                yield ("packing",), f"the particles are given already; remove one; see {see(name)}"
     if lattice is not None and particles is not None:
         yield ("particles",), f"there is a lattice already; remove one; see {see('lattice')}"
-    if lattice is None and particles is None:
-        yield ("particles",), "this table is missing; give [particles] with a file, or [lattice]"
+    if lattice is None and particles is None and packing is None:
+        yield ("particles",), "this table is missing; give [particles] with a file, [packing] or [lattice]"
 
 
 def lattice_has_no_layers(lattice: p.Lattice | None, layers: p.Layers | None, see: See) -> Mistakes:
@@ -31,6 +40,53 @@ def contact_is_small(lattice: p.Lattice | None, see: See) -> Mistakes:
     """Require contacts smaller than the spheres of a lattice."""
     if lattice is not None and lattice.contact_radius >= lattice.radius:
         yield ("lattice", "contact_radius"), f"is not below the radius; see {see('lattice.radius')}"
+
+
+def packing_is_complete(packing: p.Packing | None, see: See) -> Mistakes:
+    """Require one size of the bed and one number of spheres, in a bed that they fit into."""
+    if packing is None:
+        return
+    if (packing.count is None) == (packing.height is None):
+        yield ("packing",), "give either count, the number of spheres, or height"
+    if (packing.width is None) == (packing.cylinder is None):
+        yield ("packing",), "give either width, of a box, or cylinder, the radius of a round bed"
+        return
+    if packing.cylinder is not None and packing.periodic:
+        yield ("packing", "periodic"), f"a cylinder has no periodic sides; see {see('packing.cylinder')}"
+    key = "width" if packing.width is not None else "cylinder"
+    narrow = min(packing.width) if packing.width is not None else 2.0 * (packing.cylinder or 0.0)
+    largest = 2.0 * packing.radius * (1.0 + CUT * packing.spread)
+    least = largest * (3.0 + 1.5 * SKIN) if packing.periodic else largest
+    if narrow < least:
+        yield (
+            ("packing", key),
+            f"the bed is {narrow:.4g} m wide; it must be {least:.4g} m at least, "
+            f"{'three of the largest spheres and room' if packing.periodic else 'one of the largest spheres'}; "
+            f"see {see('packing.radius')}",
+        )
+        return
+    if packing.number and packing.expected_height < LOWEST * 2.0 * packing.radius:
+        yield (
+            ("packing", "height" if packing.count is None else "count"),
+            f"{packing.number} spheres make a bed about {packing.expected_height:.3g} m high; heat is measured in "
+            f"beds of {LOWEST:g} diameters, {LOWEST * 2.0 * packing.radius:.3g} m, at least",
+        )
+
+
+def packing_conducts(
+    packing: p.Packing | None, layers: p.Layers | None, conduction: p.Conduction, particles: p.Particles | None
+) -> Mistakes:
+    """Require paths of heat that a packing has, and the area of a bed from a file."""
+    if layers is not None and particles is not None and layers.area is None:
+        yield ("layers", "area"), "missing; give the cross-section of the bed in m2"
+    if packing is None:
+        return
+    if layers is not None and layers.area is not None:
+        yield ("layers", "area"), f"is that of the packing, {packing.area:.4g} m2; remove this line"
+    if conduction.paths in VORONOI and packing.spread > 0.0:
+        yield ("conduction", "paths"), f"{conduction.paths} are for equal particles; use cones, or packing.spread = 0"
+    if conduction.paths in VORONOI and packing.cylinder is not None:
+        yield ("conduction", "paths"), f"{conduction.paths} end at flat walls; use cones, or a packing in a box"
 
 
 def layers_are_apart(layers: p.Layers | None, see: See) -> Mistakes:
@@ -115,6 +171,8 @@ def _fits(found: FileParticles, particles: p.Particles, layers: p.Layers | None,
     """Require that the other tables suit the particles of the file."""
     if conduction.paths in VORONOI and np.ptp(found.radius) > 0:
         yield ("conduction", "paths"), f"{conduction.paths} are for equal particles without [radiation]; use cones"
+    if layers is not None and layers.area is None:
+        return
     if layers is None:
         if not all(found.periodic):
             yield (
@@ -137,6 +195,8 @@ CHECKS = (
     one_source,
     lattice_has_no_layers,
     contact_is_small,
+    packing_is_complete,
+    packing_conducts,
     layers_are_apart,
     fluid_is_there,
     closure_has_points,

@@ -8,28 +8,26 @@ with 4 % less conductivity. The same arguments and seed give the same packing.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from contbed.dem.contact import largest_safe_step
 from contbed.dem.particles import Material, Particles
+from contbed.dem.scene import SOLID_SHARE
+from contbed.dem.settling import CHECK_EVERY, IMPACT, Stage, not_at_rest, stages_of
 from contbed.dem.simulation import Contacts, Simulation
 from contbed.dem.statistics import coordination, porosity, surface
 from contbed.dem.walls import INFINITE, Cylinder, Domain, Plane, Wall, box
 from contbed.errors import ConvergenceError, SceneError
 
 LOOSE = 0.28  # solid fraction at the start; placing at random jams at 0.38
-GUESS = 0.59  # solid fraction that turns a height into a number
-SOFT = 1e6  # Pa, at which a bed settles first
-STIFFER = 10.0  # factor of the modulus from one stage to the next
 AT_REST = 1e-6  # kinetic energy over N m g d
-CALM = 1e-4  # the same, before the last stage
 TRIES = 2000  # for one sphere
 COLUMN = 5.0  # diameters
-LONGEST = 4.0  # s of motion in one stage
 SETTLED_OVERLAP = 0.5  # of the smaller radius, accepted of spheres that have settled by their own weight
 
 
@@ -68,6 +66,8 @@ def pack(
     at_rest: float = AT_REST,
     gravity: float = 9.81,
     quiet: bool = True,
+    engine: Literal["contbed", "lammps"] = "contbed",
+    folder: Path | None = None,
 ) -> Packing:
     """Settle a random loose packing in a box or a cylinder.
 
@@ -79,10 +79,14 @@ def pack(
     periodic : sides in x and y of a box
     at_rest : kinetic energy over N m g d at which the bed counts as settled
     gravity [m/s2], downwards
+    quiet : no progress bar
+    engine : which program moves the spheres, from the same start; "lammps" needs contbed[lammps]
+    folder : where the input and the log of LAMMPS are kept
 
     Raises
     ------
-    SceneError : both or neither of two alternatives, a bed narrower than a sphere
+    SceneError : both or neither of two alternatives, a bed narrower than a sphere, rolling friction for LAMMPS
+    EngineError : LAMMPS is not installed, or stops with an error
     ConvergenceError : the bed does not come to rest
     """
     if (width is None) == (cylinder is None):
@@ -99,24 +103,27 @@ def pack(
     rng = np.random.default_rng(seed)
     domain, walls = _container(sides, cylinder, periodic)
     position = _place(rng, radii, sides, cylinder, periodic, area)
-    stage = replace(material, youngs_modulus=min(SOFT, material.youngs_modulus))
-    simulation = _settled(Particles(position, radii), stage, walls, domain, gravity, max(at_rest, CALM), quiet)
-    while stage.youngs_modulus < material.youngs_modulus:
-        stage = replace(stage, youngs_modulus=min(STIFFER * stage.youngs_modulus, material.youngs_modulus))
-        last = stage.youngs_modulus == material.youngs_modulus
-        rest = at_rest if last else max(at_rest, CALM)
-        simulation = _settled(Particles(simulation.position, radii), stage, walls, domain, gravity, rest, quiet)
-    contacts = simulation.contacts()
-    final = simulation.position.copy()
+    bed = Particles(position, radii)
+    stages = stages_of(bed, material, at_rest, gravity)
+    if engine == "lammps":
+        from contbed.dem.lammps_run import settle
+
+        final, unrest = settle(bed, domain, walls, stages, gravity, folder, quiet)
+        contacts = _at(Particles(final, radii), material, walls, domain).contacts()
+    else:
+        for stage in stages:
+            simulation = _settled(bed, stage, walls, domain, gravity, quiet)
+            bed = Particles(simulation.position, radii)
+        final, contacts, unrest = bed.position, simulation.contacts(), _unrest(simulation, gravity)
     statistics = {
         "count": float(len(radii)),
         "height": float(np.max(final[:, 2] + radii)),
         "surface": surface(final, radii),
         **porosity(final, radii, domain, cylinder),
         **coordination(final, radii, contacts, domain, cylinder),
-        "overlap_mean": float(np.mean(_relative(contacts, radii))),
+        "overlap_mean": float(np.sum(_relative(contacts, radii))) / max(len(contacts), 1),
         "overlap_max": float(np.max(_relative(contacts, radii), initial=0.0)),
-        "kinetic_energy": _unrest(simulation, gravity),
+        "kinetic_energy": unrest,
     }
     return Packing(final, radii, material, domain, tuple(walls), cylinder, contacts, statistics)
 
@@ -133,7 +140,7 @@ def _radii(radius: ArrayLike, count: int | None, height: float | None, area: flo
         raise SceneError("packing: give either count or height")
     if count is None:
         assert height is not None
-        count = round(GUESS * area * height / (4.0 / 3.0 * np.pi * radii[0] ** 3))
+        count = round(SOLID_SHARE * area * height / (4.0 / 3.0 * np.pi * radii[0] ** 3))
     if count < 1:
         raise SceneError(f"packing: {count} spheres; the bed is too low or the count is not positive")
     return np.full(count, radii[0])
@@ -231,29 +238,19 @@ def _add_at_random(
     return True, x
 
 
+def _at(bed: Particles, material: Material, walls: list[Wall], domain: Domain, **motion: Any) -> Simulation:
+    """Make a simulation of spheres that may overlap as those of a settled bed do."""
+    return Simulation(bed, [material], walls, domain, impact_speed=IMPACT, largest_overlap=SETTLED_OVERLAP, **motion)
+
+
 def _settled(
-    bed: Particles,
-    material: Material,
-    walls: list[Wall],
-    domain: Domain,
-    gravity: float,
-    at_rest: float,
-    quiet: bool,
+    bed: Particles, stage: Stage, walls: list[Wall], domain: Domain, gravity: float, quiet: bool
 ) -> Simulation:
-    step = largest_safe_step(bed, [material], 0.3)
-    simulation = Simulation(
-        bed, [material], walls, domain, (0.0, 0.0, -gravity), step, 0.3, largest_overlap=SETTLED_OVERLAP
-    )
-    drop = np.sqrt(2.0 * float(np.max(bed.position[:, 2])) / gravity)
-    allowed = round((LONGEST + drop) / step)
-    ends: Callable[[Simulation], bool] = lambda bed: _unrest(bed, gravity) < at_rest  # noqa: E731
-    simulation.run(allowed, 500, ends, quiet)
+    simulation = _at(bed, stage.material, walls, domain, gravity=(0.0, 0.0, -gravity), time_step=stage.time_step)
+    ends: Callable[[Simulation], bool] = lambda bed: _unrest(bed, gravity) < stage.at_rest  # noqa: E731
+    simulation.run(stage.steps, CHECK_EVERY, ends, quiet)
     if not ends(simulation):
-        raise ConvergenceError(
-            f"packing: kinetic energy {_unrest(simulation, gravity):.3g} of N m g d after {simulation.time:.3g} s at "
-            f"E = {material.youngs_modulus:g} Pa, {at_rest:g} is wanted; add friction or damping, or accept more",
-            state=simulation.state(),
-        )
+        raise ConvergenceError(not_at_rest(stage, _unrest(simulation, gravity)), state=simulation.state())
     return simulation
 
 

@@ -1,18 +1,23 @@
-"""What a run of a scene of particles builds: the assembly, its box and its porosity."""
+"""What a run of a scene of particles builds: the assembly, its box and its porosity; a packing settles in the run."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contbed.dem.particle_files import read_particles
-from contbed.dem.scene import Lattice, Layers, ParticleScene
-from contbed.models import described
+from contbed.dem.scene import Lattice, Layers, Packing, ParticleScene
+from contbed.errors import EngineError, SceneError
+from contbed.models import Plan, described
 
 Array = NDArray[np.float64]
+
+BOTTOM, TOP = 1.0, 2.0  # diameters from the floor and from the surface, where the layers of a packing end
+CUT = 2.0  # standard deviations at which the normal distribution of radii is cut
 
 # centres in the unit cell, and the edge of the cell over the radius of spheres that touch
 _CORNERS = {
@@ -25,7 +30,10 @@ _EDGE = {"sc": 2.0, "bcc": 4.0 / 3.0**0.5, "fcc": 2.0 * 2.0**0.5}
 
 @dataclass(frozen=True)
 class ParticlePlan:
-    """What a run builds: particles, the box they are in, whether it is periodic."""
+    """What a run builds: particles, the box they are in, whether it is periodic.
+
+    A packing has no particles before it is settled; `engine` says by which program.
+    """
 
     scene: ParticleScene
     x: Array
@@ -33,11 +41,13 @@ class ParticlePlan:
     box: tuple[Array, Array]
     periodic: tuple[bool, ...]
     porosity: float
+    layers: Layers | None
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
     without_weak_form: str = "scenes of kind particles"
     steps: bool = False
+    engine: Literal["contbed", "lammps"] = "contbed"
 
     @property
     def policy(self) -> Any:
@@ -48,7 +58,8 @@ class ParticlePlan:
 
     def unknowns(self) -> dict[str, int]:
         """Count the unknowns: the temperatures."""
-        return {"heat": len(self.x)}
+        packing = self.scene.packing
+        return {"heat": len(self.x) if packing is None else packing.number}
 
     def __str__(self) -> str:
         return described(self)
@@ -61,13 +72,17 @@ def plan(scene: ParticleScene) -> ParticlePlan:
     ------
     SceneError : the file of particles cannot be used
     """
-    if scene.lattice is not None:
-        x, radius, box, periodic = _lattice(scene.lattice)
+    if scene.packing is not None:
+        x, radius, porosity = np.empty((0, 3)), np.empty(0), float("nan")
+        box = np.zeros(3), np.zeros(3)
+        periodic: tuple[bool, ...] = (scene.packing.periodic, scene.packing.periodic, False)
+        what = f"{scene.packing.number}, settled from a random start"
     else:
-        x, radius, box, periodic = _from_file(scene)
-    porosity = scene.conduction.porosity or porosity_of(scene.layers, x, radius, box)
-    how = "between layers" if scene.layers is not None else "periodic cell, full tensor"
-    built = [("particles", f"{len(x)}, porosity {porosity:.4g}"), ("network", how)]
+        x, radius, box, periodic = _lattice(scene.lattice) if scene.lattice is not None else _from_file(scene)
+        porosity = scene.conduction.porosity or porosity_of(scene.layers, x, radius, box)
+        what = f"{len(x)}, porosity {porosity:.4g}"
+    is_cell = scene.layers is None and scene.packing is None
+    built = [("particles", what), ("network", "periodic cell, full tensor" if is_cell else "between layers")]
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
         (scene.conduction.fluid is not None, "heat through the fluid", scene.conduction.paths, "no conduction.fluid"),
@@ -75,7 +90,95 @@ def plan(scene: ParticleScene) -> ParticlePlan:
         (scene.closure is not None, "closure file", "log-polynomial", "no [closure] table"),
     ):
         (built if there else skipped).append((what, how if there else why))
-    return ParticlePlan(scene, x, radius, box, periodic, porosity, tuple(built), tuple(skipped))
+    return ParticlePlan(scene, x, radius, box, periodic, porosity, scene.layers, tuple(built), tuple(skipped))
+
+
+def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePlan:
+    """Settle the packing of a scene; return the plan with its particles, box, layers and porosity.
+
+    Parameters
+    ----------
+    plan : of a scene with a packing
+    folder : where LAMMPS keeps its files
+    quiet : no progress bar
+
+    Raises
+    ------
+    SceneError : the spheres do not fit, or the bed is too low for its layers
+    EngineError : LAMMPS stops with an error
+    ConvergenceError : the bed does not come to rest
+    """
+    from contbed.dem.packing import pack
+    from contbed.dem.particles import Material
+
+    scene, table = plan.scene, plan.scene.packing
+    assert table is not None
+    bed = pack(
+        table.width,
+        cylinder=table.cylinder,
+        radius=_radii(table),
+        material=Material(
+            table.density,
+            table.modulus,
+            table.poisson_ratio,
+            table.restitution,
+            table.sliding_friction,
+            table.rolling_friction,
+        ),
+        periodic=(table.periodic, table.periodic),
+        seed=table.seed,
+        quiet=quiet,
+        engine=plan.engine,
+        folder=folder,
+    )
+    x, radius = bed.position, bed.radius
+    low, high = np.array(bed.domain.lower), np.array([*bed.domain.upper[:2], float((x[:, 2] + radius).max())])
+    diameter = 2.0 * table.radius
+    layers = scene.layers or Layers(bottom=BOTTOM * diameter, top=bed.statistics["surface"] - TOP * diameter)
+    layers = layers.model_copy(update={"area": table.area})
+    if not layers.bottom < layers.top < high[2]:
+        raise SceneError(
+            f"{scene.origin.at(('packing',))}: packing: the bed is {bed.statistics['surface']:.4g} m high, too low for "
+            f"layers below {layers.bottom:.4g} m and above {layers.top:.4g} m; take more spheres, or a narrower bed"
+        )
+    porosity = scene.conduction.porosity or porosity_of(layers, x, radius, (low, high))
+    return replace(plan, x=x, radius=radius, box=(low, high), porosity=porosity, layers=layers)
+
+
+def _radii(table: Packing) -> Array:
+    """Draw the radii [m] of a packing; the same by seed."""
+    if table.spread == 0.0:
+        return np.full(table.number, table.radius)
+    from scipy.special import ndtr, ndtri
+
+    drawn = np.random.default_rng(table.seed).uniform(ndtr(-CUT), ndtr(CUT), table.number)
+    return np.asarray(table.radius * (1.0 + table.spread * ndtri(drawn)))
+
+
+def on_lammps(plan: Plan) -> ParticlePlan:
+    """Return the plan of a packing that LAMMPS settles.
+
+    Raises
+    ------
+    EngineError : the scene has no packing, or LAMMPS is not installed
+    SceneError : a law of the scene that LAMMPS does not have
+    """
+    from contbed.dem.lammps_deck import rolling_refused
+    from contbed.dem.lammps_run import find_program
+
+    scene = plan.scene
+    if not isinstance(plan, ParticlePlan) or plan.scene.packing is None:
+        raise EngineError(
+            f"{scene.origin.name}: --engine lammps settles the [packing] of a scene of particles; this scene of kind "
+            f"{scene.kind} has none, leave the option out"
+        )
+    table = plan.scene.packing
+    if table.rolling_friction > 0.0:
+        where = scene.origin.at(("packing", "rolling_friction"))
+        raise SceneError(f"{where}: {rolling_refused(table.rolling_friction)}")
+    find_program()
+    built = tuple((what, f"{how} by LAMMPS" if what == "particles" else how) for what, how in plan.built)
+    return replace(plan, engine="lammps", built=built)
 
 
 def _lattice(table: Lattice) -> tuple[Array, Array, tuple[Array, Array], tuple[bool, ...]]:
@@ -99,6 +202,7 @@ def porosity_of(layers: Layers | None, x: Array, radius: Array, box: tuple[Array
     """Find the porosity of the periodic box, or that between the layers, whose planes cut spheres."""
     if layers is None:
         return float(1.0 - (4.0 / 3.0 * np.pi * radius**3).sum() / np.prod(box[1] - box[0]))
+    assert layers.area is not None
     low, high, area = layers.bottom, layers.top, layers.area
     # volume of a sphere below a plane at height h above its centre: pi (2 R^3/3 + R^2 h - h^3/3)
     below = []

@@ -10,26 +10,41 @@ from numpy.typing import NDArray
 
 from contbed.dem import extract, heat, network
 from contbed.dem.heat_pair import correction
-from contbed.dem.plan import ParticlePlan
+from contbed.dem.particle_files import write_particles
+from contbed.dem.plan import ParticlePlan, settled
 from contbed.dem.results import fill
 from contbed.dem.scene import ParticleScene
 from contbed.dem.surface import Surface
 from contbed.errors import SceneError
-from contbed.result import Result, timed
+from contbed.result import Result
 
 Array = NDArray[np.float64]
 
 TOUCH = 1e-9  # relative reach of contacts beyond touching, for the rounding of a lattice's coordinates
 
 
-@timed("heat")
 def run(plan: ParticlePlan, result: Result, folder: Path | None, quiet: bool, start: Any) -> None:
-    """Solve the network and fill the result; a closure file goes into `folder`, `quiet` and `start` have no use.
+    """Solve the network and fill the result; files go into `folder`, `start` has no use.
+
+    A packing is settled first. `folder` gets a closure file, and the spheres of a packing.
 
     Raises
     ------
     SceneError : the network has no solution, or the ratios do not determine the closure
+    EngineError, ConvergenceError : the packing does not settle
     """
+    scene = plan.scene
+    if scene.packing is not None:
+        with result.timed("packing"):
+            plan = settled(plan, folder, quiet)
+        if folder is not None:
+            write_particles(folder / "packing.vtu", plan.x, {"radius": plan.radius})
+    with result.timed("heat"):
+        _conduct(plan, result, folder)
+
+
+def _conduct(plan: ParticlePlan, result: Result, folder: Path | None) -> None:
+    """Solve the network of the particles and fill the result."""
     scene = plan.scene
     pairs = _pairs(plan)
     parts = _conductances(plan, pairs, scene.conduction.particles)
@@ -67,9 +82,10 @@ def _conductances(plan: ParticlePlan, pairs: heat.Pairs, k: float) -> dict[str, 
 
 
 def _solve(plan: ParticlePlan, pairs: heat.Pairs, parts: dict[str, Array]) -> network.Layers | network.Cell:
-    layers, z = plan.scene.layers, plan.x[:, 2]
+    layers, z = plan.layers, plan.x[:, 2]
     if layers is None:
         return network.periodic_cell(len(plan.x), pairs, parts, float(np.prod(plan.box[1] - plan.box[0])))
+    assert layers.area is not None
     hot, cold = z < layers.bottom, z > layers.top
     return network.between_layers(plan.x, pairs, parts, hot, cold, layers.area, layers.T_hot, layers.T_cold)
 

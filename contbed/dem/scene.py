@@ -1,24 +1,28 @@
 """The vocabulary of a scene of particles: conduction through a lattice or a packing from a file, in SI.
 
 [lattice]       touching spheres in a periodic cell, or
-[particles]     a table of positions or a dump of LIGGGHTS or LAMMPS
+[particles]     a table of positions or a dump of LIGGGHTS or LAMMPS, or
+[packing]       spheres that settle in a box or a cylinder
 [conduction]    materials and mechanisms
 [surface]       roughness and rarefied gas at the contacts; absent: smooth spheres, no temperature jump
-[layers]        which particles of a file are held at temperatures; absent: a periodic cell
+[layers]        which particles are held at temperatures; absent: a periodic cell, in a packing those at both ends
 [radiation]     between the particles; absent: none
 [closure]       ratios of conductivity for which a closure file is fitted; absent: none
 """
 
 from __future__ import annotations
 
+from math import pi
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
 from contbed.scene.quantities import (
+    Density,
     Emissivity,
     Fraction,
     Length,
+    NonNegative,
     Number,
     Position,
     Positive,
@@ -34,6 +38,8 @@ from contbed.scene.tables import SceneBase
 Area = Annotated[float, *unit("m**2"), Field(gt=0)]
 Above = Annotated[float, *unit("W/m/K"), Field(gt=0)]
 Ratio = Annotated[Number, Field(gt=0)]
+
+SOLID_SHARE = 0.59  # of a settled bed, which turns a height into a number of spheres
 
 
 class Lattice(Table):
@@ -51,6 +57,50 @@ class Particles(Table):
     file: str = Field(description="path relative to the scene")
     radius: Length | None = Field(None, description="of equal spheres; a dump brings its own")
     step: Annotated[Whole, Field(ge=0)] | None = Field(None, description="of a dump; the last one if absent")
+
+
+class Packing(Table):
+    """Spheres placed at random that settle under gravity on a floor, in a box or a cylinder, and conduct then."""
+
+    count: Annotated[Whole, Field(ge=1)] | None = Field(None, description="of spheres; or height")
+    height: Length | None = Field(None, description="in place of count: about as many as fill the bed to there")
+    radius: Length = Field(description="of equal spheres, or the mean one")
+    spread: Annotated[Number, Field(ge=0, le=0.3)] = Field(
+        0.0, description="standard deviation of the radii over their mean; normal, cut at two deviations"
+    )
+    width: Annotated[tuple[Length, Length], Field(description="of the bed in x and y")] | None = None
+    cylinder: Length | None = Field(None, description="in place of width: radius of a round bed")
+    periodic: Switch = Field(False, description="sides of a box")
+    seed: Annotated[Whole, Field(ge=0)] = 0
+    density: Density = 2500.0
+    modulus: Pressure = Field(1e7, description="Young's modulus of the simulation")
+    poisson_ratio: Annotated[Number, Field(ge=-0.7, le=0.5)] = 0.3
+    restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    sliding_friction: NonNegative = 0.3
+    rolling_friction: NonNegative = Field(0.0, description="arm over the effective radius")
+
+    @property
+    def area(self) -> float:
+        """Cross-section of the bed [m2]; 0 as long as neither width nor cylinder is given."""
+        if self.cylinder is not None:
+            return pi * self.cylinder**2
+        return self.width[0] * self.width[1] if self.width is not None else 0.0
+
+    @property
+    def number(self) -> int:
+        """Number of spheres: `count`, or what fills the bed to `height`."""
+        if self.count is not None or self.height is None:
+            return self.count or 0
+        return round(SOLID_SHARE * self.area * self.height / self._mean_volume)
+
+    @property
+    def expected_height(self) -> float:
+        """Height of the settled bed [m], about."""
+        return self.number * self._mean_volume / (SOLID_SHARE * self.area)
+
+    @property
+    def _mean_volume(self) -> float:
+        return 4.0 / 3.0 * pi * self.radius**3 * (1.0 + 3.0 * self.spread**2)
 
 
 class Correction(Table):
@@ -92,7 +142,7 @@ class Layers(Table):
 
     bottom: Position = Field(description="particles with a lower centre are hot")
     top: Position = Field(description="particles with a higher centre are cold")
-    area: Area = Field(description="cross-section of the bed")
+    area: Area | None = Field(None, description="cross-section of the bed; that of a packing is known")
     T_hot: Temperature = 398.15
     T_cold: Temperature = 298.15
 
@@ -134,6 +184,7 @@ class ParticleScene(SceneBase):
 
     lattice: Lattice | None = None
     particles: Particles | None = None
+    packing: Packing | None = None
     conduction: Conduction
     surface: Surface | None = None
     layers: Layers | None = None

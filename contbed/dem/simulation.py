@@ -17,14 +17,13 @@ from contbed.dem.kernel_arrays import HEAT_PAIR, Array, Box, Indices, Interval, 
 from contbed.dem.memory import Memory, Record
 from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, image_shifts, wall_gaps
 from contbed.dem.particles import Material, Particles, pair_table
-from contbed.dem.walls import Domain, Wall, wall_table
+from contbed.dem.walls import SKIN, Domain, Wall, wall_table
 from contbed.errors import ConvergenceError, SceneError
 from contbed.interrupts import deferred_interrupt
 from contbed.output.progress import Progress
 
 LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start
 STRIDE = 0.1  # of the smallest radius: nothing may move farther in one step
-SKIN = 0.1  # of the smallest radius, unless given
 CHUNK = 2_000_000  # steps times particles of one call of the kernel, about 0.2 s, so that Ctrl-C is heard
 FEWEST = 8  # steps of one call; what goes in and out of it then costs a tenth of them for 1e6 particles, Ctrl-C 1 s
 LEAST = 2000  # particles that a thread must have; a step of them takes 0.1 ms, threads meet twice in it for 5 us

