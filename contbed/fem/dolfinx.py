@@ -3,7 +3,7 @@
 `System` has the interface of `fem.skfem.System`, so problems do not know which engine they use. It records each form
 once (`fem.tape`); every rank turns the recording into UFL on its part of the mesh and compiles it. The root rank keeps
 vectors and known values in the numbering of its mesh; the other ranks get their part of a state and return their part
-of a residual. Jacobians stay distributed (`fem.petsc`).
+of a residual (`fem.dolfinx_parts`). Jacobians stay distributed (`fem.petsc`).
 
 Integrals over boundaries are assembled by the root rank with `fem.skfem` and added. Their share of the work vanishes as
 meshes grow, and property tables need quadrature points on facets, for which DOLFINx has no elements.
@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,15 +20,15 @@ import numpy as np
 from skfem.refdom import RefHex, RefLine, RefQuad, RefTet, RefTri
 
 from contbed.errors import EngineError
+from contbed.fem import dolfinx_parts as parts
 from contbed.fem import dolfinx_versions as versions
 from contbed.fem import skfem
 from contbed.fem.elements import GlobalUnknown, Space, lagrange
-from contbed.fem.petsc import Layout, LocalMatrix, Matrix
+from contbed.fem.petsc import Layout, Matrix
 from contbed.fem.ranks import RankGroup, rank_group
 from contbed.fem.tape import Recording, Tape, integrand
 from contbed.solvers.linear import Policy
 
-CUBES = ("quadrilateral", "hexahedron")
 CELLS = {RefLine: "interval", RefTri: "triangle", RefQuad: "quadrilateral", RefTet: "tetrahedron", RefHex: "hexahedron"}
 
 
@@ -52,7 +51,7 @@ def on_dolfinx(plan: Any) -> Any:
 def engine_usage() -> dict[str, Any]:
     """Return the ranks, the iterations of each linear solution, and time [s] and memory [GB] of each rank."""
     all_ranks = rank_group()
-    taken = np.asarray(all_ranks.run_on_all(usage)).reshape(-1, 2)
+    taken = np.asarray(all_ranks.run_on_all(parts.usage)).reshape(-1, 2)
     return {
         "name": "dolfinx",
         "ranks": all_ranks.comm.size,
@@ -87,7 +86,7 @@ class Partition:
             key = all_ranks.new_key()
             cells = mesh.t[_order(refdom, 1)].T.astype(np.int64)
             order, counts = all_ranks.run_on_all(
-                make_mesh, key, CELLS[refdom], mesh.dim(), root=(cells, mesh.p.T.astype(float))
+                parts.make_mesh, key, CELLS[refdom], mesh.dim(), root=(cells, mesh.p.T.astype(float))
             )
             all_ranks.partition = kept = cls(mesh, key, order, counts)
         return kept
@@ -120,7 +119,7 @@ class System(skfem.System):
             if name in self.nodal_fields
         ]
         degrees = [(space.degree, count) for space, count in self.nodal_fields.values()]
-        order, counts = self.ranks.run_on_all(make_space, self.key, self.partition.key, degrees, root=numbers)
+        order, counts = self.ranks.run_on_all(parts.make_space, self.key, self.partition.key, degrees, root=numbers)
         return Layout(order, counts, self.size)
 
     def ordered(self, policy: Policy) -> Policy:
@@ -140,11 +139,11 @@ class System(skfem.System):
         residual, outer = super().assemble(edge, state, jacobian and bool(edge)) if edge else (0.0, None)
         for indices in self.tape.renew(compiled.recording):
             shares = self.partition.split(compiled.recording.arrays[indices])
-            self.ranks.run_on_all(set_array, compiled.key, indices, root=shares)
+            self.ranks.run_on_all(parts.set_array, compiled.key, indices, root=shares)
         key = self.ranks.new_key() if jacobian else None
         added = None if outer is None else self.layout.entries(outer)
-        parts = self.ranks.run_on_all(assemble, compiled.key, key, root=(self.layout, state, added))
-        return self.layout.from_parts(parts) + residual, None if key is None else Matrix(self.ranks, key, self.layout)
+        pieces = self.ranks.run_on_all(parts.assemble, compiled.key, key, root=(self.layout, state, added))
+        return self.layout.from_parts(pieces) + residual, None if key is None else Matrix(self.ranks, key, self.layout)
 
     def _compiled_of(self, forms: Any) -> _Compiled:
         """Return the compiled recording of forms on all ranks.
@@ -174,7 +173,7 @@ class _Compiled:
         partition = system.partition
         known = [(partition.split(field.values[_by_cell(field.space)])) for field in recording.known]
         self.ranks.run_on_all(
-            make_form,
+            parts.make_form,
             self.key,
             system.key,
             recording.entries,
@@ -216,256 +215,3 @@ def _order(refdom: Any, degree: int) -> Any:
 def _by_cell(space: Space) -> Any:
     """Return the nodes of each cell (ncells, nb) in the order of Basix."""
     return space.dofs[_order(space.element.refdom, space.degree)].T
-
-
-# What follows runs on all ranks.
-
-
-def usage(all_ranks: RankGroup, root: Any) -> Any:
-    """Return the processor time [s] and the largest memory [GB] of each rank."""
-    import resource
-
-    own = resource.getrusage(resource.RUSAGE_SELF)
-    mine = np.array([own.ru_utime + own.ru_stime, 1.024e-6 * own.ru_maxrss])
-    return all_ranks.gather(mine, [2] * all_ranks.comm.size)
-
-
-def make_mesh(all_ranks: RankGroup, root: Any, key: int, cell: str, dim: int) -> Any:
-    """Distribute a mesh; return the cells of each rank in turn and their number."""
-    cells, points = root or (np.empty((0, 2**dim if cell in CUBES else dim + 1), np.int64), np.empty((0, dim)))
-    mesh = versions.create_mesh(all_ranks.comm, cell, cells, points)
-    owned = mesh.topology.index_map(dim).size_local
-    original = np.asarray(mesh.topology.original_cell_index[:owned], dtype=np.int64)
-    counts = all_ranks.comm.gather(owned)
-    order = all_ranks.gather(original, counts)
-    given = all_ranks.scatter(None if order is None else cells[order], counts, cells.shape[1], np.int64)
-    found = np.asarray(mesh.geometry.input_global_indices)[versions.geometry_list(mesh)[:owned]]
-    if not np.array_equal(given, found):
-        raise EngineError("this version of DOLFINx renumbers the vertices of cells")
-    all_ranks.objects[key] = SimpleNamespace(mesh=mesh, cell=cell, owned=owned, spaces={})
-    return order, counts
-
-
-def space_on(part: Any, what: Any) -> Any:
-    """Return a space on a mesh, built once: ("nodes", degree), ("cells",) or ("points", points, weights)."""
-    kind, *data = what
-    key = (kind, *(item if isinstance(item, int) else item.tobytes() for item in data))
-    if key not in part.spaces:
-        make: dict[str, Any] = {
-            "nodes": partial(versions.lagrange, ncomponents=0),
-            "cells": versions.constants,
-            "points": versions.quadrature,
-        }
-        element = make[kind](part.cell, *data)
-        part.spaces[key] = versions.function_space(part.mesh, element)
-    return part.spaces[key]
-
-
-def make_space(all_ranks: RankGroup, root: Any, key: int, mesh: int, layout: list[tuple[int, int]]) -> Any:
-    """Build the space of a system; return its unknowns rank after rank and how many each rank owns."""
-    from dolfinx import fem
-
-    part = all_ranks.objects[mesh]
-    size = sum(max(count, 1) for _, count in layout)
-    degrees = {degree for degree, _ in layout}
-    low = None
-    if len(degrees) == 1:
-        (degree,) = degrees
-        W = versions.function_space(part.mesh, versions.lagrange(part.cell, degree, size))
-        if degree > 1:
-            low = _vertices(part, W, size)
-    else:
-        W = versions.function_space(
-            part.mesh, versions.mixed([versions.lagrange(part.cell, degree, count) for degree, count in layout])
-        )
-    lists = unknowns_of_cells(part, W, layout)
-    block = W.dofmap.index_map_bs
-    owned, ghosts = (block * n for n in (W.dofmap.index_map.size_local, W.dofmap.index_map.num_ghosts))
-    numbers = np.full(owned + ghosts, -1, dtype=np.int64)
-    for k, unknowns in enumerate(lists):
-        values, counts = root[k] if root else (None, None)
-        numbers[unknowns] = all_ranks.scatter(values, counts, unknowns.shape[1], np.int64)
-    fields, first = [], 0
-    for _, count in layout:
-        mine = np.unique(np.concatenate([unknowns.ravel() for unknowns in lists[first : first + max(count, 1)]]))
-        fields.append(mine[mine < owned].astype(np.int32))
-        first += max(count, 1)
-    all_ranks.objects[key] = SimpleNamespace(
-        part=part, W=W, state=fem.Function(W), low=low, owned=owned, fields=fields, block=block, layout=layout
-    )
-    counts = all_ranks.comm.gather(owned)
-    return all_ranks.gather(numbers[:owned], counts), counts
-
-
-def unknowns_of_cells(part: Any, W: Any, layout: list[tuple[int, int]]) -> list[Any]:
-    """Return the local numbers of each scalar unknown in the cells of this rank, arrays (ncells, nb)."""
-    size = sum(max(count, 1) for _, count in layout)
-    if W.dofmap.index_map_bs == size:
-        blocks = versions.dof_list(W)[: part.owned]
-        return [blocks * size + k for k in range(size)]
-    lists = []
-    for k, (_, count) in enumerate(layout):
-        parts = [W.sub(k).sub(c) for c in range(count)] if count else [W.sub(k)]
-        lists += [versions.dof_list(space)[: part.owned] for space in parts]
-    return lists
-
-
-def _vertices(part: Any, W: Any, size: int) -> Any:
-    """Build the linear interpolants of all unknowns: their function, and the block of `W` at each vertex."""
-    from dolfinx import fem
-
-    space = versions.function_space(part.mesh, versions.lagrange(part.cell, 1, size))
-    here, there = versions.dof_list(space), versions.dof_list(W)
-    blocks = np.empty(space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts, dtype=np.int32)
-    blocks[here] = there[:, : here.shape[1]]
-    return SimpleNamespace(function=fem.Function(space), space=space, blocks=blocks, size=size)
-
-
-def make_form(
-    all_ranks: RankGroup,
-    root: Any,
-    key: int,
-    space: int,
-    entries: Any,
-    widths: list[int],
-    degrees: list[int],
-    measure: Any,
-) -> None:
-    """Build the UFL forms of residual and Jacobian from a recording; they are compiled at first use."""
-    import ufl
-    from dolfinx import fem
-
-    unknowns = all_ranks.objects[space]
-    part = unknowns.part
-    kinds = [("cells",) if width == 1 else ("points", measure.points, measure.weights) for width in widths]
-    arrays = [fem.Function(space_on(part, kind)) for kind in kinds]
-    known = [fem.Function(space_on(part, ("nodes", degree))) for degree in degrees]
-    all_ranks.objects[key] = stored = SimpleNamespace(unknowns=unknowns, arrays=arrays, known=known, residual=None)
-    for which in ("arrays", "known"):
-        for k in range(len(getattr(stored, which))):
-            set_array(all_ranks, root[which == "known"][k] if root else None, key, k, which)
-    stored.form = integral(replay(entries, stored), part, measure)
-    stored.slopes = [ufl.derivative(stored.form, unknowns.state, ufl.TrialFunction(unknowns.W))]
-    if any(entry[0] == "unknown" and entry[2] == "low" for entry in entries) and unknowns.low is not None:
-        low = unknowns.low
-        stored.slopes.append(ufl.derivative(stored.form, low.function, ufl.TrialFunction(low.space)))
-    stored.jacobians = None
-
-
-def integral(integrand: Any, part: Any, measure: Any) -> Any:
-    """Return the integral of `integrand` over all cells; `measure` is that of `measure_of`."""
-    import ufl
-    from dolfinx import fem
-
-    if measure.axisymmetric:
-        integrand = 2.0 * np.pi * ufl.SpatialCoordinate(part.mesh)[0] * integrand
-    rule = {"quadrature_rule": "custom", "quadrature_points": measure.points, "quadrature_weights": measure.weights}
-    dx = ufl.Measure("dx", domain=part.mesh, metadata={"quadrature_degree": measure.order, **rule})
-    return fem.Constant(part.mesh, measure.section) * integrand * dx
-
-
-def slot(field: Any, kind: Any) -> Any:
-    """Return the value, the gradient or a second derivative of a field in UFL."""
-    import ufl
-
-    if kind == "v":
-        return field
-    return ufl.grad(field)[kind[1]] if kind[0] == "g" else ufl.grad(ufl.grad(field))[kind[1], kind[2]]
-
-
-def replay(entries: Any, stored: Any) -> Any:
-    """Return the integrand of a recording in UFL."""
-    import ufl
-    from dolfinx import fem
-
-    from contbed.fem.ufl_forms import UFUNCS
-
-    unknowns, mesh = stored.unknowns, stored.unknowns.part.mesh
-    leaves = {"unknown": unknowns.state, "test": ufl.TestFunction(unknowns.W)}
-    done: list[Any] = []
-    literal = {entry[2] for entry in entries if entry[0] in ("power", "float_power")}
-    for place, (operation, *operands) in enumerate(entries):
-        if operation == "number":
-            # a number that only scales may change without compiling the form again
-            plain = place in literal or operands[0] in (0.0, 1.0, -1.0)
-            value = ufl.as_ufl(operands[0]) if plain else fem.Constant(mesh, operands[0])
-        elif operation == "array":
-            value = stored.arrays[operands[0]]
-        elif operation in leaves:
-            component, kind = operands
-            if kind == "low":
-                value = (unknowns.state if unknowns.low is None else unknowns.low.function)[component]
-            else:
-                value = slot(leaves[operation][component], kind)
-        elif operation == "known":
-            value = slot(stored.known[operands[0]], operands[1])
-        elif operation == "x":
-            value = ufl.SpatialCoordinate(mesh)[operands[0]]
-        elif operation == "h":
-            value = ufl.MaxCellEdgeLength(mesh)
-        elif operation == "where":
-            value = ufl.conditional(*(done[k] for k in operands))
-        else:
-            value = UFUNCS[getattr(np, operation)](*(done[k] for k in operands))
-        done.append(value)
-    return done[-1]
-
-
-def set_array(all_ranks: RankGroup, root: Any, key: int, index: int, which: str = "arrays") -> None:
-    """Set the values of an array or a known field."""
-    stored = all_ranks.objects[key]
-    function = getattr(stored, which)[index]
-    places = versions.dof_list(function.function_space)[: stored.unknowns.part.owned]
-    values, counts = root or (None, None)
-    function.x.array[places] = all_ranks.scatter(values, counts, places.shape[1], float)
-
-
-def assemble(all_ranks: RankGroup, root: Any, form: int, matrix: int | None) -> Any:
-    """Assemble; return the gathered residual and store the Jacobian as object `matrix`."""
-    from dolfinx.fem import petsc
-    from petsc4py import PETSc
-
-    stored = all_ranks.objects[form]
-    unknowns = stored.unknowns
-    layout, state, added = root or (None, None, None)
-    x = unknowns.state.x
-    x.array[: unknowns.owned] = Layout.scatter(all_ranks, layout, state)
-    x.scatter_forward()
-    if (low := unknowns.low) is not None:
-        low.function.x.array[:] = x.array.reshape(-1, low.size)[low.blocks].ravel()
-    if stored.residual is None:
-        stored.residual = versions.compiled(stored.form)
-    b = petsc.assemble_vector(stored.residual)
-    b.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-    mine = b.array.copy()
-    b.destroy()
-    if matrix is not None:
-        all_ranks.objects[matrix] = LocalMatrix(_jacobian(stored, added), unknowns)
-    return all_ranks.gather(mine, layout and layout.counts)
-
-
-def _jacobian(stored: Any, added: Any) -> Any:
-    """Assemble the Jacobian.
-
-    The derivative with respect to linear interpolants is added to the columns of the vertices that they interpolate.
-    """
-    from dolfinx.fem import petsc
-    from petsc4py import PETSc
-
-    if stored.jacobians is None:
-        stored.jacobians = [versions.compiled(slope) for slope in stored.slopes]
-    first, *others = stored.jacobians
-    A = petsc.create_matrix(first)
-    petsc.assemble_matrix(A, first)
-    rows, columns = A.getLGMap()
-    for jacobian in others:
-        low = stored.unknowns.low
-        places = columns.getBlockIndices()[low.blocks]
-        A.setLGMap(rows, PETSc.LGMap().create(places, bsize=low.size, comm=A.comm))
-        petsc.assemble_matrix(A, jacobian)
-        A.setLGMap(rows, columns)
-    if added is not None:
-        starts, where, values, named = added
-        A.setValuesIJV(starts, where, values, addv=PETSc.InsertMode.ADD_VALUES, rowmap=named)
-    A.assemble()
-    return A

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.fem import dolfinx, skfem
+from contbed.fem import dolfinx, dolfinx_parts, skfem
 from contbed.fem import dolfinx_versions as versions
 from contbed.fem.dual import Linear
 from contbed.fem.petsc import Layout, LocalMatrix, Matrix
@@ -87,7 +87,7 @@ def make_pattern(all_ranks: RankGroup, root: Any, key: int, singles: int, measur
     part, W = stored.part, stored.W
     stored.kernels, stored.measure = {}, measure
     numbers = _global(W.dofmap.index_map, stored.block)
-    unknowns = [numbers[local] for local in dolfinx.unknowns_of_cells(part, W, stored.layout)]
+    unknowns = [numbers[local] for local in dolfinx_parts.unknowns_of_cells(part, W, stored.layout)]
     stored.degrees = [degree for degree, count in stored.layout for _ in range(max(count, 1))]
     stored.places = []
     for degree, mine in zip(stored.degrees, unknowns, strict=True):
@@ -117,7 +117,7 @@ def _global(index_map: Any, block: int) -> Any:
 
 
 def _nodes(part: Any, degree: int) -> Any:
-    return dolfinx.space_on(part, ("nodes", degree))
+    return dolfinx_parts.space_on(part, ("nodes", degree))
 
 
 def _kernel(stored: Any, row: int, column: int | None, slots: Any) -> Any:
@@ -131,12 +131,12 @@ def _kernel(stored: Any, row: int, column: int | None, slots: Any) -> Any:
         part, measure = stored.part, stored.measure
         make: tuple[Any, ...] = (ufl.TestFunction, ufl.TrialFunction)
         arguments = [f(_nodes(part, degree)) for f, degree in zip(make, degrees, strict=False)]
-        points = dolfinx.space_on(part, ("points", measure.points, measure.weights))
+        points = dolfinx_parts.space_on(part, ("points", measure.points, measure.weights))
         coefficients = [fem.Function(points) for _ in slots]
         total: Any = 0
         for kinds, c in zip(slots, coefficients, strict=True):
-            total = total + c * math.prod(dolfinx.slot(*pair) for pair in zip(arguments, kinds, strict=True))
-        stored.kernels[name] = versions.compiled(dolfinx.integral(total, part, measure)), coefficients
+            total = total + c * math.prod(dolfinx_parts.slot(*pair) for pair in zip(arguments, kinds, strict=True))
+        stored.kernels[name] = versions.compiled(dolfinx_parts.integral(total, part, measure)), coefficients
     return stored.kernels[name]
 
 

@@ -22,7 +22,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
-from scipy.special import roots_jacobi
 
 Array = NDArray[np.float64]
 SURFACE_OVER_VOLUME = {"sphere": 3, "cylinder": 2, "slab": 1}  # times R, for a slab half of its thickness
@@ -73,6 +72,8 @@ def interior(points: int, shape: str = "sphere") -> Interior:
         raise ValueError(f"{points} point inside of a particle; give 2 or more, or one temperature per particle")
     if shape not in SURFACE_OVER_VOLUME:
         raise ValueError(f"shape {shape!r} of a particle; known: {', '.join(SURFACE_OVER_VOLUME)}")
+    from scipy.special import roots_jacobi  # particles without an inside do not wait for its import
+
     surface = SURFACE_OVER_VOLUME[shape]
     beta = 0.5 * (surface - 2)  # the volume element is u^beta du surface/2
     roots, _ = roots_jacobi(points, 1.0, beta)

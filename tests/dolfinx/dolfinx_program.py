@@ -92,7 +92,7 @@ def lose(out: Path, scene: str) -> None:
     """The last rank fails in the middle of an assembly."""
     from mpi4py import MPI
 
-    from contbed.fem import dolfinx, dolfinx_points
+    from contbed.fem import dolfinx_parts, dolfinx_points
 
     def broken(whole: Any) -> Any:
         def fail(*arguments: Any) -> Any:
@@ -102,7 +102,7 @@ def lose(out: Path, scene: str) -> None:
 
         return fail
 
-    dolfinx._jacobian, dolfinx_points._kernel = broken(dolfinx._jacobian), broken(dolfinx_points._kernel)
+    dolfinx_parts._jacobian, dolfinx_points._kernel = broken(dolfinx_parts._jacobian), broken(dolfinx_points._kernel)
     run(from_dict(SCENES[scene]), engine="dolfinx")
 
 
