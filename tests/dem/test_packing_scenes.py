@@ -238,6 +238,20 @@ def test_ctrl_c_ends_lammps(program, tmp_path, capsys):
     assert json.loads((tmp_path / "out/summary.json").read_text())["status"] == "interrupted"
 
 
+def test_ranks_are_those_of_threads(program, tmp_path, monkeypatch):
+    program("raise SystemExit(1)")
+    mpiexec = tmp_path / "bin/mpiexec"
+    mpiexec.write_text(f"#!{sys.executable}\nimport sys; print('ERROR', sys.argv[1:]); raise SystemExit(1)\n")
+    mpiexec.chmod(0o755)
+    monkeypatch.setattr(lammps_run, "LEAST", 30)
+    # 70 spheres are two times 30
+    with pytest.raises(EngineError, match=r"ERROR \['-n', '2', '.*/lmp', '-in', 'packing.in', '-log', 'log.lammps'\]"):
+        cb.run(loads(BED), engine="lammps", threads=3)
+    monkeypatch.setattr(lammps_run.shutil, "which", lambda name: "lmp" if name == "lmp" else None)
+    with pytest.raises(EngineError, match="on 2 cores needs mpiexec"):
+        cb.run(loads(BED), engine="lammps", threads=3)
+
+
 def test_refusals(monkeypatch):
     monkeypatch.setattr(lammps_run, "find_spec", lambda name: None)
     monkeypatch.setenv("PATH", "")
