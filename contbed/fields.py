@@ -140,6 +140,13 @@ _RESULTS = (
     Field("equilibrium_length_m", r"L_\mathrm{eq}", "m", "distance after which both phases differ by 1 % of the span"),
     Field("theta_overshoot", r"o", "1", "by how much theta leaves [0, 1]"),
     Field("time_steps", "n", "1", "number of time steps"),
+    Field("flow_solutions", "n", "1", "how often the flow was solved again, as the temperatures changed it"),
+    Field(
+        "flow_change",
+        r"\Delta u/u_0",
+        "1",
+        "largest mean change of the velocity from one flow to the next, over the inlet",
+    ),
     Field("time_reached_s", "t", "s", "time that the run has reached"),
     # reacting beds
     Field("conversion_NAME", "X", "1", "share of a species that enters and has reacted where its stream leaves"),

@@ -10,6 +10,7 @@ import numpy as np
 
 from contbed.cfd_dem.grid import Grid
 from contbed.cfd_dem.scene import GasFlow, GasParticles, GasScene
+from contbed.dem.contact import hertz_impact
 from contbed.dem.packing import SETTLED_OVERLAP, pack
 from contbed.dem.particle_files import read_particles
 from contbed.dem.particles import Material, Particles
@@ -22,6 +23,7 @@ from contbed.scene.toml_lines import Origin
 GRAVITY = 9.81  # m/s2
 SKIN = 0.4  # of the radius; fluidized beds need new lists a third as often as at the 0.1 of packings, 30 % less time
 IMPACT_SPEED = 0.3  # m/s, of which the time step of the particles resolves impacts
+SPEED_OF_FILES = 1.0  # m/s, at which particles of a bubbling bed may meet when their file is written
 
 
 @dataclass(frozen=True)
@@ -108,8 +110,21 @@ def simulation_of(table: GasParticles, gas: GasFlow, particles: Particles) -> Si
         impact_speed=IMPACT_SPEED,
         skin=SKIN * float(particles.radius.min()),
         gravity=(0.0, 0.0, -GRAVITY if gas.gravity else 0.0),
-        largest_overlap=SETTLED_OVERLAP if table.file is None else LARGEST_OVERLAP,
+        largest_overlap=SETTLED_OVERLAP if table.file is None else _largest_overlap(table, particles),
     )
+
+
+def _largest_overlap(table: GasParticles, particles: Particles) -> float:
+    """Return the overlap over the smaller radius up to which particles of a file are accepted at their stiffness.
+
+    It is that of an impact at `SPEED_OF_FILES`: soft particles of a bed that runs or has settled overlap as deeply,
+    and larger overlaps would throw them apart faster.
+    """
+    radius, material = float(particles.radius.min()), material_of(table)
+    mass = 4.0 / 3.0 * np.pi * radius**3 * material.density
+    modulus = material.youngs_modulus / (2.0 * (1.0 - material.poisson_ratio**2))
+    deep = hertz_impact(mass / 2.0, radius / 2.0, modulus, SPEED_OF_FILES)[1] / radius
+    return float(np.clip(deep, LARGEST_OVERLAP, SETTLED_OVERLAP))
 
 
 def _domain(table: GasParticles) -> Domain:

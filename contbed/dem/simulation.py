@@ -352,7 +352,8 @@ class Simulation:
             k = int(deep.argmax())
             raise SceneError(
                 f"dem: particles {i[k]} and {j[k]} overlap by {-gap[k]:.4g} m at the start, {deep[k]:.2g} of the "
-                f"smaller radius; at most {largest:g} is accepted; move them apart or settle them with dem.packing"
+                f"smaller radius; at most {largest:.2g} is accepted with their stiffness; move them apart, settle them "
+                "with dem.packing, or give the modulus with which they have settled"
             )
         with deferred_interrupt():
             gaps = wall_gaps(self.position, self._laws.walls) / self.radius

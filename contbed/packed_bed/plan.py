@@ -13,6 +13,8 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
 from contbed.errors import SceneError
 from contbed.mesh.build import build, moved, require_names
 from contbed.mesh.grading import finest
@@ -23,6 +25,7 @@ from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.inside import Inside, inside_of, modes
 from contbed.packed_bed.medium import Medium
+from contbed.packed_bed.pressure import lifted
 from contbed.packed_bed.recognition import (
     bed_diameter,
     inlet_temperature,
@@ -235,10 +238,10 @@ class Plan:
         return plan(self.scene.model_copy(update={"mesh": mesh.model_copy(update=changes)}))
 
     def __str__(self) -> str:
-        if self.fronts:
-            return described(self)
         run = "the first mesh" if self.balanced else "a steady scene"
-        return described(self, advice(self.unknowns(), self.policy, run))
+        more = [] if self.fronts else [advice(self.unknowns(), self.policy, run)]
+        text = lifted(self, np.array([self.medium.T_fluid_in])) if self.medium is not None else ""
+        return described(self, *more, *([f"WARNING {text}"] if text else []))
 
 
 def plan(scene: s.Scene) -> Plan:

@@ -8,16 +8,21 @@ with the properties at the local temperature: Darcy and Forchheimer's resistance
 as it expands. p [Pa] is the pressure of the fluid over that at the outlet.
 
 Source: Nield & Bejan 2017, Convection in Porous Media, 5th ed., Eqs. 1.12 and 1.15, doi:10.1007/978-3-319-49562-0.
+
+A fluid that flows upwards carries the bed, and fluidizes it, where its pressure gradient exceeds the weight of the
+particles less their buoyancy, (1 - eps) (rho_s - rho) g (Ergun 1952, Chem. Eng. Prog. 48, 89-94).
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contbed.packed_bed.medium import Medium
+
+GRAVITY = 9.81  # m/s2
 
 Array = NDArray[np.float64]
 
@@ -44,14 +49,45 @@ def along_bed(medium: Medium, x: Array, T: Array, velocity: float, velocity_soli
     -------
     Stream of arrays (n,); the pressure is zero where the fluid leaves. The trapezoidal rule is used between the points.
     """
-    porosity, permeability = medium.scene.bed.porosity, medium.packing("permeability")
+    u, density, gradient = _resistance(medium, T, velocity, velocity_solid)
+    risen = np.concatenate(([0.0], np.cumsum(0.5 * (gradient[1:] + gradient[:-1]) * np.diff(x))))
+    pressure = risen - density * u**2 / medium.scene.bed.porosity**2
+    return Stream(u, density, pressure - pressure[-1 if velocity >= 0 else 0])
+
+
+def _resistance(medium: Medium, T: Array, velocity: float, velocity_solid: float) -> tuple[Array, Array, Array]:
+    """Return velocity [m/s], density [kg/m3] and the pressure gradient by drag [Pa/m] at temperatures (n,)."""
+    permeability = medium.packing("permeability")
     density = np.broadcast_to(np.asarray(medium.fluid.density(T), dtype=float), T.shape)
     viscosity = np.broadcast_to(np.asarray(medium.fluid.viscosity(T), dtype=float), T.shape)
-    flux = medium.mass_flux_scale() * velocity
-    u = flux / density
+    u = medium.mass_flux_scale() * velocity / density
     w = u - velocity_solid
-    resistance = viscosity / permeability + density * medium.packing("forchheimer") / permeability**0.5 * np.abs(w)
-    gradient = -resistance * w
-    risen = np.concatenate(([0.0], np.cumsum(0.5 * (gradient[1:] + gradient[:-1]) * np.diff(x))))
-    pressure = risen - flux * u / porosity**2
-    return Stream(u, density, pressure - pressure[-1 if velocity >= 0 else 0])
+    drag = viscosity / permeability + density * medium.packing("forchheimer") / permeability**0.5 * np.abs(w)
+    return u, density, -drag * w
+
+
+def lifted(plan: Any, T: Array) -> str:
+    """Return a warning where the fluid lifts the bed at temperatures of the fluid (n,) [K]; empty where it does not.
+
+    The bed axis of round beds points upwards, and a bed that moves descends. A bed at rest on another mesh has no
+    direction, for which the warning is conditional. Walls without slip carry a part of the bed and are left out.
+    """
+    medium, axis = plan.medium, plan.mesh.axis
+    velocity, solid = float(plan.velocity[axis]), float(plan.velocity_solid[axis])
+    upright = plan.coordinate == "z"
+    upwards = velocity > 0 if upright else velocity * solid <= 0
+    if medium.solid is None or velocity == 0.0 or not upwards:
+        return ""
+    _, density, gradient = _resistance(medium, T, velocity, solid)
+    weight = (1.0 - medium.scene.bed.porosity) * (medium.solid.density(T) - density) * GRAVITY
+    k = int(np.argmax(np.abs(gradient) - weight))
+    found, held = float(np.abs(gradient)[k]), float(np.broadcast_to(weight, T.shape)[k])
+    if found <= held:
+        return ""
+    known = upright or solid != 0.0
+    return (
+        f"{plan.scene.origin.at(('flow', 'velocity'))}: flow.velocity: the pressure gradient at {T[k]:.4g} K, "
+        f"{found:.4g} Pa/m, exceeds the weight of the particles, {held:.4g} Pa/m: "
+        f"{'the fluid' if known else 'if the fluid flows upwards, it'} fluidizes the bed; lower the velocity, take "
+        "larger particles, or hold the bed down"
+    )

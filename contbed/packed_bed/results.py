@@ -10,12 +10,11 @@ from contbed.fem.probe import Line, line_along
 from contbed.fields import header
 from contbed.packed_bed.heat import INSIDE
 from contbed.packed_bed.plan import Plan
-from contbed.packed_bed.pressure import along_bed
+from contbed.packed_bed.pressure import along_bed, lifted
 from contbed.packed_bed.streams import Streams, outlet_table, streams
 from contbed.result import Result
 from contbed.scene.mesh import power_units
 
-VARIES = 1.05  # ratio of densities along a bed with no-slip walls beyond which a warning is given
 APART = 0.01  # difference of theta at which the phases count as being in equilibrium
 
 
@@ -144,6 +143,7 @@ def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], fluid: Any,
     axis, medium = plan.mesh.axis, plan.medium
     velocity, solid = float(plan.velocity[axis]), float(plan.velocity_solid[axis])
     space = problem.system.fields["T_fluid"][0]
+    _tell_if_lifted(plan, np.ravel(fluid), result)
     if plan.plug and velocity:
         # from end to end, also where profiles are wanted at a few positions only
         x = line.positions
@@ -164,14 +164,12 @@ def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], fluid: Any,
         density = np.broadcast_to(medium.fluid.density(fluid[-1]), fluid[-1].shape)
         if header("u") in result.profiles:
             result.profiles[header("rho_fluid")] = density
-        scale = medium.mass_flux_scale()
-        spread = float(max(density.max() / scale, scale / density.min()))
-        if problem.motion.flow.local is None and spread > VARIES:
-            result.warnings.append(
-                f"the density of the fluid changes by a factor of {spread:.3g} from that at the inlet, with which flow "
-                "and pressure beside no-slip walls are solved in a transient; in steady state and without such walls "
-                "they follow the temperature"
-            )
+
+
+def _tell_if_lifted(plan: Plan, T: Any, result: Result) -> None:
+    """Warn of a fluid that fluidizes the bed at its temperatures [K]."""
+    if text := lifted(plan, T):
+        result.warnings.append(text)
 
 
 def _profiles(
@@ -227,7 +225,11 @@ def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, resul
         return
     _profiles(plan, line, problem, snapshots, times, result)
     flow = dict(result.nodal)
-    result.series = [(time, flow | _nodal(problem, state)) for time, state in zip(times, snapshots, strict=True)]
+    changes = problem.motion.flow is not None and problem.motion.flow.local is not None  # `flow` is that at the end
+    result.series = [
+        (time, ({} if changes and time < times[-1] else flow) | _nodal(problem, state))
+        for time, state in zip(times, snapshots, strict=True)
+    ]
     result.nodal |= _nodal(problem, snapshots[-1])
     _outlets(streams(problem, snapshots[-1])[0], result)
 
@@ -242,6 +244,7 @@ def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Re
         positions = np.linspace(0.0, length, 1001)
     along = length - positions if backwards else positions
     fluid, solid = (np.array(part) for part in zip(*(snapshot.at(along) for snapshot in snapshots), strict=True))
+    _tell_if_lifted(plan, fluid[-1], result)
     T = (plan.medium.T_fluid_in, time.initial_fluid, time.initial_solid)
     _columns(plan, positions, fluid, solid, (min(T), max(T)), [snapshot.time for snapshot in snapshots], result)
     result.qoi |= {"T_fluid_out_K": float(fluid[-1, 0 if backwards else -1])}

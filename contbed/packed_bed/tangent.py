@@ -18,8 +18,10 @@ from contbed.packed_bed import scene as s
 from contbed.packed_bed.flow import Flow, FlowEquations, LocalProperties, coefficients, flow_equations
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
+from contbed.packed_bed.over_time import transient
 from contbed.packed_bed.results import steady_findings
-from contbed.packed_bed.run import overshoot, report_flow, solved_flow, steady_balance, transient
+from contbed.packed_bed.run import steady_balance
+from contbed.packed_bed.shared import overshoot, report_flow, solved_flow
 from contbed.result import Result
 from contbed.solvers.tangent import STEP, Response, with_prescribed
 
@@ -41,7 +43,7 @@ class Repeated:
 
     def __init__(self, result: Result):
         self.plan: Any = result.plan
-        self.flow, self.levels = result.solved.flow, result.solved.levels
+        self.flow, self.levels, self.flows = result.solved.flow, result.solved.levels, result.solved.flows
 
     def results(self, below: s.Scene, above: s.Scene) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the named results of two scenes with a key a little below and above that of the solved one."""
@@ -54,7 +56,7 @@ class Repeated:
         if not plan.plug:
             flow = solved_flow(plan, self.flow if plan.mesh is self.plan.mesh else None, found)
             report_flow(plan, line, flow, found)
-        transient(plan, line, flow, found, None, True, None, self.levels)
+        transient(plan, line, flow, found, None, True, None, self.levels, self.flows)
         return found.qoi
 
 

@@ -142,10 +142,12 @@ def run_transient(
     advance: Callable[[float], None],
     save: Save | None,
     levels: Sequence[int] | None = None,
+    enough: Callable[[], bool] | None = None,
 ) -> History:
     """March `history` to `end` [s]; it always holds the last accepted step, whatever happens.
 
-    `levels` are the sizes of all steps of this ladder in a run that is repeated.
+    `levels` are the sizes of all steps of this ladder in a run that is repeated; `enough` says after a step whether to
+    stop there.
     """
     time = problem.scene.time
     assert time is not None
@@ -179,6 +181,8 @@ def run_transient(
         if save is not None and clock.monotonic() - saved >= time.checkpoint_every:
             save(*history.pack())
             saved = clock.monotonic()
+        if enough is not None and enough():
+            break
     return history
 
 

@@ -128,8 +128,8 @@ def march(
     `levels` are the levels of all steps from the start, of a run that is repeated; they are not judged again.
     `tolerance` is the local error relative to `span`; a constant `step` [s] is rounded down to divide the time.
     Linear problems are measured from the state `origin`, a number or one for each unknown, which loses fewer digits
-    than measuring from zero. The shortest step is accepted whatever its error, so that a jump in a layer far thinner
-    than the mesh decays.
+    than measuring from zero. A step whose error is too large, or in which Newton's method fails, is halved; the
+    shortest is accepted whatever its error, so that a jump in a layer far thinner than the mesh decays.
     """
     if step is not None:
         total = max(1, int(np.ceil((end - start) / step * (1 - 1e-12)))) if end > start else 0
@@ -147,7 +147,13 @@ def march(
         width = 2**level
         dt = unit * width
         moments = start + tick * unit, start + (tick + width) * unit
-        states, rates, gain, error = stage.take(state, moments, dt, level)
+        try:
+            states, rates, gain, error = stage.take(state, moments, dt, level)
+        except ConvergenceError:  # too far from the state for Newton's method: a shorter step is nearer
+            if not adaptive or level == 0:
+                raise
+            level -= 1
+            continue
         if adaptive:
             norm = float(np.abs(error * problem.weights).max()) / (tolerance * span)
             if level == 0 and not np.isfinite(norm):

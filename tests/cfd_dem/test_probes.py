@@ -6,8 +6,10 @@ import pytest
 import contbed as cb
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
+from contbed.cfd_dem.plan import _largest_overlap
 from contbed.cfd_dem.probes import probes_of
 from contbed.closures import drag_di_felice
+from contbed.dem.particles import Particles
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.materials.constant import ConstantFluid
@@ -60,8 +62,22 @@ def test_a_probe_outside_of_the_box_is_refused():
         loads(SCENE.replace("0.055]", "0.065]"))
 
 
-def test_a_bed_that_has_settled_deep_into_itself_runs():
-    # soft spheres rest on overlaps of 7 % of the radius, which are refused in a file but are the equilibrium here
-    soft = SCENE.replace('"1 MPa"', '"20 kPa"').replace("plots = true", "plots = false")
-    result = cb.run(loads(soft))
+def test_a_bed_that_has_settled_deep_into_itself_runs(tmp_path):
+    """Soft spheres rest on overlaps of 7 % of the radius; their file is accepted again, but not for stiffer spheres."""
+    soft = SCENE.replace('"1 MPa"', '"20 kPa"').replace("plots = true, fields = false", "plots = false")
+    result = cb.run(loads(soft), out=tmp_path)
     assert result.qoi["time [s]"] == pytest.approx(0.004, rel=0.1)
+    (file,) = tmp_path.glob("particles*.vtu")
+    again = soft.replace('count = 60, radius = "1 mm"', f'file = "{file}"').replace(", seed = 3", "")
+    assert len(cb.run(loads(again)).plan.particles) == 60
+    with pytest.raises(SceneError, match=r"at most 0\.05 is accepted with their stiffness"):
+        cb.run(loads(again.replace('"20 kPa"', '"100 MPa"')))
+
+
+def test_overlaps_of_a_file_are_judged_by_the_stiffness():
+    """Hertz at 1 m/s: delta/R = (15 m* v2/(16 E* sqrt(R*)))^(2/5)/R, 0.17 at 1 MPa for glass beads of any size."""
+    for modulus, expected in ((1e6, 0.1740), (1e8, 0.05), (1e4, 0.5)):
+        table = loads(SCENE.replace('"1 MPa"', f"{modulus}")).particles
+        for radius in (1e-3, 4e-3):
+            beads = Particles([[0.0, 0.0, 0.0]], radius)
+            assert _largest_overlap(table, beads) == pytest.approx(expected, rel=1e-3)

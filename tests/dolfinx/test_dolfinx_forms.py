@@ -17,7 +17,7 @@ from contbed.developed_flow.problem import DevelopedProblem
 from contbed.fem.dolfinx import on_dolfinx
 from contbed.loading import from_dict
 from contbed.models import plan as make_plan
-from contbed.packed_bed.run import _heat_problem, solved_flow
+from contbed.packed_bed.shared import heat_problem, solved_flow
 from contbed.radiation.run import problem_of
 from contbed.result import Result
 from contbed.solvers.linear import bordered, constrain, scaled
@@ -38,7 +38,7 @@ def problems(name: str):
     if made.scene.heat is None:
         return problem_of(one), problem_of(other)
     flow = None if made.plug else solved_flow(one, None, Result(one))
-    return _heat_problem(one, flow, Result(one)), _heat_problem(other, flow, Result(other))
+    return heat_problem(one, flow, Result(one)), heat_problem(other, flow, Result(other))
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -19,7 +19,7 @@ from contbed.packed_bed.equations import two_energy
 from contbed.packed_bed.heat import HeatProblem
 from contbed.packed_bed.heat_coefficients import Motion
 from contbed.packed_bed.plan import plan
-from contbed.packed_bed.run import _heat_balance
+from contbed.packed_bed.shared import heat_balance
 
 AIR = {"density": 1.2, "heat_capacity": 1005.0, "conductivity": 0.03, "viscosity": 1.8e-5}
 
@@ -109,7 +109,7 @@ def test_a_balance_is_measured_against_what_crosses() -> None:
     """A millionth of what crosses is missing and seen as that, also where streams hold 300 times as much above 0 K; a
     larger floor would hide it.
     """
-    balance = _heat_balance({"left": {"T_fluid": 1.0}, "right": {"T_fluid": 1e-6 - 1.0}}, {}, 0.0, 0.0, "W", 300.0)
+    balance = heat_balance({"left": {"T_fluid": 1.0}, "right": {"T_fluid": 1e-6 - 1.0}}, {}, 0.0, 0.0, "W", 300.0)
     assert balance["relative_residual"] == pytest.approx(1e-6)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import brentq
 
 import contbed as cb
 from contbed.closures import pressure_gradient_ergun
@@ -13,6 +14,8 @@ from contbed.fem.elements import Space
 from contbed.loading import from_dict
 from contbed.packed_bed.equations.porous_flow import Coefficients
 from contbed.packed_bed.flow import LocalProperties, solve_flow
+from contbed.packed_bed.plan import plan
+from contbed.packed_bed.pressure import lifted
 from contbed.solvers.linear import Policy
 
 U, EPS, D = 0.5, 0.4, 5e-3
@@ -167,46 +170,51 @@ def test_a_fluid_that_expands_along_a_channel_without_walls():
     assert errors[1] < errors[0] / 3.5 and errors[2] < errors[1] / 3.5 and errors[2] < 1e-3
 
 
-def test_a_transient_between_walls_warns_of_a_density_that_changes():
-    mesh = {"type": "rectangle", "length": 1.0, "height": 0.2, "cells": [4, 2]}
-    values = bed(STEAM, mesh=mesh, time={"end": 0.1, "initial_fluid": 900.0, "initial_solid": 900.0})
-    values["boundary"] |= {"top": {"type": "no_slip"}}
-    result = cb.run(from_dict(values))
-    assert any("density of the fluid changes by a factor" in text for text in result.warnings)
+def lifting(velocity, **more):
+    """Return the warnings of a run about a bed that is lifted, and the plan's text."""
+    scene = from_dict(bed(CONSTANT, velocity) | more)
+    return [text for text in cb.run(scene).warnings if "weight of the particles" in text], str(plan(scene))
 
 
-def test_duty_and_effectiveness():
-    """Counter-current streams of equal heat capacity flows: effectiveness NTU/(1 + NTU), exact without conduction; the
-    bed conducts a little, 1e-3. On a line heat flows are per area.
-    """
-    capacity = 1.2 * 1000.0 * U
-    slow = -capacity / (2000.0 * 900.0)
-    values = bed(CONSTANT, flow={"velocity": U, "velocity_solid": slow})
-    values["fluid"]["conductivity"] = 1e-6
-    values["solid"]["conductivity"] = 1e-6
-    values["heat"] = {"nusselt": 2.0e4 * 0.02}
-    values["boundary"] = {"left": {"fluid": {"inflow": 400.0}}, "right": {"solid": {"inflow": 500.0}}}
-    result = cb.run(from_dict(values))
-    exchange = 400.0 * 1e-6 * 6.0 * (1.0 - EPS) / D**2
-    ntu = exchange * 1.0 / capacity
-    wanted = ntu / (1.0 + ntu)
-    assert result.qoi["effectiveness"] == pytest.approx(wanted, rel=1e-3)
-    assert result.qoi["duty_W"] == pytest.approx(wanted * capacity * 100.0, rel=1e-3)
-    assert result.summary["units"]["duty_W"] == "W/m2" and result.qoi["heat_reference_K"] == 400.0
-    plane = cb.run(from_dict(values | {"mesh": {"type": "rectangle", "length": 1.0, "height": 0.2}}))
-    assert plane.summary["units"]["heat_left_W"] == "W/m"
-    assert plane.qoi["duty_W"] == pytest.approx(0.2 * result.qoi["duty_W"], rel=1e-9)
+def test_a_fluid_that_lifts_the_bed_is_told():
+    """With key and numbers, in plan and run: Ergun's gradient reaches (1 - eps) (rho_s - rho) g at 1.9 m/s."""
+    weight = (1.0 - EPS) * (2000.0 - 1.2) * 9.81
+    limit = brentq(lambda u: pressure_gradient_ergun(u=u, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2) - weight, 0.1, 10.0)
+    assert lifting(0.99 * limit)[0] == []
+    (text,), planned = lifting(1.01 * limit)
+    found = pressure_gradient_ergun(u=1.01 * limit, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2)
+    assert f"flow.velocity: the pressure gradient at 433 K, {found:.4g} Pa/m, exceeds the weight" in text
+    assert f"{weight:.4g} Pa/m: if the fluid flows upwards, it fluidizes the bed" in text
+    assert "WARNING" in planned
+    assert "if the fluid flows upwards" in planned
 
 
-def test_effectiveness_counts_from_the_stream_that_enters():
-    """Below one where both streams enter with a known temperature; not reported where an end also conducts."""
-    values = bed(CONSTANT, flow={"velocity": U, "velocity_solid": -1.0e-3})
-    values["solid"]["conductivity"] = 300.0
-    values["heat"] = {"nusselt": 200.0}
-    values["boundary"] = {"left": {"fluid": {"inflow": 400.0}}, "right": {"solid": {"inflow": 500.0}}}
-    result = cb.run(from_dict(values))
-    largest = 1.2 * 1000.0 * U * 100.0
-    assert result.qoi["effectiveness"] == pytest.approx(result.qoi["duty_W"] / largest, rel=1e-9)
-    assert result.qoi["effectiveness"] < 1.0
-    values["boundary"]["right"] = {"solid": {"fixed": 500.0}}
-    assert "effectiveness" not in cb.run(from_dict(values)).qoi  # the end conducts as well
+def test_only_an_upward_flow_lifts_the_bed():
+    """A bed that moves descends, and the axis of a round bed points upwards."""
+    hot = {"left": {"fluid": {"inflow": 433.0}}, "right": {"solid": {"inflow": 967.0}}}
+    against = {"flow": {"velocity": 4.0, "velocity_solid": -1e-3}, "boundary": hot}
+    (text,), _ = lifting(4.0, **against)
+    assert "the fluid fluidizes the bed" in text
+    both = {"left": {"fluid": {"inflow": 433.0}, "solid": {"inflow": 967.0}}}
+    assert lifting(4.0, flow={"velocity": 4.0, "velocity_solid": 1e-3}, boundary=both)[0] == []
+    for sign, inlet in ((1, "bottom"), (-1, "top")):
+        made = plan(
+            from_dict(
+                bed(CONSTANT, sign * 4.0)
+                | {
+                    "mesh": {"type": "axisymmetric", "length": 1.0, "radius": 0.2},
+                    "boundary": {inlet: {"fluid": {"inflow": 433.0}}, "wall": {"solid": {"fixed": 967.0}}},
+                }
+            )
+        )
+        assert bool(lifted(made, np.array([433.0]))) == (sign > 0)
+
+
+def test_the_hottest_fluid_lifts_first():
+    """At the same mass flux viscosity grows and density falls with temperature; the weight hardly changes."""
+    scene = from_dict(bed(STEAM, 2.0))
+    made = plan(scene)
+    cold, hot = (lifted(made, np.array([T])) for T in (433.0, 967.0))
+    assert cold == ""
+    assert lifted(made, np.array([433.0, 967.0, 500.0])) == hot
+    assert "at 967 K" in hot

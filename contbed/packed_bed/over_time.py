@@ -1,0 +1,168 @@
+"""Transient run of a packed or moving bed: its parts between changes of the scene, the flow as it changes, results."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contbed.fem.probe import Line
+from contbed.packed_bed.local_flow import FlowOverTime
+from contbed.packed_bed.plan import Plan
+from contbed.packed_bed.shared import Solved, check_state, heat_balance, heat_problem
+from contbed.result import Result
+from contbed.scene.mesh import MeshLine
+
+
+def transient(
+    plan: Plan,
+    line: Line,
+    flow: Any,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Any, Any] | None,
+    levels: list[list[int]] | None = None,
+    flows: list[list[int]] | None = None,
+) -> None:
+    """Take the steps of a transient run and report.
+
+    `levels` are the sizes of all steps in a run that is repeated, and `flows` the numbers of those after which the flow
+    was solved anew.
+    """
+    from contbed.output import checkpoint
+    from contbed.output.progress import Progress
+    from contbed.packed_bed.cycle import exchanged
+    from contbed.packed_bed.results import transient_findings
+    from contbed.packed_bed.transient import History, enter, integrated_fluxes, run_transient, streamed
+    from contbed.scene.identity import identity
+
+    scene = plan.scene
+    assert scene.time is not None
+    label = identity(scene)
+    history = None if start is None else History.unpack(*start).fitted(scene.time, scene.origin)
+
+    def save(arrays: dict[str, Any], meta: dict[str, Any]) -> None:
+        assert folder is not None
+        grid = {"vertices": plan.line_vertices} if isinstance(plan.solved.mesh, MeshLine) else {}
+        if local is not None and local.flow.local is not None:
+            grid |= local.pack()
+        checkpoint.save(folder, arrays | grid, meta | {"identity": label})
+
+    local = None
+    if flow is not None and not plan.medium.fluid.constant:
+        local = FlowOverTime(result, flow)
+    pieces = plan.pieces()
+    cycle, whole = None, history is None
+    if scene.time.cycle is not None and history is None:
+        with result.timed("cycle"):
+            cycle = _cycle(plan, pieces, flow, result)
+        history = History(cycle.state)
+    heats: list[float] = []
+    taken: list[list[int]] = []
+    renewed: list[list[int]] = []
+    if history is not None and cycle is None:  # of those that have passed only the last is needed, for the results
+        reached = history.time * (1 + 1e-12)
+        pieces = [piece for piece in pieces if piece is None or piece.end > reached] or pieces[-1:]
+    try:
+        with Progress(scene.time.end, "s", quiet) as progress:
+            for k, piece in enumerate(pieces):
+                if piece is not None:
+                    plan = plan.within(piece)
+                problem = heat_problem(plan, flow, result, piece)
+                with result.timed("heat"):
+                    history = history or History(problem.begin(plan.policy))
+                    if piece is not None and (cycle or piece.start > 0.0) and history.time <= piece.start * (1 + 1e-12):
+                        enter(problem, history, plan.policy, None if piece.jumps else history.size)
+                    before, steps = streamed(history), len(history.levels)
+                known = levels if cycle is None else cycle.levels
+                end = scene.time.end if piece is None else piece.end
+                if local is not None:
+                    local.steps, local.known = [], None if flows is None else flows[k]
+                    if start is not None and k == 0:
+                        local.restore(problem, start[0])
+                    begins = history.time <= (0.0 if piece is None else piece.start) * (1 + 1e-12)
+                    if begins or local.outdated(plan, problem, history.state, 0):
+                        local.solve(plan, problem, history.state, 0)
+                    problem = heat_problem(plan, local.flow, result, piece, problem.system)
+                while True:
+                    with result.timed("heat"):
+                        run_transient(
+                            problem,
+                            history,
+                            plan.policy,
+                            end=end,
+                            advance=progress.advance_to,
+                            save=save if folder is not None else None,
+                            levels=None if known is None else known[k][len(history.levels) - steps :],
+                            enough=None if local is None else partial(_outdated, local, plan, problem, history, steps),
+                        )
+                    if local is None:
+                        break
+                    local.solve(plan, problem, history.state, len(history.levels) - steps)
+                    if history.time >= end * (1 - 1e-12):
+                        break
+                    problem = heat_problem(plan, local.flow, result, piece, problem.system)
+                taken.append(history.levels[steps:])
+                heats.append(streamed(history) - before)
+                if local is not None:
+                    renewed.append(local.steps)
+        if whole and cycle is None:
+            result.solved = Solved(line, None, None, flow, taken, renewed if local is not None else None)
+    finally:
+        if history is not None:
+            with result.timed("results"):
+                if local is not None:
+                    local.report(plan, line)
+                if cycle is not None and len(heats) == len(pieces):
+                    result.qoi |= {"cycle_periods": cycle.periods, "cycle_change_K": cycle.residual}
+                    result.qoi |= exchanged(heats, _most(plan, pieces))
+                if history.steps:
+                    fluxes, reactions = integrated_fluxes(problem, history), history.reactions(problem)
+                    source = problem.source() * history.time
+                    held = problem.throughput() * history.time + problem.capacity()
+                    result.balances["energy"] = heat_balance(fluxes, reactions, source, history.gain, "J", held)
+                transient_findings(plan, line, problem, history, result)
+                if history.snapshots:
+                    problem.steady(history.snapshots[-1], False)  # closures as used at the last output
+                check_state(plan, problem, history.snapshots, result)
+            if folder is not None:
+                save(*history.pack())
+
+
+def _outdated(local: FlowOverTime, plan: Plan, problem: Any, history: Any, steps: int) -> bool:
+    """Return whether the flow is to be solved anew after the last step; `steps` were taken before this part."""
+    return local.outdated(plan, problem, history.state, len(history.levels) - steps)
+
+
+def _cycle(plan: Plan, pieces: Any, flow: Any, result: Result) -> Any:
+    """Find the state that one run gives back."""
+    from contbed.packed_bed.cycle import find_cycle
+
+    time = plan.scene.time
+    assert time is not None and time.cycle is not None
+    problems = []
+    for piece in pieces:
+        plan = plan.within(piece)
+        problems.append(heat_problem(plan, flow, result, piece))
+    start = problems[0].begin(plan.policy)
+    return find_cycle(problems, start, plan.policy, time.cycle.tolerance)
+
+
+def _most(plan: Plan, pieces: Any) -> list[float]:
+    """Return the heat that the fluid of each part could leave in the bed between the inlet temperatures [J]."""
+    conditions = [c for piece in pieces for scene in (piece.first, piece.last) for c in scene.boundary.values()]
+    inlets = [c.fluid.inflow or c.fluid.fixed for c in conditions if c.fluid is not None]
+    entering = [T for T in inlets if T is not None]
+    if not entering:
+        return [0.0] * len(pieces)
+    found = []
+    for piece in pieces:
+        part = plan.within(piece)
+        enthalpy = part.medium.fluid.enthalpy
+        flow = float(np.abs(part.velocity[part.mesh.axis])) * part.section * part.medium.mass_flux_scale()
+        rise = float(enthalpy(max(entering)) - enthalpy(min(entering)))
+        found.append(flow * rise * (piece.end - piece.start))
+    return found

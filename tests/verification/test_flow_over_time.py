@@ -1,0 +1,122 @@
+"""Flow beside no-slip walls with the properties of the local temperature, while a bed cools or warms up."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.errors import ContbedError
+from contbed.loading import from_dict
+from contbed.output.progress import Progress
+from contbed.packed_bed import local_flow
+
+
+def cooling(end, **more):
+    """A hot bed of light particles between two walls, cooled by nitrogen within some seconds."""
+    return from_dict(
+        {
+            "mesh": {"type": "rectangle", "length": 0.3, "height": 0.06, "cells": [6, 2]},
+            "fluid": {"model": "cantera", "composition": "N2:1", "mechanism": "gri30.yaml"},
+            "solid": {"density": 10.0, "heat_capacity": 900.0, "conductivity": 1.0},
+            "bed": {"porosity": 0.4, "particle_diameter": 5e-3},
+            "flow": {"velocity": 0.5},
+            "heat": {"nusselt": 10.0},
+            "boundary": {
+                "left": {"fluid": {"inflow": 300.0}},
+                "bottom": {"type": "no_slip"},
+                "top": {"type": "no_slip", "solid": {"coefficient": 100.0, "ambient": 900.0}},
+            },
+            "time": {"end": end, "initial_fluid": 900.0, "initial_solid": 900.0} | more.pop("time", {}),
+            "output": {"plots": False, "fields": False},
+        }
+        | more
+    )
+
+
+def test_the_flow_ends_as_that_of_the_steady_state():
+    """Largest velocity and pressure drop of the steady bed on these cells, whose flow has the local properties as well:
+    5e-3, a quarter of the change of properties that the last flow does not know of. Mass is conserved at any time.
+    """
+    result = cb.run(cooling(60.0, time={"tolerance": 1e-1}))
+    steady = cooling(60.0).model_copy(update={"time": None})
+    wanted = cb.run(steady).qoi
+    for name in ("u_max", "pressure_drop_Pa", "T_fluid_out_K"):
+        assert result.qoi[name] == pytest.approx(wanted[name], rel=5e-3)
+    assert result.qoi["flow_solutions"] > 10
+    assert local_flow.CHANGE < result.qoi["flow_change"] < local_flow.LAGS
+    assert abs(result.balances["fluid volume"]["relative_residual"]) < 1e-12
+    assert abs(result.balances["energy"]["relative_residual"]) < 1e-10
+    assert not any("density of the fluid changes" in text for text in result.warnings)
+
+
+@pytest.mark.slow
+def test_the_flow_starts_with_the_initial_temperatures():
+    """Until the bed has cooled, nitrogen of 900 K has three times the velocity and more of the pressure drop."""
+    start = cb.run(cooling(1e-4, time={"tolerance": 0.5})).qoi
+    cold = cb.run(cooling(1e-4, time={"initial_fluid": 300.0, "initial_solid": 300.0, "tolerance": 0.5})).qoi
+    assert start["u_max"] == pytest.approx(3.0 * cold["u_max"], rel=0.05)
+    assert start["pressure_drop_Pa"] > 2.5 * cold["pressure_drop_Pa"]
+
+
+@pytest.mark.slow
+def test_the_flow_has_a_first_order_error(monkeypatch):
+    """Temperatures with the flow solved after every step against `CHANGE`: below 3e-3 of theta.
+
+    Both take steps of their own, which differ by less than that at this tolerance.
+    """
+    found = {}
+    for change in (0.0, local_flow.CHANGE):
+        monkeypatch.setattr(local_flow, "CHANGE", change)
+        result = cb.run(cooling(2.0, time={"tolerance": 1e-3}))
+        found[change] = result.profiles["T_solid [K]"]
+    assert 1e-5 < np.abs(found[0.0] - found[local_flow.CHANGE]).max() / 600.0 < 3e-3
+
+
+@pytest.mark.slow
+def test_a_restarted_run_keeps_its_flow(tmp_path):
+    """Interrupted after some steps and continued: the same bytes as without."""
+    scene = cooling(2.0, time={"tolerance": 1e-1})
+    whole = cb.run(scene)
+    steps = []
+
+    def stop(progress, value):
+        steps.append(value)
+        if len(steps) == 9:
+            raise KeyboardInterrupt
+
+    with Progress.watched(stop), pytest.raises(KeyboardInterrupt):
+        cb.run(scene, out=tmp_path)
+    again = cb.run(scene, out=tmp_path, restart=tmp_path)
+    assert again.qoi == whole.qoi
+    for name, column in whole.profiles.items():
+        assert np.array_equal(column, again.profiles[name])
+
+
+@pytest.mark.slow
+def test_jumps_that_are_too_large_are_told(monkeypatch):
+    """A bed that changes before the flow is solved again: the lag of the flow has a number and a remedy."""
+    monkeypatch.setattr(local_flow, "CHANGE", 0.5)
+    result = cb.run(cooling(10.0, time={"tolerance": 0.5}))
+    (text,) = (text for text in result.warnings if "with the flow from before it" in text)
+    assert "lower time.tolerance or time.step" in text
+
+
+def test_a_step_in_which_newton_fails_is_halved(monkeypatch):
+    """The run goes on with a shorter step; at the shortest, or with given steps, it ends."""
+    from contbed.solvers import timestep
+
+    take, failed = timestep._Stages.take, []
+
+    def fails(self, state, moments, dt, level):
+        if dt > 0.05:
+            failed.append(dt)
+            raise timestep.ConvergenceError("time step: no descent", [])
+        return take(self, state, moments, dt, level)
+
+    monkeypatch.setattr(timestep._Stages, "take", fails)
+    result = cb.run(cooling(0.3, time={"tolerance": 0.5}))
+    assert failed
+    assert result.qoi["time_reached_s"] == 0.3
+    with pytest.raises(ContbedError, match="no descent"):
+        cb.run(cooling(0.3, time={"step": 0.1}))
