@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contbed.fem.probe import Line
-from contbed.packed_bed.local_flow import FlowOverTime
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.shared import Solved, check_state, heat_balance, heat_problem
 from contbed.result import Result
 from contbed.scene.mesh import MeshLine
+
+if TYPE_CHECKING:
+    from contbed.packed_bed.local_flow import FlowOverTime
 
 
 def transient(
@@ -51,8 +53,10 @@ def transient(
             grid |= local.pack()
         checkpoint.save(folder, arrays | grid, meta | {"identity": label})
 
-    local = None
+    local: FlowOverTime | None = None
     if flow is not None and not plan.medium.fluid.constant:
+        from contbed.packed_bed.local_flow import FlowOverTime
+
         local = FlowOverTime(result, flow)
     pieces = plan.pieces()
     cycle, whole = None, history is None

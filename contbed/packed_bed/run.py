@@ -7,8 +7,6 @@ from typing import Any
 
 from contbed.balance import Balance
 from contbed.fem.probe import Line, line_along
-from contbed.packed_bed.local_flow import settled
-from contbed.packed_bed.over_time import transient
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.scene import Time
 from contbed.packed_bed.shared import Solved, check_state, heat_balance, heat_problem, report_flow, solved_flow
@@ -37,6 +35,8 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     if start is not None and "vertices" in start[0]:
         plan = result.plan = plan.on([start[0]["vertices"]])
     if scene.time is not None:
+        from contbed.packed_bed.over_time import transient
+
         line, flow = _line_and_flow(plan, None, result)
         transient(plan, line, flow, result, folder, quiet, start)
         return
@@ -124,6 +124,8 @@ def _steady(plan: Plan, line: Line, problem: Any, result: Result, before: Any, l
         state, history = problem.solve(plan.policy)
         result.history += history
     if not plan.plug and not plan.medium.fluid.constant:
+        from contbed.packed_bed.local_flow import settled
+
         problem, state = settled(plan, line, problem, state, result)
     with result.timed("results"):
         better, estimate = _better(plan, problem.motion.flow, problem, state, before, last, result)
