@@ -14,6 +14,7 @@ from contbed.scene.library import MATERIALS
 from contbed.scene.names import nearest
 
 Node = dict[str, Any]
+OF_MATERIALS = {key for entry in MATERIALS.values() for key in entry.properties()}  # what a material may give
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 # a number, then the name of a unit that `scene.units` converts
 QUANTITY = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*[^0-9\s].*$"
@@ -82,7 +83,7 @@ def _complete(table: Node) -> None:
                 part[BOUNDS[name]] = part.pop(name)
         _add_names(title, key, node)
         _allow_units(node, None)
-    required = [key for key in table.get("required", []) if "material" not in properties]
+    required = [key for key in table.get("required", []) if not ("material" in properties and key in OF_MATERIALS)]
     if "required" in table:
         table["required"] = required
     # the physics of a fluid is constant unless told

@@ -49,6 +49,7 @@ from contbed.scene.quantities import (
 from contbed.scene.tables import (
     ConductivityOrClosure,
     NamedOrFile,
+    OfMaterial,
     Output,
     Polynomial,
     SceneBase,
@@ -190,8 +191,14 @@ class Sizes(Table):
         return self
 
 
-class Species(Table):
+class Species(OfMaterial):
     """One kind of particle."""
+
+    of_material: ClassVar[dict[str, str]] = {
+        "density": "density",
+        "heat_capacity": "heat_capacity",
+        "conductivity": "thermal_conductivity",
+    }
 
     volume_fraction: Share = Field(description="share of the solids; 0: this kind is left out")
     diameter: Length = Field(description="Sauter mean, of spheres of the particles' volumes; or sizes")

@@ -33,15 +33,17 @@ from contbed.scene.quantities import (
     form,
     unit,
 )
-from contbed.scene.tables import FluidCantera, FluidConstant, Named, NamedOrFile, SceneBase
+from contbed.scene.tables import FluidCantera, FluidConstant, Named, NamedOrFile, OfMaterial, SceneBase
 
 Width = Annotated[tuple[Length, Length], Field(description="of the bed in x and y")]
 Speed = Annotated[float, *unit("m/s"), Field(ge=0)]
 Flux = Annotated[float, *unit("kg/m**2/s"), Field(gt=0)]
 
 
-class GasParticles(Table):
+class GasParticles(OfMaterial):
     """Equal spheres in a box that is open above; those of a file keep their own radii and speeds if it has them."""
+
+    of_material: ClassVar[dict[str, str]] = {name: name for name in ("density", "heat_capacity", "conductivity")}
 
     count: Annotated[Whole, Field(ge=1)] | None = Field(None, description="settled from a random start")
     file: str | None = Field(

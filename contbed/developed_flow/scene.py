@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from contbed.scene.quantities import Density, Fraction, Length, Number, Order, Positive, Switch, Table, Whole, unit
-from contbed.scene.tables import SceneBase
+from contbed.scene.tables import OfMaterial, SceneBase
 from contbed.two_fluid.scene import Flux, Gas, Named
 
 
@@ -43,7 +43,7 @@ class FullyDeveloped(Table):
     )
 
 
-class Solid(Table):
+class Solid(OfMaterial):
     """Equal spheres."""
 
     particle_diameter: Length

@@ -1,4 +1,4 @@
-"""Materials by name with the sources of their values, for [solid] and [fluid] tables: `material = "alumina"`.
+"""Materials by name with the sources of their values, for tables of solids and fluids: `material = "alumina"`.
 
 Properties are polynomials a0 + a1 T + a2 T^2 + ... of T [K], as in a scene. They follow the values of the source within
 `error`; where no source gives a property that holds for the material as such, it is absent and a scene has to give it.

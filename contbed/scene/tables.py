@@ -37,32 +37,62 @@ from contbed.scene.quantities import (
 from contbed.scene.toml_lines import Origin
 
 
-def _from_library(phase: str, values: Any) -> Any:
-    """Return a table with the properties of its `material` where it has none itself, at `temperature` if it is given.
+def _from_library(phase: str, values: Any, temperature: str = "temperature") -> Any:
+    """Return what the library knows of a table's `material`, at the temperature under the key `temperature` if given.
 
     Raises
     ------
     ValueError : no such material, or the temperature is out of its range
     """
-    if not isinstance(values, dict) or not isinstance(name := values.get("material"), str):
-        return values
     from contbed.scene.library import material
 
     try:
-        found = material(name, phase)
+        found = material(values["material"], phase)
     except SceneError as error:
         raise ValueError(str(error)) from None
     properties: dict[str, Any] = dict(found.properties())
-    if (given := values.get("temperature")) is not None:
+    if (given := values.get(temperature)) is not None:
         from contbed.scene.units import to_si
 
         low, high = found.T_range
         T = to_si(given, "K") if isinstance(given, str) else given
         if isinstance(T, bool) or not isinstance(T, int | float) or not low <= T <= high:
-            raise ValueError(f"temperature = {given!r}: {name} is known from {low:g} to {high:g} K")
+            raise ValueError(f"{temperature} = {given!r}: {found.name} is known from {low:g} to {high:g} K")
         properties = dict(found.at(float(T)))
-    constant = {key: a[0] if isinstance(a, tuple) and len(a) == 1 else a for key, a in properties.items()}
-    return constant | values
+    return {key: a[0] if isinstance(a, tuple) and len(a) == 1 else a for key, a in properties.items()}
+
+
+def _names_material(values: Any) -> bool:
+    return isinstance(values, dict) and isinstance(values.get("material"), str)
+
+
+class OfMaterial(Table):
+    """Particles whose properties may come from a material of the library, as constants.
+
+    `of_material` gives the key of each property that the table has.
+    """
+
+    of_material: ClassVar[dict[str, str]] = {"density": "density"}
+
+    material: str | None = Field(None, description="solid of the library; keys that are given replace its properties")
+    material_temperature: Temperature | None = Field(
+        None, description="at which properties of the material that vary are taken as constants"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _material(cls, values: Any) -> Any:
+        if isinstance(values, dict) and "material_temperature" in values and "material" not in values:
+            raise ValueError("material_temperature has no use without material")
+        if not _names_material(values):
+            return values
+        properties = _from_library("solid", values, "material_temperature")
+        known = {key: properties[name] for name, key in cls.of_material.items() if name in properties}
+        for key, value in known.items():
+            if isinstance(value, tuple) and key not in values:
+                name = values["material"]
+                raise ValueError(f"the {key} of {name} varies: give material_temperature, or {key} itself")
+        return known | values
 
 
 class FluidConstant(Table):
@@ -81,7 +111,7 @@ class FluidConstant(Table):
     def _material(cls, values: Any) -> Any:
         if isinstance(values, dict) and ("material" in values) != ("temperature" in values):
             raise ValueError("material and temperature belong together")
-        return _from_library("fluid", values)
+        return _from_library("fluid", values) | values if _names_material(values) else values
 
 
 class FluidCantera(Table):
@@ -123,7 +153,7 @@ class Solid(Table):
     def _material(cls, values: Any) -> Any:
         if isinstance(values, dict) and "temperature" in values and "material" not in values:
             raise ValueError("temperature has no use without material")
-        return _from_library("solid", values)
+        return _from_library("solid", values) | values if _names_material(values) else values
 
 
 class Closure(Table):

@@ -35,7 +35,7 @@ from contbed.scene.quantities import (
     form,
     unit,
 )
-from contbed.scene.tables import SceneBase
+from contbed.scene.tables import OfMaterial, SceneBase
 from contbed.two_fluid.heat.scene import Heat, HeatOfWall, Temperatures
 
 Speed = Annotated[float, *unit("m/s")]
@@ -81,7 +81,7 @@ class Friction(Table):
     angle: Angle = 0.49742
 
 
-class Solid(Table):
+class Solid(OfMaterial):
     """Equal spheres."""
 
     particle_diameter: Length

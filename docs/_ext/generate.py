@@ -237,7 +237,7 @@ def correlations(folder: Path, figures: Path) -> None:
     page(
         folder / "materials.md",
         "Materials",
-        "For `material` in `[solid]` and `[fluid]`.",
+        "For `material` in `[solid]` and `[fluid]`, in `[species.NAME]` of bubbling beds and `[particles]` with gas.",
         *(f"## `{name}`\n\n```text\n{data_sheet(name)}\n```" for name in MATERIALS),
     )
 

@@ -1,5 +1,8 @@
 """Materials by name: their values against the tables of their sources, and how a scene uses them."""
 
+import tomllib
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,6 +12,8 @@ from contbed.loading import from_dict
 from contbed.scene.identity import resolved
 from contbed.scene.library import MATERIALS, data_sheet
 
+STUDIES = Path(__file__).parents[2] / "studies"
+INERT, SOLID = ("species", "inert"), ("solid",)
 BED = {
     "mesh": {"type": "line", "length": 0.5},
     "fluid": {"material": "solar_salt", "temperature": "340 degC"},
@@ -107,3 +112,42 @@ def test_scenes_from_dicts_and_short_reprs():
     assert text.startswith("<Result of a packed_bed scene: ok; ") and len(text) < 250
     with pytest.raises(SceneError, match=r"scene:1: bed.porosity = 2: out of range"):
         cb.load({**BED, "bed": {"porosity": 2, "particle_diameter": 0.01}})
+
+
+def scene_with(path, table, added, removed=()):
+    """Return the scene of a study with keys of one table added and removed."""
+    values = tomllib.loads((STUDIES / path).read_text())
+    values.pop("output", None)
+    part = values
+    for name in table:
+        part = part[name]
+    part |= added
+    for key in removed:
+        part.pop(key)
+    return cb.load(values)
+
+
+def test_particles_of_other_scenes_are_of_a_material():
+    hot = {"material": "alumina", "material_temperature": "850 degC", "density": 3600.0}
+    found = scene_with("bubbling_bed_case1/p1.toml", INERT, hot).species["inert"]
+    exact = MATERIALS["alumina"].at(1123.15)
+    assert found.density == 3600.0  # what is given replaces what the library has
+    assert found.heat_capacity == pytest.approx(exact["heat_capacity"], rel=1e-14)
+    assert found.thermal_conductivity == pytest.approx(exact["conductivity"], rel=1e-14)
+    assert found.conductivity == 2e4  # that of mixing is not the material's
+    riser = scene_with("two_fluid_checks/cooling.toml", SOLID, {"material": "FCC"}, ["density"])
+    assert riser.solid.density == 1400.0
+
+
+@pytest.mark.parametrize(
+    ("added", "part"),
+    [
+        ({"material": "alumina"}, "heat_capacity of alumina varies: give material_temperature"),
+        ({"material": "alumina", "material_temperature": 3000.0}, "known from 293 to 1773 K"),
+        ({"material_temperature": 300.0}, "no use without material"),
+        ({"material": "sandd", "material_temperature": 300.0}, "did you mean 'sand'"),
+    ],
+)
+def test_mistakes_of_species(added, part):
+    with pytest.raises(SceneError, match=part):
+        scene_with("bubbling_bed_case1/p1.toml", INERT, added)
