@@ -140,7 +140,7 @@ def settle(
 
 @contextmanager
 def _place(folder: Path | None) -> Iterator[Path]:
-    """Give the folder that LAMMPS runs in; a temporary one stays if something fails, for its log."""
+    """Give the folder that LAMMPS runs in; a temporary one stays where LAMMPS stops with an error, for its log."""
     if folder is not None:
         place = folder / FOLDER
         place.mkdir(parents=True, exist_ok=True)
@@ -149,7 +149,9 @@ def _place(folder: Path | None) -> Iterator[Path]:
     place = Path(tempfile.mkdtemp(prefix="contbed-lammps-"))
     try:
         yield place
-    except KeyboardInterrupt:
+    except EngineError:
+        raise
+    except BaseException:
         shutil.rmtree(place, ignore_errors=True)
         raise
     shutil.rmtree(place, ignore_errors=True)

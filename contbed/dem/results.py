@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from contbed.balance import Balance
 from contbed.dem.network import Cell, Layers
 from contbed.dem.plan import ParticlePlan
+from contbed.dem.statistics import surface
 from contbed.fields import header
 from contbed.result import Result
 
@@ -23,6 +24,8 @@ def fill(result: Result, plan: ParticlePlan, found: Layers | Cell, contacts: int
         _fill_layers(result, plan, found)
     k = found.mean
     result.qoi |= {"porosity": plan.porosity, "coordination": 2.0 * contacts / len(plan.x), "k_eff [W/m/K]": k}
+    if scene.packing is not None:
+        result.qoi["height [m]"] = surface(plan.x, plan.radius)
     if scene.conduction.fluid is not None:
         result.qoi["k_eff_over_k_fluid"] = k / scene.conduction.fluid
     if scene.lattice is not None:

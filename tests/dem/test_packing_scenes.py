@@ -67,11 +67,13 @@ def test_a_packing_settles_and_conducts(bed, tmp_path):
     wanted = network.between_layers(bed.position, pairs, parts, hot, cold, 36 * R**2)
     assert result.qoi["k_eff [W/m/K]"] == pytest.approx(wanted.conductivity, rel=1e-12)
     assert result.qoi["coordination"] == pytest.approx(bed.statistics["coordination"])
+    assert result.qoi["height [m]"] == pytest.approx(surface, rel=1e-12)
     assert 0.35 < result.qoi["porosity"] < 0.5  # walls loosen a bed three spheres wide
     again = changed(("[packing]\ncount = 70\n", f'[particles]\nfile = "{tmp_path / "packing.vtu"}"\n'))
     kept = again[: again.index("radius")] + again[again.index("[conduction]") :]
     ends = f"[layers]\nbottom = {2 * R}\ntop = {surface - 4 * R}\narea = {36 * R**2}\n"
-    assert cb.run(loads(kept + ends)).qoi == pytest.approx(result.qoi, rel=1e-12)
+    found = cb.run(loads(kept + ends)).qoi
+    assert found == pytest.approx({name: result.qoi[name] for name in found}, rel=1e-12)
 
 
 def test_plan_settles_nothing():
@@ -159,6 +161,17 @@ def test_walls_of_the_deck():
     for wall in (Plane((0, 0, 0), (1, 1, 0)), Tube((0, 0, 0), (0, 1, 0), 0.1), Cylinder((0.1, 0, 0), (0, 0, 1), 1.0)):
         with pytest.raises(SceneError, match="planes across x, y or z and a cylinder around the z axis"):
             lammps_deck.contact_commands(Material(), [wall])
+
+
+def test_a_log_stays_where_lammps_fails(program, tmp_path, monkeypatch):
+    monkeypatch.setattr(lammps_run.tempfile, "tempdir", str(tmp_path))
+    # a bed that does not come to rest leaves nothing
+    failures = {"raise SystemExit(1)": EngineError, "print('500 1\\nLoop time of 1')": ConvergenceError}
+    for code, kind in failures.items():
+        program(code)
+        with pytest.raises(kind):
+            pack((6 * R, 6 * R), count=70, material=Material(youngs_modulus=1e6), engine="lammps")
+        assert len(list(tmp_path.glob("contbed-lammps-*"))) == 1
 
 
 @pytest.fixture
