@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache, partial
 from types import SimpleNamespace
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
@@ -20,22 +20,11 @@ from contbed.bubbling_bed.equations import bed as model
 from contbed.bubbling_bed.equations import flow as bubbling_flow
 from contbed.closures.bubbles import GRAVITY
 from contbed.closures.reactions_solid import diffusion_in_nitrogen
-from contbed.errors import SceneError
 from contbed.materials.common import integrated, polynomial
 from contbed.scene.toml_lines import KeyPath
 
 SMOOTHED = 1e-3  # share of u_mf over which the excess of gas bends to zero where there is none
 LEAST = 1e-6  # share of u_mf that bubbles and emulsion carry at least, so that both have a temperature
-QUOTED = {"u": "m/s", "u_mf": "m/s", "u_e": "m/s", "u_b": "m/s", "d_b": "m", "delta": ""}
-COEFFICIENTS = {
-    "delta": "the volume of the bubbles",
-    "gas": "heat transfer to the gas",
-    "conduction": "axial mixing",
-    "pairs": "heat exchange between species",
-    "exchange": "heat exchange of the bubbles",
-    "contact": "heat transfer to surfaces",
-    "flows": "the flow",
-}
 STEPS = 200  # of the march that gives a first guess of the bubbles
 
 
@@ -361,44 +350,6 @@ class Computed:
     def parts(self) -> tuple[Any, ...]:
         """Physics joined to the bed."""
         return tuple(item.part for item in (self.chemistry, self.above) if item is not None)
-
-    def frozen(self, T: float, height: float) -> dict[str, Any]:
-        """Numbers at one temperature half way up, from which layers are predicted."""
-        at: dict[str, Any] = {f"T_{name}": np.full(1, T) for name in (*self.names, "emulsion", "bubble")}
-        if self.bubbling:
-            flows, sizes = self.march(T, np.array([0.0, 0.5 * height]))
-            at |= {"flow_bubble": flows[1:], "d_bubble": sizes[1:]}
-        o = SimpleNamespace(grad=lambda field: (0.0,), x=(np.full(1, 0.5 * height),))
-        with np.errstate(invalid="ignore"):  # what has no value is told below
-            local = self(SimpleNamespace(**at), o)
-        cp = {name: local.heat_capacity[name](T) for name in local.flows}
-
-        def number(value: Any) -> float:
-            return float(np.squeeze(value))
-
-        found: dict[str, Any] = {
-            "delta": number(local.delta),
-            "gas": {n: number(v) for n, v in local.gas.items()},
-            "conduction": {n: number(v) for n, v in local.conduction.items()},
-            "pairs": {n: number(v) for n, v in local.pairs.items()},
-            "exchange": number(local.exchange),
-            "contact": {n: number(v) for n, v in local.contact.items()},
-            "flows": {n: number(v * cp[n]) for n, v in local.flows.items()},
-        }
-        for key, value in found.items():
-            for name, each in value.items() if isinstance(value, dict) else (("", value),):
-                if not np.isfinite(each):
-                    self._refuse(T, key, name, {k: number(v) for k, v in local.state.items() if np.size(v) == 1})
-        return found
-
-    def _refuse(self, T: float, key: str, name: Any, state: dict[str, float]) -> NoReturn:
-        """Tell which coefficient has no value at the temperature at which layers are predicted."""
-        of = f" of {' and '.join(name) if isinstance(name, tuple) else name}" if name else ""
-        known = ", ".join(f"{k} = {state[k]:.3g} {unit}" for k, unit in QUOTED.items() if k in state)
-        raise SceneError(
-            f"{self.scene.origin.at(('species',))}: {COEFFICIENTS[key]}{of} has no value in a bed of {T:g} K, where "
-            f"{known}; choose other closures, or change gas.mass_flow"
-        )
 
 
 def _positive(x: Any, bend: Any) -> Any:

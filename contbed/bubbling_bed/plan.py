@@ -183,7 +183,9 @@ def coefficients(
 
 def typical_numbers(scene: b.BubblingScene, computed: Any) -> dict[str, Any]:
     """Return coefficients that follow the state at the highest temperature that the scene gives."""
-    found: dict[str, Any] = computed.frozen(_hot(scene), scene.bubbling_bed.height)
+    from contbed.bubbling_bed.frozen import frozen
+
+    found: dict[str, Any] = frozen(computed, _hot(scene), scene.bubbling_bed.height)
     return found
 
 
