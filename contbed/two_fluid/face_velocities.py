@@ -248,6 +248,10 @@ def predict_on_boundary(
         move_g, move_s = mobilities(dt, a_g, a_s, rho_g, rho_s)
         u_g, u_s = eliminate_drag(hg + dt * (weight - cross_p / rho_g), hs + dt * (weight - cross_p / rho_s), a_g, a_s)
         drop = (edge.p[b] - cells.p[c]) / distance
+        if u_s - move_s * drop < 0.0:
+            # no particles come back: those of the cell are held as by a sieve, and gas passes them
+            hs = u_s = move_s = 0.0
+            u_g, move_g = (hg + dt * (weight - cross_p / rho_g)) / (1.0 + a_g), dt / (1.0 + a_g) / rho_g
         out.star_gas[f], out.star_solid[f], out.mobility_gas[f], out.mobility_solid[f] = u_g, u_s, move_g, move_s
         out.upwind_gas[f], out.upwind_solid[f] = u_g - move_g * drop, u_s - move_s * drop
         out.h_gas[f], out.h_solid[f] = hg, hs

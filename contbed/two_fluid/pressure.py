@@ -69,7 +69,7 @@ def project(
     kinetic = properties.rheology.pressure * state.theta
     forces, resting = state.memory.gradients, model.no_cells
     if g.skewed:
-        forces, resting = force_gradients(state.p, kinetic, properties, forces, model)
+        forces, resting = force_gradients(state, kinetic, properties, forces, model)
         grad_gas = grad_gas + zero_slope_gradient(h_gas - state.u_gas, None, model)
         grad_solid = grad_solid + zero_slope_gradient(h_solid - state.u_solid, eps_s, model)
     rho_gas = materials.rho_gas * density_ratio(energy) * np.ones(len(eps_s))
@@ -138,13 +138,13 @@ def zero_slope_gradient(u: Array, eps_s: Array | None, model: Model) -> Array:
 
 
 def force_gradients(
-    p: Array, kinetic: Array, properties: Properties, last: ForceGradients, model: Model
+    state: State, kinetic: Array, properties: Properties, last: ForceGradients, model: Model
 ) -> tuple[ForceGradients, Flags]:
     """Gradients of p [Pa], kinetic pressure and potential at rest [m2/s2], for skewed grids; cells at rest.
 
-    The `last` gradients extend p and kinetic pressure to the walls.
+    The `last` gradients extend p and kinetic pressure to the walls. Drag acts on particles at rest as in the last step.
     """
-    g, edge, cells = model.grid.geometry, model.edge, model.boundary_cells
+    g, edge, cells, p = model.grid.geometry, model.edge, model.boundary_cells, state.p
     arm = g.arm_left[model.grid.interior :]
     values, slopes = np.stack((p, kinetic), axis=1), np.stack((last.p, last.kinetic), axis=1)
     given = values[cells] + np.einsum("bkd,bd->bk", slopes[cells], arm)
@@ -152,7 +152,8 @@ def force_gradients(
     given[outlet, 0] = edge.p[outlet]
     grad, rest = gradient(model.grid, values, given), np.empty((len(values), 1, arm.shape[1]))
     resting = np.zeros(len(p), dtype=np.bool_)
-    potential = properties.rheology.h
-    gradient_rest_potential(g, potential, p / model.materials.rho_solid, model.gravity, rest, resting)
+    potential, rho_s = properties.rheology.h, model.materials.rho_solid
+    drag = properties.drag[:, None] / rho_s * (state.u_gas - state.u_solid)
+    gradient_rest_potential(g, potential, p / rho_s, model.gravity, drag, rest, resting)
     parts = (np.ascontiguousarray(part) for part in (grad[:, 0], grad[:, 1], rest[:, 0]))
     return ForceGradients(*parts), resting

@@ -75,7 +75,7 @@ def initial_fluxes(state: State, dt: float, model: Model) -> State:
     if model.grid.skewed:
         kinetic, forces = properties.rheology.pressure * state.theta, memory.gradients
         for _ in range(WALL_EXTRAPOLATION_ROUNDS):
-            forces, _ = pressure.force_gradients(state.p, kinetic, properties, forces, model)
+            forces, _ = pressure.force_gradients(state, kinetic, properties, forces, model)
         state = replace(state, memory=memory._replace(gradients=forces))
     flat = np.zeros((*state.u_gas.shape, model.grid.dimension), order=model.grid.order)
     predicted = state.u_gas, state.u_solid, flat, flat

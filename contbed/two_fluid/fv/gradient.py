@@ -97,26 +97,35 @@ def gradient_solid(g: Geometry, s: Array, values: Array, edge: Array, out: Array
 
 
 @kernel
-def gradient_rest_potential(g: Geometry, h: Array, q: Array, gravity: Array, out: Array, resting: Flags) -> None:
+def gradient_rest_potential(
+    g: Geometry, h: Array, q: Array, gravity: Array, force: Array, out: Array, resting: Flags
+) -> None:
     """Gradient `out` (nc, 1, dim) of h + q - gravity . x with the friction potential h and q = p/rho_s [m2/s2].
 
-    This potential is uniform where particles rest on each other. The difference to a neighbour without friction, h = 0,
-    counts as zero. `resting` (nc,) marks the cells with friction, and their neighbours.
+    Where particles rest on each other it is the `force` (nc, dim) [m/s2] of the gas that passes them, uniform without
+    gas: least squares act on what the jumps have beside that of the force, which is added again, so that its curvature
+    is no slope to them. The difference to a neighbour without friction, h = 0, counts as zero. `resting` (nc,) marks
+    the cells with friction, and their neighbours.
     """
     dim = len(g.axes)
     out[:] = 0.0
     for c in range(len(h)):
         resting[c] = h[c] > 0.0
     for f in range(len(g.right)):
-        left, right = g.left[f], g.right[f]
+        left, right, w = g.left[f], g.right[f], g.weight[f]
         resting[left] |= h[right] > 0.0
         resting[right] |= h[left] > 0.0
         if h[left] > 0.0 and h[right] > 0.0:
             jump = h[right] + q[right] - h[left] - q[left]
             for d in range(dim):
-                jump -= gravity[d] * (g.arm_left[f, d] - g.arm_right[f, d])
+                mean = w * force[left, d] + (1.0 - w) * force[right, d]
+                jump -= (gravity[d] + mean) * (g.arm_left[f, d] - g.arm_right[f, d])
             for d in range(dim):
                 out[left, 0, d] += jump * g.slope_left[f, d]
                 out[right, 0, d] += jump * g.slope_right[f, d]
     if g.skewed:
         _extend_stencil(g, np.ones(len(h)), out)
+    for c in range(len(h)):
+        if h[c] > 0.0:
+            for d in range(dim):
+                out[c, 0, d] += force[c, d]
