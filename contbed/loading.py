@@ -156,6 +156,8 @@ def _validate(
         path, text = _translate(error, values, schema.of(model))
         if now := _present_name(path, model.renamed):
             text = f"this key is called '{now}' now"
+        elif len(path) == 1 and error["type"] == "extra_forbidden":
+            text = model.refused.get(str(path[0]), text)
         elif error["type"] == "missing" and _former_name_is_given(path, values, model.renamed):
             continue
         problems.append((path, text))

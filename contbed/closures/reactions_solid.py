@@ -86,6 +86,21 @@ SULPHATION = Law(
     unit="1/s per cm2/g",
 )
 
+T_850C = 1123.15  # [K]
+SULPHATE_REDUCTION = Law(
+    "kikuchi",
+    "CaSO4 + CO <-> CaO + SO2 + CO2",
+    float(np.exp(57.8e3 * 4.184 / R_GAS / T_850C)),
+    0.0,
+    57.8e3 * 4.184 / R_GAS,
+    {"CO": 1.0},
+    (1073.0, 1473.0),
+    "Kikuchi, Iwasaki, Hatsuyama, Morita 1983, J. Fuel Soc. Jpn. 62, 204-210: first order in CO and sulphate, "
+    "activation energy of the slow step; rate constant by the scene",
+    unit="over that at 850 degC",
+)
+"""Growth with temperature alone: no published rate constant could be confirmed, so that a scene gives its own."""
+
 
 def carbon_per_oxygen(T: Any) -> Any:
     """Moles of carbon that one mole of O2 burns, phi = (2 + 2 beta)/(2 + beta), CO/CO2 = beta = 2512 exp(-6240/T).

@@ -56,7 +56,11 @@ def radiation_is_complete(
     if radiation.level == "ordinates" and mesh.dimension > 1:
         yield ("radiation", "level"), f"ordinates need a line; use p1; see {see('mesh.type')}"
     if radiation.level == "ordinates" and heat is not None:
-        yield ("radiation", "level"), f"ordinates solve [radiation] alone; with [heat] use p1; see {see('heat')}"
+        yield (
+            ("radiation", "level"),
+            "ordinates solve [radiation] alone, as with [heat] the intensities of all directions would be unknowns of "
+            f"each step of Newton's method; use p1, and compare both levels without [heat]; see {see('heat')}",
+        )
     if radiation.level == "two_flux" and mesh.dimension > 1:
         yield ("radiation", "level"), f"the two-flux method needs a line; use p1; see {see('mesh.type')}"
     if radiation.level == "rosseland":

@@ -220,6 +220,8 @@ class SceneBase(Table):
     kind: ClassVar[str]
     # former names of keys, for the message that names the present one; NAME is any name
     renamed: ClassVar[Mapping[str, str]] = {}
+    # tables of other kinds that this one does not take: why, and what to do
+    refused: ClassVar[Mapping[str, str]] = {}
 
     title: str = ""
 

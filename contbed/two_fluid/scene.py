@@ -215,6 +215,10 @@ class TwoFluidScene(SceneBase):
 
     kind: ClassVar[str] = "two_fluid"
     renamed: ClassVar[Mapping[str, str]] = {"solid.diameter": "particle_diameter"}
+    refused: ClassVar[Mapping[str, str]] = {
+        "radiation": "two fluids exchange heat by convection and conduction alone, as radiation between particles that "
+        "move would be solved anew in each time step; use [bubbling_bed] or a packed bed of the mean porosity with it"
+    }
 
     mesh: Mesh
     two_fluid: TwoFluid

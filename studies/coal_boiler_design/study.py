@@ -15,6 +15,10 @@ from studies._gallery import Table, Tables
 HERE = Path(__file__).parent
 HEIGHT = 1.2  # of the bed [m]
 OUT = {"tubes.perimeter": 60.0, "gas.mass_flow": 9.5}  # too many tubes for little air
+TUBES = (54.0, 50.0, 46.0, 42.0, 38.0, 34.0)  # perimeters [m], of beds from 815 to 975 degC
+RATE = {
+    "reactions.sulphate_reduction.rate_constant": 4e-7
+}  # 1/Pa/s at 850 degC: assumed, no published value is confirmed
 NOT_COMPARED = ("open",)
 KEPT = ("T_ash_mid_K", "T_char_mid_K", "tubes_convection_W", "tubes_radiation_W", "top_radiation_W",
         "combustion_efficiency", "carbon_conversion", "oxygen_ratio", "x_O2_dry", "x_CO_dry", "x_SO2_dry",
@@ -41,7 +45,22 @@ def compute() -> Tables:
         row |= {name: summary["qoi"][name] for name in KEPT}
         out.append(row | {"open": max(abs(item["relative_residual"]) for item in summary["balances"].values())})
     out.append(_out(out))
-    return {"results": Table.of(sorted(out, key=lambda row: (row["tube_area_m2"], row["air_kg_s"])), ".6g")}
+    results = Table.of(sorted(out, key=lambda row: (row["tube_area_m2"], row["air_kg_s"])), ".6g")
+    return {"results": results, "capture": captured()}
+
+
+def captured() -> Table:
+    """Sulphur captured over the temperature of the bed, with sulphate that CO takes apart and without."""
+    rows = []
+    for perimeter in TUBES:
+        found = [
+            cb.run(cb.load(HERE / "boiler.toml", {"tubes.perimeter": perimeter} | more), quiet=True).qoi
+            for more in ({}, RATE)
+        ]
+        names = ("sulphur_capture", "sulphur_capture_with_reduction")
+        row = {"tube_area_m2": perimeter * HEIGHT, "T_bed_degC": found[0]["T_ash_mid_K"] - 273.15}
+        rows.append(row | {name: qoi["sulphur_capture"] for name, qoi in zip(names, found, strict=True)})
+    return Table.of(rows, ".6g")
 
 
 def _out(burning: list[dict[str, Any]]) -> dict[str, Any]:
@@ -77,4 +96,18 @@ def plot(tables: Tables) -> dict[str, Any]:
         ):
             axes.plot(tubes[lit], y[np.searchsorted(flows, air[lit])], linestyle="", clip_on=False, **how)
         axes.set(title=title, xlabel="tube area in the bed [m2]", ylabel="excess air [%]")
-    return {"design": figure}
+    return {"design": figure, "capture": _plot_capture(tables["capture"])}
+
+
+def _plot_capture(table: Table) -> Any:
+    """Both curves over the temperature of the bed, and the temperature at which boilers have their optimum."""
+    figure, axes = gallery.figure(1, 1, size=(5.5, 4.0))
+    for name, text in (
+        ("sulphur_capture", "sulphate stays"),
+        ("sulphur_capture_with_reduction", "CO takes sulphate apart"),
+    ):
+        axes.plot(table["T_bed_degC"], 100.0 * table[name], marker="o", label=text)
+    axes.axvline(reference(), linestyle="--", linewidth=0.8, color="grey", label="boilers are run here")
+    axes.set(xlabel="bed temperature [degC]", ylabel="sulphur captured [%]")
+    axes.legend()
+    return figure

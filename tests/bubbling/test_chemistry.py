@@ -14,7 +14,11 @@ from contbed.closures import reactions_solid as rs
 from contbed.errors import SceneError
 from contbed.fem.dual import Dual
 
-ALL = [law for laws in (r.LAWS | rs.CHAR_LAWS).values() for law in laws.values()] + [rs.CALCINATION, rs.SULPHATION]
+ALL = [law for laws in (r.LAWS | rs.CHAR_LAWS).values() for law in laws.values()] + [
+    rs.CALCINATION,
+    rs.SULPHATION,
+    rs.SULPHATE_REDUCTION,
+]
 T = np.array([600.0, 900.0, 1123.0, 1500.0])
 GAS = {item.name: item for item in cantera.Species.list_from_file("nasa_gas.yaml")}
 SOLID = {item.name: item for item in cantera.Species.list_from_file("nasa_condensed.yaml")}
@@ -182,6 +186,21 @@ def test_lime_calcines_above_its_equilibrium_and_fills_with_sulphate():
     )
     surface = rs.lime_surface(np.array([1000.0, 1248.0, 1500.0]))
     assert surface[1] > 7000 and surface[0] < 10 and surface[2] < 10
+
+
+def test_sulphate_gives_off_sulphur_dioxide_up_to_its_equilibrium():
+    """The rate constant of the scene at 850 degC, first order in CO beyond equilibrium and in sulphate, 0 behind it."""
+    lime = cr.Lime("stone", 1e-3, 2600.0, None, 1.0, 0.4, 2e-7)
+    p = {"CO": 500.0, "CO2": 0.0, "SO2": 0.0}
+    assert lime.reduction_rate(1123.15, p, 3.0) == pytest.approx(2e-7 * 500.0 * 3.0, rel=1e-6)
+    assert lime.reduction_rate(1123.15, p | {"CO": 1000.0}, 3.0) == pytest.approx(2e-7 * 1000.0 * 3.0, rel=1e-6)
+    growth = np.exp(57.8e3 * 4.184 / r.R_GAS * (1.0 / 1123.15 - 1.0 / 1200.0))
+    assert lime.reduction_rate(1200.0, p, 3.0) == pytest.approx(2e-7 * growth * 500.0 * 3.0, rel=1e-6)
+    K = float(np.exp(thermo.ln_equilibrium({"CaSO4": -1, "CO": -1, "CaO": 1, "SO2": 1, "CO2": 1}, 1123.15)))
+    equal = p | {"CO2": 15000.0, "SO2": K * 101325.0 * 500.0 / 15000.0}
+    assert lime.reduction_rate(1123.15, equal, 3.0) < 2e-4 * lime.reduction_rate(1123.15, p, 3.0)
+    beyond = equal | {"SO2": 2.0 * equal["SO2"]}
+    assert 0.0 < lime.reduction_rate(1123.15, beyond, 3.0) < 1e-6 * lime.reduction_rate(1123.15, p, 3.0)
 
 
 @pytest.mark.parametrize("name", FUELS)

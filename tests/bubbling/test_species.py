@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 import contbed as cb
 from contbed.bubbling_bed.chemistry import reactions as cr
 from contbed.bubbling_bed.chemistry import thermo
+from contbed.bubbling_bed.chemistry.scene import SulphateReduction
 from contbed.bubbling_bed.equations.species import Gas, SourceTerms, Species
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
@@ -45,6 +46,28 @@ def test_a_combustor_burns_its_coal(burning):
     # what is not captured leaves with the gas, but for 0.3 % in volatile matter that is drained
     S = (qoi["x_SO2_wet"] + qoi["x_H2S_wet"]) * qoi["gas_out_mol_s"]
     assert pytest.approx((1.0 - qoi["sulphur_capture"]) * burning.balances["S"]["in"], rel=0.02) == S
+
+
+@pytest.mark.slow
+def test_carbon_monoxide_takes_sulphur_from_the_lime(burning):
+    """Elements and energy close as without; capture falls, by more where the rate is larger."""
+    captured = [burning.qoi["sulphur_capture"]]
+    for constant in (1e-7, 1e-6):
+        scene = combustor(stone=True)
+        table = SulphateReduction(rate_constant=constant)
+        reactions = scene.reactions.model_copy(update={"sulphate_reduction": table})
+        captured.append(solved(scene.model_copy(update={"reactions": reactions})).qoi["sulphur_capture"])
+    assert captured[0] > captured[1] > captured[2] > 0.0
+
+
+def test_sulphate_reduction_needs_sulphate_and_a_rate():
+    """By key: there is no default, as no published constant is confirmed."""
+    reactions = tables(stone=True)["reactions"]
+    without = {key: value for key, value in reactions.items() if key != "sulphation"}
+    with pytest.raises(SceneError, match="there is no sulphate without"):
+        combustor(stone=True, reactions=without | {"sulphate_reduction": {"rate_constant": 1e-7}})
+    with pytest.raises(SceneError, match=r"sulphate_reduction\.rate_constant"):
+        combustor(stone=True, reactions=reactions | {"sulphate_reduction": {}})
 
 
 def test_profiles_are_fractions(burning):

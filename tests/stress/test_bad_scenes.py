@@ -2,11 +2,13 @@
 
 import math
 import string
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import contbed
 from contbed.errors import SceneError
 from contbed.loading import load, loads
 from contbed.packed_bed.scene import Scene
@@ -515,3 +517,11 @@ def test_any_damage_to_the_text_gives_a_scene_or_clear_lines(start, length, inse
         assert all(1 <= int(line.split(":")[1]) <= count for line in error.problems)
     else:
         assert isinstance(scene, Scene)
+
+
+def test_a_table_of_another_physics_is_refused_with_a_remedy():
+    """Two fluids take no radiation: by line, with the physics that do."""
+    scene = (Path(contbed.__file__).parent / "two_fluid" / "template.toml").read_text(encoding="utf-8")
+    line = len(scene.splitlines()) + 1
+    with pytest.raises(SceneError, match=rf":{line}: radiation: two fluids exchange heat by .* use .bubbling_bed. or"):
+        loads(scene.rstrip("\n") + '\n[radiation]\nlevel = "ordinates"\n')

@@ -30,7 +30,9 @@ def reactions_have_what_they_need(
     for name in ("drying", "devolatilisation", *reactions.of_char):
         if getattr(reactions, name) is not None and fuel is None:
             yield ("reactions", name), "there is no [fuel]"
-    for name in ("calcination", "sulphation"):
+    if reactions.sulphate_reduction is not None and reactions.sulphation is None:
+        yield ("reactions", "sulphate_reduction"), "there is no sulphate without reactions.sulphation"
+    for name in ("calcination", "sulphation", "sulphate_reduction"):
         if getattr(reactions, name) is not None and limestone is None:
             yield ("reactions", name), "there is no [limestone]"
     for name, laws in (LAWS | CHAR_LAWS).items():

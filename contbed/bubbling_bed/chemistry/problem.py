@@ -92,7 +92,7 @@ def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
             out.append(cr.Char(fuel.species, diameter, fuel.char_density, fuel.char_model, fuel.sherwood, laws))
     if (stone := scene.limestone) is not None:
         item = scene.species[stone.species]
-        taking = table.sulphation
+        taking, giving = table.sulphation, table.sulphate_reduction
         out.append(
             cr.Lime(
                 stone.species,
@@ -101,6 +101,7 @@ def reactions_of(scene: Any, data: FuelData | None) -> tuple[Any, ...]:
                 table.calcination and table.calcination.factor,
                 taking and taking.factor,
                 taking.maximum_conversion if taking else 1.0,
+                giving and giving.rate_constant,
             )
         )
     return tuple(out)
@@ -136,8 +137,12 @@ def _makes(item: Any) -> set[str]:
     if isinstance(item, cr.Char):
         out = {name for law, _ in item.reactions.values() for name in law.stoichiometry if name != "C"}
         return out | ({"CO"} if "char_combustion" in item.reactions else set())
-    calcines, takes = item.calcination is not None, item.sulphation is not None
-    return ({"CO2"} if calcines else set()) | ({"SO2", "O2"} if takes else set())
+    calcines, takes, gives = (part is not None for part in (item.calcination, item.sulphation, item.reduction))
+    return (
+        ({"CO2"} if calcines else set())
+        | ({"SO2", "O2"} if takes else set())
+        | ({"CO", "CO2", "SO2"} if gives else set())
+    )
 
 
 @dataclass(eq=False)

@@ -17,6 +17,12 @@ from contbed.closures import reactions_solid as rs
 from contbed.closures.reactions import R_GAS
 
 CARBON = dv.ATOMIC["C"]
+SMALL_CO = 0.1  # [Pa] over which the release of SO2 falls to 0 at equilibrium; beds hold 10 Pa of CO and more
+OF_LIME = {
+    "calcination": rs.CALCINATION,
+    "sulphation": rs.SULPHATION,
+    "sulphate_reduction": rs.SULPHATE_REDUCTION,
+}
 
 
 def law_of(name: str, table: Any) -> r.Law:
@@ -180,7 +186,7 @@ class Char:
 
 @dataclass(frozen=True)
 class Lime:
-    """Calcination towards equilibrium, and uptake of SO2 by lime."""
+    """Calcination towards equilibrium, uptake of SO2 by lime, and its release by CO."""
 
     species: str
     diameter: float
@@ -188,11 +194,16 @@ class Lime:
     calcination: float | None  # factors
     sulphation: float | None
     maximum: float
+    reduction: float | None = None  # rate constant of sulphate with CO at 850 degC [1/Pa/s]
 
     @property
     def names(self) -> tuple[str, ...]:
         """Keys of the scene."""
-        wanted = (("calcination", self.calcination), ("sulphation", self.sulphation))
+        wanted = (
+            ("calcination", self.calcination),
+            ("sulphation", self.sulphation),
+            ("sulphate_reduction", self.reduction),
+        )
         return tuple(name for name, factor in wanted if factor is not None)
 
     @property
@@ -201,7 +212,7 @@ class Lime:
         return thermo.table()["CaCO3"].molar_mass / self.density
 
     def __call__(self, state: State, terms: SourceTerms) -> None:
-        """Add calcination and the uptake of SO2."""
+        """Add calcination, and the uptake and release of SO2."""
         T, T_gas, p, x = state.T[self.species], state.T["emulsion"], state.pressure, state.x["emulsion"]
         if self.calcination is not None:
             rate = self.calcination_rate(T, x["CO2"] * p, state.solid["CaCO3"], state.solid["CaO"])
@@ -212,6 +223,11 @@ class Lime:
             rate = self.sulphation_rate(T, SO2, state.solid["CaO"], state.solid["CaSO4"])
             rate = rate * O2 / (O2 * O2 + (10.0 * small) ** 2) ** 0.5
             terms.particle(self.species, {"SO2": -rate, "O2": -0.5 * rate}, {"CaO": -rate, "CaSO4": rate}, state)
+        if self.reduction is not None:
+            pressures = {name: x[name] * p for name in ("CO", "CO2", "SO2")}
+            rate = self.reduction_rate(T, pressures, state.solid["CaSO4"])
+            gases = {"CO": -rate, "CO2": rate, "SO2": rate}
+            terms.particle(self.species, gases, {"CaSO4": -rate, "CaO": rate}, state)
 
     def calcination_rate(self, T: Any, p_CO2: Any, CaCO3: Any, CaO: Any) -> Any:
         """Return the net rate at which amounts of solids form CaO [amount/s]."""
@@ -230,6 +246,15 @@ class Lime:
         left = CaO + CaSO4 - CaSO4 / self.maximum
         return k * SO2 * self.volume * rs.positive(left, 1e-9)
 
+    def reduction_rate(self, T: Any, p: dict[str, Any], CaSO4: Any) -> Any:
+        """Return the rate at which amounts of sulphate give off SO2 [amount/s], by pressures of CO, CO2 and SO2 [Pa].
+
+        It falls to 0 where these are in equilibrium, and what lies beyond is the uptake's.
+        """
+        law = rs.SULPHATE_REDUCTION
+        equal = p["CO2"] * p["SO2"] * np.exp(-thermo.ln_equilibrium(law.stoichiometry, T)) / thermo.P_STANDARD
+        return (self.reduction or 0.0) * law.constant(T) * CaSO4 * rs.positive(p["CO"] - equal, SMALL_CO)
+
 
 def used_laws(reactions: tuple[Any, ...]) -> Iterator[tuple[str, str, r.Law]]:
     """Yield (reaction, phase whose temperature counts, law) of all reactions that run."""
@@ -241,4 +266,4 @@ def used_laws(reactions: tuple[Any, ...]) -> Iterator[tuple[str, str, r.Law]]:
                 yield name, item.species, law
         elif isinstance(item, Lime):
             for name in item.names:
-                yield name, item.species, rs.CALCINATION if name == "calcination" else rs.SULPHATION
+                yield name, item.species, OF_LIME[name]

@@ -109,6 +109,14 @@ class Sulphation(Table):
     maximum_conversion: Annotated[Number, Field(gt=0, le=1)] = Field(0.4, description="of CaO, when its pores are full")
 
 
+class SulphateReduction(Table):
+    """CaSO4 with CO to CaO, SO2 and CO2, up to equilibrium; measured constants differ, so there is no default."""
+
+    rate_constant: Annotated[float, *unit("1/Pa/s"), Field(gt=0)] = Field(
+        description="of sulphate at 850 degC, per pressure of CO; measured, or fitted to a boiler"
+    )
+
+
 class Reactions(Table):
     """Reactions that run."""
 
@@ -130,6 +138,7 @@ class Reactions(Table):
     reforming: Reaction | None = None
     calcination: Calcination | None = None
     sulphation: Sulphation | None = None
+    sulphate_reduction: SulphateReduction | None = None
 
     @property
     def homogeneous(self) -> dict[str, Reaction]:
