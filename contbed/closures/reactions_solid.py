@@ -95,8 +95,9 @@ SULPHATE_REDUCTION = Law(
     57.8e3 * 4.184 / R_GAS,
     {"CO": 1.0},
     (1073.0, 1473.0),
-    "Kikuchi, Iwasaki, Hatsuyama, Morita 1983, J. Fuel Soc. Jpn. 62, 204-210: first order in CO and sulphate, "
-    "activation energy of the slow step; rate constant by the scene",
+    "Kikuchi, Iwasaki, Hatsuyama, Morita 1983, J. Fuel Soc. Jpn. 62, 204-210 (J-STAGE jie1922/62/3): orders of the "
+    "first step, activation energy of the slow second one, 242 kJ/mol; Laasri, Carrillo Garcia, Chaouki 2024, "
+    "doi:10.1007/s10163-024-01968-w, find 140 kJ/mol; no measurement of the constant itself, which the scene gives",
     unit="over that at 850 degC",
 )
 """Growth with temperature alone: no published rate constant could be confirmed, so that a scene gives its own."""
