@@ -8,7 +8,7 @@ import pytest
 
 from contbed.dem import heat, network
 from contbed.dem.heat_pair import IMPACT, STATIC, correction
-from contbed.errors import SceneError
+from contbed.errors import ConvergenceError, SceneError
 
 PACKING = Path(__file__).parents[2] / "studies/zhou_2010_etc/packing.csv.gz"
 CLOSED = (True, True, True)
@@ -141,3 +141,30 @@ def test_a_periodic_chain_is_a_series(axis):
     wanted = np.zeros((3, 3))
     wanted[axis, axis] = 2.0
     assert cell.conductivity == pytest.approx(wanted, abs=1e-15)
+
+
+@pytest.mark.parametrize("fluid", [0.026, None], ids=["in air", "in a vacuum"])
+def test_multigrid_finds_what_factors_find(packing, fluid, monkeypatch):
+    # the residual is 1e-13 of the heat; in a vacuum conductances differ most
+    how = {"k_particle": 15.0, "k_fluid": fluid, "eps": 0.391}
+    wanted, _ = solved(packing, **how)
+    monkeypatch.setattr(network, "DIRECT", 100)
+    found, _ = solved(packing, **how)
+    assert found.conductivity == pytest.approx(wanted.conductivity, rel=1e-11)
+    apart = np.abs(found.T - wanted.T)
+    assert abs(found.imbalance) < 1e-11 and (np.isnan(apart) == np.isnan(wanted.T)).all()
+    assert 0.0 < np.nanmax(apart) < 1e-9  # K, of 100 between the layers
+    monkeypatch.setattr(network, "MOST_ITERATIONS", 3)
+    with pytest.raises(ConvergenceError, match="are not found in 3 iterations, residual"):
+        solved(packing, **how)
+
+
+def test_multigrid_finds_the_tensor_of_a_cell(monkeypatch):
+    x, box = random_cell(400)
+    pairs = heat.voronoi_pairs(x, box, CLOSED)
+    parts = heat.conductances(pairs, 0.05, heat.Conduction(3.0, 1.0, paths="columns"))
+    wanted = network.periodic_cell(len(x), pairs, parts, 1.0)
+    monkeypatch.setattr(network, "DIRECT", 100)
+    found = network.periodic_cell(len(x), pairs, parts, 1.0)
+    assert found.conductivity == pytest.approx(wanted.conductivity, rel=1e-11, abs=1e-11)
+    assert (found.conductivity != wanted.conductivity).any()
