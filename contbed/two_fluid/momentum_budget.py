@@ -5,7 +5,12 @@
 The pressure of the gas, and that of the particles, are those of the cells at floor and roof, so that the weight is what
 lies between the middles of these cells; an outlet has the pressure outside. Walls pull by the shear of both phases,
 the floor also by the viscous stress along its normal. What is missing is the error of the discretization: friction acts
-by a potential, which keeps a bed at rest but sums to the pressure on the floor only for fine cells.
+by a potential, which keeps a bed at rest. The force of a face, mean of eps_s times jump of h, is the jump of the
+frictional pressure to second order between cells that rub. Beside a cell without friction, at the surface or a bubble,
+it is less (0.6 of it where eps_s is 0.55 and 0.1): 1.2 % of the weight of a bubbling bed in 16 by 64 cells between slip
+walls, 4 % of that of 8 rows at rest. By the jump of the pressure itself, over eps_s of the opposite cells, the bubbling
+bed misses 0.06 % but that at rest 5 %, as the upper half of its last row hangs: its upper face has no particles and
+counts for nothing in the velocity of the row.
 """
 
 from __future__ import annotations

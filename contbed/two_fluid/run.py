@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.errors import ContbedError, SceneError
+from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.result import Result, timed
 from contbed.two_fluid import momentum_budget, plausibility, probes
 from contbed.two_fluid import plan as planning
@@ -144,7 +144,7 @@ def run(
 
             for stop in stops[stops > run.bed.state.time * (1.0 + 1e-12)]:
                 for time in (*(end for end in run.ends if run.bed.state.time < end < stop), stop):
-                    run.bed.advance(time, after_each_step)
+                    _advance(run, time, after_each_step)
                 run.take_row()
                 if folder is not None:
                     _keep(run, folder, label)
@@ -159,6 +159,25 @@ def run(
         text = f"{run.cut_steps} of {run.bed.state.steps} steps were shortened; particles would cross more than a cell"
         result.warnings.append(f"{where}: time.step = {step:g} s: {text}")
     result.warnings += plausibility.judge(scene, run.bed, result.profiles, run.largest_speed)
+
+
+def _advance(run: Run, time: float, after_each_step: Callable[[Simulation], None]) -> None:
+    """Advance the bed to `time` [s].
+
+    Raises
+    ------
+    ConvergenceError : a field is not finite, or too many iterations; of theta without guards it says what these do
+    """
+    try:
+        # numbers too large are found at the end of the step, with their field and place
+        with np.errstate(over="ignore", invalid="ignore"):
+            run.bed.advance(time, after_each_step)
+    except ConvergenceError as error:
+        if run.scene.two_fluid.guards or np.isfinite(run.bed.state.theta).all():
+            raise
+        where = run.scene.origin.at(("two_fluid", "guards"))
+        text = "without them shear heats the few particles beside dense ones without bound; set guards = true"
+        raise ConvergenceError(f"{error}; {where}: two_fluid.guards = false: {text}") from error
 
 
 def _rehearse(run: Run) -> list[ContbedError]:

@@ -2,8 +2,9 @@
 
 Two runs of a bed that bubbles agree in their statistics only: standard deviation, rate at which the signal rises
 through its mean, and frequency at the peak of the spectrum. The standard uncertainty of the first two comes from
-their scatter between blocks of a second (method of batch means), that of the peak is half of the resolution, one over
-the length of the measured record. The spectrum of the prediction is the mean over pieces as long as the measured
+their scatter between blocks of a second (method of batch means), that of the peak is the resolution, one over the
+length of the measured record: peaks of a bed that bubbles differ by as much from one record of 3 s to the next. The
+spectrum of the prediction is the mean over pieces as long as the measured
 record that overlap by half (Welch 1967, IEEE Trans. Audio Electroacoust. 15, 70, doi:10.1109/TAU.1967.1161901), so
 that both resolve the same.
 """
@@ -113,7 +114,7 @@ def statistics(interval: float, values: Array, record: float, noise: float = 0.0
     scatter = [float(np.std(parts, ddof=1) / np.sqrt(blocks)) for parts in (deviations, rates)]
     return Statistics(
         (float(values.std()), float(rises.sum() / length), peak),
-        (float(np.hypot(scatter[0], noise)), scatter[1], float(0.5 / record)),
+        (float(np.hypot(scatter[0], noise)), scatter[1], float(1.0 / record)),
     )
 
 

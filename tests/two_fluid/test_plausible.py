@@ -42,6 +42,22 @@ def test_a_fixed_step_within_its_bounds_stays():
     assert result.warnings == []
 
 
+@pytest.mark.filterwarnings("error")  # of numpy's numbers that are too large
+def test_a_run_without_guards_that_overheats_says_so(tmp_path):
+    """Particles between no-slip walls, few of them above many; what was computed before is kept."""
+    # theta overflows after 0.1 to 0.2 s and some 300 steps, with guards never
+    walls = BED["boundary"] | {"bottom": {"type": "inlet", "velocity": 0.4}}
+    table = {
+        "mesh": BED["mesh"] | {"length": 0.05, "cells": [10, 40]},
+        "boundary": walls,
+        "time": {"end": 0.5, "sample": 0.1},
+    }
+    table["initial"] = {"layer": [{"end": 0.15, "eps_s": 0.58}], "theta": 1e-4}
+    with pytest.raises(ConvergenceError, match=r"two_fluid\.guards = false: .*; set guards = true"):
+        cb.run(from_dict(BED | table | {"two_fluid": {"guards": False}}), tmp_path)
+    assert (tmp_path / "checkpoint.npz").is_file()
+
+
 def test_impossible_speeds_and_pressures_end_the_run(monkeypatch):
     """What weight, free fall and inlet give is exceeded where the bounds are made a thousand times as strict."""
     speed, drop = plausibility.largest_speed, plausibility.largest_pressure_drop

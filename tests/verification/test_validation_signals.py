@@ -89,7 +89,7 @@ def test_a_sine_has_its_deviation_its_crossings_and_its_peak():
     assert found.value[1] == pytest.approx(FREQUENCY, rel=1e-6)
     assert found.value[2] == pytest.approx(FREQUENCY, rel=5e-3)
     assert found.uncertainty[0] < 0.01 * AMPLITUDE
-    assert found.uncertainty[2] == pytest.approx(0.5 / 3.0)
+    assert found.uncertainty[2] == pytest.approx(1.0 / 3.0)
 
 
 def test_the_spectrum_holds_the_variance():
