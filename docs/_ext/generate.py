@@ -18,6 +18,7 @@ from markdown_text import code, escaped_dollars, lower_headings, page, plain, ta
 from notebooks import titles, write_page
 from pictures import plot_closure
 from typeset import Unreadable, equations
+from verification import write_page as write_verification
 
 from contbed import closures, editor, fields
 from contbed.closures import arguments, registry
@@ -128,7 +129,8 @@ def theory(folder: Path) -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     measured = readme[readme.index("Which of this was compared with measurements") :].partition("\n\n## ")[0]
     page(folder / "validation.md", "Compared with measurements", without_links(measured))
-    page(folder / "index.md", "Theory", THEORY, toctree(*names, "validation"))
+    write_verification(folder / "verification.md")
+    page(folder / "index.md", "Theory", THEORY, toctree(*names, "verification", "validation"))
 
 
 def scenes(folder: Path) -> None:

@@ -27,6 +27,15 @@ def blocks(page):
     return [(match[2], match[3], match[4]) for match in BLOCK.finditer(page.read_text(encoding="utf-8"))]
 
 
+def test_errors_against_exact_solutions_are_those_that_are_allowed():
+    from verification import cases
+
+    found = cases()
+    assert {case.model.partition(",")[0] for case in found} >= {"packed_bed", "radiation", "bubbling_bed", "two_fluid"}
+    for case in found:
+        assert 0.0 <= case.error <= case.allowed, case
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_blocks_of_toml_are_toml(page):
     for language, _, text in blocks(page):
