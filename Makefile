@@ -5,6 +5,9 @@ BIN := $(VENV)/bin
 # what gmsh's wheel needs to mesh a .geo, and what compiles the UFL forms; both are optional
 SYSTEM := libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1 gcc libc6-dev python3-dev
 
+# the browser of Debian, for the test of the report
+SYSTEM_BROWSER := chromium
+
 # the engine for MPI comes from the system, with the system's Python and NumPy; its environment sees both
 VENV_DOLFINX ?= .venv-dolfinx
 SYSTEM_DOLFINX := python3-dolfinx mpi-default-bin python3-venv gcc libc6-dev python3-dev
@@ -14,7 +17,7 @@ VENV_FLOORS ?= .venv-floors
 PYTHON_FLOORS ?= python3.11
 FLOORS := tests/unit tests/materials tests/closures/test_closure_values.py tests/stress/test_restart.py tests/dem/test_particle_scenes.py
 
-.PHONY: docs heater gallery test test-slow mutants test-floors test-dolfinx dolfinx system lint clean
+.PHONY: docs heater gallery test test-slow test-browser mutants test-floors test-dolfinx dolfinx system lint clean
 
 heater: $(BIN)/contbed
 	$(BIN)/contbed run studies/moving_bed_heater/heater.toml --out results/heater
@@ -36,6 +39,16 @@ test: system $(VENV)/.test
 
 test-slow: system $(VENV)/.test
 	$(BIN)/python -m pytest -q -n auto -m slow
+
+# the report in a browser without a screen; skipped by name where there is none
+test-browser: $(VENV)/.report
+	@if ! command -v $(SYSTEM_BROWSER) >/dev/null && [ "$$(id -u)" = 0 ]; then \
+	  apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qqy install --no-install-recommends $(SYSTEM_BROWSER) >/dev/null || true; fi
+	$(BIN)/python -m pytest -q -m slow tests/report/test_report.py -k browser
+
+$(VENV)/.report: $(VENV)/.test
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[report]'
+	@touch $@
 
 # breaks the package on purpose, line by line, and sees that a test fails
 mutants: $(VENV)/.test
