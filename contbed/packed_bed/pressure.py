@@ -70,7 +70,8 @@ def lifted(plan: Any, T: Array) -> str:
     """Return a warning where the fluid lifts the bed at temperatures of the fluid (n,) [K]; empty where it does not.
 
     The bed axis of round beds points upwards, and a bed that moves descends. A bed at rest on another mesh has no
-    direction, for which the warning is conditional. Walls without slip carry a part of the bed and are left out.
+    direction, for which the warning is conditional. Left out are walls without slip, which carry a part of the bed, and
+    particles that are not denser than the fluid.
     """
     medium, axis = plan.medium, plan.mesh.axis
     velocity, solid = float(plan.velocity[axis]), float(plan.velocity_solid[axis])
@@ -82,7 +83,7 @@ def lifted(plan: Any, T: Array) -> str:
     weight = (1.0 - medium.scene.bed.porosity) * (medium.solid.density(T) - density) * GRAVITY
     k = int(np.argmax(np.abs(gradient) - weight))
     found, held = float(np.abs(gradient)[k]), float(np.broadcast_to(weight, T.shape)[k])
-    if found <= held:
+    if held <= 0.0 or found <= held:  # particles no denser than the fluid are held by something else
         return ""
     known = upright or solid != 0.0
     return (

@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -34,6 +35,19 @@ def test_errors_against_exact_solutions_are_those_that_are_allowed():
     assert {case.model.partition(",")[0] for case in found} >= {"packed_bed", "radiation", "bubbling_bed", "two_fluid"}
     for case in found:
         assert 0.0 <= case.error <= case.allowed, case
+
+
+@pytest.mark.parametrize("broken", ["nan", ""])
+def test_an_error_that_is_no_number_is_refused(tmp_path, broken):
+    from verification import cases
+
+    for file in (ROOT / "studies").glob("*/*.csv"):
+        (tmp_path / file.parent.name).mkdir(exist_ok=True)
+        shutil.copyfile(file, tmp_path / file.parent.name / file.name)
+    table = tmp_path / "nakayama_2001" / "results.csv"
+    table.write_text(re.sub(r"[^,]+$", broken, table.read_text().rstrip()) + "\n")
+    with pytest.raises(ValueError, match=r"nan|NaN|could not convert"):
+        cases(tmp_path)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

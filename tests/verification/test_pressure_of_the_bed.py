@@ -210,6 +210,10 @@ def test_only_an_upward_flow_lifts_the_bed():
         assert bool(lifted(made, np.array([433.0]))) == (sign > 0)
 
 
+def test_particles_as_dense_as_the_fluid_are_held_by_something_else():
+    assert lifting(4.0, solid=bed(CONSTANT, 4.0)["solid"] | {"density": 1.2})[0] == []
+
+
 def test_the_hottest_fluid_lifts_first():
     """At the same mass flux viscosity grows and density falls with temperature; the weight hardly changes."""
     scene = from_dict(bed(STEAM, 2.0))
