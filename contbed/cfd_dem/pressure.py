@@ -11,6 +11,7 @@ Source: line relaxation with semi-coarsening, Trottenberg, Oosterlee and Schuell
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,17 +21,26 @@ from numpy.typing import NDArray
 from contbed.cfd_dem.grid import Tables
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Index = int | np.int64
 
 JOINED = 0.5  # conductance between joined columns over the sum of those that cross: they are twice as far apart
+# numba would compile functions once more for a Python 0
+FINEST = np.int64(0)  # level
+FIRST = np.int64(0)  # column of a level
 
 
-class Level(NamedTuple):
-    """One system on columns; arrays of shape (nx, ny, nz), conductances to the next cell in x, y and z [m3/s/Pa].
+class Levels(NamedTuple):
+    """The systems of all levels, the finest first: arrays (columns of all levels, nz).
 
-    The next cell after the last one is the first; without periodic sides their conductance is 0. `inverse` and `down`
-    are the factors of the columns: 1/pivot, and up/pivot.
+    `size` (levels, 2): numbers of columns in x and y. Column (i, j) of a level is first + i ny + j with its entry of
+    `first` (levels + 1,). Conductances to the next cell in x, y and z, and to outlets [m3/s/Pa]; the next cell after
+    the last one is the first, and without periodic sides their conductance is 0. `inverse` and `down` are the factors
+    of the columns: 1/pivot, and up/pivot.
     """
 
+    size: Integers
+    first: Integers
     east: Array
     north: Array
     up: Array
@@ -40,7 +50,6 @@ class Level(NamedTuple):
     down: Array
 
 
-@njit(cache=True, error_model="numpy")
 def solve(
     p: Array, conductance: Array, source: Array, tables: Tables, tolerance: float, most: int
 ) -> tuple[Array, int, float]:
@@ -59,178 +68,223 @@ def solve(
     -------
     pressure (c,) [Pa], iterations, residual over the right-hand side
     """
-    levels = _levels(conductance, tables)
-    finest = levels[0]
-    shape = finest.rest.shape
-    corrections = [np.zeros(level.rest.shape) for level in levels]
-    sources = [np.zeros(level.rest.shape) for level in levels]
-    p, q = p.copy().reshape(shape), np.empty(shape)
-    norm = np.sqrt((source * source).sum())
-    _residual(finest, source.copy().reshape(shape), p, q)
-    r = q.copy()
-    d = np.zeros(shape)
-    rho, steps = 1.0, 0
-    error = np.sqrt((r * r).sum())
-    while error > tolerance * norm and steps < most:
-        sources[0][:] = r
-        _cycle(levels, sources, corrections)
-        z = corrections[0]
-        new = (r * z).sum()
-        d = z + (new / rho if steps > 0 else 0.0) * d
-        rho = new
-        _residual(finest, np.zeros(shape), d, q)
-        alpha = -rho / (d * q).sum()
-        p += alpha * d
-        r += alpha * q
-        error = np.sqrt((r * r).sum())
-        steps += 1
-    return p.reshape(-1), steps, error / norm if norm > 0.0 else 0.0
-
-
-@njit(cache=True, error_model="numpy")
-def _levels(conductance: Array, tables: Tables) -> list[Level]:
-    """Build the system of the grid and the coarser ones, down to a single column."""
     nx, ny, nz = tables.shape
-    east, north, up, rest = [np.zeros((nx, ny, nz)) for _ in range(4)]
-    cell_face, face_cell = tables.cell_face, tables.face_cell
-    c = 0
-    for i in range(nx):
-        for j in range(ny):
-            for k in range(nz):
-                for side in range(6):
-                    f = cell_face[c, side]
-                    if face_cell[f, side % 2] < 0:
-                        rest[i, j, k] += conductance[f]
-                if nx > 1 and face_cell[cell_face[c, 1], 1] >= 0:
-                    east[i, j, k] = conductance[cell_face[c, 1]]
-                if ny > 1 and face_cell[cell_face[c, 3], 1] >= 0:
-                    north[i, j, k] = conductance[cell_face[c, 3]]
-                if face_cell[cell_face[c, 5], 1] >= 0:
-                    up[i, j, k] = conductance[cell_face[c, 5]]
-                c += 1
-    levels = [_factored(east, north, up, rest)]
-    while nx > 1 or ny > 1:
-        levels.append(_joined(levels[-1]))
-        nx, ny, nz = levels[-1].rest.shape
-    return levels
+    size, first = _sizes(nx, ny)
+    levels = Levels(size, first, *np.zeros((7, first[-1], nz)))
+    _assemble(conductance, tables.cell_face, tables.face_cell, levels)
+    p = p.reshape(-1, nz).copy()
+    steps, error = _conjugate_gradients(p, source.reshape(-1, nz), levels, tolerance, most)
+    return p.reshape(-1), steps, error
+
+
+@lru_cache(maxsize=16)
+def _sizes(nx: int, ny: int) -> tuple[Integers, Integers]:
+    """Numbers of columns of each level, down to a single one, and its first column."""
+    size = [(nx, ny)]
+    while size[-1] != (1, 1):
+        size.append(((size[-1][0] + 1) // 2, (size[-1][1] + 1) // 2))
+    return np.array(size), np.concatenate([[0], np.cumsum(np.prod(size, axis=1))])
 
 
 @njit(cache=True, error_model="numpy")
-def _factored(east: Array, north: Array, up: Array, rest: Array) -> Level:
+def _conjugate_gradients(p: Array, source: Array, levels: Levels, tolerance: float, most: int) -> tuple[int, float]:
+    """Improve the pressure (columns, nz); returns iterations, residual over the right-hand side."""
+    columns, nz = p.shape
+    corrections, sources = np.zeros_like(levels.rest), np.zeros_like(levels.rest)
+    nothing, d, q, r = np.zeros_like(p), np.zeros_like(p), np.zeros_like(p), np.zeros_like(p)
+    norm = np.sqrt(_dot(source, source, columns))
+    _residual(levels, FINEST, source, p, r)
+    rho, steps = 1.0, 0
+    error = np.sqrt(_dot(r, r, columns))
+    while error > tolerance * norm and steps < most:
+        for c in range(columns):
+            for k in range(nz):
+                sources[c, k] = r[c, k]
+        _cycle(levels, sources, corrections)
+        new = _dot(r, corrections, columns)
+        share = new / rho if steps > 0 else 0.0
+        for c in range(columns):
+            for k in range(nz):
+                d[c, k] = corrections[c, k] + share * d[c, k]
+        rho = new
+        _residual(levels, FINEST, nothing, d, q)
+        alpha = -rho / _dot(d, q, columns)
+        for c in range(columns):
+            for k in range(nz):
+                p[c, k] += alpha * d[c, k]
+                r[c, k] += alpha * q[c, k]
+        error = np.sqrt(_dot(r, r, columns))
+        steps += 1
+    return steps, error / norm if norm > 0.0 else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _dot(a: Array, b: Array, columns: int) -> float:
+    total = 0.0
+    for c in range(columns):
+        for k in range(a.shape[1]):
+            total += a[c, k] * b[c, k]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _assemble(conductance: Array, cell_face: Integers, face_cell: Integers, levels: Levels) -> None:
+    """Fill in the system of the grid and the coarser ones, down to a single column."""
+    nx, ny = levels.size[0]
+    nz = levels.rest.shape[1]
+    cell = 0
+    for c in range(nx * ny):
+        for k in range(nz):
+            for side in range(6):
+                f = cell_face[cell, side]
+                if face_cell[f, side % 2] < 0:
+                    levels.rest[c, k] += conductance[f]
+            east, north, up = cell_face[cell, 1], cell_face[cell, 3], cell_face[cell, 5]
+            if nx > 1 and face_cell[east, 1] >= 0:
+                levels.east[c, k] = conductance[east]
+            if ny > 1 and face_cell[north, 1] >= 0:
+                levels.north[c, k] = conductance[north]
+            if face_cell[up, 1] >= 0:
+                levels.up[c, k] = conductance[up]
+            cell += 1
+    for at in range(len(levels.size)):
+        if at > 0:
+            _join(levels, at)
+        _factor(levels, at)
+
+
+@njit(cache=True, error_model="numpy")
+def _factor(levels: Levels, at: Index) -> None:
     """Add the diagonal and the factors of the columns; a cell without any conductance gets a diagonal of 1."""
-    nx, ny, nz = rest.shape
-    diagonal, inverse, down = rest + up, np.empty(rest.shape), np.empty(rest.shape)
+    east, north, up, down = levels.east, levels.north, levels.up, levels.down
+    first = levels.first[at]
+    nx, ny = levels.size[at]
     for i in range(nx):
         for j in range(ny):
-            before_x, before_y = (i - 1) % nx, (j - 1) % ny
-            for k in range(nz):
-                value = diagonal[i, j, k] + east[i, j, k] + east[before_x, j, k]
-                value += north[i, j, k] + north[i, before_y, k]
+            c, before_x, before_y = first + i * ny + j, first + (i - 1) % nx * ny + j, first + i * ny + (j - 1) % ny
+            for k in range(up.shape[1]):
+                value = levels.rest[c, k] + up[c, k] + east[c, k] + east[before_x, k]
+                value += north[c, k] + north[before_y, k]
                 if k > 0:
-                    value += up[i, j, k - 1]
+                    value += up[c, k - 1]
                 if value == 0.0:
                     value = 1.0
-                diagonal[i, j, k] = value
-                pivot = value - (up[i, j, k - 1] * down[i, j, k - 1] if k > 0 else 0.0)
-                inverse[i, j, k] = 1.0 / pivot
-                down[i, j, k] = up[i, j, k] / pivot
-    return Level(east, north, up, rest, diagonal, inverse, down)
+                levels.diagonal[c, k] = value
+                pivot = value - (up[c, k - 1] * down[c, k - 1] if k > 0 else 0.0)
+                levels.inverse[c, k] = 1.0 / pivot
+                down[c, k] = up[c, k] / pivot
 
 
 @njit(cache=True, error_model="numpy")
-def _joined(fine: Level) -> Level:
-    """Join the columns two by two in x and in y; an odd one at the end stays alone."""
-    nx, ny, nz = fine.rest.shape
-    mx, my = (nx + 1) // 2, (ny + 1) // 2
-    east, north, up, rest = [np.zeros((mx, my, nz)) for _ in range(4)]
+def _join(levels: Levels, at: Index) -> None:
+    """Fill in a level: the columns of the one before two by two in x and in y; an odd one at the end stays alone."""
+    east, north, up, rest = levels.east, levels.north, levels.up, levels.rest
+    nx, ny = levels.size[at - 1]
     for i in range(nx):
         for j in range(ny):
             a, b = i // 2, j // 2
             crosses_x, crosses_y = (i + 1) % nx // 2 != a, (j + 1) % ny // 2 != b
-            for k in range(nz):
-                up[a, b, k] += fine.up[i, j, k]
-                rest[a, b, k] += fine.rest[i, j, k]
+            fine, coarse = levels.first[at - 1] + i * ny + j, levels.first[at] + a * levels.size[at, 1] + b
+            for k in range(up.shape[1]):
+                up[coarse, k] += up[fine, k]
+                rest[coarse, k] += rest[fine, k]
                 if crosses_x:
-                    east[a, b, k] += JOINED * fine.east[i, j, k]
+                    east[coarse, k] += JOINED * east[fine, k]
                 if crosses_y:
-                    north[a, b, k] += JOINED * fine.north[i, j, k]
-    return _factored(east, north, up, rest)
+                    north[coarse, k] += JOINED * north[fine, k]
 
 
 @njit(cache=True, error_model="numpy")
-def _cycle(levels: list[Level], sources: list[Array], corrections: list[Array]) -> None:
-    """Take one V-cycle: corrections[0] approximates the solution for sources[0]."""
-    last = len(levels) - 1
-    for at in range(last):
-        corrections[at][:] = 0.0
-        _sweep(levels[at], sources[at], corrections[at], False)
-        _restrict(levels[at], sources[at], corrections[at], sources[at + 1])
-    corrections[last][:] = 0.0
-    _sweep(levels[last], sources[last], corrections[last], False)
+def _cycle(levels: Levels, sources: Array, corrections: Array) -> None:
+    """Take one V-cycle: the finest part of `corrections` approximates the solution for that of `sources`."""
+    nz = sources.shape[1]
+    left = np.zeros((levels.first[1], nz))
+    for c in range(len(corrections)):
+        for k in range(nz):
+            corrections[c, k] = 0.0
+    last = len(levels.size) - 1
+    for at in range(last + 1):
+        _sweep(levels, at, sources, corrections, FIRST)
+        if at < last:
+            _residual(levels, at, sources, corrections, left)
+            _restrict(levels, at, left, sources)
     for at in range(last - 1, -1, -1):
-        fine, coarse = corrections[at], corrections[at + 1]
-        for i in range(fine.shape[0]):
-            for j in range(fine.shape[1]):
-                for k in range(fine.shape[2]):
-                    fine[i, j, k] += coarse[i // 2, j // 2, k]
-        _sweep(levels[at], sources[at], fine, True)
+        nx, ny = levels.size[at]
+        for i in range(nx):
+            for j in range(ny):
+                fine = levels.first[at] + i * ny + j
+                coarse = levels.first[at + 1] + i // 2 * levels.size[at + 1, 1] + j // 2
+                for k in range(nz):
+                    corrections[fine, k] += corrections[coarse, k]
+        _sweep(levels, at, sources, corrections, nx * ny - 1)
 
 
 @njit(cache=True, error_model="numpy")
-def _sweep(level: Level, source: Array, p: Array, backwards: bool) -> None:
-    """Solve the columns one after the other with the newest pressures beside (line Gauss-Seidel)."""
-    east, north, inverse, down = level.east, level.north, level.inverse, level.down
-    nx, ny, nz = p.shape
+def _sweep(levels: Levels, at: Index, source: Array, p: Array, begin: Index) -> None:
+    """Solve the columns one after the other with the newest pressures beside (line Gauss-Seidel).
+
+    `begin`: the column to begin with, the first one or the last, from which the sweep goes backwards.
+    """
+    east, north, inverse, down = levels.east, levels.north, levels.inverse, levels.down
+    first, nz = levels.first[at], p.shape[1]
+    nx, ny = levels.size[at]
     column = np.empty(nz)
     for number in range(nx * ny):
-        place = nx * ny - 1 - number if backwards else number
+        place = abs(begin - number)
         i, j = place // ny, place % ny
-        before_x, after_x, before_y, after_y = (i - 1) % nx, (i + 1) % nx, (j - 1) % ny, (j + 1) % ny
+        c = first + place
+        before_x, after_x = first + (i - 1) % nx * ny + j, first + (i + 1) % nx * ny + j
+        before_y, after_y = first + i * ny + (j - 1) % ny, first + i * ny + (j + 1) % ny
         for k in range(nz):
             column[k] = (
-                source[i, j, k]
-                + east[i, j, k] * p[after_x, j, k]
-                + east[before_x, j, k] * p[before_x, j, k]
-                + north[i, j, k] * p[i, after_y, k]
-                + north[i, before_y, k] * p[i, before_y, k]
+                source[c, k]
+                + east[c, k] * p[after_x, k]
+                + east[before_x, k] * p[before_x, k]
+                + north[c, k] * p[after_y, k]
+                + north[before_y, k] * p[before_y, k]
             )
         for k in range(1, nz):
-            column[k] += down[i, j, k - 1] * column[k - 1]
+            column[k] += down[c, k - 1] * column[k - 1]
         above = 0.0
         for k in range(nz - 1, -1, -1):
-            above = column[k] * inverse[i, j, k] + down[i, j, k] * above
-            p[i, j, k] = above
+            above = column[k] * inverse[c, k] + down[c, k] * above
+            p[c, k] = above
 
 
 @njit(cache=True, error_model="numpy")
-def _residual(level: Level, source: Array, p: Array, out: Array) -> None:
-    """Find what the pressure leaves of the source."""
-    east, north, up, diagonal = level.east, level.north, level.up, level.diagonal
-    nx, ny, nz = p.shape
+def _residual(levels: Levels, at: Index, source: Array, p: Array, out: Array) -> None:
+    """Find what the pressure leaves of the source in the columns of a level, in the first ones of `out`."""
+    east, north, up, diagonal = levels.east, levels.north, levels.up, levels.diagonal
+    first, nz = levels.first[at], p.shape[1]
+    nx, ny = levels.size[at]
     for i in range(nx):
         for j in range(ny):
-            before_x, after_x, before_y, after_y = (i - 1) % nx, (i + 1) % nx, (j - 1) % ny, (j + 1) % ny
+            left, c = i * ny + j, first + i * ny + j
+            before_x, after_x = first + (i - 1) % nx * ny + j, first + (i + 1) % nx * ny + j
+            before_y, after_y = first + i * ny + (j - 1) % ny, first + i * ny + (j + 1) % ny
             for k in range(nz):
-                out[i, j, k] = (
-                    source[i, j, k]
-                    - diagonal[i, j, k] * p[i, j, k]
-                    + east[i, j, k] * p[after_x, j, k]
-                    + east[before_x, j, k] * p[before_x, j, k]
-                    + north[i, j, k] * p[i, after_y, k]
-                    + north[i, before_y, k] * p[i, before_y, k]
+                out[left, k] = (
+                    source[c, k]
+                    - diagonal[c, k] * p[c, k]
+                    + east[c, k] * p[after_x, k]
+                    + east[before_x, k] * p[before_x, k]
+                    + north[c, k] * p[after_y, k]
+                    + north[before_y, k] * p[before_y, k]
                 )
             for k in range(nz - 1):
-                out[i, j, k] += up[i, j, k] * p[i, j, k + 1]
-                out[i, j, k + 1] += up[i, j, k] * p[i, j, k]
+                out[left, k] += up[c, k] * p[c, k + 1]
+                out[left, k + 1] += up[c, k] * p[c, k]
 
 
 @njit(cache=True, error_model="numpy")
-def _restrict(level: Level, source: Array, p: Array, coarse: Array) -> None:
-    """Sum what the pressure leaves of the source over the columns that are joined."""
-    left = np.empty(p.shape)
-    _residual(level, source, p, left)
-    coarse[:] = 0.0
-    for i in range(p.shape[0]):
-        for j in range(p.shape[1]):
-            for k in range(p.shape[2]):
-                coarse[i // 2, j // 2, k] += left[i, j, k]
+def _restrict(levels: Levels, at: Index, left: Array, sources: Array) -> None:
+    """Sum what the pressure leaves of the source over the columns that are joined: the source of the next level."""
+    nx, ny = levels.size[at]
+    for c in range(levels.first[at + 1], levels.first[at + 2]):
+        for k in range(left.shape[1]):
+            sources[c, k] = 0.0
+    for i in range(nx):
+        for j in range(ny):
+            coarse = levels.first[at + 1] + i // 2 * levels.size[at + 1, 1] + j // 2
+            for k in range(left.shape[1]):
+                sources[coarse, k] += left[i * ny + j, k]
