@@ -28,6 +28,7 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from contbed import threads
+from contbed.compiling import inner
 
 TICKET, ARRIVED, SIZE = 0, 8, 16  # places of the counters, 64 bytes apart: a cache line each
 LOOKS = 2000  # at the counter before the core is left to others, about 5 us
@@ -70,7 +71,7 @@ def take(crew: Crew) -> int:
     return int(_add(crew.counters, TICKET, 1) - crew.own[0])
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def finish(crew: Crew, pieces: int) -> None:
     """End a phase of so many pieces: wait until all threads have come here."""
     # each thread has taken one ticket beyond the last piece
@@ -78,7 +79,7 @@ def finish(crew: Crew, pieces: int) -> None:
     wait(crew)
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def wait(crew: Crew) -> None:
     """Wait until all threads have come here."""
     crew.own[1] += 1

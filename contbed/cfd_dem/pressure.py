@@ -19,6 +19,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from contbed.cfd_dem.grid import Tables
+from contbed.compiling import inner
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -118,7 +119,7 @@ def _conjugate_gradients(p: Array, source: Array, levels: Levels, tolerance: flo
     return steps, error / norm if norm > 0.0 else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@inner(cache=True, error_model="numpy")
 def _dot(a: Array, b: Array, columns: int) -> float:
     total = 0.0
     for c in range(columns):
@@ -153,7 +154,7 @@ def _assemble(conductance: Array, cell_face: Integers, face_cell: Integers, leve
         _factor(levels, at)
 
 
-@njit(cache=True, error_model="numpy")
+@inner(cache=True, error_model="numpy")
 def _factor(levels: Levels, at: Index) -> None:
     """Add the diagonal and the factors of the columns; a cell without any conductance gets a diagonal of 1."""
     east, north, up, down = levels.east, levels.north, levels.up, levels.down
@@ -175,7 +176,7 @@ def _factor(levels: Levels, at: Index) -> None:
                 down[c, k] = up[c, k] / pivot
 
 
-@njit(cache=True, error_model="numpy")
+@inner(cache=True, error_model="numpy")
 def _join(levels: Levels, at: Index) -> None:
     """Fill in a level: the columns of the one before two by two in x and in y; an odd one at the end stays alone."""
     east, north, up, rest = levels.east, levels.north, levels.up, levels.rest
@@ -194,7 +195,7 @@ def _join(levels: Levels, at: Index) -> None:
                     north[coarse, k] += JOINED * north[fine, k]
 
 
-@njit(cache=True, error_model="numpy")
+@inner(cache=True, error_model="numpy")
 def _cycle(levels: Levels, sources: Array, corrections: Array) -> None:
     """Take one V-cycle: the finest part of `corrections` approximates the solution for that of `sources`."""
     nz = sources.shape[1]
@@ -219,7 +220,7 @@ def _cycle(levels: Levels, sources: Array, corrections: Array) -> None:
         _sweep(levels, at, sources, corrections, nx * ny - 1)
 
 
-@njit(cache=True, error_model="numpy")
+@inner(cache=True, error_model="numpy")
 def _sweep(levels: Levels, at: Index, source: Array, p: Array, begin: Index) -> None:
     """Solve the columns one after the other with the newest pressures beside (line Gauss-Seidel).
 
@@ -251,7 +252,7 @@ def _sweep(levels: Levels, at: Index, source: Array, p: Array, begin: Index) -> 
             p[c, k] = above
 
 
-@njit(cache=True, error_model="numpy")
+@inner(cache=True, error_model="numpy")
 def _residual(levels: Levels, at: Index, source: Array, p: Array, out: Array) -> None:
     """Find what the pressure leaves of the source in the columns of a level, in the first ones of `out`."""
     east, north, up, diagonal = levels.east, levels.north, levels.up, levels.diagonal
@@ -276,7 +277,7 @@ def _residual(levels: Levels, at: Index, source: Array, p: Array, out: Array) ->
                 out[left, k + 1] += up[c, k] * p[c, k]
 
 
-@njit(cache=True, error_model="numpy")
+@inner(cache=True, error_model="numpy")
 def _restrict(levels: Levels, at: Index, left: Array, sources: Array) -> None:
     """Sum what the pressure leaves of the source over the columns that are joined: the source of the next level."""
     nx, ny = levels.size[at]

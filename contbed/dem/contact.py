@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from contbed.compiling import inner
 from contbed.dem.particles import Material, Particles
 from contbed.errors import SceneError
 
@@ -105,7 +106,7 @@ def contact_law(
     return ContactForce(force, load, Vector(sx, sy, sz), vn)
 
 
-@njit(error_model="numpy", fastmath=set(FAST))
+@inner(error_model="numpy", fastmath=set(FAST))
 def rolling_torque(
     normal: Vector, spin: Vector, radius: float, inertia: float, friction: float, normal_force: float, dt: float
 ) -> Vector:

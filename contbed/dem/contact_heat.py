@@ -14,9 +14,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from contbed.compiling import inner
 from contbed.dem.contact import Vector
 from contbed.dem.heat_impact import DURATION5, conductance_of, impact_of
 from contbed.dem.kernel_arrays import HEAT_PAIR, Row, Table
@@ -64,7 +64,7 @@ class ContactHeat:
         return np.broadcast_to(found, (len(materials),)).copy()
 
 
-@njit(error_model="numpy", nogil=True)
+@inner(error_model="numpy", nogil=True)
 def impact_conductance(at_rest: float, pair: Row, contact: Vector, speed: float, age: float, dt: float) -> float:
     """Evaluate the conductance [W/K] of a contact in a step: Eq. 7 as long as the impact lasts, Eq. 6 afterwards.
 

@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from contbed.compiling import inner
 from contbed.dem.contact import FAST, ContactConstants, Vector, contact_law, rolling_torque
 from contbed.dem.contact_heat import impact_conductance
 from contbed.dem.kernel_arrays import BLOCK, Array, Laws, Side, Spheres, Sums, Table
@@ -55,14 +55,14 @@ class Now(NamedTuple):
     across: int
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def empty_batch() -> Batch:
     """Allocate room for BATCH contacts, and for one more that is being looked at."""
     whole = np.empty((3, BATCH + 1), np.uint64)
     return Batch(np.empty(28 * BATCH + 1), whole[0], whole[1], whole[2], np.empty(BATCH, np.int64))
 
 
-@njit(error_model="numpy", fastmath=set(FAST), nogil=True)
+@inner(error_model="numpy", fastmath=set(FAST), nogil=True)
 def pair_forces(block: int, side: Side, sums: Sums, laws: Laws, step: float, dt: float, batch: Batch) -> None:
     """Find forces, torques and heat of the contacts of the rows of a block.
 
@@ -118,7 +118,7 @@ def pair_forces(block: int, side: Side, sums: Sums, laws: Laws, step: float, dt:
                 count, fresh = 0, 0
 
 
-@njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
+@inner(error_model="numpy", fastmath=set(FAST), forceinline=True)
 def _set_constants(b: Array, k: int, i: int, j: int, spheres: Spheres, pairs: Table) -> None:
     radius, mass = spheres.radius, spheres.mass
     pair = pairs[spheres.material[i], spheres.material[j]]
@@ -130,7 +130,7 @@ def _set_constants(b: Array, k: int, i: int, j: int, spheres: Spheres, pairs: Ta
     b[SLIDING + k] = pair.sliding_friction
 
 
-@njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
+@inner(error_model="numpy", fastmath=set(FAST), forceinline=True)
 def _close_batch(batch: Batch, count: int, fresh: int, side: Side, sums: Sums, laws: Laws, now: Now) -> None:
     """Gather velocities and springs, apply the laws, add. An arm is half the distance, MORE of it longer for i."""
     b, motion, pairs, spheres = batch.column, side.bodies.motion, side.pairs, side.spheres
@@ -167,7 +167,7 @@ def _close_batch(batch: Batch, count: int, fresh: int, side: Side, sums: Sums, l
         _exchange_heat(batch, count, side, sums, laws, now)
 
 
-@njit(error_model="numpy", fastmath=set(FAST))
+@inner(error_model="numpy", fastmath=set(FAST))
 def _add_contacts(batch: Batch, count: int, unequal: bool, spring: Array, sums: Sums, across: int) -> None:
     """Keep the springs; add forces and torques to particles i and j, or to what is carried to another block."""
     b, load, carried, more = batch.column, sums.load, sums.crossing.carried, 0.0
@@ -187,7 +187,7 @@ def _add_contacts(batch: Batch, count: int, unequal: bool, spring: Array, sums: 
             to[3], to[4], to[5] = torque
 
 
-@njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
+@inner(error_model="numpy", fastmath=set(FAST), forceinline=True)
 def _exchange_heat(batch: Batch, count: int, side: Side, sums: Sums, laws: Laws, now: Now) -> None:
     """Add the heat [W] that flows through the contacts of a batch."""
     b, T, kind, onset = batch.column, side.heat.T, side.spheres.material, side.pairs.onset
@@ -207,7 +207,7 @@ def _exchange_heat(batch: Batch, count: int, side: Side, sums: Sums, laws: Laws,
             sums.crossing.carried[m - now.across, 6] = -flow
 
 
-@njit(error_model="numpy", fastmath=set(FAST))
+@inner(error_model="numpy", fastmath=set(FAST))
 def _apply_law(b: Array, count: int, dt: float) -> None:
     """Find the columns of forces, torques and springs from those of vectors and velocities."""
     for k in range(count):
@@ -240,7 +240,7 @@ def _apply_law(b: Array, count: int, dt: float) -> None:
         )
 
 
-@njit(error_model="numpy", fastmath=set(FAST))
+@inner(error_model="numpy", fastmath=set(FAST))
 def _roll(batch: Batch, k: int, side: Side, sums: Sums, pairs: Table, now: Now) -> None:
     """Add the torque against rolling of a contact of a batch."""
     b, i, j, motion, spheres = batch.column, batch.i[k], batch.j[k], side.bodies.motion, side.spheres
@@ -262,7 +262,7 @@ def _roll(batch: Batch, k: int, side: Side, sums: Sums, pairs: Table, now: Now) 
             sums.crossing.carried[batch.place[k] - now.across, 3 + a] -= torque[a]
 
 
-@njit(error_model="numpy", fastmath=set(FAST), forceinline=True)
+@inner(error_model="numpy", fastmath=set(FAST), forceinline=True)
 def add(load: Array, i: int, force: Vector, torque: Vector) -> None:
     """Add a force [N] and a torque [N m] to those of a particle."""
     load[i, 0] += force.x

@@ -21,6 +21,7 @@ from numba import njit
 
 from contbed import barrier
 from contbed.barrier import Crew, finish, take, wait
+from contbed.compiling import inner
 from contbed.dem import contact, contact_heat, forces, heat_impact, kernel_arrays, neighbours, ordering, wall_forces
 from contbed.dem.forces import empty_batch, pair_forces
 from contbed.dem.kernel_arrays import BLOCK, Array, Blocks, Box, Indices, Interval, Laws, Room, Side, Sums, Table
@@ -45,7 +46,7 @@ class Outcome(NamedTuple):
     moved: float
 
 
-@njit(error_model="numpy", nogil=True)
+@inner(error_model="numpy", nogil=True)
 def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int, blocks: Blocks) -> None:
     """Take both half kicks of velocity Verlet, and move: after the second half of a step comes the first of the next.
 
@@ -89,7 +90,7 @@ def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int,
     blocks.largest[block], blocks.culprit[block] = top, worst
 
 
-@njit(error_model="numpy", nogil=True)
+@inner(error_model="numpy", nogil=True)
 def _measure_move(block: int, x: Array, x0: Array, largest: Array) -> None:
     """Find the largest distance squared from the positions at which the list was made [m2]."""
     top = 0.0
@@ -98,7 +99,7 @@ def _measure_move(block: int, x: Array, x0: Array, largest: Array) -> None:
     largest[block] = top
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def _culprit(culprits: Indices) -> int:
     """Return a particle that a block has reported, or -1."""
     for particle in culprits:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from contbed.compiling import inner
 from contbed.dem.kernel_arrays import (
     BLOCK,
     Array,
@@ -49,7 +50,7 @@ def image_shifts(box: Box) -> Array:
     return table
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def find_pairs(
     block: int, x: Array, radius: Array, pairs: Pairs, cells: Cells, first: Entries, box: Box, skin: float
 ) -> tuple[int, int]:
@@ -90,7 +91,7 @@ def find_pairs(
     return count[0], count[1]
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def _cells_after(home: int, at: tuple[int, int, int], cells: Cells, first: Entries, box: Box, near: Indices) -> int:
     """Find the particles in the cell `home` and in those around with a higher number; return the number of cells."""
     groups = 0
@@ -143,7 +144,7 @@ def find_incoming(pairs: Pairs, crossing: Crossing) -> None:
     start[0] = 0
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def carry_pairs(block: int, old: Pairs, new: Pairs, place: Entries) -> None:
     """Copy the histories of closed contacts of a block of the old order to the new list.
 
@@ -167,7 +168,7 @@ def carry_pairs(block: int, old: Pairs, new: Pairs, place: Entries) -> None:
                     break
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def find_near_walls(block: int, x: Array, radius: Array, near: NearWalls, walls: Table, skin: float) -> tuple[int, int]:
     """List the particles of a block near to walls; return how many there are, and one beyond a wall or -1."""
     room = len(near.wall) // len(near.used)
@@ -188,7 +189,7 @@ def find_near_walls(block: int, x: Array, radius: Array, near: NearWalls, walls:
     return total, lost
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def carry_walls(block: int, old: NearWalls, new: NearWalls, place: Entries) -> None:
     """Copy the histories of closed contacts with walls of a block of the old order to the new list."""
     room, room_new = len(old.wall) // len(old.used), len(new.wall) // len(new.used)
@@ -212,7 +213,7 @@ def carry_walls(block: int, old: NearWalls, new: NearWalls, place: Entries) -> N
             low += 1
 
 
-@njit(error_model="numpy", forceinline=True, nogil=True)
+@inner(error_model="numpy", forceinline=True, nogil=True)
 def wall_distance(x: float, y: float, z: float, wall: Row) -> tuple[float, float, float, float]:
     """Find the distance [m] of a point from a wall, positive in the bed, and the unit normal into the bed.
 

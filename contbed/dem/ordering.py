@@ -12,8 +12,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from contbed.compiling import inner
 from contbed.dem.kernel_arrays import BLOCK, Array, Box, Entries, Indices, Side, Sorting
 
 CUBE = 3  # bits of a cell's place in its cube, along each axis
@@ -38,7 +38,7 @@ class Cells(NamedTuple):
     bits: int
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def cells_around(corners: Array, box: Box, width: float, n: int) -> Cells:
     """Choose cells at least `width` [m] wide around n particles, not many more cells than particles."""
     origin, size, extent, count = np.empty(3), np.empty(3), np.empty(3), np.ones(3, np.int64)
@@ -63,7 +63,7 @@ def cells_around(corners: Array, box: Box, width: float, n: int) -> Cells:
         width *= 1.25
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def _bits(count: int) -> int:
     """Find the bits that the place in a cube needs."""
     bits = 0
@@ -72,7 +72,7 @@ def _bits(count: int) -> int:
     return bits
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def _numbered(origin: Array, size: Array, count: Indices, bits: int) -> Cells:
     """Give numbers to the cells of a cube, and to the cubes, along Morton curves."""
     inner, cubes = np.zeros((3, 1 << CUBE), np.int64), np.empty(3, np.int64)
@@ -103,7 +103,7 @@ def _numbered(origin: Array, size: Array, count: Indices, bits: int) -> Cells:
     return Cells(origin, size, count, inner, cube, cubes, bits)
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def number_of(cells: Cells, x: int, y: int, z: int) -> int:
     """Return the number of the cell at a place."""
     # an axis of few cells has cubes of fewer, so that the shift cannot be the constant CUBE
@@ -113,13 +113,13 @@ def number_of(cells: Cells, x: int, y: int, z: int) -> int:
     return int((cube << cells.bits) + inside + cells.inner[2, z & ((1 << sz) - 1)])
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def place_of(cells: Cells, position: float, axis: int) -> int:
     """Return the place of a position [m] along an axis, from 0."""
     return int(min(int((position - cells.origin[axis]) / cells.size[axis]), cells.along[axis] - 1))
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def find_cells(block: int, x: Array, cells: Cells, cell: Entries) -> None:
     """Find the number of the cell of each particle of a block."""
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(x))):
@@ -128,7 +128,7 @@ def find_cells(block: int, x: Array, cells: Cells, cell: Entries) -> None:
         )
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def sort(sorting: Sorting, cells: Cells) -> None:
     """Sort the particles by cell, those of a cell as they were (a counting sort)."""
     cell, order, place, first = sorting
@@ -149,7 +149,7 @@ def sort(sorting: Sorting, cells: Cells) -> None:
     first[0] = 0
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def reorder(block: int, old: Side, new: Side, order: Entries) -> None:
     """Copy the particles of a block of the new order from the old one."""
     a, b, is_warm, is_mixed = old.bodies, new.bodies, len(old.heat.T) > 0, not old.spheres.equal
@@ -170,7 +170,7 @@ def reorder(block: int, old: Side, new: Side, order: Entries) -> None:
             new.heat.inverse_capacity[i] = old.heat.inverse_capacity[k]
 
 
-@njit(nogil=True)
+@inner(nogil=True)
 def wrap(block: int, x: Array, box: Box, culprits: Indices, corners: Array) -> None:
     """Bring particles of a block into the periodic sides; note its corners, and one outside of the other sides."""
     lower, upper, periodic = box.lower, box.upper, box.periodic

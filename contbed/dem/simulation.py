@@ -108,7 +108,7 @@ class Simulation:
         self.gravity = np.array(gravity, dtype=np.float64)
         self.heat_capacity, self.T, self.heat_source = np.ones(n), np.empty(0), np.zeros(0)
         heat_pairs = self._set_temperatures(heat, T)
-        self._box = Box(np.array(domain.lower), np.array(domain.upper), np.array(domain.periodic))
+        self._box = Box(np.array(domain.lower, float), np.array(domain.upper, float), np.array(domain.periodic))
         with deferred_interrupt():
             self._laws = Laws(pair_table(materials), heat_pairs, wall_table(walls), image_shifts(self._box))
         spheres = Spheres(self.radius, self.mass, self.inertia, self.kind, self._equal)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from contbed.compiling import inner
 from contbed.dem.contact import FAST, ContactConstants, Vector, contact_law, rolling_torque
 from contbed.dem.forces import add
 from contbed.dem.kernel_arrays import Laws, Side, Sums
 from contbed.dem.neighbours import wall_distance
 
 
-@njit(error_model="numpy", fastmath=set(FAST), nogil=True)
+@inner(error_model="numpy", fastmath=set(FAST), nogil=True)
 def wall_forces(block: int, side: Side, sums: Sums, laws: Laws, now: float, dt: float) -> None:
     """Add the forces and torques of walls at rest; a wall counts as a plane of infinite mass.
 

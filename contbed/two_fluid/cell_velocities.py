@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contbed.two_fluid.boundary import OUTLET, Edge
-from contbed.two_fluid.compiled import UNDERFLOW, Array, kernel
+from contbed.two_fluid.compiled import UNDERFLOW, Array, inner, kernel
 from contbed.two_fluid.face_velocities import Cells, Velocities
 from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
@@ -39,7 +39,7 @@ class Gathered(NamedTuple):
     h_solid: Array
 
 
-@kernel
+@inner
 def solid_face_weight(there: float, here: float) -> float:
     """Weight in the least squares of a cell of a face with solids fraction `there`; tiny ones are left out."""
     share = neighbour_weight(there, here)

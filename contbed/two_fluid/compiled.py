@@ -1,23 +1,29 @@
 """How kernels are compiled, the types of their arguments, and two constants that all of them share.
 
 Kernels are kept on disk, and several threads may run them at the same time; a division by zero gives infinity as in
-numpy. Kernels of the kind `summing` may take sums in another order than written, always the same one.
+numpy. Kernels of the kind `summing` may take sums in another order than written, always the same one. Those of the
+kind `inner` are called by other kernels only.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import llvmlite.binding as llvm
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from contbed import compiling
+
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 Function = TypeVar("Function", bound=Callable[..., object])
+
+PLAIN: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True}
+SUMS = {"reassoc", "contract"}
 
 # pairs of arrays in a loop up to which LLVM compares their addresses, so as to make vectors of the loop; with its
 # defaults of 8 and 128 it leaves out loops over faces, which read 17 arrays and write 8
@@ -32,9 +38,19 @@ UNDERFLOW = 1e-60  # magnitudes below count as zero: products of two of them wou
 
 def kernel(function: Function) -> Function:
     """Compile a function of arrays."""
-    return cast(Function, njit(cache=True, error_model="numpy", nogil=True)(function))
+    return cast(Function, njit(**PLAIN)(function))
 
 
 def summing(function: Function) -> Function:
     """Compile a function whose sums may be reordered into vectors."""
-    return cast(Function, njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})(function))
+    return cast(Function, njit(**PLAIN, fastmath=SUMS)(function))
+
+
+def inner(function: Function) -> Function:
+    """Compile a function that only kernels call."""
+    return compiling.inner(**PLAIN)(function)
+
+
+def inner_summing(function: Function) -> Function:
+    """Compile a function that only kernels call, and whose sums may be reordered into vectors."""
+    return compiling.inner(**PLAIN, fastmath=SUMS)(function)

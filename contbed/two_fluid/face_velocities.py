@@ -18,7 +18,7 @@ from __future__ import annotations
 from typing import NamedTuple, TypeVar
 
 from contbed.two_fluid.boundary import GIVEN, OUTLET, Edge
-from contbed.two_fluid.compiled import SMALLEST, Array, Flags, kernel
+from contbed.two_fluid.compiled import SMALLEST, Array, Flags, inner, kernel
 from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.reconstruction import Reconstruction, face_value
@@ -105,7 +105,7 @@ def eliminate_drag(first: Value, second: Value, a_g: Value, a_s: Value) -> tuple
     return scale * ((1.0 + a_s) * first + a_g * second), scale * (a_s * first + (1.0 + a_g) * second)
 
 
-@kernel
+@inner
 def particle_force(weight: float, steep: float, opposite_mean: float, friction: float) -> float:
     """Acceleration of particles by gravity and by their own pressure.
 
@@ -115,7 +115,7 @@ def particle_force(weight: float, steep: float, opposite_mean: float, friction: 
     return weight - steep / (opposite_mean + SMALLEST) - friction
 
 
-@kernel
+@inner
 def drag_numbers(
     dt: float, drag: float, mean: float, upwind: float, rho_gas: float, rho_solid: float
 ) -> tuple[float, float]:
@@ -124,7 +124,7 @@ def drag_numbers(
     return a_g, dt * drag / rho_solid
 
 
-@kernel
+@inner
 def kept_residual(dt: float, hg: float, a_g: float, distance: float) -> float:
     """Share of the Rhie-Chow residual that is left after a step.
 
@@ -133,7 +133,7 @@ def kept_residual(dt: float, hg: float, a_g: float, distance: float) -> float:
     return (1.0 + a_g) / (1.0 + a_g + dt * abs(hg) / distance)
 
 
-@kernel
+@inner
 def mobilities(dt: float, a_g: float, a_s: float, rho_gas: float, rho_solid: float) -> tuple[float, float]:
     """Velocity of both phases per pressure gradient [m3 s/kg], with implicit drag."""
     scale = dt / (1.0 + a_g + a_s)
@@ -206,7 +206,7 @@ def predict_on_faces(
     predict_on_boundary(g, edge, dt, gravity, cells, velocities, gradients, out)
 
 
-@kernel
+@inner
 def predict_on_boundary(
     g: Geometry,
     edge: Edge,
@@ -271,13 +271,13 @@ def reconstruct_fractions(
     reconstruct_boundary_fractions(g, edge, field, predictor, out)
 
 
-@kernel
+@inner
 def carried_fraction(found: float, upwind: float, limited: bool) -> float:
     """Solids fraction `found` on a face within bounds: an empty cell gives nothing, whatever its slope is."""
     return min(max(0.0, found), MAX_OVERSHOOT * upwind) if limited else max(0.0, found)
 
 
-@kernel
+@inner
 def reconstruct_boundary_fractions(
     g: Geometry, edge: Edge, field: Reconstruction, predictor: FacePredictor, out: FaceFractions
 ) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contbed.two_fluid.boundary import OUTLET, Edge
 from contbed.two_fluid.cell_velocities import FaceVelocities
-from contbed.two_fluid.compiled import Array, kernel
+from contbed.two_fluid.compiled import Array, inner, kernel
 from contbed.two_fluid.face_velocities import FaceFractions, FacePredictor
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.state import Fluxes
@@ -25,7 +25,7 @@ def assemble_pressure(
     assemble_boundary_pressure(g, edge, fractions, predictor, coef, rhs)
 
 
-@kernel
+@inner
 def assemble_boundary_pressure(
     g: Geometry, edge: Edge, fractions: FaceFractions, predictor: FacePredictor, coef: Array, rhs: Array
 ) -> None:
@@ -75,7 +75,7 @@ def correct_fluxes(
         outflow_solid[c] /= g.volume[c]
 
 
-@kernel
+@inner
 def correct_boundary_fluxes(
     g: Geometry,
     edge: Edge,

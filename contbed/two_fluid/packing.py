@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contbed.two_fluid.compiled import Array, kernel
+from contbed.two_fluid.compiled import Array, inner, kernel
 from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.linear.cg import System
@@ -50,20 +50,20 @@ class Solids(NamedTuple):
     rho: float
 
 
-@kernel
+@inner
 def compaction_link(dt: float, drag: float, rho: float, area: float, distance: float) -> float:
     """Link of two cells by the pressure of the solids, which drag holds back."""
     return dt * dt * area / distance / (1.0 + dt * drag / rho)
 
 
-@kernel
+@inner
 def sound_share(coef: float, content_left: float, content_right: float) -> float:
     """Share of the compaction flux that becomes velocity, from the squared number of cells that sound crosses."""
     crossed = coef / min(content_left, content_right)
     return crossed / (1.0 + crossed)
 
 
-@kernel
+@inner
 def kept_compaction(mean: float, s_left: float, s_right: float, eps_max: float) -> float:
     """Compaction velocity over the flux per area; `mean` of eps_s on the face.
 

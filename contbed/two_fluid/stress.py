@@ -8,7 +8,7 @@ import numpy as np
 
 from contbed.two_fluid import boundary
 from contbed.two_fluid.boundary import OUTLET, WALL, Side
-from contbed.two_fluid.compiled import SMALLEST, Array, kernel
+from contbed.two_fluid.compiled import SMALLEST, Array, inner, kernel
 from contbed.two_fluid.fv.gradient import neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.operators import gradient
@@ -41,26 +41,26 @@ class Motion(NamedTuple):
     slip: Array
 
 
-@kernel
+@inner
 def face_viscosity(left: float, right: float) -> float:
     """Viscosity of a face: the harmonic mean, so that where there are no particles no stress passes."""
     return 2.0 * left * right / (left + right + SMALLEST)
 
 
-@kernel
+@inner
 def excess_viscosity(w: float, left: float, right: float, to_left: float, to_right: float) -> float:
     """Excess of the linear mean of the viscosities of two cells over the harmonic one, by `neighbour_weight`."""
     excess = w * left + (1.0 - w) * right - face_viscosity(left, right)
     return float(excess * min(to_left, to_right))
 
 
-@kernel
+@inner
 def traction(m: float, lam: float, divergence: float, n: float, shear: float) -> float:
     """Component of the stress on a face [Pa]; n of its normal, `shear` of (grad u + grad u^T) n."""
     return (lam - 2.0 / 3.0 * m) * divergence * n + m * shear
 
 
-@kernel
+@inner
 def stress_link(m: float, lam: float, excess: float, n: float, inverse_distance: float) -> float:
     """Link [Pa s/m] of one velocity component across a face, n of its normal."""
     return inverse_distance * (m + (m / 3.0 + lam) * n * n + EXCESS_IMPLICIT_FACTOR * excess)
@@ -116,7 +116,7 @@ def add_stress(g: Geometry, side: Side, fluid: Fluid, motion: Motion, system: Sy
     add_boundary_stress(g, side, fluid, motion, system, work)
 
 
-@kernel
+@inner
 def add_boundary_stress(g: Geometry, side: Side, fluid: Fluid, motion: Motion, system: System, work: Array) -> None:
     """Add the stress on boundary faces, see `add_stress`."""
     ni, dim = len(g.right), len(g.axes)

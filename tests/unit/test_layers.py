@@ -29,6 +29,7 @@ LAYERS = (
     ("solvers", "materials", "closures", "particle"),
     ("scene",),
     ("barrier",),
+    ("compiling",),
     ("threads",),
     ("fields", "errors", "versions", "interrupts", "compiled_cache", "quick_start", "terms"),
 )

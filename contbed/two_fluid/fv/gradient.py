@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.two_fluid.compiled import Array, Flags, kernel
+from contbed.two_fluid.compiled import Array, Flags, inner, kernel
 from contbed.two_fluid.fv.grid import Geometry
 
 # ratio of two solids fractions [-] below which the weight of the smaller one falls with the ratio
@@ -17,13 +17,13 @@ FEW_PARTICLES = 1e-2
 NO_PARTICLES = 1e-30  # [-] solids fraction that makes the ratio of two empty cells 1
 
 
-@kernel
+@inner
 def neighbour_weight(there: float, here: float) -> float:
     """Weight of a neighbour of solids fraction `there` for particles of fraction `here`: 1 unless those are few."""
     return min(1.0, (there + NO_PARTICLES) / (FEW_PARTICLES * here + NO_PARTICLES))
 
 
-@kernel
+@inner
 def _extend_stencil(g: Geometry, s: Array, out: Array) -> None:
     """Turn the least-squares right-hand sides in `out` into gradients over a cell and its neighbours."""
     sums = out.copy()
@@ -47,7 +47,7 @@ def _extend_stencil(g: Geometry, s: Array, out: Array) -> None:
                 out[c, k, d] = sums[c, k, d]
 
 
-@kernel
+@inner
 def add_boundary_gradient(g: Geometry, values: Array, edge: Array, out: Array) -> None:
     """Add the jumps from the cells to the boundary values `edge` (nb, m)."""
     ni = len(g.right)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.two_fluid.compiled import UNDERFLOW, Array, Flags, kernel
+from contbed.two_fluid.compiled import UNDERFLOW, Array, Flags, inner, kernel
 from contbed.two_fluid.fv.grid import Geometry
 
 MAX_LIMITER_ROUNDS = 50  # then each inflow shrinks to the room of its cell (test_limiter_fills_a_row_cell_by_cell)
@@ -24,7 +24,7 @@ MIN_COUNTED_CHANGE = 1e-9  # [-] change of eps_s from which on a limited flux is
 MIN_LEFT = 0.75  # share of its particles left in a cell, below which it gives its own values to its faces
 
 
-@kernel
+@inner
 def _fill(g: Geometry, dt: float, s: Array, source: Array, flux: Array, gain: Array, loss: Array, out: Array) -> None:
     """Set out = eps_s after the step with the volume flux [m3/s] and the source [1/s]; gain and loss of the cells."""
     ni = len(g.right)

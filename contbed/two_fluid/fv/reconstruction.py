@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from contbed.two_fluid.compiled import Array, Flags, kernel
+from contbed.two_fluid.compiled import Array, Flags, inner, kernel
 from contbed.two_fluid.fv.grid import Geometry
 
 
@@ -91,7 +91,7 @@ def convect(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None
     convect_at_boundary(g, flux, field, out)
 
 
-@kernel
+@inner
 def convect_at_boundary(g: Geometry, flux: Array, field: Reconstruction, out: Array) -> None:
     """Add what crosses the boundary, see `convect`."""
     u, grad, half_step, edge = field.values, field.gradient, field.half_step, field.edge
@@ -110,7 +110,7 @@ def convect_at_boundary(g: Geometry, flux: Array, field: Reconstruction, out: Ar
             out[c, k] -= rate * (value - u[c, k])
 
 
-@kernel
+@inner
 def face_value(
     g: Geometry, f: int, forward: bool, values: Array, grad: Array, half_step: Array, limited: bool
 ) -> float:

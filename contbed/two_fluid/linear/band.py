@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.two_fluid.compiled import Array, summing
+from contbed.two_fluid.compiled import Array, inner_summing, summing
 
 COLUMNS, TILE, STRIDE = 8, 16, 8208  # of a panel: columns in it, rows that are taken at once, rows of a column
 MARGIN, WIDEST = COLUMNS + TILE, STRIDE - COLUMNS - TILE
@@ -41,7 +41,7 @@ def factor(band: Array, width: int, panel: Array) -> bool:
     return True
 
 
-@summing
+@inner_summing
 def subtract(numbers: Array, at: Any, panel: Array, row: Any, length: Any) -> None:
     """Take from the `numbers` of a column what the columns in the panel, one below the other, contribute."""
     for tile in range(_ZERO, length, _TILE):

@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from contbed.two_fluid.compiled import Array, kernel, summing
+from contbed.two_fluid.compiled import Array, inner, inner_summing, kernel
 from contbed.two_fluid.fv.grid import Geometry
 
 QUIET, BESIDE, STIFF = 0, 1, 2  # cells that are not solved for, that lie beside a stiff one, that are
@@ -98,7 +98,7 @@ def solve(g: Geometry, system: System, explicit: float, tolerance: float, most: 
     return longest
 
 
-@kernel
+@inner
 def _rows(g: Geometry, state: Any) -> tuple[Any, Any, Any, Any]:
     """Set up the system of the STIFF cells and their neighbours.
 
@@ -128,7 +128,7 @@ def _rows(g: Geometry, state: Any) -> tuple[Any, Any, Any, Any]:
     return rank, cells, column, face
 
 
-@summing
+@inner_summing
 def _product(axes: tuple[int, ...], column: Any, values: Array, p: Array, q: Array) -> float:
     """Set q = p - values times the neighbours; return p . q."""
     total = 0.0
@@ -141,7 +141,7 @@ def _product(axes: tuple[int, ...], column: Any, values: Array, p: Array, q: Arr
     return total
 
 
-@summing
+@inner_summing
 def _advance(alpha: float, p: Array, q: Array, x: Array, r: Array) -> float:
     """Set x + alpha p and r - alpha q in place; return r . r."""
     total = 0.0
@@ -152,7 +152,7 @@ def _advance(alpha: float, p: Array, q: Array, x: Array, r: Array) -> float:
     return total
 
 
-@kernel
+@inner
 def _conjugate_gradients(
     axes: tuple[int, ...], column: Any, values: Array, x: Array, tolerance: float, most: int
 ) -> int:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contbed.barrier import Crew, wait
-from contbed.two_fluid.compiled import Array, Indices, kernel
+from contbed.two_fluid.compiled import Array, Indices, inner, kernel
 from contbed.two_fluid.fv.grid import Grid
 
 # longest over shortest distance of places up to which an axis is coarsened with the shortest one; smoothing does not
@@ -106,20 +106,20 @@ def empty_stencil(levels: Levels) -> Stencil:
     return Stencil(*(np.zeros(total) for _ in Stencil._fields))
 
 
-@kernel
+@inner
 def shared(levels: Levels, level: int) -> bool:
     """Whether threads share a lattice."""
     return blocks(levels, level) >= MIN_BLOCKS
 
 
-@kernel
+@inner
 def blocks(levels: Levels, level: int) -> int:
     """Return the number of blocks of a lattice."""
     nx, ny, nz = levels.size[level]
     return int((nx * ny * nz + BLOCK - 1) // BLOCK)
 
 
-@kernel
+@inner
 def share(crew: Crew, levels: Levels, level: int, count: int) -> tuple[int, int]:
     """Which of `count` equal pieces of a lattice a thread takes: the first, and the one after the last."""
     if shared(levels, level):
@@ -127,7 +127,7 @@ def share(crew: Crew, levels: Levels, level: int, count: int) -> tuple[int, int]
     return 0, count if crew.number == 0 else 0
 
 
-@kernel
+@inner
 def span(levels: Levels, level: int) -> tuple[Any, Any, Any, Any]:
     """First place of a lattice, the one after its last, and the distances of places along the second and third axis."""
     begin, s1 = np.uint64(levels.first[level]), np.uint64(levels.size[level, 0])
@@ -135,7 +135,7 @@ def span(levels: Levels, level: int) -> tuple[Any, Any, Any, Any]:
     return begin, begin + s2 * np.uint64(levels.size[level, 2]), s1, s2
 
 
-@kernel
+@inner
 def block(levels: Levels, level: int, number: int) -> tuple[Any, Any]:
     """First place of a block of a lattice, and the one after its last."""
     begin, end, _, _ = span(levels, level)
@@ -143,7 +143,7 @@ def block(levels: Levels, level: int, number: int) -> tuple[Any, Any]:
     return first, min(end, first + np.uint64(BLOCK))
 
 
-@kernel
+@inner
 def load_links(crew: Crew, levels: Levels, coef: Array, out: Stencil) -> None:
     """Set the links of the first lattice to those of the interior faces, `coef` (nf,)."""
     place = levels.place
@@ -238,7 +238,7 @@ def set_up_exchange(crew: Crew, levels: Levels, exchange: Exchange, out: Stencil
         _coarsen(crew, levels, out, work)
 
 
-@kernel
+@inner
 def _add_links(crew: Crew, levels: Levels, level: int, out: Stencil) -> None:
     """Add the links of each place of a lattice to the diagonal, and set its inverse."""
     _, _, s1, s2 = span(levels, level)
@@ -255,7 +255,7 @@ def _add_links(crew: Crew, levels: Levels, level: int, out: Stencil) -> None:
             inverse[p] = 1.0 / total if total > 0.0 else 0.0
 
 
-@kernel
+@inner
 def _coarsen(crew: Crew, levels: Levels, out: Stencil, rest: Array) -> None:
     """Set the systems of all coarser lattices from that of the first one; `rest` (total,) is a workspace.
 
@@ -279,7 +279,7 @@ def _coarsen(crew: Crew, levels: Levels, out: Stencil, rest: Array) -> None:
                 wait(crew)
 
 
-@kernel
+@inner
 def _empty_row(levels: Levels, level: int, row: int, out: Stencil) -> None:
     """Set the system of a row of a lattice to zero."""
     nx = levels.size[level, 0]
@@ -291,7 +291,7 @@ def _empty_row(levels: Levels, level: int, row: int, out: Stencil) -> None:
             out.slow[p] = 0.0
 
 
-@kernel
+@inner
 def _coarsen_row(levels: Levels, level: int, j: int, k: int, out: Stencil, rest: Array) -> None:
     """Add the row (j, k) of a lattice to its row on the next one."""
     dim = len(levels.axes)

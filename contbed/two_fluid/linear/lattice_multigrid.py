@@ -14,7 +14,7 @@ import numpy as np
 
 from contbed import barrier, threads
 from contbed.barrier import Crew, wait
-from contbed.two_fluid.compiled import Array, Indices, kernel, summing
+from contbed.two_fluid.compiled import Array, Indices, inner, inner_summing, kernel
 from contbed.two_fluid.fv.grid import Geometry, Grid, over_rows
 from contbed.two_fluid.fv.rows import Rows
 from contbed.two_fluid.linear.cg import System
@@ -44,7 +44,7 @@ PRESSURE_TOLERANCE, PRESSURE_ROUNDING, PRESSURE_ITERATIONS = 1e-11, 1e-16, 100
 Part = tuple[int, int]  # first block of a thread, and the one after the last
 
 
-@summing
+@inner_summing
 def _row(axes: tuple[int, ...], a: Stencil, x: Array, p: Any, s1: Any, s2: Any) -> Any:
     """Matrix times x at the place p."""
     one = np.uint64(1)
@@ -55,7 +55,7 @@ def _row(axes: tuple[int, ...], a: Stencil, x: Array, p: Any, s1: Any, s2: Any) 
     return found
 
 
-@summing
+@inner_summing
 def _smooth(levels: Levels, level: int, part: Part, a: Stencil, weight: float, b: Array, x: Array, out: Array) -> None:
     """Set out to x after one step of Jacobi."""
     _, _, s1, s2 = span(levels, level)
@@ -66,7 +66,7 @@ def _smooth(levels: Levels, level: int, part: Part, a: Stencil, weight: float, b
             out[p] = x[p] + weight * inverse[p] * (b[p] - _row(levels.axes, a, x, p, s1, s2))
 
 
-@summing
+@inner_summing
 def _residual(levels: Levels, level: int, part: Part, a: Stencil, b: Array, x: Array, out: Array) -> None:
     """Set out to what x leaves of b."""
     _, _, s1, s2 = span(levels, level)
@@ -76,7 +76,7 @@ def _residual(levels: Levels, level: int, part: Part, a: Stencil, b: Array, x: A
             out[p] = b[p] - _row(levels.axes, a, x, p, s1, s2)
 
 
-@kernel
+@inner
 def _restrict(crew: Crew, levels: Levels, level: int, r: Array, b: Array) -> None:
     """Set b on the next lattice to the sums of r."""
     nx, ny, nz = levels.size[level]
@@ -99,7 +99,7 @@ def _restrict(crew: Crew, levels: Levels, level: int, r: Array, b: Array) -> Non
                         b[to + i] += r[row + i]
 
 
-@kernel
+@inner
 def _correct(crew: Crew, levels: Levels, level: int, x: Array) -> None:
     """Add x of the next lattice to x of this one."""
     nx, ny, nz = levels.size[level]
@@ -120,7 +120,7 @@ def _correct(crew: Crew, levels: Levels, level: int, x: Array) -> None:
                 x[row + i] += x[at + i]
 
 
-@kernel
+@inner
 def _scale(levels: Levels, level: int, part: Part, weight: float, a: Stencil, b: Array, x: Array) -> None:
     """Set x to `weight` times b over the diagonal."""
     for number in range(part[0], part[1]):
@@ -129,7 +129,7 @@ def _scale(levels: Levels, level: int, part: Part, weight: float, a: Stencil, b:
             x[p] = weight * a.inverse[p] * b[p]
 
 
-@kernel
+@inner
 def _cycle(crew: Crew, levels: Levels, a: Stencil, b: Array, x: Array, other: Array) -> None:
     """Approximate solution x on the first lattice for the right-hand side b there; `other` is a workspace.
 
@@ -158,7 +158,7 @@ def _cycle(crew: Crew, levels: Levels, a: Stencil, b: Array, x: Array, other: Ar
         _smooth(levels, level, part, a, WEIGHTS[0], b, other, x)
 
 
-@kernel
+@inner
 def _meet(crew: Crew, levels: Levels, level: int) -> None:
     """Wait for the other threads if they share a lattice."""
     if shared(levels, level):
@@ -192,7 +192,7 @@ class End(NamedTuple):
     most: int
 
 
-@summing
+@inner_summing
 def _measure(levels: Levels, part: Part, by_largest: bool, inverse: Array, r: Array, out: Array) -> None:
     """Set `out` (blocks,) to the largest value of r in each block, or to its square in the norm of `inverse`."""
     for number in range(part[0], part[1]):
@@ -209,7 +209,7 @@ def _measure(levels: Levels, part: Part, by_largest: bool, inverse: Array, r: Ar
             out[number] = total
 
 
-@summing
+@inner_summing
 def _products(levels: Levels, part: Part, x: Array, y: Array, out: Array) -> None:
     """Set `out` (blocks,) to x . y in each block."""
     for number in range(part[0], part[1]):
@@ -220,7 +220,7 @@ def _products(levels: Levels, part: Part, x: Array, y: Array, out: Array) -> Non
         out[number] = found
 
 
-@kernel
+@inner
 def _turn(levels: Levels, part: Part, share_of_last: float, z: Array, direction: Array) -> None:
     """Set the direction to z plus a share of the last one."""
     for number in range(part[0], part[1]):
@@ -229,7 +229,7 @@ def _turn(levels: Levels, part: Part, share_of_last: float, z: Array, direction:
             direction[i] = z[i] + share_of_last * direction[i]
 
 
-@summing
+@inner_summing
 def _apply(levels: Levels, part: Part, a: Stencil, x: Array, y: Array, out: Array) -> None:
     """Set y to the matrix times x, and `out` (blocks,) to x . y in each block."""
     _, _, s1, s2 = span(levels, 0)
@@ -243,7 +243,7 @@ def _apply(levels: Levels, part: Part, a: Stencil, x: Array, y: Array, out: Arra
         out[number] = found
 
 
-@summing
+@inner_summing
 def _step(levels: Levels, part: Part, alpha: float, direction: Array, change: Array, x: Array, r: Array) -> None:
     """Add alpha times the direction to x, and take alpha times its `change` of the residual from r."""
     for number in range(part[0], part[1]):
@@ -253,7 +253,7 @@ def _step(levels: Levels, part: Part, alpha: float, direction: Array, change: Ar
             r[i] -= alpha * change[i]
 
 
-@kernel
+@inner
 def _together(parts: Array, by_largest: bool) -> float:
     """Sum, or largest value, of the `parts` (blocks,) in their order; not a number where one of them is none."""
     found = total = 0.0

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.two_fluid.compiled import Array, Indices, kernel
+from contbed.two_fluid.compiled import Array, Indices, inner, kernel
 from contbed.two_fluid.fv.grid import Grid, neighbours
 
 COARSEST = 60  # cells of a level that is solved directly
@@ -58,7 +58,7 @@ class Multigrid:
         return _solve(self.start, self.beside, value, rest, rhs, x) if np.isfinite(coef.sum() + rhs.sum()) else -1
 
 
-@kernel
+@inner
 def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]:
     """Return the number of the pair of each cell, and of pairs; without a strong link to a free cell it is alone."""
     count = len(start) - 1
@@ -78,7 +78,7 @@ def _pairs(start: Indices, beside: Indices, value: Array) -> tuple[Indices, int]
     return group, found
 
 
-@kernel
+@inner
 def _joined(
     start: Indices, beside: Indices, value: Array, rest: Array, group: Indices, found: int
 ) -> tuple[Indices, Indices, Array, Array]:
@@ -113,7 +113,7 @@ def _joined(
     return new_start, new_beside[:end].copy(), new_value[:end].copy(), new_rest
 
 
-@kernel
+@inner
 def _product(level: Level, x: Array, out: Array) -> None:
     """Matrix of a level times x."""
     start, beside, value, diagonal = level.start, level.beside, level.value, level.diagonal
@@ -124,7 +124,7 @@ def _product(level: Level, x: Array, out: Array) -> None:
         out[c] = total
 
 
-@kernel
+@inner
 def _sweep(level: Level, b: Array, x: Array, backwards: bool) -> None:
     """Gauss-Seidel over all cells."""
     start, beside, value, diagonal = level.start, level.beside, level.value, level.diagonal
@@ -136,7 +136,7 @@ def _sweep(level: Level, b: Array, x: Array, backwards: bool) -> None:
         x[c] = total / diagonal[c]
 
 
-@kernel
+@inner
 def _cycle(
     levels: list[Level],
     inverse: NDArray[np.floating[Any]],
@@ -192,7 +192,7 @@ def _cycle(
         _sweep(levels[at], b[at], x[at], True)
 
 
-@kernel
+@inner
 def _levels(start: Indices, beside: Indices, value: Array, rest: Array) -> list[Level]:
     """All levels, each with half or a quarter of the cells of the one before; the cells of the last are not joined."""
     levels = []

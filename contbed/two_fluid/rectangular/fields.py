@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from contbed.two_fluid.compiled import ZERO, Array, kernel
+from contbed.two_fluid.compiled import ZERO, Array, inner, kernel
 from contbed.two_fluid.fv.gradient import add_boundary_gradient, neighbour_weight
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.reconstruction import Reconstruction, convect_at_boundary, limited_increment
@@ -29,7 +29,7 @@ def gradient(g: Geometry, rows: Rows, values: Array, edge: Array, out: Array) ->
     add_boundary_gradient(g, values.T, edge, out.T)
 
 
-@kernel
+@inner
 def weigh_neighbours(rows: Rows, s: Array, to_left: Array, to_right: Array) -> None:
     """Weights (ni,) of the right cell for particles of the left one, and of the left cell for those of the right one.
 
@@ -74,7 +74,7 @@ def predictor_half_step(
                 out[k, c] -= 0.5 * dt * carrier[d, c] * grad[d, k, c]
 
 
-@kernel
+@inner
 def upwind_values(
     rows: Rows, k: int, r: int, start: Any, stop: Any, flow: Array, field: Reconstruction, out: Array
 ) -> None:

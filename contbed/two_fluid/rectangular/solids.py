@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contbed.two_fluid.compiled import SMALLEST, ZERO, Array, Flags, kernel
+from contbed.two_fluid.compiled import SMALLEST, ZERO, Array, Flags, inner, kernel
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.rows import Rows
 from contbed.two_fluid.linear.cg import System
@@ -17,7 +17,7 @@ from contbed.two_fluid.packing import (
 )
 
 
-@kernel
+@inner
 def add_outflow(g: Geometry, rows: Rows, factor: float, flux: Array, out: Array) -> None:
     """Add `factor` times what `flux` (nf,) takes out of each cell to `out` (nc,)."""
     for r in range(len(rows.length)):

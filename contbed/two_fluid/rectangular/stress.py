@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contbed.two_fluid.boundary import Side
-from contbed.two_fluid.compiled import ZERO, Array, kernel
+from contbed.two_fluid.compiled import ZERO, Array, inner, kernel
 from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.rows import Rows
 from contbed.two_fluid.linear.cg import System
@@ -21,7 +21,7 @@ from contbed.two_fluid.stress import (
 )
 
 
-@kernel
+@inner
 def _face_divergence(g: Geometry, rows: Rows, r: int, motion: Motion, out: Array) -> None:
     """Divergence (ni,) [1/s] of the velocity on the faces of row r."""
     d, face, left, right = rows.axis[r], rows.face[r], rows.left[r], rows.right[r]
