@@ -74,6 +74,7 @@ def summary(design: Design, found: Found, evaluations: Evaluations) -> dict[str,
         "status": found.status,
         "verdict": found.why,
         "versions": versions(),
+        "title": design.title,
         "design": design.file.name,
         "objective": {
             "formula": design.objective.text,

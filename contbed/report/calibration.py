@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from base64 import b64encode
 from collections.abc import Mapping
 from html import escape
@@ -10,20 +11,19 @@ from pathlib import Path
 from typing import Any
 
 from contbed.errors import ContbedError
-from contbed.output.folder import SUMMARY
+from contbed.output.folder import SUMMARY, read_summary
 from contbed.report import page
+from contbed.report.charts import COLOURS
+from contbed.report.linked import Column, Linked, linked, read_columns
 
 PICTURES = {"fit": "Measured and predicted", "residuals": "Residuals", "keys": "Keys"}
 ENDS = ("low", "high", "low of profile", "high of profile", "low of posterior", "high of posterior")
+MOST_SAMPLES = 2000  # of a posterior in linked plots, which more make slow
 
 
 def is_calibration(folder: Path) -> bool:
     """Return whether a folder holds a calibration."""
-    try:
-        content = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return False
-    return isinstance(content, dict) and "calibration" in content
+    return "calibration" in read_summary(folder)
 
 
 def of_calibration(folder: Path) -> str:
@@ -43,15 +43,107 @@ def of_calibration(folder: Path) -> str:
     )
     if data["kept back"]:
         text += f"; {data['kept back inside of the band']} of {data['kept back']} values kept back are in the band"
-    warnings = "".join(f"<li>{escape(warning)}</li>" for warning in found["warnings"])
+    made = page.Charts()
+    points = read_columns(folder / "points.csv")
     parts = [
-        f"<header><h1>{escape(title)}</h1><p class=quiet>{escape(text)}</p></header>",
-        page.section("Warnings", f'<ul class="warnings">{warnings}</ul>' if warnings else "", "warnings"),
+        page.header(title, text),
+        page.warnings(found["warnings"]),
         page.section("Fitted keys, intervals of 90 %", _keys(found["keys"]), "keys"),
+        page.section("Covariance of the keys, and correlation", _covariance(found), "covariance"),
         page.section("What the data see", _combinations(found), "combinations"),
+        page.section("Measured and predicted, each with its band", made.grid(_parity(points)), "parity"),
         *(page.section(name, _picture(folder / f"{file}.png"), file) for file, name in PICTURES.items()),
+        _compared(points).section("Linked plots", made.place),
+        *_posterior(folder / "posterior.csv", found, made),
+        page.section("All predicted values, in SI, bands of 90 %", _table(points), "points"),
     ]
-    return page.page(title, parts, [])
+    return page.page(title, parts, made)
+
+
+def _covariance(found: Mapping[str, Any]) -> str:
+    """Return covariance in the units of the keys, and correlation, as two tables."""
+    names, units = found["covariance"]["keys"], {name: about["unit"] for name, about in found["keys"].items()}
+    labels = [Column(name, units[name], ()).label for name in names]
+    both = ("covariance", found["covariance"]["matrix"]), ("correlation", found["correlation"])
+    return "".join(
+        page.table(
+            [what, *labels],
+            [[escape(label), *map(page.number, row)] for label, row in zip(labels, matrix, strict=True)],
+            range(1, 1 + len(names)),
+        )
+        for what, matrix in both
+    )
+
+
+def _parity(points: Mapping[str, Column]) -> list[dict[str, Any]]:
+    """Return a chart for each quantity: predicted over measured values, with the ends of the band."""
+    charts = []
+    kinds = zip(points["quantity"].values, points["unit"].values, strict=True)
+    for quantity, unit in dict.fromkeys(kinds):
+        here = [k for k, name in enumerate(points["quantity"].values) if name == quantity]
+        here = [k for k in here if points["measured"].values[k] is not None]
+        if not here:
+            continue
+        take = {name: [points[name].values[k] for k in here] for name in ("measured", "predicted", "low", "high")}
+        measured = take["measured"]
+        bars = {
+            "type": "data",
+            "symmetric": False,
+            "array": [high - value for high, value in zip(take["high"], take["predicted"], strict=True)],
+            "arrayminus": [value - low for low, value in zip(take["low"], take["predicted"], strict=True)],
+        }
+        ends = [min(measured), max(measured)]
+        label = Column("", str(unit or ""), ()).label
+        charts.append(
+            {
+                "kind": "curves",
+                "title": f"{quantity}: predicted over measured",
+                "data": [
+                    {"type": "scatter", "mode": "markers", "name": "predicted, 90 %", "x": measured,
+                     "y": take["predicted"], "error_y": bars, "marker": {"color": COLOURS[0]},
+                     "text": [_names(points)[k] for k in here]},
+                    {"type": "scatter", "mode": "lines", "name": "equal", "x": ends, "y": ends,
+                     "line": {"color": COLOURS[6], "dash": "dash"}},
+                ],
+                "layout": {"xaxis": {"title": {"text": f"measured{label}"}},
+                           "yaxis": {"title": {"text": f"predicted{label}"}}},
+            }
+        )  # fmt: skip
+    return charts
+
+
+def _names(points: Mapping[str, Column]) -> list[str]:
+    """Return experiment and line of each value."""
+    pairs = zip(points["experiment"].values, points["line"].values, strict=True)
+    return [f"{experiment}, {line}" for experiment, line in pairs]
+
+
+def _compared(points: Mapping[str, Column]) -> Linked:
+    """Return linked plots of the measured values; their standard errors and bands are in the table."""
+    shown = ("experiment", "quantity", "t", "x", "fitted", "measured", "predicted", "deviation over error")
+    there = [k for k, value in enumerate(points["measured"].values) if value is not None]
+    columns = [Column(name, points[name].unit, tuple(points[name].values[k] for k in there)) for name in shown]
+    names = _names(points)
+    return linked(columns, [names[k] for k in there])
+
+
+def _posterior(file: Path, found: Mapping[str, Any], made: page.Charts) -> list[str]:
+    """Return the section of the samples of the keys where there is a posterior."""
+    if found["posterior"] is None:
+        return []
+    columns = list(read_columns(file).values())
+    count = len(columns[0].values)
+    every = range(0, count, max(1, math.ceil(count / MOST_SAMPLES)))
+    drawn = [Column(c.name, c.unit, tuple(c.values[k] for k in every)) for c in columns]
+    title = f"Samples of the posterior, {len(every)} of {count}"
+    return [linked(drawn, [f"sample {k + 1}" for k in every]).section(title, made.place, "posterior")]
+
+
+def _table(points: Mapping[str, Column]) -> str:
+    columns = list(points.values())
+    rows = [[page.number(column.values[k]) for column in columns] for k in range(len(columns[0].values))]
+    numbers = [k for k, column in enumerate(columns) if column.is_number]
+    return page.table([column.label for column in columns], rows, numbers)
 
 
 def _keys(keys: Mapping[str, Any]) -> str:

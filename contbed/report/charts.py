@@ -1,4 +1,4 @@
-"""Charts of a report as data for plotly: curves by unit, pictures of fields, costs, and the plots of a sweep."""
+"""Charts of a report as data for plotly: curves by unit, pictures of fields, and costs."""
 
 from __future__ import annotations
 
@@ -20,8 +20,6 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#0
 DASHES = ("solid", "dash", "dot", "dashdot")
 LEVELS = 65534  # of values in a picture, whose error is a part in 65534 of their span
 MAX_POINTS = 1000  # of a curve
-MAX_PAIRS = 7  # numbers that are drawn against each other
-SAME = 1e-6  # relative spread of numbers that count as one
 PICTURE = 360  # width of a picture [pixels] in half of a page, without axes and scale of colours
 COORDINATES = ("x", "y", "z", "r", "height")
 
@@ -210,52 +208,3 @@ def cost(runs: Sequence[Run]) -> Chart:
         )
     layout = {"xaxis": {"title": {"text": "wall time [s]"}}, "yaxis": {"autorange": "reversed", "automargin": True}}
     return {"kind": "bars", "title": "Wall time by phase", "data": data, "layout": layout}
-
-
-def sweep(table: dict[str, Any]) -> list[Chart]:
-    """Return the linked charts of a sweep: parallel axes, and every number against every other."""
-    rows = [run for run in table["runs"] if not run["exit_code"]]
-    columns: dict[str, tuple[str, list[Any]]] = {}
-    for group in ("parameters", "qoi"):
-        for name, about in table[group].items():
-            values = [row[group].get(name) for row in rows]
-            numbers = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
-            if len(numbers) == len(rows) and _varies(numbers):
-                values = [float(f"{value:.6g}") for value in numbers]
-                unit = about.get("unit")
-                columns[name] = (name if unit in (None, "1") else f"{name} [{unit}]", values)
-    if not columns or not rows:
-        return []
-    last = next(reversed(columns))
-    dimensions = [
-        {"label": _broken(label), "values": values, "tickformat": ".4~g"} for label, values in columns.values()
-    ]
-    line = {"color": columns[last][1], "colorscale": "Viridis", "showscale": True}
-    parallel = {"type": "parcoords", "dimensions": dimensions, "line": line, "labelangle": -15, "labelside": "bottom"}
-    names = [row["run"] for row in rows]
-    marker = {"color": columns[last][1], "colorscale": "Viridis", "size": 6}
-    few = dict(list(columns.items())[:MAX_PAIRS])
-    matrix = {
-        "type": "splom",
-        "dimensions": [{"label": _broken(label), "values": values} for label, values in few.values()],
-        "text": names,
-        "marker": marker,
-        "diagonal": {"visible": False},
-        "showupperhalf": False,
-    }
-    return [
-        {"kind": "parallel", "title": f"All runs, coloured by {last}: drag along an axis to choose", "data": [parallel],
-         "layout": {}, "wide": True, "height": 460},
-        {"kind": "matrix", "title": "Pairs: select points in one panel and they are marked in all", "data": [matrix],
-         "layout": {"dragmode": "select"}, "wide": True, "height": max(420, 150 * len(few))},
-    ]  # fmt: skip
-
-
-def _varies(values: Sequence[float]) -> bool:
-    """Return whether values differ by more than rounding and the tolerance of a solver."""
-    return bool(values) and max(values) - min(values) > SAME * max(abs(value) for value in values)
-
-
-def _broken(label: str) -> str:
-    """Return a long label in two lines."""
-    return label.replace(".", "<br>", 1).replace(" [", "<br>[") if len(label) > 18 else label

@@ -6,7 +6,7 @@ import gzip
 import hashlib
 import json
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from typing import Any
@@ -52,6 +52,31 @@ def _plotly() -> str:
     return _compressed(get_plotlyjs())
 
 
+class Charts(list[dict[str, Any]]):
+    """The charts of a page in their order."""
+
+    def place(self, chart: dict[str, Any]) -> str:
+        """Add a chart to the page and return where it stands."""
+        self.append(chart)
+        return place(len(self) - 1, chart)
+
+    def grid(self, charts: Iterable[dict[str, Any]]) -> str:
+        """Add charts side by side; nothing where there are none."""
+        body = "".join(self.place(chart) for chart in charts)
+        return f'<div class="charts">{body}</div>' if body else ""
+
+
+def header(title: str, text: str) -> str:
+    """Return the head of a page: what it shows, and one line about it."""
+    return f"<header><h1>{escape(title)}</h1><p class=quiet>{escape(text)}</p></header>"
+
+
+def warnings(texts: Iterable[str]) -> str:
+    """Return the section of warnings; nothing where there are none."""
+    items = "".join(f"<li>{escape(text)}</li>" for text in texts)
+    return section("Warnings", f'<ul class="warnings">{items}</ul>' if items else "", "warnings")
+
+
 def place(number: int, chart: dict[str, Any]) -> str:
     """Return the place of a chart, with a slider where it has several times."""
     times = chart.get("times") or []
@@ -94,6 +119,17 @@ def number(value: Any) -> str:
         shown = ", ".join(number(item) for item in value[:8])
         return f"{shown}, ... ({len(value)} values)" if len(value) > 8 else shown
     return escape(str(value))
+
+
+def found(values: Mapping[str, Any]) -> str:
+    """Return named results with their units and meanings as a table."""
+    rows = []
+    for name, value in values.items():
+        entry, unit = quantities.result(name), quantities.unit_of(name)
+        meaning = escape(entry.description) if entry else ""
+        shown = "" if unit in (None, "1", "-") else escape(str(unit))
+        rows.append([f"<code>{escape(quantities.name_of(name))}</code>", number(value), shown, meaning])
+    return table(["result", "value", "unit", "meaning"], rows, [1]) if rows else ""
 
 
 def results(runs: Sequence[Run]) -> str:

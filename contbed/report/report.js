@@ -39,6 +39,41 @@ function shown(chart, k) {
   return Plotly.restyle(div, { x: chart.lines[k].map((l) => l[0]), y: chart.lines[k].map((l) => l[1]) });
 }
 
+// whether a value lies in what is chosen on its axis: nothing, one interval or several
+function inside(range, value) {
+  if (!range || !range.length) return true;
+  const intervals = Array.isArray(range[0]) ? range : [range];
+  return intervals.some(([low, high]) => value >= low && value <= high);
+}
+
+// what is chosen on the parallel axes is marked in the panels, and the other way; the last choice counts
+function linked(parallel, matrix) {
+  const axes = document.getElementById("chart" + parallel.number);
+  const panels = document.getElementById("chart" + matrix.number);
+  const colours = [...parallel.data[0].line.color];
+  const grey = parallel.data[0].line.cmin;
+  const dimensions = () => axes.data[0].dimensions;
+  const coloured = (values, open) => {
+    const update = { "line.color": [values] };
+    if (open) dimensions().forEach((_, k) => { update[`dimensions[${k}].constraintrange`] = null; });
+    return Plotly.restyle(axes, update);
+  };
+  axes.on("plotly_restyle", ([update]) => {
+    if ("line.color" in update || !Object.keys(update).some((key) => key.includes("constraintrange"))) return;
+    const free = dimensions().every((d) => !d.constraintrange || !d.constraintrange.length);
+    const rows = [...colours.keys()].filter((k) => dimensions().every((d) => inside(d.constraintrange, d.values[k])));
+    Plotly.restyle(panels, { selectedpoints: [free ? null : rows] });
+    Plotly.relayout(panels, { selections: [] });
+    if (axes.data[0].line.color.some((value, k) => value !== colours[k])) coloured(colours, false);
+  });
+  panels.on("plotly_selected", (event) => {
+    if (!event || !event.points) return;
+    const rows = new Set(event.points.map((point) => point.pointNumber));
+    coloured(colours.map((value, k) => (rows.has(k) ? value : grey)), true);
+  });
+  panels.on("plotly_deselect", () => coloured(colours, true));
+}
+
 const axis = { gridcolor: "#e4e8ec", zerolinecolor: "#c8ced4", exponentformat: "power", automargin: true };
 
 async function drawn() {
@@ -65,6 +100,10 @@ async function drawn() {
     if (chart.kind === "field" || chart.kind === "cloud") layout.margin.t = 14;
     if (chart.wide) layout.margin = { l: 90, r: 60, t: 70, b: 70 };
     await Plotly.newPlot("chart" + number, chart.data, layout, { responsive: true, displaylogo: false });
+  }
+  for (const parallel of charts.filter((chart) => chart.kind === "parallel")) {
+    const next = charts[parallel.number + 1];
+    if (next && next.kind === "matrix") linked(parallel, next);
   }
   for (const slider of document.querySelectorAll("input[data-chart]")) {
     slider.addEventListener("input", () => {

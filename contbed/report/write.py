@@ -1,8 +1,8 @@
-"""`contbed report DIR...`: reads runs or a sweep and writes report.html."""
+"""`contbed report DIR...`: reads runs, or the folder of a command that makes many, and writes report.html."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -13,19 +13,22 @@ from contbed.output.folder import SUMMARY, read_summary
 from contbed.output.summary import write_json
 from contbed.report import charts, page
 from contbed.report.calibration import is_calibration, of_calibration
+from contbed.report.cascade import is_cascade, of_cascade
 from contbed.report.fields import pictures
 from contbed.report.indices import uncertainty
+from contbed.report.linked import Column, linked, text_of
+from contbed.report.optimum import is_optimum, of_optimum
 from contbed.report.read import Run, is_sweep, read_run, read_sweep
 
 FILE = "report.html"
 
 
 def write(folders: Sequence[Path], file: Path | None = None) -> Path:
-    """Write the report of one or several runs, or of one sweep, and return its file.
+    """Write the report of one or several runs, or of one sweep, optimum, calibration or cascade, and return its file.
 
     Parameters
     ----------
-    folders : of runs, or of one sweep or calibration
+    folders : of runs, or one of a sweep, an optimum, a calibration or a cascade
     file : where to write; report.html in the first folder if None
 
     Raises
@@ -33,16 +36,12 @@ def write(folders: Sequence[Path], file: Path | None = None) -> Path:
     ContbedError : a folder holds no run, plotly is not installed, or the file cannot be written
     """
     target = file or folders[0] / FILE
-    if any(is_calibration(folder) for folder in folders):
-        if len(folders) > 1:
-            raise ContbedError(f"{folders[0]}: a report shows one calibration; give its folder alone")
-        with atomic(target) as temporary:
-            temporary.write_text(of_calibration(folders[0]), encoding="utf-8")
-        return target
-    if any(is_sweep(folder) for folder in folders):
-        if len(folders) > 1:
-            raise ContbedError(f"{folders[0]}: a report shows one sweep, or runs; give one folder of a sweep")
-        text = of_sweep(folders[0])
+    for what, is_one, of in WHOLE:
+        if any(map(is_one, folders)):
+            if len(folders) > 1:
+                raise ContbedError(f"{folders[0]}: a report shows one {what}, or runs; give one folder of a {what}")
+            text = of(folders[0])
+            break
     else:
         text = of_runs([read_run(folder, name) for folder, name in zip(folders, _names(folders), strict=True)])
     with atomic(target) as temporary:
@@ -54,8 +53,8 @@ def write(folders: Sequence[Path], file: Path | None = None) -> Path:
 def _list(file: Path) -> None:
     """Add a report to the files of the run in its folder, which the next run there removes."""
     summary = read_summary(file.parent)
-    listed = summary.get("files", [])
-    if summary and file.name not in listed:
+    listed = summary.get("files")
+    if listed is not None and file.name not in listed:
         write_json(file.parent / SUMMARY, {**summary, "files": sorted([*listed, file.name])})
 
 
@@ -96,15 +95,9 @@ def of_runs(runs: Sequence[Run]) -> str:
 def of_sweep(folder: Path) -> str:
     """Return the report of a sweep: its table and linked charts."""
     found = read_sweep(folder)
-    made = charts.sweep(found)
+    made = page.Charts()
     names = {**found["parameters"], **found["qoi"]}
-    head = [
-        "run",
-        *(
-            f"{name} [{about['unit']}]" if about.get("unit") not in (None, "1") else name
-            for name, about in names.items()
-        ),
-    ]
+    head = ["run", *(Column(name, about.get("unit") or "", ()).label for name, about in names.items())]
     rows = []
     for run in found["runs"]:
         values = {**run["parameters"], **run["qoi"]}
@@ -113,19 +106,38 @@ def of_sweep(folder: Path) -> str:
                 **run["parameters"],
                 next(iter(found["qoi"]), "problem"): f"exit code {run['exit_code']}: {run['problem']}",
             }
-        rows.append([f"<code>{escape(run['run'][:8])}</code>", *(page.number(values.get(name)) for name in names)])
+        rows.append([f"<code>{escape(run['run'][:8])}</code>", *(_cell(values.get(name)) for name in names)])
     failed = sum(bool(run["exit_code"]) for run in found["runs"])
     text = f"{found['ended']} of {found['cases']} runs have ended, {failed} of them failed"
-    warnings = "".join(f"<li>{escape(warning)}</li>" for warning in found.get("warnings", []))
     title = f"Sweep {Path(str(found.get('study', folder.name))).stem}"
+    good = [run for run in found["runs"] if not run["exit_code"]]
+    columns = [
+        Column(name, about.get("unit") or "", tuple(run[group].get(name) for run in good))
+        for group in ("parameters", "qoi")
+        for name, about in found[group].items()
+    ]
     parts = [
-        f"<header><h1>{escape(title)}</h1><p class=quiet>{escape(text)}</p></header>",
-        page.section("Warnings", f'<ul class="warnings">{warnings}</ul>' if warnings else "", "warnings"),
+        page.header(title, text),
+        page.warnings(found.get("warnings", [])),
         page.section("Uncertainty", uncertainty(folder), "uncertainty"),
-        page.section("Linked plots", _grid(range(len(made)), made), "plots"),
+        linked(columns, [run["run"] for run in good]).section("Linked plots", made.place),
         page.section("All runs", page.table(head, rows, range(1, len(head))), "runs"),
     ]
     return page.page(title, parts, made)
+
+
+def _cell(value: Any) -> str:
+    """Return a value of a table; a closure by its name and parameters."""
+    return escape(text_of(value)) if isinstance(value, dict) else page.number(value)
+
+
+WHOLE: tuple[tuple[str, Callable[[Path], bool], Callable[[Path], str]], ...] = (
+    ("calibration", is_calibration, of_calibration),
+    ("search for an optimum", is_optimum, of_optimum),
+    ("cascade", is_cascade, of_cascade),
+    ("sweep", is_sweep, of_sweep),
+)
+"""What has a report of its own: its name, whether a folder holds it, and the report of the folder."""
 
 
 def _version(runs: Sequence[Run]) -> str:

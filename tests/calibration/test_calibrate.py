@@ -24,6 +24,7 @@ from contbed.calibration.model import SceneModel
 from contbed.calibration.plots import _curves
 from contbed.calibration.settings import read_file
 from contbed.calibration.store import FILE, Store
+from tests.report.report_file import charts_of
 
 SCENE = """\
 mesh = { type = "line", length = 2, cells = 4 }
@@ -146,6 +147,13 @@ def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
     assert cli.main(["report", "out"]) == 0
     report = (folder / "out" / "report.html").read_text()
     assert "bed.particle_diameter" in report and report.count("data:image/png;base64,") == 3
+    covariance = json.loads((folder / "out" / "summary.json").read_text())["covariance"]["matrix"]
+    assert all(f"{value:.6g}" in report for row in covariance for value in row)
+    parity, parallel, matrix = (chart["data"][0] for chart in charts_of(report))
+    assert parity["x"] == pytest.approx([drop(u) for u in (0.02, 0.2, 1.0)], rel=1e-10)
+    ends = [value + above for value, above in zip(parity["y"], parity["error_y"]["array"], strict=True)]
+    assert ends == pytest.approx([float(row["high"]) for row in points if row["measured"]])
+    assert len(matrix["text"]) == 3 and len(parallel["dimensions"]) >= 2
     assert {path.name for path in (folder / "out").iterdir()} >= {
         "keys.csv", "points.csv", "combinations.csv", "profiles", "fit.png", "residuals.png", "keys.png", FILE,
         "calibrated.toml",

@@ -13,6 +13,7 @@ from contbed.design.gradients import gradient
 from contbed.errors import SceneError
 from contbed.loading import load
 from contbed.runner import run
+from tests.report.report_file import charts_of
 
 SCENE = """
 mesh = { type = "line", length = 0.05 }
@@ -139,6 +140,29 @@ def test_files(found, capsys):
     assert [row["part"] for row in rows] == [part.name for part in found.parts]
     assert len(list(csv.reader((found.folder / "samples.csv").open()))) == 9
     assert (found.folder / "band.png").stat().st_size > 10_000
+    pytest.importorskip("plotly", reason="plotly is not installed: pip install 'contbed[report]'")
+    assert main(["report", str(found.folder)]) == 0
+    report = (found.folder / "report.html").read_text()
+    low, high = found.band(NAME)
+    assert f"{low:.6g}" in report and f"{high:.6g}" in report and "law of exchange" in report
+    samples, shares, parallel, matrix = (chart["data"][0] for chart in charts_of(report))
+    assert samples["x"] == pytest.approx(found.samples[NAME])
+    assert dict(zip(shares["y"], shares["x"], strict=True)) == pytest.approx(
+        {part: 100.0 * share for part, share in found.shares(NAME).items()}
+    )
+    labels = [axis["label"] for axis in parallel["dimensions"]]
+    assert labels[1:3] == ["laws.conduction", "laws.exchange"] and len(matrix["text"]) == 8
+
+
+def test_what_was_drawn_gives_the_result_again(found):
+    """The run with the first law of exchange is warmer by more than all else together does to it."""
+    laws = np.array(found.drawn["laws.exchange"])
+    assert set(laws) == {"gunn", "power, a = 1.2, b = 0.5"}
+    gunn, power = (found.samples[NAME][laws == name] for name in ("gunn", "power, a = 1.2, b = 0.5"))
+    assert gunn.min() > power.max() + 10.0
+    porosities = [found.porosities[k - 1] for k in found.drawn["packing"]]
+    assert found.drawn["bed.porosity"] == porosities
+    assert np.ptp(found.drawn["solid.conductivity"]) > 0.02
 
 
 def test_particles_that_nothing_needs_are_not_asked(tmp_path, monkeypatch):

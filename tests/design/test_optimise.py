@@ -19,6 +19,7 @@ from contbed.design import evaluations, plots
 from contbed.design.expression import read_expression
 from contbed.design.reading import read_design
 from contbed.errors import ConvergenceError, SceneError
+from tests.report.report_file import charts_of
 
 SCENE = """\
 [mesh]
@@ -151,6 +152,19 @@ def test_the_optimum_its_prices_and_files(folder, runner, capsys, monkeypatch):
     assert warned == ""
     assert '"pressure_drop_Pa <= 0.1 kPa": 10 Pa more allowed changes flow.velocity by +0.0' in text
     assert text.splitlines()[-1].startswith(f"{len(rows)} evaluations, 0 were before, 0 failed")
+    pytest.importorskip("plotly", reason="plotly is not installed: pip install 'contbed[report]'")
+    assert cli.main(["report", "out"]) == 0
+    report = (folder / "out" / "report.html").read_text()
+    assert "Fast flow" in report and f"<code>flow.velocity</code>: {v:.6g} m/s" in report
+    assert "active constraints: pressure_drop_Pa &lt;= 0.1 kPa, u_max &lt;= 0.4" in report
+    assert f"{pressure['price']:.6g}" in report and "m/s per Pa" in report
+    charts = charts_of(report)
+    best = charts[0]["data"][1]["y"]
+    assert best[0] == 0.1 and best[-1] == found["objective"]["value"]
+    assert [chart["kind"] for chart in charts[-2:]] == ["parallel", "matrix"]
+    assert len(charts[-1]["data"][0]["text"]) == len(rows)
+    assert cli.main(["report", "out", "out"]) == 1
+    assert "a report shows one search for an optimum" in capsys.readouterr().err
 
 
 def test_a_second_call_computes_nothing(folder, runner):

@@ -1,12 +1,9 @@
 """`contbed report`: one file that needs nothing else, with the numbers of summary.json, opened in a browser."""
 
 import base64
-import gzip
 import html
 import json
 import re
-import shutil
-import subprocess
 
 import numpy as np
 import pytest
@@ -18,9 +15,9 @@ from contbed.report import charts
 from contbed.report.fields import pictures
 from contbed.report.read import read_run
 from contbed.report.write import write
+from tests.report.report_file import BROWSER, WATCH, browse, charts_of
 
 pytest.importorskip("plotly", reason="plotly is not installed: pip install 'contbed[report]'")
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 LIMIT = 5_000_000  # bytes of a report
 
 
@@ -31,11 +28,6 @@ def plane(tmp_path_factory):
     run(load(folder / "plane.toml"), out=folder / "plane")
     run(load(folder / "plane.toml", {"flow.velocity": 0.2, "bed.porosity": 0.5}), out=folder / "slower")
     return folder
-
-
-def charts_of(text):
-    packed = re.search(r'id="charts">([^<]*)<', text)[1]
-    return json.loads(gzip.decompress(base64.b64decode(packed)))
 
 
 def test_numbers_are_those_of_the_summary(plane):
@@ -152,12 +144,6 @@ def test_run_writes_a_report_also_of_a_failure(tmp_path, monkeypatch):
     assert "closure out of range" in report.read_text()
 
 
-WATCH = """<script>
-window.faults = [];
-addEventListener("error", (e) => faults.push(String(e.message)));
-addEventListener("unhandledrejection", (e) => faults.push(String(e.reason)));
-console.error = (...text) => faults.push(text.join(" "));
-</script>"""
 USE = """<script>
 const wait = setInterval(() => {
   if (document.body.dataset.ready === undefined) return;
@@ -178,18 +164,6 @@ const wait = setInterval(() => {
   document.body.appendChild(pre);
 }, 50);
 </script>"""
-
-
-def browse(*arguments):
-    command = [
-        BROWSER,
-        "--headless=new",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--hide-scrollbars",
-        "--virtual-time-budget=20000",
-    ]
-    return subprocess.run([*command, *arguments], capture_output=True, text=True, timeout=120, check=True).stdout
 
 
 @pytest.mark.slow

@@ -23,9 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.closures import registry
+from contbed.closures.binding import bind
 from contbed.closures.file import content_hash
 from contbed.dem import extract
-from contbed.design.cascade.file import Cascade
+from contbed.design.cascade.file import AT_PARTICLE, Cascade
 from contbed.design.cascade.particles import DEGREE, Ensemble
 from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.loading import load
@@ -39,6 +40,7 @@ Array = NDArray[np.float64]
 Range = tuple[float, float]
 
 BAND = 0.90  # of the probability
+PACKING = "packing"  # column of the number of a packing
 FIT_SAMPLES = 12  # runs for the part of the fit
 TIGHTER = 0.1  # factor of the tolerance of an automatic mesh for the part of the mesh
 CONDUCTIVITY, NUSSELT = "heat.conductivity_solid", "heat.nusselt"
@@ -236,24 +238,46 @@ def _spread(name: str, results: list[Any], lost: int, scale: float = 1.0) -> Par
     return Part(name, {q: scale * float(np.std([one[q] for one in there], ddof=lost)) for q in there[0]})
 
 
-def sampled(runs: Runs, fits: Fits) -> dict[str, Array]:
-    """Return each result of the runs with everything at random at once, (runs,); failed runs are left out."""
+def sampled(runs: Runs, fits: Fits) -> tuple[dict[str, Array], dict[str, list[Any]]]:
+    """Return each result of the runs with everything at random at once, and what was drawn; failed runs are left out.
+
+    Returns
+    -------
+    samples : by result, (runs,)
+    drawn : number of the packing, names of laws, numbers of the scene in SI, by their names, (runs,)
+    """
     cascade, laws = runs.cascade, fits.choices
-    found = []
+    there = []
     for number in range(cascade.settings.samples):
         random = np.random.default_rng([cascade.settings.packings.seed, number])  # each by itself: more can be added
         bed = int(random.integers(len(fits.ensemble.beds)))
-        chosen = fits.of([bed], *(int(random.integers(count)) for count in laws))
-        one = drawn(chosen, 1, seed=int(random.integers(2**31)))[0]
+        chosen = [int(random.integers(count)) for count in laws]
+        one = drawn(fits.of([bed], *chosen), 1, seed=int(random.integers(2**31)))[0]
         changes = {"bed.porosity": float(fits.ensemble.porosities[bed])}
         for key, value, uncertainty in cascade.uncertain:
             middle = changes["bed.porosity"] if key == "bed.porosity" else value
             changes[key] = float(middle + uncertainty * random.standard_normal())
-        found.append(_or_failed(runs, one, changes))
-    there = [one for one in found if one is not None]
+        results = _or_failed(runs, one, changes)
+        if results is not None:
+            there.append(({PACKING: bed + 1} | _named(cascade, *chosen) | changes, results))
     if len(there) < 2:
-        raise ContbedError(f"{len(there)} of {len(found)} samples succeeded; the first problem: {runs.failed[0]}")
-    return {name: np.array([one[name] for one in there]) for name in cascade.settings.qoi}
+        count = cascade.settings.samples
+        raise ContbedError(f"{len(there)} of {count} samples succeeded; the first problem: {runs.failed[0]}")
+    samples = {name: np.array([results[name] for _, results in there]) for name in cascade.settings.qoi}
+    return samples, {name: [inputs[name] for inputs, _ in there] for name in there[0][0]}
+
+
+def _named(cascade: Cascade, conduction: int, exchange: int) -> dict[str, str]:
+    """Return the laws that were drawn, by their names, where there is a choice."""
+    laws = cascade.settings.laws
+    found: dict[str, str] = {}
+    if len(laws.conduction) > 1:
+        found["laws.conduction"] = laws.conduction[conduction]
+    if len(laws.exchange) > 1:
+        law = bind(laws.exchange[exchange], "nusselt", AT_PARTICLE)
+        parameters = (f"{name} = {value:g}" for name, value in law.parameters.items())
+        found["laws.exchange"] = ", ".join([law.sheet.name.removeprefix("nusselt_"), *parameters])
+    return found
 
 
 def _or_failed(runs: Runs, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]) -> dict[str, float] | None:

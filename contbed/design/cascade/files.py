@@ -8,15 +8,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from contbed.dem.extract import Fit
-from contbed.design.cascade.band import BAND
+from contbed.design.cascade.band import BAND, PACKING
 from contbed.design.cascade.outcome import Outcome
 from contbed.output.files import atomic
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
-from contbed.sweep.table import result
+from contbed.sweep.table import parameter, result
 from contbed.versions import versions
 
 _BLUE, _GREY = "#0072B2", "0.75"
@@ -43,8 +41,11 @@ def write(found: Outcome, fits: Mapping[str, Fit]) -> None:
     )
     _table(
         folder / "samples.csv",
-        [result(name).header for name in names],
-        np.stack([found.samples[name] for name in names], axis=1).tolist(),
+        [
+            *(parameter(name, values).header if name != PACKING else name for name, values in found.drawn.items()),
+            *(result(name).header for name in names),
+        ],
+        zip(*found.drawn.values(), *(found.samples[name].tolist() for name in names), strict=True),
     )
     write_json(folder / "summary.json", _summary(found))
     _plot(folder / "band.png", found)
@@ -63,6 +64,7 @@ def _summary(found: Outcome) -> dict[str, Any]:
     return {
         "status": "ok",
         "versions": versions(),
+        "title": found.cascade.settings.title,
         "cascade": found.cascade.path.name,
         "qoi": found.base,
         "band": {

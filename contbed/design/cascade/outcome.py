@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ class Outcome:
 
     base : each result with the fits to all packings and the first laws
     samples : each result of the runs with all at random, (samples,)
+    drawn : what was drawn for these runs: packing, laws by name, numbers of the scene by key in SI, (samples,)
     ranges : what the bed visits of k_solid/k_fluid, Re and Pr
     warnings : failed runs, closures outside of their range
     """
@@ -29,6 +31,7 @@ class Outcome:
     base: dict[str, float]
     parts: list[Part]
     samples: dict[str, Array]
+    drawn: dict[str, list[Any]]
     ranges: dict[str, tuple[float, float]]
     porosities: Array
     runs: int

@@ -65,12 +65,12 @@ def cascade(
         if base is None:
             raise ConvergenceError(f"{todo.scene_file}: the run with closures from packings failed: {runs.failed[-1]}")
         parts = parts_of(runs, fits, base)
-        samples = sampled(runs, fits)
+        samples, drawn = sampled(runs, fits)
     warnings = [f"{len(runs.failed)} runs failed and are left out; the first: {runs.failed[0]}"] if runs.failed else []
     if runs.outside:
         warnings.append(f"{len(runs.outside)} runs left the range of the closures that the packings gave")
     found = Outcome(
-        todo, base, parts, samples, ranges, porosities, len(runs.seen), runs.before, tuple(warnings), folder
+        todo, base, parts, samples, drawn, ranges, porosities, len(runs.seen), runs.before, tuple(warnings), folder
     )
     files.write(found, best)
     return found

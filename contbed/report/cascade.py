@@ -1,0 +1,128 @@
+"""The report of a cascade: each result with its band, the shares of packing, fit, laws, data and mesh in it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from contbed.fields import unit_of
+from contbed.output.folder import SUMMARY, read_summary
+from contbed.report import page
+from contbed.report.charts import COLOURS
+from contbed.report.linked import Column, linked, read_columns
+from contbed.sweep.table import result
+
+
+def is_cascade(folder: Path) -> bool:
+    """Return whether a folder holds a cascade."""
+    return "cascade" in read_summary(folder)
+
+
+def of_cascade(folder: Path) -> str:
+    """Return the report of a cascade.
+
+    Raises
+    ------
+    ContbedError : a file of it is missing or damaged
+    """
+    found = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+    samples = read_columns(folder / "samples.csv")
+    title = str(found.get("title") or f"Cascade of {found['cascade']}")
+    count = len(next(iter(samples.values())).values)
+    text = (
+        f"{len(found['porosities'])} packings, {count} runs with everything uncertain at once; "
+        f"{found['runs']['asked']} runs in all; contbed {found['versions'].get('contbed', '?')}"
+    )
+    made, names = page.Charts(), list(found["qoi"])
+    charts = [chart for name in names for chart in (_samples(found, samples, name), _bars(found, name))]
+    rows = [f"run {k + 1}" for k in range(count)]
+    parts = [
+        page.header(title, text),
+        page.section("What was found", _answer(found), "results"),
+        page.warnings(found["warnings"]),
+        page.section("What the bands come from", _parts(found), "parts"),
+        page.section("Bands and shares", made.grid(charts), "bands"),
+        linked(list(samples.values()), rows).section("Linked plots of the runs with everything uncertain", made.place),
+        page.section("What the bed visits and the packings have", _visited(found), "visited"),
+    ]
+    return page.page(title, parts, made)
+
+
+def _answer(found: Mapping[str, Any]) -> str:
+    """Return each result at the best values, its band, and mean and standard deviation of the runs."""
+    rows = []
+    for name, value in found["qoi"].items():
+        band, unit = found["band"][name], unit_of(name)
+        cells = (value, band["low"], band["high"], band["mean"], band["standard_deviation"])
+        shown = "" if unit in (None, "1", "-") else escape(str(unit))
+        rows.append([f"<code>{escape(name)}</code>", *map(page.number, cells), shown])
+    share = next(iter(found["band"].values()))["probability"]
+    head = ["result", "at the best values", f"{share:.0%} from", "to", "mean", "standard deviation", "unit"]
+    return page.table(head, rows, range(1, 6))
+
+
+def _shares(found: Mapping[str, Any], name: str) -> dict[str, tuple[float, float]]:
+    """Return standard deviation and share in the sum of the variances of each part, the largest first."""
+    deviations = {part["name"]: float(part["standard_deviation"][name]) for part in found["parts"]}
+    total = sum(value**2 for value in deviations.values()) or 1.0
+    order = sorted(deviations, key=lambda part: -deviations[part])
+    return {part: (deviations[part], deviations[part] ** 2 / total) for part in order}
+
+
+def _parts(found: Mapping[str, Any]) -> str:
+    rows = [
+        [
+            f"<code>{escape(name)}</code>",
+            escape(part),
+            page.number(deviation),
+            escape(unit_of(name) or ""),
+            f"{share:.1%}",
+        ]
+        for name in found["qoi"]
+        for part, (deviation, share) in _shares(found, name).items()
+    ]
+    head = ["result", "part", "standard deviation", "unit", "share of the sum of the variances"]
+    return page.table(head, rows, (2, 4)) + f"<p class=quiet>Laws of one particle: {escape(found['laws'])}.</p>"
+
+
+def _samples(found: Mapping[str, Any], samples: Mapping[str, Column], name: str) -> dict[str, Any]:
+    """Return the histogram of a result with its band and the result at the best values."""
+    about = result(name)
+    band, column = found["band"][name], samples[about.name]
+    shapes = [
+        {"type": "rect", "yref": "paper", "x0": band["low"], "x1": band["high"], "y0": 0, "y1": 1, "layer": "below",
+         "fillcolor": COLOURS[5], "opacity": 0.3, "line": {"width": 0}},
+        {"type": "line", "yref": "paper", "x0": found["qoi"][name], "x1": found["qoi"][name], "y0": 0, "y1": 1,
+         "line": {"color": COLOURS[1]}},
+    ]  # fmt: skip
+    bars = {"type": "histogram", "x": list(column.values), "marker": {"color": COLOURS[0]}, "name": "runs"}
+    layout = {"xaxis": {"title": {"text": column.label}}, "yaxis": {"title": {"text": "runs"}}, "shapes": shapes}
+    title = f"{about.name}: runs, band of {band['probability']:.0%} (blue) and best values (line)"
+    return {"kind": "bars", "title": title, "data": [bars], "layout": layout}
+
+
+def _bars(found: Mapping[str, Any], name: str) -> dict[str, Any]:
+    shares = _shares(found, name)
+    bars = {
+        "type": "bar",
+        "orientation": "h",
+        "y": list(shares),
+        "x": [100.0 * share for _, share in shares.values()],
+        "marker": {"color": COLOURS[0]},
+    }
+    layout = {
+        "xaxis": {"title": {"text": "share of the variance [%]"}, "range": [0, 100]},
+        "yaxis": {"autorange": "reversed", "automargin": True},
+    }
+    return {"kind": "bars", "title": f"{result(name).name}: what the band comes from", "data": [bars], "layout": layout}
+
+
+def _visited(found: Mapping[str, Any]) -> str:
+    rows = [[escape(name), page.number(low), page.number(high)] for name, (low, high) in found["visited"].items()]
+    rows.append(
+        ["porosity of the packings", page.number(min(found["porosities"])), page.number(max(found["porosities"]))]
+    )
+    return page.table(["", "from", "to"], rows, (1, 2))
