@@ -11,6 +11,7 @@ import numpy as np
 
 from contbed.two_fluid import boundary
 from contbed.two_fluid.compiled import Array, Flags, Indices
+from contbed.two_fluid.end_pressure import EndPressure, end_pressure
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.linear.pressure_solver import PressureSolver
 from contbed.two_fluid.rheology import Closures
@@ -101,6 +102,11 @@ class Model:
         """Cell (nb,) of each boundary face."""
         cells: Indices = self.grid.geometry.left[self.grid.interior :]
         return cells
+
+    @cached_property
+    def ends(self) -> tuple[EndPressure, EndPressure]:
+        """Pressure of floor and roof."""
+        return end_pressure(self.grid, self.edge, -1), end_pressure(self.grid, self.edge, 1)
 
     @cached_property
     def no_cells(self) -> Flags:

@@ -57,7 +57,7 @@ def row(bed: Simulation) -> list[float]:
     warm = [] if bed.state.energy is None else _temperatures(bed, bed.state.energy)
     return [
         bed.state.time,
-        pressure_at(bed, -1) - pressure_at(bed, 1),
+        pressure_drop(bed),
         held(bed),
         float(mass @ height) / total,
         fastest(bed),
@@ -83,13 +83,10 @@ def _temperatures(bed: Simulation, heat: Energy) -> list[float]:
     ]
 
 
-def pressure_at(bed: Simulation, side: int) -> float:
-    """Mean pressure [Pa] of the cells that touch the bottom (side -1) or the top (1); 0 where these are periodic."""
-    g, first = bed.model.grid.geometry, bed.model.grid.interior
-    height = side * bed.model.grid.middles[first:, -1]
-    near = height.max(initial=-np.inf) - 1e-6 * np.ptp(bed.model.grid.centres[:, -1])
-    end = first + np.flatnonzero((height >= near) & (side * g.normal[first:, -1] > 0.5))
-    return float(g.area[end] @ bed.state.p[g.left[end]] / g.area[end].sum()) if len(end) else 0.0
+def pressure_drop(bed: Simulation) -> float:
+    """Pressure [Pa] on the floor less that on the roof or outlet, means over their areas."""
+    floor, roof = bed.model.ends
+    return floor.mean(bed.state.p) - roof.mean(bed.state.p)
 
 
 def fastest(bed: Simulation) -> float:

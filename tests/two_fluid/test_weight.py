@@ -1,10 +1,13 @@
 """What carries a bed, at rest and moving: pressures on the floor and walls, against its weight."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from core_closures import bed, closures, line, rectangle
+from gmsh_meshes import KINDS, sides, unstructured
 
-from contbed.two_fluid import momentum_budget
+from contbed.two_fluid import momentum_budget, results
 from contbed.two_fluid.boundary import Inlet, Outlet, Wall, symmetry
 from contbed.two_fluid.model import Options
 
@@ -77,3 +80,20 @@ def test_walls_carry_what_falls_steadily():
     found = measured(b)
     assert found["weight_walls"] == pytest.approx(1.0, abs=1e-6)
     assert abs(found["weight_missing"]) < 1e-6
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("roof", [Wall(), Outlet()])
+def test_pressure_drop_reaches_from_floor_to_roof(kind, roof):
+    """Exact where the pressure is linear, along the walls as well; an outlet has the pressure outside."""
+    height, across, along = 0.12, 700.0, -1e4  # m; Pa/m
+    on = unstructured(kind, 0.06, height, 0.03)
+    b = bed(on, closures(), sides(on, Wall(), top=roof), (*(0.0,) * (on.dimension - 1), -9.81))
+    p = 500.0 + on.centres[:, -1] * along
+    floor, outside = 500.0, 0.0
+    if not on.axisymmetric:  # the area of whose floor is not centred
+        p += across * on.centres[:, 0]
+        floor += across * 0.03
+    above = outside if isinstance(roof, Outlet) else floor + height * along
+    b.state = replace(b.state, p=p)
+    assert results.pressure_drop(b) == pytest.approx(floor - above, abs=1e-9)
