@@ -1,19 +1,18 @@
-"""Catalogue of models, closures, tables of a scene and studies, and the data sheet of each by its name."""
+"""Data sheets by name: closures, models, tables and keys, results, reactions, materials, terms, commands."""
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 
-from contbed import closures, fields
+from contbed import catalogue, closures, fields
+from contbed.catalogue import kinds, laws, laws_by_name, models, ordered, own_laws, schemas, tables
 from contbed.closures import arguments, registry
-from contbed.closures.reactions import LAWS, Law
-from contbed.closures.reactions_solid import CHAR_LAWS
+from contbed.closures.reactions import Law
 from contbed.errors import SceneError
-from contbed.models import MODELS, Model
+from contbed.models import MODELS
 from contbed.places import places
 from contbed.scene import schema
 from contbed.scene.library import MATERIALS
@@ -24,40 +23,53 @@ from contbed.terms import TERMS
 MAX_FOUND = 20  # entries that a search shows
 
 
-@cache
-def models() -> dict[str, str]:
-    """Return the docstrings of all equations by name, read without importing them."""
-    files = {name: file for model in MODELS.values() for name, file in model.sheets().items()}
-    return {name: ast.get_docstring(ast.parse(files[name].read_text(encoding="utf-8"))) or "" for name in sorted(files)}
-
-
 def studies(folder: Path) -> dict[str, list[str]]:
     """Return the scenes of each study in a folder."""
     found = {study.name: sorted(scene.name for scene in study.glob("*.toml")) for study in sorted(folder.glob("*/"))}
     return {name: scenes for name, scenes in found.items() if scenes}
 
 
-def explain(name: str) -> str:
+def explain(name: str, commands: Mapping[str, str] | None = None) -> str:
     """Return all data sheets of a name.
 
-    It may be a closure, with or without its kind, a kind of closures, a model, a table or key of a scene, a named
-    result or column, a reaction with its rate laws, a material, or a term of the field.
+    Parameters
+    ----------
+    name : a closure, with or without its kind, a kind of closures, a model, a table or key of a scene, whole or its
+        last part, a choice of a key, a named result or column, a reaction, a rate law, a material, a term of the
+        field, a command, or a word for a group of these: "closures", "rate laws", "materials"
+    commands : what each command of the command line does
+
+    Raises
+    ------
+    SceneError : nothing has the name; the nearest are told
     """
-    sheets = [sheet for source in _SOURCES for sheet in source(name)] or list(_by_pattern(name))
+    sheets = [sheet for source in _SOURCES for sheet in source(name)]
+    if name in (commands or {}):
+        sheets.append(
+            f"contbed {name} - command: {(commands or {})[name]}\n    `contbed {name} --help` shows its options"
+        )
+    sheets = sheets or list(_by_pattern(name))
     if sheets:
         return "\n\n".join(sheet.rstrip("\n") for sheet in sheets) + "\n"
-    near = get_close_matches(name, entries(), n=3, cutoff=0.5)
+    names = [
+        *entries(),
+        *catalogue.last_parts(catalogue.keys()),
+        *catalogue.choices(),
+        *catalogue.WORDS,
+        *(commands or {}),
+    ]
+    near = get_close_matches(name, dict.fromkeys(names), n=3, cutoff=0.5)
     hint = f"nearest: {', '.join(near)}" if near else f"`contbed explain --search {name}` looks into all texts"
-    raise SceneError(f"no model, closure, table, key, result or term is called {name!r}; {hint}")
+    raise SceneError(f"nothing is called {name!r}; {hint}")
 
 
 def entries() -> dict[str, str]:
     """Return the title of everything that `explain` shows, by name."""
     found = {name: text.partition("\n")[0] for name, text in models().items()}
     found |= {name: registry.sheet(name).summary for name in closures.names()}
-    found |= {kind: f"closures: {arguments.RESULTS.get(kind, kind)}" for kind in _kinds()}
+    found |= {kind: f"closures: {arguments.RESULTS.get(kind, kind)}" for kind in kinds()}
     found |= {name: entry.meaning for name, entry in MATERIALS.items()}
-    found |= {name: f"rate laws: {', '.join(table)}" for name, table in _laws().items()}
+    found |= {name: f"rate laws: {', '.join(table)}" for name, table in laws().items()}
     found |= {name: f"rate law: {equations[0]}" for name, equations in laws_by_name().items()}
     found |= {name: entry.meaning for name, entry in arguments.ARGUMENTS.items()}
     found |= {name: entry.description for name, entry in {**fields.FIELDS, **fields.RESULTS}.items()}
@@ -90,68 +102,22 @@ def search(words: str) -> str:
 
 def listing(folder: Path) -> str:
     """List all names under headings, each on its own line; studies from `folder`."""
-    lines = _section("models", (f"{name:28} {text.partition(chr(10))[0]}" for name, text in models().items()))
-    for kind in _kinds():
-        lines += _section(
-            f"closures: {kind}", (f"{name:44} {registry.sheet(name).summary}" for name in closures.names(kind))
-        )
-    lines += _section(
-        "reactions and their rate laws", (f"{name:28} {', '.join(laws)}" for name, laws in _laws().items())
-    )
-    lines += _section("rate laws of reacting beds", (f"{name:28} {law[0]}" for name, law in laws_by_name().items()))
-    lines += _section("materials", (f"{name:28} {entry.meaning}" for name, entry in MATERIALS.items()))
-    for kind, model in _ordered():
-        root = schema.of(model.scene)
-        about = str(root.get("description", "")).partition("\n")[0]
-        lines += _section(f"tables of a {kind} scene: {about}", _tables(root))
+    lines: list[str] = []
+    for group in ("models", "closures", "reactions", "materials", "tables"):
+        for title, names in catalogue.sections(group).items():
+            lines += _section(title, names)
     lines += _section("studies", (f"{name:28} {', '.join(scenes)}" for name, scenes in studies(folder).items()))
     return "\n".join(lines)
 
 
 def at(path: KeyPath) -> list[schema.Node]:
     """Return the nodes of a key path in all kinds of scenes; several if a table has several types."""
-    return [node for root in _schemas() for node in schema.at(root, path)]
+    return [node for root in schemas() for node in schema.at(root, path)]
 
 
 def unit(path: KeyPath) -> str | None:
     """Return the SI unit of a key; None if it has none or is not a number."""
-    return next((found for root in _schemas() if (found := schema.unit(root, path))), None)
-
-
-def tables() -> list[str]:
-    """Return the tables of all scenes, with their types: "mesh", "heat", "boundary.NAME"."""
-    return list(dict.fromkeys(name for root in _schemas() for name in _tables(root)))
-
-
-def _tables(root: schema.Node) -> list[str]:
-    """Return the tables of one kind of scene."""
-    found: list[str] = []
-    for name, node in root["properties"].items():
-        if any(isinstance(option.get("additionalProperties"), dict) for option in schema.options(node)):
-            found.append(f"{name}.NAME")
-        elif any("properties" in option for option in schema.options(node)):
-            found.append(name)
-    return found
-
-
-def _ordered() -> list[tuple[str, Model]]:
-    """Return all kinds of scenes, the packed bed first."""
-    return [(kind, MODELS[kind]) for kind in sorted(MODELS, key=lambda kind: kind != "packed_bed")]
-
-
-def _schemas() -> list[schema.Node]:
-    """Return the schemas of all kinds of scenes."""
-    return [schema.of(model.scene) for _, model in _ordered()]
-
-
-def _kinds() -> list[str]:
-    """Return the kinds of closures."""
-    return sorted({registry.sheet(name).kind for name in closures.names()})
-
-
-def _laws() -> dict[str, dict[str, Law]]:
-    """Return the rate laws of each reaction of a bubbling bed, the default first."""
-    return {**LAWS, **CHAR_LAWS}
+    return next((found for root in schemas() if (found := schema.unit(root, path))), None)
 
 
 def _model_sheets(name: str) -> Iterator[str]:
@@ -161,13 +127,13 @@ def _model_sheets(name: str) -> Iterator[str]:
 
 def _closure_sheets(name: str) -> Iterator[str]:
     """Yield closures; a short name may belong to several kinds, that of a dispersion stands for a pair."""
-    wanted = [f"{kind}{name}" for kind in ("", *(f"{kind}_" for kind in _kinds()))]
+    wanted = [f"{kind}{name}" for kind in ("", *(f"{kind}_" for kind in kinds()))]
     wanted += [f"{stem}{end}" for stem in (name, f"dispersion_{name}") for end in ("_axial", "_transverse")]
     yield from (closures.data_sheet(match) for match in closures.names() if match in wanted)
 
 
 def _kind_sheets(name: str) -> Iterator[str]:
-    if name in _kinds():
+    if name in kinds():
         unit = registry.sheet(closures.names(name)[0]).unit
         lines = [f"closures of kind {name}: {arguments.RESULTS.get(name, name)} [{unit}]"]
         lines += [f"    {closure:44} {registry.sheet(closure).summary}" for closure in closures.names(name)]
@@ -178,36 +144,65 @@ def _kind_sheets(name: str) -> Iterator[str]:
 
 def _key_sheets(name: str) -> Iterator[str]:
     """Yield the tables and keys of that name, each with the kinds of scenes that it belongs to."""
-    for kinds, node in _nodes(name):
+    for scenes, node in _nodes(name):
         lines = [*schema.sheet(name, node)]
-        if len(kinds) < len(MODELS):
-            lines.insert(0, f"in scenes of kind {', '.join(kinds)}:")
+        if len(scenes) < len(MODELS):
+            lines.insert(0, f"in scenes of kind {', '.join(scenes)}:")
         if kind := places().get(name):
             lines.append(f"    `contbed explain {kind}` shows the closures, `contbed closures --for {name}` ranks them")
         yield "\n".join(lines)
 
 
 def _law_sheets(name: str) -> Iterator[str]:
-    if laws := _laws().get(name.removeprefix("reactions.").removesuffix(".law")):
-        lines = [f"rate laws of {name.removeprefix('reactions.').removesuffix('.law')}, the first is the default"]
-        for law, facts in laws.items():
-            low, high = facts.T_range
-            lines.append(f"    {law}: {facts.reaction} [{facts.unit}], {low:g} to {high:g} K")
-            lines.append(f"        {facts.source}")
-        yield "\n".join(lines)
+    """Yield the rate laws of a reaction, and those that are called so."""
+    reaction = name.removeprefix("reactions.").removesuffix(".law")
+    if of := laws().get(reaction):
+        head = f"rate laws of {reaction}, the first is the default" if len(of) > 1 else f"rate law of {reaction}"
+        yield "\n".join([head, *(line for law in of for line in _law(of[law]))])
+    for reaction, of in laws().items():
+        if name in of:
+            yield "\n".join([f"{name} - rate law of {reaction} in bubbling beds", *_law(of[name])])
 
 
-def laws_by_name() -> dict[str, tuple[str, ...]]:
-    """Return the equations of the rate laws that a reacting bed names, `[reactions.NAME] law`."""
-    from contbed.reacting_bed.laws import LAWS_WITH_EQUATION
-
-    found = {name: (text,) if isinstance(text, str) else text for name, text in LAWS_WITH_EQUATION.items()}
-    return {name: equations for name, equations in found.items() if "." not in name}
+def _law(law: Law) -> list[str]:
+    low, high = law.T_range
+    return [f"    {law.name}: {law.reaction} [{law.unit}], {low:g} to {high:g} K", f"        {law.source}"]
 
 
 def _named_law_sheets(name: str) -> Iterator[str]:
     if equations := laws_by_name().get(name):
         yield "\n".join([f"{name} - rate law of a reacting bed", *(f"    {equation}" for equation in equations)])
+
+
+def _own_law_sheets(name: str) -> Iterator[str]:
+    if needed := own_laws().get(name):
+        yield f"{name} - rate law of reacting beds, constants of the scene: [reactions.NAME] needs {', '.join(needed)}"
+
+
+def _group_sheets(name: str) -> Iterator[str]:
+    """Yield what a group of names holds: "materials", "rate laws"."""
+    if group := catalogue.group(name):
+        yield "\n".join(catalogue.overview(group))
+
+
+def _part_sheets(name: str) -> Iterator[str]:
+    """Yield the keys whose last part has the name, and those that take it as a choice."""
+    whole = [key for key in catalogue.last_parts(catalogue.keys()).get(name, []) if key != name]
+    if whole:
+        rows = [f"    {key:40} {_meaning(key)}".rstrip() for key in whole]
+        yield "\n".join([f"{name} - key of tables of a scene; `contbed explain TABLE.{name}` shows one whole", *rows])
+    if takers := catalogue.choices().get(name):
+        rows = [f"    {key:40} {_meaning(key)}".rstrip() for key in takers]
+        yield "\n".join([f'"{name}" - a choice of', *rows])
+
+
+def _meaning(key: str) -> str:
+    """Return the first line of what a key means, or its table."""
+    for node in catalogue.keys()[key]:
+        for option in (node, *schema.options(node)):
+            if "description" in option:
+                return str(option["description"]).partition("\n")[0]
+    return ""
 
 
 def _result_sheets(name: str) -> Iterator[str]:
@@ -254,17 +249,22 @@ _SOURCES = (
     _key_sheets,
     _law_sheets,
     _named_law_sheets,
+    _own_law_sheets,
     _material_sheets,
     _result_sheets,
     _argument_sheets,
     _term_sheets,
+    _group_sheets,
+    _part_sheets,
 )
+_LISTS = (_kind_sheets, _group_sheets, _part_sheets)
+"""Sources of sheets that list other names, whose texts a search leaves to these."""
 
 
 @cache
 def _text(name: str) -> str:
     """Return the whole text of an entry, for a search."""
-    return "\n".join(sheet for source in _SOURCES if source is not _kind_sheets for sheet in source(name))
+    return "\n".join(sheet for source in _SOURCES if source not in _LISTS for sheet in source(name))
 
 
 def _nodes(name: str) -> list[tuple[list[str], schema.Node]]:
@@ -274,7 +274,7 @@ def _nodes(name: str) -> list[tuple[list[str], schema.Node]]:
     """
     path: KeyPath = tuple(name.split("."))
     found: dict[str, tuple[list[str], schema.Node]] = {}
-    for kind, model in _ordered():
+    for kind, model in ordered():
         for node in _of_kind(schema.of(model.scene), path):
             kinds, _ = found.setdefault("\n".join(schema.sheet(name, node)), ([], node))
             kinds.append(kind)

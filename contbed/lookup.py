@@ -70,20 +70,26 @@ def schema(kind: KindOrNone = None) -> None:
 
 
 def explain(
+    context: typer.Context,
     name: Annotated[
-        str | None,
-        Argument(metavar="NAME", help="nusselt_gunn, two_energy, heat.nusselt, duty_W", autocompletion=_names),
+        list[str] | None,
+        Argument(metavar="NAME", help="nusselt_gunn, heat.nusselt, calcination, materials", autocompletion=_names),
     ] = None,
     search: Annotated[
         str | None, Option("--search", metavar="WORDS", help="names whose data sheets have all the words")
     ] = None,
 ) -> None:
-    """Show the data sheet of a closure, model, table, key, named result, reaction, material or term."""
+    """Show the data sheet of a closure, model, table, key, result, reaction, material, term or command."""
     from contbed import explain as sheets
 
-    if (name is None) == (search is None):
+    if bool(name) == (search is not None):
         raise typer.BadParameter("give a NAME or --search WORDS", param_hint="NAME")
-    print(sheets.explain(name) if name is not None else sheets.search(search or ""))
+    if not name:
+        print(sheets.search(search or ""))
+        return
+    commands = getattr(context.find_root().command, "commands", {})
+    about = {key: str(command.help or "").partition("\n")[0] for key, command in commands.items()}
+    print(sheets.explain(" ".join(name), about))
 
 
 def closures(

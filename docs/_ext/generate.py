@@ -21,10 +21,10 @@ from typeset import Unreadable, equations
 from verification import write_page as write_verification
 
 from contbed import closures, editor, fields
+from contbed.catalogue import laws_by_name, models
 from contbed.closures import arguments, registry
 from contbed.closures.reactions import LAWS
 from contbed.closures.reactions_solid import CHAR_LAWS
-from contbed.explain import laws_by_name, models
 from contbed.models import MODELS, kind_of
 from contbed.places import places
 from contbed.scene import schema

@@ -13,8 +13,8 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 from contbed import cli, editor
+from contbed.catalogue import models
 from contbed.closures import registry
-from contbed.explain import models
 from contbed.models import MODELS, kind_of
 
 ROOT = Path(__file__).parents[2]

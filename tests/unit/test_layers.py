@@ -20,7 +20,7 @@ LAYERS = (
     ("sweep", "verify", "validation", "warm", "trial", "report", "design"),
     ("runner",),
     ("explain", "editor", "choose", "loading"),
-    ("places",),
+    ("places", "catalogue"),
     ("cfd_dem", "developed_flow", "bubbling_bed", "packed_bed", "reacting_bed", "single_particle"),
     ("dem", "two_fluid", "radiation"),
     ("result",),

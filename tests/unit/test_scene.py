@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contbed import explain
+from contbed import catalogue, explain
 from contbed.closures.binding import bind, bind_dispersion, is_phase
 from contbed.errors import SceneError
 from contbed.loading import from_dict, load, loads
@@ -233,7 +233,7 @@ def test_the_schema_knows_units():
 
 
 def test_every_key_of_the_schema_explains_itself():
-    for table in explain.tables():
+    for table in catalogue.tables():
         assert f"[{table}]" in explain.explain(table)
         for node in explain.at(tuple(table.split("."))):
             for key in schema.keys(node):

@@ -1,0 +1,96 @@
+"""Whatever a scene, a template or a list of contbed calls by a name, `contbed explain` has a data sheet of."""
+
+import tomllib
+
+import pytest
+
+from contbed import catalogue, cli, closures, editor, fields
+from contbed.explain import explain
+from contbed.models import MODELS
+from contbed.places import places
+from contbed.scene import schema
+
+PARTS = catalogue.last_parts(catalogue.keys())
+NAMED = ("material", "law", "model", "type", "name")  # keys whose texts are names
+
+
+def names_of(root, table, path=()):
+    """Yield the names of the keys of a table, whole and their last parts, and the texts that are names.
+
+    A name that the user chooses, such as that of a boundary, is left out by itself.
+    """
+    for key, value in table.items():
+        here = (*path, key)
+        options = [option for node in schema.at(root, path) for option in schema.options(node)]
+        if any(key in option.get("properties", {}) for option in options):
+            yield key
+        if schema.at(root, here):
+            yield ".".join(here)
+        if isinstance(value, dict):
+            yield from names_of(root, value, here)
+        elif isinstance(value, str) and value.isidentifier() and (".".join(here) in places() or key in NAMED):
+            yield value
+
+
+@pytest.mark.parametrize("kind", MODELS)
+def test_every_name_of_a_template_is_explained(kind):
+    names = set(names_of(schema.of(MODELS[kind].scene), tomllib.loads(editor.template(kind)))) - {"title"}
+    assert len(names) > 10
+    for name in sorted(names):
+        assert explain(name), name
+
+
+def test_every_closure_kind_place_law_and_material_is_explained():
+    groups = ("models", "closures", "reactions", "materials", "tables")
+    listed = [line.split()[0] for group in groups for lines in catalogue.sections(group).values() for line in lines]
+    words = [word + end for word in catalogue.WORDS for end in ("", "s")]
+    laws = [law for of in catalogue.laws().values() for law in of]
+    for name in {
+        *listed,
+        *closures.names(),
+        *catalogue.kinds(),
+        *places(),
+        *laws,
+        *words,
+        *catalogue.TERMS,
+        *fields.RESULTS,
+    }:
+        assert explain(name), name
+
+
+def test_every_key_is_found_by_its_last_part():
+    for part, whole in PARTS.items():
+        text = explain(part)
+        for name in whole:
+            assert name == part or f"    {name}" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (["calcination"], "silcox: CaCO3 <-> CaO + CO2 [mol/m2/s/Pa], 900 to 1400 K"),
+        (["sulphate_reduction"], "rate law of sulphate_reduction"),
+        (["howard"], "rate law of CO_oxidation in bubbling beds"),
+        (["shrinking_core"], "[reactions.NAME] needs A, E, diffusivity"),
+        (["closures"], "drag                         drag coefficient per volume of the bed: beetstra, di_felice"),
+        (["material"], "iron_ore                     dense grains of hematite"),
+        (["material"], "    solid.material"),
+        (["rate", "laws"], "xu_froment_shift"),
+        (["no_slip"], "boundary.NAME.type"),
+        (["minimum", "fluidization"], "minimum fluidization - "),
+        (["cascade"], "contbed cascade - command: Packings of particles give closures"),
+    ],
+)
+def test_words_that_users_have(capsys, words, part):
+    assert cli.main(["explain", *words]) == 0
+    assert part in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [("calcinaton", "calcination"), ("materal", "material"), ("no_slp", "no_slip"), ("optimize", "optimise"),
+     ("porositi", "porosity")],
+)  # fmt: skip
+def test_the_nearest_names_are_told(capsys, name, near):
+    assert cli.main(["explain", name]) == 2
+    assert near in capsys.readouterr().err.partition("nearest: ")[2].replace(",", "").split()
