@@ -37,6 +37,25 @@ def test_errors_against_exact_solutions_are_those_that_are_allowed():
         assert 0.0 <= case.error <= case.allowed, case
 
 
+def test_observed_orders_are_those_of_the_tables():
+    """Slopes of the committed tables: fourth order of flow, 2 p of degree p, first order in tolerance and at jumps."""
+    from verification import ROOT, cases, orders
+
+    table = tomllib.loads((ROOT / "docs" / "verification.toml").read_text())["case"]
+    found = {case.against.partition(":")[0]: case.order for case in cases()}
+    assert all(("order" in entry) != ("no_order" in entry) for entry in table)
+    assert sum("order" in entry for entry in table) >= 4
+    told = {name.split(",")[0]: text for name, text in found.items() if not text.startswith("none: ")}
+    assert told["Brinkman-Forchheimer flow between plates"] == "3.6 to 4.3 with cells across; expected 4"
+    assert told["bed with frozen coefficients"] == "2.2, 4.1, 6.1 with cells; expected 2, 4, 6 for degrees 1, 2, 3"
+    rows = [{"n": str(n), "e": str(7.0 * n**-3.0), "kind": kind} for kind in "ab" for n in (4, 8, 16)]
+    entry = {"over": "n", "errors": ["e"], "series": ["kind"]}
+    assert orders(rows, entry) == pytest.approx([3.0, 3.0])
+    assert orders(rows, entry | {"tolerance": True}) == pytest.approx([-3.0, -3.0])
+    with pytest.raises(ValueError, match="fewer than three meshes"):
+        orders(rows, entry | {"least": 0.01})
+
+
 @pytest.mark.parametrize("broken", ["nan", ""])
 def test_an_error_that_is_no_number_is_refused(tmp_path, broken):
     from verification import cases
