@@ -17,8 +17,8 @@ ABOUT = (
     "What each model is compared with where the answer is known: closed forms, integrals, characteristics, or another "
     "method for the same equations. The errors are the largest in the committed table of the study, which its command "
     "computes anew. Of relative quantities they are relative, of dimensionless ones absolute. The observed order p is "
-    "the slope of the logarithm of the errors, e ~ n^-p for n cells or e ~ tol^p for a tolerance, by least squares over "
-    "all meshes of a series; of more than three series the lowest and the highest."
+    "the slope of the logarithm of the errors, e ~ n^-p for n cells or e ~ tol^p for a tolerance, by least squares "
+    "over all meshes of a series; of more than three series the lowest and the highest."
 )
 
 
