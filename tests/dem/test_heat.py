@@ -42,7 +42,8 @@ RATIOS = (0.01, 0.5, 1.0, 1.6, 1.634, 1.7, 2.0, 30.0, 1e3, 1e4, 1e6)
 @pytest.mark.parametrize("half_gap", [0.0, 2.0**-20, 2.0**-7, 0.125, 0.5])
 def test_the_closed_form_is_the_integral(eps, half_gap):
     # 1e-12 is asked for; gaps are binary fractions, so that no digit is lost in the distance already
-    for ratio, r_contact in itertools.product(RATIOS, (0.0, 1e-3, 0.05) if half_gap == 0 else (0.0,)):
+    ratios = RATIOS if eps == 0.4 else RATIOS[::3]
+    for ratio, r_contact in itertools.product(ratios, (0.0, 1e-3, 0.05) if half_gap == 0 else (0.0,)):
         found = heat_pair.gap_conductance(1.0, 1.0, 2.0 + 2.0 * half_gap, ratio, ratio, 1.0, eps, r_contact)
         exact = two_spheres(1, 1, half_gap, ratio, ratio, 1, eps, r_contact)
         assert float(found) == pytest.approx(exact, rel=1e-12), (ratio, r_contact)

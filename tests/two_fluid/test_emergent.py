@@ -30,6 +30,7 @@ def test_walls_drawn_up_carry_what_janssen_says_of_an_isotropic_pressure(frictio
     assert found == pytest.approx(share, rel=0.12)
 
 
+@pytest.mark.slow
 def test_gas_of_a_bed_that_rubs_late_carries_it_near_wen_and_yu():
     def share(velocity, start):
         changes = {"solid.friction.start": start, "boundary.left.velocity": velocity, "initial.u_gas": velocity}

@@ -48,7 +48,7 @@ CASES: dict[str, Any] = {
     "radiating_quadrilateral_1": Radiating("quadrilateral", (16, 32), 1),
     "radiating_quadrilateral_2": Radiating("quadrilateral", (8, 16), 2),
     "radiating_quadrilateral_2_axisymmetric": Radiating("quadrilateral", (8, 16), 2, axisymmetric=True),
-    "radiating_tetrahedron_1": Radiating("tetrahedron", (8, 16), 1),
+    "radiating_tetrahedron_1": Radiating("tetrahedron", (7, 13), 1),
     "flow_triangle": Flow("triangle", (8, 16)),
     "flow_quadrilateral": Flow("quadrilateral", (8, 16)),
     "flow_triangle_axisymmetric": Flow("triangle", (8, 16), axisymmetric=True),
