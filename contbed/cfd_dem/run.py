@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,7 +23,10 @@ from contbed.dem import extract
 from contbed.result import Result, timed
 from contbed.scene.tables import FluidConstant
 
-RESTART_MAY_CHANGE = ("time.end", "output")
+if TYPE_CHECKING:
+    from contbed.output.checkpoint import Keeper
+
+RESTART_MAY_CHANGE = ("time.end", "time.checkpoint_every", "output")
 
 
 @timed("particles and gas")
@@ -44,6 +47,9 @@ def run(
     ------
     ConvergenceError : the particles or the gas fail
     """
+    from contbed.output.checkpoint import Keeper
+    from contbed.scene.identity import identity
+
     scene = plan.scene
     bed, solid = build(plan)
     history = History(
@@ -53,14 +59,15 @@ def run(
         bed.restore(start[0])
         history.restore(start[0])
     files = folder if scene.output.fields else None
-    try:
-        _march(scene, bed, history, quiet, partial(_save, scene, bed, history, folder))
-    finally:
-        fill(result, plan, bed, history)
-        if files is not None:
-            history.write_particles(files, bed)
-    if folder is not None:
-        _write_checkpoint(scene, bed, history, folder)
+    with Keeper(folder, identity(scene), scene.time.checkpoint_every) as keeper:
+        try:
+            _march(scene, bed, history, quiet, partial(_save, scene, bed, history, folder, keeper))
+        finally:
+            fill(result, plan, bed, history)
+            if files is not None:
+                history.write_particles(files, bed)
+        if folder is not None:
+            keeper.offer(bed.state() | history.state())
     if scene.closure is not None:
         _fit_closure(plan, result, folder)
 
@@ -124,7 +131,7 @@ def _march(scene: GasScene, bed: Bed, history: History, quiet: bool, save: Calla
         save()
 
 
-def _save(scene: GasScene, bed: Bed, history: History, folder: Path | None) -> None:
+def _save(scene: GasScene, bed: Bed, history: History, folder: Path | None, keeper: Keeper) -> None:
     """Write the particles if their time has come, then the checkpoint, which counts them."""
     if folder is None:
         return
@@ -132,14 +139,7 @@ def _save(scene: GasScene, bed: Bed, history: History, folder: Path | None) -> N
     due = every is not None and bed.time >= (len(history.file_times) + 1) * every * (1.0 - 1e-9)
     if scene.output.fields and due:
         history.write_particles(folder, bed)
-    _write_checkpoint(scene, bed, history, folder)
-
-
-def _write_checkpoint(scene: GasScene, bed: Bed, history: History, folder: Path) -> None:
-    from contbed.output import checkpoint
-    from contbed.scene.identity import identity
-
-    checkpoint.save(folder, bed.state() | history.state(), {"identity": identity(scene)})
+    keeper.offer(bed.state() | history.state())
 
 
 def _fit_closure(plan: GasPlan, result: Result, folder: Path | None) -> None:

@@ -114,6 +114,7 @@ class GasTime(Table):
     average_from: Instant = 0.0
     sample: Seconds = Field(0.02, description="interval of samples and rows of profiles.csv")
     fields: Seconds | None = Field(None, description="interval of particle files; absent: the end only")
+    checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
 
 
 class NusseltClosure(Table):

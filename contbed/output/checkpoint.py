@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import time as clock
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping, Sequence
@@ -56,6 +57,42 @@ def save(folder: Path | str, arrays: Mapping[str, NDArray[Any]], meta: Mapping[s
     except ContbedError as error:
         before = "the previous checkpoint is intact" if path.is_file() else "there is no earlier checkpoint"
         raise ContbedError(f"{error}; {before}") from error
+
+
+class Keeper:
+    """Writes states of a run at intervals of wall time, and the last one when the block ends, however it ends.
+
+    Parameters
+    ----------
+    folder : takes the checkpoint; None: nothing is written
+    label : identity of the scene
+    every : wall-clock time between checkpoints [s]
+    """
+
+    def __init__(self, folder: Path | None, label: Mapping[str, Any], every: float):
+        self.folder, self.label, self.every = folder, label, every
+        self._saved = clock.monotonic()
+        self._waiting: tuple[dict[str, NDArray[Any]], dict[str, Any]] | None = None
+
+    def offer(self, arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any] | None = None) -> None:
+        """Write a state if it is time, else keep a copy of it."""
+        if self.folder is None:
+            return
+        state = {name: np.array(array) for name, array in arrays.items()}
+        self._waiting = state, {"identity": self.label, **(meta or {})}
+        if clock.monotonic() - self._saved >= self.every:
+            self._write()
+
+    def _write(self) -> None:
+        if self.folder is not None and self._waiting is not None:
+            save(self.folder, *self._waiting)
+        self._waiting, self._saved = None, clock.monotonic()
+
+    def __enter__(self) -> Keeper:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._write()
 
 
 def load(folder: Path | str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:

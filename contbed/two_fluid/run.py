@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +21,18 @@ from contbed.two_fluid.averages import Averages
 from contbed.two_fluid.closures import known
 from contbed.two_fluid.simulation import Simulation
 
-RESTART_MAY_CHANGE = ("time.end", "time.sample", "output.plots", "output.fields", "output.window", "output.levels")
+if TYPE_CHECKING:
+    from contbed.output.checkpoint import Keeper
+
+RESTART_MAY_CHANGE = (
+    "time.end",
+    "time.sample",
+    "time.checkpoint_every",
+    "output.plots",
+    "output.fields",
+    "output.window",
+    "output.levels",
+)
 ROWS = 200  # in profiles.csv unless the scene says how often
 
 
@@ -122,12 +133,13 @@ def run(
     plan: Any, result: Result, folder: Path | None, quiet: bool, start: tuple[Mapping[str, Any], Any] | None
 ) -> None:
     """Run and fill the result; fields and checkpoints go into `folder`."""
+    from contbed.output.checkpoint import Keeper
     from contbed.output.progress import Progress
     from contbed.scene.identity import identity
 
     run = Run(plan)
     scene: t.TwoFluidScene = plan.scene
-    label = identity(scene)
+    keeper = Keeper(folder, identity(scene), scene.time.checkpoint_every)
     if start is not None:
         run.resume(*start)
     result.warnings += plan.warnings
@@ -136,7 +148,10 @@ def run(
     stops[-1] = scene.time.end
     failed: list[ContbedError] = []
     try:
-        with Progress(scene.time.end, quiet=quiet) as progress:
+        with (
+            Keeper(folder, label, scene.time.checkpoint_every) as keeper,
+            Progress(scene.time.end, quiet=quiet) as progress,
+        ):
 
             def after_each_step(bed: Simulation) -> None:
                 run.after_step(bed)
@@ -147,7 +162,7 @@ def run(
                     _advance(run, time, after_each_step)
                 run.take_row()
                 if folder is not None:
-                    _keep(run, folder, label)
+                    _keep(run, folder, keeper)
     finally:
         failed = _fill(run, result)
         result.warnings += map(str, failed)
@@ -196,16 +211,13 @@ def _raise_first(failed: list[ContbedError]) -> None:
         raise failed[0]
 
 
-def _keep(run: Run, folder: Path, label: dict[str, Any]) -> None:
-    """Checkpoint after a row, and fields when their time has come."""
-    from contbed.output import checkpoint
-
-    arrays, meta = run.arrays()
-    checkpoint.save(folder, arrays, {"identity": label, **meta})
+def _keep(run: Run, folder: Path, keeper: Keeper) -> None:
+    """After a row write fields when their time has come, then the checkpoint, which counts them."""
     every = run.scene.time.fields
     next_time = np.inf if every is None else (len(run.files) + 1) * every * (1.0 - 1e-9)
     if run.scene.output.fields and run.bed.state.time >= next_time:
         _fields(run, folder)
+    keeper.offer(*run.arrays())
 
 
 def _fields(run: Run, folder: Path) -> None:

@@ -191,6 +191,7 @@ class Time(Table):
     average_from: Instant | None = Field(None, description="absent: no averages")
     sample: Seconds | None = Field(None, description="interval of rows in profiles.csv; absent: 1/200 of the run")
     fields: Seconds | None = Field(None, description="interval of fields; absent: the end only")
+    checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
 
 
 class Output(Table):

@@ -18,7 +18,7 @@ modulus = "1 MPa", restitution = 0.5, seed = 3 }
 fluid = { density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivity = 0.026 }
 gas = { velocity = 1.0, T = 400.0, height = "60 mm", nusselt = "gunn" }
 heat = { T = 300.0 }
-time = { end = 0.04, average_from = 0.01, sample = 0.005, fields = 0.01 }
+time = { end = 0.04, average_from = 0.01, sample = 0.005, fields = 0.01, checkpoint_every = 1e-9 }
 output = { plots = false }
 """
 

@@ -12,6 +12,7 @@ import sys
 import time
 import xml.etree.ElementTree as ElementTree
 import zipfile
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,7 +21,7 @@ import pytest
 import skfem
 
 from contbed import fields
-from contbed.errors import ContbedError, SceneError
+from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.fem.elements import Space
 from contbed.loading import loads
 from contbed.output import checkpoint, plots, summary
@@ -383,6 +384,41 @@ def test_checkpoint_is_bitwise(tmp_path):
     assert [path.name for path in (tmp_path / "new").iterdir()] == ["checkpoint.npz"]
     with pytest.raises(TypeError, match="objects"):
         checkpoint.save(tmp_path, {"a": np.array([None])}, {})
+
+
+@pytest.mark.parametrize(("every", "written"), [(1e-9, [0.0, 1.0, 2.0]), (1e9, [2.0])])
+@pytest.mark.parametrize("error", [None, KeyboardInterrupt, ConvergenceError("no")])
+def test_states_are_kept_at_intervals_and_at_the_end(tmp_path, monkeypatch, every, written, error):
+    """The last state that was offered is written also where the run fails, as it was when it was offered."""
+    save, found, state = checkpoint.save, [], np.zeros(1)
+
+    def watched(folder, arrays, meta):
+        found.append(float(arrays["a"][0]))
+        save(folder, arrays, meta)
+
+    monkeypatch.setattr(checkpoint, "save", watched)
+
+    def run(folder):
+        with checkpoint.Keeper(folder, IDENTITY, every) as keeper:
+            for _ in range(3):
+                keeper.offer({"a": state}, {"files": "2"})
+                state[0] += 1.0
+            if error is not None:
+                raise error
+
+    run_to_its_end = pytest.raises((KeyboardInterrupt, ConvergenceError)) if error else nullcontext()
+    with run_to_its_end:
+        run(tmp_path)
+    assert found == written
+    arrays, meta = checkpoint.load(tmp_path)
+    assert arrays["a"] == [2.0] and meta == {"identity": IDENTITY, "files": "2"}
+
+
+def test_no_folder_no_checkpoint(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with checkpoint.Keeper(None, IDENTITY, 1e-9) as keeper:
+        keeper.offer({"a": np.zeros(1)})
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_checkpoint_damage_is_noticed(tmp_path):
