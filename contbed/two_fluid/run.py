@@ -148,10 +148,7 @@ def run(
     stops[-1] = scene.time.end
     failed: list[ContbedError] = []
     try:
-        with (
-            Keeper(folder, label, scene.time.checkpoint_every) as keeper,
-            Progress(scene.time.end, quiet=quiet) as progress,
-        ):
+        with keeper, Progress(scene.time.end, quiet=quiet) as progress:
 
             def after_each_step(bed: Simulation) -> None:
                 run.after_step(bed)
