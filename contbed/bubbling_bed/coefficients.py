@@ -16,7 +16,7 @@ import numpy as np
 
 from contbed.bubbling_bed import scene as b
 from contbed.bubbling_bed.closures import Coefficient, is_bubbling, uses
-from contbed.bubbling_bed.equations import bed as model
+from contbed.bubbling_bed.equations import coefficients as model
 from contbed.bubbling_bed.equations import flow as bubbling_flow
 from contbed.closures.bubbles import GRAVITY
 from contbed.closures.reactions_solid import diffusion_in_nitrogen

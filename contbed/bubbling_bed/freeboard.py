@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contbed.bubbling_bed.equations import freeboard as model
-from contbed.bubbling_bed.equations.bed import Local
+from contbed.bubbling_bed.equations.coefficients import Local
 from contbed.closures.bubbles import GRAVITY
 from contbed.closures.optics import SIGMA
 

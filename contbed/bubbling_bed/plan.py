@@ -11,7 +11,7 @@ import numpy as np
 import skfem
 
 from contbed.bubbling_bed import scene as b
-from contbed.bubbling_bed.equations import bed as model
+from contbed.bubbling_bed.equations import coefficients as model
 from contbed.closures import optics
 from contbed.errors import SceneError
 from contbed.mesh.grading import equidistributed, graded

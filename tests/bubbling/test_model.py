@@ -11,6 +11,7 @@ from bubbling_scenes import STUDY, case1, one
 
 import contbed as cb
 from contbed.bubbling_bed.equations import bed as model
+from contbed.bubbling_bed.equations.coefficients import Coefficients, Plate, Species, Stream, Surface
 from contbed.bubbling_bed.plan import plan
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.cli import main
@@ -37,19 +38,19 @@ def coefficients(level, degree):
     def release(z, T):
         return 2e3 * np.exp(-z) * np.exp(-2000.0 * (1.0 / T - 1.0 / 900.0))
 
-    a = model.Stream(lambda z: 5.0 * z**2, lambda z: 10.0 * z, 400.0, 3.0, release)
-    b = model.Stream(lambda z: 2.0 * (z - HEIGHT), lambda z: 2.0 + 0.0 * z, 500.0, 8.0)
-    return model.Coefficients(
+    a = Stream(lambda z: 5.0 * z**2, lambda z: 10.0 * z, 400.0, 3.0, release)
+    b = Stream(lambda z: 2.0 * (z - HEIGHT), lambda z: 2.0 + 0.0 * z, 500.0, 8.0)
+    return Coefficients(
         1.4,
         0.3,
         350.0,
-        {"a": model.Species(a, 30.0, 0.4, 0.8), "b": model.Species(b, 50.0, 0.6, 1.5)},
+        {"a": Species(a, 30.0, 0.4, 0.8), "b": Species(b, 50.0, 0.6, 1.5)},
         {("a", "b"): 20.0},
-        model.Stream(lambda z: 12.0 + 0.0 * z, release=release),
-        model.Stream(lambda z: 25.0 + 0.0 * z),
+        Stream(lambda z: 12.0 + 0.0 * z, release=release),
+        Stream(lambda z: 25.0 + 0.0 * z),
         40.0,
-        {"tubes": model.Surface(2.0, 15.0, 450.0, 0.6), "walls": model.Surface(3.0, 5.0, 700.0, 0.3)},
-        model.Plate(9.0, 0.8, 0.7),
+        {"tubes": Surface(2.0, 15.0, 450.0, 0.6), "walls": Surface(3.0, 5.0, 700.0, 0.3)},
+        Plate(9.0, 0.8, 0.7),
         level,
         0.2,
         3e4,

@@ -10,7 +10,7 @@ from random_beds import tables
 
 import contbed as cb
 from contbed.bubbling_bed.coefficients import SMOOTHED
-from contbed.bubbling_bed.equations.bed import Local
+from contbed.bubbling_bed.equations.coefficients import Local
 from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.errors import ConvergenceError, SceneError
 from contbed.fem.dual import Dual
