@@ -12,11 +12,21 @@ from contbed.scene.checking import Mistakes, See
 from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import Origin
 from contbed.two_fluid import scene as t
-from contbed.two_fluid.closures import ABSENT, FROM_CELLS, GIVES, HEAT_KINDS, KINDS
+from contbed.two_fluid.closures import (
+    ABSENT,
+    FROM_CELLS,
+    GIVES,
+    HEAT_KINDS,
+    KINDS,
+    is_filtered_stress,
+    lacks,
+    settling_velocity,
+)
 from contbed.two_fluid.heat.scene import Heat
 from contbed.two_fluid.warnings import WARNINGS as WARNINGS
 
 MIN_PRESSURE = 1e3  # [Pa] of an ideal gas; below, its mean free path is no longer small beside the particles
+SAME_THETA = 1e-3  # share by which a granular temperature may be rounded in a scene
 MAX_TEMPERATURE = 6000.0  # [K]; above, gases dissociate and no particle is solid
 
 
@@ -100,6 +110,28 @@ def closures_exist(two_fluid: t.TwoFluid, origin: Origin) -> Mistakes:
             bind(chosen, kind, (*GIVES[kind], *FROM_CELLS.get(kind, ())), origin.base)
         except SceneError as error:
             yield ("two_fluid", key), str(error)
+
+
+def filtered_closures_have_their_velocity(
+    two_fluid: t.TwoFluid, gas: t.Gas, solid: t.Solid, initial: t.Initial, see: See
+) -> Mistakes:
+    """Check that particles settle, and that the filtered stress has the granular temperature that it is given over."""
+    settling = settling_velocity(two_fluid, gas, solid)
+    keys = [key for key, kind in KINDS.items() if kind in FROM_CELLS and lacks(getattr(two_fluid, key), kind)]
+    if settling <= 0.0:
+        for key in keys:
+            yield ("two_fluid", key), f"needs particles that settle; see {see('two_fluid.gravity')} and the densities"
+        return
+    if not is_filtered_stress(two_fluid):
+        return
+    if two_fluid.granular_temperature != "frozen":
+        yield ("two_fluid", "granular_temperature"), 'must be "frozen": the filtered stress takes its place'
+    layers = [layer.theta for layer in initial.layer if layer.theta is not None]
+    if any(abs(theta / settling**2 - 1.0) > SAME_THETA for theta in (initial.theta, *layers)):
+        text = (
+            f"must be {settling**2:.6g} m2/s2, the square of the terminal velocity, which the filtered stress is over"
+        )
+        yield ("initial", "theta"), text
 
 
 def fractions_fit(initial: t.Initial, boundary: dict[str, t.Boundary], solid: t.Solid, see: See) -> Mistakes:
@@ -251,6 +283,7 @@ def times_are_in_order(time: t.Time, see: See) -> Mistakes:
 CHECKS = (
     mesh_has_cells,
     closures_exist,
+    filtered_closures_have_their_velocity,
     layers_are_in_the_vessel,
     pieces_do_not_overlap,
     particles_fit_the_mesh,

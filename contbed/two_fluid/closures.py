@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contbed import closures
 from contbed.closures.binding import BoundClosure, bind, named
 from contbed.errors import SceneError
 from contbed.scene.mesh import MeshFile
@@ -34,7 +35,6 @@ HEAT_KINDS = {"nusselt": "nusselt", "conductivity_bed": "conductivity"}
 """Kinds by the keys of [heat]."""
 
 MIN_REPORTED_FRACTION = 1e-6  # solids fraction below which the range use of closures is not recorded
-FILTERED = "drag_igci"
 FILTER_CELLS = 2.0  # cells across a filter, of which the resolved scales are free of the scheme's own diffusion
 _THEORY = ("eps_s", "g0", "e")
 GIVES: dict[str, tuple[str, ...]] = {
@@ -52,8 +52,12 @@ GIVES: dict[str, tuple[str, ...]] = {
 }
 """The arguments that closures of each kind can have; kernels call the closures with them in this order."""
 
-FROM_CELLS = {"drag": ("filter_froude",)}
-"""Parameters by kind that follow from the cells where a scene does not give them."""
+FROM_CELLS = {
+    "drag": ("filter_froude", "Re_t"),
+    "granular_pressure": ("filter_froude",),
+    "granular_viscosity": ("filter_froude", "terminal_froude"),
+}
+"""Parameters by kind that follow from cells and particles where a scene does not give them."""
 
 Bound = Mapping[str, BoundClosure | None]
 
@@ -62,7 +66,7 @@ def bound(scene: t.TwoFluidScene) -> Bound:
     """Bind the closures of a scene by kind, None for what is absent."""
     flow, base = scene.two_fluid, scene.origin.base
     chosen = {kind: getattr(flow, key) for key, kind in KINDS.items()}
-    chosen["drag"] = filtered(chosen["drag"], scene)
+    chosen |= {kind: filtered(chosen[kind], kind, scene) for kind in FROM_CELLS}
     found = {kind: None if spec == ABSENT else bind(spec, kind, GIVES[kind], base) for kind, spec in chosen.items()}
     if scene.heat is not None:
         for key, kind in HEAT_KINDS.items():
@@ -71,8 +75,8 @@ def bound(scene: t.TwoFluidScene) -> Bound:
     return found
 
 
-def filtered(drag: Any, scene: t.TwoFluidScene) -> Any:
-    """Return the drag with the filter of the cells if it is one for cells that do not resolve clusters.
+def filtered(spec: Any, kind: str, scene: t.TwoFluidScene) -> Any:
+    """Return the closure with what it takes of FROM_CELLS, if it is one for cells that do not resolve clusters.
 
     Filter size FILTER_CELLS times the square root of a cell's area, in a box the cube root of its volume.
 
@@ -80,21 +84,65 @@ def filtered(drag: Any, scene: t.TwoFluidScene) -> Any:
     ------
     SceneError : the cells of a mesh file have no common size, so that the scene has to give the number
     """
-    given = drag.model_extra or {} if isinstance(drag, Closure) else {}
-    name = drag.name if isinstance(drag, Closure) else drag
-    if name.removeprefix("drag_") != FILTERED.removeprefix("drag_") or "filter_froude" in given:
-        return drag
+    missing = lacks(spec, kind)
+    if not missing:
+        return spec
+    given = spec.model_extra or {} if isinstance(spec, Closure) else {}
+    found = {parameter: _OF_SCENE[parameter](scene, kind) for parameter in missing}
+    return Closure(name=full_name(spec, kind), **given, **found)
+
+
+def lacks(spec: Any, kind: str) -> tuple[str, ...]:
+    """Return the parameters of FROM_CELLS that a closure takes and its scene does not give."""
+    given = spec.model_extra or {} if isinstance(spec, Closure) else {}
+    name = full_name(spec, kind)
+    taken = closures.sheet(name).arguments if name in closures.names(kind) else ()
+    return tuple(key for key in FROM_CELLS[kind] if key in taken and key not in given)
+
+
+def full_name(spec: Any, kind: str) -> str:
+    """Name of a closure with its kind."""
+    name = spec.name if isinstance(spec, Closure) else str(spec)
+    return name if name.startswith(f"{kind}_") else f"{kind}_{name}"
+
+
+def is_filtered_stress(two_fluid: t.TwoFluid) -> bool:
+    """Whether pressure or viscosity of the particles are those of cells that do not resolve clusters."""
+    stress = {"granular_pressure": two_fluid.pressure, "granular_viscosity": two_fluid.viscosity}
+    return any(full_name(spec, kind) == f"{kind}_igci" for kind, spec in stress.items())
+
+
+def settling_velocity(two_fluid: t.TwoFluid, gas: t.Gas, solid: t.Solid) -> float:
+    """Stokes' terminal velocity of a particle [m/s]."""
+    return two_fluid.gravity * solid.particle_diameter**2 * (solid.density - gas.density) / (18.0 * gas.viscosity)
+
+
+def _filter_froude(scene: t.TwoFluidScene, kind: str) -> float:
+    """Filter size times gravity over the square of the terminal velocity [-]."""
     if isinstance(scene.mesh, MeshFile) or scene.mesh.cells is None:
-        where = scene.origin.at(("two_fluid", "drag"))
-        text = f'cells of unknown size; give the filter: {{ name = "{FILTERED}", filter_froude = ... }}'
-        raise SceneError(f"{where}: two_fluid.drag: {text}")
+        key = next(key for key, of in KINDS.items() if of == kind)
+        name = full_name(getattr(scene.two_fluid, key), kind)
+        where = scene.origin.at(("two_fluid", key))
+        text = f'cells of unknown size; give the filter: {{ name = "{name}", filter_froude = ... }}'
+        raise SceneError(f"{where}: two_fluid.{key}: {text}")
     cells = np.atleast_1d(scene.mesh.cells) * 2**scene.mesh.refine
     size = float(np.prod(_extents(scene.mesh) / cells) ** (1.0 / len(cells)))
-    solid, gas = scene.solid, scene.gas
-    settling = (
-        scene.two_fluid.gravity * solid.particle_diameter**2 * (solid.density - gas.density) / 18.0 / gas.viscosity
-    )
-    return Closure(name=FILTERED, filter_froude=FILTER_CELLS * size * scene.two_fluid.gravity / settling**2)
+    return FILTER_CELLS * size * scene.two_fluid.gravity / _settling(scene) ** 2
+
+
+def _settling(scene: t.TwoFluidScene) -> float:
+    return settling_velocity(scene.two_fluid, scene.gas, scene.solid)
+
+
+def _terminal_reynolds(scene: t.TwoFluidScene, _: str) -> float:
+    return _settling(scene) * scene.gas.density * scene.solid.particle_diameter / scene.gas.viscosity
+
+
+def _terminal_froude(scene: t.TwoFluidScene, _: str) -> float:
+    return _settling(scene) ** 2 / (scene.two_fluid.gravity * scene.solid.particle_diameter)
+
+
+_OF_SCENE = {"filter_froude": _filter_froude, "Re_t": _terminal_reynolds, "terminal_froude": _terminal_froude}
 
 
 def _extents(mesh: Any) -> Any:

@@ -110,7 +110,7 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
     for there, what, how, why in (
         (table.drag != ABSENT, "drag", str(table.drag), 'drag = "none"'),
         (table.granular_temperature != "frozen", "granular temperature", table.granular_temperature, "frozen"),
-        (table.viscosity != ABSENT, "stress of the particles", table.viscosity, 'viscosity = "none"'),
+        (table.viscosity != ABSENT, "stress of the particles", str(table.viscosity), 'viscosity = "none"'),
         (table.friction != ABSENT, "friction", table.friction, 'friction = "none"'),
         (table.guards, "guards of dilute flow", "drag and free path", "guards = false"),
         (scene.time.average_from is not None, "averages", "in time", "no time.average_from"),

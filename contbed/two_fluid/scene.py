@@ -53,8 +53,8 @@ class TwoFluid(Table):
     granular_temperature: Literal["pde", "algebraic", "frozen"] = "pde"
     drag: Named = "drag_gidaspow"
     radial_distribution: str = "g0_sinclair_jackson"
-    pressure: str = Field("granular_pressure_lun", description='"granular_pressure_dilute": without collisions')
-    viscosity: str = Field("granular_viscosity_gidaspow", description='"none": particles without stress but pressure')
+    pressure: Named = Field("granular_pressure_lun", description='"granular_pressure_dilute": without collisions')
+    viscosity: Named = Field("granular_viscosity_gidaspow", description='"none": particles without stress but pressure')
     bulk_viscosity: str = "granular_bulk_lun"
     conductivity: str = "granular_conductivity_syamlal"
     dissipation: str = "granular_dissipation_lun"

@@ -53,6 +53,8 @@ BOX = {
     "slip": (0.01, 2.0),
     "f_1": (0.001, 0.3),
     "filter_froude": (0.3, 30.0),
+    "Re_t": (1.0, 20.0),
+    "terminal_froude": (10.0, 1000.0),
     "f_2": (0.001, 0.3),
     "d_1": (1e-4, 1e-2),
     "d_2": (1e-4, 1e-2),
@@ -82,12 +84,14 @@ BOX = {
     "nu": (1e-6, 1e-4),
     "drag_rate": (0.1, 100.0),
 }
-# zero or almost on a part of the line: differences of terms, and an exponential of -5.4 u_t / u
+# zero or almost on a part of the line: differences of terms, an exponential of -5.4 u_t / u, drag of which clusters
+# leave a thousandth
 VANISHES = {
     closures.bubble_fraction_kunii_levenspiel,
     closures.bubble_fraction_two_phase,
     closures.bubble_growth_horio_nonaka,
     closures.bubble_growth_mori_wen,
+    closures.drag_milioli,
     closures.elutriation_colakyan_levenspiel,
     closures.elutriation_geldart,
     closures.emulsion_gas_kunii_levenspiel,

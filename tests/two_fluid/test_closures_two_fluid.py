@@ -13,8 +13,10 @@ from scipy.optimize import brentq
 from contbed import closures
 from contbed.closures.compiled import compiled
 from contbed.closures.granular_transport import share_drag, share_free_path
+from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.two_fluid.closures import bound
+from contbed.two_fluid.plan import plan
 
 SEED = {"rho_s": 2550.0, "d_p": 150e-6, "rho": 1.2, "mu": 1.8e-5}
 TAGHIPOUR = {"rho_s": 2500.0, "d_p": 275e-6, "rho": 1.225, "mu": 1.7894e-5}
@@ -209,6 +211,111 @@ def test_filtered_drag_without_filter_and_at_its_ends():
     assert found[0] > 0.8  # dilute: hardly any clusters
     assert found[2] < 0.25
     assert found[3] == pytest.approx(1.0, abs=1e-4)  # dense: no room for clusters
+
+
+def milioli_over_plain(eps_s, slip, filter_froude, Re_t=1.3):
+    given = {"Re": slip * (1.0 - eps_s) * Re_t, "eps": 1.0 - eps_s, "d_p": 1e-4, "mu": 1.8e-5}
+    plain = closures.get("drag_wen_yu", "drag")(**given)
+    return closures.get("drag_milioli", "drag")(**given, filter_froude=filter_froude, Re_t=Re_t) / plain
+
+
+MILIOLI = np.loadtxt(
+    Path(__file__).parents[1] / "data/filtered_drag_milioli.csv", delimiter=",", skiprows=1, unpack=True
+)
+
+
+def test_drag_filtered_with_the_slip_has_the_values_of_its_formulas():
+    """Factors at three slips, six decimals, evaluated with the coefficients of the next larger filter fitted.
+
+    Smooth minima add up to 5.8e-4 where two pieces are nearly equal.
+    """
+    fitted = {2.0: 2.056, 4.0: 4.112, 8.0: 8.224, 12.0: 12.336, 16.0: 16.448, 20.0: 20.56}
+    eps_s, froude, *factors = MILIOLI
+    froude = np.array([fitted.get(F, F) for F in froude])
+    for slip, factor in zip((0.5, 1.0, 2.0), factors, strict=True):
+        np.testing.assert_allclose(milioli_over_plain(eps_s, slip, froude), factor, atol=6e-4)
+    assert eps_s.shape == (120,)
+
+
+def test_drag_filtered_with_the_slip_between_its_filters():
+    """Monotonic from one fitted filter to the next, without the jumps of a reading by classes; positive everywhere."""
+    between = np.linspace(2.056, 4.112, 201)
+    found = milioli_over_plain(0.1, 1.0, between)
+    assert (np.diff(found) <= 0.0).all()
+    assert np.abs(np.diff(found)).max() < 1e-2 * np.ptp(found)
+    np.testing.assert_allclose(milioli_over_plain(np.array([0.01, 0.3]), 2.0, 1.028), 1.0, rtol=1e-14)
+    eps_s, slip, froude = np.meshgrid(
+        np.linspace(1e-6, 0.63, 64), np.geomspace(1e-3, 1e3, 61), [1.5, 3.0, 6.0, 18.0, 99.0]
+    )
+    found = milioli_over_plain(eps_s, slip, froude)
+    assert found.min() > 1e-4
+    assert found.max() <= 1.0
+
+
+def test_filtered_stress_has_the_values_of_its_formulas():
+    """Pieces as printed, by hand; dilute, kinetic theory without filter, and no clusters where there is no room."""
+    pressure, viscosity = closures.granular_pressure_igci, closures.granular_viscosity_igci
+    size = 0.48 * 4.0**0.86 * (1.0 - np.exp(-4.0 / 1.4))
+    kinetic = -0.185e-3 + 0.066e-2 - 0.0000183 + 0.00232
+    clusters = size * (0.1 - 0.59) * (-1.69 * 0.1 - 4.61 * 0.1**2 + 11.0 * 0.1**3)
+    assert pressure(0.1, 1.0, 0.9, filter_froude=4.0) == pytest.approx(kinetic + clusters, rel=1e-12)
+    assert pressure(0.1, 1.0, 0.9, filter_froude=0.0) == pytest.approx(kinetic, rel=1e-12)
+    assert pressure(0.005, 1.0, 0.9, filter_froude=0.0) == pytest.approx(-10.4 * 0.005**2 + 0.31 * 0.005, rel=1e-12)
+    assert pressure(0.4, 1.0, 0.9, filter_froude=0.0) == pytest.approx(-0.00978 * 0.4 + 0.00615, rel=1e-12)
+    theory = 2.72e-4 - 1.55e-3 + 0.329e-2 - 0.0296e-1 + 0.00136
+    clusters = 0.37 * 4.0**1.22 / (0.28 * 4.0**0.43 + 1) * (0.1 - 0.59) * (-0.122 - 0.7e-2 - 2e-3)
+    found = viscosity(0.1, 1.0, 0.9, filter_froude=4.0, terminal_froude=88.0)
+    assert found == pytest.approx(88.0 * (theory + clusters), rel=1e-12)
+    thin = 1720 * 1e-8 - 215e-6 + 9.81e-4 - 0.207e-2 + 0.00254
+    assert viscosity(0.01, 1.0, 0.9, filter_froude=0.0, terminal_froude=1.0) == pytest.approx(thin, rel=1e-12)
+    thick = -0.0128 * 0.4**3 + 0.0107 * 0.4**2 - 0.0005 * 0.4 + 0.000335
+    assert viscosity(0.4, 1.0, 0.9, filter_froude=0.0, terminal_froude=1.0) == pytest.approx(thick, rel=1e-12)
+    for law, more in ((pressure, {}), (viscosity, {"terminal_froude": 88.0})):
+        packed = [law(0.63, 1.0, 0.9, filter_froude=F, **more) for F in (0.0, 30.0)]
+        assert packed[1] == pytest.approx(packed[0], rel=0.2)
+        s = np.linspace(0.0, 0.65, 1001)
+        assert (law(s, 1.0, 0.9, filter_froude=4.0, **more)[1:] > 0.0).all()
+
+
+FILTERED_STRESS = {
+    "pressure": "granular_pressure_igci",
+    "viscosity": "igci",
+    "bulk_viscosity": "none",
+    "granular_temperature": "frozen",
+}
+
+
+def filtered_scene(theta, **two_fluid):
+    sides = ["left", "right", "bottom", "top"]
+    return {
+        "mesh": PLANE,
+        "two_fluid": {"drag": "milioli", **FILTERED_STRESS, **two_fluid},
+        "gas": {"density": 1.2, "viscosity": 1.8e-5},
+        "solid": {"particle_diameter": 75e-6, "density": 1500.0, "restitution": 0.9, "packing": 0.6},
+        "initial": {"eps_s": 0.05, "theta": theta},
+        "boundary": {side: {"type": "wall", "solid": "slip"} for side in sides},
+        "time": {"end": 0.1},
+    }
+
+
+def test_filtered_stress_comes_with_its_granular_temperature():
+    """mu = rho_s v_t^3/g mu*, p = rho_s v_t^2 p* of the model where theta = v_t^2; other temperatures are refused."""
+    settling = GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)
+    scene = from_dict(filtered_scene(settling**2))
+    bed, _ = plan(scene).bed()
+    F = 2.0 * (0.02 * 0.01) ** 0.5 * GRAVITY / settling**2
+    rheology, theta = bed.state.properties.rheology, bed.state.theta
+    pressure = closures.granular_pressure_igci(0.05, 1.0, 0.9, F)
+    np.testing.assert_allclose(rheology.pressure * theta, settling**2 * pressure, rtol=1e-5)  # fades below 1e-8
+    viscosity = closures.granular_viscosity_igci(0.05, 1.0, 0.9, F, settling**2 / GRAVITY / 75e-6)
+    np.testing.assert_allclose(rheology.mu, 1500.0 * 75e-6 * settling * viscosity, rtol=1e-5)
+    assert bound(scene)["drag"].parameters["Re_t"] == pytest.approx(1.2 * settling * 75e-6 / 1.8e-5, rel=1e-12)
+    with pytest.raises(SceneError, match=r"must be 0\.0651\d+ m2/s2, the square of the terminal velocity"):
+        from_dict(filtered_scene(1e-3))
+    with pytest.raises(SceneError, match=r'granular_temperature.*must be "frozen"'):
+        from_dict(filtered_scene(settling**2, granular_temperature="pde"))
+    with pytest.raises(SceneError, match="needs particles that settle"):
+        from_dict(filtered_scene(settling**2, gravity=0.0))
 
 
 @pytest.mark.parametrize(
