@@ -24,6 +24,8 @@ from contbed.two_fluid.fv.grid import Grid
 MAX_ASPECT = 1.5
 BLOCK = 2048  # places that one thread takes without a pause, about 3 us of work
 MIN_BLOCKS = 4  # of a lattice that threads share; on a smaller one a barrier costs more than it saves
+FINEST = np.int64(0)  # lattice; numba would compile functions once more for a Python 0
+Index = int | np.int64
 COARSE_LINK = 0.5  # a coarse link spans twice the distance of the links that it is the sum of (Braess 1995)
 
 
@@ -107,20 +109,20 @@ def empty_stencil(levels: Levels) -> Stencil:
 
 
 @inner
-def shared(levels: Levels, level: int) -> bool:
+def shared(levels: Levels, level: Index) -> bool:
     """Whether threads share a lattice."""
     return blocks(levels, level) >= MIN_BLOCKS
 
 
 @inner
-def blocks(levels: Levels, level: int) -> int:
+def blocks(levels: Levels, level: Index) -> int:
     """Return the number of blocks of a lattice."""
     nx, ny, nz = levels.size[level]
     return int((nx * ny * nz + BLOCK - 1) // BLOCK)
 
 
 @inner
-def share(crew: Crew, levels: Levels, level: int, count: int) -> tuple[int, int]:
+def share(crew: Crew, levels: Levels, level: Index, count: int) -> tuple[int, int]:
     """Which of `count` equal pieces of a lattice a thread takes: the first, and the one after the last."""
     if shared(levels, level):
         return count * crew.number // crew.size, count * (crew.number + 1) // crew.size
@@ -128,7 +130,7 @@ def share(crew: Crew, levels: Levels, level: int, count: int) -> tuple[int, int]
 
 
 @inner
-def span(levels: Levels, level: int) -> tuple[Any, Any, Any, Any]:
+def span(levels: Levels, level: Index) -> tuple[Any, Any, Any, Any]:
     """First place of a lattice, the one after its last, and the distances of places along the second and third axis."""
     begin, s1 = np.uint64(levels.first[level]), np.uint64(levels.size[level, 0])
     s2 = np.uint64(levels.size[level, 0] * levels.size[level, 1])
@@ -136,7 +138,7 @@ def span(levels: Levels, level: int) -> tuple[Any, Any, Any, Any]:
 
 
 @inner
-def block(levels: Levels, level: int, number: int) -> tuple[Any, Any]:
+def block(levels: Levels, level: Index, number: int) -> tuple[Any, Any]:
     """First place of a block of a lattice, and the one after its last."""
     begin, end, _, _ = span(levels, level)
     first = begin + np.uint64(number * BLOCK)
@@ -149,7 +151,7 @@ def load_links(crew: Crew, levels: Levels, coef: Array, out: Stencil) -> None:
     place = levels.place
     for axis in range(len(levels.axes)):
         first, count = levels.faces[axis, 0], levels.faces[axis, 1] - levels.faces[axis, 0]
-        lowest, highest = share(crew, levels, 0, count)
+        lowest, highest = share(crew, levels, FINEST, count)
         for f in range(first + lowest, first + highest):
             if axis == 0:
                 out.fast[place[f]] = coef[f]
@@ -168,11 +170,11 @@ def set_up_pressure(
     The diagonal of the first cell counts twice where the system is `floating`. `work` (total,) is a workspace.
     """
     load_links(crew, levels, coef, out)
-    first, last = share(crew, levels, 0, len(rest))
+    first, last = share(crew, levels, FINEST, len(rest))
     for c in range(first, last):
         out.diagonal[levels.of_cell[c]] = rest[c]
     wait(crew)
-    _add_links(crew, levels, 0, out)
+    _add_links(crew, levels, FINEST, out)
     wait(crew)
     if floating and crew.number == 0:
         out.diagonal[levels.of_cell[0]] *= 2.0
@@ -184,7 +186,7 @@ def set_up_pressure(
 @kernel
 def add_neighbours(levels: Levels, stiff: Array, solved: Array) -> None:
     """Set `solved` to 1 in stiff cells and their neighbours."""
-    begin, end, s1, s2 = span(levels, 0)
+    begin, end, s1, s2 = span(levels, FINEST)
     one, joined = np.uint64(1), levels.joined
     for p in range(begin, end):
         near = max(stiff[p], max(joined[0, p] * stiff[p + one], joined[0, p - one] * stiff[p - one]))
@@ -215,12 +217,12 @@ def set_up_exchange(crew: Crew, levels: Levels, exchange: Exchange, out: Stencil
     """
     one, fast, middle, slow = np.uint64(1), out.fast, out.middle, out.slow
     solved, content, rest = exchange.solved, exchange.content, exchange.rest
-    _, _, s1, s2 = span(levels, 0)
+    _, _, s1, s2 = span(levels, FINEST)
     load_links(crew, levels, exchange.coef, out)
     wait(crew)
-    first, last = share(crew, levels, 0, blocks(levels, 0))
+    first, last = share(crew, levels, FINEST, blocks(levels, FINEST))
     for number in range(first, last):
-        begin, end = block(levels, 0, number)
+        begin, end = block(levels, FINEST, number)
         for p in range(begin, end):
             fast[p] *= solved[p] * solved[p + one]
         for p in range(begin, end):
@@ -228,18 +230,18 @@ def set_up_exchange(crew: Crew, levels: Levels, exchange: Exchange, out: Stencil
         if len(levels.axes) > 2:
             for p in range(begin, end):
                 slow[p] *= solved[p] * solved[p + s2]
-    first, last = share(crew, levels, 0, len(content))
+    first, last = share(crew, levels, FINEST, len(content))
     for c in range(first, last):
         out.diagonal[levels.of_cell[c]] = content[c] + solved[levels.of_cell[c]] * rest[c]
     wait(crew)
-    _add_links(crew, levels, 0, out)
+    _add_links(crew, levels, FINEST, out)
     wait(crew)
     if exchange.stiff:
         _coarsen(crew, levels, out, work)
 
 
 @inner
-def _add_links(crew: Crew, levels: Levels, level: int, out: Stencil) -> None:
+def _add_links(crew: Crew, levels: Levels, level: Index, out: Stencil) -> None:
     """Add the links of each place of a lattice to the diagonal, and set its inverse."""
     _, _, s1, s2 = span(levels, level)
     one = np.uint64(1)
@@ -280,7 +282,7 @@ def _coarsen(crew: Crew, levels: Levels, out: Stencil, rest: Array) -> None:
 
 
 @inner
-def _empty_row(levels: Levels, level: int, row: int, out: Stencil) -> None:
+def _empty_row(levels: Levels, level: Index, row: int, out: Stencil) -> None:
     """Set the system of a row of a lattice to zero."""
     nx = levels.size[level, 0]
     start = levels.first[level] + nx * row
@@ -292,7 +294,7 @@ def _empty_row(levels: Levels, level: int, row: int, out: Stencil) -> None:
 
 
 @inner
-def _coarsen_row(levels: Levels, level: int, j: int, k: int, out: Stencil, rest: Array) -> None:
+def _coarsen_row(levels: Levels, level: Index, j: int, k: int, out: Stencil, rest: Array) -> None:
     """Add the row (j, k) of a lattice to its row on the next one."""
     dim = len(levels.axes)
     nx, ny, _ = levels.size[level]

@@ -20,7 +20,9 @@ from contbed.two_fluid.fv.rows import Rows
 from contbed.two_fluid.linear.cg import System
 from contbed.two_fluid.linear.lattice import (
     BLOCK,
+    FINEST,
     Exchange,
+    Index,
     Levels,
     Stencil,
     add_neighbours,
@@ -56,7 +58,9 @@ def _row(axes: tuple[int, ...], a: Stencil, x: Array, p: Any, s1: Any, s2: Any) 
 
 
 @inner_summing
-def _smooth(levels: Levels, level: int, part: Part, a: Stencil, weight: float, b: Array, x: Array, out: Array) -> None:
+def _smooth(
+    levels: Levels, level: Index, part: Part, a: Stencil, weight: float, b: Array, x: Array, out: Array
+) -> None:
     """Set out to x after one step of Jacobi."""
     _, _, s1, s2 = span(levels, level)
     inverse = a.inverse
@@ -67,7 +71,7 @@ def _smooth(levels: Levels, level: int, part: Part, a: Stencil, weight: float, b
 
 
 @inner_summing
-def _residual(levels: Levels, level: int, part: Part, a: Stencil, b: Array, x: Array, out: Array) -> None:
+def _residual(levels: Levels, level: Index, part: Part, a: Stencil, b: Array, x: Array, out: Array) -> None:
     """Set out to what x leaves of b."""
     _, _, s1, s2 = span(levels, level)
     for number in range(part[0], part[1]):
@@ -77,7 +81,7 @@ def _residual(levels: Levels, level: int, part: Part, a: Stencil, b: Array, x: A
 
 
 @inner
-def _restrict(crew: Crew, levels: Levels, level: int, r: Array, b: Array) -> None:
+def _restrict(crew: Crew, levels: Levels, level: Index, r: Array, b: Array) -> None:
     """Set b on the next lattice to the sums of r."""
     nx, ny, nz = levels.size[level]
     bx, by, bz = levels.by[level]
@@ -100,7 +104,7 @@ def _restrict(crew: Crew, levels: Levels, level: int, r: Array, b: Array) -> Non
 
 
 @inner
-def _correct(crew: Crew, levels: Levels, level: int, x: Array) -> None:
+def _correct(crew: Crew, levels: Levels, level: Index, x: Array) -> None:
     """Add x of the next lattice to x of this one."""
     nx, ny, nz = levels.size[level]
     bx, by, bz = levels.by[level]
@@ -121,7 +125,7 @@ def _correct(crew: Crew, levels: Levels, level: int, x: Array) -> None:
 
 
 @inner
-def _scale(levels: Levels, level: int, part: Part, weight: float, a: Stencil, b: Array, x: Array) -> None:
+def _scale(levels: Levels, level: Index, part: Part, weight: float, a: Stencil, b: Array, x: Array) -> None:
     """Set x to `weight` times b over the diagonal."""
     for number in range(part[0], part[1]):
         begin, end = block(levels, level, number)
@@ -159,7 +163,7 @@ def _cycle(crew: Crew, levels: Levels, a: Stencil, b: Array, x: Array, other: Ar
 
 
 @inner
-def _meet(crew: Crew, levels: Levels, level: int) -> None:
+def _meet(crew: Crew, levels: Levels, level: Index) -> None:
     """Wait for the other threads if they share a lattice."""
     if shared(levels, level):
         wait(crew)
@@ -196,7 +200,7 @@ class End(NamedTuple):
 def _measure(levels: Levels, part: Part, by_largest: bool, inverse: Array, r: Array, out: Array) -> None:
     """Set `out` (blocks,) to the largest value of r in each block, or to its square in the norm of `inverse`."""
     for number in range(part[0], part[1]):
-        begin, end = block(levels, 0, number)
+        begin, end = block(levels, FINEST, number)
         found = total = 0.0
         if by_largest:
             for i in range(begin, end):
@@ -213,7 +217,7 @@ def _measure(levels: Levels, part: Part, by_largest: bool, inverse: Array, r: Ar
 def _products(levels: Levels, part: Part, x: Array, y: Array, out: Array) -> None:
     """Set `out` (blocks,) to x . y in each block."""
     for number in range(part[0], part[1]):
-        begin, end = block(levels, 0, number)
+        begin, end = block(levels, FINEST, number)
         found = 0.0
         for i in range(begin, end):
             found += x[i] * y[i]
@@ -224,7 +228,7 @@ def _products(levels: Levels, part: Part, x: Array, y: Array, out: Array) -> Non
 def _turn(levels: Levels, part: Part, share_of_last: float, z: Array, direction: Array) -> None:
     """Set the direction to z plus a share of the last one."""
     for number in range(part[0], part[1]):
-        begin, end = block(levels, 0, number)
+        begin, end = block(levels, FINEST, number)
         for i in range(begin, end):
             direction[i] = z[i] + share_of_last * direction[i]
 
@@ -232,9 +236,9 @@ def _turn(levels: Levels, part: Part, share_of_last: float, z: Array, direction:
 @inner_summing
 def _apply(levels: Levels, part: Part, a: Stencil, x: Array, y: Array, out: Array) -> None:
     """Set y to the matrix times x, and `out` (blocks,) to x . y in each block."""
-    _, _, s1, s2 = span(levels, 0)
+    _, _, s1, s2 = span(levels, FINEST)
     for number in range(part[0], part[1]):
-        begin, end = block(levels, 0, number)
+        begin, end = block(levels, FINEST, number)
         found = 0.0
         for i in range(begin, end):
             row = _row(levels.axes, a, x, i, s1, s2)
@@ -247,7 +251,7 @@ def _apply(levels: Levels, part: Part, a: Stencil, x: Array, y: Array, out: Arra
 def _step(levels: Levels, part: Part, alpha: float, direction: Array, change: Array, x: Array, r: Array) -> None:
     """Add alpha times the direction to x, and take alpha times its `change` of the residual from r."""
     for number in range(part[0], part[1]):
-        begin, end = block(levels, 0, number)
+        begin, end = block(levels, FINEST, number)
         for i in range(begin, end):
             x[i] += alpha * direction[i]
             r[i] -= alpha * change[i]
@@ -265,8 +269,8 @@ def _together(parts: Array, by_largest: bool) -> float:
 @kernel
 def iterate(crew: Crew, levels: Levels, a: Stencil, v: Vectors, multigrid: bool, end: End) -> int:
     """Solve on the first lattice; return the number of iterations, -1 if too many or where a number is not finite."""
-    part, parts = share(crew, levels, 0, blocks(levels, 0)), v.parts
-    _residual(levels, 0, part, a, v.b, v.x, v.r)
+    part, parts = share(crew, levels, FINEST, blocks(levels, FINEST)), v.parts
+    _residual(levels, FINEST, part, a, v.b, v.x, v.r)
     _measure(levels, part, end.by_largest, a.inverse, v.r, parts[0])
     wait(crew)
     before = 1.0
@@ -276,7 +280,7 @@ def iterate(crew: Crew, levels: Levels, a: Stencil, v: Vectors, multigrid: bool,
         if multigrid:
             _cycle(crew, levels, a, v.r, v.z, v.other)
         else:
-            _scale(levels, 0, part, 1.0, a, v.r, v.z)
+            _scale(levels, FINEST, part, 1.0, a, v.r, v.z)
         _products(levels, part, v.z, v.r, parts[1])
         wait(crew)
         slope = _together(parts[1], False)
