@@ -18,6 +18,7 @@ from contbed.packed_bed.equations import two_energy
 from contbed.packed_bed.heat_coefficients import HeatCoefficients, Motion, plain
 from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
+from contbed.packed_bed.radiation import coupling
 from contbed.packed_bed.schedule import Piece, initial_range
 from contbed.scene.series import ProfileFile
 from contbed.solvers.condensed import Inside
@@ -53,7 +54,7 @@ class HeatProblem:
         order = 2 * degree + (1 if mesh.axisymmetric else 0) + (0 if medium.constant else 2)
         if motion.flow is not None:
             order = max(order, motion.flow.system.order)  # the divergence vanishes in the quadrature of the flow
-        self.radiation = _coupling(scene)
+        self.radiation = coupling(scene)
         self.modes = modes(scene)
         names = two_energy.FIELDS if self.radiation is None else (*two_energy.FIELDS, *self.radiation.fields)
         names = (*names, *(mode.name for mode in self.modes))
@@ -387,15 +388,6 @@ class HeatProblem:
         if not (np.any(c.fluid.source) or np.any(c.solid.source)):
             return 0.0
         return float(np.sum(self.system.cells.weight * (c.fluid.source + c.solid.source)))
-
-
-def _coupling(scene: s.Scene) -> Any:
-    """Return the coupling with incident radiation, a further unknown; None for scenes without."""
-    if scene.radiation is None or scene.radiation.level == "rosseland":
-        return None
-    from contbed.radiation.problem import RadiationCoupling
-
-    return RadiationCoupling(scene)
 
 
 def _stream_above(T_ref: float) -> Callable[[Any, Any, Any], Any]:

@@ -26,6 +26,7 @@ from contbed.packed_bed.grading import nodes
 from contbed.packed_bed.inside import Inside, inside_of, modes
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.pressure import lifted
+from contbed.packed_bed.radiation import cheapest, described_level
 from contbed.packed_bed.recognition import (
     bed_diameter,
     inlet_temperature,
@@ -256,7 +257,7 @@ def plan(scene: s.Scene) -> Plan:
     if scene.time is not None:
         schedule = Schedule.of(scene.flow, scene.boundary, scene.origin.base)
         scene = schedule.frozen(scene, 0.0)
-    scene, thick = _cheapest_radiation(scene)
+    scene, thick = cheapest(scene)
     built: list[tuple[str, str]] = []
     skipped: list[tuple[str, str]] = []
     inside = _inside(schedule, scene)
@@ -323,7 +324,7 @@ def plan(scene: s.Scene) -> Plan:
         elif schedule:
             parts = len(schedule.cuts(scene.time.end)) - 1
             built.append(("schedule", f"{len(schedule.samples)} series, {parts} parts without jump or kink"))
-        (skipped if scene.radiation is None else built).append(_how_radiation(scene, thick))
+        (skipped if scene.radiation is None else built).append(described_level(scene, thick))
     return Plan(
         written,
         target,
@@ -369,32 +370,6 @@ def _finest_each(grids: list[list[Any] | None]) -> list[Any] | None:
     if grids[0] is None:
         return None
     return [finest([grid[k] for grid in grids if grid is not None]) for k in range(len(grids[0]))]
-
-
-def _cheapest_radiation(scene: s.Scene) -> tuple[s.Scene, str]:
-    """Return the scene, with a Rosseland conductivity where allowed and accurate, and the reason."""
-    if scene.radiation is None or not scene.radiation.allow_rosseland:
-        return scene, ""
-    from contbed.radiation.rosseland import choose
-
-    return choose(scene)
-
-
-def _how_radiation(scene: s.Scene, thick: str) -> tuple[str, str]:
-    """Describe the level of the radiation.
-
-    `thick` says how accurate Rosseland would be where that is allowed.
-    """
-    table = scene.radiation
-    if table is None:
-        return "radiation", "no [radiation] table"
-    if table.level == "rosseland":
-        how = "Rosseland limit: a conductivity of the solid"
-    else:
-        from contbed.radiation.plan import level_name
-
-        how = f"{level_name(table)}, coupled to the solid"
-    return "radiation", f"{how}; {thick}" if thick else how
 
 
 def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
