@@ -166,7 +166,11 @@ MODELS: dict[str, Model] = {
         "reacting_bed",
         "ReactingScene",
         _reacts,
-        {"reacting_bed": "equations.bed", "gas_inside_particles": "equations.inside"},
+        {
+            "reacting_bed": "equations.bed",
+            "gas_inside_particles": "equations.inside",
+            "reacting_section": "equations.section",
+        },
     ),
     "packed_bed": Model(
         "packed_bed",

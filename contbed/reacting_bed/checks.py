@@ -22,8 +22,8 @@ from contbed.reacting_bed.inside_checks import (
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
 from contbed.reacting_bed.medium import bound, places_of
-from contbed.reacting_bed.problem import gas_sign
 from contbed.reacting_bed.schedule_checks import at_each_time, series_are_usable
+from contbed.reacting_bed.streams import gas_sign
 from contbed.reacting_bed.substances import Equation, equations_of
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.names import nearest
@@ -270,12 +270,40 @@ def heat_fits_the_bed(heat: s.Heat | None, wall: s.Wall | None) -> Mistakes:
         yield ("wall",), "has no meaning without [heat]; add [heat], or remove it"
 
 
-def closures_exist(bed: s.Bed, heat: s.Heat | None, mass: s.Mass | None, origin: Origin) -> Mistakes:
+def sections_can_be_resolved(
+    section: s.Section | None,
+    wall: s.Wall | None,
+    heat: s.Heat | None,
+    time: s.Time | None,
+    adsorption: dict[str, s.Adsorption],
+    see: See,
+) -> Mistakes:
+    """Check that a section has a size and something that passes across it, and that the run is a steady one."""
+    if section is None:
+        return
+    if wall is None:
+        yield ("section",), "its size is not known; give [wall] with the diameter, and coefficient and ambient, or flux"
+    across = (section.conductivity_fluid, section.conductivity_solid, section.dispersion)
+    if heat is not None and all(value is None for value in across):
+        yield (
+            ("section",),
+            "no heat passes between the rings; give conductivity_fluid, conductivity_solid or dispersion [W/m/K], such "
+            'as dispersion = "vdi"; or remove [section] for a bed without differences across it',
+        )
+    if time is not None:
+        yield ("section",), f"is resolved in steady beds only; remove it, or the table {see('time')}"
+    if adsorption:
+        yield ("section",), f"is not resolved in beds that adsorb; remove it, or the table {see('adsorption')}"
+
+
+def closures_exist(
+    bed: s.Bed, heat: s.Heat | None, mass: s.Mass | None, section: s.Section | None, origin: Origin
+) -> Mistakes:
     """Check that closures are known, with their parameters, and get their arguments."""
-    for path, spec, kind in places_of(bed, heat, mass):
+    for path, spec, kind in places_of(bed, heat, mass, section):
         if named(spec) and not (kind == "conductivity" and is_phase(spec)):
             try:
-                bound(spec, kind, origin.base)
+                bound(spec, kind, origin.base, "transverse" if path[0] == "section" else "axial")
             except SceneError as error:
                 yield path, str(error)
 
@@ -357,6 +385,7 @@ CHECKS: tuple[Check, ...] = (
         )
     ),
     heat_fits_the_bed,
+    sections_can_be_resolved,
     adsorbed_gases_are_there,
     particles_can_adsorb,
     adsorbed_gases_do_not_react_there,

@@ -35,7 +35,9 @@ CONDUCTIVITIES = ("conductivity_fluid", "conductivity_solid")
 SLOW = 1e-9  # share of the speed below which |U| is rounded, so that a change of sign is smooth
 
 
-def places_of(bed: s.Bed, heat: s.Heat | None, mass: s.Mass | None) -> list[tuple[tuple[str, ...], Any, str]]:
+def places_of(
+    bed: s.Bed, heat: s.Heat | None, mass: s.Mass | None, section: s.Section | None = None
+) -> list[tuple[tuple[str, ...], Any, str]]:
     """Return (key, value, kind) of each place where a scene may name a closure."""
     out: list[tuple[tuple[str, ...], Any, str]] = [
         (("bed", kind), getattr(bed, kind), kind) for kind in ("permeability", "forchheimer")
@@ -47,15 +49,19 @@ def places_of(bed: s.Bed, heat: s.Heat | None, mass: s.Mass | None) -> list[tupl
     if mass is not None:
         out.append((("mass", "sherwood"), mass.sherwood, "sherwood"))
         out.append((("mass", "dispersion"), mass.dispersion, "mass_dispersion"))
+    if section is not None:
+        out += [(("section", key), getattr(section, key), "conductivity") for key in CONDUCTIVITIES]
+        out.append((("section", "dispersion"), section.dispersion, "dispersion"))
+        out.append((("section", "mass_dispersion"), section.mass_dispersion, "mass_dispersion"))
     return out
 
 
-def bound(spec: Any, kind: str, base: Any) -> BoundClosure:
-    """Return the closure that a scene names; of a pair for dispersion the axial one."""
+def bound(spec: Any, kind: str, base: Any, direction: str = "axial") -> BoundClosure:
+    """Return the closure that a scene names; of a pair for dispersion that of a direction, axial or transverse."""
     if kind == "dispersion" and isinstance(spec, str | Closure):
         name = spec if isinstance(spec, str) else spec.name
         full = name if name.startswith("dispersion_") else f"dispersion_{name}"
-        full = full if full.endswith("_axial") else f"{full}_axial"
+        full = full if full.endswith(f"_{direction}") else f"{full}_{direction}"
         spec = full if isinstance(spec, str) else spec.model_copy(update={"name": full})
     return bind(spec, kind, GIVES[kind], base)
 
@@ -88,9 +94,10 @@ class Medium:
     def of(cls, scene: s.ReactingScene, species: Substances, solids_density: float, with_pressure: bool) -> Medium:
         """Bind the closures of a scene."""
         found = {}
-        for path, spec, kind in places_of(scene.bed, scene.heat, scene.mass):
+        for path, spec, kind in places_of(scene.bed, scene.heat, scene.mass, scene.section):
             if named(spec) and not (kind == "conductivity" and is_phase(spec)):
-                found[".".join(path)] = bound(spec, kind, scene.origin.base)
+                direction = "transverse" if path[0] == "section" else "axial"
+                found[".".join(path)] = bound(spec, kind, scene.origin.base, direction)
         return cls(scene, species, constant(scene.flow.velocity_solid), solids_density, with_pressure, found)
 
     @property
@@ -120,13 +127,8 @@ class Medium:
             K_s = self._conductivity("heat.conductivity_solid", heat.conductivity_solid, needs, "solid")
             if heat.dispersion is not None:
                 K_f = K_f + self._value("heat.dispersion", heat.dispersion, needs)
-            if wall is not None:
-                per_volume = 4.0 / wall.diameter
-                if wall.flux is not None:
-                    q_wall = constant(wall.flux) * per_volume
-                else:
-                    assert wall.coefficient is not None and wall.ambient is not None
-                    q_wall = (wall.coefficient * per_volume) * (wall.ambient - state.T_fluid)
+            if wall is not None and self.scene.section is None:
+                q_wall = self.through_wall(state.T_fluid) * (4.0 / wall.diameter)
         gradient: Any = 0.0
         if self.with_pressure:
             gradient = self.resistance(state, needs)
@@ -134,10 +136,39 @@ class Medium:
         films: dict[str, Any] = {}
         if mass is not None:
             if mass.dispersion is not None:
-                dispersion = self._dispersion(mass.dispersion, needs)
+                dispersion = self._dispersion("mass.dispersion", mass.dispersion, needs)
             if mass.sherwood is not None:
                 films = self._films(mass.sherwood, needs)
         return Transport(exchange, K_f, K_s, q_wall, gradient, dispersion, films)
+
+    def through_wall(self, T: Any, K: Any = 1.0, distance: float = 0.0) -> Any:
+        """Return the heat through the wall into the bed [W/m2 of wall] from a temperature at a distance [m] from it.
+
+        K is the conductivity between both [W/m/K].
+        """
+        wall = self.scene.wall
+        if wall is None:
+            return 0.0
+        if wall.flux is not None:
+            return constant(wall.flux)
+        assert wall.coefficient is not None and wall.ambient is not None
+        coefficient: Any = wall.coefficient
+        if distance:
+            coefficient = coefficient / (1.0 + (coefficient * distance) / K)
+        return coefficient * (constant(wall.ambient) - T)
+
+    def radial(self, state: State) -> Transport:
+        """Return the coefficients across the flow at a state: conductivities and dispersion."""
+        section, needs = self.scene.section, _Properties(self, state)
+        assert section is not None
+        K_f = self._conductivity("section.conductivity_fluid", section.conductivity_fluid, needs, "fluid")
+        K_s = self._conductivity("section.conductivity_solid", section.conductivity_solid, needs, "solid")
+        if section.dispersion is not None:
+            K_f = K_f + self._value("section.dispersion", section.dispersion, needs)
+        dispersion = None
+        if section.mass_dispersion is not None:
+            dispersion = self._dispersion("section.mass_dispersion", section.mass_dispersion, needs)
+        return Transport(conductivity_fluid=K_f, conductivity_solid=K_s, dispersion=dispersion)
 
     def resistance(self, state: State, needs: Any = None) -> Any:
         """Return -dp/dx [Pa/m] by permeability and Forchheimer coefficient, on the velocity to particles."""
@@ -171,10 +202,10 @@ class Medium:
             small or FINEST,
         )
 
-    def _dispersion(self, spec: Any, needs: Any) -> dict[str, Any]:
+    def _dispersion(self, key: str, spec: Any, needs: Any) -> dict[str, Any]:
         if not named(spec):
             return dict.fromkeys(self.species.gases, spec)
-        closure, v = self.closures["mass.dispersion"], np.abs(needs.state.u) / self.porosity
+        closure, v = self.closures[key], np.abs(needs.state.u) / self.porosity
         bed = self.scene.bed
         return {
             name: closure(eps=bed.porosity, d_p=bed.particle_diameter, v=v, D_gas=D)

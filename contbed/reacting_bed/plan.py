@@ -78,7 +78,7 @@ def plan(scene: s.ReactingScene) -> Plan:
     try:
         schedule = Schedule.of(tables_of(scene), scene.origin.base)
         problem = _at_start(scene, schedule)
-        problem.bed(list(problem.start()[:, 0, 0]), [0.0] * len(problem.layout.names), 0.0)
+        problem.bed(problem.first_point(), [0.0] * len(problem.layout.names), 0.0)
     except SceneError as error:
         if any(text.startswith((scene.origin.name, "override")) for text in error.problems):
             raise
@@ -124,7 +124,7 @@ def _at_start(scene: s.ReactingScene, schedule: Schedule) -> Problem:
 def _effectiveness(problem: Problem, pellets: Pellets) -> str:
     """Return the effectiveness of each reaction where the gas enters, resolved and by its Thiele modulus."""
     bed = problem.bed
-    state = problem.state(problem.start()[:, 0, 0])
+    state = problem.bed.state(problem.first_point())
     at = bed.medium.local(state, bed.medium.at(state), pellets.reactions[0], bed.small)
     parts = []
     for reaction, mean in zip(pellets.reactions, pellets(at), strict=True):

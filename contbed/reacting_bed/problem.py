@@ -12,97 +12,21 @@ from numpy.typing import NDArray
 
 from contbed.closures.reactions import R_GAS
 from contbed.fem.line_dg import Ends, Line, System
-from contbed.materials.composition import mole_fractions
 from contbed.materials.thermo import T_STANDARD
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.bed import Bed, Layout, State, conserved
+from contbed.reacting_bed.equations.section import Rings, Section
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.inside import Choice, inside_of
 from contbed.reacting_bed.kinetics import Reaction, reactions_of
 from contbed.reacting_bed.medium import Medium
 from contbed.reacting_bed.pellets import in_pellets
+from contbed.reacting_bed.streams import Streams, gas_sign, inlet, streams
 from contbed.reacting_bed.substances import Substances, substances
 
 Array = NDArray[np.float64]
 LARGE_T = 1e3  # [K], of the temperatures of most reactors
 LITTLE_DROP = 1e-3  # share of the pressure below which its drop is left out
-
-
-@dataclass(frozen=True, eq=False)
-class Streams:
-    """What enters: fluxes per area of the bed.
-
-    gas : mole flux of each gas [mol/m2/s], signed along x
-    solid : inventory of each constituent where particles enter [mol/m3 bed], also of those that only reactions make
-    """
-
-    gas: dict[str, float]
-    solid: dict[str, float]
-    mass_flux: float
-    T_gas: float
-    T_solid: float
-    pressure: float
-    solids_density: float  # mass of particles per volume of bed [kg/m3]
-
-    @property
-    def ahead(self) -> bool:
-        """Whether the gas flows along x."""
-        return self.mass_flux > 0
-
-
-def streams(scene: s.ReactingScene, species: Substances) -> Streams:
-    """Return the streams that enter a scene without series."""
-    fluid, flow, solid = scene.fluid, scene.flow, scene.solid
-    sign = gas_sign(flow)
-    T_gas = inlet_temperature(scene, "fluid", sign)
-    direction = float(np.sign(constant(flow.velocity_solid))) or sign
-    T_solid = inlet_temperature(scene, "solid", direction, T_gas)
-    assert isinstance(fluid.composition, str)
-    entering = mole_fractions(fluid.composition)
-    mean = sum(x * species.gases[name].molar_mass for name, x in entering.items())
-    if flow.mass_flux is not None:
-        moles = constant(flow.mass_flux) / mean
-    elif flow.molar_flux is not None:
-        moles = constant(flow.molar_flux)
-    else:
-        assert flow.velocity is not None
-        moles = constant(flow.velocity) * fluid.pressure / (R_GAS * T_gas)
-    gas = {name: moles * entering.get(name, 0.0) for name in species.gases}
-    eps = scene.bed.porosity
-    density = 0.0
-    inside: dict[str, float] = {}
-    if solid is not None:
-        if solid.density is not None:
-            density = solid.density
-        elif species.fed:
-            volume = sum(w / species.skeletal[name] for name, w in species.fed.items())
-            density = (1.0 - solid.porosity) / volume
-        density *= 1.0 - eps
-        inside = {
-            name: density * species.fed.get(name, 0.0) / species.solids[name].molar_mass for name in species.solids
-        }
-    return Streams(gas, inside, moles * mean, T_gas, T_solid, fluid.pressure, density)
-
-
-def gas_sign(flow: s.Flow) -> float:
-    """Return the direction of the gas along x."""
-    return float(np.sign(constant(flow.mass_flux or flow.molar_flux or flow.velocity or 0.0)))
-
-
-def inlet(scene: s.ReactingScene, phase: str, direction: float) -> s.Inlet | None:
-    """Return what enters at the end where a phase with this direction enters."""
-    table = scene.boundary.get("left" if direction > 0 else "right")
-    found: s.Inlet | None = getattr(table, phase) if table is not None else None
-    return found
-
-
-def inlet_temperature(scene: s.ReactingScene, phase: str, direction: float, default: float = T_STANDARD) -> float:
-    """Return the temperature of a stream that enters."""
-    given = inlet(scene, phase, direction)
-    if given is None:
-        return default
-    value = given.inflow if given.inflow is not None else given.fixed
-    return constant(value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,19 +145,45 @@ class Problem:
     def system(self) -> System:
         """Equations on the line."""
         bed = self.bed
-        return System(self.line, self._directions, self._diffuses, bed, self._ends, self._local, bed.coupling())
+        point = bed if self.rings is None else Section(bed, self.rings)
+        return System(self.line, self._directions, self._diffuses, point, self._ends, self._local, bed.coupling())
+
+    @cached_property
+    def rings(self) -> Rings | None:
+        """Rings of the section; None in one dimension."""
+        section, wall = self.scene.section, self.scene.wall
+        if section is None:
+            return None
+        assert wall is not None
+        return Rings(section.rings, 0.5 * wall.diameter, section.shape)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of all unknowns of the line: those of the layout, for each ring."""
+        return self.layout.names * (1 if self.rings is None else self.rings.count)
+
+    def mean(self, values: Array) -> Array:
+        """Return means over the section of unknowns or fluxes of the line, by the names of the layout."""
+        return values if self.rings is None else self.rings.mean(values)
+
+    def at_all_points(self, u: Array) -> list[Array]:
+        """Return each unknown of the layout at all points, those of one ring after those of another."""
+        if self.rings is None:
+            return list(u.reshape(len(u), -1))
+        by_ring = u.reshape(self.rings.count, len(self.layout.names), -1)
+        return list(by_ring.swapaxes(0, 1).reshape(len(self.layout.names), -1))
 
     @property
     def _local(self) -> list[int]:
         """Return the unknowns of particles at rest and of films, which are in no flux."""
         kinds = ("s_",) if self.bed.velocity_solid else ("s_", "n_", "a_")
-        return [k for k, name in enumerate(self.layout.names) if name.startswith(kinds)]
+        return [k for k, name in enumerate(self.names) if name.startswith(kinds)]
 
     @property
     def _directions(self) -> list[int]:
         gas = 1 if self.streams.ahead else -1
         solid = -1 if self.bed.velocity_solid < 0 else 1
-        return [solid if name.startswith(("n_", "a_")) or name == "T_solid" else gas for name in self.layout.names]
+        return [solid if name.startswith(("n_", "a_")) or name == "T_solid" else gas for name in self.names]
 
     @property
     def _diffuses(self) -> list[bool]:
@@ -243,7 +193,7 @@ class Problem:
         fluid = heat is not None and (heat.conductivity_fluid is not None or heat.dispersion is not None)
         solid = heat is not None and heat.conductivity_solid is not None
         by_name = {"T": fluid or solid, "T_fluid": fluid, "T_solid": solid}
-        return [mass if name.startswith("g_") else by_name.get(name, False) for name in self.layout.names]
+        return [mass if name.startswith("g_") else by_name.get(name, False) for name in self.names]
 
     @cached_property
     def entering(self) -> dict[str, float]:
@@ -280,7 +230,7 @@ class Problem:
 
     @property
     def _ends(self) -> Ends:
-        names, m = self.layout.names, len(self.layout.names)
+        names, m = self.names, len(self.names)
         ahead = np.array(self._directions) > 0
         at = np.array([self.inflow[name] for name in names])
         given = [np.zeros(m, dtype=bool), np.zeros(m, dtype=bool)]
@@ -319,12 +269,16 @@ class Problem:
 
     def start(self, T: float | None = None) -> Array:
         """Return the state in which everything is as it enters; `T` [K] replaces both temperatures."""
-        out = np.empty((len(self.layout.names), *self.line.points.shape))
-        for k, name in enumerate(self.layout.names):
+        out = np.empty((len(self.names), *self.line.points.shape))
+        for k, name in enumerate(self.names):
             out[k] = self.entering[name]
             if T is not None and name in ("T", "T_fluid", "T_solid"):
                 out[k] = T
         return out
+
+    def first_point(self) -> list[float]:
+        """Return the unknowns of the layout as they enter."""
+        return list(self.start()[: len(self.layout.names), 0, 0])
 
     @property
     def moles(self) -> float:
@@ -341,7 +295,7 @@ class Problem:
         solids = max(sum(self.streams.solid.values()), 1e-30)
         molar = self.streams.pressure / (R_GAS * self.streams.T_gas)
         one = {"g": self.moles, "n": solids, "p": self.streams.pressure, "s": molar, "a": molar}
-        names = self.layout.names
+        names = self.names
         return np.array([one.get(name.split("_")[0], LARGE_T) * self._share(name) for name in names])
 
     @cached_property
@@ -352,7 +306,7 @@ class Problem:
         cp = 30.0  # [J/mol/K], of most gases
         one = {"g": moles, "n": max(solids, 1e-9 * moles), "p": self.streams.pressure, "s": moles, "a": moles}
         heat = moles * cp * LARGE_T + solids * 1e5
-        return np.array([one.get(name.split("_")[0], heat) * self._share(name) for name in self.layout.names])
+        return np.array([one.get(name.split("_")[0], heat) * self._share(name) for name in self.names])
 
     def state(self, u: Array) -> State:
         """Return what follows from values of the unknowns (m, points)."""
@@ -360,11 +314,11 @@ class Problem:
 
     def values(self, u: Array, x: Any) -> dict[str, Array]:
         """Return the unknowns at positions."""
-        return dict(zip(self.layout.names, self.line.at(u, x), strict=True))
+        return dict(zip(self.layout.names, self.line.at(self.mean(u), x), strict=True))
 
     def flux_at(self, u: Array) -> Mapping[str, Array]:
-        """Return the fluxes of all equations through the vertices, signed along x."""
-        return dict(zip(self.layout.names, self.system.fluxes(u), strict=True))
+        """Return the fluxes of all equations through the vertices, signed along x, per area of the bed."""
+        return dict(zip(self.layout.names, self.mean(self.system.fluxes(u)), strict=True))
 
 
 def _drop(scene: s.ReactingScene, species: Substances, entering: Streams, medium: Medium) -> float:

@@ -33,8 +33,8 @@ def positions(problem: Problem) -> Array:
 
 
 def values_at(problem: Problem, u: Array, x: Array) -> State:
-    """Return the state at positions; temperatures and pressure as arrays."""
-    return problem.bed.state([problem.line.at(part, x) for part in u])
+    """Return the state at positions, means over the section; temperatures and pressure as arrays."""
+    return problem.bed.state([problem.line.at(part, x) for part in problem.mean(u)])
 
 
 def profiles(problem: Problem, u: Array) -> dict[str, Array]:
@@ -86,9 +86,31 @@ def fill(problem: Problem, u: Array, result: Result, transient: bool = False) ->
     _gas(problem, fluxes, state, gas_end, result)
     _solids(problem, fluxes, state, solid_end, result)
     _extents(problem, u, state, gas_end, result)
+    if problem.rings is not None:
+        _across(problem, u, result)
     if not transient:
         _balances(problem, u, fluxes, result)
     _remarks(problem, u, result)
+
+
+def across(problem: Problem, u: Array, x: Array) -> dict[str, Array]:
+    """Return the temperatures next to the axis and next to the wall, in the middles of the rings there [K]."""
+    by_ring = problem.line.at(u, x).reshape(-1, len(problem.layout.names), len(x))
+    found = {}
+    for name in problem.layout.temperatures:
+        k = problem.layout.names.index(name)
+        phases = ("fluid", "solid") if name == "T" else (name.removeprefix("T_"),)
+        for phase in phases:
+            found[f"T_{phase}_axis [K]"], found[f"T_{phase}_rim [K]"] = by_ring[0, k], by_ring[-1, k]
+    return found
+
+
+def _across(problem: Problem, u: Array, result: Result) -> None:
+    """Add profiles at the axis and the rim and the largest difference of temperature between both."""
+    at = across(problem, u, positions(problem))
+    result.profiles |= at
+    if at:
+        result.qoi["dT_section_max_K"] = float(np.abs(at["T_fluid_rim [K]"] - at["T_fluid_axis [K]"]).max())
 
 
 def _at(value: Any, end: int) -> float:
@@ -161,13 +183,12 @@ def _iron(problem: Problem, amounts: Mapping[str, float], qoi: dict[str, Any]) -
 
 def _extents(problem: Problem, u: Array, state: State, end: int, result: Result) -> None:
     """Add what each reaction has made, and how far the gas that leaves is from equilibrium."""
-    shape = u[0].shape
-    flat = [part.ravel() for part in u]
+    flat = problem.at_all_points(u)
     inner = problem.bed.state(flat)
     rates = problem.bed.rates(inner, problem.bed.medium.at(inner))
     line = problem.line
     for reaction, rate in zip(problem.reactions, rates, strict=True):
-        table = np.broadcast_to(rate, flat[0].shape).reshape(shape)
+        table = problem.mean(np.broadcast_to(rate, flat[0].shape).reshape(-1, *u[0].shape))[0]
         result.qoi[f"extent_{reaction.name}_mol_m2s"] = float(np.einsum("cj,j,c->", table, line.weights, line.h))
         gases = {name: n for name, n in reaction.stoichiometry.items() if name in problem.species.gases}
         all_gas = len(gases) == len(reaction.stoichiometry)
@@ -198,7 +219,7 @@ def _balances(problem: Problem, u: Array, fluxes: Mapping[str, Array], result: R
     temperatures = problem.layout.temperatures
     if not temperatures:
         return
-    sources = dict(zip(names, problem.system.sources(u), strict=True))
+    sources = dict(zip(names, problem.mean(problem.system.sources(u)), strict=True))
     wall = sum(sources[name] for name in temperatures)
     parts = [sign * float(fluxes[name][k]) for name in temperatures for k, sign in zip((0, -1), inward, strict=True)]
     if problem.scene.wall is not None:
@@ -226,8 +247,10 @@ def heat_carried(problem: Problem, u: Array) -> float:
 
 def _remarks(problem: Problem, u: Array, result: Result) -> None:
     """Record the use of closures and laws, and what lies below zero or outside of data."""
-    state = problem.bed.state(list(u.reshape(len(u), -1)))
+    state = problem.bed.state(problem.at_all_points(u))
     problem.bed.medium.at(state)
+    if problem.rings is not None:
+        problem.bed.medium.radial(state)
     result.closures = [use.to_dict() for use in problem.bed.medium.ranges()]
     result.warnings += [outside(closure) for closure in result.closures if closure["share_outside"] > 0]
     lowest, share = 0.0, 0.0

@@ -72,7 +72,7 @@ def _sentence(problem: Problem, error: ConvergenceError) -> str:
         residual, _ = problem.system.assemble(error.state, False)
         sizes = abs(residual).max(axis=2) / problem.flux_sizes[:, None]
         k, cell = divmod(int(sizes.argmax()), sizes.shape[1])
-        name = problem.layout.names[k].removeprefix("g_").removeprefix("n_").removeprefix("s_").removeprefix("a_")
+        name = problem.names[k].removeprefix("g_").removeprefix("n_").removeprefix("s_").removeprefix("a_")
         text += f"; it is worst for {name} at x = {problem.line.vertices[cell]:.4g} m"
     drop = isothermal_drop(problem)
     if problem.layout.pressure and drop is None:

@@ -191,6 +191,27 @@ class Wall(Table):
         return self
 
 
+class Section(Table):
+    """The bed resolved across the flow, from the axis to the wall at half of wall.diameter; absent: one dimension."""
+
+    shape: Literal["tube", "plane"] = Field(
+        "tube", description="round, or between two plane walls at the distance wall.diameter"
+    )
+    rings: Annotated[Whole, Field(ge=2, le=40)] = Field(
+        8, description="of equal width; the error across the flow is of second order"
+    )
+    conductivity_fluid: ConductivityOrClosure | None = Field(None, description="effective, radial; absent: none")
+    conductivity_solid: ConductivityOrClosure | None = Field(
+        None, description="effective, radial, of the particles or of the whole bed at one temperature; absent: none"
+    )
+    dispersion: ConductivityOrClosure | None = Field(None, description="transverse closure, or W/m/K; absent: none")
+    mass_dispersion: DispersionOfMass | None = Field(
+        None,
+        description="of species across the flow, by name or in m2/s on the velocity between the particles; "
+        '{ name = "mass_dispersion_peclet", Pe_p = 10 } is usual across beds of spheres; absent: none',
+    )
+
+
 class Inlet(Table):
     """Temperature of a stream that enters."""
 
@@ -355,6 +376,7 @@ class ReactingScene(SceneBase):
     heat: Heat | None = None
     mass: Mass | None = None
     wall: Wall | None = None
+    section: Section | None = None
     particle: Particle = Particle()
     adsorption: dict[str, Adsorption] = Field(default_factory=dict, description="of gases by name")
     reactions: dict[str, Reaction] = Field(default_factory=dict)

@@ -9,8 +9,8 @@ from typing import Any
 
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.problem import gas_sign
 from contbed.reacting_bed.schedule import TABLES, Schedule, series_of
+from contbed.reacting_bed.streams import gas_sign
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.toml_lines import Origin
 

@@ -60,7 +60,7 @@ def measure(problem: Problem, residual: Array) -> float:
 def limited(problem: Problem, u: Array, du: Array) -> float:
     """Return the share of a step that leaves temperatures and amounts near what they were."""
     share = 1.0
-    for k, name in enumerate(problem.layout.names):
+    for k, name in enumerate(problem.names):
         step = du[k]
         if name.startswith("T"):
             share = min(share, LARGEST_T / max(float(np.abs(step).max()), 1e-300))

@@ -1,0 +1,198 @@
+"""Rings of a tube, or layers of a plane bed, that exchange heat and species across the flow.
+
+    dF/dx = S + (1/r^s) d(r^s N)/dr          s = 1 in a tube, 0 between plane walls
+    heat        N = K_r dT/dr + sum_k N_k h_k/M_k
+    species k   N_k = eps rho ( D_k dw_k/dr - w_k sum_j D_j dw_j/dr )
+    wall        N = (T_a - T)/(1/h_w + delta/K_r), or the given flux
+    axis        N = 0
+
+F and S are those of `equations.bed` at each point: rings know of their neighbours by N alone. Finite volumes of equal
+width, whose exchange is of second order: what one ring gains through a face its neighbour loses to rounding. delta is
+the resistance between the middle of the outer ring and the wall, R ln(R/r) in a tube. The N_k sum to zero, so that the
+mass flux of each ring is what it is where it enters. The pressure is one over the section: its gradient is the mean of
+those of the rings by area.
+
+Source: Froment, Bischoff, De Wilde 2011, Chemical Reactor Analysis and Design, ch. 11.7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.reacting_bed.equations.bed import Bed, State
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Rings:
+    """Rings of equal width between the axis, or plane of symmetry, and the wall at `radius` [m]."""
+
+    count: int
+    radius: float
+    shape: Literal["tube", "plane"]
+
+    @property
+    def edges(self) -> Array:
+        """Distances of the faces from the axis [m], (count + 1,)."""
+        return np.linspace(0.0, self.radius, self.count + 1)
+
+    @property
+    def middles(self) -> Array:
+        """Distances of the middles from the axis [m], (count,)."""
+        return 0.5 * (self.edges[1:] + self.edges[:-1])
+
+    @property
+    def shares(self) -> Array:
+        """Shares of the section, of sum 1."""
+        power = 2 if self.shape == "tube" else 1
+        return np.diff((self.edges / self.radius) ** power)
+
+    @property
+    def faces(self) -> Array:
+        """Area of each face between rings per volume of the bed over the distance of their middles [1/m2]."""
+        width = self.radius / self.count
+        inner = self.edges[1:-1]
+        return 2.0 * inner / (self.radius**2 * width) if self.shape == "tube" else 0.0 * inner + 1 / self.radius / width
+
+    @property
+    def wall_area(self) -> float:
+        """Area of the wall per volume of the bed [1/m]."""
+        return (2.0 if self.shape == "tube" else 1.0) / self.radius
+
+    @property
+    def to_wall(self) -> float:
+        """Length of conduction from the middle of the outer ring to the wall, on the area of the wall [m]."""
+        outer = float(self.middles[-1])
+        return self.radius * float(np.log(self.radius / outer)) if self.shape == "tube" else self.radius - outer
+
+    def mean(self, u: Array) -> Array:
+        """Return the means over the section, (m, ...), of values by ring and unknown (count m, ...)."""
+        found: Array = np.tensordot(self.shares, u.reshape(self.count, -1, *u.shape[1:]), axes=1)
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """The equations of all rings as those of one line: unknowns ring by ring, from the axis to the wall."""
+
+    bed: Bed
+    rings: Rings
+
+    def __call__(self, u: Sequence[Any], q: Sequence[Any], x: Any) -> tuple[list[Any], list[Any], list[Any]]:
+        """Return convective fluxes, diffusive fluxes and sources of all equations at points."""
+        values, slopes = self._joined(u), self._joined(q)
+        C, D, S = self.bed(values, slopes, x)
+        sources = self._parted(S)
+        self._exchange(values, sources)
+        return self._flat(self._parted(C)), self._flat(self._parted(D)), self._flat(sources)
+
+    def convective(self, u: Sequence[Any]) -> list[Any]:
+        """Return the convective fluxes of all equations at points."""
+        return self._flat(self._parted(self.bed.convective(self._joined(u))))
+
+    def diffusive(self, u: Sequence[Any], q: Sequence[Any]) -> list[Any]:
+        """Return the diffusive fluxes of all equations at points."""
+        return self._flat(self._parted(self.bed.diffusive(self._joined(u), self._joined(q))))
+
+    def _joined(self, u: Sequence[Any]) -> list[Any]:
+        """Return the unknowns of one ring at the points of all rings, one after the other.
+
+        Derivatives are those to the unknowns of the own ring: each closure and law is evaluated once for all rings.
+        """
+        m = len(self.bed.layout.names)
+        out = []
+        for f in range(m):
+            parts = [u[ring * m + f] for ring in range(self.rings.count)]
+            value = np.concatenate([np.atleast_1d(getattr(part, "value", part)) for part in parts])
+            slots = [slot[0] for slot in getattr(parts[0], "tangents", {})]
+            seeds = {(kind, f): np.ones(value.shape) for kind in slots}
+            out.append(type(parts[0])(value, seeds) if slots else value)
+        return out
+
+    def _parted(self, parts: Sequence[Any]) -> list[list[Any]]:
+        """Return values at the points of all rings as those of each ring, with derivatives to its own unknowns."""
+        return [[self._of_ring(part, ring) for part in parts] for ring in range(self.rings.count)]
+
+    def _of_ring(self, part: Any, ring: int) -> Any:
+        m = len(self.bed.layout.names)
+        tangents = getattr(part, "tangents", None)
+        if tangents is None:
+            return self._piece(part, ring)
+        own = {(kind, ring * m + f): self._piece(t, ring) for (kind, f), t in tangents.items()}
+        return type(part)(self._piece(part.value, ring), own)
+
+    def _piece(self, value: Any, ring: int) -> Any:
+        value = np.asarray(value)
+        return np.split(value, self.rings.count)[ring] if value.size > 1 else value
+
+    @staticmethod
+    def _flat(parts: list[list[Any]]) -> list[Any]:
+        return [part for ring in parts for part in ring]
+
+    def _exchange(self, values: list[Any], sources: list[list[Any]]) -> None:
+        """Add to the sources of the rings what they gain through their faces and through the wall."""
+        bed, rings, names = self.bed, self.rings, self.bed.layout.names
+        state = bed.state(values)
+        radial = bed.medium.radial(state)
+        gases = bed.layout.gases
+        temperatures = bed.layout.temperatures
+        fields: dict[str, list[Any]] = {}
+        if temperatures:
+            by_name = {
+                "T": (state.T_fluid, radial.conductivity_fluid + radial.conductivity_solid),
+                "T_fluid": (state.T_fluid, radial.conductivity_fluid),
+                "T_solid": (state.T_solid, radial.conductivity_solid),
+            }
+            fields = {name: self._pairs(*by_name[name]) for name in temperatures}
+        shares = rings.shares
+        for face, area in enumerate(rings.faces):
+            inner, outer = face, face + 1
+            gained: dict[str, Any] = {}
+            for name, pairs in fields.items():
+                (T_a, K_a), (T_b, K_b) = pairs[inner], pairs[outer]
+                gained[name] = 0.5 * (K_a + K_b) * (T_b - T_a)
+            if radial.dispersion is not None:
+                moved = self._moved(state, radial.dispersion, inner)
+                gained |= {f"g_{name}": moved[name] for name in gases}
+                if temperatures:
+                    h = {name: bed.enthalpies[name](state.T_fluid) for name in gases}
+                    carried: Any = sum(
+                        moved[name] * (0.5 * (self._of_ring(h[name], inner) + self._of_ring(h[name], outer)))
+                        for name in gases
+                    )
+                    gained[temperatures[0]] = gained[temperatures[0]] + carried
+            for name, amount in gained.items():
+                k = names.index(name)
+                sources[inner][k] = sources[inner][k] + amount * (area / shares[inner])
+                sources[outer][k] = sources[outer][k] - amount * (area / shares[outer])
+        if temperatures:
+            k, pairs = names.index(temperatures[0]), fields[temperatures[0]]
+            heat = bed.medium.through_wall(*pairs[-1], rings.to_wall)
+            sources[-1][k] = sources[-1][k] + heat * (rings.wall_area / shares[-1])
+        if bed.layout.pressure:
+            k = names.index("p")
+            mean: Any = sum(float(share) * part[k] for share, part in zip(shares, sources, strict=True))
+            for part in sources:
+                part[k] = mean
+
+    def _pairs(self, *fields: Any) -> list[Any]:
+        return [tuple(self._of_ring(field, ring) for field in fields) for ring in range(self.rings.count)]
+
+    def _moved(self, state: State, dispersion: Any, inner: int) -> dict[str, Any]:
+        """Return what goes of each gas from a ring's outer neighbour to it, over area and distance [mol/m/s]."""
+        outer, eps = inner + 1, self.bed.medium.porosity
+        slopes, shares, coefficients = {}, {}, {}
+        for name, g in state.g.items():
+            w, D = g / state.flux, eps * state.rho * dispersion[name]
+            w_a, w_b = self._of_ring(w, inner), self._of_ring(w, outer)
+            slopes[name], shares[name] = w_b - w_a, 0.5 * (w_a + w_b)
+            coefficients[name] = 0.5 * (self._of_ring(D, inner) + self._of_ring(D, outer))
+        masses = self.bed.masses
+        common: Any = sum(masses[name] * coefficients[name] * slope for name, slope in slopes.items())
+        return {name: coefficients[name] * slope - shares[name] * common for name, slope in slopes.items()}
