@@ -14,6 +14,8 @@ KINDS = {
     ("Heat", "conductivity_bed"): "conductivity",
     ("Heat", "conductivity_fluid"): "conductivity",
     ("Heat", "conductivity_solid"): "conductivity",
+    ("Section", "conductivity_fluid"): "conductivity",
+    ("Section", "conductivity_solid"): "conductivity",
     ("BubblingBed", "conductivity"): "conductivity",
     ("PhaseCondition", "coefficient"): "wall",
     ("Surface", "coefficient"): "bed_tube",
