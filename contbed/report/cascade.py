@@ -8,6 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from contbed.design.cascade.band import BAND
 from contbed.fields import unit_of
 from contbed.output.folder import SUMMARY, read_summary
 from contbed.report import page
@@ -44,6 +45,7 @@ def of_cascade(folder: Path) -> str:
         page.section("What was found", _answer(found), "results"),
         page.warnings(found["warnings"]),
         page.section("What the bands come from", _parts(found), "parts"),
+        page.section("Measured points", _measured(found) + made.grid(_points(folder, found)), "measured"),
         page.section("Bands and shares", made.grid(charts), "bands"),
         linked(list(samples.values()), rows).section("Linked plots of the runs with everything uncertain", made.place),
         page.section("What the bed visits and the packings have", _visited(found), "visited"),
@@ -53,6 +55,8 @@ def of_cascade(folder: Path) -> str:
 
 def _answer(found: Mapping[str, Any]) -> str:
     """Return each result at the best values, its band, and mean and standard deviation of the runs."""
+    if not found["qoi"]:
+        return ""
     rows = []
     for name, value in found["qoi"].items():
         band, unit = found["band"][name], unit_of(name)
@@ -84,8 +88,52 @@ def _parts(found: Mapping[str, Any]) -> str:
         for name in found["qoi"]
         for part, (deviation, share) in _shares(found, name).items()
     ]
+    if not rows:
+        return ""
     head = ["result", "part", "standard deviation", "unit", "share of the sum of the variances"]
     return page.table(head, rows, (2, 4)) + f"<p class=quiet>Laws of one particle: {escape(found['laws'])}.</p>"
+
+
+def _measured(found: Mapping[str, Any]) -> str:
+    """Return how many of the measured points the bands hold, and the shares of the parts at them."""
+    about = found.get("measured")
+    if not about:
+        return ""
+    text = (
+        f"{about['case']}, {about['points']} points of {about['quantity']}: {about['share in the band']:.1%} are in "
+        f"the band of {BAND:.0%}, {about['share in the band of a measurement']:.1%} with their own scatter of "
+        f"{page.number(about['uncertainty'])} {about['unit']}"
+    )
+    order = sorted(about["shares of the parts"].items(), key=lambda item: -item[1])
+    rows = [[escape(part), f"{share:.1%}"] for part, share in order]
+    return f"<p>{escape(text)}.</p>" + page.table(["part", "share of the variances at all points"], rows, (1,))
+
+
+def _points(folder: Path, found: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return measured and predicted values over time with the band, a chart for each position."""
+    about = found.get("measured")
+    if not about:
+        return []
+    columns = read_columns(folder / "measured.csv")
+    t, x = columns["t"].values, columns["position"].values
+    charts = []
+    for place in sorted(set(x)):
+        here = sorted((k for k, value in enumerate(x) if value == place), key=lambda k: t[k])
+        take = {name: [columns[name].values[k] for k in here] for name in columns}
+        line = {"type": "scatter", "x": take["t"]}
+        traces = [
+            line | {"mode": "lines", "name": "low", "y": take["low"], "line": {"color": COLOURS[5], "width": 1}},
+            line | {"mode": "lines", "name": "high", "y": take["high"], "line": {"color": COLOURS[5], "width": 1},
+                    "fill": "tonexty"},
+            line | {"mode": "lines", "name": "best values", "y": take["best"], "line": {"color": COLOURS[1]}},
+            line | {"mode": "markers", "name": "measured", "y": take["measured"], "marker": {"color": COLOURS[6]}},
+        ]  # fmt: skip
+        layout = {
+            "xaxis": {"title": {"text": "t [s]"}},
+            "yaxis": {"title": {"text": f"{about['quantity']} [{about['unit']}]"}},
+        }
+        charts.append({"kind": "curves", "title": f"at {place:g} m", "data": traces, "layout": layout})
+    return charts
 
 
 def _samples(found: Mapping[str, Any], samples: Mapping[str, Column], name: str) -> dict[str, Any]:

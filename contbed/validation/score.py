@@ -124,7 +124,11 @@ def at(case: Case, result: Result, t: Array, x: Array) -> Array:
         history: Array = np.interp(t, profiles[header("t")], profiles[header(case.settings.quantity)])
         return history
     axis = profiles[header(result.plan.coordinate)]  # type: ignore[attr-defined]
-    values, times = profiles[header(case.settings.quantity)], profiles[header("t")]
+    return looked_up(profiles[header(case.settings.quantity)], profiles[header("t")], axis, t, x)
+
+
+def looked_up(values: Array, times: Array, axis: Array, t: Array, x: Array) -> Array:
+    """Return values of a table at times [s] and positions [m] that are among its rows, shape (points,)."""
     scale_t, scale_x = max(float(np.max(times)), SAME), max(float(np.max(np.abs(axis))), SAME)
     out = np.empty(len(t))
     for k, (moment, place) in enumerate(zip(t, x, strict=True)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,6 +20,8 @@ from contbed.dem.heat_pair import column_conductance, correction
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material
 from contbed.dem.surface import Surface
+from contbed.design.cascade.outcome import Outcome
+from contbed.design.cascade.run import cascade
 from contbed.runner import run
 from contbed.validation import case, score
 from studies import _gallery as gallery
@@ -204,6 +207,25 @@ def middle() -> float:
     return float(found(k_solid=K_SOLID, k_fluid=K_GAS, eps=POROSITY)) / K_GAS
 
 
+def cascaded(found: Outcome) -> Table:
+    """Shares of the measured points that the band of a cascade holds [-], and of each part in the variance at them."""
+    held = found.held
+    assert held is not None
+    rows: list[tuple[str, str, float]] = []
+    for x in np.unique(held.points.x):
+        here = held.points.x == x
+        value = held.points.value[here]
+        inside = (held.low[here] <= value) & (value <= held.high[here])
+        scattered = (held.low_measured[here] <= value) & (value <= held.high_measured[here])
+        rows.append(("points in the band", f"{x:g} m", float(inside.mean())))
+        rows.append(("points in the band of a measurement", f"{x:g} m", float(scattered.mean())))
+    rows.append(("points in the band", "all", held.inside))
+    rows.append(("points in the band of a measurement", "all", held.inside_measured))
+    rows += [("share of the variance at the points", part, share) for part, share in held.shares.items()]
+    rows.append(("porosity", "mean of the packings", float(found.porosities.mean())))
+    return Table({"what": "", "of": "", "value": ".3f"}, rows)
+
+
 def compute() -> Tables:
     """Packings, shares of the effects, closure and its band, temperatures of the bed."""
     beds = [settle(friction) for friction in FRICTION]
@@ -227,7 +249,10 @@ def compute() -> Tables:
         "Zehner, Bauer, Schluender, steel": float(published),
         "what the points ask for": K_GAS * ASKED,
     }
-    return {"effects": effects(beds[1]), "band": spread, "results": scored(compared), "curves": curves(half)}
+    with tempfile.TemporaryDirectory() as folder:
+        whole = cascaded(cascade(HERE / "data/cascade.toml", folder))
+    tables = {"effects": effects(beds[1]), "band": spread, "results": scored(compared), "curves": curves(half)}
+    return tables | {"cascade": whole}
 
 
 def plot(tables: Tables) -> dict[str, Any]:

@@ -2,17 +2,19 @@
 
 import csv
 import json
+from statistics import NormalDist
 
 import numpy as np
 import pytest
 
 from contbed.cli import main
-from contbed.design.cascade import band, particles
+from contbed.design.cascade import band, measured, particles
 from contbed.design.cascade.run import cascade
 from contbed.design.gradients import gradient
 from contbed.errors import SceneError
 from contbed.loading import load
 from contbed.runner import run
+from contbed.validation.case import read_case
 from tests.report.report_file import charts_of
 
 SCENE = """
@@ -195,6 +197,14 @@ def test_particles_that_nothing_needs_are_not_asked(tmp_path, monkeypatch):
             "solid.conductivty",
             "cascade.toml:7: uncertain.solid.conductivty: the scene has no number",
         ),
+        ('qoi = ["T_fluid_out_K"]', "", "qoi: asks for no result; name one, such as T_fluid_out_K, or give `measured`"),
+        (
+            "samples = 8",
+            'measured = "beaulieu"',
+            'cascade.toml:4: measured: no case "beaulieu"; allowed: ',
+        ),
+        ("samples = 8", 'measured = "beaulieu_2020"', "the points are measured over time, but the scene is steady"),
+        ("width = 5 }", "width = 5, walls = true }", "cascade.toml:5: packings.walls: the gas is computed between"),
         ('"5 %"', '"5"', "cascade.toml:7: uncertain.solid.conductivity: expected a number > 0 in SI, or a share"),
     ],
 )
@@ -217,3 +227,82 @@ def test_result_that_the_run_does_not_have(tmp_path):
     with pytest.raises(SceneError, match=r'the run has no result "heat_wall_W"; nearest: heat_left_W'):
         cascade(path, tmp_path / "out")
     assert not (tmp_path / "out/particles").exists()  # the first run shows it, before any packing
+
+
+CASE = """
+title = "A bed heated at its end"
+source = "made from a run"
+licence = "none needed"
+scene = "bed.toml"
+quantity = "T_solid"
+uncertainty = "0.5 K"
+[measured]
+file = "measured.csv"
+column = "T"
+time = "t"
+position = "x"
+"""
+HEATED = """
+mesh = { type = "line", length = 0.05, cells = 12 }
+fluid = { density = 1.2, heat_capacity = 1005, conductivity = 0.026, viscosity = 1.8e-5 }
+solid = { density = 2500, heat_capacity = 840, conductivity = 0.84 }
+bed = { porosity = 0.4, particle_diameter = "10 mm" }
+flow = { velocity = 0.0 }
+heat = { nusselt = 2.0, conductivity_solid = "zehner_schluender", conductivity_fluid = 0.0 }
+boundary.left.solid.fixed = 400.0
+time = { end = 2000, initial_fluid = 300, initial_solid = 300 }
+"""
+
+
+def measured_bed(folder, rows):
+    (folder / "case.toml").write_text(CASE)
+    (folder / "bed.toml").write_text(HEATED)
+    (folder / "measured.csv").write_text("t [s],x [m],T [K]\n" + "".join(f"{t},{x},{T}\n" for t, x, T in rows))
+    return read_case(str(folder))
+
+
+def test_share_of_measured_points_in_the_band(tmp_path):
+    """A normal prediction: the band reaches 1.645 deviations, with the scatter u of a value 1.645 (s^2 + u^2)^(1/2)."""
+    deviation, ends = 2.0, 1.645 * np.array([2.0, np.hypot(2.0, 0.5)])
+    offsets = [0.0, ends[0] - 0.05, -ends[0] + 0.05, ends.mean(), -ends.mean(), ends[1] + 0.1]
+    case = measured_bed(tmp_path, [(100.0 * (k + 1), 0.01, 350.0 + by) for k, by in enumerate(offsets)])
+    names = measured.names(case)
+    normal = np.array([NormalDist(350.0, deviation).inv_cdf((k + 0.5) / 4000) for k in range(4000)])
+    deviations = {"packing": dict.fromkeys(names, 3.0), "fit": dict.fromkeys(names, 1.0)}
+    found = measured.held(case, dict.fromkeys(names, 350.0), deviations, dict.fromkeys(names, normal), 0.9)
+    np.testing.assert_allclose(found.high - 350.0, ends[0], rtol=1e-3)
+    np.testing.assert_allclose(found.high_measured - 350.0, ends[1], rtol=3e-3)  # 21 nodes of the scatter
+    assert found.inside == 3 / 6 and found.inside_measured == 5 / 6
+    assert found.shares == {"packing": 0.9, "fit": 0.1}
+
+
+@pytest.mark.slow
+def test_a_cascade_beside_measured_points(tmp_path, capsys):
+    """Points that are the best prediction lie in the band, those 50 K away do not; walls make packings looser."""
+    text = """
+        scene = "bed.toml"
+        measured = "."
+        samples = 8
+        packings = { count = 2, particles = 400, width = 7, walls = true, friction = 0.4 }
+        laws = { conduction = ["cones", "spreading"] }
+        uncertain = { solid.heat_capacity = "3 %" }
+    """
+    times = [500.0, 1000.0, 2000.0]
+    measured_bed(tmp_path, [(t, 0.02, 300.0) for t in times])
+    (tmp_path / "cascade.toml").write_text(text)
+    first = cascade(tmp_path / "cascade.toml", tmp_path / "out")
+    best = first.held.best
+    assert first.porosities.min() > 0.42  # 7 spheres between walls; about 0.39 between periodic sides
+    assert np.all((first.held.low < best) & (best < first.held.high))
+    measured_bed(tmp_path, [*((t, 0.02, T) for t, T in zip(times, best, strict=True)), (1000.0, 0.02, best[1] + 50.0)])
+    assert main(["cascade", str(tmp_path / "cascade.toml"), "--out", str(tmp_path / "out")]) == 0
+    assert "4 measured points, 75% in the band of 90%" in capsys.readouterr().out
+    about = json.loads((tmp_path / "out/summary.json").read_text())["measured"]
+    assert about["share in the band"] == 0.75 and sum(about["shares of the parts"].values()) == pytest.approx(1.0)
+    assert about["shares of the parts"]["law of conduction"] > 0.5
+    table = list(csv.DictReader((tmp_path / "out/table.csv").open()))
+    assert [float(row["share at the measured points"]) for row in table] == list(about["shares of the parts"].values())
+    assert main(["report", str(tmp_path / "out")]) == 0
+    report = (tmp_path / "out/report.html").read_text()
+    assert "75.0% are in the band of 90%" in report
+    assert next(chart["title"] for chart in charts_of(report)) == "at 0.02 m"

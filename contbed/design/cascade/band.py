@@ -26,6 +26,7 @@ from contbed.closures import registry
 from contbed.closures.binding import bind
 from contbed.closures.file import content_hash
 from contbed.dem import extract
+from contbed.design.cascade import measured
 from contbed.design.cascade.file import AT_PARTICLE, Cascade
 from contbed.design.cascade.particles import DEGREE, Ensemble
 from contbed.errors import ContbedError, ConvergenceError, SceneError
@@ -80,7 +81,10 @@ class Runs:
         for closure in summary["closures"]:
             if closure["share_outside"] > 0 and closure["name"].endswith(".toml"):
                 self.outside.add(folder.name)
-        return {name: float(summary["qoi"][name]) for name in self.cascade.settings.qoi}
+        found = {name: float(summary["qoi"][name]) for name in self.cascade.settings.qoi}
+        if self.cascade.measured is not None:
+            found |= measured.predicted(self.cascade.measured, folder)
+        return found
 
     def summary(self, folder: Path) -> dict[str, Any]:
         """Return the summary of a run, which has all results that are asked for.
@@ -101,8 +105,10 @@ class Runs:
     def run(self, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]) -> Path | None:
         """Run the scene, or find its run; return its folder, or None if it failed."""
         files = {key: {"file": str(self._written(fit))} for key, fit in fits.items()}
-        output = {"output.plots": False, "output.fields": False}
+        output: dict[str, Any] = {"output.plots": False, "output.fields": False}
         cascade = self.cascade
+        if cascade.measured is not None:
+            output |= measured.outputs(cascade.measured)
         values = {**output, **files, **changes}
         scene = load(cascade.scene_file, values, trust=cascade.trust, allow_large=cascade.allow_large)
         case = Case(scene_hash(scene), {}, scene)
@@ -243,7 +249,7 @@ def sampled(runs: Runs, fits: Fits) -> tuple[dict[str, Array], dict[str, list[An
 
     Returns
     -------
-    samples : by result, (runs,)
+    samples : by result and measured point, (runs,)
     drawn : number of the packing, names of laws, numbers of the scene in SI, by their names, (runs,)
     """
     cascade, laws = runs.cascade, fits.choices
@@ -263,7 +269,7 @@ def sampled(runs: Runs, fits: Fits) -> tuple[dict[str, Array], dict[str, list[An
     if len(there) < 2:
         count = cascade.settings.samples
         raise ContbedError(f"{len(there)} of {count} samples succeeded; the first problem: {runs.failed[0]}")
-    samples = {name: np.array([results[name] for _, results in there]) for name in cascade.settings.qoi}
+    samples = {name: np.array([results[name] for _, results in there]) for name in there[0][1]}
     return samples, {name: [inputs[name] for inputs, _ in there] for name in there[0][0]}
 
 

@@ -5,6 +5,8 @@
     qoi = ["T_fluid_out_K", "pressure_drop_Pa"]
     samples = 64                             # runs with everything uncertain at once, for the band
 
+    measured = "beaulieu_2020"               # a case of `contbed validate`, if any: share of its points in the band
+
     [packings]                               # of spheres as large as the scene's
     count = 4
     particles = 1000
@@ -35,22 +37,25 @@ from contbed.closures.binding import bind
 from contbed.errors import SceneError
 from contbed.loading import load, table_of
 from contbed.packed_bed.scene import Scene
-from contbed.scene.names import nearest_of
-from contbed.scene.quantities import Length, Number, Pressure, Table, Whole, form
+from contbed.scene.names import nearest, nearest_of
+from contbed.scene.quantities import Length, Number, Pressure, Switch, Table, Whole, form
 from contbed.scene.tables import Named
 from contbed.scene.toml_lines import Origin, read
 from contbed.scene.uncertain import uncertain_numbers
+from contbed.validation.case import Case, names, read_case
 
 AT_PARTICLE = ("Re", "Pr", "eps")  # what a law of exchange is given
 Law = Annotated[Named, Discriminator(form)]
 
 
 class Packings(Table):
-    """Random packings of equal spheres with periodic sides, settled by their weight."""
+    """Random packings of equal spheres with periodic sides or between walls, settled by their weight."""
 
     count: Annotated[Whole, Field(ge=2, le=32)] = 4
     particles: Annotated[Whole, Field(ge=300, le=50_000)] = Field(1000, description="in each")
     width: Annotated[Number, Field(ge=5)] = Field(10.0, description="of the box, in diameters")
+    walls: Switch = Field(False, description="square box with walls, whose porosity counts whole; else periodic sides")
+    friction: Annotated[Number, Field(ge=0)] = Field(0.3, description="Coulomb's coefficient of sliding")
     seed: Annotated[Whole, Field(ge=0)] = Field(0, description="of the first packing; the next count on")
     diameter: Length | None = Field(None, description="of the spheres; that of the scene if absent")
     youngs_modulus: Pressure = Field(5e10, description="of the material, to which contacts are corrected")
@@ -73,8 +78,9 @@ class Settings(Table):
 
     title: str = ""
     scene: str
-    qoi: Annotated[tuple[str, ...], Field(min_length=1)]
+    qoi: tuple[str, ...] = Field((), description="named results that get a band; needed without `measured`")
     samples: Annotated[Whole, Field(ge=8, le=10_000)] = Field(64, description="runs for the band")
+    measured: str | None = Field(None, description="case of `contbed validate`, or its folder, to compare with")
     packings: Packings = Packings()
     laws: Laws
     uncertain: dict[str, Any] = Field(default_factory=dict, description="standard uncertainty by key of the scene")
@@ -82,12 +88,16 @@ class Settings(Table):
 
 @dataclass(frozen=True)
 class Cascade:
-    """What a cascade file asks for; `uncertain` holds key, value and standard uncertainty in SI."""
+    """What a cascade file asks for; `uncertain` holds key, value and standard uncertainty in SI.
+
+    `measured` : the bed whose measured points are compared; None if there is none
+    """
 
     path: Path
     settings: Settings
     scene: Scene
     uncertain: tuple[tuple[str, float, float], ...]
+    measured: Case | None
     trust: bool
     allow_large: bool
 
@@ -120,7 +130,28 @@ def read_cascade(path: str | Path, trust: bool = False, allow_large: bool = Fals
         raise SceneError(problems)
     assert isinstance(scene, Scene)
     uncertain = tuple(uncertain_numbers(settings.uncertain, scene, origin))
-    return Cascade(path, settings, scene, uncertain, trust, allow_large)
+    return Cascade(path, settings, scene, uncertain, _measured(settings, scene, origin), trust, allow_large)
+
+
+def _measured(settings: Settings, scene: Scene, origin: Origin) -> Case | None:
+    """Return the measured bed.
+
+    Raises
+    ------
+    SceneError : there is no such case, it has no profiles, or the scene is steady
+    """
+    if settings.measured is None:
+        return None
+    where = f"{origin.at(('measured',))}: measured"
+    folder = origin.base / settings.measured
+    if not (folder / "case.toml").is_file() and settings.measured not in names():
+        raise SceneError(f'{where}: no case "{settings.measured}"; {nearest(settings.measured, names())}')
+    case = read_case(settings.measured if settings.measured in names() else str(folder))
+    if case.settings.compare != "profiles":
+        raise SceneError(f"{where}: the case compares {case.settings.compare}, a cascade only profiles")
+    if scene.time is None:
+        raise SceneError(f"{where}: the points are measured over time, but the scene is steady; give it a [time]")
+    return case
 
 
 def _mistakes(settings: Settings, scene: Any, origin: Origin) -> Iterator[str]:
@@ -131,6 +162,11 @@ def _mistakes(settings: Settings, scene: Any, origin: Origin) -> Iterator[str]:
         yield f"{origin.at(('scene',))}: scene: the packings are of spheres, but bed.shape is {scene.bed.shape!r}"
     if not settings.laws.conduction and not settings.laws.exchange:
         yield f"{origin.at(('laws',))}: laws: asks nothing of the particles; give conduction, exchange, or both"
+    if settings.packings.walls and settings.laws.exchange:
+        why = "the gas is computed between periodic sides only; leave out walls, or laws.exchange"
+        yield f"{origin.at(('packings', 'walls'))}: packings.walls: {why}"
+    if not settings.qoi and settings.measured is None:
+        yield f"{origin.at(('qoi',))}: qoi: asks for no result; name one, such as T_fluid_out_K, or give `measured`"
     for k, law in enumerate(settings.laws.exchange):
         try:
             bind(law, "nusselt", AT_PARTICLE)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contbed.design.cascade.band import BAND, Part
 from contbed.design.cascade.file import Cascade
+from contbed.design.cascade.measured import Held
 from contbed.fields import unit_of
 
 Array = NDArray[np.float64]
@@ -23,6 +24,7 @@ class Outcome:
     base : each result with the fits to all packings and the first laws
     samples : each result of the runs with all at random, (samples,)
     drawn : what was drawn for these runs: packing, laws by name, numbers of the scene by key in SI, (samples,)
+    held : the measured points beside their band; None without any
     ranges : what the bed visits of k_solid/k_fluid, Re and Pr
     warnings : failed runs, closures outside of their range
     """
@@ -32,6 +34,7 @@ class Outcome:
     parts: list[Part]
     samples: dict[str, Array]
     drawn: dict[str, list[Any]]
+    held: Held | None
     ranges: dict[str, tuple[float, float]]
     porosities: Array
     runs: int
@@ -61,4 +64,13 @@ class Outcome:
             for part, share in sorted(self.shares(name).items(), key=lambda item: -item[1]):
                 deviation = next(one.deviation[name] for one in self.parts if one.name == part)
                 lines.append(f"  {share:6.1%}  {part}: standard deviation {deviation:.3g}{with_unit}")
+        if self.held is not None and self.cascade.measured is not None:
+            case, points = self.cascade.measured, self.held
+            lines.append(
+                f"{case.name}: {len(points.best)} measured points, {points.inside:.0%} in the band of {BAND:.0%}, "
+                f"{points.inside_measured:.0%} with their own scatter of {case.uncertainty:g} {case.unit}"
+            )
+            lines += [
+                f"  {share:6.1%}  {part}" for part, share in sorted(points.shares.items(), key=lambda item: -item[1])
+            ]
         return "\n".join(lines)

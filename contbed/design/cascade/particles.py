@@ -60,7 +60,7 @@ class Ensemble:
 
     @property
     def porosities(self) -> Array:
-        """Porosity of each packing, away from floor and surface."""
+        """Porosity of each packing, away from floor and surface; between walls that of the box."""
         return np.array([bed.porosity for bed in self.beds])
 
     def conduction(self, bed: int, paths: str, ratios: tuple[float, float]) -> Columns:
@@ -111,6 +111,8 @@ def _about(cascade: Cascade, number: int) -> dict[str, Any]:
         "seed": packings.seed + number,
         "simulated": packings.simulated,
         "density": density,
+        "friction": packings.friction,
+        "walls": packings.walls,
     }
 
 
@@ -124,16 +126,18 @@ def _packing(cascade: Cascade, folder: Path, number: int) -> extract.Packing:
             x, porosity, surface = kept["x"], float(kept["porosity"]), float(kept["surface"])
     except (OSError, ValueError, KeyError, EOFError, BadZipFile):
         bed = pack(
-            (width, width), radius=0.5 * d, count=about["particles"], seed=about["seed"], periodic=(True, True),
-            material=Material(density=about["density"], youngs_modulus=about["simulated"]),
+            (width, width), radius=0.5 * d, count=about["particles"], seed=about["seed"],
+            periodic=(not about["walls"], not about["walls"]), material=Material(
+                density=about["density"], youngs_modulus=about["simulated"], sliding_friction=about["friction"]),
         )  # fmt: skip
-        x, porosity, surface = bed.position, bed.statistics["porosity_core"], bed.statistics["surface"]
+        porosity = bed.statistics["porosity_box" if about["walls"] else "porosity_core"]
+        x, surface = bed.position, bed.statistics["surface"]
         text = io.BytesIO()
         np.savez(text, x=x, porosity=porosity, surface=surface)
         folder.mkdir(parents=True, exist_ok=True)
         with atomic(path) as temporary:
             temporary.write_bytes(text.getvalue())
-    box = np.zeros(3), np.array([width, width, x[:, 2].max() + 0.5 * d])
+    box = None if about["walls"] else (np.zeros(3), np.array([width, width, x[:, 2].max() + 0.5 * d]))
     return extract.Packing(x, 0.5 * d, porosity, d, surface - RIM * d, width**2, box)
 
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from contbed.design.cascade import files
-from contbed.design.cascade.band import FIT_SAMPLES, Fits, Runs, parts_of, sampled, visited
+from contbed.design.cascade.band import BAND, FIT_SAMPLES, Fits, Part, Runs, parts_of, sampled, visited
 from contbed.design.cascade.file import read_cascade
+from contbed.design.cascade.measured import held
 from contbed.design.cascade.outcome import Outcome
 from contbed.design.cascade.particles import ensemble
 from contbed.errors import ConvergenceError
@@ -69,8 +70,23 @@ def cascade(
     warnings = [f"{len(runs.failed)} runs failed and are left out; the first: {runs.failed[0]}"] if runs.failed else []
     if runs.outside:
         warnings.append(f"{len(runs.outside)} runs left the range of the closures that the packings gave")
+    compared = None
+    if todo.measured is not None:
+        compared = held(todo.measured, base, {part.name: part.deviation for part in parts}, samples, BAND)
+    asked = settings.qoi  # without the measured points
     found = Outcome(
-        todo, base, parts, samples, drawn, ranges, porosities, len(runs.seen), runs.before, tuple(warnings), folder
+        todo,
+        {name: base[name] for name in asked},
+        [Part(part.name, {name: part.deviation[name] for name in asked}) for part in parts],
+        {name: samples[name] for name in asked},
+        drawn,
+        compared,
+        ranges,
+        porosities,
+        len(runs.seen),
+        runs.before,
+        tuple(warnings),
+        folder,
     )
     files.write(found, best)
     return found
