@@ -12,6 +12,7 @@ from contbed.errors import SceneError
 from contbed.models import described
 from contbed.particle.effectiveness import effectiveness_of
 from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.across import across
 from contbed.reacting_bed.pellets import Pellets
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import Schedule, tables_of
@@ -182,6 +183,12 @@ def _lists(
             built.append(("films", f"{', '.join(layout.films)} at the particles"))
         elif scene.mass.sherwood is not None and not (layout.inside or any(r.own_film for r in problem.reactions)):
             skipped.append(("films", "no reaction at particles needs them"))
+    across_it = across(problem)
+    if problem.rings is not None:
+        built.append(("the section", f"{problem.rings.count} rings" + (f"; {across_it}" if across_it else "")))
+    elif across_it is not None:
+        advice = "" if across_it.fits else "; resolve it by [section]"
+        skipped.append(("differences across the bed", f"one dimension: {across_it}{advice}"))
     if problem.choice is not None:
         built.append((f"adsorption of {', '.join(layout.inside)}", str(problem.choice)))
     resolved = next((r.rate for r in problem.reactions if isinstance(r.rate, Pellets)), None)

@@ -12,6 +12,8 @@ from scipy.special import j0, j1
 import contbed
 from contbed.errors import SceneError
 from contbed.loading import from_dict
+from contbed.reacting_bed.across import across
+from contbed.reacting_bed.plan import plan
 
 CP, U, RADIUS, T_WALL, K = 30.0, 0.5, 0.05, 800.0, 2.0
 CLOSED = 1e-12  # of what enters
@@ -113,6 +115,22 @@ def test_species_and_pressure_across_the_section():
         assert np.ptp(p, axis=0).max() < 1e-9 * p.max()  # one pressure over the section
         spread.append(np.ptp(by_ring[:, names.index("g_B"), -1, -1]))
     assert spread[1] < 0.8 * spread[0]
+
+
+def test_plan_tells_whether_one_dimension_is_enough():
+    """Mears: q R/(2 K) against 0.4 R T^2/E, with q by the coefficient and a quarter of the radius in series."""
+    q = (T_WALL - T) / (1.0 / 50.0 + 0.25 * RADIUS / K)
+    found = across(plan(from_dict(heated(4, reacts=400.0))).problem)
+    assert found.difference == pytest.approx(q * RADIUS / (2.0 * K), rel=1e-12)
+    # the concentration of an ideal gas falls with 1/T, so that its rate rises by E - R T
+    assert found.limit == pytest.approx(0.4 * R_GAS * T**2 / (3e4 - R_GAS * T), rel=1e-4)
+    assert not found.fits
+    scene = heated(0, wall=0.05, reacts=400.0)
+    scene["fluid"] |= {"viscosity": 3e-5, "conductivity": 0.05}
+    assert across(plan(from_dict(scene)).problem).fits
+    scene["wall"]["coefficient"] = 50.0
+    advised = dict(plan(from_dict(scene)).skipped)["differences across the bed"]
+    assert advised.endswith("resolve it by [section]")
 
 
 @pytest.mark.parametrize(
