@@ -94,23 +94,28 @@ def fill(problem: Problem, u: Array, result: Result, transient: bool = False) ->
 
 
 def across(problem: Problem, u: Array, x: Array) -> dict[str, Array]:
-    """Return the temperatures next to the axis and next to the wall, in the middles of the rings there [K]."""
+    """Return the temperatures of the bed at the axis and at the wall [K], of parabolas in r through two rings there."""
+    assert problem.rings is not None
+    square = problem.rings.middles**2
+    to_axis, to_wall = square[0] / (square[1] - square[0]), problem.rings.radius**2 - square[-1]
+    to_wall /= square[-1] - square[-2]
     by_ring = problem.line.at(u, x).reshape(-1, len(problem.layout.names), len(x))
     found = {}
     for name in problem.layout.temperatures:
-        k = problem.layout.names.index(name)
+        T = by_ring[:, problem.layout.names.index(name)]
+        axis, wall = T[0] + to_axis * (T[0] - T[1]), T[-1] + to_wall * (T[-1] - T[-2])
         phases = ("fluid", "solid") if name == "T" else (name.removeprefix("T_"),)
         for phase in phases:
-            found[f"T_{phase}_axis [K]"], found[f"T_{phase}_rim [K]"] = by_ring[0, k], by_ring[-1, k]
+            found[f"T_{phase}_axis [K]"], found[f"T_{phase}_wall [K]"] = axis, wall
     return found
 
 
 def _across(problem: Problem, u: Array, result: Result) -> None:
-    """Add profiles at the axis and the rim and the largest difference of temperature between both."""
+    """Add profiles at the axis and the wall and the largest difference of temperature between both."""
     at = across(problem, u, positions(problem))
     result.profiles |= at
     if at:
-        result.qoi["dT_section_max_K"] = float(np.abs(at["T_fluid_rim [K]"] - at["T_fluid_axis [K]"]).max())
+        result.qoi["dT_section_max_K"] = float(np.abs(at["T_fluid_wall [K]"] - at["T_fluid_axis [K]"]).max())
 
 
 def _at(value: Any, end: int) -> float:

@@ -65,6 +65,16 @@ def test_plug_flow_between_walls(shape):
     assert np.abs(fine).max() < 0.5
 
 
+def test_temperature_of_the_wall_carries_its_heat():
+    """Far from the inlet with a given flux T rises by q R/(2 K) from the axis to the wall: a parabola, exact."""
+    scene = heated(5)
+    scene["wall"] = {"diameter": 2 * RADIUS, "flux": 300.0}
+    scene["mesh"]["length"], scene["output"]["positions"] = 10.0, [10.0]
+    result = solved(scene)
+    difference = result.profiles["T_fluid_wall [K]"] - result.profiles["T_fluid_axis [K]"]
+    assert difference == pytest.approx(300.0 * RADIUS / (2.0 * K), rel=1e-6)
+
+
 @pytest.mark.parametrize("shape", ["tube", "plane"])
 def test_order_across(shape):
     (coarse, _), (fine, iterations) = error(shape, 6, 3, 4), error(shape, 12, 3, 4)
