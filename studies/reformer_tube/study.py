@@ -15,6 +15,15 @@ from studies._gallery import Table, Tables
 HERE = Path(__file__).parent
 CASES = ("tube_U300", "tube_flux70", "adiabatic")
 SHOWN = ("conversion_CH4", "T_fluid_out_K", "p_out_Pa", "x_CH4_dry", "Q_over_K_reforming")
+SECTION = (
+    "x [m]",
+    "T_fluid [K]",
+    "T_fluid_axis [K]",
+    "T_fluid_wall [K]",
+    "x_CH4 [1]",
+    "conversion_CH4",
+    "dT_section_max_K",
+)
 COLOURS = {"tube_U300": gallery.BLUE, "tube_flux70": gallery.VERMILION, "adiabatic": gallery.GREEN}
 OWN_K = {"reactions.reforming.equilibrium_factor": 1.0, "reactions.total.equilibrium_factor": 1.0}
 # effective diffusivities [m2/s]: those in steam at 900 K and 25.7 bar, 7e-6 of CH4, times porosity over tortuosity, 1/6
@@ -27,6 +36,12 @@ INSIDE = {
     | {"particle.mass": "effectiveness"}
     | {f"reactions.{name}.diffusivity": DIFFUSIVITY["CH4"] for name in RATES},
 }
+ACROSS = {
+    "section.dispersion": "vdi",
+    "section.mass_dispersion": {"name": "mass_dispersion_peclet", "Pe_p": 10.0},
+    "mesh.cells": 20,  # twice as many change conversions by 5e-8, differences across the tube by 0.13 K
+}
+RINGS = (4, 8)
 
 
 def reference(case: str) -> dict[str, float]:
@@ -39,7 +54,7 @@ def reference(case: str) -> dict[str, float]:
 
 def compute() -> Tables:
     """Each case beside its reference, with the equilibrium of the thermodynamics in use, and with pellets."""
-    rows, profiles, pellets = [], [], []
+    rows, profiles, pellets, section = [], [], [], []
     for case in CASES:
         run, exact = cb.run(cb.load(HERE / f"{case}.toml")), reference(case)
         own = cb.run(cb.load(HERE / f"{case}.toml", OWN_K))
@@ -50,6 +65,8 @@ def compute() -> Tables:
             inside = cb.run(cb.load(HERE / f"{case}.toml", changes))
             rows.append((case, what, *(inside.qoi[key] for key in SHOWN)))
             pellets += [(case, what, x, T) for x, T in _thinned(inside.profiles)]
+        if "tube" in case:
+            section += _across(case)
         columns = run.profiles
         rest = (columns["T_fluid [K]"], columns["x_CH4 [1]"], columns["x_H2 [1]"], columns["p_gas [Pa]"])
         profiles += [(case, *values) for values in zip(columns["x [m]"], *rest, strict=True)]
@@ -58,7 +75,20 @@ def compute() -> Tables:
         "results": Table({"case": "", "what": "", **dict.fromkeys(SHOWN, ".10g")}, rows),
         "tubes": Table({"case": "", **headers}, profiles),
         "pellets": Table({"case": "", "inside": "", "x [m]": ".6g", "x_CH4 [1]": ".6g"}, pellets),
+        "section": Table({"case": "", "rings": "", **dict.fromkeys(SECTION, ".6g")}, section),
     }
+
+
+def _across(case: str) -> list[tuple[Any, ...]]:
+    """Return the tube resolved across the flow: mean, axis and wall along it, with each number of rings."""
+    rows = []
+    for rings in RINGS:
+        run = cb.run(cb.load(HERE / f"{case}.toml", ACROSS | {"section.rings": rings}))
+        x = np.linspace(0.0, run.profiles["x [m]"][-1], 61)
+        found = [np.interp(x, run.profiles["x [m]"], run.profiles[name]) for name in (*SECTION[1:4], "x_CH4 [1]")]
+        out = run.qoi["conversion_CH4"], run.qoi["dT_section_max_K"]
+        rows += [(case, rings, *values, *out) for values in zip(x, *found, strict=True)]
+    return rows
 
 
 def _thinned(columns: Any) -> Any:
@@ -84,6 +114,12 @@ def plot(tables: Tables) -> dict[str, Any]:
             label = what if case == CASES[0] else None
             right.plot(pellets["x [m]"][here], pellets["x_CH4 [1]"][here], style, color=COLOURS[case], label=label)
     right.legend(fontsize=8)
+    section = tables["section"]
+    for case in CASES[:2]:
+        here = (section["case"] == case) & (section["rings"] == RINGS[-1])
+        for name, style in (("T_fluid [K]", "--"), ("T_fluid_axis [K]", ":"), ("T_fluid_wall [K]", "-.")):
+            label = {"--": "2-D mean", ":": "2-D axis", "-.": "2-D wall"}[style] if case == CASES[0] else None
+            left.plot(section["x [m]"][here], section[name][here], style, color=COLOURS[case], label=label, lw=1.0)
     left.set(xlabel="x [m]", ylabel="T [K]")
     right.set(xlabel="x [m]", ylabel="CH$_4$, mole fraction")
     left.legend(fontsize=8)
