@@ -275,6 +275,7 @@ def sections_can_be_resolved(
     wall: s.Wall | None,
     heat: s.Heat | None,
     time: s.Time | None,
+    continuation: s.Continuation | None,
     adsorption: dict[str, s.Adsorption],
     see: See,
 ) -> Mistakes:
@@ -292,6 +293,8 @@ def sections_can_be_resolved(
         )
     if time is not None:
         yield ("section",), f"is resolved in steady beds only; remove it, or the table {see('time')}"
+    if continuation is not None:
+        yield ("section",), f"is not resolved along a branch; remove it, or the table {see('continuation')}"
     if adsorption:
         yield ("section",), f"is not resolved in beds that adsorb; remove it, or the table {see('adsorption')}"
 

@@ -191,6 +191,8 @@ def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     ------
     ConvergenceError : steps no longer grow
     """
+    if problem.rings is not None:  # storage is known on a line only
+        raise ConvergenceError("Newton's method fails with the section resolved", report.history, u)
     tau = residence_time(problem)
     dt, longest, failures, taken = START_OF_MARCH * tau, 0.0, 0, 0
     report.marched = True

@@ -149,6 +149,7 @@ def test_plan_tells_whether_one_dimension_is_enough():
         ({"wall": None}, "its size is not known"),
         ({"section": {"rings": 4}}, "no heat passes between the rings"),
         ({"time": {"end": 1.0}}, "is resolved in steady beds only"),
+        ({"continuation": {"parameter": "flow.velocity", "to": 1.0}}, "is not resolved along a branch"),
         ({"section": {"rings": 4, "conductivity_solid": "zbs"}}, "conductivity_solid"),
     ],
 )
