@@ -8,6 +8,7 @@ kind `inner` are called by other kernels only.
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import llvmlite.binding as llvm
@@ -24,6 +25,8 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 PLAIN: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True}
 SUMS = {"reassoc", "contract"}
+HERE = Path(__file__).parent
+CONTENT = compiling.digest([*HERE.rglob("*.py"), HERE.parent / "barrier.py"])
 
 # pairs of arrays in a loop up to which LLVM compares their addresses, so as to make vectors of the loop; with its
 # defaults of 8 and 128 it leaves out loops over faces, which read 17 arrays and write 8
@@ -38,19 +41,19 @@ UNDERFLOW = 1e-60  # magnitudes below count as zero: products of two of them wou
 
 def kernel(function: Function) -> Function:
     """Compile a function of arrays."""
-    return cast(Function, njit(**PLAIN)(function))
+    return compiling.tied(cast(Function, njit(**PLAIN)(function)), CONTENT)
 
 
 def summing(function: Function) -> Function:
     """Compile a function whose sums may be reordered into vectors."""
-    return cast(Function, njit(**PLAIN, fastmath=SUMS)(function))
+    return compiling.tied(cast(Function, njit(**PLAIN, fastmath=SUMS)(function)), CONTENT)
 
 
 def inner(function: Function) -> Function:
     """Compile a function that only kernels call."""
-    return compiling.inner(**PLAIN)(function)
+    return compiling.tied(compiling.inner(**PLAIN)(function), CONTENT)
 
 
 def inner_summing(function: Function) -> Function:
     """Compile a function that only kernels call, and whose sums may be reordered into vectors."""
-    return compiling.inner(**PLAIN, fastmath=SUMS)(function)
+    return compiling.tied(compiling.inner(**PLAIN, fastmath=SUMS)(function), CONTENT)

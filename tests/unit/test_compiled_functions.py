@@ -1,6 +1,9 @@
 """Functions without an entry from Python are called by compiled ones only: from Python the process would end."""
 
 import ast
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -61,3 +64,32 @@ def test_such_a_call_is_seen():
         "p.c": ast.parse("@inner(nogil=True)\ndef h(x): return x\ndef k(x): return h(x)\n"),
     }
     assert called_from_python(trees) == ["p.b: f", "p.b: c.h", "p.c: h"]
+
+
+CALLED = "from numba import njit\n@njit\ndef f(x): return x + {}\n"
+CALLING = """
+from pathlib import Path
+from numba import njit
+from contbed.compiling import digest, tied
+from called import f
+def g(x): return 2.0 * f(x)
+g = tied(njit(cache=True)(g), digest(Path(__file__).parent.glob("*.py")))
+print(g(1.0), sum(g.stats.cache_hits.values()))
+"""
+
+
+def test_code_on_disk_is_made_anew_when_a_function_that_it_calls_changes(tmp_path):
+    (tmp_path / "calling.py").write_text(CALLING)
+    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    told = []
+    for number in (1.0, 1.0, 5.0):
+        (tmp_path / "called.py").write_text(CALLED.format(number))
+        run = [sys.executable, "-B", "-c", "import calling"]
+        told.append(subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout.split())
+    assert told == [["4.0", "0"], ["4.0", "1"], ["12.0", "0"]]
+
+
+def test_kernels_of_two_fluids_are_tied_to_each_other():
+    from contbed.two_fluid import compiled, packing
+
+    assert packing.add_compaction_velocity._cache._cache_file._source_stamp[1] == compiled.CONTENT
