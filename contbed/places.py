@@ -16,6 +16,7 @@ KINDS = {
     ("Heat", "conductivity_solid"): "conductivity",
     ("Section", "conductivity_fluid"): "conductivity",
     ("Section", "conductivity_solid"): "conductivity",
+    ("Mass", "dispersion"): "mass_dispersion",
     ("BubblingBed", "conductivity"): "conductivity",
     ("PhaseCondition", "coefficient"): "wall",
     ("Surface", "coefficient"): "bed_tube",

@@ -22,7 +22,7 @@ from contbed.reacting_bed.inside_checks import (
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
 from contbed.reacting_bed.medium import bound, places_of
-from contbed.reacting_bed.schedule_checks import at_each_time, series_are_usable
+from contbed.reacting_bed.schedule_checks import at_each_time, series_are_usable, times_are_in_order
 from contbed.reacting_bed.streams import gas_sign
 from contbed.reacting_bed.substances import Equation, equations_of
 from contbed.scene.checking import Check, Mistakes, See
@@ -352,22 +352,6 @@ def the_parameter_is_a_number(
         yield ("continuation", "to"), "is the value that the scene has"
     elif continuation.back_to is not None and (continuation.back_to - found) * (continuation.to - found) > 0:
         yield ("continuation", "back_to"), f"lies on the same side of the value in the scene, {found:g}, as `to`"
-
-
-def times_are_in_order(
-    time: s.Time | None, continuation: s.Continuation | None, adsorption: dict[str, s.Adsorption], see: See
-) -> Mistakes:
-    """Check that output times lie within the run, and that a branch is one of steady states."""
-    if time is None:
-        return
-    for index, instant in enumerate(time.times):
-        if instant > time.end:
-            yield ("time", "times", index), f"{instant:g} s is after the end; see {see('time.end')}"
-    if time.gas == "quasi_steady" and time.initial_composition is not None and not adsorption:
-        key = ("time", "initial_composition")
-        yield key, f"has no meaning for a gas that follows at once; see {see('time.gas')}"
-    if continuation is not None:
-        yield ("continuation",), f"follows steady states, and the scene is transient; see {see('time')}"
 
 
 CHECKS: tuple[Check, ...] = (

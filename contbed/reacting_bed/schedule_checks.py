@@ -103,3 +103,19 @@ def _of_streams_that_enter(boundary: Boundaries, flow: s.Flow) -> Boundaries:
             idle = {phase: None for phase, sign in signs.items() if sign * into <= 0.0}
             found[end] = found[end].model_copy(update=idle)
     return found
+
+
+def times_are_in_order(
+    time: s.Time | None, continuation: s.Continuation | None, adsorption: dict[str, s.Adsorption], see: See
+) -> Mistakes:
+    """Check that output times lie within the run, and that a branch is one of steady states."""
+    if time is None:
+        return
+    for index, instant in enumerate(time.times):
+        if instant > time.end:
+            yield ("time", "times", index), f"{instant:g} s is after the end; see {see('time.end')}"
+    if time.gas == "quasi_steady" and time.initial_composition is not None and not adsorption:
+        key = ("time", "initial_composition")
+        yield key, f"has no meaning for a gas that follows at once; see {see('time.gas')}"
+    if continuation is not None:
+        yield ("continuation",), f"follows steady states, and the scene is transient; see {see('time')}"

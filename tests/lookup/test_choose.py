@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from unittest.mock import Mock
 
 import pytest
 
@@ -10,6 +11,7 @@ from contbed.choose import conditions, derived, fluidized, kind_for, ranked
 from contbed.closures import registry
 from contbed.errors import SceneError
 from contbed.explain import entries, explain, search
+from contbed.reacting_bed.medium import places_of
 
 
 def test_conditions_are_in_si():
@@ -67,6 +69,13 @@ def test_kind_of_a_place():
     assert kind_for("drag") == "drag"
     with pytest.raises(SceneError, match=r"two_fluid\.drag"):
         kind_for("two_fluid.darg")
+
+
+def test_kinds_of_places_are_those_that_a_reacting_bed_binds():
+    """What is offered for a place is what its scene takes there."""
+    bound = {".".join(key): kind for key, _, kind in places_of(Mock(), Mock(), Mock(), Mock())}
+    assert bound == {key: kind_for(key) for key in bound}
+    assert bound["mass.dispersion"] == "mass_dispersion"
 
 
 def test_the_command(capsys):
