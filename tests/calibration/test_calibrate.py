@@ -124,6 +124,7 @@ def read(path):
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_porosity_and_diameter_are_found_from_pressure_drops(folder, capsys):
     text = (folder / "drops.toml").read_text().replace("profiles = false", "profiles = true")
     (folder / "drops.toml").write_text(text)

@@ -203,6 +203,7 @@ def test_minimum_fluidization_is_ergun_s(packing):
     assert np.interp(1.0, lift, velocities) == pytest.approx(ergun_velocity(eps), rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_fluidized_bed_is_carried_by_the_gas(packing):
     bed = bed_of(packing, 1.3, gas_step=2e-4)
     bed.run(0.1)

@@ -66,6 +66,7 @@ def with_closures(found, **changes):
     return load(found.cascade.scene_file, values)
 
 
+@pytest.mark.slow
 def test_closures_that_are_written_give_the_result(found):
     result = run(with_closures(found))
     assert result.qoi[NAME] == found.base[NAME]
@@ -108,6 +109,7 @@ def test_second_command_computes_nothing(found, monkeypatch):
     np.testing.assert_array_equal(again.samples[NAME], found.samples[NAME])
 
 
+@pytest.mark.slow
 def test_interrupted_cascade_goes_on(found, tmp_path, monkeypatch):
     """Ctrl-C in a packing, in a point of one and in a run: the same command ends with the same numbers."""
     path = written(tmp_path)

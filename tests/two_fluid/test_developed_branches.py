@@ -21,6 +21,7 @@ def load(**overrides):
     return cb.load(SCENE, overrides)
 
 
+@pytest.mark.slow
 def test_branch_with_folds_has_three_solutions_and_gives_the_one_that_is_meant():
     """A dilute flow folds between 8.3271 and 8.3419 m/s. The middle one of its solutions is no end of a relaxation."""
     result = cb.run(load(**THIN, **{"fully_developed.theta_centre": 0.0158}))

@@ -233,6 +233,7 @@ def schumann_error(cells):
     )
 
 
+@pytest.mark.slow
 def test_hot_front_in_a_bed_at_rest():
     coarse, fine = schumann_error(50), schumann_error(100)
     assert fine < 2e-3

@@ -58,6 +58,7 @@ def test_particles_are_carried_to_second_order():
             assert np.abs(new - old).mean() < 0.02 * height
 
 
+@pytest.mark.slow
 def test_steady_flow_stays():
     """A force against the drag of particles that do not move: what small steps end at, long ones leave as it is, to
     less than 2e-4, as the second order of the wave knows the step; without forces between the passes, to 0.1.

@@ -435,6 +435,7 @@ def last(values: dict[str, Any], steps: int | None = None) -> np.ndarray:
     return final.states[-1] * problem.weights
 
 
+@pytest.mark.slow
 def test_steps_are_of_second_order():
     """Temperatures and G by successive differences, order 2 to 0.1."""
     coarse, middle, fine = (last(heating(), steps) for steps in (32, 64, 128))
