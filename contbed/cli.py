@@ -210,13 +210,13 @@ def bench(
 @app.command()
 def report(
     folders: Annotated[
-        list[Path], Argument(metavar="DIR...", help="folders of runs, or that of a sweep or calibration")
+        list[Path], Argument(metavar="DIR...", help="folders of runs, or that of a command that makes many")
     ],
     out: Annotated[
         Path | None, Option("--out", metavar="FILE", help="file to write; report.html in DIR if absent")
     ] = None,
 ) -> None:
-    """Write one HTML file of a run, of several, of a sweep or a calibration, which needs no network and no server."""
+    """Write one HTML file of runs or of a sweep, an optimum and the like, which needs no network and no server."""
     print(f"the report is {_write_report(folders, out)}")
 
 

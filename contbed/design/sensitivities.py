@@ -22,11 +22,17 @@ from contbed.output.files import atomic
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
 from contbed.scene.tables import SceneBase
+from contbed.versions import versions
 
 MOST_BARS = 12  # of a panel
 SMALLEST_BAR = 1e-3  # of the largest; smaller ones cannot be seen
 BAR = 0.24  # inches
 DIGITS = 5
+FILE = "sensitivities"  # name of the table, of the data and of the picture in the folder
+HOW = {
+    "tangent": "by the tangent of the solution, mesh and discretisation kept",
+    "differences": "by differences of runs",
+}
 
 
 def sensitivities(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str] = ()) -> tuple[Gradient, dict[str, Any]]:
@@ -49,6 +55,8 @@ def sensitivities(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str] = ()
     found = gradient(scene, list(dict.fromkeys(qoi)), names)
     units = [key(scene, name).unit for name in found.keys]
     return found, {
+        "title": scene.title,
+        "versions": versions(),
         "method": found.method,
         "qoi": {
             name: {"value": value, "unit": unit_of(name) or "1"}
@@ -84,11 +92,7 @@ def table(found: Gradient, about: dict[str, Any]) -> str:
             for row in (head, *rows)
         ]
         lines.append("")
-    how = {
-        "tangent": "by the tangent of the solution, mesh and discretisation kept",
-        "differences": "by differences of runs",
-    }
-    lines.append(f"derivatives {how[found.method]}; relative: percent of the result for one percent of the key")
+    lines.append(f"derivatives {HOW[found.method]}; relative: percent of the result for one percent of the key")
     return "\n".join([*lines, *(f"note: {note}" for note in found.notes)])
 
 
@@ -126,10 +130,10 @@ def quotient(above: str, below: str) -> str:
 
 def write(found: Gradient, about: dict[str, Any], out: Path, title: str) -> None:
     """Write sensitivities.csv, sensitivities.json and sensitivities.png."""
-    write_json(out / "sensitivities.json", about)
-    with atomic(out / "sensitivities.csv") as temporary:
+    write_json(out / f"{FILE}.json", about)
+    with atomic(out / f"{FILE}.csv") as temporary:
         temporary.write_text(_csv(found, about), encoding="utf-8")
-    tornado(out / "sensitivities.png", found, title)
+    tornado(out / f"{FILE}.png", found, title)
 
 
 def _csv(found: Gradient, about: dict[str, Any]) -> str:

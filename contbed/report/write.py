@@ -19,16 +19,17 @@ from contbed.report.indices import uncertainty
 from contbed.report.linked import Column, linked, text_of
 from contbed.report.optimum import is_optimum, of_optimum
 from contbed.report.read import Run, is_sweep, read_run, read_sweep
+from contbed.report.sensitivities import is_sensitivities, of_sensitivities
 
 FILE = "report.html"
 
 
 def write(folders: Sequence[Path], file: Path | None = None) -> Path:
-    """Write the report of one or several runs, or of one sweep, optimum, calibration or cascade, and return its file.
+    """Write the report of one or several runs, or of one other command that makes many, and return its file.
 
     Parameters
     ----------
-    folders : of runs, or one of a sweep, an optimum, a calibration or a cascade
+    folders : of runs, or one of a sweep, an optimum, a calibration, a cascade or derivatives
     file : where to write; report.html in the first folder if None
 
     Raises
@@ -136,6 +137,7 @@ WHOLE: tuple[tuple[str, Callable[[Path], bool], Callable[[Path], str]], ...] = (
     ("search for an optimum", is_optimum, of_optimum),
     ("cascade", is_cascade, of_cascade),
     ("sweep", is_sweep, of_sweep),
+    ("table of derivatives", is_sensitivities, of_sensitivities),
 )
 """What has a report of its own: its name, whether a folder holds it, and the report of the folder."""
 

@@ -24,6 +24,7 @@ _BOUNDS = {
     "le": "<=",
     "maximum": "<=",
 }
+POWERS_OF = "powers_of"  # of a list of coefficients: the unit of the variable of the polynomial
 _TYPES = {"number": "number", "integer": "whole number", "boolean": "true or false"}
 
 
@@ -53,6 +54,18 @@ def _unit_of(node: Node) -> Node:
     return {"unit": node["unit"]} if "unit" in node else {}
 
 
+def _unit_of_coefficient(node: Node, option: Node, power: int) -> Node:
+    """Return the unit of a coefficient of a polynomial, which the number beside the list has; nothing of others."""
+    whole = next((way["unit"] for way in options(node) if "unit" in way), None)
+    if whole is None or POWERS_OF not in option:
+        return {}
+    if not power:
+        return {"unit": whole}
+    variable = option[POWERS_OF]
+    start, power = (whole, power + 1) if whole.endswith(f"/{variable}") else (f"{whole}/{variable}", power)
+    return {"unit": f"{start}**{power}" if power > 1 else start}
+
+
 def children(node: Node, key: str | int) -> list[Node]:
     """Return what `key` may hold in the tables or lists that `node` allows."""
     found = []
@@ -61,7 +74,7 @@ def children(node: Node, key: str | int) -> list[Node]:
             parts = option.get("prefixItems", [])
             item = parts[key] if key < len(parts) else option.get("items")
             if item is not None:
-                found.append({**_unit_of(option), **item})
+                found.append({**_unit_of(option), **_unit_of_coefficient(node, option, key), **item})
         elif key in option.get("properties", {}):
             found.append(option["properties"][key])
         elif isinstance(option.get("additionalProperties"), dict):

@@ -11,6 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import ConfigDict, Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from contbed.errors import SceneError
+from contbed.scene import schema
 from contbed.scene.quantities import (
     ClosureFile,
     Conductivity,
@@ -134,7 +135,11 @@ class FluidCoolProp(Table):
 
 Fluid = Annotated[FluidConstant | FluidCantera | FluidCoolProp, Field(discriminator="model")]
 
-Polynomial = Annotated[tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=12)]
+Polynomial = Annotated[
+    tuple[FiniteFloat, ...],
+    Tag("list"),
+    Field(min_length=1, max_length=12, json_schema_extra={schema.POWERS_OF: "K"}),
+]
 
 
 class Solid(Table):

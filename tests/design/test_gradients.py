@@ -64,6 +64,12 @@ def test_items_of_lists_and_parameters_of_closures_are_keys():
     assert "heat.nusselt.b" in [one.name for one in continuous(scene)]
 
 
+def test_coefficients_of_polynomials_have_the_unit_of_their_power():
+    scene = loads(SLIP.replace("heat_capacity = 800.0", "heat_capacity = [560.0, 0.75, -2e-4]"))
+    units = [key(scene, f"solid.heat_capacity[{power}]").unit for power in range(3)]
+    assert units == ["J/kg/K", "J/kg/K**2", "J/kg/K**3"]
+
+
 def test_properties_follow_the_temperature_of_a_library_material():
     text = SLIP.replace(
         "density = 2000.0\nheat_capacity = 800.0\nconductivity = 0.8625",

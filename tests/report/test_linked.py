@@ -6,6 +6,9 @@ import re
 
 import pytest
 
+from contbed import load
+from contbed.design.sensitivities import sensitivities
+from contbed.design.sensitivities import write as write_sensitivities
 from contbed.errors import ContbedError
 from contbed.report import page
 from contbed.report.linked import GREY, MAX_CATEGORIES, MAX_PAIRS, Column, linked, read_columns
@@ -190,3 +193,23 @@ def test_a_choice_is_linked_both_ways_in_a_browser(tmp_path):
     assert framed and len(framed) < 8
     expected = [value if k in framed else told["grey"] for k, value in enumerate(told["before"])]
     assert told["greyed"] == expected and told["free"]
+
+
+def test_report_of_derivatives(tmp_path):
+    """Bars and table hold what the command found, the largest relative derivative first."""
+    scene, keys = load("studies/moving_bed_heater/heater.toml"), ["bed.porosity", "bed.particle_diameter"]
+    found, about = sensitivities(scene, ["T_fluid_out_K", "pressure_drop_Pa"], keys)
+    write_sensitivities(found, about, tmp_path, scene.title)
+    text = write([tmp_path]).read_text(encoding="utf-8")
+    for chart, i in zip(charts_of(text), range(2), strict=True):
+        bars = chart["data"][0]
+        largest = sorted(zip(found.logarithmic[i], found.keys, strict=True), key=lambda pair: -abs(pair[0]))
+        assert bars["y"] == [name for _, name in largest]
+        assert bars["x"] == [float(value) for value, _ in largest]
+    assert f"<td class=number>{page.number(float(found.derivatives[1, 0]))}</td>" in text and "<td>Pa/m</td>" in text
+
+
+def test_damaged_derivatives_are_refused(tmp_path):
+    (tmp_path / "sensitivities.json").write_text('{"title": "", "qoi": 3}', encoding="utf-8")
+    with pytest.raises(ContbedError, match=r"sensitivities\.json: cannot be read: .*run contbed sensitivities again"):
+        write([tmp_path])
