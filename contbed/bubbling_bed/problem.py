@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contbed.bubbling_bed.coefficients import SMOOTHED
-from contbed.bubbling_bed.diagnosis import explain, fluidization
+from contbed.bubbling_bed.diagnosis import explain, fluidization, temperatures
 from contbed.bubbling_bed.equations import bed as model
 from contbed.bubbling_bed.plan import BubblingPlan
 from contbed.closures.optics import SIGMA
@@ -132,7 +132,7 @@ class BubblingProblem:
         history: list[float] = []
         failed: list[Array] = []
         for way in (self._newton, self._unbent, self._marched):
-            if way == self._marched and any(fluidization(self, each) for each in failed):
+            if way == self._marched and any(not temperatures(self, x) and fluidization(self, x) for x in failed):
                 break  # steps in time would come to rest at the same edge
             try:
                 found, steps = way(x)
