@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
@@ -89,7 +89,7 @@ def table_of(model: type[_Table], values: dict[str, Any], origin: Origin) -> _Ta
     try:
         return model.model_validate(values)
     except ValidationError as invalid:
-        errors = invalid.errors(include_url=False)
+        errors = _own(invalid.errors(include_url=False))
     found = [_translate(error, values, schema.of(model)) for error in errors]
     raise SceneError(list(dict.fromkeys(_line(origin, values, path, text) for path, text in found)))
 
@@ -151,7 +151,7 @@ def _validate(
         scene = model.model_validate(values)
         return {name: getattr(scene, name) for name in model.model_fields}, broken
     except ValidationError as invalid:
-        errors = invalid.errors(include_url=False)
+        errors = _own(invalid.errors(include_url=False))
     for error in errors:
         path, text = _translate(error, values, schema.of(model))
         if now := _present_name(path, model.renamed):
@@ -172,6 +172,16 @@ def _validate(
         else:
             parts[name] = field.get_default(call_default_factory=True)
     return parts, broken
+
+
+def _own(errors: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Return the errors without those of lists that are too short only because an item of theirs is refused."""
+    places = [error["loc"] for error in errors]
+    return [
+        error
+        for error, here in zip(errors, places, strict=True)
+        if error["type"] != "too_short" or not any(place != here and place[: len(here)] == here for place in places)
+    ]
 
 
 def _present_name(path: KeyPath, renamed: Mapping[str, str]) -> str | None:
@@ -221,6 +231,8 @@ def _translate(error: Mapping[str, Any], values: dict[str, Any], root: dict[str,
         return path, f"unknown choice; {nearest(str(found), schema.choices(node))}"
     if kind in _LIMITS:
         return path, f"out of range; allowed: {schema.allowed(node)}"
+    if kind == "too_short" and not found:
+        return path, f"empty; allowed: {schema.allowed(node)}"
     if kind == "value_error":
         return path, str(context["error"])
     if kind == "finite_number":

@@ -40,15 +40,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from contbed import explain
 from contbed.errors import SceneError
-from contbed.scene.names import nearest
+from contbed.loading import table_of
 from contbed.scene.quantities import Instant, Position, Switch, Table
-from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse_key, read
+from contbed.scene.toml_lines import KeyPath, Origin, one_line, parse_key, read
 from contbed.sweep import design
 from contbed.sweep.distributions import Distribution
 
@@ -97,6 +97,8 @@ class Posterior(Table):
 class Settings(Table):
     """The file of a calibration."""
 
+    kind: ClassVar[str] = "calibration"
+
     title: str = ""
     keys: dict[str, Any]
     experiment: tuple[ExperimentSettings, ...] = Field(min_length=1)
@@ -138,12 +140,8 @@ def read_file(path: str | Path) -> CalibrationFile:
     """
     path = Path(path)
     values, origin = read(path)
-    try:
-        settings = Settings.model_validate(values)
-    except ValidationError as invalid:
-        problems = [_told(error, origin) for error in invalid.errors(include_url=False)]
-        raise SceneError(list(dict.fromkeys(problems))) from None
-    problems = []
+    settings = table_of(Settings, values, origin)
+    problems: list[str] = []
 
     def say(path: KeyPath, text: str) -> None:
         problems.append(one_line(f"{origin.at(path)}: {text}"))
@@ -169,29 +167,6 @@ def read_file(path: str | Path) -> CalibrationFile:
 def experiment_names(settings: Settings) -> list[str]:
     """Return the names of the experiments."""
     return [each.name or Path(each.scene).stem for each in settings.experiment]
-
-
-def _told(error: Any, origin: Origin) -> str:
-    path = tuple(error["loc"])
-    text = {
-        "extra_forbidden": f"unknown key; {nearest(str(path[-1]), _known(path[:-1]))}",
-        "missing": "missing",
-    }.get(error["type"], error["msg"])
-    return one_line(f"{origin.at(path)}: {dotted(path)}: {text}")
-
-
-def _known(path: KeyPath) -> list[str]:
-    """Return the keys of a table of the file."""
-    inside: dict[str, type[Table]] = {
-        "experiment": ExperimentSettings,
-        "posterior": Posterior,
-        "values": Value,
-        "predict": Predict,
-    }
-    table: type[Table] = Settings
-    for step in path:
-        table = inside.get(str(step), table)
-    return list(table.model_fields)
 
 
 def _keys(table: Mapping[str, Any], origin: Origin, say: Any, above: KeyPath = ()) -> Iterator[FittedKey]:

@@ -149,7 +149,7 @@ def _one(option: Node) -> str:
     if kind == "array":
         if parts := option.get("prefixItems"):
             return f"a list of {len(parts)}: {_one(parts[0])}"
-        return f"a list, each {_one(option.get('items', {}))}"
+        return f"a list, each {allowed(option.get('items', {}))}"
     bounds = [f"{sign} {option[key]:g}" for key, sign in _BOUNDS.items() if key in option]
     words = [
         "a",

@@ -50,7 +50,7 @@ _BY_KEY = {"mean": "normal", "median": "log_normal"}  # distributions that are k
 
 def is_values(entry: Any) -> bool:
     """Return whether an entry of [parameters] holds values, and not keys further down."""
-    return not isinstance(entry, Mapping) or not entry or bool({"from", "to"} & entry.keys())
+    return is_distribution(entry) or bool({"count", "spacing"} & entry.keys())
 
 
 def is_distribution(entry: Any) -> bool:
@@ -76,6 +76,9 @@ def values(entry: Any, unit: str | None, say: Say) -> list[Any] | None:
         return entry
     if not isinstance(entry, Mapping):
         say((), "expected a list of values, or a range { from, to, count }")
+        return None
+    if not {"from", "to"} & entry.keys() and {"distribution", *_BY_KEY} & entry.keys():
+        say((), "is a distribution, which a sample is drawn from; give it under [sample.parameters]")
         return None
     _only(entry, ("from", "to", "count", "spacing"), say)
     count = whole(entry, "count", 2, MOST_RUNS, say)

@@ -382,6 +382,11 @@ def parameters(text):
         (parameters("[-9e999, 1]"), "study.toml:3: flow.velocity = -Infinity: not a finite number"),
         (STUDY.replace("flow.velocity", "flow.velocty"), "did you mean 'velocity'? (and 1 more values)"),
         (parameters("0.1"), "study.toml:3: flow.velocity: expected a list of values, or a range { from, to, count }"),
+        (
+            parameters("{ mean = 0.2, deviation = 0.02 }"),
+            "study.toml:3: flow.velocity: is a distribution, which a sample is drawn from; give it under "
+            "[sample.parameters]",
+        ),
         (parameters("[]"), "study.toml:3: flow.velocity: an empty list; give at least one value"),
         (parameters("{}"), "study.toml:3: flow.velocity: count is missing"),
         (parameters("{ from = 1, to = 1, count = 3 }"), "flow.velocity: an empty range, from and to are both 1"),
