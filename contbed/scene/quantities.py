@@ -5,9 +5,24 @@ A plain number is SI; a string may carry a unit ("3 mm", "100 degC") and is conv
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, Tag
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, Tag
+
+LARGEST = 1e100  # beyond it, and below its inverse, squares and fourth powers leave a computer's numbers
+
+
+def computable(value: float) -> float:
+    """Return a number whose powers a computer can hold.
+
+    Raises
+    ------
+    ValueError : it is too large, or too close to zero
+    """
+    if value and math.isfinite(value) and not 1.0 / LARGEST <= abs(value) <= LARGEST:
+        raise ValueError(f"{value:g} is no size that a bed has; numbers are 0, or from {1 / LARGEST:g} to {LARGEST:g}")
+    return value
 
 
 def in_unit(name: str) -> BeforeValidator:
@@ -19,10 +34,10 @@ def in_unit(name: str) -> BeforeValidator:
         if isinstance(value, str):
             from contbed.scene.units import to_si
 
-            return to_si(value, name)
+            value = to_si(value, name)
         if isinstance(value, bool):
             raise ValueError(f"expected a number, found {str(value).lower()}")
-        return value
+        return computable(value) if isinstance(value, float) else value
 
     return BeforeValidator(convert)
 
@@ -98,7 +113,7 @@ Viscosity = Annotated[float, *unit("Pa*s"), Field(gt=0)]
 Pressure = Annotated[float, *unit("Pa"), Field(gt=0)]
 Seconds = Annotated[float, *unit("s"), Field(gt=0)]
 Instant = Annotated[float, *unit("s"), Field(ge=0)]
-FiniteFloat = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+FiniteFloat = Annotated[float, Strict(), Field(allow_inf_nan=False), AfterValidator(computable)]
 Velocity = Annotated[
     Annotated[FiniteFloat, Tag("number")] | Annotated[tuple[FiniteFloat, ...], Tag("list")],
     Field(json_schema_extra={"unit": "m/s"}),
