@@ -222,12 +222,12 @@ def derivatives(model: Model, z: Array, priors: Sequence[Distribution], free: ND
     for j, k in enumerate(free):
         ends = [(z[k], here), *((sides[2 * j + side][k], there[2 * j + side]) for side in (0, 1))]
         usable = sorted((end for end in ends if np.isfinite(end[1]).all()), key=lambda end: float(end[0]))
-        (left, low), (right, high) = usable[0], usable[-1]
-        if right == left:
+        if not usable or usable[0][0] == usable[-1][0]:
             raise ConvergenceError(
                 f"no run beside the fitted point has a result where key {k + 1} differs by {DIFFERENCE:g} standard "
                 "deviations of its prior; narrow the priors"
             )
+        (left, low), (right, high) = usable[0], usable[-1]
         slopes[:, j] = (high - low) / (right - left)
     return here, slopes
 

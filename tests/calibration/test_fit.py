@@ -205,3 +205,10 @@ def test_the_slopes_are_central_differences():
     np.testing.assert_allclose(
         slopes[0, 0], 2.0 * float(priors[0].value(0.3)) * width, rtol=1e-9
     )  # exact of a parabola
+
+
+def test_a_place_without_any_result_has_no_slopes():
+    priors = (Distribution(0.0, 2.0, even=True),)
+    model = ClosedForm(lambda a: np.array([a]), priors, fails=lambda keys: True)
+    with pytest.raises(ConvergenceError, match="no run beside the fitted point has a result where key 1 differs"):
+        fitting.derivatives(model, np.array([0.3]), priors, np.array([0]))
