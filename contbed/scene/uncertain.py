@@ -7,6 +7,7 @@ solid.conductivity = "20 %"
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -37,7 +38,8 @@ def uncertain_numbers(table: Mapping[str, Any], scene: Any, origin: Origin) -> I
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise SceneError(f"{where}: the scene has no number under this key")
         share = share_of(given)
-        if share is None and (isinstance(given, bool) or not isinstance(given, int | float) or given <= 0):
+        number = isinstance(given, int | float) and not isinstance(given, bool) and 0 < given < math.inf
+        if share is None and not number:
             raise SceneError(f'{where}: expected a number > 0 in SI, or a share like "5 %"')
         yield key, float(value), share * abs(value) if share is not None else float(given)
 

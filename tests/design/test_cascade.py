@@ -207,6 +207,9 @@ def test_particles_that_nothing_needs_are_not_asked(tmp_path, monkeypatch):
         ),
         ("samples = 8", 'measured = "beaulieu_2020"', "the points are measured over time, but the scene is steady"),
         ("width = 5 }", "width = 5, walls = true }", "cascade.toml:5: packings.walls: the gas is computed between"),
+        ('"5 %"', "nan", "cascade.toml:7: uncertain.solid.conductivity: expected a number > 0 in SI, or a share"),
+        ('"5 %"', '"500 %"', "cascade.toml:7: uncertain.solid.conductivity: 4"),
+        ('"5 %"', '"500 %"', "reaches what the scene refuses: solid.conductivity = -"),
         ('"5 %"', '"5"', "cascade.toml:7: uncertain.solid.conductivity: expected a number > 0 in SI, or a share"),
     ],
 )

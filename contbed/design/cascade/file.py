@@ -25,7 +25,7 @@ has it, and the particles are not asked for it. The scene gets the porosity of t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -40,7 +40,7 @@ from contbed.packed_bed.scene import Scene
 from contbed.scene.names import nearest, nearest_of
 from contbed.scene.quantities import Length, Number, Pressure, Switch, Table, Whole, form
 from contbed.scene.tables import Named
-from contbed.scene.toml_lines import Origin, read
+from contbed.scene.toml_lines import Origin, parse_key, read
 from contbed.scene.uncertain import uncertain_numbers
 from contbed.validation.case import Case, names, read_case
 
@@ -130,7 +130,24 @@ def read_cascade(path: str | Path, trust: bool = False, allow_large: bool = Fals
         raise SceneError(problems)
     assert isinstance(scene, Scene)
     uncertain = tuple(uncertain_numbers(settings.uncertain, scene, origin))
+    if problems := list(_impossible(settings, uncertain, origin, {"trust": trust, "allow_large": allow_large})):
+        raise SceneError(problems)
     return Cascade(path, settings, scene, uncertain, _measured(settings, scene, origin), trust, allow_large)
+
+
+def _impossible(
+    settings: Settings, uncertain: Iterable[tuple[str, float, float]], origin: Origin, flags: Mapping[str, bool]
+) -> Iterator[str]:
+    """Say which standard uncertainties reach values that a scene refuses."""
+    for key, value, uncertainty in uncertain:
+        for end in (value - uncertainty, value + uncertainty):
+            try:
+                load(origin.base / settings.scene, {key: end}, **flags)
+            except SceneError as error:
+                where = f"{origin.at(('uncertain', *parse_key(key)))}: uncertain.{key}"
+                text = error.problems[0].removeprefix("override: ")
+                yield f"{where}: {uncertainty:g} around {value:g} reaches what the scene refuses: {text}"
+                break
 
 
 def _measured(settings: Settings, scene: Scene, origin: Origin) -> Case | None:
