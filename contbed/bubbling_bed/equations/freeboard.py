@@ -41,7 +41,9 @@ from contbed.radiation.equations import p1 as radiation
 CLEAR = 1e-3  # optical depth of a freeboard without particles
 MOLES = 4e5  # what makes a flow of gas compare with heat [J/mol]
 JOINED = 1e8  # radiation through the surface of the bed over the jump of (G / 4 sigma)^(1/4) there [W/m2/K]
-LEAST = 1e-9  # [kg/m2/s], flow of particles whose heat passes to the gas over L in any case: where none fly, T is T_f
+# flow of particles whose heat passes to the gas over L in any case [kg/m2/s]: where none fly, T is T_f; a hundred times
+# what rounding makes of F_y in cells of micrometres, below which T_down there follows the rounding
+LEAST = 1e-7
 TEMPERATURES = ("T_freeboard", "T_up", "T_down")
 
 
