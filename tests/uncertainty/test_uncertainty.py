@@ -56,6 +56,15 @@ ALONE = np.array([0.5 * (1.0 + 0.1 * np.pi**4 / 5.0) ** 2, 49.0 / 8.0, 0.0]) / V
 TOTAL = ALONE + 0.01 * np.pi**8 * (1.0 / 18.0 - 1.0 / 50.0) / VARIANCE * np.array([1.0, 0.0, 1.0])
 
 
+@pytest.mark.parametrize("method", ["sobol_indices", "morris"])
+def test_half_widths_are_the_same_each_time(method):
+    pytest.importorskip("SALib")
+    points = design.sample(method, 16, seed=2, dimensions=3)
+    first, second = (indices(method, points, ishigami(points)).columns for _ in range(2))
+    for name, values in first.items():
+        np.testing.assert_array_equal(values, second[name])
+
+
 def test_sobol_indices_of_ishigami_are_the_exact_ones():
     pytest.importorskip("SALib")
     points = design.sample("sobol_indices", 4096, seed=2, dimensions=3)
