@@ -23,7 +23,8 @@ minimum_fluidization [-], drag [kg/m3/s], bubble_size [m], bubble_rise [m/s], ga
 bubble_heat [W/m3/K]; of granular flow radial_distribution, granular_pressure, granular_viscosity,
 granular_bulk_viscosity, granular_conductivity, granular_dissipation,
 granular_production, without units, granular_friction [Pa]
-and granular_friction_viscosity [Pa s]; of turbulent gas eddy_viscosity [m2/s].
+and granular_friction_viscosity [Pa s]; of cells that do not resolve clusters wall_drag, wall_pressure and
+wall_viscosity; of turbulent gas eddy_viscosity [m2/s].
 """
 
 from __future__ import annotations

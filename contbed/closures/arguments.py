@@ -92,6 +92,7 @@ ARGUMENTS: dict[str, Argument] = {
     "u_t": Argument("m/s", "terminal velocity", "(0, inf)"),
     "v": Argument("m/s", "velocity of the gas between the particles", "[0, inf)"),
     "wake": Argument("-", "volume of wake over that of bubble", "[0, 1)"),
+    "wall_froude": Argument("-", "distance from the wall times g over the square of the terminal velocity", "[0, inf)"),
     "y": Argument("m", "distance from the wall", "[0, inf)"),
     "z": Argument("m", "height above the distributor", "[0, inf)"),
 }
@@ -145,6 +146,9 @@ RESULTS: dict[str, str] = {
     "terminal_velocity": "terminal velocity",
     "tortuosity": "tortuosity parameter G, never positive",
     "wall": "wall heat transfer coefficient",
+    "wall_drag": "drag of cells that do not resolve clusters, over that far from walls",
+    "wall_pressure": "pressure of the particles of such cells, over that far from walls",
+    "wall_viscosity": "viscosity of the particles of such cells, over that far from walls",
 }
 """What the closures of a kind return."""
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 from itertools import combinations
 from math import prod
 
+from contbed.closures import names, sheet
 from contbed.closures.binding import bind, named
 from contbed.errors import SceneError
 from contbed.scene import mesh as meshes
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.quantities import Table
 from contbed.scene.toml_lines import Origin
+from contbed.two_fluid import near_walls
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import (
     ABSENT,
@@ -18,6 +20,7 @@ from contbed.two_fluid.closures import (
     GIVES,
     HEAT_KINDS,
     KINDS,
+    full_name,
     is_filtered_stress,
     lacks,
     settling_velocity,
@@ -132,6 +135,21 @@ def filtered_closures_have_their_velocity(
             f"must be {settling**2:.6g} m2/s2, the square of the terminal velocity, which the filtered stress is over"
         )
         yield ("initial", "theta"), text
+
+
+def factors_near_walls_have_what_they_multiply(two_fluid: t.TwoFluid, gas: t.Gas, solid: t.Solid) -> Mistakes:
+    """Check that factors near walls multiply filtered closures, of particles that settle."""
+    for key in near_walls.KINDS:
+        if getattr(two_fluid, key) == ABSENT:
+            continue
+        of = key.removeprefix("wall_")
+        name = full_name(getattr(two_fluid, of), KINDS[of])
+        absent = getattr(two_fluid, of) == ABSENT
+        if absent or (name in names(KINDS[of]) and "filter_froude" not in sheet(name).arguments):
+            there = ABSENT if absent else name
+            yield ("two_fluid", key), f"multiplies a filtered {of}, but two_fluid.{of} is {there!r}: leave it out"
+        if settling_velocity(two_fluid, gas, solid) <= 0.0:
+            yield ("two_fluid", key), "needs particles that settle, under gravity and heavier than the gas"
 
 
 def fractions_fit(initial: t.Initial, boundary: dict[str, t.Boundary], solid: t.Solid, see: See) -> Mistakes:
@@ -284,6 +302,7 @@ CHECKS = (
     mesh_has_cells,
     closures_exist,
     filtered_closures_have_their_velocity,
+    factors_near_walls_have_what_they_multiply,
     layers_are_in_the_vessel,
     pieces_do_not_overlap,
     particles_fit_the_mesh,

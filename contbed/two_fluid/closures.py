@@ -28,6 +28,9 @@ KINDS = {
     "dissipation": "granular_dissipation",
     "friction": "granular_friction",
     "friction_viscosity": "granular_friction_viscosity",
+    "wall_drag": "wall_drag",
+    "wall_pressure": "wall_pressure",
+    "wall_viscosity": "wall_viscosity",
 }
 """Kinds by the keys of [two_fluid]."""
 
@@ -47,6 +50,9 @@ GIVES: dict[str, tuple[str, ...]] = {
     "granular_dissipation": _THEORY,
     "granular_friction": ("eps_s", "eps_max", "eps_min", "strength"),
     "granular_friction_viscosity": ("p_friction", "angle", "shear_rate"),
+    "wall_drag": ("wall_froude",),
+    "wall_pressure": ("wall_froude",),
+    "wall_viscosity": ("wall_froude",),
     "nusselt": ("Re", "Pr", "eps", "T", "d_p", "k_fluid"),
     "conductivity": ("k_fluid", "k_solid", "eps", "T", "d_p"),
 }
@@ -195,4 +201,6 @@ def known(bed: Simulation, scene: t.TwoFluidScene) -> dict[str, Any]:
     }
     if bed.state.energy is not None:
         found["T"] = bed.state.energy.T_solid[there]
+    if bed.model.closures.wall_froude is not None:
+        found["wall_froude"] = bed.model.closures.wall_froude[there]
     return found

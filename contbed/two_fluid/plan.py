@@ -13,7 +13,7 @@ from contbed.mesh.build import build
 from contbed.mesh.mesh import Mesh
 from contbed.models import described
 from contbed.scene.mesh import MeshFile
-from contbed.two_fluid import boundary, closure_kernels, probes, warnings
+from contbed.two_fluid import boundary, closure_kernels, near_walls, probes, warnings
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, bound
 from contbed.two_fluid.fv import grid
@@ -76,7 +76,8 @@ class TwoFluidPlan:
             thermal = heat_planning.thermal(parts(scene))
             heat = build_heat(self.grid, heat_planning.physics(scene, compiled.bound), thermal)
         boundaries = conditions(scene, self.grid)
-        bed = Simulation(build_model(self.grid, materials, compiled.closures, boundaries, _options(scene), heat))
+        closures = near_walls.corrected(compiled.closures, compiled.bound, scene, self.grid)
+        bed = Simulation(build_model(self.grid, materials, closures, boundaries, _options(scene), heat))
         bed.start(**initial(scene, self.grid))
         return bed, compiled
 
@@ -112,6 +113,7 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
         (table.granular_temperature != "frozen", "granular temperature", table.granular_temperature, "frozen"),
         (table.viscosity != ABSENT, "stress of the particles", str(table.viscosity), 'viscosity = "none"'),
         (table.friction != ABSENT, "friction", table.friction, 'friction = "none"'),
+        (table.wall_drag != ABSENT, "drag near walls", table.wall_drag, 'wall_drag = "none"'),
         (table.guards, "guards of dilute flow", "drag and free path", "guards = false"),
         (scene.time.average_from is not None, "averages", "in time", "no time.average_from"),
     ):

@@ -39,7 +39,8 @@ class Closures:
 
     drag(eps_s, slip speed) gives K = beta/eps_s [kg/m3/s]; granular(eps_s, theta, K) the rest; friction(p_friction,
     shear rate) the frictional viscosity [Pa s], for which shear rates are found only where it is `sheared`. `packing`
-    is a table of p_friction/rho_s [m2/s2]: eps_s of its start, spacing, values.
+    is a table of p_friction/rho_s [m2/s2]: eps_s of its start, spacing, values. `wall_froude` (nc,) is the
+    distance from walls at which factors near them are taken, None without such factors.
     """
 
     drag: Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -47,3 +48,4 @@ class Closures:
     friction: Callable[[np.ndarray, np.ndarray], np.ndarray]
     sheared: bool = False
     packing: tuple[float, float, np.ndarray] = (1.0, 1.0, np.zeros(2))
+    wall_froude: np.ndarray | None = None

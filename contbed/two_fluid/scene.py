@@ -60,6 +60,9 @@ class TwoFluid(Table):
     dissipation: str = "granular_dissipation_lun"
     friction: str = Field("friction_johnson_jackson", description='"none": no friction near packing')
     friction_viscosity: str = Field("friction_viscosity_newtonian", description='"none": friction pushes only')
+    wall_drag: str = Field("none", description='"igci": factor of filtered drag near slip walls')
+    wall_pressure: str = Field("none", description="the same of the filtered pressure of the particles")
+    wall_viscosity: str = Field("none", description="the same of their filtered viscosity")
     guards: Switch = Field(True, description="limit the kinetic stress of dilute flow by drag and free path")
     free_path: Length = Field(0.01, description="largest mean free path that the guards allow")
 

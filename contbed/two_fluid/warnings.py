@@ -10,7 +10,7 @@ import numpy as np
 from contbed.scene.checking import Mistakes
 from contbed.scene.toml_lines import KeyPath, dotted
 from contbed.two_fluid import scene as t
-from contbed.two_fluid.closures import ABSENT
+from contbed.two_fluid.closures import ABSENT, KINDS
 
 if TYPE_CHECKING:
     from contbed.mesh.mesh import Mesh
@@ -48,6 +48,18 @@ def gas_enters_and_carries(initial: t.Initial, boundary: Mapping[str, t.Boundary
         yield ("two_fluid", "drag"), "without drag the gas that enters does not carry the particles"
 
 
+def walls_slip(two_fluid: t.TwoFluid, boundary: Mapping[str, t.Boundary]) -> Mistakes:
+    """Look for walls that hold gas or particles back where closures have factors near walls that do not."""
+    chosen = [key for key in KINDS if key.startswith("wall_") and getattr(two_fluid, key) != ABSENT]
+    rough = [n for n, w in boundary.items() if isinstance(w, t.Wall) and (w.gas != "slip" or w.solid != "slip")]
+    if rough:
+        for key in chosen:
+            yield (
+                ("two_fluid", key),
+                f"holds where gas and particles slip along walls, not along {', '.join(rough)}",
+            )
+
+
 def of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> tuple[str, ...]:
     """Return what is seldom meant of particles, layers and axis in this mesh, each with file, line and key."""
     return tuple(f"{scene.origin.at(key)}: {dotted(key)}: {text}" for key, text in _of_the_mesh(scene, mesh, grid))
@@ -74,4 +86,4 @@ def _has_particles(initial: t.Initial, boundary: Mapping[str, t.Boundary]) -> bo
     return any(start) or any(isinstance(part, t.Inlet) and part.eps_s > 0 for part in boundary.values())
 
 
-WARNINGS = (times_are_within_the_run, there_are_particles, gas_enters_and_carries)
+WARNINGS = (times_are_within_the_run, there_are_particles, gas_enters_and_carries, walls_slip)

@@ -19,6 +19,9 @@ STRESS = {
     "two_fluid.granular_temperature": "frozen",
     "initial.theta": TERMINAL_SQUARED,
 }
+LESS = ", less near walls"  # ending of the names of models with factors near walls
+NEAR_WALLS = {"two_fluid.wall_drag": "igci"}
+STRESS_NEAR_WALLS = {"two_fluid.wall_pressure": "igci", "two_fluid.wall_viscosity": "igci"}
 NOT_COMPARED = ("CPU [s]",)
 COLUMNS = dict.fromkeys(("model", "cells"), "") | {
     "pressure drop [Pa]": ".4g", "holdup [1]": ".4g", "halves [1]": ".2g", "steps": "d", "CPU [s]": ".3g",
@@ -41,9 +44,14 @@ MODELS = {
     "drag and stress of Igci et al.": Model((6, 80), {"two_fluid.drag": "igci"} | STRESS),
     "drag of Milioli et al.": Model((6, 80), {"two_fluid.drag": "milioli"}),
     "drag of Milioli et al., stress of Igci et al.": Model((6, 80), {"two_fluid.drag": "milioli"} | STRESS),
+    f"drag of Igci et al.{LESS}": Model((6, 80), {"two_fluid.drag": "igci"} | NEAR_WALLS),
+    f"drag and stress of Igci et al.{LESS}": Model(
+        (6, 80), {"two_fluid.drag": "igci"} | STRESS | NEAR_WALLS | STRESS_NEAR_WALLS
+    ),
 }
-COLOURS = dict(zip(MODELS, (gallery.BLACK, gallery.GREY, gallery.SKY, gallery.BLUE, gallery.VERMILION, gallery.ORANGE,
-                            gallery.GREEN, gallery.PURPLE), strict=True))  # fmt: skip
+COLOURS = dict(zip((name for name in MODELS if not name.endswith(LESS)), (
+    gallery.BLACK, gallery.GREY, gallery.SKY, gallery.BLUE, gallery.VERMILION, gallery.ORANGE, gallery.GREEN,
+    gallery.PURPLE), strict=True))  # fmt: skip
 
 
 def reference() -> dict[str, Any]:
@@ -79,11 +87,12 @@ def compute(cases: Sequence[str] = tuple(MODELS)) -> Tables:
 def plot(tables: Tables) -> dict[str, Any]:
     """Fraction and velocity of the particles across, between 0.256 and 0.768 m."""
     figure, panels = gallery.figure(1, 2, size=(10.0, 3.9))
-    for model, colour in COLOURS.items():
+    for model in MODELS:
         rows = tables["profiles"].where({"model": model})
-        style = {"lw": 2.2} if model == "resolved" else {}
+        style = {"lw": 2.2} if model == "resolved" else {"ls": "--" if model.endswith(LESS) else "-"}
+        style |= {"color": COLOURS[model.removesuffix(LESS)], "label": model}
         for panel, key in zip(panels, ("eps_s [1]", "u_solid [m/s]"), strict=True):
-            panel.plot(1e3 * rows["x [m]"], rows[key], color=colour, label=model, **style)
+            panel.plot(1e3 * rows["x [m]"], rows[key], **style)
             panel.set(xlabel="$x$ [mm]", ylabel=key.replace("_", " "))
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return {"coarse_riser": figure}

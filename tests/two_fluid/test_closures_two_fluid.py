@@ -16,7 +16,9 @@ from contbed.closures.granular_transport import share_drag, share_free_path
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.two_fluid.closures import bound
+from contbed.two_fluid.near_walls import corrected, distances, friction_stiffness, wall_froude
 from contbed.two_fluid.plan import plan
+from contbed.two_fluid.rheology import Closures, Rheology
 
 SEED = {"rho_s": 2550.0, "d_p": 150e-6, "rho": 1.2, "mu": 1.8e-5}
 TAGHIPOUR = {"rho_s": 2500.0, "d_p": 275e-6, "rho": 1.225, "mu": 1.7894e-5}
@@ -343,3 +345,95 @@ def test_filter_is_two_cells_wide(mesh, size):
     assert found == pytest.approx(2.0 * size * GRAVITY / settling**2, rel=1e-12)
     scene["two_fluid"]["drag"] = {"name": "drag_igci", "filter_froude": 3.0}
     assert bound(from_dict(scene))["drag"].parameters["filter_froude"] == 3.0
+
+
+NEAR_WALLS = {"wall_drag": (6.0, 0.295), "wall_pressure": (9.14, 0.345), "wall_viscosity": (5.69, 0.228)}
+TANK = {
+    "plane": ({"type": "rectangle", "length": 0.1, "height": 0.2, "cells": [10, 5]}, lambda x: np.minimum(x, 0.1 - x)),
+    "pipe": ({"type": "axisymmetric", "length": 0.2, "radius": 0.1, "cells": [10, 5]}, lambda r: 0.1 - r),
+    "box": (
+        {"type": "box", "length": 0.1, "width": 0.06, "height": 0.2, "cells": [10, 6, 5]},
+        lambda x, y: np.minimum(np.minimum(x, 0.1 - x), np.minimum(y, 0.06 - y)),
+    ),
+}
+
+
+def tank(mesh, **two_fluid):
+    ends = ["bottom", "top"]
+    sides = {"rectangle": ["left", "right"], "axisymmetric": ["wall"], "box": ["left", "right", "front", "back"]}
+    walls = {"type": "wall", "solid": "slip", "gas": "slip"}
+    scene = filtered_scene((GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)) ** 2, **two_fluid)
+    return scene | {"mesh": mesh, "boundary": dict.fromkeys((*sides[mesh["type"]], *ends), walls)}
+
+
+@pytest.mark.parametrize("kind", NEAR_WALLS)
+def test_factors_near_walls_have_the_values_of_their_formulas(kind):
+    a, b = NEAR_WALLS[kind]
+    x = np.array([0.0, 1.0, 5.0, 200.0])
+    np.testing.assert_allclose(closures.get(f"{kind}_igci", kind)(x), 1.0 / (1.0 + a * np.exp(-b * x)), rtol=1e-14)
+
+
+@pytest.mark.parametrize("name", TANK)
+def test_distances_are_those_from_the_walls_beside_the_flow(name):
+    """Floor and roof do not count; cells of a box are as far as the nearest of its four sides."""
+    mesh, distance = TANK[name]
+    scene = from_dict(tank(mesh))
+    grid = plan(scene).grid
+    across = grid.centres[:, :-1].T
+    np.testing.assert_allclose(distances(scene, grid), distance(*across), rtol=1e-12)
+
+
+def test_factors_near_walls_multiply_drag_pressure_and_viscosity():
+    """Each multiplies what it is named after in a step's closures; friction stays, so that a packing carries."""
+    scene = from_dict(tank(TANK["box"][0], **dict.fromkeys(NEAR_WALLS, "igci")))
+    grid = plan(scene).grid
+    x = wall_froude(scene, grid)
+    eps_s, theta, table = np.linspace(0.45, 0.6, len(x)), np.full(len(x), 0.3), np.linspace(0.0, 1.0, 101) ** 2
+    first, spacing = 0.5, 1e-3
+
+    def theory(eps_s, theta, K):
+        field = np.linspace(1.0, 2.0, len(eps_s))
+        rub = friction_stiffness(eps_s, (first, spacing, table))
+        return Rheology(*(field,) * len(Rheology._fields))._replace(stiffness=3.0 * theta + rub)
+
+    plain = Closures(lambda eps_s, slip: eps_s * slip, theory, lambda p, rate: p, packing=(first, spacing, table))
+    near = corrected(plain, bound(scene), scene, grid)
+    np.testing.assert_array_equal(near.wall_froude, x)
+    drag, pressure, viscosity = (1.0 / (1.0 + a * np.exp(-b * x)) for a, b in NEAR_WALLS.values())
+    np.testing.assert_allclose(near.drag(eps_s, theta), drag * eps_s * theta, rtol=1e-13)
+    r, found = theory(eps_s, theta, theta), near.granular(eps_s, theta, theta)
+    rub = r.stiffness - 3.0 * theta
+    expected = {"pressure": pressure * r.pressure, "mu": viscosity * r.mu, "stiffness": 3.0 * pressure * theta + rub}
+    for name, field in r._asdict().items():
+        np.testing.assert_allclose(getattr(found, name), expected.get(name, field), rtol=1e-13, err_msg=name)
+    # the slope of each piece of the table in its middle, zero below its start
+    middle = np.array([first - spacing, *(first + spacing * (np.arange(100) + 0.5))])
+    slope = np.array([0.0, *(np.diff(table) / spacing)])
+    np.testing.assert_allclose(friction_stiffness(middle, (first, spacing, table)), slope, rtol=1e-12)
+
+
+def test_closures_of_a_step_are_as_they_were_without_factors_near_walls():
+    scene = from_dict(tank(PLANE))
+    plain = Closures(np.multiply, np.add, np.add)
+    assert corrected(plain, bound(scene), scene, plan(scene).grid) is plain
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ({"drag": "wen_yu", "wall_drag": "igci"}, 'two_fluid.wall_drag = "igci": multiplies a filtered drag'),
+        ({"wall_drag": "igcy"}, "unknown wall_drag closure 'wall_drag_igcy'"),
+        ({"wall_viscosity": "igci", "viscosity": "none"}, "multiplies a filtered viscosity"),
+    ],
+)
+def test_factors_near_walls_without_what_they_multiply(keys, told):
+    with pytest.raises(SceneError) as error:
+        from_dict(tank(PLANE, **keys))
+    assert told in str(error.value)
+
+
+def test_factors_near_walls_that_do_not_slip_are_told():
+    scene = tank(PLANE, wall_drag="igci")
+    scene["boundary"]["left"] = {"type": "wall", "solid": "slip"}
+    text = 'two_fluid.wall_drag = "igci": holds where gas and particles slip along walls, not along left'
+    assert any(text in warning for warning in from_dict(scene).warnings)

@@ -1,0 +1,86 @@
+"""Factors near walls on the drag, the pressure and the viscosity of particles in cells that do not resolve clusters.
+
+Walls are those beside the flow: the ones that gravity is along. The distance of a cell is that from the plane of the
+nearest face of such a wall.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contbed.two_fluid.closures import settling_velocity
+from contbed.two_fluid.rheology import Closures, Rheology
+
+if TYPE_CHECKING:
+    from contbed.two_fluid import scene as t
+    from contbed.two_fluid.closures import Bound
+    from contbed.two_fluid.compiled import Array
+    from contbed.two_fluid.fv.grid import Grid
+
+BESIDE = 0.5  # |n_last| of faces below which a wall is beside the flow, and not below or above it
+
+
+def distances(scene: t.TwoFluidScene, grid: Grid) -> Array:
+    """Distance (nc,) [m] of the cells from the walls beside the flow, infinite without any."""
+    from scipy.spatial import cKDTree
+
+    walls = [grid.boundaries[name] for name, part in scene.boundary.items() if part.type == "wall"]
+    faces = np.concatenate(walls) if walls else np.empty(0, dtype=np.int64)
+    normal = grid.geometry.normal[faces]
+    beside = np.abs(normal[:, -1]) < BESIDE
+    if grid.dimension == 1 or not beside.any():
+        return np.full(len(grid.cells), np.inf)
+    normal, middles = normal[beside], grid.middles[faces[beside]]
+    _, nearest = cKDTree(middles).query(grid.centres)
+    found: Array = np.abs(np.einsum("cd,cd->c", grid.centres - middles[nearest], normal[nearest]))
+    return found
+
+
+def wall_froude(scene: t.TwoFluidScene, grid: Grid) -> Array:
+    """Distance (nc,) from the walls beside the flow times gravity over the square of the terminal velocity [-]."""
+    settling = settling_velocity(scene.two_fluid, scene.gas, scene.solid)
+    return distances(scene, grid) * scene.two_fluid.gravity / settling**2
+
+
+def corrected(closures: Closures, bound: Bound, scene: t.TwoFluidScene, grid: Grid) -> Closures:
+    """Closures of a step with the factors near walls that the scene chooses; the same where it chooses none."""
+    chosen = {kind: closure for kind in KINDS if (closure := bound[kind]) is not None}
+    if not chosen:
+        return closures
+    at = wall_froude(scene, grid)
+    factors = {kind: closure(wall_froude=at) for kind, closure in chosen.items()}
+    closures = replace(closures, wall_froude=at)
+    if (of_drag := factors.get("wall_drag")) is not None:
+        plain = closures.drag
+        closures = replace(closures, drag=lambda eps_s, slip: of_drag * plain(eps_s, slip))
+    of_pressure, of_viscosity = factors.get("wall_pressure", 1.0), factors.get("wall_viscosity", 1.0)
+    if len(factors) == 1 and of_drag is not None:
+        return closures
+    theory, packing = closures.granular, closures.packing
+
+    def granular(eps_s: Array, theta: Array, K: Array) -> Rheology:
+        """Stress of the particles, its pressure and viscosity with their factors, friction as it is."""
+        r = theory(eps_s, theta, K)
+        friction = friction_stiffness(eps_s, packing)
+        return r._replace(
+            pressure=of_pressure * r.pressure,
+            stiffness=of_pressure * (r.stiffness - friction) + friction,
+            mu=of_viscosity * r.mu,
+        )
+
+    return replace(closures, granular=granular)
+
+
+def friction_stiffness(eps_s: Array, packing: tuple[float, float, Array]) -> Array:
+    """Slope d p_friction/d eps_s/rho_s (nc,) [m2/s2] by the table of a packing, as `closure_kernels` has it."""
+    first, spacing, p = packing
+    number = np.minimum(((np.maximum(eps_s, first) - first) / spacing).astype(np.int64), len(p) - 2)
+    middle = first + (number + 0.5) * spacing
+    return np.where(eps_s > first, eps_s * (p[number + 1] - p[number]) / (middle * spacing), 0.0)
+
+
+KINDS = ("wall_drag", "wall_pressure", "wall_viscosity")
+"""Kinds of the closures, which are their keys in [two_fluid] as well."""
