@@ -78,7 +78,7 @@ BOX = {
     "mean_free_path": (1e-8, 1e-6),
     "accommodation": (0.1, 1.0),
     "gamma": (1.05, 1.67),
-    "wall_froude": (0.0, 50.0),
+    "wall_froude": (0.05, 50.0),
     "y": (1e-3, 0.04),
     "radius": (0.05, 0.5),
     "u_friction": (0.1, 2.0),
