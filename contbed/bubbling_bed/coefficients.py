@@ -312,10 +312,11 @@ class Computed:
         steps, sizes, bubbles = np.diff(heights), [], []
         d_b: Any = 0.01 * self.D_bed if self.grows else self.coefficients["bubbles", "size"].value
         flow_bubble: Any = 0.5 * flow
+        state, gases = self.state(u, flow)
+        rho_bubble = gases["bubble"].density(T)
         for k in range(STEPS + 1):
-            state, gases = self.state(u, flow)
             for _ in range(40 if k == 0 else 2):
-                wanted = self.bubbles(state, gases["bubble"].density(T), flow, flow_bubble, d_b)
+                wanted = self.bubbles(state, rho_bubble, flow, flow_bubble, d_b)
                 flow_bubble = 0.5 * flow_bubble + 0.5 * np.clip(wanted, 0.02 * flow, 0.98 * flow)
                 if k == 0 and self.grows:
                     d_b = self._call(("bubbles", "start"), state)

@@ -15,6 +15,8 @@ from contbed.bubbling_bed.plan import BubblingPlan
 from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
+from contbed.fem.batched import RecordedForms
+from contbed.fem.graph import NotRecordableError
 from contbed.radiation.equations.p1 import emitted
 from contbed.solvers.continuation import relax, unwatched
 from contbed.solvers.linear import Solver, scaled
@@ -32,6 +34,8 @@ MAX_ITERATIONS = 15  # of Newton's method in such a step: one that needs more is
 # relative change of unknowns by Newton's method at which a step in time from the guess ends: the next one starts there,
 # and the steady state is solved to solver.newton_tolerance
 STARTING_TOLERANCE = 0.1
+RECORDED_FROM = 2  # Jacobian with the same coefficients: recording costs as much as two of them by dual numbers
+AWAY = 1e3  # times its rounding a residual may have after such a step: more follows from a singular Jacobian
 SHARPENED = 2  # Newton steps at the end: rounding in thin cells hides what is left of a smooth error
 
 
@@ -47,6 +51,9 @@ class BubblingProblem:
         (self.bottom,), (self.top,) = self.system.boundary("bottom"), self.system.boundary("top")
         self.fixed = np.empty(0, dtype=np.int64)
         self.radiant = [name for name in ("G", "G_freeboard") if name in self.system.fields]
+        self.unrecorded = ""  # why Jacobians are computed by dual numbers, where forms cannot be recorded
+        self._record_from = RECORDED_FROM
+        self._forget()
         self.weights = np.ones(self.system.size)  # what compares steps of flows and sizes with those of temperatures
         for name, size in (self.c.computed.sizes if self.c.computed is not None else {}).items():
             self.system.part(self.weights, name)[:] = TYPICAL / size
@@ -65,7 +72,15 @@ class BubblingProblem:
         """Return this problem with the coefficients of another plan, on the same mesh."""
         other = copy(self)
         other.plan, other.c = plan, plan.coefficients
+        other._record_from = RECORDED_FROM
+        other._forget()
         return other
+
+    def _forget(self) -> None:
+        """Begin without recorded forms: they hold for one set of coefficients."""
+        self._recorded: RecordedForms | None = None
+        self._recorded_content: RecordedForms | None = None
+        self._jacobians = 0  # computed by dual numbers since then
 
     def unknowns(self, state: Array) -> Array:
         """Return the temperatures at all nodes for a state, the inverse of `_state`."""
@@ -92,7 +107,20 @@ class BubblingProblem:
 
     def assemble(self, state: Array, jacobian: bool) -> tuple[Array, Any]:
         """Assemble the residual and the exact Jacobian."""
+        if jacobian and self._recorded is None and not self.unrecorded and self.plan.mesh.engine == "skfem":
+            self._jacobians += 1
+            if self._jacobians >= self._record_from:
+                self._record()
+        if self._recorded is not None:
+            return self._recorded.assemble(state, jacobian)
         return self.system.assemble(self.forms, state, jacobian)
+
+    def _record(self) -> None:
+        try:
+            self._recorded = RecordedForms(self.system, self.forms)
+            self._recorded_content = RecordedForms(self.system, self._content_forms)
+        except NotRecordableError as error:
+            self.unrecorded = str(error)
 
     def solve(self, guess: float | None = None) -> tuple[Array, list[float]]:
         """Solve by Newton's method from a uniform temperature, that of the scene if absent.
@@ -102,6 +130,7 @@ class BubblingProblem:
         """
         x = self._start(self.plan.scene.solver.guess if guess is None else guess)
         if self.chemistry is not None:  # heat and char take hours to settle, gas a second: no guess serves both
+            self._record_from = 1  # steps in time need twenty Jacobians
             try:
                 with np.errstate(all="ignore"):
                     x = relax(
@@ -158,10 +187,12 @@ class BubblingProblem:
         history: list[float] = []
         try:
             for self.c.computed.smoothed in (*ROUNDED, SMOOTHED):
+                self._forget()
                 x, steps = self._newton(x)
                 history += steps
         finally:
             self.c.computed.smoothed = SMOOTHED
+            self._forget()
         return x, history
 
     def _marched(self, x: Array) -> tuple[Array, list[float]]:
@@ -173,9 +204,13 @@ class BubblingProblem:
         for _ in range(SHARPENED):
             residual, matrix = self.steady(x, True)
             try:
-                x = x - Solver(matrix, self.plan.policy)(residual)
+                better = x - Solver(matrix, self.plan.policy)(residual)
             except ConvergenceError:
                 break  # the residual is rounding, which no factors reduce
+            before = max(float(np.linalg.norm(residual)), _rounding(matrix, x))
+            if not np.linalg.norm(self.steady(better, False)[0]) <= AWAY * before:
+                raise ConvergenceError("the Jacobian of what was found is all but singular", [], x)
+            x = better
         return self._state(x)
 
     def _start(self, T: float) -> Array:
@@ -193,8 +228,6 @@ class BubblingProblem:
     def _newton(self, x: Array) -> tuple[Array, list[float]]:
         options = self.plan.scene.solver
         _, matrix = self.steady(x, True)
-        # rounding of each temperature times what it multiplies
-        rounding = np.finfo(float).eps * float((abs(matrix) @ np.abs(x)).max()) * len(x) ** 0.5
         return newton(
             self.steady,
             x,
@@ -203,7 +236,7 @@ class BubblingProblem:
             tolerance=options.newton_tolerance,
             iterations=options.newton_iterations,
             lower=self.lower,
-            floor=rounding,
+            floor=_rounding(matrix, x),
             # conduction over thin cells rounds one balance by more than another whole balance is worth
             far_step=FAR_STEP if self.c.computed is not None else np.inf,
             weights=self.weights,
@@ -228,8 +261,8 @@ class BubblingProblem:
             matrix = scaled(matrix, slope)
         return residual, matrix
 
-    def content(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
-        """Assemble a heat content of all phases, by which the bed approaches its steady state in time."""
+    @property
+    def _content_forms(self) -> list[Any]:
         capacity = CAPACITY * self.c.section
 
         def form(unknowns: Any, tests: Any, names: tuple[str, ...], o: Any) -> Any:
@@ -237,7 +270,13 @@ class BubblingProblem:
 
         parts = [(part.content, self.system.cells, None) for part in self.c.parts]
         plate = [(form, self.bottom, ("T_distributor",))] if self.c.plate is not None else []
-        return self.system.assemble([(form, self.system.cells, tuple(self.c.streams)), *plate, *parts], x, jacobian)
+        return [(form, self.system.cells, tuple(self.c.streams)), *plate, *parts]
+
+    def content(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Assemble a heat content of all phases, by which the bed approaches its steady state in time."""
+        if self._recorded_content is not None:
+            return self._recorded_content.assemble(x, jacobian)
+        return self.system.assemble(self._content_forms, x, jacobian)
 
     def total(self, expression: Any, state: Array) -> float:
         """Integrate `expression(unknowns, ops)` [W/m] over the height [W]."""
@@ -296,3 +335,8 @@ class BubblingProblem:
 
             out |= chemistry_findings.carried(self, self.chemistry, state)
         return out if self.above is None else out | self.above.carried(self, state)
+
+
+def _rounding(matrix: Any, x: Array) -> float:
+    """Return the rounding of a residual: that of each temperature times what it multiplies."""
+    return float(np.finfo(float).eps * float((abs(matrix) @ np.abs(x)).max()) * len(x) ** 0.5)

@@ -51,6 +51,10 @@ def _run(plan: Any, result: Result, watch: Callable[[float, str], None]) -> None
         if unsettled(plan.scene):
             problem, state = settle(problem, state, result)
             plan = result.plan = problem.plan
+    if problem.unrecorded:
+        result.warnings.append(
+            "Jacobians are computed by dual numbers, some five times slower than recorded forms: " + problem.unrecorded
+        )
     fill(plan, problem, state, result)
     result.solved = Solved(problem, state)
     scene = plan.scene

@@ -43,7 +43,7 @@ class _Unknown(Dual):
 
         Derivatives are taken from differences to the first node, so that a large offset costs no digits.
         """
-        local = self.local if kind in ("v", "low") else self.local - self.local[:, :1]
+        local = self.local if kind in ("v", "low") else self.local - self.local[..., :1]
         return local @ self.where.table(self.space, kind)
 
     def slot(self, kind: Any) -> Dual:
@@ -299,23 +299,26 @@ class System:
             blocks.append(((key, column, where), local))
 
     def _matrix(self, blocks: list[tuple[Any, Array]]) -> sp.csc_matrix:
-        """Sum element matrices; the sparsity pattern of one list of blocks is found once and kept."""
-        signature = tuple((row, column, id(where)) for (row, column, where), _ in blocks)
-        if signature not in self._patterns:
-            self._patterns[signature] = self._pattern([key for key, _ in blocks])
-        parts, indices, indptr = self._patterns[signature]
+        """Sum element matrices."""
+        parts, indices, indptr = self.pattern([key for key, _ in blocks])
         data = np.empty(len(indices))
         for numbers, position, place in parts:
             weights = np.concatenate([blocks[k][1].ravel() for k in numbers])
             data[place] = np.bincount(position, weights=weights, minlength=len(place))
         return sp.csc_matrix((data, indices, indptr), shape=(self.size, self.size))
 
-    def _pattern(self, keys: list[Any]) -> tuple[list[tuple[list[int], Any, Any]], Any, Any]:
+    def pattern(self, keys: list[Any]) -> tuple[list[tuple[list[int], Any, Any]], Any, Any]:
         """Return the compressed-column structure that blocks (row, column, domain) fill: parts, rows, starts.
 
-        A part has, for one pair of row and column, the numbers of its blocks, the place of each of their entries in the
-        structure of the pair, and the place of that in the whole.
+        It is found once for a list of blocks and kept. A part has, for one pair of row and column, the numbers of its
+        blocks, the place of each of their entries in the structure of the pair, and the place of that in the whole.
         """
+        signature = tuple((row, column, id(where)) for row, column, where in keys)
+        if signature not in self._patterns:
+            self._patterns[signature] = self._pattern(keys)
+        return self._patterns[signature]
+
+    def _pattern(self, keys: list[Any]) -> tuple[list[tuple[list[int], Any, Any]], Any, Any]:
         groups: dict[Any, list[int]] = {}
         for number, (row, column, _) in enumerate(keys):
             groups.setdefault((row, column), []).append(number)

@@ -1,0 +1,329 @@
+"""Residuals and Jacobians of pointwise forms from graphs that are recorded once and evaluated at any state.
+
+A form with dozens of unknowns and closures takes thousands of small operations on dual numbers. Recorded (`fem.graph`)
+each operation is done once, and the derivatives follow by eliminating the inner operations in an order found once
+(`fem.elimination`), for all cells and in batches. All coefficients are then contracted with the basis tables together.
+
+What changes a form other than its unknowns, such as another coefficient, needs a new recording.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from contbed.fem.domain import Domain
+from contbed.fem.dual import _BINARY, _UNARY, Components, Linear
+from contbed.fem.elimination import Elimination
+from contbed.fem.graph import Graph, Unknown
+from contbed.fem.skfem import Form, Ops, System, _Unknown
+
+Array = NDArray[np.float64]
+Step = Callable[[], Any]  # fills a row from others
+POINTS = 64  # points that are differentiated together: their rows stay in the cache of a core
+LEAVES = ("slot", "number", "array")
+
+
+def _choose(condition: Array, yes: Array, no: Array, out: Array) -> None:
+    np.copyto(out, np.where(condition != 0.0, yes, no))
+
+
+def _tabulate(function: Callable[[Array], Array], argument: Array, out: Array) -> None:
+    np.copyto(out, function(argument))
+
+
+def _slope(rule: Callable[..., Any], which: int, operands: tuple[Array, ...], value: Array, out: Array) -> None:
+    """Put the derivative of an operation to one of its operands into `out`."""
+    found = rule(*operands, value)
+    np.copyto(out, found[which] if isinstance(found, tuple) else found)
+
+
+def _of_power(base: Array, exponent: Array, value: Array) -> tuple[Array, Any]:
+    return exponent * base ** (exponent - 1.0), value * np.log(base)
+
+
+class Program:
+    """Values and derivatives of the results of a graph at the points of one domain, `shape` (cells, points of each).
+
+    Attributes
+    ----------
+    slots : (name, component, kind) of the unknowns that are read; `rows` begins with them
+    derivatives : (number of the result, number of the slot, row) of all that are not zero everywhere
+
+    """
+
+    def __init__(self, graph: Graph, results: Sequence[int], shape: tuple[int, int]):
+        self._graph, self._shape = graph, shape
+        live = self._live(results)
+        slots = [k for k in live if graph.operations[k] == "slot"]
+        self.slots = [graph.operands[k] for k in slots]
+        self._row = {k: row for row, k in enumerate([*slots, *(k for k in live if graph.operations[k] != "slot")])}
+        self._one = len(self._row)
+        self._minus = self._one + 1
+        self._partials: list[tuple[Callable[..., Any], int, tuple[int, ...], int]] = []  # rule, operand, rows, value
+        edges = self._edges(live, results)
+        place = {k: n for n, k in enumerate(slots)}
+        plan = Elimination(edges, set(slots), results, self._one, self._minus + 1 + len(self._partials))
+        self.derivatives = [(result, place[leaf], row) for result, leaf, row in plan.derivatives]
+        self._batches, self._size = plan.batches, plan.end
+        self._results = [self._row[k] for k in results]
+        self._rows = np.zeros((self._minus + 1 + len(self._partials), shape[0] * shape[1]))
+        self._rows[self._one], self._rows[self._minus] = 1.0, -1.0
+        self._steps = self._value_steps(live)
+        self._slope_steps = [
+            partial(_slope, rule, which, tuple(self._rows[r] for r in rows), self._rows[value], self._rows[row])
+            for row, (rule, which, rows, value) in enumerate(self._partials, self._minus + 1)
+        ]
+
+    def values(self, slots: Array) -> Array:
+        """Return the results (number, cells, points of each) where the slots have values (number, points)."""
+        self._rows[: len(slots)] = slots
+        for step in self._steps:
+            step()
+        return self._rows[self._results].reshape(-1, *self._shape)
+
+    def slopes(self) -> Array:
+        """Return the `derivatives` (number, cells, points of each) where `values` was called last."""
+        for step in self._slope_steps:
+            step()
+        wanted = [row for *_, row in self.derivatives]
+        base, points = self._rows.shape
+        out = np.empty((len(wanted), points))
+        for first in range(0, points, POINTS):
+            part = slice(first, min(first + POINTS, points))
+            work = np.empty((self._size, part.stop - part.start))
+            work[:base] = self._rows[:, part]
+            for batch in self._batches:
+                batch.evaluate(work)
+            out[:, part] = work[wanted]
+        return out.reshape(-1, *self._shape)
+
+    def _operands(self, node: int) -> tuple[int, ...]:
+        operation, operands = self._graph.operations[node], self._graph.operands[node]
+        if operation in LEAVES:
+            return ()
+        return (operands[2],) if operation == "table" else operands
+
+    def _live(self, results: Sequence[int]) -> list[int]:
+        """Return the nodes on which results depend, operands first."""
+        live: set[int] = set()
+        stack = list(results)
+        while stack:
+            node = stack.pop()
+            if node not in live:
+                live.add(node)
+                stack += self._operands(node)
+        return sorted(live)
+
+    def _edges(self, live: list[int], results: Sequence[int]) -> list[tuple[int, int, int]]:
+        """Return (operand, node, row) of all derivatives; those that must be computed join `_partials`."""
+        graph, row, active = self._graph, self._row, set()
+        edges: list[tuple[int, int, int]] = []
+        for node in live:
+            operation, operands = graph.operations[node], self._operands(node)
+            if operation == "slot":
+                active.add(node)
+            if operation == "frozen":
+                continue
+            for which, operand in enumerate(operands):
+                if operand in active and not (operation == "where" and which == 0):
+                    found = self._partial(operation, node, which, operands, row)
+                    if found is not None:
+                        edges.append((operand, node, found))
+                        active.add(node)
+        used = set(results)  # what results depend on otherwise than through values without derivatives
+        kept = []
+        for edge in reversed(edges):
+            if edge[1] in used:
+                used.add(edge[0])
+                kept.append(edge)
+        return kept
+
+    def _partial(self, operation: Any, node: int, which: int, operands: tuple[int, ...], row: Any) -> int | None:
+        """Return the row of the derivative of a node to one of its operands; None where it is zero everywhere."""
+        if operation is np.add or (operation is np.subtract and which == 0):
+            return self._one
+        if operation is np.negative or operation is np.subtract:
+            return self._minus
+        if operation is np.multiply:
+            return int(row[operands[1 - which]])
+        rows = tuple(row[k] for k in operands)
+        if operation == "where":
+            rows = rows[:1]
+            rule: Any = (lambda c, f: c != 0.0) if which == 1 else (lambda c, f: c == 0.0)
+        elif operation == "table":
+            derivative = self._graph.operands[node][1]
+            rule = lambda a, f, derivative=derivative: derivative(a)  # noqa: E731
+        elif operation is np.power:
+            rule = _of_power if self._graph.number(operands[1]) is None else lambda a, e, f: e * a ** (e - 1.0)
+        elif operation in _BINARY or operation in _UNARY:
+            rule = _BINARY.get(operation) or _UNARY[operation]
+        else:
+            return None
+        self._partials.append((rule, which, rows, row[node]))
+        return self._minus + len(self._partials)
+
+    def _value_steps(self, live: list[int]) -> list[Step]:
+        """Return what computes the values that depend on unknowns; all others are put into their rows here."""
+        graph, rows, varying = self._graph, self._rows, set()
+        steps: list[Step] = []
+        for node in live:
+            operation, operands, out = graph.operations[node], graph.operands[node], rows[self._row[node]]
+            if operation == "slot":
+                varying.add(node)
+                continue
+            if operation in LEAVES:
+                out[:] = np.broadcast_to(operands[0], self._shape).ravel() if operation == "array" else operands[0]
+                continue
+            values = [rows[self._row[k]] for k in self._operands(node)]
+            functions: dict[Any, Any] = {
+                "where": _choose,
+                "table": partial(_tabulate, operands[0]),
+                "frozen": np.positive,
+            }
+            step = partial(functions.get(operation, operation), *values, out=out)
+            if varying.isdisjoint(self._operands(node)):
+                step()
+            else:
+                varying.add(node)
+                steps.append(step)
+        return steps
+
+
+class RecordedForm:
+    """A form on one domain of a system, recorded; its element vectors and matrices at any state.
+
+    Attributes
+    ----------
+    keys : (row, column, domain) of each element matrix, as `System.pattern` takes them
+    dofs : numbers of the unknowns of all element vectors, one after another
+
+    Raises
+    ------
+    NotRecordableError : the form is no fixed sequence of operations
+
+    """
+
+    def __init__(self, system: System, form: Form, where: Domain, coeffs: Any):
+        self._system, self._where = system, where
+        graph, unknowns = Graph(), {}
+        for name, (_, ncomponents) in system.fields.items():
+            parts = [Unknown(graph, (name, k)) for k in range(max(ncomponents, 1))]
+            unknowns[name] = Components(parts) if ncomponents else parts[0]
+        integrand = form(SimpleNamespace(**unknowns), system._tests(where), coeffs, Ops(where))
+        slots = integrand.slots if isinstance(integrand, Linear) else {}
+        tests = list(slots)  # (name, component, kind) by the number of the result
+        self._program = Program(graph, [graph.leaf(c).place for c in slots.values()], where.weight.shape)
+        self._fields = _Groups((self._space(slot), slot[2], slot[:2]) for slot in self._program.slots)
+        self._rows = _Groups((self._space(test), test[2], test[:2]) for test in tests)
+        self._pairs = _Groups(
+            (
+                (self._space(tests[result]), self._space(slot)),
+                (tests[result][2], slot[2]),
+                (tests[result][:2], slot[:2]),
+            )
+            for result, place, _ in self._program.derivatives
+            for slot in [self._program.slots[place]]
+        )
+        self.keys = [(row, column, where) for pairs in self._pairs.members.values() for row, column in pairs]
+        numbers = [
+            space.dofs[:, where.cells].T.ravel() + system.offset[key]
+            for space, keys in self._rows.members.items()
+            for key in keys
+        ]
+        self.dofs = np.concatenate([np.empty(0, dtype=np.int64), *numbers])
+
+    def _space(self, slot: Any) -> Any:
+        return self._system.fields[slot[0]][0]
+
+    def vectors(self, state: Array) -> Array:
+        """Return all element vectors at a state, one after another, as `dofs` has them."""
+        where = self._where
+        slots = np.empty((len(self._program.slots), *where.weight.shape))
+        for (space, kind), (numbers, places) in self._fields.parts.items():
+            starts = np.array([self._system.offset[key] for key in self._fields.members[space]])[places]
+            local = state[starts[:, None, None] + space.dofs[:, where.cells].T]
+            found = _Unknown(where, space, local, None)
+            slots[numbers] = found.value if kind == "v" else found.slot(kind).value
+        values = self._program.values(slots.reshape(len(slots), where.weight.size)) * where.weight
+        out = {
+            space: np.zeros((len(keys), where.weight.shape[0], len(space.dofs)))
+            for space, keys in self._rows.members.items()
+        }
+        for (space, kind), (numbers, places) in self._rows.parts.items():
+            for reference, c in where.to_reference({kind: values[numbers]}).items():
+                out[space][places] += c @ where.table(space, reference).T
+        return np.concatenate([np.empty(0), *(local.ravel() for local in out.values())])
+
+    def matrices(self) -> list[Array]:
+        """Return all element matrices where `vectors` was called last, one after another, as `keys` has them."""
+        where = self._where
+        slopes = self._program.slopes() * where.weight
+        out = {
+            (test, trial): np.zeros((len(pairs), where.weight.shape[0], len(test.dofs) * len(trial.dofs)))
+            for (test, trial), pairs in self._pairs.members.items()
+        }
+        for ((test, trial), (row, column)), (numbers, places) in self._pairs.parts.items():
+            for test_kind, by_test in where.to_reference({row: slopes[numbers]}).items():
+                for trial_kind, c in where.to_reference({column: by_test}).items():
+                    out[test, trial][places] += c @ where.pair_table(test, test_kind, trial, trial_kind)
+        return [local for group in out.values() for local in group]
+
+
+class _Groups:
+    """Coefficients of the same space and kind, which are contracted with the same table.
+
+    Attributes
+    ----------
+    members : by space, what coefficients of any kind belong to, each once
+    parts : by (space, kind), the numbers of the coefficients and the places of what they belong to among the members
+
+    """
+
+    def __init__(self, items: Iterable[tuple[Any, Any, Any]]):
+        self.members: dict[Any, dict[Any, int]] = {}
+        found: dict[Any, list[tuple[int, int]]] = {}
+        for number, (space, kind, key) in enumerate(items):
+            known = self.members.setdefault(space, {})
+            found.setdefault((space, kind), []).append((number, known.setdefault(key, len(known))))
+        self.parts = {key: tuple(np.array(pairs, dtype=np.intp).T) for key, pairs in found.items()}
+
+
+class RecordedForms:
+    """The sum of recorded forms of a system; raises NotRecordableError where one cannot be recorded."""
+
+    def __init__(self, system: System, forms: Sequence[tuple[Form, Domain, Any]]):
+        self._system = system
+        with np.errstate(all="ignore"):  # a branch that no state takes may have no value
+            self._forms = [RecordedForm(system, *form) for form in forms]
+        self._dofs = np.concatenate([form.dofs for form in self._forms])
+        keys = [key for form in self._forms for key in form.keys]
+        parts, self._indices, self._indptr = system.pattern(keys)
+        places: list[Any] = [None] * len(keys)
+        for numbers, position, place in parts:
+            sizes = [self._entries(keys[k]) for k in numbers]
+            for k, found in zip(numbers, np.split(place[position], np.cumsum(sizes)[:-1]), strict=True):
+                places[k] = found
+        self._places = np.concatenate([np.empty(0, dtype=np.int32), *places])
+
+    def _entries(self, key: Any) -> int:
+        row, column, where = key
+        test, trial = (self._system.fields[name][0] for name, _ in (row, column))
+        return len(where.weight) * len(test.dofs) * len(trial.dofs)
+
+    def assemble(self, state: Array, jacobian: bool) -> tuple[Array, sp.csc_matrix | None]:
+        """Assemble the residual and, if wanted, the Jacobian, as `System.assemble` does."""
+        size = self._system.size
+        vectors = np.concatenate([form.vectors(state) for form in self._forms])
+        residual = np.asarray(np.bincount(self._dofs, weights=vectors, minlength=size), dtype=float)
+        if not jacobian:
+            return residual, None
+        matrices = np.concatenate([np.empty(0), *(local.ravel() for form in self._forms for local in form.matrices())])
+        data = np.bincount(self._places, weights=matrices, minlength=len(self._indices))
+        return residual, sp.csc_matrix((data, self._indices, self._indptr), shape=(size, size))

@@ -1,0 +1,156 @@
+"""Pointwise forms recorded as graphs: what is computed from what, each operation once.
+
+A form is run on `Node` values, which follow numpy's ufunc protocol as dual numbers do. What two parts of a form compute
+alike is one node. Comparisons and choices (`where`, `minimum`, `maximum`) are operations too, so that another state may
+take the other branch. `fem.tape` records forms as data for the compilers of other processes; a graph is evaluated by
+numpy in this one, see `fem.batched`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+
+from contbed.fem.dual import _BINARY, _COMPARISONS, _UNARY, Components, Linear
+
+Function = Callable[[Any], Any]
+LOGICAL = {
+    np.logical_and: np.logical_and,
+    np.logical_or: np.logical_or,
+    np.logical_not: np.logical_not,
+    np.bitwise_and: np.logical_and,
+    np.bitwise_or: np.logical_or,
+    np.invert: np.logical_not,
+}  # what conditions are combined by; they are kept as 0 and 1
+RECORDED: dict[Any, Any] = {
+    **{ufunc: ufunc for ufunc in (*_UNARY, *_BINARY, *_COMPARISONS, np.power)},
+    **LOGICAL,
+    np.float_power: np.power,
+}
+SPECIAL_POWERS: dict[float, Any] = {2.0: np.square, 0.5: np.sqrt, 1.0: np.positive, -1.0: np.reciprocal}
+NEUTRAL: dict[Any, float] = {np.add: 0.0, np.subtract: 0.0, np.multiply: 1.0, np.divide: 1.0}  # second operand
+
+
+class NotRecordableError(TypeError):
+    """A form asks for the values of its arguments, so that it is no fixed sequence of operations."""
+
+
+class Graph:
+    """Operations in the order in which they were recorded, each with the numbers of its operands.
+
+    Attributes
+    ----------
+    operations : a ufunc, "where", "table" (a function given with its derivative), "frozen" (a value without
+        derivatives), or a leaf: "slot" of an unknown, "number", "array"
+    operands : numbers of nodes; for a leaf the number, the array or the slot; for a "table" the function, its
+        derivative and the number of its argument
+
+    """
+
+    def __init__(self) -> None:
+        self.operations: list[Any] = []
+        self.operands: list[tuple[Any, ...]] = []
+        self._known: dict[Any, int] = {}
+
+    def add(self, operation: Any, *operands: Any) -> Node:
+        """Return the node of an operation, a new one if there is none."""
+        return Node(self, self._number((operation, *operands), operation, operands))
+
+    def _number(self, key: Any, operation: Any, operands: tuple[Any, ...]) -> int:
+        number = self._known.setdefault(key, len(self.operations))
+        if number == len(self.operations):
+            self.operations.append(operation)
+            self.operands.append(operands)
+        return number
+
+    def leaf(self, item: Any) -> Node:
+        """Return a node as it is, a number or an array as a node."""
+        if isinstance(item, Node):
+            return item
+        if np.ndim(item) == 0:
+            return self.add("number", float(item))
+        values = np.asarray(item, dtype=float)
+        return Node(self, self._number(("array", values.shape, values.tobytes()), "array", (values,)))
+
+    def number(self, place: int) -> float | None:
+        """Return the number that a node stands for; None for anything else."""
+        return float(self.operands[place][0]) if self.operations[place] == "number" else None
+
+    def apply(self, ufunc: Any, places: list[int]) -> Node:
+        """Return the node of a ufunc; numbers are computed at once, and sums with 0 and products with 1 are left out.
+
+        Raises
+        ------
+        NotRecordableError : the ufunc is none that a form may use
+
+        """
+        if ufunc not in RECORDED:
+            raise NotRecordableError(f"numpy.{ufunc.__name__} is not recorded")
+        ufunc, numbers = RECORDED[ufunc], [self.number(place) for place in places]
+        if None not in numbers:
+            return self.leaf(float(ufunc(*numbers)))
+        if ufunc is np.positive:
+            return Node(self, places[0])
+        if len(places) == 2:
+            first, second = numbers
+            if ufunc is np.power and second in SPECIAL_POWERS:
+                return self.apply(SPECIAL_POWERS[second], places[:1])
+            if ufunc is np.multiply and places[0] == places[1]:
+                return self.add(np.square, places[0])
+            if second is not None and second == NEUTRAL.get(ufunc):
+                return Node(self, places[0])
+            if first is not None and ufunc in (np.add, np.multiply) and first == NEUTRAL[ufunc]:
+                return Node(self, places[1])
+        return self.add(ufunc, *places)
+
+
+class Node(NDArrayOperatorsMixin):
+    """A pointwise value: the number of its operation in a graph."""
+
+    __slots__ = ("graph", "place")
+
+    def __init__(self, graph: Graph, place: int):
+        self.graph, self.place = graph, place
+
+    @property
+    def value(self) -> Node:
+        """The same value as a constant: without derivatives."""
+        return self.graph.add("frozen", self.place)
+
+    def apply(self, f: Function, derivative: Function) -> Node:
+        """Record a function given with its derivative; both are evaluated anew at each state."""
+        return self.graph.add("table", f, derivative, self.place)
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
+        if any(isinstance(item, Linear | Components) for item in inputs):
+            return NotImplemented
+        if method != "__call__" or kwargs:
+            raise NotRecordableError(f"numpy.{ufunc.__name__} is recorded only as a function of values")
+        return self.graph.apply(ufunc, [self.graph.leaf(item).place for item in inputs])
+
+    def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
+        if function is not np.where or len(args) != 3:
+            raise NotRecordableError(f"numpy.{function.__name__} is not recorded")
+        return self.graph.add("where", *(self.graph.leaf(item).place for item in args))
+
+    def _refuse(self, *_: Any) -> Any:
+        raise NotRecordableError("the form asks for a value, which a recorded one has not")
+
+    __bool__ = __float__ = __int__ = __len__ = __iter__ = __array__ = _refuse
+
+
+class Unknown(Node):
+    """The value of a component of an unknown, from which its other slots are asked for; `key` is (name, component)."""
+
+    __slots__ = ("key",)
+
+    def __init__(self, graph: Graph, key: tuple[str, int]):
+        self.key = key
+        super().__init__(graph, graph.add("slot", *key, "v").place)
+
+    def slot(self, kind: Any) -> Node:
+        """Return another slot: ("g", k), ("h", k, m) or "low"."""
+        return self.graph.add("slot", *self.key, kind)
