@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from contbed import closures
-from contbed.dem import dumps, heat, network
+from contbed.dem import heat, network
 from contbed.dem.heat_pair import IMPACT, STATIC, correction
 from contbed.dem.packing import pack
+from contbed.dem.particle_tables import read_table
 from contbed.dem.particles import Material
 from contbed.materials import gas_mixture
 from studies import _gallery as gallery
@@ -28,7 +29,7 @@ EXPONENTS = {"none": 0.0, "1/5": IMPACT, "1/3": STATIC}
 
 def shared() -> Any:
     """Centres of the shared packing [m], settled with E = 10 MPa."""
-    return dumps.read_positions(HERE / "packing.csv.gz")
+    return read_table(HERE / "packing.csv.gz").x
 
 
 def own(modulus: float, seed: int = 1) -> tuple[Any, float]:

@@ -1,7 +1,10 @@
 """Every study has its README, its functions and scenes that are accepted; short ones give their tables again."""
 
+import ast
+import inspect
 import re
 import tomllib
+from types import ModuleType
 
 import matplotlib
 import pytest
@@ -30,6 +33,15 @@ def test_every_folder_is_a_study():
 def test_study_has_its_functions(study):
     assert all(callable(getattr(study.module, name)) for name in FUNCTIONS)
     assert study.module.__doc__
+
+
+@pytest.mark.parametrize("study", ALL.values(), ids=list(ALL))
+def test_what_a_study_takes_of_other_modules_is_there(study):
+    """A function that was renamed is missed here, not after hours of a run."""
+    known = {name: item for name, item in vars(study.module).items() if isinstance(item, ModuleType)}
+    for node in ast.walk(ast.parse(inspect.getsource(study.module))):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in known:
+            assert hasattr(known[node.value.id], node.attr), f"line {node.lineno}: {node.value.id}.{node.attr}"
 
 
 @pytest.mark.parametrize("study", ALL.values(), ids=list(ALL))
