@@ -37,7 +37,7 @@ class Materials:
 class Options:
     """How to step.
 
-    courant : largest share of a cell that particles cross in a step; with heat, either phase
+    courant : largest share of a cell that particles cross in a step, and gas in a sub-cycle of its temperature
     dt_max, dt_first [s] : largest and first step; growth : of the step at most
     dt [s] : fixed step, instead of the Courant number
     order : in time, 1 or 2; a step of order 2 extrapolates from one step and two halves, and costs three; where a limit

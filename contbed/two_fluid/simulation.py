@@ -102,9 +102,9 @@ class Simulation:
     def next_step(self) -> float:
         """Length of the next step [s].
 
-        By the Courant number of the particles, cells with few of them left aside; by the subcycles of the gas, which
-        carries its temperature in one; by the heat of compression; and by the growth from step to step. A fixed step in
-        which particles would cross more than FIXED_COURANT of a cell is cut into equal parts.
+        By the Courant number of the particles, cells with few of them left aside; by the sub-cycles of the
+        gas; by what a step leaves open of a heated gas; by the heat of compression; and by the growth from step to
+        step. A fixed step in which particles would cross more than FIXED_COURANT of a cell is cut into equal parts.
         """
         o, state = self.model.options, self.state
         if o.dt is not None:
@@ -114,8 +114,12 @@ class Simulation:
             return o.dt / max(1, int(np.ceil(crossed / FIXED_COURANT * (1.0 - ROUNDING))))
         gas = float(np.max(state.fluxes.outflow_gas, initial=0.0))
         solid = float(np.max(state.fluxes.outflow_solid, where=state.eps_s > MIN_COURANT_FRACTION, initial=0.0))
-        courant_gas = MAX_SUBCYCLES * SUBCYCLE_COURANT if state.energy is None else o.courant
+        courant_gas = MAX_SUBCYCLES * SUBCYCLE_COURANT
         rate = max(solid / o.courant, gas / courant_gas, state.memory.compression_rate / COMPRESSION_LIMIT)
+        if self.model.heat is not None:
+            from contbed.two_fluid.heat.equations import rate_of_steps
+
+            rate = max(rate, rate_of_steps(state, gas, self.model.heat, self.model))
         longest = min(o.dt_max, 1.0 / rate if rate > 0 else np.inf)
         return min(longest, state.dt_wanted * o.growth if state.dt_wanted > 0 else o.dt_first)
 

@@ -209,7 +209,10 @@ def test_walls_at_two_temperatures():
 
 
 def schumann_error(cells):
-    """Largest error of both temperatures, over the step at the inlet, behind a front in a bed that does not move."""
+    """Largest error of both temperatures behind a front in a bed that does not move, over the step at the inlet.
+
+    Return also the number of steps.
+    """
     length, u, s, h = 0.1, 1.0, 0.5, 3.0
     b = heated(
         line(length, cells),
@@ -225,17 +228,21 @@ def schumann_error(cells):
     gas, solid = schumann(
         b.model.grid.centres[:, 0], b.state.time, u, H / ((1 - s) * 1.2 * CP_GAS), H / (s * 2500 * CP_SOLID)
     )
-    return (
-        max(
-            np.abs(b.state.energy.T_gas - 300 - 10 * gas).max(), np.abs(b.state.energy.T_solid - 300 - 10 * solid).max()
-        )
-        / 10
-    )
+    energy = b.state.energy
+    errors = np.abs(energy.T_gas - 300 - 10 * gas).max(), np.abs(energy.T_solid - 300 - 10 * solid).max()
+    return max(errors) / 10, b.state.steps
+
+
+def test_gas_does_not_bind_the_step():
+    """Its temperature goes in sub-cycles: 294 steps in which gas crossed 0.4 of a cell had an error of 3.82e-3."""
+    error, steps = schumann_error(25)
+    assert error < 3.9e-3
+    assert steps < 120
 
 
 @pytest.mark.slow
 def test_hot_front_in_a_bed_at_rest():
-    coarse, fine = schumann_error(50), schumann_error(100)
+    (coarse, _), (fine, _) = schumann_error(50), schumann_error(100)
     assert fine < 2e-3
     assert coarse / fine > 2**0.9
 

@@ -50,6 +50,10 @@ TOLERANCE, MAX_ITERATIONS = 1e-10, 500  # of implicit conduction: residual over 
 # dt times rate of exchange [-] below which the weight of the new difference is taken from its power series
 # (test_conduction_in_one_phase)
 MIN_EXCHANGE_NUMBER = 1e-3
+ROUNDING = 1e-9  # share of a sub-cycle by which a number of them may be off
+# share of its volume [-] that a step may leave open in a cell of ideal gas, as the pressure of a step knows the heat of
+# the one before; it grows with the square of the step (test_moving_bed_keeps_heat_and_gas)
+MAX_LEFT_OPEN = 1e-3
 
 
 class Exchange(NamedTuple):
@@ -98,6 +102,21 @@ def fill_with_gas(energy: Energy, eps_s: Array, heat: HeatModel, model: Model) -
     return replace(energy, mass=mass, rho_ratio=_density_ratio(mass, eps_s, heat, model))
 
 
+def rate_of_steps(state: State, crossed: float, heat: HeatModel, model: Model) -> float:
+    """Return one over the longest next step [1/s] that an ideal gas allows; 0 for a gas of constant density.
+
+    What the last step left open between mass, temperature and volume tells how long it may be, but the gas, which leaves
+    a cell at the rate `crossed` [1/s], may always cross as much of a cell as the particles.
+    """
+    energy = state.energy
+    assert energy is not None
+    if not heat.ideal or state.dt == 0.0:
+        return crossed / model.options.courant if heat.ideal else 0.0
+    filled = energy.mass * energy.T_gas / density_times_T(energy.p0, heat, model)
+    still_open = float(np.max(np.abs(filled - (1.0 - state.eps_s))))
+    return min(crossed / model.options.courant, (still_open / MAX_LEFT_OPEN) ** 0.5 / state.dt)
+
+
 def stored_heat(state: State, model: Model) -> float:
     """Heat in the bed [J] from 0 K; in a closed one filled with an ideal gas the internal energy."""
     energy, heat, volume = state.energy, model.heat, model.grid.geometry.volume
@@ -114,7 +133,35 @@ def advance(
 ) -> tuple[Energy, Array]:
     """Advance the temperatures by `dt` [s], in which solids and gas have moved.
 
-    Return also the mass flux (nf,) of the gas over the usual density [m3/s].
+    Where the gas crosses more than the Courant number of a cell, in equal sub-cycles: the volume fluxes of the step
+    stay, and the fractions change evenly, so that mass and heat close as in one. Return also the mean mass flux (nf,)
+    of the gas over the usual density [m3/s].
+    """
+    crossed = dt * float(np.max(state.fluxes.outflow_gas, initial=0.0)) / model.options.courant
+    count = max(1, int(np.ceil(crossed * (1.0 - ROUNDING))))
+    filling = (moved.eps_s - state.eps_s) / count
+    gas, gained, still_open = np.zeros_like(moved.flux_gas), np.zeros_like(filling), filling
+    for k in range(1, count + 1):
+        eps_s = moved.eps_s if k == count else state.eps_s + k * filling
+        part = moved._replace(eps_s=eps_s)
+        energy, flux, still_open, more = _sub_cycle(state, energy, part, heat, dt / count, model)
+        gas, gained = gas + flux / count, gained + more
+    if heat.ideal:
+        expansion = (still_open + gained) / dt
+        if closed_volume(heat, model):
+            volume = model.grid.geometry.volume
+            expansion = expansion - expansion @ volume / volume.sum()
+        energy = replace(energy, expansion=expansion)
+    return energy, gas
+
+
+def _sub_cycle(
+    state: State, energy: Energy, moved: Moved, heat: HeatModel, dt: float, model: Model
+) -> tuple[Energy, Array, Array, Array]:
+    """Advance the temperatures by `dt` [s], a step or a sub-cycle of it.
+
+    Return also the mass flux (nf,) of the gas over the usual density [m3/s], and shares of the volume (nc,) that gas
+    fills: what is left open between mass, temperature and volume, and what heat adds.
     """
     p, g, s = heat.physics, model.grid.geometry, moved.eps_s
     rho_g, rho_s, volume = model.materials.rho_gas, model.materials.rho_solid, g.volume
@@ -157,10 +204,10 @@ def advance(
         p0=p0,
         account=account._replace(walls=walls - lost),
     )
-    if heat.ideal:
-        new = replace(new, expansion=_expansion(energy, new, change[:, 0], s, dt * moved_g / volume, dt, model))
     _check_temperatures(state, new, model)
-    return new, gas / rho_g if heat.ideal else moved.flux_gas
+    if not heat.ideal:
+        return new, moved.flux_gas, s, s
+    return new, gas / rho_g, *_filled(energy, new, change[:, 0], s, dt * moved_g / volume, model)
 
 
 def _density_ratio(mass: Array, eps_s: Array, heat: HeatModel, model: Model) -> Array:
@@ -324,20 +371,18 @@ def _pressure_rise(
     return float((gas @ (energy.T_gas + change[:, 0]) - energy.p0 * pores) / (pores - gas @ response[:, 0]))
 
 
-def _expansion(old: Energy, new: Energy, change: Array, eps_s: Array, carried: Array, dt: float, model: Model) -> Array:
-    """Return the source of gas volume (nc,) [1/s] for the pressure equation of this step.
+def _filled(old: Energy, new: Energy, change: Array, eps_s: Array, carried: Array, model: Model) -> tuple[Array, Array]:
+    """Return the shares of the volume (nc,) left open between mass, temperature and volume, and gained by heat.
 
-    It is what the heat of the step makes of the gas, and what is left open between mass, temperature and volume.
-    `change` (nc,) [K] is that of T_gas, `carried` the part of the change of mass times temperature that came with the
-    gas.
+    Over the time of a step they are the source of gas volume in its pressure equation. `change` (nc,) [K] is that of
+    T_gas, `carried` the part of the change of mass times temperature that came with the gas.
     """
-    heat, volume, pores = model.heat, model.grid.geometry.volume, 1.0 - eps_s
+    heat, pores = model.heat, 1.0 - eps_s
     assert heat is not None
     before, now = (density_times_T(p0, heat, model) for p0 in (old.p0, new.p0))
     gained = new.mass * change
     still_open = (new.mass * old.T_gas + gained) / now - pores
-    expansion: Array = (still_open + (gained - carried) / now - (1.0 - before / now) * pores) / dt
-    return expansion - expansion @ volume / volume.sum() if closed_volume(heat, model) else expansion
+    return still_open, (gained - carried) / now - (1.0 - before / now) * pores
 
 
 def _check_temperatures(state: State, energy: Energy, model: Model) -> None:
