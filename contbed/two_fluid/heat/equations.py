@@ -105,8 +105,8 @@ def fill_with_gas(energy: Energy, eps_s: Array, heat: HeatModel, model: Model) -
 def rate_of_steps(state: State, crossed: float, heat: HeatModel, model: Model) -> float:
     """Return one over the longest next step [1/s] that an ideal gas allows; 0 for a gas of constant density.
 
-    What the last step left open between mass, temperature and volume tells how long it may be, but the gas, which leaves
-    a cell at the rate `crossed` [1/s], may always cross as much of a cell as the particles.
+    What the last step left open between mass, temperature and volume tells how long it may be, but the gas, which
+    leaves a cell at the rate `crossed` [1/s], may always cross as much of a cell as the particles.
     """
     energy = state.energy
     assert energy is not None
@@ -114,7 +114,7 @@ def rate_of_steps(state: State, crossed: float, heat: HeatModel, model: Model) -
         return crossed / model.options.courant if heat.ideal else 0.0
     filled = energy.mass * energy.T_gas / density_times_T(energy.p0, heat, model)
     still_open = float(np.max(np.abs(filled - (1.0 - state.eps_s))))
-    return min(crossed / model.options.courant, (still_open / MAX_LEFT_OPEN) ** 0.5 / state.dt)
+    return min(crossed / model.options.courant, float(np.sqrt(still_open / MAX_LEFT_OPEN)) / state.dt)
 
 
 def stored_heat(state: State, model: Model) -> float:
