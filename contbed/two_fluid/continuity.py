@@ -58,9 +58,10 @@ def advance(state: State, dt: float, model: Model) -> Moved:
         over_rows(model.grid, solids_of_rows.assemble_compaction, dt, solids, flux, source, transposed(system))
     # solved for in all cells: the small change ahead of a front keeps nearly empty cells smooth
     y = solve_system(state, "eps_s", system, model, explicit=0.0)
-    shift = np.zeros(len(old))
+    shift, halo = np.zeros(len(old)), model.grid.halo
+    near = len(old) if halo.near is None else halo.near
     for _ in range(MAX_TANGENT_ROUNDS):
-        if not any(parallel(move_tangents, len(old), g.volume, table, solids, y, system, shift)):
+        if not halo.any(any(parallel(move_tangents, near, g.volume, table, solids, y, system, shift))):
             break
         counters = counters.add(packing_rounds=1)
         y = solve_system(state, "eps_s", system._replace(links=np.zeros_like(system.links)), model, explicit=0.0)
@@ -71,8 +72,8 @@ def advance(state: State, dt: float, model: Model) -> Moved:
         links_of_faces, content = system.coef[:, 0], system.content[:, 0]
         over_rows(model.grid, solids_of_rows.add_compaction_flux, dt, links_of_faces, content, y[:, 0], flux, velocity)
     new, upwind_cells = np.empty_like(old), np.zeros(len(old), dtype=np.bool_)
-    touched, rounds = limiter.limit(g, dt, old, source, model.materials.eps_max, flux, new, upwind_cells)
+    touched, rounds = limiter.limit(g, dt, old, source, model.materials.eps_max, flux, new, upwind_cells, halo)
     if touched:
-        counters = counters.add(limited_faces=int(touched), limited_steps=1, limiter_rounds=int(rounds))
+        counters = counters.add(limited_faces=touched, limited_steps=1, limiter_rounds=rounds)
     rate = state.memory.rate_eps_s + (new - old).reshape(-1, 1) / dt
     return Moved(new, rate, flux, state.fluxes.total - flux, velocity, upwind_cells, counters)

@@ -200,6 +200,7 @@ def advance(
     production = kinetic_share + model.sources.theta
     if model.options.theta == "algebraic":
         theta = _balanced(state.theta, moved.eps_s, production, divergence, properties, model)
+        model.grid.halo.exchange(theta)
         return Granular(theta, memory.rate_theta, memory.compression_rate, moved.counters)
     rho_s = model.materials.rho_solid
     sink = r.dissipation * np.sqrt(state.theta) + 3.0 * properties.drag * moved.eps_s
@@ -224,19 +225,19 @@ def _transport(
     given = np.where(entering, edge.theta, old[model.boundary_cells]).reshape(-1, 1)
     grad = gradient(model.grid, column, given)
     half_step = predictor_half_step(model.grid, dt, column, grad, u_solid, state.memory.rate_theta)
-    system, first_order = empty_system(g, 1), moved.upwind_cells.copy()
-    rhs = system.rhs
+    system, first_order, halo = empty_system(g, 1), moved.upwind_cells.copy(), model.grid.halo
+    rhs, own = system.rhs, halo.cells
     while True:
         rhs[:] = 0.0
         field = Reconstruction(column, grad, half_step, given, first_order, model.options.limited)
         convect(model.grid, moved.flux, field, rhs)
         if rows is None:
-            more = mark_negative(g, dt, s, old, rhs, first_order)
+            more = _mark_negative(dt, s, old, rhs, first_order, model)
         else:
             more = solids_of_rows.mark_negative(g, rows, dt, s, old, rhs[:, 0], first_order)
         if not more:
             break
-    counters = counters.add(theta_upwind_cells=int(first_order.sum()) - int(moved.upwind_cells.sum()))
+    marked = int(first_order[own].sum()) - int(moved.upwind_cells[own].sum())
     convected = rhs / ((s + NO_PARTICLES) * g.volume)[:, None]
     rhs *= 1.5 * rho_s
     outside = np.where(entering, edge.theta, np.nan)
@@ -247,14 +248,29 @@ def _transport(
     particles = Particles(rho_s, model.materials.eps_max, s, old, r.g0)
     assemble_theta(g, edge, dt, particles, terms, slip, u_solid, system)
     theta = old + solve_system(state, "theta", system, model)[:, 0]
+    clipped = 0
     if (low := theta < UNDERFLOW).any():
-        counters = counters.add(theta_clipped_cells=int((theta < 0.0).sum()))
+        clipped = int((theta[own] < 0.0).sum())
         theta[low] = 0.0
     rate = (theta.reshape(-1, 1) - column) / dt - convected
+    links, number = model.grid.links, len(s[own])
     rates = parallel(
-        max_compression_rate, len(s), model.grid.links, particles, theta, r.pressure, terms.sink, properties.drag
+        max_compression_rate, number, links, particles, theta, r.pressure, terms.sink, properties.drag
     )
-    return Granular(theta, rate, max(rates), counters)
+    marked, clipped = (int(number) for number in halo.sum(marked, clipped))
+    counters = counters.add(theta_upwind_cells=marked, theta_clipped_cells=clipped)
+    return Granular(theta, rate, halo.max(max(rates)), counters)
+
+
+def _mark_negative(dt: float, s: Array, old: Array, rhs: Array, first_order: Flags, model: Model) -> bool:
+    """Mark cells as `mark_negative`, on all ranks."""
+    halo, before = model.grid.halo, first_order[model.grid.halo.cells].copy()
+    found = mark_negative(model.grid.geometry, dt, s, old, rhs, first_order)
+    if halo.distributed:
+        # what is found beside the outer ghost cells is not known here
+        halo.exchange(first_order)
+        found = halo.any(bool((first_order[halo.cells] != before).any()))
+    return found
 
 
 def _balanced(

@@ -13,7 +13,7 @@ from contbed.two_fluid import boundary
 from contbed.two_fluid.compiled import Array, Flags, Indices
 from contbed.two_fluid.end_pressure import EndPressure, end_pressure
 from contbed.two_fluid.fv.grid import Grid
-from contbed.two_fluid.linear.pressure_solver import PressureSolver
+from contbed.two_fluid.linear.pressure_solver import PressureSolver, SolvesPressure
 from contbed.two_fluid.rheology import Closures
 from contbed.two_fluid.timing import Timer
 
@@ -87,7 +87,7 @@ class Model:
     edge: boundary.Edge
     options: Options
     sources: Sources
-    pressure_solver: PressureSolver
+    pressure_solver: SolvesPressure
     closed: bool
     heat: HeatModel | None
     timer: Timer

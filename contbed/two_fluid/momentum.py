@@ -163,6 +163,7 @@ def convect_in_subcycles(one: Phase, field: Reconstruction, dt: float, volume: A
         if n > 0:
             now = now.copy(order="K")
             parallel(advance_subcycle, len(now), part, n, now, out, volume, given)
+            grid.halo.exchange(now)
             slopes = gradient(grid, now, field.edge)
         half_step = predictor_half_step(grid, part, now, slopes, now, one.rate)
         convect(grid, one.flux, field._replace(values=now, gradient=slopes, half_step=half_step), out)
@@ -179,7 +180,8 @@ def predict(
     mu_solid, slip = r.mu + properties.mu_friction, np.empty(len(model.boundary_cells))
     particles = Particles(materials.rho_solid, materials.eps_max, eps_s, state.theta, r.g0)
     wall_slip(model.grid.geometry, edge, particles, mu_solid, r.p_friction, state.u_solid, slip)
-    crossed = dt * state.fluxes.outflow_gas.max() / SUBCYCLE_COURANT
+    halo = model.grid.halo
+    crossed = dt * halo.max(float(state.fluxes.outflow_gas[halo.cells].max())) / SUBCYCLE_COURANT
     gas = Phase(
         "u_gas",
         materials.rho_gas,
@@ -214,6 +216,7 @@ def predict(
     g, rows, compaction, h = model.grid.geometry, model.grid.rows, moved.compaction_velocity, predicted_solid.h
     if rows is None:
         add_compaction_velocity(g, compaction, materials.eps_max, eps_s, h)
+        halo.exchange(h)
     else:
         over_rows(model.grid, solids_of_rows.add_compaction_velocity, compaction, materials.eps_max, eps_s, h.T)
     return predicted_gas, predicted_solid
@@ -243,8 +246,8 @@ def _advance(one: Phase, state: State, dt: float, model: Model) -> Predicted:
         add_hoop_stress(g, one.fluid, motion, system, work)
     change = solve_system(state, one.name, system, model)
     at_walls = side.u[:, -1] - (u[model.boundary_cells, -1] + change[model.boundary_cells, -1])
-    walls = side.kind == boundary.WALL
-    wall_force = float(np.sum(system.coef[model.grid.interior :, -1] * at_walls, where=walls))
+    own, forces = model.grid.halo.edges, system.coef[model.grid.interior :, -1] * at_walls
+    (wall_force,) = model.grid.halo.sum(float(np.sum(forces[own], where=(side.kind == boundary.WALL)[own])))
     parallel(add_change, len(u), dt, u, one.force, change)
     return Predicted(change, grad, convected, work, one.slip, wall_force)
 
@@ -260,6 +263,7 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
     if rows is None:
         gather_gas(g, faces, grad_gas, grad_gas, False, gathered)
         gather_solid(g, faces, s, grad_solid, grad_solid, False, gathered)
+        model.grid.halo.exchange(*gathered)
     else:
         over_rows(model.grid, cells_of_rows.gather, faces, s, Gathered(*(u.T for u in gathered)))
     force_gas, force_solid, residual = np.empty_like(h_gas), np.empty_like(h_solid), np.empty(len(g.left))
@@ -270,6 +274,7 @@ def reconstruct(projection: Projection, dt: float, model: Model) -> Velocity:
         change_solid = zero_slope_gradient(gathered.solid - h_solid, s, model)
         gather_gas(g, faces, grad_gas + change_gas, grad_gas, True, gathered)
         gather_solid(g, faces, s, grad_solid + change_solid, grad_solid, True, gathered)
+        model.grid.halo.exchange(*gathered)
         grad_gas = grad_gas + zero_slope_gradient(gathered.gas - h_gas, None, model)
     if rows is None:
         face_residual(g, model.edge, faces.gas, gathered.gas, grad_gas, residual)

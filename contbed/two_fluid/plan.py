@@ -36,8 +36,12 @@ class TwoFluidPlan:
     skipped: tuple[tuple[str, str], ...]
     probes: dict[str, int]
     warnings: tuple[str, ...] = ()
-    without_weak_form: str = "scenes of kind two_fluid"
     steps: bool = True
+
+    @property
+    def without_weak_form(self) -> str:
+        """What the engine for MPI lacks; empty if nothing."""
+        return "" if self.scene.heat is None else "temperatures of two fluids, [heat]"
 
     @property
     def policy(self) -> Any:
@@ -67,7 +71,8 @@ class TwoFluidPlan:
             solid.packing,
             tuple(gravity),
         )
-        compiled = closure_kernels.make(materials, _particles(scene), bound(scene))
+        particles = _particles(scene)
+        compiled = closure_kernels.make(materials, particles, bound(scene))
         heat = None
         if scene.heat is not None:
             from contbed.two_fluid.heat import plan as heat_planning
@@ -77,7 +82,12 @@ class TwoFluidPlan:
             heat = build_heat(self.grid, heat_planning.physics(scene, compiled.bound), thermal)
         boundaries = conditions(scene, self.grid)
         closures = near_walls.corrected(compiled.closures, compiled.bound, scene, self.grid)
-        bed = Simulation(build_model(self.grid, materials, closures, boundaries, _options(scene), heat))
+        model = build_model(self.grid, materials, closures, boundaries, _options(scene), heat)
+        bed = Simulation(model)
+        if self.mesh.engine == "dolfinx":
+            from contbed.two_fluid.distributed.bed import SharedSimulation
+
+            bed = SharedSimulation(model, scene, particles, compiled.counts)
         bed.start(**initial(scene, self.grid))
         return bed, compiled
 

@@ -155,5 +155,6 @@ def force_gradients(
     potential, rho_s = properties.rheology.h, model.materials.rho_solid
     drag = properties.drag[:, None] / rho_s * (state.u_gas - state.u_solid)
     gradient_rest_potential(g, potential, p / rho_s, model.gravity, drag, rest, resting)
+    model.grid.halo.exchange(rest, resting)
     parts = (np.ascontiguousarray(part) for part in (grad[:, 0], grad[:, 1], rest[:, 0]))
     return ForceGradients(*parts), resting

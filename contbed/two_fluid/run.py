@@ -68,7 +68,7 @@ class Run:
 
     def end_pulses(self) -> bool:
         """Impose what follows the inlets whose time is over; whether there were any."""
-        bed, ended = self.bed, sum(end <= self.bed.state.time for end in self.ends)
+        bed, ended = self.bed, sum(end <= self.bed.clock.time for end in self.ends)
         if ended == self.ended:
             return False
         self.ended = ended
@@ -81,9 +81,9 @@ class Run:
 
     def after_step(self, bed: Simulation) -> None:
         """Count steps that were cut, change inlets that have ended, and add the step to the averages."""
-        self.cut_steps += bed.state.dt_wanted < (self.scene.time.step or 0.0)
+        self.cut_steps += bed.clock.dt_wanted < (self.scene.time.step or 0.0)
         if self.end_pulses():
-            bed.find_fluxes(bed.state.dt)
+            bed.find_fluxes(bed.clock.dt)
         if self.averages is not None:
             self.averages.add(bed)
 
@@ -152,7 +152,7 @@ def run(
 
             def after_each_step(bed: Simulation) -> None:
                 run.after_step(bed)
-                progress.advance_to(bed.state.time, f"step {bed.state.dt:.2g} s")
+                progress.advance_to(bed.clock.time, f"step {bed.clock.dt:.2g} s")
 
             for stop in stops[stops > run.bed.state.time * (1.0 + 1e-12)]:
                 for time in (*(end for end in run.ends if run.bed.state.time < end < stop), stop):
@@ -260,11 +260,12 @@ def _fill_tables(run: Run, result: Result) -> None:
 def _fill_results(run: Run, result: Result) -> None:
     """Named results, counts, and the wall time of each phase of the steps."""
     bed = run.bed
+    state = bed.state  # of ranks it is put together before counts are read
     result.timings |= {f"flow: {name}": seconds for name, seconds in bed.model.timer.seconds.items()}
     guarded = {name: count[0] for name, count in run.compiled.counts._asdict().items()}
-    counts = {name: int(number) for name, number in (bed.state.counters._asdict() | guarded).items() if number}
+    counts = {name: int(number) for name, number in (state.counters._asdict() | guarded).items() if number}
     found = findings.results(run.plan, bed, run.contents_at_start, run.averages, result.profiles, result.tables)
-    result.qoi |= found | counts
+    result.qoi |= found | counts | bed.traffic()
 
 
 def _fill_closures(run: Run, result: Result) -> None:

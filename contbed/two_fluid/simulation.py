@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -28,6 +28,15 @@ FIXED_COURANT = 1.0
 # (test_few_particles_do_not_bind_the_step)
 MIN_COURANT_FRACTION = 1e-6
 ROUNDING = 1e-9  # share of a step by which a number of steps, or a time, may be off
+
+
+class Clock(NamedTuple):
+    """Time [s], last step [s], the step that it was cut from [s], and the number of steps."""
+
+    time: float
+    dt: float
+    dt_wanted: float
+    steps: int
 
 
 class Simulation:
@@ -73,6 +82,15 @@ class Simulation:
         heat = build_heat(self.model.grid, self.model.heat.physics, conditions)
         self.model = replace(self.model, heat=heat)
 
+    @property
+    def clock(self) -> Clock:
+        """Times of the state, without its fields."""
+        return Clock(self.state.time, self.state.dt, self.state.dt_wanted, self.state.steps)
+
+    def traffic(self) -> dict[str, float]:
+        """Return what ranks send each other in a step; nothing without ranks."""
+        return {}
+
     def saved(self) -> dict[str, Any]:
         """Arrays and numbers of the state by name, for a checkpoint."""
         return flatten(self.state)
@@ -88,16 +106,18 @@ class Simulation:
         ------
         ConvergenceError : a field is not finite; says where
         """
-        while self.state.time < end:
-            left = end - self.state.time
-            # equal steps to the end: a bed at rest feels each change of the step
-            wanted = self.next_step()
-            dt = left / np.ceil(left / wanted * (1.0 - ROUNDING))
-            self.step(dt)
-            now = end if end - self.state.time < ROUNDING * dt else self.state.time
-            self.state = replace(self.state, dt_wanted=wanted, time=now)
+        while self.clock.time < end:
+            self.step_towards(end)
             if callback is not None:
                 callback(self)
+
+    def step_towards(self, end: float) -> None:
+        """One of the equal steps to `end` [s]: a bed at rest feels each change of the step."""
+        left, wanted = end - self.state.time, self.next_step()
+        dt = left / np.ceil(left / wanted * (1.0 - ROUNDING))
+        self.step(dt)
+        now = end if end - self.state.time < ROUNDING * dt else self.state.time
+        self.state = replace(self.state, dt_wanted=wanted, time=now)
 
     def next_step(self) -> float:
         """Length of the next step [s].
@@ -108,12 +128,10 @@ class Simulation:
         """
         o, state = self.model.options, self.state
         if o.dt is not None:
-            crossed = o.dt * float(
-                np.max(state.fluxes.outflow_solid, where=state.eps_s > MIN_COURANT_FRACTION, initial=0.0)
-            )
+            crossed = o.dt * self._fastest_solid()
             return o.dt / max(1, int(np.ceil(crossed / FIXED_COURANT * (1.0 - ROUNDING))))
-        gas = float(np.max(state.fluxes.outflow_gas, initial=0.0))
-        solid = float(np.max(state.fluxes.outflow_solid, where=state.eps_s > MIN_COURANT_FRACTION, initial=0.0))
+        halo = self.model.grid.halo
+        gas, solid = halo.max(float(np.max(state.fluxes.outflow_gas[halo.cells], initial=0.0))), self._fastest_solid()
         courant_gas = MAX_SUBCYCLES * SUBCYCLE_COURANT
         rate = max(solid / o.courant, gas / courant_gas, state.memory.compression_rate / COMPRESSION_LIMIT)
         if self.model.heat is not None:
@@ -122,6 +140,12 @@ class Simulation:
             rate = max(rate, rate_of_steps(state, gas, self.model.heat, self.model))
         longest = min(o.dt_max, 1.0 / rate if rate > 0 else np.inf)
         return min(longest, state.dt_wanted * o.growth if state.dt_wanted > 0 else o.dt_first)
+
+    def _fastest_solid(self) -> float:
+        """Largest rate [1/s] at which particles empty a cell that holds enough of them to count."""
+        state, halo = self.state, self.model.grid.halo
+        there = state.eps_s[halo.cells] > MIN_COURANT_FRACTION
+        return halo.max(float(np.max(state.fluxes.outflow_solid[halo.cells], where=there, initial=0.0)))
 
     def step(self, dt: float) -> None:
         """One step of `dt` [s]."""
@@ -166,11 +190,13 @@ def second_order(state: State, whole: State, first: Array, dt: float, model: Mod
     moved = 2.0 * moved - whole.fluxes.moved
     eps_s, upwind_cells = np.empty_like(state.eps_s), np.empty(len(state.eps_s), dtype=np.bool_)
     g, highest, source = model.grid.geometry, model.materials.eps_max, model.sources.solid
-    touched, rounds = limiter.limit(g, dt, state.eps_s, source, highest, moved, eps_s, upwind_cells)
-    counters = end.counters.add(limited_faces=int(touched), limiter_rounds=int(rounds))
+    halo = model.grid.halo
+    touched, rounds = limiter.limit(g, dt, state.eps_s, source, highest, moved, eps_s, upwind_cells, halo)
+    counters = end.counters.add(limited_faces=touched, limiter_rounds=rounds)
     theta = 2.0 * end.theta - whole.theta
-    if (below := theta < 0.0).any():
-        counters = counters.add(theta_clipped_cells=int(below.sum()))
+    below = theta < 0.0
+    if halo.any(bool(below.any())):
+        counters = counters.add(theta_clipped_cells=int(*halo.sum(int(below[halo.cells].sum()))))
         theta[below] = end.theta[below]
     fluxes = end.fluxes._replace(
         moved=moved,
@@ -197,11 +223,13 @@ def _limited(state: State) -> int:
 
 def book(account: Account, dt: float, solid: Array, total: Array, model: Model) -> Account:
     """Add the volumes that crossed the boundary with the solids flux and the total flux (nf,) [m3/s]."""
-    solid, total = solid[model.grid.interior :], total[model.grid.interior :]
+    halo = model.grid.halo
+    solid, total = solid[model.grid.interior :][halo.edges], total[model.grid.interior :][halo.edges]
     gas = total - solid
-    return Account(
-        account.solid_in - dt * float(np.sum(solid, where=solid < 0)),
-        account.solid_out + dt * float(np.sum(solid, where=solid > 0)),
-        account.gas_in - dt * float(np.sum(gas, where=gas < 0)),
-        account.gas_out + dt * float(np.sum(gas, where=gas > 0)),
+    crossed = halo.sum(
+        -dt * float(np.sum(solid, where=solid < 0)),
+        dt * float(np.sum(solid, where=solid > 0)),
+        -dt * float(np.sum(gas, where=gas < 0)),
+        dt * float(np.sum(gas, where=gas > 0)),
     )
+    return Account(*(before + volume for before, volume in zip(account, crossed, strict=True)))

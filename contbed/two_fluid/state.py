@@ -210,14 +210,18 @@ def check_finite(state: State, grid: Grid) -> None:
     ------
     ConvergenceError : a field is not finite; with its name, the cell and its place
     """
-    for name, values in state.fields().items():
-        if not np.isfinite(values.sum()) and (wrong := ~np.isfinite(values)).any():
+    halo, message = grid.halo, ""
+    for name, everywhere in state.fields().items():
+        values = everywhere[halo.cells]
+        if not message and not np.isfinite(values.sum()) and (wrong := ~np.isfinite(values)).any():
             cell = int(np.flatnonzero(wrong.reshape(len(values), -1).any(axis=1))[0])
             place = ", ".join(f"{v:.4g}" for v in grid.centres[cell])
-            raise ConvergenceError(
+            message = (
                 f"t = {state.time:.6g} s, step {state.steps}: {name} is not finite in cell {int(grid.cells[cell])} at "
                 f"({place}) m; reduce the Courant number, or look at the closures and boundaries there"
             )
+    if message := halo.first(message):
+        raise ConvergenceError(message)
 
 
 def flatten(value: Any, name: str = "state") -> dict[str, Any]:

@@ -43,6 +43,7 @@ def step(state: State, dt: float, model: Model) -> State:
         faces.gradients.forces,
         granular.compression_rate,
     )
+    model.grid.halo.exchange(memory.rate_gas, memory.rate_solid, memory.rate_eps_s, memory.rate_theta)
     return replace(
         state,
         eps_s=moved.eps_s,

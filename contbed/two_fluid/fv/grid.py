@@ -21,6 +21,7 @@ from skfem.quadrature import get_quadrature
 from contbed import threads
 from contbed.errors import SceneError
 from contbed.mesh.mesh import Mesh
+from contbed.two_fluid.fv.halo import WHOLE, Halo
 from contbed.two_fluid.fv.rows import Rows, build_rows, numbering, part_of_rows, places
 
 Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -83,6 +84,7 @@ class Grid:
     bandwidth : largest distance of neighbours in the numbering by reverse Cuthill-McKee
     rows : of a rectangular grid, else None
     places (nc, dim) : of the cells on the lattice of a rectangular grid that no periodic pair closes, else None
+    halo : cells that other ranks own
     """
 
     geometry: Geometry
@@ -95,6 +97,7 @@ class Grid:
     bandwidth: int
     rows: Rows | None
     places: np.ndarray | None
+    halo: Halo = WHOLE
 
     @property
     def dimension(self) -> int:

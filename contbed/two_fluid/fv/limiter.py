@@ -11,10 +11,13 @@ granular temperature, not a reconstructed one, or the few particles left would k
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from contbed.two_fluid.compiled import UNDERFLOW, Array, Flags, inner, kernel
 from contbed.two_fluid.fv.grid import Geometry
+from contbed.two_fluid.fv.halo import WHOLE, Halo
 
 MAX_LIMITER_ROUNDS = 50  # then each inflow shrinks to the room of its cell (test_limiter_fills_a_row_cell_by_cell)
 # share of its particles [-] that may leave a cell in a step, and that a limited outflow takes, smaller by rounding
@@ -45,43 +48,91 @@ def _fill(g: Geometry, dt: float, s: Array, source: Array, flux: Array, gain: Ar
         out[c] = s[c] + dt * (gain[c] - loss[c]) / g.volume[c]
 
 
+class Bounds(NamedTuple):
+    """Fraction (nc,) before the step, its source (nc,) [1/s], and the largest fraction."""
+
+    s: Array
+    source: Array
+    highest: float
+
+
+class Shares(NamedTuple):
+    """Shares (nc,) of the flux into a cell and away from it that the bounds leave."""
+
+    into: Array
+    away: Array
+
+
 @kernel
+def _find_shares(g: Geometry, dt: float, bounds: Bounds, flux: Array, out: Array, last: bool, shares: Shares) -> bool:
+    """Set the shares and `out`, eps_s after the step with `flux`; return whether all bounds hold."""
+    s, highest, into, away = bounds.s, bounds.highest, shares.into, shares.away
+    gain, loss = np.empty(len(s)), np.empty(len(s))
+    _fill(g, dt, s, bounds.source, flux, gain, loss, out)
+    right = True
+    for c in range(len(s)):
+        into[c] = away[c] = 1.0
+        content, room = s[c] * g.volume[c] / dt, (highest - s[c]) * g.volume[c] / dt
+        if loss[c] > MAX_OUTFLOW * content:
+            away[c] = LIMITED_OUTFLOW * content / loss[c]
+            right = False
+        if out[c] > highest or (last and gain[c] > room):
+            into[c] = LIMITED_OUTFLOW * max(0.0, room + (0.0 if last else loss[c] * away[c])) / gain[c]
+            right = False
+    return right
+
+
+@kernel
+def _reduce(g: Geometry, dt: float, shares: Shares, flux: Array, touched: Flags) -> None:
+    """Reduce the flux of each face to the shares that its cells leave, and mark the faces where that counts."""
+    into, away, ni = shares.into, shares.away, len(g.right)
+    for f in range(len(g.left)):
+        forward = flux[f] >= 0.0
+        part = away[g.left[f]] if forward else into[g.left[f]]
+        if f < ni:
+            part = min(part, into[g.right[f]] if forward else away[g.right[f]])
+        if part < 1.0:
+            # a smaller change is rounding, as in cells that are empty but for rounding
+            touched[f] |= dt * abs(flux[f]) * (1.0 - part) > MIN_COUNTED_CHANGE * g.volume[g.left[f]]
+            flux[f] *= part
+
+
+@kernel
+def _finish(s: Array, out: Array, upwind_cells: Flags) -> None:
+    """Empty cells that hold next to nothing, and mark those that lost much."""
+    for c in range(len(s)):
+        if out[c] < UNDERFLOW:
+            out[c] = 0.0
+        upwind_cells[c] = out[c] < MIN_LEFT * s[c]
+
+
 def limit(
-    g: Geometry, dt: float, s: Array, source: Array, highest: float, flux: Array, out: Array, upwind_cells: Flags
+    g: Geometry,
+    dt: float,
+    s: Array,
+    source: Array,
+    highest: float,
+    flux: Array,
+    out: Array,
+    upwind_cells: Flags,
+    halo: Halo = WHOLE,
 ) -> tuple[int, int]:
     """Limit `flux` in place, leave eps_s after the step in `out` and mark `upwind_cells` cells.
 
     Return the numbers of faces limited and of rounds.
     """
-    count, nf, ni = len(s), len(g.left), len(g.right)
-    touched = np.zeros(nf, dtype=np.bool_)
-    gain, loss, into, away = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    touched, bounds = np.zeros(len(flux), dtype=np.bool_), Bounds(s, source, highest)
+    shares = Shares(np.empty(len(s)), np.empty(len(s)))
     for turn in range(MAX_LIMITER_ROUNDS + 2):
-        _fill(g, dt, s, source, flux, gain, loss, out)
-        last = turn >= MAX_LIMITER_ROUNDS
-        right = True
-        for c in range(count):
-            into[c] = away[c] = 1.0
-            content, room = s[c] * g.volume[c] / dt, (highest - s[c]) * g.volume[c] / dt
-            if loss[c] > MAX_OUTFLOW * content:
-                away[c] = LIMITED_OUTFLOW * content / loss[c]
-                right = False
-            if out[c] > highest or (last and gain[c] > room):
-                into[c] = LIMITED_OUTFLOW * max(0.0, room + (0.0 if last else loss[c] * away[c])) / gain[c]
-                right = False
+        right = _find_shares(g, dt, bounds, flux, out, turn >= MAX_LIMITER_ROUNDS, shares)
+        if halo.distributed:
+            # the outer ghost cells lack faces
+            own = shares.into[halo.cells], shares.away[halo.cells]
+            right = not halo.any(bool(own[0].min() < 1.0 or own[1].min() < 1.0))
+            halo.exchange(*(() if right else shares))
         if right:
             break
-        for f in range(nf):
-            forward = flux[f] >= 0.0
-            part = away[g.left[f]] if forward else into[g.left[f]]
-            if f < ni:
-                part = min(part, into[g.right[f]] if forward else away[g.right[f]])
-            if part < 1.0:
-                # a smaller change is rounding, as in cells that are empty but for rounding
-                touched[f] |= dt * abs(flux[f]) * (1.0 - part) > MIN_COUNTED_CHANGE * g.volume[g.left[f]]
-                flux[f] *= part
-    for c in range(count):
-        if out[c] < UNDERFLOW:
-            out[c] = 0.0
-        upwind_cells[c] = out[c] < MIN_LEFT * s[c]
-    return touched.sum(), turn
+        _reduce(g, dt, shares, flux, touched)
+    halo.exchange(out)
+    _finish(s, out, upwind_cells)
+    return int(*halo.sum(int(touched[halo.faces].sum()))), turn

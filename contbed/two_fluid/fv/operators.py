@@ -24,6 +24,7 @@ def gradient(grid: Grid, values: Array, edge: Array, eps_s: Array | None = None)
             faces.gradient(grid.geometry, values, edge, out)
         else:
             faces.gradient_solid(grid.geometry, eps_s, values, edge, out)
+        grid.halo.exchange(out)
     elif eps_s is None:
         over_rows(grid, fields.gradient, values.T, edge, out.T)
     else:

@@ -7,6 +7,9 @@ Where no boundary fixes the pressure, it is 0 in the first cell.
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import Protocol
+
 from contbed.errors import ConvergenceError
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv.grid import Grid
@@ -24,24 +27,43 @@ def uses_elimination(grid: Grid) -> bool:
     return grid.bandwidth <= (WIDEST_BAND if grid.places is None else WIDEST_BAND_OF_LATTICE)
 
 
+class SolvesPressure(Protocol):
+    """What a step needs of a solver: of one rank or of several."""
+
+    iterations: int
+
+    @property
+    def lattice(self) -> LatticeMultigrid | None:
+        """Multigrid on the lattice of a rectangular grid."""
+
+    def solve(self, coef: Array, rhs: Array, guess: Array) -> Array:
+        """Pressure (nc,) [Pa]; `guess` is where iterations start."""
+
+
 class PressureSolver:
     """Solver for one grid; `floating` where no outlet fixes the pressure. `iterations` of the last solution."""
 
     def __init__(self, grid: Grid, floating: bool):
-        self.geometry, self.floating, self.iterations = grid.geometry, floating, 0
-        levels = build_levels(grid)
-        self.lattice = None if levels is None else LatticeMultigrid(grid, levels)
-        self.method: Elimination | Multigrid | LatticeMultigrid
-        if uses_elimination(grid):
-            self.method = Elimination(grid)
-        else:
-            self.method = Multigrid(grid) if self.lattice is None else self.lattice
+        self.grid, self.floating, self.iterations = grid, floating, 0
+
+    @cached_property
+    def lattice(self) -> LatticeMultigrid | None:
+        """Multigrid on the lattice of a rectangular grid."""
+        levels = build_levels(self.grid)
+        return None if levels is None else LatticeMultigrid(self.grid, levels)
+
+    @cached_property
+    def method(self) -> Elimination | Multigrid | LatticeMultigrid:
+        """Elimination or multigrid; built for the first equation, as the root of several ranks solves none."""
+        if uses_elimination(self.grid):
+            return Elimination(self.grid)
+        return Multigrid(self.grid) if self.lattice is None else self.lattice
 
     def solve(self, coef: Array, rhs: Array, guess: Array) -> Array:
         """Pressure (nc,) [Pa]; `guess` is where iterations start."""
         if isinstance(self.method, Elimination):
             p = rhs.copy()
-            if not self.method.solve(self.geometry, coef, self.floating, p):
+            if not self.method.solve(self.grid.geometry, coef, self.floating, p):
                 raise ConvergenceError("the equation of pressure is singular: a fluid region without inlet or outlet?")
             return p
         p = guess.copy()

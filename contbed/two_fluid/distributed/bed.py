@@ -1,0 +1,128 @@
+"""A two-fluid bed that ranks share, as the root rank sees it: a `Simulation` whose steps run on all ranks.
+
+The root rank has the grid and, whenever it asks for it, the state as a whole, in the numbering of the mesh as built: so
+rows, averages, fields and checkpoints do not depend on the number of ranks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from contbed.fem.ranks import RankGroup, rank_group
+from contbed.two_fluid.boundary import OUTLET, Condition
+from contbed.two_fluid.closure_kernels import GuardCounts, ParticleProperties
+from contbed.two_fluid.distributed import parts
+from contbed.two_fluid.distributed.partition import Part, owners, split
+from contbed.two_fluid.model import Model
+from contbed.two_fluid.scene import TwoFluidScene
+from contbed.two_fluid.simulation import Clock, Simulation
+from contbed.two_fluid.state import State, flatten, rebuild
+
+
+class Shared:
+    """The object of all ranks, released with the last bed that uses it; which cells and faces each rank has."""
+
+    def __init__(self, ranks: RankGroup, found: list[Part], interior: int):
+        self.ranks, self.key = ranks, ranks.new_key()
+        self.all = [(part.cells, part.faces) for part in found]
+        self.own = [(part.cells[: part.owned], part.faces[part.own_faces]) for part in found]
+        self.edges = [part.edge - interior for part in found]
+
+    def run(self, function: Callable[..., Any], *arguments: Any, root: Any = None) -> Any:
+        """Run a function of `parts` on all ranks."""
+        return self.ranks.run_on_all(function, self.key, *arguments, root=root)
+
+    def __del__(self) -> None:
+        self.ranks.released.append(self.key)
+
+
+class SharedSimulation(Simulation):
+    """A bed whose steps run on all ranks; `counts` get how often limits of closures acted."""
+
+    def __init__(self, model: Model, scene: TwoFluidScene, particles: ParticleProperties, counts: GuardCounts):
+        ranks = rank_group()
+        size, g, edge = ranks.comm.size, model.grid, model.edge
+        found = list(split(g, owners(g, size), size))
+        self.shared, self.counts = Shared(ranks, found, g.interior), counts
+        floating = not (edge.gas.kind == OUTLET).any()
+        about = parts.About(scene, model.materials, particles, model.options, bool(floating), model.closed)
+        given = [(part, parts.taken(edge, at)) for part, at in zip(found, self.shared.edges, strict=True)]
+        self.shared.run(parts.make, about, root=(given, model.timer))
+        self._clock: Clock | None = None
+        super().__init__(model)
+
+    @property
+    def state(self) -> State:
+        """The state of the whole bed, gathered where steps have changed it."""
+        if self._clock is not None:
+            self._gather()
+        return self._whole
+
+    @state.setter
+    def state(self, value: State) -> None:
+        self._whole, self._clock, self._told = value, None, False
+
+    @property
+    def clock(self) -> Clock:
+        """Times of the last step."""
+        return super().clock if self._clock is None else self._clock
+
+    def find_fluxes(self, dt: float) -> None:
+        """Find fluxes and pressure that belong to the fields, as after a step of `dt` [s] without convection."""
+        self._tell()
+        if error := self.shared.run(parts.find_fluxes, dt):
+            raise error
+        self._clock = self.clock
+
+    def step_towards(self, end: float) -> None:
+        """One of the equal steps to `end` [s], on all ranks."""
+        self._tell()
+        error, self._clock = self.shared.run(parts.step_towards, end)
+        if error:
+            raise error
+
+    def impose(self, conditions: Mapping[str, Condition]) -> None:
+        """Other boundary conditions from now on."""
+        super().impose(conditions)
+        self.shared.run(parts.impose, root=[parts.taken(self.model.edge, at) for at in self.shared.edges])
+
+    def traffic(self) -> dict[str, float]:
+        """Return messages, bytes and reductions of the busiest rank in a step."""
+        counted = np.max(self.shared.run(parts.traffic), axis=0) / max(1, self.clock.steps)
+        names = "messages_per_step", "message_bytes_per_step", "reductions_per_step"
+        return {name: float(number) for name, number in zip(names, counted, strict=True)}
+
+    def _tell(self) -> None:
+        """Give all ranks their parts of a state that was set here."""
+        if self._told:
+            return
+        flat = flatten(self._whole)
+
+        def of_rank(cells: Any, faces: Any) -> dict[str, Any]:
+            arrays = {name: value for name, value in flat.items() if isinstance(value, np.ndarray)}
+            return flat | {
+                name: np.ascontiguousarray(value[faces if name in parts.OF_FACES else cells])
+                for name, value in arrays.items()
+            }
+
+        self.shared.run(parts.set_state, root=[of_rank(*places) for places in self.shared.all])
+        self._told = True
+
+    def _gather(self) -> None:
+        """Put the parts of all ranks together, and add what their closures counted."""
+        gathered = self.shared.run(parts.own_state)
+        whole = flatten(self._whole)
+        for name, value in whole.items():
+            if not isinstance(value, np.ndarray):
+                whole[name] = gathered[0][0][name]
+                continue
+            whole[name] = np.empty_like(value)
+            for (flat, _), places in zip(gathered, self.shared.own, strict=True):
+                whole[name][places[name in parts.OF_FACES]] = flat[name]
+        for _, counted in gathered:
+            for number, more in zip(self.counts, counted, strict=True):
+                number += more
+        self._whole, self._clock = rebuild(self._whole, whole), None

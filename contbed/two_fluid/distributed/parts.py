@@ -1,0 +1,177 @@
+"""What every rank does with its part of a two-fluid bed; `bed` has the side of the root rank.
+
+Each function of `run_on_all` takes the ranks and what the root rank gives (`root`, None on the others). Where steps do
+not converge all ranks meet the same error at the same place, as all that decides is reduced over them; it is returned
+to the root rank, which raises it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contbed import threads
+from contbed.errors import ConvergenceError
+from contbed.fem.ranks import RankGroup
+from contbed.two_fluid import closure_kernels
+from contbed.two_fluid.boundary import Edge, Side
+from contbed.two_fluid.closure_kernels import CompiledClosures, GuardCounts, ParticleProperties
+from contbed.two_fluid.closures import bound
+from contbed.two_fluid.compiled import Array
+from contbed.two_fluid.distributed.halo import Neighbour, RankHalo
+from contbed.two_fluid.distributed.partition import Part
+from contbed.two_fluid.distributed.pressure import PetscPressure
+from contbed.two_fluid.fv.grid import Grid
+from contbed.two_fluid.model import Materials, Model, Options, Sources
+from contbed.two_fluid.rheology import Closures, Rheology
+from contbed.two_fluid.scene import TwoFluidScene
+from contbed.two_fluid.simulation import Clock, Simulation
+from contbed.two_fluid.state import flatten, rebuild
+from contbed.two_fluid.timing import Timer
+
+# of the flattened state; all other arrays list cells
+OF_FACES = ("state.fluxes.solid", "state.fluxes.total", "state.fluxes.moved", "state.memory.face_residual")
+
+
+class About(NamedTuple):
+    """What all ranks know of a bed."""
+
+    scene: TwoFluidScene
+    materials: Materials
+    particles: ParticleProperties
+    options: Options
+    floating: bool
+    closed: bool
+
+
+@dataclass(eq=False)
+class RankBed:
+    """The bed of one rank: its part of the grid, the simulation there, and how often limits of closures acted."""
+
+    part: Part
+    simulation: Simulation
+    counts: GuardCounts
+
+    @property
+    def halo(self) -> RankHalo:
+        """The halo of the part."""
+        halo = self.simulation.model.grid.halo
+        assert isinstance(halo, RankHalo)
+        return halo
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        solver = self.simulation.model.pressure_solver
+        assert isinstance(solver, PetscPressure)
+        solver.ksp.destroy()
+        solver.matrix.destroy()
+
+
+def taken(edge: Edge, faces: Any) -> Edge:
+    """Return the conditions of some boundary faces."""
+    sides = (Side(*(values[faces] for values in side)) for side in (edge.gas, edge.solid))
+    return Edge(*sides, *(values[faces] for values in edge[2:]))
+
+
+def make(all_ranks: RankGroup, root: Any, key: int, about: About) -> None:
+    """Build the bed of each rank from its part and conditions as object `key`; root has the parts and a timer."""
+    parts, timer = root or (None, Timer())
+    part, edge = all_ranks.comm.scatter(parts)
+    sent, received = part.sent, part.received
+    others = [Neighbour(rank, sent[rank], received[rank]) for rank in sorted(sent)]
+    halo = RankHalo(all_ranks.comm, part.owned, part.near, part.own_faces, part.own_edges, others)
+    g = part.geometry
+    grid = Grid(
+        g,
+        part.grid_cells,
+        part.centres,
+        part.middles,
+        {},
+        {},
+        part.axisymmetric,
+        part.bandwidth,
+        None,
+        None,
+        halo,
+    )
+    compiled = closure_kernels.make(about.materials, about.particles, bound(about.scene))
+    nc, dim = len(part.cells), grid.dimension
+    pressure = PetscPressure(grid, about.floating, int(part.cells[0]) == 0, all_ranks.comm)
+    sources = Sources(np.zeros(nc), np.zeros(nc), np.zeros((nc, dim)), np.zeros((nc, dim)), np.zeros(nc))
+    closures = count_own(compiled, part.owned)
+    model = Model(
+        grid, about.materials, closures, edge, about.options, sources, pressure, about.closed, None, timer
+    )
+    all_ranks.objects[key] = RankBed(part, Simulation(model), compiled.counts)
+
+
+def count_own(compiled: CompiledClosures, owned: int) -> Closures:
+    """Return the closures so that what they count in ghost cells is forgotten: their owners count it."""
+    inside, counts = compiled.closures, compiled.counts
+
+    def granular(eps_s: Array, theta: Array, drag: Array) -> Rheology:
+        mine = inside.granular(eps_s[:owned], theta[:owned], drag[:owned])
+        before = [number.copy() for number in counts]
+        ghosts = inside.granular(eps_s[owned:], theta[owned:], drag[owned:])
+        for number, kept in zip(counts, before, strict=True):
+            number[:] = kept
+        return Rheology(*(np.concatenate(both) for both in zip(mine, ghosts, strict=True)))
+
+    return replace(inside, granular=granular)
+
+
+def _converging(work: Callable[[], None]) -> ConvergenceError | None:
+    # outer ghost cells hold meaningless numbers between exchanges
+    with threads.using(1), np.errstate(all="ignore"):
+        try:
+            work()
+        except ConvergenceError as error:
+            return error
+    return None
+
+
+def find_fluxes(all_ranks: RankGroup, root: Any, key: int, dt: float) -> ConvergenceError | None:
+    """Find the fluxes that belong to the fields of all parts."""
+    bed = all_ranks.objects[key].simulation
+    return _converging(lambda: bed.find_fluxes(dt))
+
+
+def step_towards(all_ranks: RankGroup, root: Any, key: int, end: float) -> tuple[ConvergenceError | None, Clock]:
+    """Advance all parts by a step; return the time."""
+    bed = all_ranks.objects[key].simulation
+    error = _converging(lambda: bed.step_towards(end))
+    return error, bed.clock
+
+
+def impose(all_ranks: RankGroup, root: Any, key: int) -> None:
+    """Other boundary conditions from now on."""
+    bed = all_ranks.objects[key].simulation
+    bed.model = replace(bed.model, edge=all_ranks.comm.scatter(root))
+
+
+def set_state(all_ranks: RankGroup, root: Any, key: int) -> None:
+    """Set the state of all parts; root has the flattened one of each."""
+    bed = all_ranks.objects[key].simulation
+    bed.state = rebuild(bed.state, all_ranks.comm.scatter(root))
+
+
+def own_state(all_ranks: RankGroup, root: Any, key: int) -> Any:
+    """Return on the root rank the flattened states of all ranks, with own cells and faces alone, and their counts."""
+    here = all_ranks.objects[key]
+    flat = flatten(here.simulation.state)
+    for name, value in flat.items():
+        if isinstance(value, np.ndarray):
+            flat[name] = value[here.part.own_faces] if name in OF_FACES else value[: here.part.owned]
+    counts = [int(number[0]) for number in here.counts]
+    for number in here.counts:
+        number[:] = 0
+    return all_ranks.comm.gather((flat, counts))
+
+
+def traffic(all_ranks: RankGroup, root: Any, key: int) -> Any:
+    """Return on the root rank the messages, bytes and reductions of each rank since the start."""
+    halo = all_ranks.objects[key].halo
+    return all_ranks.comm.gather((halo.messages, halo.bytes, halo.reductions))
