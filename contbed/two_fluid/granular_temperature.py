@@ -254,9 +254,7 @@ def _transport(
         theta[low] = 0.0
     rate = (theta.reshape(-1, 1) - column) / dt - convected
     links, number = model.grid.links, len(s[own])
-    rates = parallel(
-        max_compression_rate, number, links, particles, theta, r.pressure, terms.sink, properties.drag
-    )
+    rates = parallel(max_compression_rate, number, links, particles, theta, r.pressure, terms.sink, properties.drag)
     marked, clipped = (int(number) for number in halo.sum(marked, clipped))
     counters = counters.add(theta_upwind_cells=marked, theta_clipped_cells=clipped)
     return Granular(theta, rate, halo.max(max(rates)), counters)

@@ -47,10 +47,13 @@ def wall_froude(scene: t.TwoFluidScene, grid: Grid) -> Array:
 
 def corrected(closures: Closures, bound: Bound, scene: t.TwoFluidScene, grid: Grid) -> Closures:
     """Closures of a step with the factors near walls that the scene chooses; the same where it chooses none."""
+    chosen = any(bound[kind] is not None for kind in KINDS)
+    return with_factors(closures, bound, wall_froude(scene, grid)) if chosen else closures
+
+
+def with_factors(closures: Closures, bound: Bound, at: Array) -> Closures:
+    """Closures with the factors of cells at the distances `at` (nc,) of `wall_froude`."""
     chosen = {kind: closure for kind in KINDS if (closure := bound[kind]) is not None}
-    if not chosen:
-        return closures
-    at = wall_froude(scene, grid)
     factors = {kind: closure(wall_froude=at) for kind, closure in chosen.items()}
     closures = replace(closures, wall_froude=at)
     if (of_drag := factors.get("wall_drag")) is not None:

@@ -49,7 +49,11 @@ class SharedSimulation(Simulation):
         self.shared, self.counts = Shared(ranks, found, g.interior), counts
         floating = not (edge.gas.kind == OUTLET).any()
         about = parts.About(scene, model.materials, particles, model.options, bool(floating), model.closed)
-        given = [(part, parts.taken(edge, at)) for part, at in zip(found, self.shared.edges, strict=True)]
+        walls = model.closures.wall_froude
+        given = [
+            (part, parts.taken(edge, at), None if walls is None else walls[part.cells])
+            for part, at in zip(found, self.shared.edges, strict=True)
+        ]
         self.shared.run(parts.make, about, root=(given, model.timer))
         self._clock: Clock | None = None
         super().__init__(model)

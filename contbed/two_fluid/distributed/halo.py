@@ -42,9 +42,7 @@ class RankHalo(Halo):
             return
         widths = [field[:1].size for field in fields]
         inbox = [np.empty(len(other.received) * sum(widths)) for other in self.neighbours]
-        pending = [
-            self.comm.Irecv(buffer, other.rank) for buffer, other in zip(inbox, self.neighbours, strict=True)
-        ]
+        pending = [self.comm.Irecv(buffer, other.rank) for buffer, other in zip(inbox, self.neighbours, strict=True)]
         for other in self.neighbours:
             outbox = np.concatenate([field[other.sent].ravel() for field in fields], dtype=float)
             pending.append(self.comm.Isend(outbox, other.rank))
@@ -82,4 +80,4 @@ class RankHalo(Halo):
         """Return the message of the first rank that has one; empty if none has."""
         if not self.any(bool(message)):
             return ""
-        return next(text for text in self.comm.allgather(message) if text)
+        return next(str(text) for text in self.comm.allgather(message) if text)

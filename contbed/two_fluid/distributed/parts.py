@@ -26,6 +26,7 @@ from contbed.two_fluid.distributed.partition import Part
 from contbed.two_fluid.distributed.pressure import PetscPressure
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.model import Materials, Model, Options, Sources
+from contbed.two_fluid.near_walls import with_factors
 from contbed.two_fluid.rheology import Closures, Rheology
 from contbed.two_fluid.scene import TwoFluidScene
 from contbed.two_fluid.simulation import Clock, Simulation
@@ -72,14 +73,18 @@ class RankBed:
 
 def taken(edge: Edge, faces: Any) -> Edge:
     """Return the conditions of some boundary faces."""
-    sides = (Side(*(values[faces] for values in side)) for side in (edge.gas, edge.solid))
-    return Edge(*sides, *(values[faces] for values in edge[2:]))
+    gas, solid = (Side(*(values[faces] for values in side)) for side in (edge.gas, edge.solid))
+    shared = {name: values[faces] for name, values in edge._asdict().items() if isinstance(values, np.ndarray)}
+    return Edge(gas, solid, **shared)
 
 
 def make(all_ranks: RankGroup, root: Any, key: int, about: About) -> None:
-    """Build the bed of each rank from its part and conditions as object `key`; root has the parts and a timer."""
+    """Build the bed of each rank from its part, conditions and distances from walls as object `key`.
+
+    The root rank has these for all ranks, and a timer.
+    """
     parts, timer = root or (None, Timer())
-    part, edge = all_ranks.comm.scatter(parts)
+    part, edge, wall_froude = all_ranks.comm.scatter(parts)
     sent, received = part.sent, part.received
     others = [Neighbour(rank, sent[rank], received[rank]) for rank in sorted(sent)]
     halo = RankHalo(all_ranks.comm, part.owned, part.near, part.own_faces, part.own_edges, others)
@@ -102,9 +107,9 @@ def make(all_ranks: RankGroup, root: Any, key: int, about: About) -> None:
     pressure = PetscPressure(grid, about.floating, int(part.cells[0]) == 0, all_ranks.comm)
     sources = Sources(np.zeros(nc), np.zeros(nc), np.zeros((nc, dim)), np.zeros((nc, dim)), np.zeros(nc))
     closures = count_own(compiled, part.owned)
-    model = Model(
-        grid, about.materials, closures, edge, about.options, sources, pressure, about.closed, None, timer
-    )
+    if wall_froude is not None:
+        closures = with_factors(closures, compiled.bound, wall_froude)
+    model = Model(grid, about.materials, closures, edge, about.options, sources, pressure, about.closed, None, timer)
     all_ranks.objects[key] = RankBed(part, Simulation(model), compiled.counts)
 
 

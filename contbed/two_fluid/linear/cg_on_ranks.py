@@ -76,7 +76,7 @@ def solve_on_ranks(grid: Grid, system: System, explicit: float, tolerance: float
     coef, links, content, rhs = system.coef, system.links, system.content, system.rhs
     _add_links(g, system)
     x[:] = rhs / content
-    stiff = (links > explicit * content).any(axis=1)
+    stiff: Flags = np.asarray((links > explicit * content).any(axis=1))
     if not halo.any(bool(stiff[own].any())):
         halo.exchange(x)
         return 0

@@ -30,6 +30,7 @@ def uses_elimination(grid: Grid) -> bool:
 class SolvesPressure(Protocol):
     """What a step needs of a solver: of one rank or of several."""
 
+    floating: bool
     iterations: int
 
     @property

@@ -1,0 +1,75 @@
+"""What the tests of two fluids run under mpirun: `two_fluid_program.py COMMAND OUT ...`, see `COMMANDS`."""
+
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from two_fluid_scenes import BEDS, CHECK_CASES, CHECKS
+
+from contbed import models
+from contbed.fem.dolfinx import on_dolfinx
+from contbed.fem.ranks import run_on_root
+from contbed.loading import from_dict, load
+from contbed.runner import run
+
+STEPS = 20
+
+
+def loaded(name: str) -> Any:
+    """The scene of a check case or bed."""
+    return from_dict(BEDS[name]) if name in BEDS else load(CHECKS / f"{name}.toml")
+
+
+def states(out: Path, *names: str) -> None:
+    """State of beds after STEPS steps, and what drifted."""
+    for name in names or (*BEDS, *CHECK_CASES):
+
+        def main(name: str = name) -> None:
+            bed, compiled = on_dolfinx(models.plan(loaded(name))).bed()
+            volume = bed.model.grid.geometry.volume
+            before = float(bed.state.eps_s @ volume)
+            for _ in range(STEPS):
+                bed.step_towards(1e3)
+            saved, account = bed.saved(), bed.state.account
+            drift = (float(bed.state.eps_s @ volume) - before - account.solid_in + account.solid_out) / before
+            counts = np.concatenate(compiled.counts)
+            np.savez(out / f"{name}.npz", **saved, before=before, drift=drift, counts=counts, volume=volume)
+
+        run_on_root(main)
+
+
+def whole(out: Path, name: str, end: str) -> None:
+    """A run with its files until `end` [s]."""
+    run(from_dict(BEDS[name] | {"time": BEDS[name]["time"] | {"end": float(end)}}), out=out, engine="dolfinx")
+
+
+def resume(out: Path, name: str, folder: str) -> None:
+    """The same scene continued to its own end from the checkpoint in a folder."""
+    run(loaded(name), restart=folder, out=out, engine="dolfinx")
+
+
+def kill(out: Path, name: str) -> None:
+    """The last rank is killed in the middle of a run."""
+    from mpi4py import MPI
+
+    from contbed.two_fluid.simulation import Simulation
+
+    step = Simulation.step
+
+    def dying(self: Simulation, dt: float) -> None:
+        if self.state.time > 0.02 and MPI.COMM_WORLD.rank == MPI.COMM_WORLD.size - 1:
+            os.kill(os.getpid(), signal.SIGKILL)
+        step(self, dt)
+
+    Simulation.step = dying
+    scene = from_dict(BEDS[name] | {"time": BEDS[name]["time"] | {"checkpoint_every": 1e-9}})
+    run(scene, out=out, engine="dolfinx")
+
+
+COMMANDS = {f.__name__: f for f in (states, whole, resume, kill)}
+
+if __name__ == "__main__":
+    COMMANDS[sys.argv[1]](Path(sys.argv[2]), *sys.argv[3:])
