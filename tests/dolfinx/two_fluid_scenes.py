@@ -75,20 +75,6 @@ BEDS = {
         boundary={"front": {"type": "wall"}, "back": {"type": "wall"}},
         time={"first": 1e-4, "longest": 1e-4},
     ),
-    "factors_near_walls": bed(
-        PLANE,
-        two_fluid={
-            "drag": "igci",
-            "granular_temperature": "frozen",
-            "pressure": "igci",
-            "viscosity": "igci",
-            "bulk_viscosity": "none",
-            "wall_drag": "igci",
-            "wall_pressure": "igci",
-            "wall_viscosity": "igci",
-        },
-        solid={"particle_diameter": 7.5e-5, "density": 1500.0},
-        initial={"theta": 0.0651599, "layer": [{"end": 0.06, "eps_s": 0.3}]},
-    ),
+    "factors_near_walls": bed(PLANE, two_fluid={"drag": "igci", "wall_drag": "igci"}),
     "closed": _without(bed(PLANE | {"shape": "triangle"}), "top", bottom={"type": "wall"}, top={"type": "wall"}),
 }
