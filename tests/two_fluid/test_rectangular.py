@@ -113,6 +113,8 @@ def test_a_step_by_rows_is_that_of_any_mesh(name, monkeypatch):
     filled = general.state.eps_s > 1e-12
     for key, values in expected.items():
         least = speed / dt if ".memory.rate" in key or ".memory.force" in key else 1e-30
+        if key == "state.energy.account.walls":  # of adiabatic walls: rounding of the heat that cells give each other
+            least = float(expected["state.energy.account.heat_in"])
         both_values = found[key], values
         if key in ("state.u_solid", "state.memory.rate_solid", "state.memory.force_solid"):
             both_values = found[key][filled], values[filled]
