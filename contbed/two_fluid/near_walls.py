@@ -80,7 +80,8 @@ def with_factors(closures: Closures, bound: Bound, at: Array) -> Closures:
 def friction_stiffness(eps_s: Array, packing: tuple[float, float, Array]) -> Array:
     """Slope d p_friction/d eps_s/rho_s (nc,) [m2/s2] by the table of a packing, as `closure_kernels` has it."""
     first, spacing, p = packing
-    number = np.minimum(((np.maximum(eps_s, first) - first) / spacing).astype(np.int64), len(p) - 2)
+    # fractions that are no numbers are found, with their place, at the end of the step
+    number = np.clip(((np.nan_to_num(eps_s) - first) / spacing).astype(np.int64), 0, len(p) - 2)
     middle = first + (number + 0.5) * spacing
     return np.where(eps_s > first, eps_s * (p[number + 1] - p[number]) / (middle * spacing), 0.0)
 

@@ -118,8 +118,11 @@ STEAM, AIR = "H2O:1", "N2:0.79, O2:0.21"
 @pytest.mark.parametrize("T", [(300.0, 2000.0), (2000.0, 300.0)], ids=str)
 def test_newton_from_a_cold_start(T, gas, slip, walls):
     result = cb.run(from_dict(hot(*T, gas, slip, walls)))
-    # at most six iterations for each of flow and heat and each mesh, as quadratic convergence has it
-    assert len(result.history) <= 6 * (1 + result.adaptations + walls)
+    # at most six norms for each problem, as quadratic convergence has it; a computed flow and the temperatures that its
+    # properties follow are solved in turn, at most eleven times here
+    begins = [k for k, norm in enumerate(result.history) if norm == 1.0]
+    assert max(np.diff([*begins, len(result.history)])) <= 6
+    assert len(begins) <= (22 if walls else 1) * (1 + result.adaptations)
     assert all(abs(balance["relative_residual"]) <= 1e-10 for balance in result.balances.values())
     assert result.qoi["theta_overshoot"] <= 1e-3
 

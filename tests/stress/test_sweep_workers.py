@@ -194,8 +194,10 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(folder):
     stamps = {name: (folder / "out/runs" / name / "outcome.json").stat().st_mtime_ns for name in before}
     process = command("--out", "out", "--jobs", "2")
     out, err = process.communicate()
-    assert (process.returncode, err) == (0, "")  # nothing but the last line: a pipe gets no progress bar
-    assert out == f"24 of 24 runs are finished, {len(before)} were before; see out/table.csv\n"
+    assert (process.returncode, err) == (0, "")  # a pipe gets no progress bar
+    *spreads, last = out.splitlines()
+    assert len(spreads) == 4 and all(", by samples (24 runs): mean " in line for line in spreads)
+    assert last == f"24 of 24 runs are finished, {len(before)} were before; see out/table.csv"
     assert {name: (folder / "out/runs" / name / "outcome.json").stat().st_mtime_ns for name in before} == stamps
     begun = times("out", "begun")
     assert len(begun) == 24 and all(begun[name] == 1 for name in before)
