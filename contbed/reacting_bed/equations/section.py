@@ -129,7 +129,10 @@ class Section:
 
     def _piece(self, value: Any, ring: int) -> Any:
         value = np.asarray(value)
-        return np.split(value, self.rings.count)[ring] if value.size > 1 else value
+        if value.size == 1:
+            return value
+        length = len(value) // self.rings.count
+        return value[ring * length : (ring + 1) * length]
 
     @staticmethod
     def _flat(parts: list[list[Any]]) -> list[Any]:
