@@ -24,49 +24,33 @@ fluxes of faces alone, so both close to rounding.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, cg
 
 from contbed.errors import ConvergenceError
-from contbed.threads import parallel
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.continuity import Moved
-from contbed.two_fluid.face_velocities import eliminate_drag
 from contbed.two_fluid.fv.gradient import FEW_PARTICLES, NO_PARTICLES
 from contbed.two_fluid.fv.operators import gradient, predictor_half_step
 from contbed.two_fluid.fv.reconstruction import Reconstruction, divergence, face_values
 from contbed.two_fluid.granular_temperature import conduct
-from contbed.two_fluid.heat.kernels import conducted_out
+from contbed.two_fluid.heat.implicit import (
+    Exchange,
+    add_exchange,
+    divided_or_zero,
+    implicit_changes,
+    sums_over_faces,
+)
 from contbed.two_fluid.heat.model import HeatModel
 from contbed.two_fluid.linear.cg import EXPLICIT_SHARE
 from contbed.two_fluid.model import Model
-from contbed.two_fluid.properties import slip_speed
 from contbed.two_fluid.state import Energy, HeatAccount, State, check_finite
 from contbed.two_fluid.timing import phase
 
-TOLERANCE, MAX_ITERATIONS = 1e-10, 500  # of implicit conduction: residual over the right-hand side
-# dt times rate of exchange [-] below which the weight of the new difference is taken from its power series
-# (test_conduction_in_one_phase)
-MIN_EXCHANGE_NUMBER = 1e-3
 ROUNDING = 1e-9  # share of a sub-cycle by which a number of them may be off
 # share of its volume [-] that a step may leave open in a cell of ideal gas, as the pressure of a step knows the heat of
 # the one before; it grows with the square of the step (test_moving_bed_keeps_heat_and_gas)
 MAX_LEFT_OPEN = 1e-3
-
-
-class Exchange(NamedTuple):
-    """Implicit part of heat.
-
-    Content [J/K] of both phases (nc, 2), links (nf, 2) [J/K] of conduction in a step or None, and dt times the rates
-    (nc,) [-] at which each phase follows the other, weighed.
-    """
-
-    content: Array
-    links: Array | None
-    at_gas: Array
-    at_solid: Array
 
 
 def density_times_T(p0: float, heat: HeatModel, model: Model) -> float:
@@ -181,15 +165,15 @@ def _sub_cycle(
     for part in through:
         # what cells give each other cancels in the sum
         walls += part
-    lift = _divide_or_zero(dt * rates, content)
-    at_gas, at_solid = _exchange(state, energy, s, content, lift, heat, dt, model)
+    lift = divided_or_zero(dt * rates, content)
+    at_gas, at_solid = add_exchange(state, energy, s, content, lift, heat, dt, model)
     exchange = Exchange(content, links, at_gas, at_solid)
-    change, lost = _implicit(state, exchange, lift, model)
+    change, lost = implicit_changes(state, exchange, lift, model)
     p0 = energy.p0
     if closed_volume(heat, model):
         room = np.zeros_like(lift)
         room[:, 0] = (1.0 - s) * volume / content[:, 0]
-        response, further = _implicit(state, exchange, room, model)
+        response, further = implicit_changes(state, exchange, room, model)
         rise = _pressure_rise(energy, mass, s, change, response, heat, model)
         p0 += rise
         change, lost = change + rise * response, lost + rise * further
@@ -268,97 +252,7 @@ def _conduct(
         rates[:, k] += out[:, 0]
         links[:, k] = dt * one[:, 0]
         taken.append(dt * float(out.sum()))
-    return links if (_sums(links, model) > EXPLICIT_SHARE * content).any() else None, taken
-
-
-def _sums(links: Array, model: Model) -> Array:
-    """Return the sums (nc, 2) of `links` over the faces of each cell."""
-    g = model.grid.geometry
-    count = len(g.volume)
-    both = [np.bincount(g.left, one, count) + np.bincount(g.right, one[: len(g.right)], count) for one in links.T]
-    return np.stack(both, axis=1)
-
-
-def _exchange(
-    state: State,
-    energy: Energy,
-    eps_s: Array,
-    content: Array,
-    lift: Array,
-    heat: HeatModel,
-    dt: float,
-    model: Model,
-) -> tuple[Array, Array]:
-    """Add the exchange at the present temperatures to the `lift` (nc, 2) [K] of a step.
-
-    Return dt times the rates at which each phase follows the other, weighed.
-    """
-    p, materials = heat.physics, model.materials
-    speed = np.empty_like(eps_s)
-    parallel(slip_speed, len(speed), state.u_gas, state.u_solid, speed)
-    h = p.coefficient(eps_s, speed, energy.rho_ratio, energy.T_gas)
-    of_solid = dt * 6.0 * h / (materials.d_p * materials.rho_solid * p.cp_solid)
-    of_gas = of_solid * content[:, 1] / content[:, 0]
-    apart = energy.T_solid - energy.T_gas
-    lift[:, 0] += of_gas * apart
-    lift[:, 1] -= of_solid * apart
-    z = of_gas + of_solid
-    weight = np.where(z < MIN_EXCHANGE_NUMBER, 0.5 + z / 12.0, 0.0)
-    fast = z >= MIN_EXCHANGE_NUMBER
-    weight[fast] = -1.0 / np.expm1(-z[fast]) - 1.0 / z[fast]
-    return weight * of_gas, weight * of_solid
-
-
-def _implicit(state: State, exchange: Exchange, lift: Array, model: Model) -> tuple[Array, float]:
-    """Return the changes of the temperatures (nc, 2) [K] with implicit conduction and exchange.
-
-    `lift` is the explicit change. Return also the heat that the change drives out through walls [J].
-    """
-    through = 0.0
-    if exchange.links is not None:
-        conducted = _solve_conduction(state, exchange, exchange.links, lift, model)
-        # exchange follows exactly whatever the iteration has left
-        lift = lift - _divide_or_zero(conducted, exchange.content)
-        through = float(conducted.sum())
-    return np.stack(eliminate_drag(lift[:, 0], lift[:, 1], exchange.at_gas, exchange.at_solid), axis=1), through
-
-
-def _solve_conduction(state: State, exchange: Exchange, links: Array, lift: Array, model: Model) -> Array:
-    """Solve for implicit conduction with exchange; return the heat (nc, 2) [J] that the changes conduct out of cells.
-
-    Conjugate gradients, preconditioned with the 2x2 block of each cell.
-    """
-    g, content, size = model.grid.geometry, exchange.content, exchange.content.shape
-    both, out = content[:, 0] * exchange.at_gas, np.empty(size)
-    diagonal = content + both[:, None] + _sums(links, model)
-    diagonal[diagonal == 0.0] = 1.0  # no particles
-    scale = 1.0 / (diagonal[:, 0] * diagonal[:, 1] - both**2)
-
-    def product(x: Array) -> Array:
-        x = x.reshape(size)
-        conducted_out(g, links, x, out)
-        found: Array = content * x + out + both[:, None] * (x - x[:, ::-1])
-        return found.ravel()
-
-    def inverse(x: Array) -> Array:
-        x = x.reshape(size)
-        found: Array = scale[:, None] * (diagonal[:, ::-1] * x + both[:, None] * x[:, ::-1])
-        return found.ravel()
-
-    n = content.size
-    rhs = (content * lift).ravel()
-    x, left = cg(
-        LinearOperator((n, n), product),
-        rhs,
-        inverse(rhs),
-        rtol=TOLERANCE,
-        maxiter=MAX_ITERATIONS,
-        M=LinearOperator((n, n), inverse),
-    )
-    if left:
-        raise ConvergenceError(f"t = {state.time:.6g} s: heat did not converge in {MAX_ITERATIONS} iterations")
-    conducted_out(g, links, x.reshape(size), out)
-    return out
+    return links if (sums_over_faces(links, model) > EXPLICIT_SHARE * content).any() else None, taken
 
 
 def _pressure_rise(
@@ -405,8 +299,3 @@ def _book(account: HeatAccount, dt: float, gas: Array, heat: Array, model: Model
         heat_out=account.heat_out + dt * float(np.sum(heat, where=heat > 0)),
         heat_in=account.heat_in - dt * float(np.sum(heat, where=heat < 0)),
     )
-
-
-def _divide_or_zero(heat: Array, content: Array) -> Array:
-    """heat/content, 0 where the content is 0."""
-    return np.divide(heat, content, out=np.zeros_like(heat), where=content > 0.0)
