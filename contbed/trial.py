@@ -23,7 +23,7 @@ from contbed.output.progress import Progress
 from contbed.result import Result
 
 BUDGET = 2.0  # s of processor time of a trial, after its first step, which may compile
-SEARCH_BUDGET = 3.0  # s of processor time of the trial of a search for a steady state
+SEARCH_BUDGET = 5.0  # s of processor time of the trial of a search for a steady state
 COARSE = 40  # cells along the bed of the run that counts the steps; across it a quarter
 OUTPUT = 0.5  # s of processor time for pictures and fields
 BRANCH = "; the branch over [continuation] comes on top"

@@ -120,7 +120,7 @@ def test_a_search_that_ends_is_told_as_it_was():
 
 @pytest.mark.parametrize(("guesses", "seconds"), [(1, 10.0), (3, 30.0)])
 def test_time_of_a_search_follows_from_the_share_of_its_way(monkeypatch, guesses, seconds):
-    """A search of 20 equal parts of 0.5 s, stopped after 3 s; exact, as its parts are equal."""
+    """A search of 20 equal parts of 0.5 s, stopped after 5 s; exact, as its parts are equal."""
     planned = plan(cb.load("contbed/bubbling_bed/template.toml"))
     now = SimpleNamespace(process_time=lambda: now.value, value=0.0)
 
@@ -135,7 +135,7 @@ def test_time_of_a_search_follows_from_the_share_of_its_way(monkeypatch, guesses
     monkeypatch.setattr(type(planned), "guesses", guesses)
     monkeypatch.setattr(models.Model, "find", lambda self, module, name: run)
     assert trial._searched(planned) == (pytest.approx(seconds), False)
-    assert trial._text_of_search(planned).endswith("of processor, by the first 3 s of a trial")
+    assert trial._text_of_search(planned).endswith("of processor, by the first 5 s of a trial")
 
 
 def test_a_search_that_fails_has_no_line(monkeypatch):
