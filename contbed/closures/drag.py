@@ -109,7 +109,7 @@ def drag_igci(Re: Value, eps: Value, d_p: Value, mu: Value, filter_froude: Value
             (eps_s - 0.59) (-1501 eps_s^3 + 2203 eps_s^2 - 1054 eps_s + 162)           to 0.59, then 0
 
     joined by logistic steps whose width is 1 % of the fraction where the pieces meet; they differ there by up to 10 %
-    of h, at eps_s = 0.0012. Walls are not accounted for, and the filtered stress of clusters is not part of it.
+    of h, at eps_s = 0.0012. Walls are not accounted for (wall_drag_igci does), nor is the filtered stress of clusters.
 
     filter_froude : [-] filter size times g over the square of Stokes' terminal velocity; a filter is two cells wide
 

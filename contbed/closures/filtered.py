@@ -46,7 +46,7 @@ _ROWS = (
     (24.672, 0.0, 0.0, 1.6, 4.0, 7.9, 0.08, 0.9394, 0.0, 0.22, 0.6,
      9.0, 0.15, 10.0, 0.45, 4.2, 0.25, 0.91, 0.4, 0.6, 0.52),
 )  # fmt: skip
-_UNFILTERED = 1.028  # F up to which the drag is not filtered
+UNFILTERED = 1.028  # F up to which the drag is not filtered
 
 
 @closure(
@@ -63,7 +63,8 @@ def drag_milioli(Re: Value, eps: Value, d_p: Value, mu: Value, filter_froude: Va
     with an envelope H_env(eps_s) and H_lin linear in eps_s for each of the filters 2.056, 4.112, 8.224, 12.336, 16.448,
     20.56 and larger ones, 24.672; no filter up to 1.028. Between these H goes from one to the next by a cubic in the
     logarithm of filter_froude; as one reads them elsewhere, it jumps by up to 0.6 there. Minimum, maximum and steps in
-    eps_s are smooth over 0.002, H ends in eps_s over 0.018, and it is at most 0.999. Walls are not accounted for.
+    eps_s are smooth over 0.002, H ends in eps_s over 0.018, and it is at most 0.999. Walls are not accounted for:
+    wall_drag_igci does.
 
     filter_froude : [-] filter size times g over the square of Stokes' terminal velocity; a filter is two cells wide
 
@@ -74,7 +75,7 @@ def drag_milioli(Re: Value, eps: Value, d_p: Value, mu: Value, filter_froude: Va
     5967.7
     """
     s, v = np.maximum(1 - eps, _DILUTEST), Re / (eps * Re_t)
-    last, H = _UNFILTERED, 0.0 * (s + v + filter_froude)
+    last, H = UNFILTERED, 0.0 * (s + v + filter_froude)
     for F, k0, k1, k2, k3, k4, k5, o0, o1, o2, o3, A, p, B, q, C, joint, D, r, t, end in _ROWS:
         line = (k0 + k1 * v + (k2 * v + k3) / (k4 * v + k5)) * s + o0 + o1 * v - o2 / (o3 * v + 0.01)
         line = np.maximum(line, 0.0) + _WIDTH * np.log(1.0 + np.exp(-np.absolute(line) / _WIDTH))
@@ -88,6 +89,20 @@ def drag_milioli(Re: Value, eps: Value, d_p: Value, mu: Value, filter_froude: Va
         share = np.minimum(np.maximum(np.log(filter_froude / last + 1e-30) / np.log(F / last), 0.0), 1.0)
         H, last = H + share**2 * (3.0 - 2.0 * share) * (np.maximum(least, 0.0) - H), F
     return drag_wen_yu(Re, eps, d_p, mu) * (1.0 - H)
+
+
+def fits_milioli(filter_froude: float) -> tuple[float, float]:
+    """Fitted filters that the drag of Milioli et al. goes between; twice the same at one of them and beyond the last.
+
+    Up to the first of them the drag is not filtered.
+
+    >>> fits_milioli(5.0), fits_milioli(30.0), fits_milioli(1.0)
+    ((4.112, 8.224), (24.672, 24.672), (1.028, 1.028))
+    """
+    sizes = (UNFILTERED, *(row[0] for row in _ROWS))
+    smaller = max((size for size in sizes if size <= filter_froude), default=sizes[0])
+    larger = min((size for size in sizes if size >= filter_froude), default=sizes[-1])
+    return smaller, max(smaller, larger)
 
 
 @closure(

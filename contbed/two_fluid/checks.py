@@ -22,8 +22,8 @@ from contbed.two_fluid.closures import (
     KINDS,
     full_name,
     is_filtered_stress,
-    lacks,
     settling_velocity,
+    takes,
 )
 from contbed.two_fluid.heat.scene import Heat
 from contbed.two_fluid.warnings import WARNINGS as WARNINGS
@@ -120,7 +120,7 @@ def filtered_closures_have_their_velocity(
 ) -> Mistakes:
     """Check that particles settle, and that the filtered stress has the granular temperature that it is given over."""
     settling = settling_velocity(two_fluid, gas, solid)
-    keys = [key for key, kind in KINDS.items() if kind in FROM_CELLS and lacks(getattr(two_fluid, key), kind)]
+    keys = [key for key, kind in KINDS.items() if kind in FROM_CELLS and takes(getattr(two_fluid, key), kind)]
     if settling <= 0.0:
         for key in keys:
             yield ("two_fluid", key), f"needs particles that settle; see {see('two_fluid.gravity')} and the densities"

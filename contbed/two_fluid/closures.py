@@ -101,9 +101,14 @@ def filtered(spec: Any, kind: str, scene: t.TwoFluidScene) -> Any:
 def lacks(spec: Any, kind: str) -> tuple[str, ...]:
     """Return the parameters of FROM_CELLS that a closure takes and its scene does not give."""
     given = spec.model_extra or {} if isinstance(spec, Closure) else {}
+    return tuple(key for key in takes(spec, kind) if key not in given)
+
+
+def takes(spec: Any, kind: str) -> tuple[str, ...]:
+    """Return the parameters of FROM_CELLS that a closure takes."""
     name = full_name(spec, kind)
     taken = closures.sheet(name).arguments if name in closures.names(kind) else ()
-    return tuple(key for key in FROM_CELLS[kind] if key in taken and key not in given)
+    return tuple(key for key in FROM_CELLS[kind] if key in taken)
 
 
 def full_name(spec: Any, kind: str) -> str:

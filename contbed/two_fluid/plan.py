@@ -13,7 +13,7 @@ from contbed.mesh.build import build
 from contbed.mesh.mesh import Mesh
 from contbed.models import described
 from contbed.scene.mesh import MeshFile
-from contbed.two_fluid import boundary, closure_kernels, near_walls, probes, warnings
+from contbed.two_fluid import boundary, closure_kernels, filters, near_walls, probes, warnings
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, bound
 from contbed.two_fluid.fv import grid
@@ -128,6 +128,7 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
         (scene.time.average_from is not None, "averages", "in time", "no time.average_from"),
     ):
         (built if there else skipped).append((what, how if there else why))
+    built += filters.described(scene, cells)
     if scene.heat is None:
         skipped.append(("heat", "no [heat]: isothermal"))
     else:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contbed.balance import Balance
-from contbed.two_fluid import momentum_budget
+from contbed.two_fluid import filters, momentum_budget
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages, along, spectrum
 from contbed.two_fluid.closures import MIN_REPORTED_FRACTION
@@ -235,6 +235,7 @@ def results(
     found |= dict(zip(WITH_HEAT, last[len(COLUMNS) :], strict=False))
     section = bed.model.grid.geometry.volume.sum() / np.ptp(plan.mesh.skfem.p[-1])
     found["weight_of_solids"] = float(scene.two_fluid.gravity * last[2] / section)
+    found |= filters.results(scene)
     shear = _shear(scene, plan)
     if shear:
         found["theta_over_s2d2"] = last[5] / (shear * bed.model.materials.d_p) ** 2

@@ -11,6 +11,7 @@ from contbed.scene.checking import Mistakes
 from contbed.scene.toml_lines import KeyPath, dotted
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.closures import ABSENT, KINDS
+from contbed.two_fluid.filters import unlike_the_cells
 
 if TYPE_CHECKING:
     from contbed.mesh.mesh import Mesh
@@ -78,6 +79,7 @@ def _of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> Iterator[tup
                 yield ("initial", "layer", k, key), text
     if grid.axisymmetric and (inner := float(mesh.skfem.p[0].min())) > AXIS * float(np.ptp(mesh.skfem.p[0])):
         yield ("mesh",), f"axisymmetric, but no cell touches the axis: an annulus from r = {inner:.4g} m"
+    yield from unlike_the_cells(scene, grid)
 
 
 def _has_particles(initial: t.Initial, boundary: Mapping[str, t.Boundary]) -> bool:

@@ -15,6 +15,7 @@ from contbed.closures.compiled import compiled
 from contbed.closures.granular_transport import share_drag, share_free_path
 from contbed.errors import SceneError
 from contbed.loading import from_dict
+from contbed.two_fluid import filters
 from contbed.two_fluid.closures import bound
 from contbed.two_fluid.near_walls import corrected, distances, friction_stiffness, wall_froude
 from contbed.two_fluid.plan import plan
@@ -345,6 +346,53 @@ def test_filter_is_two_cells_wide(mesh, size):
     assert found == pytest.approx(2.0 * size * GRAVITY / settling**2, rel=1e-12)
     scene["two_fluid"]["drag"] = {"name": "drag_igci", "filter_froude": 3.0}
     assert bound(from_dict(scene))["drag"].parameters["filter_froude"] == 3.0
+
+
+@pytest.mark.parametrize("name", ["plane", "pipe", "box"])
+def test_plan_and_results_tell_the_size_of_the_filter(name):
+    """Two cells wide by itself, on cells of a pipe by their section; results are in v_t^2/g and in metres."""
+    mesh, _ = TANK[name]
+    size = {"plane": 0.02, "pipe": 0.02, "box": (0.01 * 0.01 * 0.04) ** (1 / 3)}[name]
+    found = plan(from_dict(tank(mesh)))
+    lines = {what: how for what, how in found.built if what.startswith("filter")}
+    assert set(lines) == {f"filter of the {what}" for what in ("drag", "granular pressure", "granular viscosity")}
+    length = (GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)) ** 2 / GRAVITY
+    assert all(f"{2 * size:.3g} m, 2 cells wide, {2 * size / length:.3g} v_t^2/g" in text for text in lines.values())
+    named = filters.results(found.scene)
+    assert named["filter_size [m]"] == pytest.approx(2 * size, rel=1e-12)
+    assert named["filter_froude"] == pytest.approx(2 * size / length, rel=1e-12)
+    assert not any("filter" in text for text in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("F", "says"),
+    [
+        (1.0, "no drag is filtered up to 1.028"),
+        (4.112, "the fit to 4.112"),
+        (30.0, "the fit to 24.67"),
+        (5.0, "between the fits to 4.112 and 8.224"),
+    ],
+)
+def test_plan_tells_the_fits_that_the_filtered_drag_lies_between(F, says):
+    mesh, _ = TANK["plane"]
+    lines = dict(plan(from_dict(tank(mesh, drag={"name": "milioli", "filter_froude": F}))).built)
+    assert lines["filter of the drag"].endswith(f"; {says}")
+
+
+def test_filter_unlike_the_cells_is_warned_of():
+    mesh, _ = TANK["plane"]
+    (text,) = plan(from_dict(tank(mesh, drag={"name": "igci", "filter_froude": 0.5}))).warnings
+    assert "two_fluid.drag: its filter is 0.166 cells wide; 2 are meant, filter_froude = 6.022" in text
+    with pytest.raises(SceneError, match=r"two_fluid\.drag: needs particles that settle"):
+        from_dict(tank(mesh, drag={"name": "igci", "filter_froude": 3.0}, gravity=0.0))
+
+
+def test_plan_without_filtered_closures_tells_no_filter():
+    mesh, _ = TANK["plane"]
+    plain = {"drag": "wen_yu", "pressure": "granular_pressure_dilute", "viscosity": "none"}
+    found = plan(from_dict(tank(mesh, **plain)))
+    assert not any(what.startswith("filter") for what, _ in found.built)
+    assert filters.results(found.scene) == {}
 
 
 NEAR_WALLS = {"wall_drag": (6.0, 0.295), "wall_pressure": (9.14, 0.345), "wall_viscosity": (5.69, 0.228)}
