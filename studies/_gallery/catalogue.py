@@ -111,11 +111,11 @@ class Study:
     def differences(self, tables: Tables) -> list[str]:
         """How tables differ from the committed ones beyond the tolerance; times are not compared."""
         skip, committed = getattr(self.module, "NOT_COMPARED", ()), self.tables()
-        return [
-            f"{name}.csv, {line}"
-            for name, table in tables.items()
-            for line in table.differences(committed[name], self.tolerance, skip)
-        ]
+        found = []
+        for name, table in tables.items():
+            lines = table.differences(committed[name], self.tolerance, skip) if name in committed else ["not committed"]
+            found += [f"{name}.csv, {line}" for line in lines]
+        return found
 
 
 def studies() -> dict[str, Study]:

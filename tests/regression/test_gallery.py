@@ -120,6 +120,14 @@ def test_tables_differ_beyond_tolerance_and_last_digit():
     assert one.differences(Table({"b": ""}, [("1.000",)]), 1.0)
 
 
+def test_a_table_that_is_not_committed_is_a_difference():
+    study = ALL["measured_beds"]
+    committed = study.tables()
+    assert study.differences(committed) == []
+    other = {"other": next(iter(committed.values()))}
+    assert study.differences(committed | other) == ["other.csv, not committed"]
+
+
 def test_changes_are_laid_over_a_scene():
     assert merged({"a": {"b": 1, "c": 2}, "d": 3}, {"a": {"b": 4}}) == {"a": {"b": 4, "c": 2}, "d": 3}
     assert merged({"a": {"type": "wall", "x": 1}}, {"a": {"type": "inlet"}}) == {"a": {"type": "inlet"}}
