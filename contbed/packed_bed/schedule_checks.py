@@ -13,11 +13,11 @@ from contbed.packed_bed.schedule import Schedule, series_of
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh, MeshFile
 from contbed.scene.series import ProfileFile
+from contbed.scene.series_checks import series_is_usable
 from contbed.scene.toml_lines import Origin
 
 Boundaries = dict[str, s.Boundary]
 PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
-MOST_CUTS = 100_000  # jumps and kinks of one series in a run; each takes some milliseconds
 LENGTH_SLACK = 1e-6  # share of the length by which positions in a file may lie outside of the bed, for their rounding
 
 
@@ -26,19 +26,7 @@ def series_are_usable(
 ) -> Mistakes:
     """Check that series can be read, begin at 0 and last as long as the run."""
     for path, series in series_of(flow, boundary):
-        if time is None:
-            yield path, "changes with time, and the scene is steady; add a [time] table, or give one number"
-            continue
-        try:
-            samples = series.samples(origin.base)
-        except SceneError as error:
-            yield path, str(error)
-            continue
-        if not samples.reaches(time.end):
-            last = f"ends at {samples.times[-1]:g} s, before the run; give a later value, or a period"
-            yield path, f"{last}; see {see('time.end')}"
-        if samples.period is not None and time.end / samples.period * len(samples.times) > MOST_CUTS:
-            yield path, f"repeats more than {MOST_CUTS / len(samples.times):.0f} times until {see('time.end')}"
+        yield from series_is_usable(path, series, time, see, origin)
 
 
 def initial_profiles_fit_the_bed(time: s.Time | None, mesh: Mesh, see: See, origin: Origin) -> Mistakes:

@@ -12,10 +12,10 @@ from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.schedule import TABLES, Schedule, series_of
 from contbed.reacting_bed.streams import gas_sign
 from contbed.scene.checking import Check, Mistakes, See
+from contbed.scene.series_checks import series_is_usable
 from contbed.scene.toml_lines import Origin
 
 Boundaries = dict[str, s.Boundary]
-MOST_CUTS = 100_000  # jumps and kinks of one series in a run; each takes some milliseconds
 FLOWS = ("mass_flux", "molar_flux", "velocity")
 SOLID_FLOW = "velocity_solid"
 
@@ -32,21 +32,10 @@ def series_are_usable(
     """Check that series can be read, begin at 0 and last as long as the run, and that the gas never stops."""
     tables = {"fluid": fluid, "flow": flow, "boundary": boundary, "wall": wall}
     for path, series in series_of(tables):
-        if time is None:
-            yield path, "changes with time, and the scene is steady; add a [time] table, or give one number"
-            continue
-        try:
-            samples = series.samples(origin.base)
-        except SceneError as error:
-            yield path, str(error)
-            continue
-        if not samples.reaches(time.end):
-            last = f"ends at {samples.times[-1]:g} s, before the run; give a later value, or a period"
-            yield path, f"{last}; see {see('time.end')}"
-        if samples.period is not None and time.end / samples.period * len(samples.times) > MOST_CUTS:
-            yield path, f"repeats more than {MOST_CUTS / len(samples.times):.0f} times until {see('time.end')}"
-        if path[0] == "flow":
-            yield from _flow_keeps_its_sign(path, samples)
+        found = list(series_is_usable(path, series, time, see, origin))
+        yield from found
+        if path[0] == "flow" and not found:
+            yield from _flow_keeps_its_sign(path, series.samples(origin.base))
 
 
 def _flow_keeps_its_sign(path: Any, samples: Any) -> Mistakes:
