@@ -19,6 +19,7 @@ KINDS = {
     ("Mass", "dispersion"): "mass_dispersion",
     ("BubblingBed", "conductivity"): "conductivity",
     ("PhaseCondition", "coefficient"): "wall",
+    ("Wall", "coefficient"): "wall",
     ("Surface", "coefficient"): "bed_tube",
     ("Species", "gas_coefficient"): "nusselt",
     ("Species", "conductivity"): "solids_mixing",

@@ -66,7 +66,7 @@ def across(problem: Problem) -> Across | None:
     except SceneError:
         return None
     K, radius = float(radial.conductivity_fluid + radial.conductivity_solid), 0.5 * wall.diameter
-    q = float(medium.through_wall(problem.streams.T_gas, K, 0.25 * radius))
+    q = float(medium.through_wall(problem.streams.T_gas, medium.wall_coefficient(state), K, 0.25 * radius))
     return Across(abs(q) * radius / (2.0 * K), _limit(problem))
 
 

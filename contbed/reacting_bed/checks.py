@@ -264,10 +264,13 @@ def streams_have_a_temperature(
         )
 
 
-def heat_fits_the_bed(heat: s.Heat | None, wall: s.Wall | None) -> Mistakes:
-    """Check that a wall has a bed with temperatures."""
+def heat_fits_the_bed(heat: s.Heat | None, wall: s.Wall | None, section: s.Section | None) -> Mistakes:
+    """Check that a wall has a bed with temperatures, and a coefficient by name the bed beside the wall."""
     if wall is not None and heat is None:
         yield ("wall",), "has no meaning without [heat]; add [heat], or remove it"
+    if wall is not None and named(wall.coefficient) and section is None:
+        text = "by name it is on the jump of temperature at the wall, which one dimension does not have; add [section]"
+        yield ("wall", "coefficient"), f"{text}, or give the coefficient to the mean temperature as a number"
 
 
 def sections_can_be_resolved(
@@ -300,10 +303,15 @@ def sections_can_be_resolved(
 
 
 def closures_exist(
-    bed: s.Bed, heat: s.Heat | None, mass: s.Mass | None, section: s.Section | None, origin: Origin
+    bed: s.Bed,
+    heat: s.Heat | None,
+    mass: s.Mass | None,
+    section: s.Section | None,
+    wall: s.Wall | None,
+    origin: Origin,
 ) -> Mistakes:
     """Check that closures are known, with their parameters, and get their arguments."""
-    for path, spec, kind in places_of(bed, heat, mass, section):
+    for path, spec, kind in places_of(bed, heat, mass, section, wall):
         if named(spec) and not (kind == "conductivity" and is_phase(spec)):
             try:
                 bound(spec, kind, origin.base, "transverse" if path[0] == "section" else "axial")

@@ -28,6 +28,7 @@ GIVES: Mapping[str, tuple[str, ...]] = {
     "nusselt": _STREAM,
     "dispersion": _STREAM,
     "conductivity": ("eps", "d_p", "k_fluid", "k_solid", "T"),
+    "wall": (*_STREAM, "k_stagnant"),
     "sherwood": (*_PACKING, "Re", "Sc"),
     "mass_dispersion": (*_PACKING, "v", "D_gas"),
 }
@@ -36,7 +37,7 @@ SLOW = 1e-9  # share of the speed below which |U| is rounded, so that a change o
 
 
 def places_of(
-    bed: s.Bed, heat: s.Heat | None, mass: s.Mass | None, section: s.Section | None = None
+    bed: s.Bed, heat: s.Heat | None, mass: s.Mass | None, section: s.Section | None, wall: s.Wall | None
 ) -> list[tuple[tuple[str, ...], Any, str]]:
     """Return (key, value, kind) of each place where a scene may name a closure."""
     out: list[tuple[tuple[str, ...], Any, str]] = [
@@ -53,6 +54,8 @@ def places_of(
         out += [(("section", key), getattr(section, key), "conductivity") for key in CONDUCTIVITIES]
         out.append((("section", "dispersion"), section.dispersion, "dispersion"))
         out.append((("section", "mass_dispersion"), section.mass_dispersion, "mass_dispersion"))
+    if wall is not None:
+        out.append((("wall", "coefficient"), wall.coefficient, "wall"))
     return out
 
 
@@ -94,7 +97,7 @@ class Medium:
     def of(cls, scene: s.ReactingScene, species: Substances, solids_density: float, with_pressure: bool) -> Medium:
         """Bind the closures of a scene."""
         found = {}
-        for path, spec, kind in places_of(scene.bed, scene.heat, scene.mass, scene.section):
+        for path, spec, kind in places_of(scene.bed, scene.heat, scene.mass, scene.section, scene.wall):
             if named(spec) and not (kind == "conductivity" and is_phase(spec)):
                 direction = "transverse" if path[0] == "section" else "axial"
                 found[".".join(path)] = bound(spec, kind, scene.origin.base, direction)
@@ -128,7 +131,7 @@ class Medium:
             if heat.dispersion is not None:
                 K_f = K_f + self._value("heat.dispersion", heat.dispersion, needs)
             if wall is not None and self.scene.section is None:
-                q_wall = self.through_wall(state.T_fluid) * (4.0 / wall.diameter)
+                q_wall = self.through_wall(state.T_fluid, wall.coefficient) * (4.0 / wall.diameter)
         gradient: Any = 0.0
         if self.with_pressure:
             gradient = self.resistance(state, needs)
@@ -141,18 +144,22 @@ class Medium:
                 films = self._films(mass.sherwood, needs)
         return Transport(exchange, K_f, K_s, q_wall, gradient, dispersion, films)
 
-    def through_wall(self, T: Any, K: Any = 1.0, distance: float = 0.0) -> Any:
+    def wall_coefficient(self, state: State) -> Any:
+        """Return the coefficient of the wall [W/m2/K] at a state beside it, None for a wall with a given flux."""
+        wall = self.scene.wall
+        return None if wall is None else self._value("wall.coefficient", wall.coefficient, _Properties(self, state))
+
+    def through_wall(self, T: Any, coefficient: Any, K: Any = 1.0, distance: float = 0.0) -> Any:
         """Return the heat through the wall into the bed [W/m2 of wall] from a temperature at a distance [m] from it.
 
-        K is the conductivity between both [W/m/K].
+        K is the conductivity between both [W/m/K], `coefficient` that of the wall.
         """
         wall = self.scene.wall
         if wall is None:
             return 0.0
         if wall.flux is not None:
             return constant(wall.flux)
-        assert wall.coefficient is not None and wall.ambient is not None
-        coefficient: Any = wall.coefficient
+        assert wall.ambient is not None
         if distance:
             coefficient = coefficient / (1.0 + (coefficient * distance) / K)
         return coefficient * (constant(wall.ambient) - T)
@@ -161,14 +168,20 @@ class Medium:
         """Return the coefficients across the flow at a state: conductivities and dispersion."""
         section, needs = self.scene.section, _Properties(self, state)
         assert section is not None
-        K_f = self._conductivity("section.conductivity_fluid", section.conductivity_fluid, needs, "fluid")
-        K_s = self._conductivity("section.conductivity_solid", section.conductivity_solid, needs, "solid")
+        K_f, K_s = self.stagnant(needs)
         if section.dispersion is not None:
             K_f = K_f + self._value("section.dispersion", section.dispersion, needs)
         dispersion = None
         if section.mass_dispersion is not None:
             dispersion = self._dispersion("section.mass_dispersion", section.mass_dispersion, needs)
         return Transport(conductivity_fluid=K_f, conductivity_solid=K_s, dispersion=dispersion)
+
+    def stagnant(self, needs: _Properties) -> tuple[Any, Any]:
+        """Return the conductivities of gas and particles across the flow without dispersion [W/m/K]."""
+        section = self.scene.section
+        assert section is not None  # `checks` sees to it
+        K_f = self._conductivity("section.conductivity_fluid", section.conductivity_fluid, needs, "fluid")
+        return K_f, self._conductivity("section.conductivity_solid", section.conductivity_solid, needs, "solid")
 
     def resistance(self, state: State, needs: Any = None) -> Any:
         """Return -dp/dx [Pa/m] by permeability and Forchheimer coefficient, on the velocity to particles."""
@@ -334,6 +347,7 @@ class _Properties:
             "T": lambda: self.state.T_solid,
             "k_fluid": lambda: self.k_fluid,
             "k_solid": lambda: self.k_solid,
+            "k_stagnant": lambda: sum(self.medium.stagnant(self)),
             "D_bed": lambda: wall.diameter if wall is not None else 1e3 * bed.particle_diameter,
         }
         return values[name]()

@@ -33,7 +33,6 @@ from contbed.scene.quantities import (
     Table,
     Temperature,
     Viscosity,
-    WallCoefficient,
     Whole,
     form,
     given_one,
@@ -48,6 +47,7 @@ from contbed.scene.tables import (
     Packing,
     PermeabilityOrClosure,
     SceneBase,
+    WallCoefficientOrClosure,
 )
 
 MolarMass = Annotated[float, *unit("kg/mol"), Field(gt=0)]
@@ -178,7 +178,9 @@ class Wall(Table):
     """Heat through the wall of a tube, into the gas (two temperatures) or the bed (one)."""
 
     diameter: Length = Field(description="inner diameter of the tube")
-    coefficient: WallCoefficient | None = Field(None, description="on the inner area, to `ambient`")
+    coefficient: WallCoefficientOrClosure | None = Field(
+        None, description="on the inner area, to `ambient`; by name with [section]"
+    )
     ambient: TemperatureOrSeries | None = None
     flux: HeatFluxOrSeries | None = Field(None, description="into the bed, on the inner area")
 

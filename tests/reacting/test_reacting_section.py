@@ -10,9 +10,11 @@ from scipy.optimize import brentq
 from scipy.special import j0, j1
 
 import contbed
+from contbed.closures import get
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.reacting_bed.across import across
+from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.plan import plan
 
 CP, U, RADIUS, T_WALL, K = 30.0, 0.5, 0.05, 800.0, 2.0
@@ -63,6 +65,45 @@ def test_plug_flow_between_walls(shape):
     coarse, fine = (solved(heated(rings, shape)).profiles["T_fluid [K]"] - exact for rings in (4, 8))
     assert np.all(np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1))
     assert np.abs(fine).max() < 0.5
+
+
+MU, K_GAS, D_P = 3e-5, 0.04, 3e-3
+
+
+@pytest.mark.parametrize("name", ["wall_martin_nilles", "wall_li_finlayson"])
+def test_wall_coefficient_by_name(name):
+    """With constant properties it is a number, from Re = G d_p/mu, Pr = c mu/k, the conductivity without dispersion."""
+    scene = heated(6, wall=1.0)
+    scene["fluid"] |= {"viscosity": MU, "conductivity": K_GAS}
+    scene["section"]["dispersion"] = 0.5
+    flux = U * P / (R_GAS * T) * 0.028
+    known = {"Re": flux * D_P / MU, "Pr": CP / 0.028 * MU / K_GAS, "k_fluid": K_GAS, "d_p": D_P, "D_bed": 2 * RADIUS}
+    stagnant = {"k_stagnant": K} if name == "wall_martin_nilles" else {}
+    scene["wall"]["coefficient"] = float(get(name, "wall")(**known, **stagnant))
+    expected = solved(scene)
+    scene["wall"]["coefficient"] = name
+    found = solved(scene)
+    np.testing.assert_allclose(found.profiles["T_fluid [K]"], expected.profiles["T_fluid [K]"], rtol=1e-11)  # Newton's
+    assert {use["name"] for use in found.closures} == {name}
+
+
+def test_the_wall_meets_the_outermost_ring():
+    """Where viscosity follows T, the temperature at the axis leaves the heat through the wall as it is, to rounding."""
+    scene = heated(2, wall="li_finlayson")
+    scene["fluid"]["conductivity"] = K_GAS
+    for gas in scene["fluid"]["species"].values():
+        gas["viscosity"] = [6e-8, 1.0]  # 6e-8 T
+    problem = plan(from_dict(scene)).problem
+    section, rings, k = Section(problem.bed, problem.rings), problem.rings, problem.layout.names.index("T")
+
+    def gains(T_axis):
+        points = np.array([problem.first_point()] * 2, dtype=float)
+        points[:, k] = T_axis, 600.0
+        values = [np.array([value]) for value in points.ravel()]
+        outer = section(values, [0.0 * value for value in values], np.zeros(1))[2][len(problem.layout.names) + k]
+        return float(outer[0]) - K * (T_axis - 600.0) * rings.faces[0] / rings.shares[1]
+
+    assert gains(700.0) == pytest.approx(gains(500.0), rel=1e-12)
 
 
 def test_temperature_of_the_wall_carries_its_heat():
@@ -149,6 +190,10 @@ def test_plan_tells_whether_one_dimension_is_enough():
         ({"wall": None}, "its size is not known"),
         ({"section": {"rings": 4}}, "no heat passes between the rings"),
         ({"time": {"end": 1.0}}, "is resolved in steady beds only"),
+        (
+            {"section": None, "wall": {"diameter": 0.1, "coefficient": "martin_nilles", "ambient": T_WALL}},
+            r"wall\.coefficient.*which one dimension does not have; add \[section\]",
+        ),
         ({"continuation": {"parameter": "flow.velocity", "to": 1.0}}, "is not resolved along a branch"),
         ({"section": {"rings": 4, "conductivity_solid": "zbs"}}, "conductivity_solid"),
     ],

@@ -176,7 +176,9 @@ class Section:
                 sources[outer][k] = sources[outer][k] - amount * (area / shares[outer])
         if temperatures:
             k, pairs = names.index(temperatures[0]), fields[temperatures[0]]
-            heat = bed.medium.through_wall(*pairs[-1], rings.to_wall)
+            T, K = pairs[-1]
+            coefficient = self._of_ring(bed.medium.wall_coefficient(state), rings.count - 1)
+            heat = bed.medium.through_wall(T, coefficient, K, rings.to_wall)
             sources[-1][k] = sources[-1][k] + heat * (rings.wall_area / shares[-1])
         if bed.layout.pressure:
             k = names.index("p")
