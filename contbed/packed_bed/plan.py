@@ -40,6 +40,8 @@ from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
+# Nusselt numbers that hold with the dispersion that the same data were evaluated with: without, fronts are too steep
+TAKEN_TOGETHER = {"nusselt_wakao_kaguei": "dispersion_wakao_kaguei"}
 AUTOMATIC = 4  # adaptive refinements of an automatic line
 AUTOMATIC_TENSOR = 6  # new meshes of a plane or volume at most; two or three bring the error to the tolerance
 AUTOMATIC_CELLS = {2: 30_000, 3: 4_000}  # by dimension: 5 to 10 s of processor for two temperatures
@@ -314,7 +316,7 @@ def plan(scene: s.Scene) -> Plan:
             why = "no [particle] table: " if scene.particle is None else ""
             (skipped if inside.level == "lumped" else built).append(("inside of particles", f"{why}{inside}"))
         if scene.heat.dispersion is None:
-            skipped.append(("dispersion", "no heat.dispersion"))
+            skipped.append(("dispersion", _why_no_dispersion(scene.heat)))
         if scene.heat.tortuosity is None:
             skipped.append(("cross conduction", "no heat.tortuosity"))
         if medium.constant:
@@ -370,6 +372,13 @@ def _finest_each(grids: list[list[Any] | None]) -> list[Any] | None:
     if grids[0] is None:
         return None
     return [finest([grid[k] for grid in grids if grid is not None]) for k in range(len(grids[0]))]
+
+
+def _why_no_dispersion(heat: s.Heat) -> str:
+    """Return why there is none, and whether the Nusselt number was taken from data together with one."""
+    name = heat.nusselt if isinstance(heat.nusselt, str) else getattr(heat.nusselt, "name", "")
+    together = TAKEN_TOGETHER.get(f"nusselt_{str(name).removeprefix('nusselt_')}")
+    return "no heat.dispersion" + (f"; {name} was taken from data together with {together}" if together else "")
 
 
 def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:

@@ -215,3 +215,23 @@ def test_no_heat_table_has_no_temperatures():
     result = cb.run(from_dict(values))
     assert set(result.plan.unknowns()) == {"flow"}
     assert not any("T_" in name for name in [*result.profiles, *result.nodal, *result.qoi])
+
+
+@pytest.mark.parametrize(
+    ("heat", "why"),
+    [
+        (
+            {"nusselt": "wakao_kaguei"},
+            "no heat.dispersion; wakao_kaguei was taken from data together with dispersion_wakao_kaguei",
+        ),
+        (
+            {"nusselt": {"name": "nusselt_wakao_kaguei"}},
+            "no heat.dispersion; nusselt_wakao_kaguei was taken from data together with dispersion_wakao_kaguei",
+        ),
+        ({"nusselt": "gunn"}, "no heat.dispersion"),
+        ({"nusselt": 10.0}, "no heat.dispersion"),
+        ({"nusselt": "wakao_kaguei", "dispersion": "wakao_kaguei"}, None),
+    ],
+)
+def test_the_plan_tells_what_belongs_to_a_nusselt_number(heat, why):
+    assert dict(plan(heat=heat).skipped).get("dispersion") == why
