@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
 from contbed.dem import heat
+from contbed.dem.sizes import sauter_mean
 from contbed.interrupts import deferred_interrupt
 
 Array = NDArray[np.float64]
@@ -94,6 +95,8 @@ def bed_nusselt(
     """Find Re and Pr of a superficial velocity [m/s] through a bed at rest, and Nu of its mean coefficient.
 
     The gas enters at T [K], that of the bed, and has crossed the grid once. `of` "total" adds what `solid` conducts.
+    The length of both numbers is the Sauter mean diameter, the coefficient the mean over the surface: with them a bed
+    of one size exchanges what the particles of all sizes do.
     """
     gas, grid, d_p = bed.gas, bed.gas.grid, 2.0 * bed.simulation.radius
     gas.inlet(velocity, T)
@@ -104,4 +107,5 @@ def bed_nusselt(
     rho, mu, k, c = (
         float(getattr(gas.fluid, name)(T)) for name in ("density", "viscosity", "conductivity", "heat_capacity")
     )
-    return rho * velocity * float(d_p.mean()) / mu, mu * c / k, float((h * d_p).mean()) / k
+    d_32, surface = sauter_mean(d_p), d_p**2
+    return rho * velocity * d_32 / mu, mu * c / k, float((h * surface).sum() / surface.sum()) * d_32 / k

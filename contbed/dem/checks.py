@@ -8,7 +8,8 @@ from contbed.dem import dumps
 from contbed.dem import scene as p
 from contbed.dem.heat import VORONOI
 from contbed.dem.particle_files import FileParticles, missing_step, read_particles, tells_radii
-from contbed.dem.plan import CUT, porosity_of
+from contbed.dem.plan import porosity_of
+from contbed.dem.sizes import CUT
 from contbed.dem.walls import SKIN
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.toml_lines import Origin

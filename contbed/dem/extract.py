@@ -33,11 +33,12 @@ RATIO = "k_solid/k_fluid"
 class Packing(NamedTuple):
     """A bed whose conductivity is measured between its particles below `bottom` and above `top` [m].
 
-    `box`: corners of a box that is periodic in x and y; None for walls at the outermost particles.
+    `radius`: of all particles, or (n,). `box`: corners of a box that is periodic in x and y; None for walls at the
+    outermost particles.
     """
 
     x: Array
-    radius: float
+    radius: float | Array
     porosity: float
     bottom: float
     top: float
@@ -87,12 +88,13 @@ def conductivity_sweep(
     rows = []
     for packing in packings:
         x, R = packing.x, packing.radius
-        box = packing.box or (x.min(axis=0) - R, x.max(axis=0) + R)
+        largest = float(np.max(R))
+        box = packing.box or (x.min(axis=0) - largest, x.max(axis=0) + largest)
         sides = packing.box is not None
         if paths in heat.VORONOI:
             pairs = heat.voronoi_pairs(x, box, (sides, sides, False))
         else:
-            pairs = heat.near_pairs(x, 3.0 * R, box, (sides, sides, False))
+            pairs = heat.near_pairs(x, 3.0 * largest, box, (sides, sides, False))
         hot, cold = x[:, 2] < packing.bottom, x[:, 2] > packing.top
         for ratio in ratios:
             how = heat.Conduction(ratio * k_fluid, k_fluid, packing.porosity, factor, paths=paths)  # type: ignore[arg-type]

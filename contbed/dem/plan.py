@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.dem.particle_files import read_particles
-from contbed.dem.scene import Lattice, Layers, Packing, ParticleScene
+from contbed.dem.scene import Lattice, Layers, ParticleScene
+from contbed.dem.sizes import random_radii
 from contbed.errors import EngineError, SceneError
 from contbed.models import Plan, described
 
 Array = NDArray[np.float64]
 
 BOTTOM, TOP = 1.0, 2.0  # diameters from the floor and from the surface, where the layers of a packing end
-CUT = 2.0  # standard deviations at which the normal distribution of radii is cut
 
 # centres in the unit cell, and the edge of the cell over the radius of spheres that touch
 _CORNERS = {
@@ -116,7 +116,7 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
     bed = pack(
         table.width,
         cylinder=table.cylinder,
-        radius=_radii(table),
+        radius=random_radii(table.radius, table.spread, table.number, table.seed),
         material=Material(
             table.density,
             table.modulus,
@@ -143,16 +143,6 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
         )
     porosity = scene.conduction.porosity or porosity_of(layers, x, radius, (low, high))
     return replace(plan, x=x, radius=radius, box=(low, high), porosity=porosity, layers=layers)
-
-
-def _radii(table: Packing) -> Array:
-    """Draw the radii [m] of a packing; the same by seed."""
-    if table.spread == 0.0:
-        return np.full(table.number, table.radius)
-    from scipy.special import ndtr, ndtri
-
-    drawn = np.random.default_rng(table.seed).uniform(ndtr(-CUT), ndtr(CUT), table.number)
-    return np.asarray(table.radius * (1.0 + table.spread * ndtri(drawn)))
 
 
 def on_lammps(plan: Plan) -> ParticlePlan:

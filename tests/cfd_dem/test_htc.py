@@ -14,7 +14,7 @@ from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.grid import Grid
-from contbed.cfd_dem.heat_transfer import Average, coefficients
+from contbed.cfd_dem.heat_transfer import Average, bed_nusselt, coefficients
 from contbed.cfd_dem.history import History
 from contbed.cli import app
 from contbed.closures import drag_di_felice, nusselt_power
@@ -110,6 +110,22 @@ def test_a_lattice_has_the_coefficients_of_its_contacts():
     average(bed)
     assert average.total == pytest.approx(sum(h[name] for name in h if name != "radiation"), rel=1e-12)
     assert average.Re == pytest.approx(RE, rel=1e-6)
+
+
+def test_a_bed_of_two_sizes_exchanges_what_its_particles_do():
+    """With Nu = 2 of each particle, h_i = 2 k/d_i: sum h_i d_i^2 = h sum d_i^2 with the length d_32 of Re and Nu."""
+    d = np.where(np.arange(len(lattice())) % 3 == 0, D, 0.7 * D)
+    simulation = Simulation(
+        Particles(lattice(), d / 2), [Material(2500.0, 1e7)], (), Domain((0, 0, 0), (9 * STEP, 9 * STEP, np.inf),
+        (True, True, False)),
+    )  # fmt: skip
+    grid = Grid(np.zeros(3), np.full(3, 3 * STEP), (3, 3, 5), (True, True))
+    gas = Gas(grid, AIR, drag_di_felice, partial(nusselt_power, a=0.0, b=0.5), isothermal=True, gravity=(0, 0, 0))
+    Re, Pr, Nu = bed_nusselt(Bed(simulation, gas, 1e-3, moving=False), 0.5, 300.0, Solid(0.0))
+    d_32 = (d**3).sum() / (d**2).sum()
+    assert Re == pytest.approx(1.2 * 0.5 * d_32 / 1.8e-5, rel=1e-12)
+    assert Pr == pytest.approx(PR, rel=1e-12)
+    assert Nu == pytest.approx(2.0 * d_32 * d.sum() / (d**2).sum(), rel=1e-12)
 
 
 def test_a_fresh_contact_conducts_as_an_impact():

@@ -15,6 +15,7 @@ from contbed.dem import heat, lammps_deck, lammps_run, network
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.settling import stages_of
+from contbed.dem.sizes import random_radii
 from contbed.dem.walls import Cylinder, Domain, Plane, Tube, box
 from contbed.errors import ConvergenceError, EngineError, SceneError
 from contbed.loading import loads
@@ -84,15 +85,12 @@ def test_plan_settles_nothing():
 
 
 def test_radii_spread_about_their_mean():
-    from contbed.dem.plan import _radii
-
-    table = loads(changed(("count = 70", "count = 40000\nspread = 0.2"), ("6 mm", "60 mm"))).packing
-    found = _radii(table)
+    found = random_radii(R, 0.2, 40_000, seed=3)
     # 0.7737 is the variance of a normal distribution cut at two deviations; mean and variance of 40000 scatter by 0.001
     assert found.mean() == pytest.approx(R, rel=5e-3)
     assert found.std() == pytest.approx(0.2 * np.sqrt(0.7737) * R, rel=2e-2)
     assert found.min() > 0.6 * R and found.max() < 1.4 * R
-    assert _radii(table).tobytes() == found.tobytes()
+    assert random_radii(R, 0.2, 40_000, seed=3).tobytes() == found.tobytes()
 
 
 def test_mistakes():

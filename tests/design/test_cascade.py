@@ -180,6 +180,20 @@ def test_particles_that_nothing_needs_are_not_asked(tmp_path, monkeypatch):
     assert not (tmp_path / "out/nusselt.toml").exists()
 
 
+def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
+    """Exchange per volume is 6 (1 - eps) h/d_32; sizes differ by the spread of a normal distribution cut at two."""
+    text = FILE.replace("width = 5 }", "width = 5, spread = 0.2 }")
+    text = text.replace('["cones", "columns"]', '["cones"]').replace(', "gunn"', "")
+    done = cascade(written(tmp_path, text), tmp_path / "out")
+    kept = list((tmp_path / "out").rglob("packings/*.npz"))
+    assert len(kept) == 2
+    for path in kept:
+        radius = np.load(path)["radius"]
+        assert (radius**3).sum() / (radius**2).sum() == pytest.approx(5e-3, rel=1e-12)
+        assert radius.std() / radius.mean() == pytest.approx(0.2 * 0.7737**0.5, rel=0.1)  # 300 draws: 4 %
+    assert (tmp_path / "out/nusselt.toml").exists() and done.band(NAME)[1] > done.band(NAME)[0]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
@@ -206,6 +220,7 @@ def test_particles_that_nothing_needs_are_not_asked(tmp_path, monkeypatch):
             'cascade.toml:4: measured: no case "beaulieu"; allowed: ',
         ),
         ("samples = 8", 'measured = "beaulieu_2020"', "the points are measured over time, but the scene is steady"),
+        ("width = 5 }", "width = 5, spread = 0.1 }", "cascade.toml:6: laws.conduction: columns are for equal spheres"),
         ("width = 5 }", "width = 5, walls = true }", "cascade.toml:5: packings.walls: the gas is computed between"),
         ('"5 %"', "nan", "cascade.toml:7: uncertain.solid.conductivity: expected a number > 0 in SI, or a share"),
         ('"5 %"', '"500 %"', "cascade.toml:7: uncertain.solid.conductivity: 4"),

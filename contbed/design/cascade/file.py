@@ -34,6 +34,7 @@ from pydantic import Discriminator, Field
 
 from contbed import fields
 from contbed.closures.binding import bind
+from contbed.dem.heat import VORONOI
 from contbed.errors import SceneError
 from contbed.loading import load, table_of
 from contbed.packed_bed.scene import Scene
@@ -49,7 +50,7 @@ Law = Annotated[Named, Discriminator(form)]
 
 
 class Packings(Table):
-    """Random packings of equal spheres with periodic sides or between walls, settled by their weight."""
+    """Random packings of spheres with periodic sides or between walls, settled by their weight."""
 
     count: Annotated[Whole, Field(ge=2, le=32)] = 4
     particles: Annotated[Whole, Field(ge=300, le=50_000)] = Field(1000, description="in each")
@@ -57,7 +58,10 @@ class Packings(Table):
     walls: Switch = Field(False, description="square box with walls, whose porosity counts whole; else periodic sides")
     friction: Annotated[Number, Field(ge=0)] = Field(0.3, description="Coulomb's coefficient of sliding")
     seed: Annotated[Whole, Field(ge=0)] = Field(0, description="of the first packing; the next count on")
-    diameter: Length | None = Field(None, description="of the spheres; that of the scene if absent")
+    diameter: Length | None = Field(None, description="Sauter mean of the spheres; that of the scene if absent")
+    spread: Annotated[Number, Field(ge=0, le=0.3)] = Field(
+        0.0, description="standard deviation of the radii over their mean; normal, cut at two deviations"
+    )
     youngs_modulus: Pressure = Field(5e10, description="of the material, to which contacts are corrected")
     simulated: Pressure = Field(1e7, description="Young's modulus with which the packings settle")
 
@@ -108,7 +112,7 @@ class Cascade:
 
     @property
     def diameter(self) -> float:
-        """Diameter of the spheres of the packings [m]."""
+        """Sauter mean diameter of the spheres of the packings [m]."""
         return self.settings.packings.diameter or self.scene.bed.particle_diameter
 
 
@@ -182,6 +186,11 @@ def _mistakes(settings: Settings, scene: Any, origin: Origin) -> Iterator[str]:
     if settings.packings.walls and settings.laws.exchange:
         why = "the gas is computed between periodic sides only; leave out walls, or laws.exchange"
         yield f"{origin.at(('packings', 'walls'))}: packings.walls: {why}"
+    for paths in settings.laws.conduction:
+        if paths not in VORONOI or settings.packings.spread == 0.0:
+            continue
+        why = f'{paths} are for equal spheres; take "cones", or packings.spread = 0'
+        yield f"{origin.at(('laws', 'conduction'))}: laws.conduction: {why}"
     if not settings.qoi and settings.measured is None:
         yield f"{origin.at(('qoi',))}: qoi: asks for no result; name one, such as T_fluid_out_K, or give `measured`"
     for k, law in enumerate(settings.laws.exchange):

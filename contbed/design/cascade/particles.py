@@ -32,6 +32,7 @@ from contbed.dem.heat_pair import STATIC, correction
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
+from contbed.dem.sizes import random_radii, sauter_mean
 from contbed.dem.walls import Domain
 from contbed.design.cascade.file import AT_PARTICLE, Cascade
 from contbed.materials.constant import ConstantFluid
@@ -106,6 +107,7 @@ def _about(cascade: Cascade, number: int) -> dict[str, Any]:
     packings, density = cascade.settings.packings, cascade.scene.solid.density
     return {
         "diameter": cascade.diameter,
+        "spread": packings.spread,
         "particles": packings.particles,
         "width": packings.width,
         "seed": packings.seed + number,
@@ -123,27 +125,30 @@ def _packing(cascade: Cascade, folder: Path, number: int) -> extract.Packing:
     width = about["width"] * d
     try:
         with np.load(path) as kept:
-            x, porosity, surface = kept["x"], float(kept["porosity"]), float(kept["surface"])
+            x, R, porosity, surface = kept["x"], kept["radius"], float(kept["porosity"]), float(kept["surface"])
     except (OSError, ValueError, KeyError, EOFError, BadZipFile):
+        R = random_radii(0.5 * d, about["spread"], about["particles"], about["seed"])
+        if about["spread"]:  # equal ones keep their last digit
+            R *= 0.5 * d / sauter_mean(R)
         bed = pack(
-            (width, width), radius=0.5 * d, count=about["particles"], seed=about["seed"],
+            (width, width), radius=R, seed=about["seed"],
             periodic=(not about["walls"], not about["walls"]), material=Material(
                 density=about["density"], youngs_modulus=about["simulated"], sliding_friction=about["friction"]),
         )  # fmt: skip
         porosity = bed.statistics["porosity_box" if about["walls"] else "porosity_core"]
-        x, surface = bed.position, bed.statistics["surface"]
+        x, R, surface = bed.position, bed.radius, bed.statistics["surface"]
         text = io.BytesIO()
-        np.savez(text, x=x, porosity=porosity, surface=surface)
+        np.savez(text, x=x, radius=R, porosity=porosity, surface=surface)
         folder.mkdir(parents=True, exist_ok=True)
         with atomic(path) as temporary:
             temporary.write_bytes(text.getvalue())
-    box = None if about["walls"] else (np.zeros(3), np.array([width, width, x[:, 2].max() + 0.5 * d]))
-    return extract.Packing(x, 0.5 * d, porosity, d, surface - RIM * d, width**2, box)
+    box = None if about["walls"] else (np.zeros(3), np.array([width, width, (x[:, 2] + R).max()]))
+    return extract.Packing(x, R, porosity, d, surface - RIM * d, width**2, box)
 
 
 def _exchange(ensemble: Ensemble, bed: int, law: Any, speeds: Array, fluids: Array) -> Columns:
     packing, packings = ensemble.beds[bed], ensemble.cascade.settings.packings
-    d, top, width = 2.0 * packing.radius, packing.x[:, 2].max() + packing.radius, np.sqrt(packing.area)
+    d, top, width = ensemble.cascade.diameter, (packing.x[:, 2] + packing.radius).max(), np.sqrt(packing.area)
     across, along = max(2, round(width / (3.0 * d))), max(4, round(HEADROOM * top / (1.5 * d)))
     count = (across, across, along)
     grid = Grid(np.zeros(3), np.array([width, width, HEADROOM * top]) / count, count, (True, True))
