@@ -106,6 +106,23 @@ def test_the_wall_meets_the_outermost_ring():
     assert gains(700.0) == pytest.approx(gains(500.0), rel=1e-12)
 
 
+def test_dispersion_between_rings_moves_no_mass():
+    """What species of unlike dispersion and molar mass carry across a face sums to no mass, to rounding."""
+    scene = heated(2)
+    scene["fluid"]["composition"] = "A:0.5, B:0.5"
+    scene["fluid"]["species"]["B"] |= {"elements": {"H": 44.0}, "molar_mass": 0.044}
+    scene["reactions"] = {}
+    problem = plan(from_dict(scene)).problem
+    section, names = Section(problem.bed, problem.rings), problem.layout.names
+    points = np.array([problem.first_point()] * 2, dtype=float)
+    points[1, names.index("g_A")] *= 0.3
+    state = problem.bed.state([np.array(pair) for pair in points.T])
+    moved = section._moved(state, {"A": 1e-3, "B": 4e-3}, 0)
+    parts = np.array([problem.bed.masses[name] * moved[name][0] for name in ("A", "B")])
+    assert abs(parts).min() > 0.0
+    assert abs(parts.sum()) < 1e-14 * abs(parts).max()
+
+
 def test_temperature_of_the_wall_carries_its_heat():
     """Far from the inlet with a given flux T rises by q R/(2 K) from the axis to the wall: a parabola, exact."""
     scene = heated(5)
