@@ -64,6 +64,16 @@ def sound_share(coef: float, content_left: float, content_right: float) -> float
 
 
 @inner
+def compaction_stiffness(stiffness: float) -> float:
+    """Stiffness [m2/s2] that compaction takes: none where the pressure of clusters falls with the solids fraction.
+
+    What such a pressure pulls together stays explicit, in the momentum of the particles; a negative stiffness would
+    leave the equation of compaction without a unique solution.
+    """
+    return max(stiffness, 0.0) + MIN_STIFFNESS
+
+
+@inner
 def kept_compaction(mean: float, s_left: float, s_right: float, eps_max: float) -> float:
     """Compaction velocity over the flux per area; `mean` of eps_s on the face.
 
@@ -82,7 +92,7 @@ def assemble_compaction(g: Geometry, dt: float, solids: Solids, flux: Array, sou
     ni, s, drag = len(g.right), solids.eps_s, solids.drag
     coef, content, rhs = system.coef, system.content, system.rhs
     for c in range(len(drag)):
-        content[c, 0] = g.volume[c] / (solids.stiffness[c] + MIN_STIFFNESS)
+        content[c, 0] = g.volume[c] / compaction_stiffness(solids.stiffness[c])
         rhs[c, 0] = dt * g.volume[c] * source[c]
     for f in range(len(g.left)):
         rhs[g.left[f], 0] -= dt * flux[f]

@@ -15,6 +15,7 @@ from contbed.closures.compiled import compiled
 from contbed.closures.granular_transport import share_drag, share_free_path
 from contbed.errors import SceneError
 from contbed.loading import from_dict
+from contbed.runner import run
 from contbed.two_fluid import filters
 from contbed.two_fluid.closures import bound
 from contbed.two_fluid.near_walls import corrected, distances, friction_stiffness, wall_froude
@@ -412,6 +413,19 @@ def tank(mesh, **two_fluid):
     walls = {"type": "wall", "solid": "slip", "gas": "slip"}
     scene = filtered_scene((GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)) ** 2, **two_fluid)
     return scene | {"mesh": mesh, "boundary": dict.fromkeys((*sides[mesh["type"]], *ends), walls)}
+
+
+@pytest.mark.parametrize("shape", ["quadrilateral", "triangle"])
+def test_pressure_that_falls_with_the_fraction_leaves_compaction_solvable(shape):
+    """Igci's pressure falls between 0.3 and 0.59: a dense bed keeps its particles below the packing limit."""
+    mesh = {"type": "rectangle", "length": 0.1, "height": 0.2, "cells": [10, 20], "shape": shape}
+    scene = tank(mesh, drag="igci", **dict.fromkeys(NEAR_WALLS, "igci"))
+    scene["initial"] = {"theta": scene["initial"]["theta"], "layer": [{"end": 0.1, "eps_s": 0.45}]}
+    scene["boundary"] |= {"bottom": {"type": "inlet", "velocity": 0.5}, "top": {"type": "outlet"}}
+    result = run(from_dict(scene | {"time": {"end": 0.1}, "output": {"plots": False, "fields": False}}))
+    assert result.qoi["eps_s_max"] < 0.6
+    assert abs(result.qoi["mass_drift_relative"]) < 1e-13  # of 300 steps, each to rounding
+    assert result.qoi["max_velocity"] < 2.0  # of a gas at 0.5 m/s through half of the section
 
 
 @pytest.mark.parametrize("kind", NEAR_WALLS)

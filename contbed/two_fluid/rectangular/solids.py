@@ -9,9 +9,9 @@ from contbed.two_fluid.fv.grid import Geometry
 from contbed.two_fluid.fv.rows import Rows
 from contbed.two_fluid.linear.cg import System
 from contbed.two_fluid.packing import (
-    MIN_STIFFNESS,
     Solids,
     compaction_link,
+    compaction_stiffness,
     kept_compaction,
     sound_share,
 )
@@ -37,7 +37,7 @@ def assemble_compaction(
     """Set links, content and right-hand side for the change of p_solid/rho_s in a step; `system` by component."""
     drag, coef, content, rhs = solids.drag, system.coef[0], system.content[0], system.rhs[0]
     for c in range(np.uint64(rows.begin), np.uint64(rows.end)):
-        content[c] = g.volume[c] / (solids.stiffness[c] + MIN_STIFFNESS)
+        content[c] = g.volume[c] / compaction_stiffness(solids.stiffness[c])
         rhs[c] = dt * g.volume[c] * source[c]
     add_outflow(g, rows, -dt, flux, rhs)
     for r in range(len(rows.length)):
