@@ -28,7 +28,8 @@ FEWEST = 3  # vertices that stay in a direction
 # of the flow and of both temperatures fill in; measured on random planes and on boxes with walls.
 POWER = {2: 1.5, 3: 1.8}
 BALANCES = 0.5  # time of balances and results, over that of the last mesh
-GROWING = 1.2  # growth of the number of cells above which the next mesh is seldom the last: another one follows it
+GROWING = 1.2  # growth of the number of cells above which the next mesh may not be the last
+ONE_OR_TWO = 2.0**0.5  # meshes that follow then: one or a second one like it, the middle of both by their ratio
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def last_mesh(plan: Plan) -> LastMesh | None:
             growth = better.mesh.skfem.nelements / cells
             following = (now - before) * growth ** POWER[plan.mesh.skfem.dim()]
             if now - began > BUDGET or following > DEAREST:
-                meshes = (2 if growth > GROWING else 1) + BALANCES
+                meshes = (ONE_OR_TWO if growth > GROWING else 1.0) + BALANCES
                 return LastMesh(better.mesh.skfem.nelements, now - began + meshes * following, False)
             plan = better
     return None

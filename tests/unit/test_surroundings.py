@@ -17,10 +17,14 @@ from contbed.errors import SceneError, interrupt_in
 HOME = str(Path(contbed.__file__).parents[1])
 
 
+HANGS = 120  # [s] after which a program counts as one that does not end
+
+
 def python(code: str, *arguments, cwd=None, **options) -> subprocess.CompletedProcess:
     environment = {**os.environ, "PYTHONPATH": HOME} | options.pop("environment", {})
     command = [sys.executable, "-c", textwrap.dedent(code), *map(str, arguments)]
-    return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, timeout=120, **options)
+    options = {"timeout": HANGS} | options
+    return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, **options)
 
 
 @pytest.mark.parametrize(
@@ -134,7 +138,8 @@ def test_nothing_is_left_to_compile_after_warm(tmp_path):
         print(len(record.buffer))
     """
     environment = {"NUMBA_CACHE_DIR": str(tmp_path)}
-    first, second = (python(code, environment=environment) for _ in range(2))
+    # everything anew takes 144 s of processor here
+    first, second = (python(code, environment=environment, timeout=10 * HANGS) for _ in range(2))
     assert first.returncode == 0 and int(first.stdout) > 100, first.stderr
     assert second.returncode == 0 and int(second.stdout) == 0, second.stderr
 
