@@ -94,12 +94,14 @@ class Table:
     def updated(self, new: Table, by: Sequence[str]) -> Table:
         """This table with the rows of `new` in place of those with equal values in the columns `by`, or at its end."""
         keys = [self.columns.index(name) for name in by]
-        fresh = {tuple(row[i] for i in keys): row for row in new.rows}
-        rows = {}
-        for number, row in enumerate(self.rows):
+        fresh: dict[tuple[str, ...], list[Any]] = {}
+        for row in new.rows:
+            fresh.setdefault(tuple(row[i] for i in keys), []).append(row)
+        rows, left = [], dict(fresh)
+        for row in self.rows:
             key = tuple(row[i] for i in keys)
-            rows[key if key in fresh else number] = row
-        return Table(dict.fromkeys(self.columns, ""), list((rows | fresh).values()))
+            rows += left.pop(key, []) if key in fresh else [row]
+        return Table(dict.fromkeys(self.columns, ""), [*rows, *(row for group in left.values() for row in group)])
 
     def markdown(self) -> str:
         """As a table of a README."""

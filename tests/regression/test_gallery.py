@@ -111,6 +111,15 @@ def test_a_table_keeps_what_it_writes(tmp_path):
         Table({"a": "", "b": ""}, [(1,)])
 
 
+def test_rows_of_one_case_are_replaced_together():
+    """At the place of the first one, however many they were and are; those of a new case come last."""
+    columns = {"case": "", "t [s]": ".3g"}
+    old = Table(columns, [("a", 0.0), ("b", 0.0), ("b", 1.0), ("c", 0.0)])
+    new = Table(columns, [("d", 5.0), ("b", 2.0), ("b", 3.0), ("b", 4.0)])
+    wanted = Table(columns, [("a", 0.0), ("b", 2.0), ("b", 3.0), ("b", 4.0), ("c", 0.0), ("d", 5.0)])
+    assert old.updated(new, ["case"]).rows == wanted.rows
+
+
 def test_tables_differ_beyond_tolerance_and_last_digit():
     one, other = (Table({"a": ""}, [(text,)]) for text in ("1.000", "1.001"))
     assert not one.differences(other, 0.0)
