@@ -97,7 +97,8 @@ class Table:
         fresh: dict[tuple[str, ...], list[Any]] = {}
         for row in new.rows:
             fresh.setdefault(tuple(row[i] for i in keys), []).append(row)
-        rows, left = [], dict(fresh)
+        rows: list[Any] = []
+        left = dict(fresh)
         for row in self.rows:
             key = tuple(row[i] for i in keys)
             rows += left.pop(key, []) if key in fresh else [row]
