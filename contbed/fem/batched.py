@@ -4,7 +4,8 @@ A form with dozens of unknowns and closures takes thousands of small operations 
 each operation is done once, and the derivatives follow by eliminating the inner operations in an order found once
 (`fem.elimination`), for all cells and in batches. All coefficients are then contracted with the basis tables together.
 
-What changes a form other than its unknowns, such as another coefficient, needs a new recording.
+What changes a form other than its unknowns, such as another coefficient, needs a new recording. Its plan
+(`fem.graph_plan`) depends on the operations alone, not on their numbers: forms with other numbers share it.
 """
 
 from __future__ import annotations
@@ -19,15 +20,14 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from contbed.fem.domain import Domain
-from contbed.fem.dual import _BINARY, _UNARY, Components, Linear
-from contbed.fem.elimination import Elimination
+from contbed.fem.dual import Components, Linear
 from contbed.fem.graph import Graph, Unknown
+from contbed.fem.graph_plan import LEAVES, planned, structure
 from contbed.fem.skfem import Form, Ops, System, _Unknown
 
 Array = NDArray[np.float64]
 Step = Callable[[], Any]  # fills a row from others
 POINTS = 64  # points that are differentiated together: their rows stay in the cache of a core
-LEAVES = ("slot", "number", "array")
 
 
 def _choose(condition: Array, yes: Array, no: Array, out: Array) -> None:
@@ -44,10 +44,6 @@ def _slope(rule: Callable[..., Any], which: int, operands: tuple[Array, ...], va
     np.copyto(out, found[which] if isinstance(found, tuple) else found)
 
 
-def _of_power(base: Array, exponent: Array, value: Array) -> tuple[Array, Any]:
-    return exponent * base ** (exponent - 1.0), value * np.log(base)
-
-
 class Program:
     """Values and derivatives of the results of a graph at the points of one domain, `shape` (cells, points of each).
 
@@ -60,25 +56,14 @@ class Program:
 
     def __init__(self, graph: Graph, results: Sequence[int], shape: tuple[int, int]):
         self._graph, self._shape = graph, shape
-        live = self._live(results)
-        slots = [k for k in live if graph.operations[k] == "slot"]
-        self.slots = [graph.operands[k] for k in slots]
-        self._row = {k: row for row, k in enumerate([*slots, *(k for k in live if graph.operations[k] != "slot")])}
-        self._one = len(self._row)
-        self._minus = self._one + 1
-        self._partials: list[tuple[Callable[..., Any], int, tuple[int, ...], int]] = []  # rule, operand, rows, value
-        edges = self._edges(live, results)
-        place = {k: n for n, k in enumerate(slots)}
-        plan = Elimination(edges, set(slots), results, self._one, self._minus + 1 + len(self._partials))
-        self.derivatives = [(result, place[leaf], row) for result, leaf, row in plan.derivatives]
-        self._batches, self._size = plan.batches, plan.end
-        self._results = [self._row[k] for k in results]
-        self._rows = np.zeros((self._minus + 1 + len(self._partials), shape[0] * shape[1]))
-        self._rows[self._one], self._rows[self._minus] = 1.0, -1.0
-        self._steps = self._value_steps(live)
+        self._plan = plan = planned(structure(graph, results))
+        self.slots, self.derivatives = plan.slots, plan.derivatives
+        self._rows = np.zeros((plan.minus + 1 + len(plan.slopes), shape[0] * shape[1]))
+        self._rows[plan.one], self._rows[plan.minus] = 1.0, -1.0
+        self._steps = self._value_steps()
         self._slope_steps = [
-            partial(_slope, rule, which, tuple(self._rows[r] for r in rows), self._rows[value], self._rows[row])
-            for row, (rule, which, rows, value) in enumerate(self._partials, self._minus + 1)
+            partial(self._rule(rule, node), which, tuple(self._rows[r] for r in rows), self._rows[plan.row[node]], out)
+            for out, (rule, which, rows, node) in zip(self._rows[plan.minus + 1 :], plan.slopes, strict=True)
         ]
 
     def values(self, slots: Array) -> Array:
@@ -86,7 +71,7 @@ class Program:
         self._rows[: len(slots)] = slots
         for step in self._steps:
             step()
-        return self._rows[self._results].reshape(-1, *self._shape)
+        return self._rows[self._plan.results].reshape(-1, *self._shape)
 
     def slopes(self) -> Array:
         """Return the `derivatives` (number, cells, points of each) where `values` was called last."""
@@ -97,98 +82,40 @@ class Program:
         out = np.empty((len(wanted), points))
         for first in range(0, points, POINTS):
             part = slice(first, min(first + POINTS, points))
-            work = np.empty((self._size, part.stop - part.start))
+            work = np.empty((self._plan.size, part.stop - part.start))
             work[:base] = self._rows[:, part]
-            for batch in self._batches:
+            for batch in self._plan.batches:
                 batch.evaluate(work)
             out[:, part] = work[wanted]
         return out.reshape(-1, *self._shape)
 
-    def _operands(self, node: int) -> tuple[int, ...]:
-        operation, operands = self._graph.operations[node], self._graph.operands[node]
-        if operation in LEAVES:
-            return ()
-        return (operands[2],) if operation == "table" else operands
+    def _rule(self, rule: Callable[..., Any] | None, node: int) -> Callable[..., Any]:
+        """Return what computes a derivative of a node; that of a table is the function which the table was given."""
+        if rule is not None:
+            return partial(_slope, rule)
+        derivative = self._graph.operands[node][1]
+        return partial(_slope, lambda argument, value: derivative(argument))
 
-    def _live(self, results: Sequence[int]) -> list[int]:
-        """Return the nodes on which results depend, operands first."""
-        live: set[int] = set()
-        stack = list(results)
-        while stack:
-            node = stack.pop()
-            if node not in live:
-                live.add(node)
-                stack += self._operands(node)
-        return sorted(live)
-
-    def _edges(self, live: list[int], results: Sequence[int]) -> list[tuple[int, int, int]]:
-        """Return (operand, node, row) of all derivatives; those that must be computed join `_partials`."""
-        graph, row, active = self._graph, self._row, set()
-        edges: list[tuple[int, int, int]] = []
-        for node in live:
-            operation, operands = graph.operations[node], self._operands(node)
-            if operation == "slot":
-                active.add(node)
-            if operation == "frozen":
-                continue
-            for which, operand in enumerate(operands):
-                if operand in active and not (operation == "where" and which == 0):
-                    found = self._partial(operation, node, which, operands, row)
-                    if found is not None:
-                        edges.append((operand, node, found))
-                        active.add(node)
-        used = set(results)  # what results depend on otherwise than through values without derivatives
-        kept = []
-        for edge in reversed(edges):
-            if edge[1] in used:
-                used.add(edge[0])
-                kept.append(edge)
-        return kept
-
-    def _partial(self, operation: Any, node: int, which: int, operands: tuple[int, ...], row: Any) -> int | None:
-        """Return the row of the derivative of a node to one of its operands; None where it is zero everywhere."""
-        if operation is np.add or (operation is np.subtract and which == 0):
-            return self._one
-        if operation is np.negative or operation is np.subtract:
-            return self._minus
-        if operation is np.multiply:
-            return int(row[operands[1 - which]])
-        rows = tuple(row[k] for k in operands)
-        if operation == "where":
-            rows = rows[:1]
-            rule: Any = (lambda c, f: c != 0.0) if which == 1 else (lambda c, f: c == 0.0)
-        elif operation == "table":
-            derivative = self._graph.operands[node][1]
-            rule = lambda a, f, derivative=derivative: derivative(a)  # noqa: E731
-        elif operation is np.power:
-            rule = _of_power if self._graph.number(operands[1]) is None else lambda a, e, f: e * a ** (e - 1.0)
-        elif operation in _BINARY or operation in _UNARY:
-            rule = _BINARY.get(operation) or _UNARY[operation]
-        else:
-            return None
-        self._partials.append((rule, which, rows, row[node]))
-        return self._minus + len(self._partials)
-
-    def _value_steps(self, live: list[int]) -> list[Step]:
+    def _value_steps(self) -> list[Step]:
         """Return what computes the values that depend on unknowns; all others are put into their rows here."""
-        graph, rows, varying = self._graph, self._rows, set()
+        graph, plan, rows, varying = self._graph, self._plan, self._rows, set()
         steps: list[Step] = []
-        for node in live:
-            operation, operands, out = graph.operations[node], graph.operands[node], rows[self._row[node]]
+        for node in plan.live:
+            operation, operands, out = graph.operations[node], graph.operands[node], rows[plan.row[node]]
             if operation == "slot":
                 varying.add(node)
                 continue
             if operation in LEAVES:
                 out[:] = np.broadcast_to(operands[0], self._shape).ravel() if operation == "array" else operands[0]
                 continue
-            values = [rows[self._row[k]] for k in self._operands(node)]
+            values = [rows[plan.row[k]] for k in plan.operands[node]]
             functions: dict[Any, Any] = {
                 "where": _choose,
                 "table": partial(_tabulate, operands[0]),
                 "frozen": np.positive,
             }
             step = partial(functions.get(operation, operation), *values, out=out)
-            if varying.isdisjoint(self._operands(node)):
+            if varying.isdisjoint(plan.operands[node]):
                 step()
             else:
                 varying.add(node)

@@ -14,6 +14,7 @@ from test_dual import EXPRESSION, evaluate
 from contbed.fem.batched import Program, RecordedForms
 from contbed.fem.dual import Components, Dual
 from contbed.fem.graph import Graph, NotRecordableError, Unknown
+from contbed.fem.graph_plan import planned, structure
 from contbed.fem.skfem import System
 
 POINTS = 70  # more than are differentiated together
@@ -75,6 +76,48 @@ def test_branches_follow_the_state(name: str) -> None:
     mixed = rng.uniform(-2.0, 2.0, (2, POINTS))
     one_side, other = (rng.uniform(*ends, POINTS) for ends in ((1.0, 2.0), (-2.0, -1.0)))
     compare(BRANCHES[name], tuple(mixed), (one_side, other), (other, one_side))
+
+
+def test_forms_with_other_numbers_share_a_plan() -> None:
+    """Numbers, arrays and tables are values: each program keeps its own, and is right after the other was made."""
+    weights = np.random.default_rng(4).uniform(1.0, 2.0, (2, 1, POINTS))
+    tables = ((np.sinh, np.cosh), (np.sin, np.cos))
+
+    def form(k: int) -> Callable[[Any, Any], Any]:
+        return lambda x, y: (2.5 + k) * y.apply(*tables[k]) + np.where(x > k, x ** (3.0 + k), weights[k, 0] * x * y)
+
+    x, y = np.random.default_rng(5).uniform(0.5, 2.0, (2, POINTS))
+    found = [recorded(form(k)) for k in (0, 1)]
+    expected = [2.5 * np.cosh(y), 3.5 * np.cos(y)]
+    upper = [(x > k) for k in (0, 1)]
+    for k in (0, 1):
+        value, (to_x, to_y) = found[k](x, y)
+        w, power = weights[k, 0], 3.0 + k
+        # three operations on top of those of numpy
+        np.testing.assert_allclose(to_x, np.where(upper[k], power * x ** (power - 1.0), w * y), rtol=1e-14)
+        np.testing.assert_allclose(to_y, expected[k] + np.where(upper[k], 0.0, w * x), rtol=1e-14)
+        np.testing.assert_allclose(
+            value, (2.5 + k) * tables[k][0](y) + np.where(upper[k], x**power, w * x * y), rtol=1e-14
+        )
+    assert plan_of(form(0)) is plan_of(form(1))
+
+
+def test_forms_of_other_operations_have_other_plans() -> None:
+    exponents = np.full((1, POINTS), 3.0)
+    forms: list[Callable[[Any, Any], Any]] = [
+        lambda x, y: x**3.0 * y,
+        lambda x, y: x**exponents * y,  # has a derivative to its exponent by another rule
+        lambda x, y: x**3.0 + y,
+        lambda x, y: y**3.0 * x,
+        lambda x, y: x**1.0 * y,  # is left out
+    ]
+    assert len({id(plan_of(form)) for form in forms}) == len(forms)
+
+
+def plan_of(form: Callable[[Any, Any], Any]) -> Any:
+    graph = Graph()
+    result = form(*(Unknown(graph, (name, 0)) for name in "xy"))
+    return planned(structure(graph, [graph.leaf(result).place]))
 
 
 @pytest.mark.parametrize(
