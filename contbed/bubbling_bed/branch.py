@@ -16,7 +16,9 @@ import numpy as np
 
 from contbed.bubbling_bed import scene as b
 from contbed.bubbling_bed.plan import coefficients, typical_numbers
-from contbed.bubbling_bed.problem import TYPICAL, BubblingProblem
+from contbed.bubbling_bed.problem import RECORDED_FROM, TYPICAL, BubblingProblem
+from contbed.fem.batched import RecordedForms
+from contbed.fem.graph import Graph
 from contbed.result import Result
 from contbed.scene import schema
 from contbed.scene.toml_lines import parse_key
@@ -25,25 +27,59 @@ from contbed.solvers.branch import Branch, trace
 from contbed.solvers.linear import Solver, bordered
 from contbed.solvers.tangent import STEP
 
+ALIKE = 1e-10  # share of the terms of a balance that rounding of recorded residuals stays far below
+
 
 class Family:
-    """The equations of a bed as functions of one value of its scene, on one mesh."""
+    """The equations of a bed as functions of one value of its scene, on one mesh.
+
+    From the second Jacobian on they are recorded with the value as parameter, where coefficients allow it.
+    """
 
     def __init__(self, problem: BubblingProblem, key: str):
         self.problem, self.key = problem, key
         computed = problem.c.computed
         # layers of the mesh are predicted from these numbers; they cost as much as a residual, and the mesh stays
         self.typical = None if computed is None else typical_numbers(problem.plan.scene, computed)
+        self.recorded: RecordedForms | None = None  # over the value, where that is possible
+        self._jacobians, self._tried = 0, False
 
-    def at(self, value: float) -> BubblingProblem:
-        """Return the problem with that value."""
+    def at(self, value: Any) -> BubblingProblem:
+        """Return the problem with that value, a number or the parameter of a graph."""
         scene: b.BubblingScene = with_value(self.problem.plan.scene, parse_key(self.key), value)
         c, _ = coefficients(scene, self.typical)
         return self.problem.with_coefficients(replace(self.problem.plan, scene=scene, coefficients=c))
 
     def assemble(self, x: Any, value: float, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the residual and the Jacobian."""
-        return self.at(value).steady(x, jacobian)
+        if jacobian and not self._tried:
+            self._jacobians += 1
+            if self._jacobians >= RECORDED_FROM:
+                self._record(x, value)
+        if self.recorded is None:
+            return self.at(value).steady(x, jacobian)
+        self.recorded.set_parameter(value)
+        return self.problem.steady_of(self.recorded, x, jacobian)
+
+    @np.errstate(all="ignore")  # a branch that no state takes may have no value
+    def _record(self, x: Any, value: float) -> None:
+        """Record the weak forms once for all values, if coefficients do not ask for the value.
+
+        Some coefficients might take the parameter for something else; forms with another residual are not used.
+        """
+        self._tried = True
+        if self.problem.plan.mesh.engine != "skfem":
+            return
+        graph = Graph()
+        try:
+            forms = self.at(graph.parameter()).recorded_over(graph)
+        except (TypeError, ValueError):  # of NotRecordableError, and of what works on numbers or arrays alone
+            return
+        forms.set_parameter(value)
+        expected, _ = self.at(value).steady(x, False)
+        found, matrix = self.problem.steady_of(forms, x, True)
+        if (np.abs(found - expected) <= ALIKE * (abs(matrix) @ np.abs(x))).all():
+            self.recorded = forms
 
 
 def follow(problem: BubblingProblem, state: Any, result: Result) -> Branch:

@@ -16,7 +16,7 @@ from contbed.closures.optics import SIGMA
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
 from contbed.fem.batched import RecordedForms
-from contbed.fem.graph import NotRecordableError
+from contbed.fem.graph import Graph, NotRecordableError
 from contbed.radiation.equations.p1 import emitted
 from contbed.solvers.continuation import relax, unwatched
 from contbed.solvers.linear import Solver, scaled
@@ -75,6 +75,20 @@ class BubblingProblem:
         other._record_from = RECORDED_FROM
         other._forget()
         return other
+
+    def recorded_over(self, graph: Graph) -> RecordedForms:
+        """Return the weak forms recorded in the graph of a parameter on which coefficients depend.
+
+        Raises
+        ------
+        NotRecordableError : a form is no fixed sequence of operations
+
+        """
+        return RecordedForms(self.system, self.forms, graph)
+
+    def steady_of(self, recorded: RecordedForms, x: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Assemble recorded forms as `steady` assembles those of the coefficients."""
+        return self._in_temperatures(recorded.assemble(self._state(x), jacobian), x)
 
     def _forget(self) -> None:
         """Begin without recorded forms: they hold for one set of coefficients."""
@@ -253,8 +267,12 @@ class BubblingProblem:
 
     def steady(self, x: Array, jacobian: bool) -> tuple[Array, Any]:
         """Assemble the residual and its Jacobian with respect to temperatures at all nodes."""
-        residual, matrix = self.assemble(self._state(x), jacobian)
-        if jacobian and self.radiant:
+        return self._in_temperatures(self.assemble(self._state(x), jacobian), x)
+
+    def _in_temperatures(self, assembled: tuple[Array, Any], x: Array) -> tuple[Array, Any]:
+        """Return a residual with its Jacobian to fields as one to temperatures at all nodes."""
+        residual, matrix = assembled
+        if matrix is not None and self.radiant:
             slope = np.ones_like(x)
             for name in self.radiant:
                 self.system.part(slope, name)[:] = 16.0 * SIGMA * self.system.part(x, name) ** 3

@@ -66,6 +66,11 @@ class Program:
             for out, (rule, which, rows, node) in zip(self._rows[plan.minus + 1 :], plan.slopes, strict=True)
         ]
 
+    def set_parameter(self, value: float) -> None:
+        """Evaluate for another value of the parameter from now on."""
+        if self._plan.parameter is not None:
+            self._rows[self._plan.parameter] = value
+
     def values(self, slots: Array) -> Array:
         """Return the results (number, cells, points of each) where the slots have values (number, points)."""
         self._rows[: len(slots)] = slots
@@ -102,7 +107,7 @@ class Program:
         steps: list[Step] = []
         for node in plan.live:
             operation, operands, out = graph.operations[node], graph.operands[node], rows[plan.row[node]]
-            if operation == "slot":
+            if operation in ("slot", "parameter"):
                 varying.add(node)
                 continue
             if operation in LEAVES:
@@ -128,6 +133,7 @@ class RecordedForm:
 
     Attributes
     ----------
+    program : values and derivatives of the coefficients of its tests
     keys : (row, column, domain) of each element matrix, as `System.pattern` takes them
     dofs : numbers of the unknowns of all element vectors, one after another
 
@@ -137,17 +143,17 @@ class RecordedForm:
 
     """
 
-    def __init__(self, system: System, form: Form, where: Domain, coeffs: Any):
+    def __init__(self, system: System, form: Form, where: Domain, coeffs: Any, graph: Graph | None = None):
         self._system, self._where = system, where
-        graph, unknowns = Graph(), {}
+        graph, unknowns = graph or Graph(), {}
         for name, (_, ncomponents) in system.fields.items():
             parts = [Unknown(graph, (name, k)) for k in range(max(ncomponents, 1))]
             unknowns[name] = Components(parts) if ncomponents else parts[0]
         integrand = form(SimpleNamespace(**unknowns), system._tests(where), coeffs, Ops(where))
         slots = integrand.slots if isinstance(integrand, Linear) else {}
         tests = list(slots)  # (name, component, kind) by the number of the result
-        self._program = Program(graph, [graph.leaf(c).place for c in slots.values()], where.weight.shape)
-        self._fields = _Groups((self._space(slot), slot[2], slot[:2]) for slot in self._program.slots)
+        self.program = Program(graph, [graph.leaf(c).place for c in slots.values()], where.weight.shape)
+        self._fields = _Groups((self._space(slot), slot[2], slot[:2]) for slot in self.program.slots)
         self._rows = _Groups((self._space(test), test[2], test[:2]) for test in tests)
         self._pairs = _Groups(
             (
@@ -155,8 +161,8 @@ class RecordedForm:
                 (tests[result][2], slot[2]),
                 (tests[result][:2], slot[:2]),
             )
-            for result, place, _ in self._program.derivatives
-            for slot in [self._program.slots[place]]
+            for result, place, _ in self.program.derivatives
+            for slot in [self.program.slots[place]]
         )
         self.keys = [(row, column, where) for pairs in self._pairs.members.values() for row, column in pairs]
         numbers = [
@@ -172,13 +178,13 @@ class RecordedForm:
     def vectors(self, state: Array) -> Array:
         """Return all element vectors at a state, one after another, as `dofs` has them."""
         where = self._where
-        slots = np.empty((len(self._program.slots), *where.weight.shape))
+        slots = np.empty((len(self.program.slots), *where.weight.shape))
         for (space, kind), (numbers, places) in self._fields.parts.items():
             starts = np.array([self._system.offset[key] for key in self._fields.members[space]])[places]
             local = state[starts[:, None, None] + space.dofs[:, where.cells].T]
             found = _Unknown(where, space, local, None)
             slots[numbers] = found.value if kind == "v" else found.slot(kind).value
-        values = self._program.values(slots.reshape(len(slots), where.weight.size)) * where.weight
+        values = self.program.values(slots.reshape(len(slots), where.weight.size)) * where.weight
         out = {
             space: np.zeros((len(keys), where.weight.shape[0], len(space.dofs)))
             for space, keys in self._rows.members.items()
@@ -191,7 +197,7 @@ class RecordedForm:
     def matrices(self) -> list[Array]:
         """Return all element matrices where `vectors` was called last, one after another, as `keys` has them."""
         where = self._where
-        slopes = self._program.slopes() * where.weight
+        slopes = self.program.slopes() * where.weight
         out = {
             (test, trial): np.zeros((len(pairs), where.weight.shape[0], len(test.dofs) * len(trial.dofs)))
             for (test, trial), pairs in self._pairs.members.items()
@@ -223,12 +229,15 @@ class _Groups:
 
 
 class RecordedForms:
-    """The sum of recorded forms of a system; raises NotRecordableError where one cannot be recorded."""
+    """The sum of recorded forms of a system; raises NotRecordableError where one cannot be recorded.
 
-    def __init__(self, system: System, forms: Sequence[tuple[Form, Domain, Any]]):
+    Where coefficients depend on the parameter of a `graph`, the forms are recorded there, and hold for any value of it.
+    """
+
+    def __init__(self, system: System, forms: Sequence[tuple[Form, Domain, Any]], graph: Graph | None = None):
         self._system = system
         with np.errstate(all="ignore"):  # a branch that no state takes may have no value
-            self._forms = [RecordedForm(system, *form) for form in forms]
+            self._forms = [RecordedForm(system, *form, graph) for form in forms]
         self._dofs = np.concatenate([form.dofs for form in self._forms])
         keys = [key for form in self._forms for key in form.keys]
         parts, self._indices, self._indptr = system.pattern(keys)
@@ -238,6 +247,11 @@ class RecordedForms:
             for k, found in zip(numbers, np.split(place[position], np.cumsum(sizes)[:-1]), strict=True):
                 places[k] = found
         self._places = np.concatenate([np.empty(0, dtype=np.int32), *places])
+
+    def set_parameter(self, value: float) -> None:
+        """Assemble for another value of the parameter from now on."""
+        for form in self._forms:
+            form.program.set_parameter(value)
 
     def _entries(self, key: Any) -> int:
         row, column, where = key

@@ -44,7 +44,7 @@ class Graph:
     Attributes
     ----------
     operations : a ufunc, "where", "table" (a function given with its derivative), "frozen" (a value without
-        derivatives), or a leaf: "slot" of an unknown, "number", "array"
+        derivatives), or a leaf: "slot" of an unknown, "number", "array", "parameter" (a number that may change)
     operands : numbers of nodes; for a leaf the number, the array or the slot; for a "table" the function, its
         derivative and the number of its argument
 
@@ -65,6 +65,10 @@ class Graph:
             self.operations.append(operation)
             self.operands.append(operands)
         return number
+
+    def parameter(self) -> Node:
+        """Return the number on which a family of forms depends; programs are told its value."""
+        return self.add("parameter")
 
     def leaf(self, item: Any) -> Node:
         """Return a node as it is, a number or an array as a node."""

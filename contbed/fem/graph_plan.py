@@ -19,7 +19,7 @@ from contbed.fem.elimination import Elimination
 from contbed.fem.graph import Graph
 
 Array = NDArray[np.float64]
-LEAVES = ("slot", "number", "array")
+LEAVES = ("slot", "number", "array", "parameter")
 KEPT = 32  # plans, of a few hundred kilobytes each; a bed that reacts has five
 
 
@@ -27,7 +27,7 @@ class Structure(NamedTuple):
     """A graph without its values: equal for graphs that are evaluated alike.
 
     operations : as in the graph
-    operands : numbers of nodes; (name, component, kind) of a slot, nothing for numbers and arrays
+    operands : numbers of nodes; (name, component, kind) of a slot, nothing for other leaves
     results : nodes that are wanted
     """
 
@@ -56,6 +56,7 @@ class Plan:
     operands : by node, those that are nodes
     row : by node, the row of its values; those of slots come first, in the order of `slots`
     slots : (name, component, kind) of the unknowns that are read
+    parameter : row of the parameter; None where results do not depend on it
     one, minus : rows that hold 1 and -1
     slopes : (rule, which operand, rows of the operands, node) of the derivatives that are computed by rules, which fill
         the rows after `minus`; the rule of a table is None, as each table is given its own
@@ -78,6 +79,7 @@ class Plan:
         self.slots = [what.operands[k] for k in slots]
         self.row = {k: row for row, k in enumerate([*slots, *others])}
         self.results = [self.row[k] for k in what.results]
+        self.parameter = next((self.row[k] for k in others if what.operations[k] == "parameter"), None)
         self.one, self.minus = len(self.row), len(self.row) + 1
         self.slopes: list[tuple[Callable[..., Any] | None, int, tuple[int, ...], int]] = []
         edges = self._edges(what.results)
