@@ -277,12 +277,11 @@ def sections_can_be_resolved(
     section: s.Section | None,
     wall: s.Wall | None,
     heat: s.Heat | None,
-    time: s.Time | None,
     continuation: s.Continuation | None,
     adsorption: dict[str, s.Adsorption],
     see: See,
 ) -> Mistakes:
-    """Check that a section has a size and something that passes across it, and that the run is a steady one."""
+    """Check that a section has a size and something that passes across it, and that rings know what the bed does."""
     if section is None:
         return
     if wall is None:
@@ -294,8 +293,6 @@ def sections_can_be_resolved(
             "no heat passes between the rings; give conductivity_fluid, conductivity_solid or dispersion [W/m/K], such "
             'as dispersion = "vdi"; or remove [section] for a bed without differences across it',
         )
-    if time is not None:
-        yield ("section",), f"is resolved in steady beds only; remove it, or the table {see('time')}"
     if continuation is not None:
         yield ("section",), f"is not resolved along a branch; remove it, or the table {see('continuation')}"
     if adsorption:

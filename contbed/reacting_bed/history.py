@@ -23,8 +23,9 @@ NUMBERS = ("time", "dt", "steps", "carried")
 class History:
     """State of a run and its integrals over time; a step returns a new one.
 
-    u : (m, N, p + 1) unknowns; dt : length of the next step [s]
-    held : (m,) what the bed held at the start; passed : (m, 2) integrals of the fluxes through both ends, along x
+    u : (unknowns, N, p + 1), those of a section ring by ring; dt : length of the next step [s]
+    held : (m,) what the bed held at the start, means over the section as all integrals are
+    passed : (m, 2) integrals of the fluxes through both ends, along x
     sources : (m,) integrals of the sources; carried : integral of the heat of all streams above 298.15 K [J/m2]
     outlet : (steps, columns) of the outlet over time, `columns` their names
     kept : states at output times

@@ -144,9 +144,13 @@ class Problem:
     @cached_property
     def system(self) -> System:
         """Equations on the line."""
-        bed = self.bed
-        point = bed if self.rings is None else Section(bed, self.rings)
-        return System(self.line, self._directions, self._diffuses, point, self._ends, self._local, bed.coupling())
+        point, coupling = self.section or self.bed, self.bed.coupling()
+        return System(self.line, self._directions, self._diffuses, point, self._ends, self._local, coupling)
+
+    @cached_property
+    def section(self) -> Section | None:
+        """Equations of the rings; None in one dimension."""
+        return None if self.rings is None else Section(self.bed, self.rings)
 
     @cached_property
     def rings(self) -> Rings | None:

@@ -51,7 +51,7 @@ def profiles(problem: Problem, u: Array) -> dict[str, Array]:
     if problem.layout.solids:
         for name, n in solids.items():
             out[f"w_{name} [1]"] = n * problem.species.solids[name].molar_mass / mass
-    return out
+    return out | ({} if problem.rings is None else across(problem, u, x))
 
 
 def loadings(problem: Problem, state: State, ones: Array) -> dict[str, Array]:
@@ -87,7 +87,7 @@ def fill(problem: Problem, u: Array, result: Result, transient: bool = False) ->
     _solids(problem, fluxes, state, solid_end, result)
     _extents(problem, u, state, gas_end, result)
     if problem.rings is not None:
-        _across(problem, u, result)
+        _across(result)
     if not transient:
         _balances(problem, u, fluxes, result)
     _remarks(problem, u, result)
@@ -110,11 +110,10 @@ def across(problem: Problem, u: Array, x: Array) -> dict[str, Array]:
     return found
 
 
-def _across(problem: Problem, u: Array, result: Result) -> None:
-    """Add profiles at the axis and the wall and the largest difference of temperature between both."""
-    at = across(problem, u, positions(problem))
-    result.profiles |= at
-    if at:
+def _across(result: Result) -> None:
+    """Add the largest difference of temperature between the axis and the wall."""
+    at = result.profiles
+    if "T_fluid_wall [K]" in at:
         result.qoi["dT_section_max_K"] = float(np.abs(at["T_fluid_wall [K]"] - at["T_fluid_axis [K]"]).max())
 
 

@@ -130,13 +130,18 @@ class Storage:
 
     def content(self, u: Array, jacobian: bool) -> tuple[Array, Any]:
         """Return what is held per volume of bed by equation at the nodes, and its derivatives."""
-        problem, m = self.problem, len(u)
-        names = problem.layout.names
-        flat = u.reshape(m, -1)
+        flat, section = u.reshape(len(u), -1), self.problem.section
         one = np.ones(flat.shape[1])
-        values: list[Any] = [Dual(x, {k: one}) for k, x in enumerate(flat)] if jacobian else list(flat)
+        values: list[Any] = [Dual(x, {("u", k): one}) for k, x in enumerate(flat)] if jacobian else list(flat)
+        parts = self._of_bed(values) if section is None else section.held(values, self._of_bed)
+        table = np.array([np.broadcast_to(getattr(p, "value", p), one.shape) for p in parts]).reshape(u.shape)
+        return table, parts
+
+    def _of_bed(self, values: list[Any]) -> list[Any]:
+        """Return what is held by equation of the layout at points."""
+        problem, names = self.problem, self.problem.layout.names
         state = problem.bed.state(values)
-        parts: list[Any] = [0.0] * m
+        parts: list[Any] = [0.0] * len(names)
         gas, heat = problem.bed.held_by_gas(state) if problem.bed.gas_pressure is not None else ({}, 0.0)
         inside = iter(problem.bed.held_inside(state))
         for k, name in enumerate(names):
@@ -152,8 +157,7 @@ class Storage:
                 parts[k] = problem.bed.held_by_solids(state) + (heat if name == "T" else 0.0)
             if name in ("T_solid", "T") and not problem.bed.inert and not state.n:
                 parts[k] = NO_DATA * values[k]
-        table = np.array([np.broadcast_to(getattr(p, "value", p), one.shape) for p in parts]).reshape(u.shape)
-        return table, parts
+        return parts
 
     def residual(self, u: Array) -> Array:
         """Return what storage adds to the residuals."""
@@ -169,7 +173,7 @@ class Storage:
         weight = line.weights * line.h[:, None] / self.dt
         nodes = range(n)
         for e, part in enumerate(parts):
-            for f, tangent in getattr(part, "tangents", {}).items():
+            for (_, f), tangent in getattr(part, "tangents", {}).items():
                 own[:, e, nodes, f, nodes] += np.broadcast_to(tangent, (N * n,)).reshape(N, n) * weight
         return residual + (held - self.held) * weight
 
@@ -191,8 +195,6 @@ def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
     ------
     ConvergenceError : steps no longer grow
     """
-    if problem.rings is not None:  # storage is known on a line only
-        raise ConvergenceError("Newton's method fails with the section resolved", report.history, u)
     tau = residence_time(problem)
     dt, longest, failures, taken = START_OF_MARCH * tau, 0.0, 0, 0
     report.marched = True

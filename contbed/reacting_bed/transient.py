@@ -74,7 +74,7 @@ class Course:
             u = course.start()
             storage = solve.Storage.after(course.problem, u, FIRST_STEP * course.time.end)
             at_once = solve.newton(course.problem, u, solve.Report(), storage, most=solve.FIRST_ITERATIONS)
-            pressure = at_once[problem.layout.names.index("p")].ravel()
+            pressure = problem.at_all_points(at_once)[problem.layout.names.index("p")]
         return replace(course, problem=course.problem.with_gas_stored(pressure))
 
     @property
@@ -96,8 +96,9 @@ class Course:
         u, moles = problem.start(T), sum(problem.streams.gas.values())
         if time.initial_composition is not None:
             fractions = mole_fractions(time.initial_composition)
-            for k, name in enumerate(problem.layout.gases):
-                u[k] = fractions.get(name, 0.0) * moles
+            for k, name in enumerate(problem.names):
+                if name.startswith("g_"):
+                    u[k] = fractions.get(name[2:], 0.0) * moles
         molar = problem.streams.pressure / (R_GAS * T)
         for k, name in enumerate(problem.layout.names):
             if name.startswith("a_"):  # particles begin in equilibrium with the gas around them
@@ -107,7 +108,7 @@ class Course:
     def sizes(self, u: Array) -> Array:
         """Return what errors of the unknowns refer to (m,): temperatures to the range of the scene and of a state."""
         out = self.problem.sizes.copy()
-        rows = [k for k, name in enumerate(self.problem.layout.names) if name in self.problem.layout.temperatures]
+        rows = [k for k, name in enumerate(self.problem.names) if name in self.problem.layout.temperatures]
         if rows:
             low, high = self.temperatures
             out[rows] = max(high, u[rows].max()) - min(low, u[rows].min())
@@ -190,8 +191,8 @@ def run_transient(
 def begin(course: Course) -> History:
     """Return the history at the start of a run."""
     u = course.start()
-    m = len(u)
     held = contents(course.problem, u)
+    m = len(held)
     return History(u, FIRST_STEP * course.time.end, held, np.zeros((m, 2)), np.zeros(m))
 
 
@@ -254,9 +255,9 @@ def _passed(
     passed, sources, carried = history.passed, history.sources, history.carried
     fluxes = history.passed
     for problem, u, weight in zip(problems, states, (1.0 - GAMMA, GAMMA), strict=True):
-        fluxes = problem.system.fluxes(u)[:, [0, -1]]
+        fluxes = problem.mean(problem.system.fluxes(u)[:, [0, -1]])
         passed = passed + step * weight * fluxes
-        sources = sources + step * weight * problem.system.sources(u)
+        sources = sources + step * weight * problem.mean(problem.system.sources(u))
         if problem.layout.temperatures:
             carried += step * weight * results.heat_carried(problem, u)
     row = outlet(problems[1], states[1], fluxes, end)
@@ -276,9 +277,9 @@ def _passed(
 
 def turned(problem: Problem, u: Array) -> Array:
     """Return a first guess after a jump of the streams: the gas with its new flux, as hot as it was."""
-    names, out = problem.layout.names, u.copy()
-    gas = [k for k, name in enumerate(names) if name.startswith("g_")]
-    out[gas] *= sum(problem.streams.gas.values()) / u[gas].sum(axis=0).mean()
+    out, count = u.copy(), len(problem.names) // len(problem.layout.names)
+    gas = [k for k, name in enumerate(problem.names) if name.startswith("g_")]
+    out[gas] *= count * sum(problem.streams.gas.values()) / u[gas].sum(axis=0).mean()
     return out
 
 

@@ -34,11 +34,10 @@ def fill(at: Callable[[float], Problem], history: History, result: Result) -> No
 
 
 def contents(problem: Problem, u: Array) -> Array:
-    """Return what the bed holds by equation, per area (m,)."""
+    """Return what the bed holds by equation, per area, means over the section by name of the layout (m,)."""
     held = solve.Storage(problem, np.zeros_like(u), 1.0).content(u, False)[0]
     line = problem.line
-    total: Array = np.einsum("ecj,j,c->e", held, line.weights, line.h)
-    return total
+    return problem.mean(np.einsum("ecj,j,c->e", held, line.weights, line.h))
 
 
 def _balances(problem: Problem, history: History, result: Result) -> None:

@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import fixed_bed
+from reacting_bed_scenes import fixed_bed, isothermal
 
 import contbed
 from contbed.errors import SceneError
@@ -26,6 +26,21 @@ def scene(**more):
     given["fluid"]["composition"] = {"times": [0, 300], "values": ["A:1", "A:0.5, B:0.5"], "form": "step"}
     given["mesh"]["cells"] = 20
     given["time"] = {"end": 800.0, "times": [50.0, 300.0, 600.0]} | more
+    return given
+
+
+def heated_section():
+    """A bed of three rings that a wall heats; A -> B."""
+    gas = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0, "enthalpy": 0.0}
+    given = isothermal("A:1", {"A": gas, "B": gas}) | {
+        "heat": {},
+        "solid": {"density": 2000.0, "heat_capacity": 1000.0},
+    }
+    given["reactions"] = {"r": {"equation": "A -> B", "A": 400.0, "E": 3e4}}
+    given["mesh"]["cells"] = 4
+    given["wall"] = {"diameter": 0.1, "coefficient": 50.0, "ambient": 800.0}
+    given["section"] = {"rings": 3, "conductivity_solid": 2.0}
+    given["time"] = {"end": 300.0, "times": [50.0]}
     return given
 
 
@@ -64,6 +79,14 @@ def test_restart_goes_on_bit_for_bit(tmp_path, monkeypatch):
     longer = contbed.run(from_dict(scene(end=1000.0)), out=tmp_path / "d", restart=tmp_path / "b")
     assert longer.qoi["time_reached_s"] == 1000.0
     assert set(whole.profiles["t [s]"]) < set(longer.profiles["t [s]"]) | {800.0}
+
+
+def test_restart_of_a_section_goes_on_bit_for_bit(tmp_path, monkeypatch):
+    given = heated_section()
+    whole = contbed.run(from_dict(given))
+    assert whole.qoi["time_steps"] > STOP
+    interrupted(given, tmp_path / "a", monkeypatch)
+    same(contbed.run(from_dict(given), out=tmp_path / "b", restart=tmp_path / "a"), whole)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,8 @@
 F and S are those of `equations.bed` at each point: rings know of their neighbours by N alone. Finite volumes of equal
 width, whose exchange is of second order: what one ring gains through a face its neighbour loses to rounding. delta is
 the resistance between the middle of the outer ring and the wall, R ln(R/r) in a tube. The N_k sum to zero, so that the
-mass flux of each ring is what it is where it enters. The pressure is one over the section: its gradient is the mean of
+mass flux of each ring is what it is where it enters, or in time, where the gas is stored, what its own ring leaves of
+it: gas that expands goes along the bed, not across. The pressure is one over the section: its gradient is the mean of
 those of the rings by area.
 
 Source: Froment, Bischoff, De Wilde 2011, Chemical Reactor Analysis and Design, ch. 11.7.
@@ -17,7 +18,7 @@ Source: Froment, Bischoff, De Wilde 2011, Chemical Reactor Analysis and Design, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -91,6 +92,10 @@ class Section:
         sources = self._parted(S)
         self._exchange(values, sources)
         return self._flat(self._parted(C)), self._flat(self._parted(D)), self._flat(sources)
+
+    def held(self, u: Sequence[Any], by_bed: Callable[[list[Any]], list[Any]]) -> list[Any]:
+        """Return what is held per volume of bed by equation at points; `by_bed` gives that of all rings as of one."""
+        return self._flat(self._parted(by_bed(self._joined(u))))
 
     def convective(self, u: Sequence[Any]) -> list[Any]:
         """Return the convective fluxes of all equations at points."""
