@@ -203,17 +203,17 @@ def heating(rings, **time):
 def test_conduction_into_a_bed_from_its_walls(shape):
     """Ahead of the front of heat from the inlet a bed is a body of Biot number 1.25 in time (series): order 2.
 
-    The front is at 0.15 m of 1 m; steps of a tolerance of 1e-5 err by less than a tenth of what 8 rings do.
+    The front is at 0.1 m of 1 m; steps of a tolerance of 1e-5 err by less than a tenth of what 6 rings do.
     """
     fourier = K * 300.0 / ((1.0 - POROSITY) * DENSITY * C_SOLID * RADIUS**2)
     exact, errors = mean_of_series(shape, 50.0, fourier), []
-    for rings in (4, 8):
+    for rings in (3, 6):
         scene = heating(rings, tolerance=1e-5)
         scene["mesh"]["cells"] = 4
         scene["section"]["shape"] = shape
         errors.append(abs(solved(scene).profiles["T_fluid [K]"][-1] - exact))
     assert errors[0] > 3.6 * errors[1]
-    assert errors[1] < 0.6  # of 500 K between bed and wall
+    assert errors[1] < 1.2  # of 300 K between bed and wall
 
 
 @pytest.mark.parametrize("gas", ["quasi_steady", "stored"])
@@ -243,7 +243,7 @@ def test_bed_alike_across_is_plug_flow_in_time(gas):
 
 
 def test_section_in_time_ends_in_its_steady_state():
-    """A reacting bed whose wall has become hotter, after 40 of the times in which heat passes it, is steady: 1e-8."""
+    """A reacting bed whose wall has become hotter, after 30 of the times in which heat passes it, is steady: 1e-8."""
     hotter = {"times": [0, 10, 1e5], "values": [T_WALL - 100.0, T_WALL, T_WALL], "form": "linear"}
     scenes = [heating(4, end=1e5), heated(4)]
     for scene in scenes:
