@@ -242,7 +242,8 @@ def test_bed_alike_across_is_plug_flow_in_time(gas):
         assert np.allclose(section.tables["outlet"][name], column, rtol=1e-6, atol=1e-9), name
 
 
-def test_section_in_time_ends_in_its_steady_state():
+@pytest.mark.parametrize("temperatures", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_section_in_time_ends_in_its_steady_state(temperatures):
     """A reacting bed whose wall has become hotter, after 30 of the times in which heat passes it, is steady: 1e-8."""
     hotter = {"times": [0, 10, 1e5], "values": [T_WALL - 100.0, T_WALL, T_WALL], "form": "linear"}
     scenes = [heating(4, end=1e5), heated(4)]
@@ -250,6 +251,10 @@ def test_section_in_time_ends_in_its_steady_state():
         scene["mesh"]["cells"] = 4
         scene["reactions"]["r"]["A"] = 400.0
         scene["section"]["mass_dispersion"] = 1e-4
+        if temperatures == 2:
+            scene["heat"], scene["solid"] = {"nusselt": 20.0}, {"density": DENSITY, "heat_capacity": C_SOLID}
+            scene["fluid"] |= {"viscosity": MU, "conductivity": K_GAS}
+            scene["section"]["conductivity_fluid"] = 0.5
     scenes[0]["wall"]["ambient"] = hotter
     late, steady = (solved(scene).profiles for scene in scenes)
     for name, column in steady.items():
