@@ -17,6 +17,7 @@ import numpy as np
 from contbed.bubbling_bed import scene as b
 from contbed.bubbling_bed.plan import coefficients, typical_numbers
 from contbed.bubbling_bed.problem import RECORDED_FROM, TYPICAL, BubblingProblem
+from contbed.errors import SceneError
 from contbed.fem.batched import RecordedForms
 from contbed.fem.graph import Graph
 from contbed.result import Result
@@ -27,6 +28,7 @@ from contbed.solvers.branch import Branch, trace
 from contbed.solvers.linear import Solver, bordered
 from contbed.solvers.tangent import STEP
 
+NEARBY = 1.01  # factor to another value at which recorded forms have to be right
 ALIKE = 1e-10  # share of the terms of a balance that rounding of recorded residuals stays far below
 
 
@@ -65,21 +67,26 @@ class Family:
     def _record(self, x: Any, value: float) -> None:
         """Record the weak forms once for all values, if coefficients do not ask for the value.
 
-        Some coefficients might take the parameter for something else; forms with another residual are not used.
+        Some coefficients might take the parameter for something else, or hold what follows from one value: forms with
+        another residual, there or at a value nearby, are not used.
         """
         self._tried = True
-        if self.problem.plan.mesh.engine != "skfem":
+        if self.problem.plan.mesh.engine != "skfem" or value == 0.0:
             return
         graph = Graph()
         try:
             forms = self.at(graph.parameter()).recorded_over(graph)
-        except (TypeError, ValueError):  # of NotRecordableError, and of what works on numbers or arrays alone
+            if all(self._same(forms, x, other) for other in (NEARBY * value, value)):
+                self.recorded = forms
+        except (TypeError, ValueError, SceneError):  # NotRecordableError, what takes numbers alone, a value too far
             return
+
+    def _same(self, forms: RecordedForms, x: Any, value: float) -> bool:
+        """Whether recorded forms have the residual of the coefficients of a value."""
         forms.set_parameter(value)
         expected, _ = self.at(value).steady(x, False)
         found, matrix = self.problem.steady_of(forms, x, True)
-        if (np.abs(found - expected) <= ALIKE * (abs(matrix) @ np.abs(x))).all():
-            self.recorded = forms
+        return bool((np.abs(found - expected) <= ALIKE * (abs(matrix) @ np.abs(x))).all())
 
 
 def follow(problem: BubblingProblem, state: Any, result: Result) -> Branch:

@@ -44,7 +44,7 @@ class Computed:
         self.ranges: list[Any] | None = None
         self.smoothed = SMOOTHED
         self.mixtures: Callable[[Any], dict[str, Any]] = lambda u: {"emulsion": gas, "bubble": gas}
-        self.flow = float(scene.gas.mass_flow or 0.0)
+        self.flow = 0.0 if scene.gas.mass_flow is None else scene.gas.mass_flow
         bed, present = scene.bubbling_bed, scene.present
         base = scene.origin.base
         self.bubbling = is_bubbling(scene.bubbles)

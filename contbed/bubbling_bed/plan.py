@@ -149,7 +149,7 @@ def coefficients(
         name: model.Surface(
             item.perimeter,
             number["contact"][name],
-            item.temperature or HOT,
+            HOT if item.temperature is None else item.temperature,
             float(optics.emissivity_immersed(eps_bed, item.emissivity)) if eps_bed and item.emissivity else 0.0,
             None if item.steam is None else f"T_{name}",
         )

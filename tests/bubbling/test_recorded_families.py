@@ -29,7 +29,7 @@ def family_of(scene: Any, key: str) -> tuple[Family, Any, float]:
 
 
 def compare(family: Family, x: Any, value: float) -> None:
-    """Rounding of the largest term in a row, as in `test_recorded_beds`."""
+    """Rounding of the largest term in a row, as in `test_recorded_beds`; of a march through bubbles 1.5e-13."""
     with np.errstate(all="ignore"):
         residual, matrix = family.at(value).steady(x, True)
         found, jacobian = family.assemble(x, value, True)
@@ -39,7 +39,7 @@ def compare(family: Family, x: Any, value: float) -> None:
     np.testing.assert_array_equal(again, found)
     assert none is None
     rows = abs(matrix).max(axis=1).toarray().ravel()
-    assert (abs(jacobian - matrix).max(axis=1).toarray().ravel() <= 1e-13 * rows).all()
+    assert (abs(jacobian - matrix).max(axis=1).toarray().ravel() <= 3e-13 * rows).all()
 
 
 @pytest.mark.parametrize(
@@ -49,6 +49,9 @@ def compare(family: Family, x: Any, value: float) -> None:
         (case1, "tubes.perimeter"),
         (case1, "gas.temperature"),
         (case1, "bubbling_bed.section"),
+        (case1, "tubes.temperature"),
+        (lambda: cb.load(BOILER), "gas.mass_flow"),
+        (hot, "gas.mass_flow"),
     ],
 )
 def test_any_value_after_one_recording(scene: Any, key: str) -> None:
@@ -62,22 +65,21 @@ def test_any_value_after_one_recording(scene: Any, key: str) -> None:
     assert np.abs(moved).max() > 0.0
 
 
-@pytest.mark.parametrize("scene, key", [(hot, "gas.mass_flow"), (case1, "species.char.release.rate")])
-def test_coefficients_that_ask_for_the_value_are_made_anew(scene: Any, key: str) -> None:
-    """The bubbles march up with a flow that is a number; a release of none is left out."""
-    family, x, value = family_of(scene(), key)
+def test_coefficients_that_ask_for_the_value_are_made_anew() -> None:
+    """A release of none is left out."""
+    family, x, value = family_of(case1(), "species.char.release.rate")
     assert family.recorded is None
     compare(family, x, 1.05 * value)
 
 
-def test_recordings_with_another_residual_are_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Coefficients that put a number of their own in the place of the parameter hold for one value only."""
-    at = Family.at
+def test_recordings_that_hold_for_one_value_are_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Coefficients that put the first value in the place of the parameter: right there, wrong at any other."""
+    at, first = Family.at, float(value_at(case1(), "tubes.perimeter"))
 
     def kept(family: Family, p: Any) -> BubblingProblem:
-        return at(family, p if isinstance(p, float) else 100.0)
+        return at(family, p if isinstance(p, float) else first)
 
     monkeypatch.setattr(Family, "at", kept)
     family, x, value = family_of(case1(), "tubes.perimeter")
-    assert value != 100.0 and family.recorded is None
+    assert value == first and family.recorded is None
     compare(family, x, value)
