@@ -50,7 +50,7 @@ def compare(family: Family, x: Any, value: float) -> None:
         (case1, "gas.temperature"),
         (case1, "bubbling_bed.section"),
         (case1, "tubes.temperature"),
-        (lambda: cb.load(BOILER), "gas.mass_flow"),
+        pytest.param(lambda: cb.load(BOILER), "gas.mass_flow", marks=pytest.mark.slow),
         (hot, "gas.mass_flow"),
     ],
 )

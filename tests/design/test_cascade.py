@@ -180,6 +180,7 @@ def test_particles_that_nothing_needs_are_not_asked(tmp_path, monkeypatch):
     assert not (tmp_path / "out/nusselt.toml").exists()
 
 
+@pytest.mark.slow
 def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
     """Exchange per volume is 6 (1 - eps) h/d_32; sizes differ by the spread of a normal distribution cut at two."""
     text = FILE.replace("width = 5 }", "width = 5, spread = 0.2 }")

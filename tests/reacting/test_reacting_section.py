@@ -216,7 +216,7 @@ def test_conduction_into_a_bed_from_its_walls(shape):
     assert errors[1] < 1.2  # of 300 K between bed and wall
 
 
-@pytest.mark.parametrize("gas", ["quasi_steady", "stored"])
+@pytest.mark.parametrize("gas", ["quasi_steady", pytest.param("stored", marks=pytest.mark.slow)])
 def test_bed_alike_across_is_plug_flow_in_time(gas):
     """Walls through which a given flux of zero goes: all rings are the bed in one dimension, at every step.
 

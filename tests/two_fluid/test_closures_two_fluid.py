@@ -415,6 +415,7 @@ def tank(mesh, **two_fluid):
     return scene | {"mesh": mesh, "boundary": dict.fromkeys((*sides[mesh["type"]], *ends), walls)}
 
 
+@pytest.mark.slow  # compiles a step with these closures on both kinds of meshes
 @pytest.mark.parametrize("shape", ["quadrilateral", "triangle"])
 def test_pressure_that_falls_with_the_fraction_leaves_compaction_solvable(shape):
     """Igci's pressure falls between 0.3 and 0.59: a dense bed keeps its particles below the packing limit."""

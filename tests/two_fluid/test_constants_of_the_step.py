@@ -17,11 +17,15 @@ from contbed.two_fluid.stress import Fluid, Motion, add_stress
 SIDES = {"left": boundary.Wall(), "right": boundary.Wall()}
 
 
-def test_cold_particles_have_hardly_any_stiffness():
-    """Without granular temperature and friction the implicit solids pressure stays finite and moves nothing."""
+@pytest.mark.parametrize("stiffness", [0.0, -0.05])
+def test_cold_particles_have_hardly_any_stiffness(stiffness):
+    """Without granular temperature and friction the implicit solids pressure stays finite and moves nothing.
+
+    As does one that falls with the solids fraction, such as that of clusters: it is not stiff.
+    """
     g, count = line(1.0, 10).geometry, 10
     system, flux = empty_system(g, 1), np.zeros(11)
-    solids = Solids(np.full(count, 0.3), np.zeros(count), np.zeros(count), 2500.0)
+    solids = Solids(np.full(count, 0.3), np.zeros(count), np.full(count, stiffness), 2500.0)
     assemble_compaction(g, 0.1, solids, flux, np.zeros(count), system)  # dt/dx = 1 s/m
     assert np.isfinite(system.content).all()
     assert 0.0 < (system.coef[:9] / system.content[:9]).max() < 1e-11
