@@ -37,11 +37,7 @@ class TwoFluidPlan:
     probes: dict[str, int]
     warnings: tuple[str, ...] = ()
     steps: bool = True
-
-    @property
-    def without_weak_form(self) -> str:
-        """What the engine for MPI lacks; empty if nothing."""
-        return "" if self.scene.heat is None else "temperatures of two fluids, [heat]"
+    without_weak_form: str = ""
 
     @property
     def policy(self) -> Any:

@@ -11,6 +11,7 @@ CHECK_CASES = (
     "cooling_drag",
     "crossing",
     "fixed_bed",
+    "heating",
     "rest",
     "riemann",
     "settling",
@@ -34,6 +35,16 @@ JET = {
     "time": {"end": 0.05, "sample": 0.01, "first": 5e-4, "longest": 1e-3},
     "output": {"plots": False},
 }
+# the gas conducts so well that its conduction is implicit
+HEAT = {
+    "heat_capacity_gas": 1005.0,
+    "heat_capacity_solid": 800.0,
+    "conductivity_gas": 0.03,
+    "effective_gas": 2.0,
+    "effective_solid": 1.0,
+    "density": "ideal_gas",
+}
+WARM = {"T_gas": 300.0, "T_solid": 350.0}
 PLANE = {"type": "rectangle", "length": 0.04, "height": 0.1, "cells": [10, 25]}
 
 
@@ -43,6 +54,16 @@ def bed(mesh: dict[str, Any], **more: dict[str, Any]) -> dict[str, Any]:
     for name, table in more.items():
         scene[name] = scene.get(name, {}) | table
     return scene
+
+
+def heated(scene: dict[str, Any], **heat: Any) -> dict[str, Any]:
+    """A bed with [heat]: hot gas comes in, the left wall is hot, and the right one is heated; both where there are."""
+    sides = deepcopy(scene["boundary"])
+    if sides["bottom"]["type"] == "inlet":
+        sides["bottom"] |= {"T_gas": 600.0}
+    sides["left"] |= {"T": 500.0}
+    sides["right"] |= {"heat_flux": 2e4}
+    return scene | {"heat": HEAT | heat, "boundary": sides, "initial": scene["initial"] | WARM}
 
 
 def _without(scene: dict[str, Any], side: str, **more: dict[str, Any]) -> dict[str, Any]:
@@ -78,3 +99,10 @@ BEDS = {
     "factors_near_walls": bed(PLANE, two_fluid={"drag": "igci", "wall_drag": "igci"}),
     "closed": _without(bed(PLANE | {"shape": "triangle"}), "top", bottom={"type": "wall"}, top={"type": "wall"}),
 }
+BEDS |= {
+    "heated": heated(BEDS["triangles"]),
+    "heated_closed": heated(BEDS["closed"]),
+    "heated_rectangles": heated(BEDS["rectangles"], density="constant", effective_gas=0.05),
+}
+PULSE = {"type": "inlet", "on": "bottom", "start": 0.012, "end": 0.028, "velocity": 2.0, "T_gas": 900.0, "until": 0.02}
+BEDS["pulse"] = BEDS["heated"] | {"boundary": BEDS["heated"]["boundary"] | {"pulse": PULSE}}

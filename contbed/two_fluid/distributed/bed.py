@@ -7,7 +7,7 @@ rows, averages, fields and checkpoints do not depend on the number of ranks.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from contbed.two_fluid.model import Model
 from contbed.two_fluid.scene import TwoFluidScene
 from contbed.two_fluid.simulation import Clock, Simulation
 from contbed.two_fluid.state import State, flatten, rebuild
+
+if TYPE_CHECKING:
+    from contbed.two_fluid.heat.model import Thermal
 
 
 class Shared:
@@ -49,9 +52,14 @@ class SharedSimulation(Simulation):
         self.shared, self.counts = Shared(ranks, found, g.interior), counts
         floating = not (edge.gas.kind == OUTLET).any()
         about = parts.About(scene, model.materials, particles, model.options, bool(floating), model.closed)
-        walls = model.closures.wall_froude
+        walls, heat = model.closures.wall_froude, model.heat
         given = [
-            (part, parts.taken(edge, at), None if walls is None else walls[part.cells])
+            (
+                part,
+                parts.taken(edge, at),
+                None if heat is None else parts.taken_heat(heat, at),
+                None if walls is None else walls[part.cells],
+            )
             for part, at in zip(found, self.shared.edges, strict=True)
         ]
         self.shared.run(parts.make, about, root=(given, model.timer))
@@ -92,6 +100,13 @@ class SharedSimulation(Simulation):
         """Other boundary conditions from now on."""
         super().impose(conditions)
         self.shared.run(parts.impose, root=[parts.taken(self.model.edge, at) for at in self.shared.edges])
+
+    def impose_heat(self, conditions: Mapping[str, Thermal]) -> None:
+        """Other conditions of heat from now on."""
+        super().impose_heat(conditions)
+        heat = self.model.heat
+        assert heat is not None
+        self.shared.run(parts.impose_heat, root=[parts.taken_heat(heat, at) for at in self.shared.edges])
 
     def traffic(self) -> dict[str, float]:
         """Return messages, bytes and reductions of the busiest rank in a step."""

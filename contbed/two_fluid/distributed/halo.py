@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,39 +21,54 @@ class Neighbour(NamedTuple):
     received: Indices
 
 
-class RankHalo(Halo):
-    """The halo of one rank's part.
+@dataclass
+class Traffic:
+    """Messages and bytes that a rank has sent, and reductions over all ranks, counted since the start."""
 
-    Attributes
-    ----------
-    messages, bytes, reductions : counted since the start; of messages those that this rank sent
-    """
+    messages: int = 0
+    bytes: int = 0
+    reductions: int = 0
+
+
+class RankHalo(Halo):
+    """The halo of one rank's part, or of the cells of it that are solved for, with `traffic` counted together."""
 
     distributed = True
 
     def __init__(
         self, comm: Any, owned: int, near: int, faces: Flags, edges: Flags, neighbours: Sequence[Neighbour]
     ) -> None:
-        self.comm, self.neighbours = comm, neighbours
+        self.comm, self.neighbours, self.traffic = comm, neighbours, Traffic()
         self.cells, self.near, self.faces, self.edges = slice(0, owned), near, faces, edges
-        self.messages = self.bytes = self.reductions = 0
+
+    def of_numbered(self, number: Indices) -> RankHalo:
+        """Return the halo of the cells with a `number` (nc,), not -1, by that number; own ones come first."""
+        part = copy(self)
+        part.neighbours = []
+        for other in self.neighbours:
+            sent, received = number[other.sent], number[other.received]
+            part.neighbours.append(Neighbour(other.rank, sent[sent >= 0], received[received >= 0]))
+        return part
 
     def exchange(self, *fields: np.ndarray) -> None:
         """Set the ghost cells of fields (nc, ...); one message to each neighbour holds all of them."""
         if not fields:
             return
         widths = [field[:1].size for field in fields]
-        inbox = [np.empty(len(other.received) * sum(widths)) for other in self.neighbours]
-        pending = [self.comm.Irecv(buffer, other.rank) for buffer, other in zip(inbox, self.neighbours, strict=True)]
+        senders = [other for other in self.neighbours if len(other.received)]
+        inbox = [np.empty(len(other.received) * sum(widths)) for other in senders]
+        pending = [self.comm.Irecv(buffer, other.rank) for buffer, other in zip(inbox, senders, strict=True)]
+        outboxes = []  # kept until they have been sent
         for other in self.neighbours:
-            outbox = np.concatenate([field[other.sent].ravel() for field in fields], dtype=float)
-            pending.append(self.comm.Isend(outbox, other.rank))
-            inbox.append(outbox)  # kept until it has been sent
-            self.messages += 1
-            self.bytes += outbox.nbytes
+            if not len(other.sent):
+                continue
+            outboxes.append(np.concatenate([field[other.sent].ravel() for field in fields], dtype=float))
+            pending.append(self.comm.Isend(outboxes[-1], other.rank))
+            self.traffic.messages += 1
+            self.traffic.bytes += outboxes[-1].nbytes
         for request in pending:
             request.Wait()
-        for buffer, other in zip(inbox, self.neighbours, strict=False):
+        for buffer, other in zip(inbox, senders, strict=True):
             start = 0
             for field, width in zip(fields, widths, strict=True):
                 end = start + width * len(other.received)
@@ -62,7 +79,7 @@ class RankHalo(Halo):
         """Return the largest value of all ranks."""
         from mpi4py import MPI
 
-        self.reductions += 1
+        self.traffic.reductions += 1
         return float(self.comm.allreduce(float(value), MPI.MAX))
 
     def any(self, found: bool) -> bool:
@@ -72,7 +89,7 @@ class RankHalo(Halo):
     def sum(self, *values: float) -> Sequence[float]:
         """Return the sum over all ranks of each value."""
         mine, everywhere = np.array(values, dtype=float), np.empty(len(values))
-        self.reductions += 1
+        self.traffic.reductions += 1
         self.comm.Allreduce(mine, everywhere)
         return [float(value) for value in everywhere]
 

@@ -8,8 +8,8 @@ to the root rank, which raises it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from dataclasses import astuple, dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,9 @@ from contbed.two_fluid.scene import TwoFluidScene
 from contbed.two_fluid.simulation import Clock, Simulation
 from contbed.two_fluid.state import flatten, rebuild
 from contbed.two_fluid.timing import Timer
+
+if TYPE_CHECKING:
+    from contbed.two_fluid.heat.model import HeatModel
 
 # of the flattened state; all other arrays list cells
 OF_FACES = ("state.fluxes.solid", "state.fluxes.total", "state.fluxes.moved", "state.memory.face_residual")
@@ -78,13 +81,18 @@ def taken(edge: Edge, faces: Any) -> Edge:
     return Edge(gas, solid, **shared)
 
 
+def taken_heat(heat: HeatModel, faces: Any) -> tuple[Array, ...]:
+    """Return the conditions of heat of some boundary faces, in the order of `HeatModel`."""
+    return tuple(values[faces] for values in (heat.T_gas, heat.T_solid, heat.wall, heat.flux))
+
+
 def make(all_ranks: RankGroup, root: Any, key: int, about: About) -> None:
-    """Build the bed of each rank from its part, conditions and distances from walls as object `key`.
+    """Build the bed of each rank from its part, conditions, those of heat and distances from walls as object `key`.
 
     The root rank has these for all ranks, and a timer.
     """
     parts, timer = root or (None, Timer())
-    part, edge, wall_froude = all_ranks.comm.scatter(parts)
+    part, edge, outside_heat, wall_froude = all_ranks.comm.scatter(parts)
     sent, received = part.sent, part.received
     others = [Neighbour(rank, sent[rank], received[rank]) for rank in sorted(sent)]
     halo = RankHalo(all_ranks.comm, part.owned, part.near, part.own_faces, part.own_edges, others)
@@ -109,7 +117,13 @@ def make(all_ranks: RankGroup, root: Any, key: int, about: About) -> None:
     closures = count_own(compiled, part.owned)
     if wall_froude is not None:
         closures = with_factors(closures, compiled.bound, wall_froude)
-    model = Model(grid, about.materials, closures, edge, about.options, sources, pressure, about.closed, None, timer)
+    heat = None
+    if outside_heat is not None:
+        from contbed.two_fluid.heat import plan as heat_planning
+        from contbed.two_fluid.heat.model import HeatModel
+
+        heat = HeatModel(heat_planning.physics(about.scene, compiled.bound), *outside_heat)
+    model = Model(grid, about.materials, closures, edge, about.options, sources, pressure, about.closed, heat, timer)
     all_ranks.objects[key] = RankBed(part, Simulation(model), compiled.counts)
 
 
@@ -157,6 +171,15 @@ def impose(all_ranks: RankGroup, root: Any, key: int) -> None:
     bed.model = replace(bed.model, edge=all_ranks.comm.scatter(root))
 
 
+def impose_heat(all_ranks: RankGroup, root: Any, key: int) -> None:
+    """Other conditions of heat from now on."""
+    bed = all_ranks.objects[key].simulation
+    heat = bed.model.heat
+    assert heat is not None
+    T_gas, T_solid, wall, flux = all_ranks.comm.scatter(root)
+    bed.model = replace(bed.model, heat=replace(heat, T_gas=T_gas, T_solid=T_solid, wall=wall, flux=flux))
+
+
 def set_state(all_ranks: RankGroup, root: Any, key: int) -> None:
     """Set the state of all parts; root has the flattened one of each."""
     bed = all_ranks.objects[key].simulation
@@ -178,5 +201,4 @@ def own_state(all_ranks: RankGroup, root: Any, key: int) -> Any:
 
 def traffic(all_ranks: RankGroup, root: Any, key: int) -> Any:
     """Return on the root rank the messages, bytes and reductions of each rank since the start."""
-    halo = all_ranks.objects[key].halo
-    return all_ranks.comm.gather((halo.messages, halo.bytes, halo.reductions))
+    return all_ranks.comm.gather(astuple(all_ranks.objects[key].halo.traffic))

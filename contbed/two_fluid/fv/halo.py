@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from contbed.two_fluid.compiled import Flags
+from contbed.two_fluid.compiled import Flags, Indices
 
 Selection = slice | Flags
 
@@ -36,6 +36,10 @@ class Halo:
 
     def exchange(self, *fields: np.ndarray) -> None:
         """Set the ghost cells of fields (nc, ...) to the values of their owners, in place."""
+
+    def of_numbered(self, number: Indices) -> Halo:
+        """Return the halo of the cells with a `number` (nc,), not -1, by that number; own ones come first."""
+        return self
 
     def max(self, value: float) -> float:
         """Return the largest value of all ranks."""

@@ -96,8 +96,9 @@ def rate_of_steps(state: State, crossed: float, heat: HeatModel, model: Model) -
     assert energy is not None
     if not heat.ideal or state.dt == 0.0:
         return crossed / model.options.courant if heat.ideal else 0.0
+    halo = model.grid.halo
     filled = energy.mass * energy.T_gas / density_times_T(energy.p0, heat, model)
-    still_open = float(np.max(np.abs(filled - (1.0 - state.eps_s))))
+    still_open = halo.max(float(np.max(np.abs(filled - (1.0 - state.eps_s))[halo.cells])))
     return min(crossed / model.options.courant, float(np.sqrt(still_open / MAX_LEFT_OPEN)) / state.dt)
 
 
@@ -121,7 +122,8 @@ def advance(
     stay, and the fractions change evenly, so that mass and heat close as in one. Return also the mean mass flux (nf,)
     of the gas over the usual density [m3/s].
     """
-    crossed = dt * float(np.max(state.fluxes.outflow_gas, initial=0.0)) / model.options.courant
+    halo = model.grid.halo
+    crossed = dt * halo.max(float(np.max(state.fluxes.outflow_gas[halo.cells], initial=0.0))) / model.options.courant
     count = max(1, int(np.ceil(crossed * (1.0 - ROUNDING))))
     filling = (moved.eps_s - state.eps_s) / count
     gas, gained, still_open = np.zeros_like(moved.flux_gas), np.zeros_like(filling), filling
@@ -134,7 +136,8 @@ def advance(
         expansion = (still_open + gained) / dt
         if closed_volume(heat, model):
             volume = model.grid.geometry.volume
-            expansion = expansion - expansion @ volume / volume.sum()
+            gained_volume, whole_volume = halo.sum(*_over_own_cells(model, expansion * volume, volume))
+            expansion = expansion - gained_volume / whole_volume
         energy = replace(energy, expansion=expansion)
     return energy, gas
 
@@ -156,15 +159,11 @@ def _sub_cycle(
     divergence(g, solid, face_s, energy.T_solid, net, moved_s)
     divergence(g, gas, face_g, energy.T_gas, net, moved_g)
     mass = energy.mass - dt * net / volume
-    account = _book(energy.account, dt, gas, p.cp_gas * gas * face_g + p.cp_solid * solid * face_s, model)
 
     content = np.stack((p.cp_gas * mass * volume, p.cp_solid * rho_s * s * volume), axis=1)
     rates = np.stack((p.cp_gas * moved_g, p.cp_solid * moved_s), axis=1)
-    walls = account.walls + _heat_walls(s, rates, heat, dt, model)
-    links, through = _conduct(energy, s, content, rates, heat, dt, model)
-    for part in through:
-        # what cells give each other cancels in the sum
-        walls += part
+    walls = _heat_walls(s, rates, heat, dt, model)
+    links, conducted = _conduct(energy, s, content, rates, heat, dt, model)
     lift = divided_or_zero(dt * rates, content)
     at_gas, at_solid = add_exchange(state, energy, s, content, lift, heat, dt, model)
     exchange = Exchange(content, links, at_gas, at_solid)
@@ -177,6 +176,7 @@ def _sub_cycle(
         rise = _pressure_rise(energy, mass, s, change, response, heat, model)
         p0 += rise
         change, lost = change + rise * response, lost + rise * further
+    heat_flux = p.cp_gas * gas * face_g + p.cp_solid * solid * face_s
     new = replace(
         energy,
         T_gas=energy.T_gas + change[:, 0],
@@ -186,8 +186,9 @@ def _sub_cycle(
         rate_solid=(change[:, 1] / dt - moved_s / (rho_s * (s + NO_PARTICLES) * volume))[:, None],
         rho_ratio=_density_ratio(mass, s, heat, model),
         p0=p0,
-        account=account._replace(walls=walls - lost),
+        account=_book(energy.account, dt, gas, heat_flux, walls + conducted - lost, model),
     )
+    model.grid.halo.exchange(new.T_gas, new.T_solid, new.mass, new.rate_gas, new.rate_solid, new.rho_ratio)
     _check_temperatures(state, new, model)
     if not heat.ideal:
         return new, moved.flux_gas, s, s
@@ -223,24 +224,28 @@ def _slope(T: Array, outside: Array, eps_s: Array | None, model: Model) -> tuple
 
 
 def _heat_walls(eps_s: Array, rates: Array, heat: HeatModel, dt: float, model: Model) -> float:
-    """Add the flux that is given at walls to `rates` (nc, 2) [W], shared by the fractions of the phases. Return [J]."""
+    """Add the flux that is given at walls to `rates` (nc, 2) [W], shared by the fractions of the phases.
+
+    Return the heat [J] that comes through own faces.
+    """
     cells, area = model.boundary_cells, model.grid.geometry.area[model.grid.interior :]
     s = eps_s[cells]
     np.add.at(rates, cells, (heat.flux * area)[:, None] * np.stack((1.0 - s, s), axis=1))
-    return dt * float(heat.flux @ area)
+    own = model.grid.halo.edges
+    return dt * float(heat.flux[own] @ area[own])
 
 
 def _conduct(
     energy: Energy, eps_s: Array, content: Array, rates: Array, heat: HeatModel, dt: float, model: Model
-) -> tuple[Array | None, list[float]]:
+) -> tuple[Array | None, float]:
     """Add what is conducted now to `rates` (nc, 2) [W].
 
     Return the conductance of each face times dt (nf, 2) [J/K], None if it is so small beside the `content` of the cells
-    that explicit conduction is stable; and the heat [J] that each phase takes from walls.
+    that explicit conduction is stable; and the heat [J] that own cells take, from walls if all ranks are added up.
     """
     if heat.physics.conductivity is None:
-        return None, []
-    g, taken = model.grid.geometry, []
+        return None, 0.0
+    g, halo, taken = model.grid.geometry, model.grid.halo, 0.0
     k_gas, k_solid = heat.physics.conductivity(eps_s, energy.T_gas, energy.T_solid)
     # the few particles of a nearly empty cell hold too little heat to conduct any
     k_solid = k_solid * np.minimum(1.0, eps_s / FEW_PARTICLES)
@@ -251,8 +256,10 @@ def _conduct(
         conduct(g, conductivity, T, heat.wall, grad, out, one)
         rates[:, k] += out[:, 0]
         links[:, k] = dt * one[:, 0]
-        taken.append(dt * float(out.sum()))
-    return links if (sums_over_faces(links, model) > EXPLICIT_SHARE * content).any() else None, taken
+        # what cells give each other cancels in the sum
+        taken += dt * float(out[halo.cells].sum())
+    stiff = (sums_over_faces(links, model) > EXPLICIT_SHARE * content)[halo.cells].any()
+    return links if halo.any(bool(stiff)) else None, taken
 
 
 def _pressure_rise(
@@ -261,8 +268,15 @@ def _pressure_rise(
     """Rise of p0 [Pa] with which the gas fills a closed volume; temperatures rise by `response` (nc, 2) per Pa."""
     p, volume = heat.physics, model.grid.geometry.volume
     R = p.pressure / (model.materials.rho_gas * p.T_reference)
-    gas, pores = R * mass * volume, float((1.0 - eps_s) @ volume)
-    return float((gas @ (energy.T_gas + change[:, 0]) - energy.p0 * pores) / (pores - gas @ response[:, 0]))
+    gas, room = R * mass * volume, (1.0 - eps_s) * volume
+    parts = _over_own_cells(model, gas * (energy.T_gas + change[:, 0]), room, gas * response[:, 0])
+    filled, pores, slope = model.grid.halo.sum(*parts)
+    return (filled - energy.p0 * pores) / (pores - slope)
+
+
+def _over_own_cells(model: Model, *fields: Array) -> list[float]:
+    """Sum of each field (nc,) over own cells."""
+    return [float(field[model.grid.halo.cells].sum()) for field in fields]
 
 
 def _filled(old: Energy, new: Energy, change: Array, eps_s: Array, carried: Array, model: Model) -> tuple[Array, Array]:
@@ -280,22 +294,29 @@ def _filled(old: Energy, new: Energy, change: Array, eps_s: Array, carried: Arra
 
 
 def _check_temperatures(state: State, energy: Energy, model: Model) -> None:
-    coldest, name = min((float(energy.T_gas.min()), "T_gas"), (float(energy.T_solid.min()), "T_solid"))
+    halo, message = model.grid.halo, ""
+    own = ((energy.T_gas[halo.cells], "T_gas"), (energy.T_solid[halo.cells], "T_solid"))
+    coldest, name = min((float(T.min()), name) for T, name in own)
     if not coldest > 0.0:
-        check_finite(replace(state, energy=energy), model.grid)
-        raise ConvergenceError(
+        message = (
             f"t = {state.time:.6g} s, step {state.steps}: {name} falls to {coldest:.4g} K, not above 0 K: a wall with "
             "a negative heat_flux takes more heat than comes to it, or the steps are too long; give the wall a "
             "temperature in place of the flux, leave out time.step or lower time.courant"
         )
+    if message := halo.first(message):
+        check_finite(replace(state, energy=energy), model.grid)
+        raise ConvergenceError(message)
 
 
-def _book(account: HeatAccount, dt: float, gas: Array, heat: Array, model: Model) -> HeatAccount:
-    """Add what crossed the boundary in this step with the phases."""
-    gas, heat = gas[model.grid.interior :], heat[model.grid.interior :]
-    return account._replace(
-        gas_out=account.gas_out + dt * float(np.sum(gas, where=gas > 0)),
-        gas_in=account.gas_in - dt * float(np.sum(gas, where=gas < 0)),
-        heat_out=account.heat_out + dt * float(np.sum(heat, where=heat > 0)),
-        heat_in=account.heat_in - dt * float(np.sum(heat, where=heat < 0)),
+def _book(account: HeatAccount, dt: float, gas: Array, heat: Array, walls: float, model: Model) -> HeatAccount:
+    """Add what crossed the boundary in this step with the phases, and the heat [J] that came through walls."""
+    halo = model.grid.halo
+    gas, heat = gas[model.grid.interior :][halo.edges], heat[model.grid.interior :][halo.edges]
+    crossed = halo.sum(
+        -dt * float(np.sum(heat, where=heat < 0)),
+        dt * float(np.sum(heat, where=heat > 0)),
+        walls,
+        -dt * float(np.sum(gas, where=gas < 0)),
+        dt * float(np.sum(gas, where=gas > 0)),
     )
+    return HeatAccount(*(before + more for before, more in zip(account, crossed, strict=True)))

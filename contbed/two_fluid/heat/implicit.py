@@ -5,10 +5,10 @@ The equations and their sources are those of `heat.equations`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, cg
 
 from contbed.errors import ConvergenceError
 from contbed.threads import parallel
@@ -72,14 +72,15 @@ def add_exchange(
 def implicit_changes(state: State, exchange: Exchange, lift: Array, model: Model) -> tuple[Array, float]:
     """Return the changes of the temperatures (nc, 2) [K] with implicit conduction and exchange.
 
-    `lift` is the explicit change. Return also the heat that the change drives out through walls [J].
+    `lift` is the explicit change. Return also the heat that the change drives out of own cells [J], through walls if
+    all ranks are added up.
     """
     through = 0.0
     if exchange.links is not None:
         conducted = _solve_conduction(state, exchange, exchange.links, lift, model)
         # exchange follows exactly whatever the iteration has left
         lift = lift - divided_or_zero(conducted, exchange.content)
-        through = float(conducted.sum())
+        through = float(conducted[model.grid.halo.cells].sum())
     return np.stack(eliminate_drag(lift[:, 0], lift[:, 1], exchange.at_gas, exchange.at_solid), axis=1), through
 
 
@@ -88,36 +89,43 @@ def _solve_conduction(state: State, exchange: Exchange, links: Array, lift: Arra
 
     Conjugate gradients, preconditioned with the 2x2 block of each cell.
     """
-    g, content, size = model.grid.geometry, exchange.content, exchange.content.shape
-    both, out = content[:, 0] * exchange.at_gas, np.empty(size)
-    diagonal = content + both[:, None] + sums_over_faces(links, model)
+    g, halo, content = model.grid.geometry, model.grid.halo, exchange.content
+    own, both, out = halo.cells, (content[:, 0] * exchange.at_gas)[:, None], np.empty_like(content)
+    diagonal = content + both + sums_over_faces(links, model)
     diagonal[diagonal == 0.0] = 1.0  # no particles
-    scale = 1.0 / (diagonal[:, 0] * diagonal[:, 1] - both**2)
+    scale = 1.0 / (diagonal[:, :1] * diagonal[:, 1:] - both**2)
 
     def product(x: Array) -> Array:
-        x = x.reshape(size)
+        halo.exchange(x)
         conducted_out(g, links, x, out)
-        found: Array = content * x + out + both[:, None] * (x - x[:, ::-1])
-        return found.ravel()
+        return content * x + out + both * (x - x[:, ::-1])
 
     def inverse(x: Array) -> Array:
-        x = x.reshape(size)
-        found: Array = scale[:, None] * (diagonal[:, ::-1] * x + both[:, None] * x[:, ::-1])
-        return found.ravel()
+        return scale * (diagonal[:, ::-1] * x + both * x[:, ::-1])
 
-    n = content.size
-    rhs = (content * lift).ravel()
-    x, left = cg(
-        LinearOperator((n, n), product),
-        rhs,
-        inverse(rhs),
-        rtol=TOLERANCE,
-        maxiter=MAX_ITERATIONS,
-        M=LinearOperator((n, n), inverse),
-    )
-    if left:
-        raise ConvergenceError(f"t = {state.time:.6g} s: heat did not converge in {MAX_ITERATIONS} iterations")
-    conducted_out(g, links, x.reshape(size), out)
+    def dots(*pairs: tuple[Array, Array]) -> Sequence[float]:
+        return halo.sum(*(float(np.vdot(one[own], other[own])) for one, other in pairs))
+
+    rhs = content * lift
+    x = inverse(rhs)
+    r = rhs - product(x)
+    z = inverse(r)
+    p = z.copy()
+    whole, square, rho = dots((rhs, rhs), (r, r), (r, z))
+    iterations = 0
+    while not square <= TOLERANCE**2 * whole:
+        if iterations == MAX_ITERATIONS:
+            raise ConvergenceError(f"t = {state.time:.6g} s: heat did not converge in {MAX_ITERATIONS} iterations")
+        iterations += 1
+        q = product(p)
+        alpha = rho / dots((p, q))[0]
+        x += alpha * p
+        r -= alpha * q
+        z, before = inverse(r), rho
+        square, rho = dots((r, r), (r, z))
+        p = z + rho / before * p
+    halo.exchange(x)
+    conducted_out(g, links, x, out)
     return out
 
 

@@ -1,16 +1,30 @@
 """The conjugate gradients of cg.py on a grid that ranks share: the same iterations, so the same result to rounding.
 
 All components go on together, so that an iteration costs one exchange of ghost cells and two sums over the ranks,
-whatever the number of components. A component that has converged stays as it is.
+whatever the number of components. A component that has converged stays as it is. Only cells that are solved for are
+exchanged: they have numbers of their own, first those that the rank owns, then ghost cells.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from contbed.two_fluid.compiled import Array, Flags, Indices, kernel
+from contbed.two_fluid.compiled import Array, Flags, Indices, kernel, summing
 from contbed.two_fluid.fv.grid import Geometry, Grid
 from contbed.two_fluid.linear.cg import System
+
+
+class Rows(NamedTuple):
+    """Links between the cells that are solved for.
+
+    start (no + 1,) : of the links of each own cell; beside, faces (nl,) : its neighbours, and the faces between them
+    """
+
+    start: Indices
+    beside: Indices
+    faces: Indices
 
 
 @kernel
@@ -38,32 +52,85 @@ def _solved_cells(g: Geometry, stiff: Flags, solved: Flags) -> None:
 
 
 @kernel
-def _diagonal(g: Geometry, system: System, solved: Flags, out: Array) -> None:
-    """Set the diagonal (nc, m) of the solved cells; a link to another cell is not solved for."""
-    coef = system.coef
-    for c in range(len(out)):
-        for k in range(out.shape[1]):
-            out[c, k] = system.content[c, k] + system.links[c, k]
+def _linked(g: Geometry, number: Indices, own: int) -> Rows:
+    """Find the links of the own cells by their `number` (nc,), -1 for cells that are not solved for."""
+    start = np.zeros(own + 1, dtype=np.int64)
     for f in range(len(g.right)):
-        left, right = g.left[f], g.right[f]
-        for k in range(out.shape[1]):
-            if solved[left] and not solved[right]:
-                out[left, k] -= coef[f, k]
-            elif solved[right] and not solved[left]:
-                out[right, k] -= coef[f, k]
+        left, right = number[g.left[f]], number[g.right[f]]
+        if left >= 0 and right >= 0 and left != right:
+            for here in (left, right):
+                if here < own:
+                    start[here + 1] += 1
+    for i in range(own):
+        start[i + 1] += start[i]
+    beside, faces, filled = np.empty(start[own], np.int64), np.empty(start[own], np.int64), start[:own].copy()
+    for f in range(len(g.right)):
+        left, right = number[g.left[f]], number[g.right[f]]
+        if left >= 0 and right >= 0 and left != right:
+            for here, there in ((left, right), (right, left)):
+                if here < own:
+                    beside[filled[here]] = there
+                    faces[filled[here]] = f
+                    filled[here] += 1
+    return Rows(start, beside, faces)
 
 
 @kernel
-def _product(g: Geometry, faces: Indices, coef: Array, scale: Array, p: Array, q: Array) -> None:
-    """Set q (nc, m) to the matrix with a diagonal of ones times p (nc, m)."""
-    q[:] = p
-    for f in faces:
-        left, right = g.left[f], g.right[f]
-        if left != right:
-            for k in range(p.shape[1]):
-                link = coef[f, k] * scale[left, k] * scale[right, k]
-                q[left, k] -= link * p[right, k]
-                q[right, k] -= link * p[left, k]
+def _diagonal(g: Geometry, system: System, number: Indices, diagonal: Array) -> None:
+    """Set the diagonal (n, m) of the cells with a number; a link to a cell without one is not solved for."""
+    for c in range(len(number)):
+        if number[c] >= 0:
+            for k in range(diagonal.shape[1]):
+                diagonal[number[c], k] = system.content[c, k] + system.links[c, k]
+    for f in range(len(g.right)):
+        left, right = number[g.left[f]], number[g.right[f]]
+        if (left >= 0) != (right >= 0):
+            for k in range(diagonal.shape[1]):
+                diagonal[max(left, right), k] -= system.coef[f, k]
+
+
+@kernel
+def _scaled(rows: Rows, coef: Array, scale: Array, values: Array) -> None:
+    """Set the `values` (nl, m) of the links in the matrix with a diagonal of ones."""
+    for i in range(len(rows.start) - 1):
+        for j in range(rows.start[i], rows.start[i + 1]):
+            for k in range(coef.shape[1]):
+                values[j, k] = coef[rows.faces[j], k] * scale[i, k] * scale[rows.beside[j], k]
+
+
+@summing
+def _product(rows: Rows, values: Array, p: Array, q: Array, dots: Array) -> None:
+    """Set q (no, m) to the matrix times p (n, m), and dots (m,) to p . q."""
+    for k in range(values.shape[1]):
+        total = 0.0
+        for i in range(len(q)):
+            row = p[i, k]
+            for j in range(rows.start[i], rows.start[i + 1]):
+                row -= values[j, k] * p[rows.beside[j], k]
+            q[i, k] = row
+            total += row * p[i, k]
+        dots[k] = total
+
+
+@summing
+def _advance(alpha: Array, p: Array, q: Array, y: Array, r: Array, dots: Array) -> None:
+    """Set y + alpha p and r - alpha q (no, m) in place, and dots (m,) to r . r."""
+    for k in range(len(alpha)):
+        total = 0.0
+        for i in range(len(q)):
+            y[i, k] += alpha[k] * p[i, k]
+            r[i, k] -= alpha[k] * q[i, k]
+            total += r[i, k] * r[i, k]
+        dots[k] = total
+
+
+@kernel
+def _turn(beta: Array, going: Flags, r: Array, p: Array) -> None:
+    """Set p to r + beta p in own cells, in components that are `going` (m,) on."""
+    for k in range(len(beta)):
+        if going[k]:
+            for i in range(len(r)):
+                p[i, k] = r[i, k] + beta[k] * p[i, k]
 
 
 def solve_on_ranks(grid: Grid, system: System, explicit: float, tolerance: float, most: int, x: Array) -> int:
@@ -72,46 +139,51 @@ def solve_on_ranks(grid: Grid, system: System, explicit: float, tolerance: float
     explicit : links of a cell over its content above which it is stiff
     tolerance : of the residual, relative in the norm of the inverse diagonal
     """
-    g, halo, own = grid.geometry, grid.halo, grid.halo.cells
-    coef, links, content, rhs = system.coef, system.links, system.content, system.rhs
+    g, halo = grid.geometry, grid.halo
+    content, rhs = system.content, system.rhs
     _add_links(g, system)
     x[:] = rhs / content
-    stiff: Flags = np.asarray((links > explicit * content).any(axis=1))
-    if not halo.any(bool(stiff[own].any())):
+    stiff: Flags = np.asarray((system.links > explicit * content).any(axis=1))
+    if not halo.any(bool(stiff[halo.cells].any())):
         halo.exchange(x)
         return 0
     halo.exchange(stiff)
-    solved, diagonal = np.empty_like(stiff), np.empty(x.shape)
+    solved = np.empty_like(stiff)
     _solved_cells(g, stiff, solved)
     halo.exchange(solved)
-    _diagonal(g, system, solved, diagonal)
-    scale = np.where(solved[:, None], 1.0 / np.sqrt(diagonal), 0.0)
-    halo.exchange(scale)
-    faces = np.flatnonzero(solved[g.left[: grid.interior]] & solved[g.right])
+    cells = np.flatnonzero(solved)
+    number = np.full(len(solved), -1)
+    number[cells] = np.arange(len(cells))
+    own, ghosts = int(np.count_nonzero(solved[halo.cells])), halo.of_numbered(number)
+    size = (len(cells), x.shape[1])
+    scale, target, p = np.empty(size), np.empty(size), np.empty(size)
+    _diagonal(g, system, number, scale)
+    np.power(scale, -0.5, out=scale)
+    ghosts.exchange(scale)
+    rows = _linked(g, number, own)
+    values = np.empty((len(rows.faces), size[1]))
+    _scaled(rows, system.coef, scale, values)
 
-    def dot(one: Array, other: Array) -> Array:
-        return np.array(halo.sum(*np.einsum("ck,ck->k", one[own], other[own])))
-
-    target = np.where(solved[:, None], scale * rhs, 0.0)
-    halo.exchange(target)
-    y, q = target.copy(), np.empty(x.shape)
-    _product(g, faces, coef, scale, y, q)
-    r = target - q
-    first, rho = dot(target, target), dot(r, r)
-    p = r.copy()
+    np.multiply(scale, rhs[cells], out=target)
+    ghosts.exchange(target)
+    y, q, dots = target[:own].copy(), np.empty((own, size[1])), np.empty(size[1])
+    _product(rows, values, target, q, dots)
+    r = y - q
+    p[:own] = r
+    sums = np.array(halo.sum(*np.einsum("ck,ck->k", y, y), *np.einsum("ck,ck->k", r, r)))
+    first, rho = sums[: size[1]], sums[size[1] :]
     iterations = 0
     while (going := rho > tolerance**2 * first).any():
         if iterations == most:
             return -1
         iterations += 1
-        halo.exchange(p)
-        _product(g, faces, coef, scale, p, q)
-        curvature = dot(p, q)
+        ghosts.exchange(p)
+        _product(rows, values, p, q, dots)
+        curvature = np.array(halo.sum(*dots))
         alpha = np.where(going, rho / np.where(going, curvature, 1.0), 0.0)
-        y += alpha * p
-        r -= alpha * q
-        before, rho = rho, np.where(going, dot(r, r), rho)
-        p = np.where(going, r + rho / np.where(going, before, 1.0) * p, p)
-    x[solved] = (scale * y)[solved]
+        _advance(alpha, p, q, y, r, dots)
+        before, rho = rho, np.where(going, halo.sum(*dots), rho)
+        _turn(np.where(going, rho / np.where(going, before, 1.0), 0.0), going, r, p)
+    x[cells[:own]] = scale[:own] * y
     halo.exchange(x)
     return iterations
