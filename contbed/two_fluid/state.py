@@ -125,6 +125,8 @@ class Energy:
     rate_gas, rate_solid (nc, 1) [K/s] : rates of change without convection
     rho_ratio (nc,) : density of the gas over the usual one
     expansion (nc,) [1/s] : source of gas volume
+    closing [s] : time in which what mass, temperature and volume leave open goes with it: a step or, after a much
+        longer one, what is left of that, as hurry would make the next step shorter still
     p0 [Pa] : thermodynamic pressure
     """
 
@@ -135,6 +137,7 @@ class Energy:
     rate_solid: Array
     rho_ratio: Array
     expansion: Array
+    closing: float
     p0: float
     account: HeatAccount = NO_HEAT
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from contbed.mesh.mesh import Mesh
     from contbed.two_fluid.fv.grid import Grid
 
+LEAST_NUSSELT = 2.0  # of a sphere in gas at rest [-]
 AXIS = 1e-9  # share of the extent from which a mesh counts as off the axis
 
 
@@ -80,6 +81,32 @@ def _of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> Iterator[tup
     if grid.axisymmetric and (inner := float(mesh.skfem.p[0].min())) > AXIS * float(np.ptp(mesh.skfem.p[0])):
         yield ("mesh",), f"axisymmetric, but no cell touches the axis: an annulus from r = {inner:.4g} m"
     yield from unlike_the_cells(scene, grid)
+    if scene.heat is not None and scene.heat.density == "ideal_gas":
+        yield from _gas_expands_at_once(scene, low, high)
+
+
+def _gas_expands_at_once(scene: t.TwoFluidScene, low: float, high: float) -> Iterator[tuple[KeyPath, str]]:
+    """Look for gas between hotter or colder particles at the start, whose change of volume drives the first flow."""
+    from contbed.two_fluid.heat.plan import initial
+
+    heat, start, d_p = scene.heat, scene.initial, scene.solid.particle_diameter
+    assert heat is not None
+    inlets = [part.velocity for part in scene.boundary.values() if isinstance(part, t.Inlet)]
+    usual = max(inlets, default=0.0) + (2.0 * scene.two_fluid.gravity * (high - low)) ** 0.5
+    parts: list[tuple[KeyPath, t.Initial | t.Layer, float, float]] = [(("initial",), start, -np.inf, np.inf)]
+    parts += [(("initial", "layer", k), part, part.start, part.end) for k, part in enumerate(start.layer)]
+    for key, part, bottom, top in parts:
+        eps_s = start.eps_s if part.eps_s is None else part.eps_s
+        T_gas, T_solid = (float(T[0]) for T in initial(scene, np.array([bottom])).values())
+        if eps_s == 0.0 or T_gas == T_solid:
+            continue
+        content = scene.gas.density * heat.heat_capacity_gas * (1.0 - eps_s)
+        time = content * d_p**2 / (6.0 * eps_s * LEAST_NUSSELT * heat.conductivity_gas)
+        speed = abs(T_solid / T_gas - 1.0) * (min(top, high) - max(bottom, low)) / time
+        if speed > usual:
+            text = f"gas of {T_gas:g} K between particles of {T_solid:g} K takes their temperature in {time:.2g} s and "
+            text += f"its new volume flows at {speed:.2g} m/s; give both one temperature where particles are"
+            yield (*key, "T_gas"), text
 
 
 def _has_particles(initial: t.Initial, boundary: Mapping[str, t.Boundary]) -> bool:

@@ -269,6 +269,26 @@ def test_ideal_gas_that_warms_flows_faster():
     np.testing.assert_allclose(flux[out], 0.5 * end / 300.0, rtol=1e-7)
 
 
+def test_gas_that_expands_in_one_step_leaves_in_the_time_of_that_step():
+    """Cold gas between hot particles doubles its volume in the first step of 5e-4 s: half of the 0.05 m3 per m2 has to
+    leave, at 200 m/s where it is fastest. In the next steps, 30 times as short, it goes on at that speed.
+    """
+    s, length, first = 0.5, 0.1, 5e-4
+    options = Options(dt_first=first, dt_max=1e-3, courant=0.3)
+    sides = {"left": SLIP, "right": Outlet()}
+    b = heated(line(length, 10), sides, h=2000.0, ideal=True, options=options, gravity=(0.0,))
+    b.start(eps_s=s, T_gas=300.0, T_solid=600.0)
+    speeds = []
+    while b.state.time < 2.0 * first:
+        b.step_towards(2.0 * first)
+        speeds.append(b.state.u_gas.max())
+    # the first pressure foresees as much heat again as the step has given
+    assert max(speeds[1:]) < 1.05 * length / first < max(speeds) < 2.1 * length / first
+    energy = b.state.energy
+    still_open = energy.mass * energy.T_gas / density_times_T(energy.p0, b.model.heat, b.model) - (1.0 - b.state.eps_s)
+    assert np.abs(still_open).max() < 1e-3
+
+
 PULSE = {
     "mesh": {"type": "rectangle", "length": 0.06, "height": 0.12, "cells": [10, 20]},
     "two_fluid": {},
@@ -292,6 +312,26 @@ PULSE = {
 
 def scene(changes=None, without=()):
     return changed(PULSE, changes, without)
+
+
+@pytest.mark.parametrize(
+    ("T_solid", "d_p", "density", "told"),
+    [
+        (600.0, 3e-4, "ideal_gas", True),
+        (600.0, 3e-3, "ideal_gas", False),  # 2 m/s, less than what comes in
+        (600.0, 3e-4, "constant", False),
+        (300.0, 3e-4, "ideal_gas", False),
+    ],
+)
+def test_cold_ideal_gas_between_hot_particles_is_told(T_solid, d_p, density, told):
+    """The gas follows in rho_g c_g eps_g d_p^2/(6 eps_s 2 k) = 2.8e-4 s: the 0.06 m of it double at 213 m/s."""
+    layer = {"end": 0.06, "eps_s": 0.55, "T_solid": T_solid}
+    changes = {"initial.layer": [layer], "solid.particle_diameter": d_p, "heat.density": density}
+    found = [text for text in plan(from_dict(scene(changes))).warnings if "its new volume" in text]
+    assert len(found) == told
+    if told:
+        assert "initial.layer[0].T_gas: gas of 300 K between particles of 600 K takes" in found[0]
+        assert "in 0.00028 s and its new volume flows at 2.1e+02 m/s" in found[0]
 
 
 def test_scene_of_a_closed_suspension():

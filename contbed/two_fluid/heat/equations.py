@@ -74,6 +74,7 @@ def initial_energy(state: State, heat: HeatModel, model: Model) -> Energy:
         rate_solid=np.zeros((nc, 1)),
         rho_ratio=np.ones(nc),
         expansion=np.zeros(nc),
+        closing=0.0,
         p0=heat.physics.pressure,
     )
     return fill_with_gas(start, state.eps_s, heat, model)
@@ -133,12 +134,13 @@ def advance(
         energy, flux, still_open, more = _sub_cycle(state, energy, part, heat, dt / count, model)
         gas, gained = gas + flux / count, gained + more
     if heat.ideal:
-        expansion = (still_open + gained) / dt
+        closing = max(dt, energy.closing - dt)
+        expansion = (still_open * (dt / closing) + gained) / dt
         if closed_volume(heat, model):
             volume = model.grid.geometry.volume
             gained_volume, whole_volume = halo.sum(*_over_own_cells(model, expansion * volume, volume))
             expansion = expansion - gained_volume / whole_volume
-        energy = replace(energy, expansion=expansion)
+        energy = replace(energy, expansion=expansion, closing=closing)
     return energy, gas
 
 
