@@ -107,7 +107,8 @@ def test_checkpoint_goes_on_on_other_ranks(first: int, then: int, written) -> No
 
 def test_pulse_of_hot_gas_ends_on_all_ranks(written) -> None:
     one, two = (rows(written("whole", ranks, "pulse", "0.05")) for ranks in (1, 2))
-    assert one["T_gas_max_K"].max() > 700.0 > one["T_gas_max_K"][-1]
+    drop, without = (found["pressure_drop_Pa"] for found in (one, rows(written("whole", 1, "heated", "0.05"))))
+    assert drop[0] > 1.5 * without[0] and drop[-1] < without[-1]  # the pulse blows, and its end leaves a wider bed
     for name in one.dtype.names:
         scale = np.abs(one[name]).max() or 1.0
         np.testing.assert_allclose(two[name], one[name], rtol=0.0, atol=CONTINUED * scale, err_msg=name)

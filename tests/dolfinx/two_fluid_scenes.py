@@ -44,7 +44,7 @@ HEAT = {
     "effective_solid": 1.0,
     "density": "ideal_gas",
 }
-WARM = {"T_gas": 300.0, "T_solid": 350.0}
+WARM = {"T_gas": 300.0, "T_solid": 310.0}
 PLANE = {"type": "rectangle", "length": 0.04, "height": 0.1, "cells": [10, 25]}
 
 
