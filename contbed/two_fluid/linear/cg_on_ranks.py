@@ -10,10 +10,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contbed.two_fluid.compiled import Array, Flags, Indices, kernel, summing
 from contbed.two_fluid.fv.grid import Geometry, Grid
 from contbed.two_fluid.linear.cg import System
+
+Places = NDArray[np.uint32]
 
 
 class Rows(NamedTuple):
@@ -23,8 +26,8 @@ class Rows(NamedTuple):
     """
 
     start: Indices
-    beside: Indices
-    faces: Indices
+    beside: Places
+    faces: Places
 
 
 @kernel
@@ -63,7 +66,7 @@ def _linked(g: Geometry, number: Indices, own: int) -> Rows:
                     start[here + 1] += 1
     for i in range(own):
         start[i + 1] += start[i]
-    beside, faces, filled = np.empty(start[own], np.int64), np.empty(start[own], np.int64), start[:own].copy()
+    beside, faces, filled = np.empty(start[own], np.uint32), np.empty(start[own], np.uint32), start[:own].copy()
     for f in range(len(g.right)):
         left, right = number[g.left[f]], number[g.right[f]]
         if left >= 0 and right >= 0 and left != right:
@@ -92,9 +95,9 @@ def _diagonal(g: Geometry, system: System, number: Indices, diagonal: Array) -> 
 @kernel
 def _scaled(rows: Rows, coef: Array, scale: Array, values: Array) -> None:
     """Set the `values` (nl, m) of the links in the matrix with a diagonal of ones."""
-    for i in range(len(rows.start) - 1):
-        for j in range(rows.start[i], rows.start[i + 1]):
-            for k in range(coef.shape[1]):
+    for k in range(coef.shape[1]):
+        for i in range(len(rows.start) - 1):
+            for j in range(rows.start[i], rows.start[i + 1]):
                 values[j, k] = coef[rows.faces[j], k] * scale[i, k] * scale[rows.beside[j], k]
 
 
@@ -156,17 +159,18 @@ def solve_on_ranks(grid: Grid, system: System, explicit: float, tolerance: float
     number[cells] = np.arange(len(cells))
     own, ghosts = int(np.count_nonzero(solved[halo.cells])), halo.of_numbered(number)
     size = (len(cells), x.shape[1])
-    scale, target, p = np.empty(size), np.empty(size), np.empty(size)
+    # one component after the other, as kernels go through them
+    scale, target, p = (np.empty(size, order="F") for _ in range(3))
     _diagonal(g, system, number, scale)
     np.power(scale, -0.5, out=scale)
     ghosts.exchange(scale)
     rows = _linked(g, number, own)
-    values = np.empty((len(rows.faces), size[1]))
+    values = np.empty((len(rows.faces), size[1]), order="F")
     _scaled(rows, system.coef, scale, values)
 
     np.multiply(scale, rhs[cells], out=target)
     ghosts.exchange(target)
-    y, q, dots = target[:own].copy(), np.empty((own, size[1])), np.empty(size[1])
+    y, q, dots = target[:own].copy(order="F"), np.empty((own, size[1]), order="F"), np.empty(size[1])
     _product(rows, values, target, q, dots)
     r = y - q
     p[:own] = r
