@@ -199,7 +199,8 @@ def heating(rings, **time):
     return scene
 
 
-@pytest.mark.parametrize("shape", ["tube", pytest.param("plane", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", ["tube", "plane"])
 def test_conduction_into_a_bed_from_its_walls(shape):
     """Ahead of the front of heat from the inlet a bed is a body of Biot number 1.25 in time (series): order 2.
 

@@ -195,6 +195,7 @@ def test_a_choice_is_linked_both_ways_in_a_browser(tmp_path):
     assert told["greyed"] == expected and told["free"]
 
 
+@pytest.mark.slow
 def test_report_of_derivatives(tmp_path):
     """Bars and table hold what the command found, the largest relative derivative first."""
     scene, keys = load("studies/moving_bed_heater/heater.toml"), ["bed.porosity", "bed.particle_diameter"]

@@ -302,6 +302,7 @@ def filtered_scene(theta, **two_fluid):
     }
 
 
+@pytest.mark.slow
 def test_filtered_stress_comes_with_its_granular_temperature():
     """mu = rho_s v_t^3/g mu*, p = rho_s v_t^2 p* of the model where theta = v_t^2; other temperatures are refused."""
     settling = GRAVITY * 75e-6**2 * (1500.0 - 1.2) / (18.0 * 1.8e-5)

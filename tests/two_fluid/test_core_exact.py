@@ -80,7 +80,7 @@ def test_walls_produce_and_dissipate_as_johnson_and_jackson_say():
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("viscosity", [1e2, 1e4])
+@pytest.mark.parametrize("viscosity", [1e2, pytest.param(1e4, marks=pytest.mark.slow)])
 def test_walls_drag_rubbing_particles_with_coulombs_stress(viscosity, shape):
     """rho_s eps_s h du/dt = 2 mu p_friction until the particles move with both walls, at U, as they do from then on.
 

@@ -37,7 +37,7 @@ def box(cells):
 GRIDS = [
     lambda: rectangle(0.28, 1.0, (14, 50)),
     lambda: rectangle(0.28, 2.0, (13, 51)),
-    lambda: box((5, 7, 12)),
+    pytest.param(lambda: box((5, 7, 12)), marks=pytest.mark.slow),
     lambda: rectangle(0.28, 1.0, (14, 50), [("left", "right")]),
     lambda: rectangle(0.28, 1.0, (14, 50), [("left", "right"), ("bottom", "top")]),
     lambda: unstructured("triangles", 0.06, 0.12, 0.006),

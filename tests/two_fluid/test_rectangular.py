@@ -79,6 +79,8 @@ def around_a_tube():
 CASES = {name: lambda scene=scene: cb.plan(from_dict(scene)).bed()[0] for name, scene in SCENES.items()}
 CASES["around a tube"] = around_a_tube
 CASES["heat"] = lambda: cb.plan(cb.load(HOT_BUBBLE)).bed()[0]
+# kernels by rows of three dimensions take half a minute to compile
+NAMES = [pytest.param(name, marks=pytest.mark.slow) if name == "box" else name for name in CASES]
 
 
 def both(by_rows):
@@ -93,7 +95,7 @@ def both(by_rows):
     return by_rows, general
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", NAMES)
 def test_a_step_by_rows_is_that_of_any_mesh(name, monkeypatch):
     # iterations converged as far as rounding lets them, as their last residuals differ
     monkeypatch.setattr(implicit, "TOLERANCE", 1e-15)
@@ -126,7 +128,7 @@ def test_a_step_by_rows_is_that_of_any_mesh(name, monkeypatch):
 FINE = changed(BED, {"mesh.cells": (90, 100), "boundary.bottom": SOLID_INLET})
 
 
-@pytest.mark.parametrize("name", [*CASES, "fine"])
+@pytest.mark.parametrize("name", [*NAMES, "fine"])
 def test_bits_do_not_depend_on_the_number_of_threads(name, monkeypatch):
     make, found = CASES.get(name, lambda: cb.plan(from_dict(FINE)).bed()[0]), []
     for number in (1, 2, 3):
