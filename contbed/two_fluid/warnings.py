@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from contbed.mesh.mesh import Mesh
     from contbed.two_fluid.fv.grid import Grid
 
-LEAST_NUSSELT = 2.0  # of a sphere in gas at rest [-]
+BED_NUSSELT = 10.0  # of particles that some m/s of gas pass [-]
 AXIS = 1e-9  # share of the extent from which a mesh counts as off the axis
 
 
@@ -101,7 +101,7 @@ def _gas_expands_at_once(scene: t.TwoFluidScene, low: float, high: float) -> Ite
         if eps_s == 0.0 or T_gas == T_solid:
             continue
         content = scene.gas.density * heat.heat_capacity_gas * (1.0 - eps_s)
-        time = content * d_p**2 / (6.0 * eps_s * LEAST_NUSSELT * heat.conductivity_gas)
+        time = content * d_p**2 / (6.0 * eps_s * BED_NUSSELT * heat.conductivity_gas)
         speed = abs(T_solid / T_gas - 1.0) * (min(top, high) - max(bottom, low)) / time
         if speed > usual:
             text = f"gas of {T_gas:g} K between particles of {T_solid:g} K takes their temperature in {time:.2g} s and "

@@ -18,18 +18,20 @@ from studies._gallery.raw import raw
 
 HERE = Path(__file__).parent
 PARTICLES = HERE.parent / "patil_hot_bubble" / "bubble.csv"
-CASES = ("half_2mm_300", "half_2mm_900", "half_3mm_300", "half_3mm_600", "half_3mm_900", "half_3mm_900_fine")
+WHOLE = ("2mm_300", "2mm_900", "3mm_300", "3mm_600", "3mm_900")  # beds of the paper's width
+CASES = ("half_2mm_300", "half_2mm_900", "half_3mm_300", "half_3mm_600", "half_3mm_900", "half_3mm_900_fine", *WHOLE)
 BACKGROUND = {1: 0.65, 2: 1.1, 3: 1.45}  # m/s by diameter in mm
 FLUX, DENSITY, T_BED = 17.55, 1.177, 300.0  # kg/m2/s of the jet, kg/m3 at T_BED
 OPEN = 0.8  # porosity above which a cell belongs to a bubble
-STOP, LATE = 0.09, 0.15  # s, of the half bed
+STOP, LATE, END = 0.18, 0.3, 0.45  # s, of the paper's bed: end of injection, later, end; the half bed has half of them
 PICTURED, MOMENTS = "half_3mm_900", (0.05, 0.09, 0.1, 0.15)  # case and times [s] of snapshots.png
 COLUMNS = ("t [s]", "diameter [m]", "T_bubble [K]", "T_particle_max [K]")
-EMULSION, DEPTH = 0.4, 0.14  # porosity at the start; depth of the bed [m]
+EMULSION, DEPTH = 0.4, 0.28  # porosity at the start; depth of the paper's bed [m]
+EVERY = 0.01  # s, between fields of the paper's bed
 
 
 def scene(case: str) -> cb.Scene:
-    """`half_3mm_900` with another diameter and temperature; `_fine` halves the cells."""
+    """The half bed, or the paper's, with another diameter and temperature; `_fine` halves the cells."""
     size, T = case.removesuffix("_fine").removeprefix("half_").split("mm_")
     background, T = BACKGROUND[int(size)], float(T)
     changes = {
@@ -39,10 +41,18 @@ def scene(case: str) -> cb.Scene:
         "boundary.jet.T_gas": T,
         "boundary.jet.velocity": FLUX / DENSITY * T / T_BED,
     }
-    changes["initial.layer"] = [{"end": DEPTH, "eps_s": 1.0 - EMULSION, "u_gas": background / EMULSION}]
+    layer = {"end": scale(case) * DEPTH, "eps_s": 1.0 - EMULSION, "u_gas": background / EMULSION}
+    changes["initial.layer"] = [layer]
+    if case in WHOLE:
+        changes |= {"time.end": END, "time.sample": EVERY, "time.fields": EVERY}
     if case.endswith("_fine"):
         changes["mesh.cells"] = [60, 160]
-    return cb.load(HERE / "half_3mm_900.toml", changes)
+    return cb.load(HERE / ("2mm_700.toml" if case in WHOLE else "half_3mm_900.toml"), changes)
+
+
+def scale(case: str) -> float:
+    """Lengths and times of a bed over those of the paper's."""
+    return 1.0 if case in WHOLE else 0.5
 
 
 def run(case: str) -> None:
@@ -90,7 +100,7 @@ def reference() -> Table:
 
 
 def compute(cases: Sequence[str] = CASES) -> Tables:
-    """Bubble over time of each case, and both models at two moments."""
+    """Bubble over time of each case, and both models at two moments; the committed rows of other cases are kept."""
     for case in cases:
         run(case)
     found = Table(
@@ -100,16 +110,17 @@ def compute(cases: Sequence[str] = CASES) -> Tables:
     for case in cases:
         for model, table in (("two fluids", found), ("particles", reference())):
             if len(mine := table.where({"case": case})):
-                rows.append((case, model, *moments(mine)))
-    head = [f"{name} at {t} s" for t in (STOP, LATE) for name in ("diameter [m]", "T_bubble [K]")]
+                rows.append((case, model, *moments(case, mine)))
+    head = [f"{name} {when}" for when in ("at the end of injection", "later") for name in ("diameter [m]", "T [K]")]
     columns = dict.fromkeys((*head, "largest diameter [m]", "T_particle_max [K]"), ".4g")
-    return {"results": Table({"case": "", "model": "", **columns}, rows), "bubble": found}
+    new = {"results": Table({"case": "", "model": "", **columns}, rows), "bubble": found}
+    return {name: Table.read(HERE / f"{name}.csv").updated(table, ["case"]) for name, table in new.items()}
 
 
-def moments(table: Table) -> tuple[float, ...]:
+def moments(case: str, table: Table) -> tuple[float, ...]:
     """Diameter and temperature at STOP and LATE, the largest diameter, the hottest particle."""
     t, diameter, T, hottest = (table[name] for name in COLUMNS)
-    stop, late = (int(np.argmin(np.abs(t - moment))) for moment in (STOP, LATE))
+    stop, late = (int(np.argmin(np.abs(t - scale(case) * moment))) for moment in (STOP, LATE))
     return diameter[stop], T[stop], diameter[late], T[late], diameter.max(), hottest.max()
 
 
@@ -117,18 +128,23 @@ def plot(tables: Tables) -> dict[str, Any]:
     """Diameter and temperature of the bubble by both models; the gas at some times where the fields are."""
     figures = {}
     if "bubble" in tables:
-        figures["bubble"] = plot_bubbles(tables["bubble"], reference())
+        whole = [name for name in tables["bubble"].values("case") if name in WHOLE]
+        half = [name for name in tables["bubble"].values("case") if name not in WHOLE]
+        figures |= {
+            name: plot_bubbles(tables["bubble"], reference(), cases)
+            for name, cases in (("bubble", half), ("bubble_whole", whole))
+        }
     if (raw(HERE.name) / PICTURED).exists():
         figures["snapshots"] = plot_gas(raw(HERE.name) / PICTURED)
     return figures
 
 
-def plot_bubbles(found: Table, discrete: Table) -> Any:
+def plot_bubbles(found: Table, discrete: Table, cases: Sequence[str]) -> Any:
     """Lines are two fluids, marks particles."""
     figure, axes = gallery.figure(1, 2, size=(11, 4.3))
     curves = []
-    for name in found.values("case"):
-        size, T, *fine = name.split("_")[1:]
+    for name in cases:
+        size, T, *fine = name.removeprefix("half_").split("_")
         colour = gallery.shades(1, "inferno", (float(T) - 250.0) / 800.0)[0]
         line = {"ls": {"2mm": "--", "3mm": "-"}[size], "lw": 0.9 if fine else 1.8}
         marks = {"ls": "", "marker": {"2mm": "+", "3mm": "o"}[size], "ms": 4}
