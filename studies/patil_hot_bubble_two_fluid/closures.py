@@ -1,0 +1,64 @@
+"""Which closure makes the hot bubble smaller than beside particles: one changed at a time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import contbed as cb
+from studies import _gallery as gallery
+from studies._gallery import Table, Tables
+from studies._gallery.raw import raw
+from studies.patil_hot_bubble_two_fluid import study
+
+HERE, CASE = study.HERE, "half_3mm_900"
+RUNS: dict[str, dict[str, Any]] = {
+    "as the study": {},
+    "no friction": {"two_fluid.friction": "none", "two_fluid.friction_viscosity": "none"},
+    "friction from 0.62": {"solid.friction.start": 0.62},
+    "no friction viscosity": {"two_fluid.friction_viscosity": "none"},
+    "drag by Syamlal and O'Brien": {"two_fluid.drag": "drag_syamlal_obrien"},
+    "drag by Di Felice": {"two_fluid.drag": "drag_di_felice"},
+    "drag by Beetstra": {"two_fluid.drag": "drag_beetstra"},
+    "restitution 0.9": {"solid.restitution": 0.9},
+    "restitution 0.8": {"solid.restitution": 0.8},
+    "granular temperature frozen at 1e-5 m2/s2": {"two_fluid.granular_temperature": "frozen", "initial.theta": 1e-5},
+    "no stress of the particles": {"two_fluid.viscosity": "none", "two_fluid.friction_viscosity": "none"},
+}
+
+
+def compute() -> Tables:
+    """Diameter at the end of injection and later, and over that of the bubble beside particles."""
+    particles = reference()
+    rows = []
+    for number, (name, changes) in enumerate(RUNS.items()):
+        folder = f"closures_{number}"
+        cb.run(cb.load(HERE / f"{CASE}.toml", changes), raw(HERE.name) / folder)
+        found = Table(dict.fromkeys(study.COLUMNS, ".6g"), study.series(folder))
+        stop, _, late, *_ = study.moments(CASE, found)
+        rows.append((name, stop, stop / particles[0], late, late / particles[1]))
+        print(name, f"{stop:.4f} {late:.4f}", flush=True)
+    columns = {"run": ""}
+    for when in ("at the end of injection", "later"):
+        columns |= {f"diameter {when} [m]": ".4g", f"over particles {when}": ".3g"}
+    return {"closures": Table(columns, rows)}
+
+
+def reference() -> tuple[float, float]:
+    """Diameters of the bubble beside particles [m], at the end of injection and later."""
+    stop, _, late, *_ = study.moments(CASE, study.reference().where({"case": CASE}))
+    return stop, late
+
+
+def plot(tables: Tables) -> dict[str, Any]:
+    """Diameters over those beside particles."""
+    found = tables["closures"]
+    figure, axes = gallery.figure(1, 1, size=(7.5, 3.6))
+    place = np.arange(len(found.rows))[::-1]
+    for name, mark, colour in (("at the end of injection", "o", gallery.BLUE), ("later", "s", gallery.VERMILION)):
+        axes.plot(found[f"over particles {name}"], place, mark, color=colour, label=name)
+    axes.axvline(1.0, color="0.5", lw=0.8)
+    axes.set(xlabel="diameter over that beside particles", yticks=place, yticklabels=list(RUNS))
+    axes.legend(fontsize=8)
+    return {"closures": figure}
