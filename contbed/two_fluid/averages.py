@@ -31,8 +31,11 @@ class Averages:
 
     def add(self, bed: Simulation) -> None:
         """Take the last step of the bed into account."""
+        clock, growth = bed.clock, max(1.0, bed.model.options.growth)
+        if clock.time + growth * max(clock.dt, clock.dt_wanted) <= self.start:
+            return  # the next step is not in the window either, and ranks gather their fields for what follows
         before, self.momentum = self.momentum, momentum_budget.momentum(bed)
-        if bed.state.time <= self.start:
+        if clock.time <= self.start:
             return
         half = min(int(HALVES * (bed.state.time - self.start) / (self.end - self.start)), HALVES - 1)
         s = bed.state.eps_s[:, None]
