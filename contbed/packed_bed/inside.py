@@ -1,8 +1,12 @@
 """What is resolved inside of the particles of a bed: one temperature, a corrected film, or temperatures inside.
 
-The Biot number Bi = h R/k_s decides. Below 0.1 the particle is uniform; below 1 its mean temperature follows the fluid
-through 1/h_eff = 1/h + R/((s + 2) k_s), s = 3 for spheres and 2 for rods; above, a transient needs temperatures inside.
-A steady bed at rest has h_eff exactly, one that moves as long as particles stay for Fo = alpha t/R^2 of 0.3 or more.
+With Bi = h R/k_s particles of one temperature follow the fluid by the film alone, or by 1/h_eff = 1/h + R/((s + 2) k_s),
+s = 3 for spheres and 2 for rods; points inside cost one unknown each. The error of each level in what leaves is predicted
+from the exact solutions of `particle.uptake`: that of a step at the inlet of a transient, the steady moving bed, and fluid
+that passes the particles of a steady bed at rest, where h_eff is exact. Where the level is "auto" the plan takes, of those
+within solver.accuracy, the one of fewest unknowns, and of those of equal cost the one of least error.
+
+Conduction along the bed and dispersion, left out of these solutions, smooth what the levels miss.
 """
 
 from __future__ import annotations
@@ -15,42 +19,88 @@ import numpy as np
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
 from contbed.particle.interior import SURFACE_OVER_VOLUME, interior
-from contbed.particle.uptake import breakthrough_error, moving_bed_error
+from contbed.particle.uptake import Level, breakthrough_error, moving_bed_error, steady_error
 
-UNIFORM = 0.1  # Biot number below which a particle has one temperature
-CORRECTED = 1.0  # Biot number below which the corrected film coefficient suffices in a transient
-SHORT_STAY = 0.3  # Fourier number below which a particle that passes through a steady bed remembers its inlet
+ACCURACY = 5e-3  # of what leaves over the span, by which a level may miss where solver.accuracy is absent
+POINTS = (2, 3, 4, 6, 8, 12)  # temperatures inside that are tried where particle.points is absent
+USUAL_POINTS = 3  # where temperatures inside are asked for and their number is not
 USUAL_UNITS = 20.0  # transfer units for which errors are predicted where the length or the flow is not known
 SHAPES = {"spheres": "sphere", "rods": "cylinder"}
+NAMES = {
+    "lumped": "one temperature per particle, film alone",
+    "effective": "one temperature per particle, film coefficient corrected for conduction inside",
+    "interior": "temperatures inside",
+}
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A level, its number of temperatures inside besides the surface, and its predicted error over the span."""
+
+    level: str
+    points: int
+    error: float
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns at each node of the bed: two temperatures, and those inside."""
+        return 2 + self.points
+
+    def __str__(self) -> str:
+        name = f"{self.points} points" if self.points else self.level
+        return f"{name} {self.error:.1e}"
 
 
 @dataclass(frozen=True)
 class Inside:
     """Level and the numbers that chose it.
 
-    level : lumped, effective or interior
     biot : h R/k_s at the temperature of the inlet; units : h a L/(G c)
     fourier : alpha L/(v R^2) of moving particles, None at rest; gamma : heat capacity flow of solids over fluid, signed
-    error : of each level in the temperature of the fluid that leaves, over the span
+    chosen : the level that is taken; candidates : all that this scene may take, from few unknowns to many
+    accuracy : largest predicted error that the plan accepts
     """
 
-    level: str
     biot: float
     units: float
     fourier: float | None
     gamma: float
-    error: dict[str, float]
+    chosen: Candidate
+    candidates: tuple[Candidate, ...]
+    accuracy: float
+
+    @property
+    def level(self) -> str:
+        """Name of the level that is taken."""
+        return self.chosen.level
+
+    @property
+    def adequate(self) -> Candidate:
+        """The level that "auto" takes."""
+        return cheapest(self.candidates, self.accuracy)
 
     def __str__(self) -> str:
-        which = {
-            "lumped": "one temperature per particle, film alone",
-            "effective": "one temperature per particle, film coefficient corrected for conduction inside",
-            "interior": "temperatures inside",
-        }[self.level]
+        which = NAMES[self.level] + (f", {self.chosen.points} points" if self.chosen.points else "")
         stay = "" if self.fourier is None else f", Fo = {self.fourier:.3g}"
-        cheaper = {"lumped": ("lumped",), "effective": ("lumped", "effective"), "interior": ("lumped", "effective")}
-        errors = ", ".join(f"{name} {self.error[name]:.1e}" for name in cheaper[self.level] if name in self.error)
-        return f"{which}: Bi = {self.biot:.3g}{stay}; error of the outlet over the span: {errors}"
+        others = [each for each in self.candidates if each.unknowns <= self.chosen.unknowns and each != self.chosen]
+        text = (
+            f"{which}: Bi = {self.biot:.3g}{stay}; predicted error of what leaves {self.chosen.error:.1e} of the span"
+        )
+        if others:
+            text += f", without more unknowns {', '.join(str(each) for each in others)}"
+        if self.chosen.error <= self.accuracy:
+            return f"{text}; solver.accuracy is {self.accuracy:g}"
+        better = self.adequate
+        remedy = f"{better} would be within" if better.error <= self.accuracy else f"least {better}"
+        return f"{text}; ABOVE solver.accuracy {self.accuracy:g}, {remedy}"
+
+
+def cheapest(candidates: tuple[Candidate, ...], accuracy: float) -> Candidate:
+    """Return the candidate of fewest unknowns within the accuracy, the better one of equal cost; else the best."""
+    within = [each for each in candidates if each.error <= accuracy]
+    if within:
+        return min(within, key=lambda each: (each.unknowns, each.error))
+    return min(candidates, key=lambda each: each.error)
 
 
 def inside_of(scene: s.Scene, medium: Medium, velocity: Any, velocity_solid: Any) -> Inside | None:
@@ -72,41 +122,52 @@ def inside_of(scene: s.Scene, medium: Medium, velocity: Any, velocity_solid: Any
     speed, length = float(np.linalg.norm(velocity_solid)), getattr(scene.mesh, "length", None)
     units = USUAL_UNITS if length is None or heat_fluid == 0.0 else exchange * length / heat_fluid
     fourier, gamma = None, 0.0
+    solid_share = 1.0 - scene.bed.porosity
     if speed > 0.0 and length is not None:
-        solid_share = 1.0 - scene.bed.porosity
         fourier = conductivity / capacity * length * solid_share / (speed * radius * radius)
         if heat_fluid > 0.0:
             sign = np.sign(np.dot(velocity, velocity_solid)) or 1.0
             gamma = float(sign) * capacity * speed / heat_fluid
-    steady = scene.time is None
-    level: str = "lumped" if scene.particle is None else scene.particle.heat
-    if level == "auto":
-        level = _by_numbers(scene, biot, fourier, steady)
-    return Inside(level, biot, units, fourier, gamma, _errors(scene, biot, units, fourier, gamma, steady))
+    last = np.inf
+    if scene.time is not None:
+        last = scene.time.end * exchange / (solid_share * capacity) / units
+
+    def error(level: Level) -> float:
+        return _error(level, units, biot, fourier, gamma, SHAPES[scene.bed.shape], last, scene.time is None)
+
+    stated: str = "lumped" if scene.particle is None else scene.particle.heat
+    asked = None if scene.particle is None else scene.particle.points
+    tried = (asked,) if asked else (USUAL_POINTS,) if stated == "interior" else POINTS
+    found = [Candidate("lumped", 0, error("lumped")), Candidate("effective", 0, error("effective"))]
+    if scene.radiation is None:
+        found += [Candidate("interior", points, error(points)) for points in tried]
+    candidates, accuracy = tuple(found), scene.solver.accuracy or ACCURACY
+    named = tuple(each for each in candidates if stated in ("auto", each.level))
+    return Inside(biot, units, fourier, gamma, cheapest(named, accuracy), candidates, accuracy)
 
 
-def _by_numbers(scene: s.Scene, biot: float, fourier: float | None, steady: bool) -> str:
-    if biot < UNIFORM:
-        return "lumped"
-    if biot < CORRECTED or scene.radiation is not None:
-        return "effective"
-    if steady and (fourier is None or fourier >= SHORT_STAY):
-        return "effective"
-    return "interior"
+def _error(
+    level: Level, units: float, biot: float, fourier: float | None, gamma: float, shape: str, last: float, steady: bool
+) -> float:
+    """Return the predicted error of a level; a transient moving bed starts as one at rest and ends steady."""
+    moving = fourier is not None and gamma != 0.0
+    if steady and not moving:
+        return steady_error(units, biot, level, shape)
+    errors = [] if steady else [breakthrough_error(units, biot, level, shape, last)]
+    if moving:
+        assert fourier is not None
+        errors.append(moving_bed_error(gamma, biot, fourier, level, shape))
+    return max(errors)
 
 
-def _errors(
-    scene: s.Scene, biot: float, units: float, fourier: float | None, gamma: float, steady: bool
-) -> dict[str, float]:
-    """Return the predicted error of the cheaper levels; none where no closed form is near the scene."""
-    shape, levels = SHAPES[scene.bed.shape], ("lumped", "effective")
-    if not steady:
-        return {level: breakthrough_error(units, biot, level, shape) for level in levels}  # type: ignore[arg-type]
-    if fourier is not None and gamma != 0.0:
-        return {level: moving_bed_error(gamma, biot, fourier, level, shape) for level in levels}  # type: ignore[arg-type]
-    # a bed at rest: the outlet misses exp(-units) by the error of the coefficient
-    wrong = biot / (SURFACE_OVER_VOLUME[shape] + 2)
-    return {"lumped": float(units * np.exp(-min(units, 1.0)) * wrong / (1.0 + wrong)) if units < 1.0 else wrong / np.e}
+def resolved(scene: s.Scene, inside: Inside | None) -> s.Scene:
+    """Return the scene with the level and the points that were chosen in place of those left to the plan."""
+    if inside is None or scene.particle is None:
+        return scene
+    changes: dict[str, Any] = {"heat": inside.level}
+    if inside.level == "interior":
+        changes["points"] = inside.chosen.points
+    return scene.model_copy(update={"particle": scene.particle.model_copy(update=changes)})
 
 
 @dataclass(frozen=True)
@@ -127,7 +188,7 @@ def modes(scene: s.Scene) -> tuple[Mode, ...]:
     if scene.particle is None or scene.particle.heat != "interior":
         return ()
     radius = 0.5 * scene.bed.particle_diameter
-    inside = interior(scene.particle.points, SHAPES[scene.bed.shape])
+    inside = interior(scene.particle.points or USUAL_POINTS, SHAPES[scene.bed.shape])
     rates, vectors = inside.modes()
     middle = inside.at_centre() @ vectors
     scale = (1.0 - scene.bed.porosity) / (radius * radius)

@@ -23,7 +23,7 @@ from contbed.models import described
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
-from contbed.packed_bed.inside import Inside, inside_of, modes
+from contbed.packed_bed.inside import Inside, inside_of, modes, resolved
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.pressure import lifted
 from contbed.packed_bed.radiation import cheapest, described_level
@@ -185,7 +185,8 @@ class Plan:
         if scene.radiation is not None and self.solved.radiation is not None:
             kept["radiation"] = scene.radiation.model_copy(update={"level": self.solved.radiation.level})
         if scene.particle is not None and self.solved.particle is not None:
-            kept["particle"] = scene.particle.model_copy(update={"heat": self.solved.particle.heat})
+            level = {"heat": self.solved.particle.heat, "points": self.solved.particle.points}
+            kept["particle"] = scene.particle.model_copy(update=level)
         target = scene.model_copy(update=kept)
         fluid = self.medium.fluid if scene.fluid == self.scene.fluid else None  # a mixture takes long to make
         medium = Medium.of(target, inlet_temperature(target), bed_diameter(target.mesh), fluid)
@@ -263,8 +264,7 @@ def plan(scene: s.Scene) -> Plan:
     built: list[tuple[str, str]] = []
     skipped: list[tuple[str, str]] = []
     inside = _inside(schedule, scene)
-    if inside is not None and scene.particle is not None:
-        scene = scene.model_copy(update={"particle": scene.particle.model_copy(update={"heat": inside.level})})
+    scene = resolved(scene, inside)
     medium = Medium.of(scene, inlet_temperature(scene), bed_diameter(scene.mesh))
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
     lines = [reduced(each) if scene.solver.reduce else None for each in flows]
@@ -357,14 +357,14 @@ def _changes_of_flow(schedule: Schedule, scene: s.Scene) -> list[float]:
 
 
 def _inside(schedule: Schedule, scene: s.Scene) -> Inside | None:
-    """Return what is resolved inside of the particles, by the flow of the largest Biot number."""
+    """Return what is resolved inside of the particles, by the flow for which its level misses most."""
     if scene.heat is None:
         return None
     bare = scene.model_copy(update={"particle": None})
     medium = Medium.of(bare, inlet_temperature(scene), bed_diameter(scene.mesh))
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
     found = [inside for each in flows if (inside := inside_of(each, medium, *velocities(each))) is not None]
-    return max(found, key=lambda inside: inside.biot, default=None)
+    return max(found, key=lambda inside: (inside.chosen.unknowns, inside.chosen.error), default=None)
 
 
 def _finest_each(grids: list[list[Any] | None]) -> list[Any] | None:

@@ -104,9 +104,12 @@ class Particle(Table):
     heat: Literal["auto", "lumped", "effective", "interior"] = Field(
         "auto",
         description="one temperature per particle; one with the corrected film coefficient; temperatures inside; "
-        "auto: by the Biot number",
+        "auto: the cheapest within solver.accuracy",
     )
-    points: Annotated[Whole, Field(ge=2, le=20)] = Field(3, description="temperatures inside, beside the surface")
+    points: Annotated[Whole, Field(ge=2, le=20)] | None = Field(
+        None,
+        description="temperatures inside, beside the surface; absent: 3, or with auto the fewest within solver.accuracy",
+    )
 
 
 class PhaseCondition(Table):

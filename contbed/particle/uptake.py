@@ -6,6 +6,7 @@ the variable of Laplace over time in units of R^2/alpha, Bi = h R/k and s = 3, 2
     interior     H = phi/(Bi + phi),    phi = sqrt(p) coth(sqrt p) - 1,  sqrt(p) I1/I0,  sqrt(p) tanh(sqrt p)
     effective    H = K p/(p + s K Bi),  K = 1/(1 + Bi/(s + 2)): one temperature, 1/h_eff = 1/h + R/((s + 2) k)
     lumped       the same with K = 1:   one temperature and the film alone
+    n points     H = 1/(1 + s Bi g),    g = sum_m v_m^2/(p + lambda_m) over the modes of `interior`, v at the surface
 
     bed at rest, step at the inlet:     gas = L^-1{exp(-xi H)/p},  xi = h a z/(G c)
     steady bed that moves, gas along:   gas = L^-1{1/(p + s Gamma Bi H)} at Fo = alpha L/(v R^2); against: 1 over it
@@ -25,11 +26,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.particle.interior import SURFACE_OVER_VOLUME
+from contbed.particle.interior import SURFACE_OVER_VOLUME, interior
 
-Level = Literal["lumped", "effective", "interior"]
+Level = Literal["lumped", "effective", "interior"] | int  # a number is that of points inside
 NODES = 32  # on Talbot's contour: errors of truncation and of rounding are both near 1e-10
-TIMES = np.array([0.5, 0.8, 1.0, 1.2, 1.6])  # of the mean breakthrough, at which levels are compared
+# of the mean breakthrough, at which levels are compared: short beds differ most when the gas arrives
+TIMES = np.concatenate([np.geomspace(1e-5, 0.02, 40)[:-1], np.arange(1, 151) * 0.02])
 LONGEST = 50.0  # transfer units beyond which a breakthrough is compared at this many: differences fall with more
 
 
@@ -43,6 +45,10 @@ def uptake(p: Any, biot: float, level: Level = "interior", shape: str = "sphere"
     if level == "interior":
         phi = _potential(np.sqrt(np.asarray(p, dtype=complex)), shape)
         return phi / (biot + phi)
+    if isinstance(level, int):
+        rates, modes = interior(level, shape).modes()
+        admitted = (modes[-1] ** 2 / (np.asarray(p)[..., None] + rates)).sum(axis=-1)
+        return 1.0 / (1.0 + SURFACE_OVER_VOLUME[shape] * biot * admitted)
     share = 1.0 if level == "lumped" else 1.0 / correction(biot, shape)
     return share * p / (p + SURFACE_OVER_VOLUME[shape] * share * biot)
 
@@ -81,18 +87,53 @@ def breakthrough(
 def moving_bed(gamma: float, biot: float, fourier: float, level: Level = "interior", shape: str = "sphere") -> float:
     """Return the temperature of the gas where it leaves a steady moving bed, between 0 (solids in) and 1 (gas in)."""
     s = SURFACE_OVER_VOLUME[shape]
-    along = invert(lambda p: 1.0 / (p + s * gamma * biot * uptake(p, biot, level, shape)), np.array([fourier]))[0]
-    return float(along if gamma > 0.0 else 1.0 / along)
+
+    def denominator(p: Any) -> Any:
+        return p + s * gamma * biot * uptake(p, biot, level, shape)
+
+    # solids that hold more than a gas against them: the inverse grows as exp(growth Fo), more than the contour takes
+    growth = 0.0
+    if gamma < -1.0:
+        from scipy.optimize import brentq
+
+        high = -s * gamma * biot
+        growth = float(brentq(lambda p: float(np.real(denominator(p))), 1e-9 * high, high))
+    scaled = invert(lambda p: 1.0 / denominator(p + growth), np.array([fourier]))[0]
+    return float(scaled if gamma > 0.0 else np.exp(-growth * fourier) / scaled)
 
 
-def breakthrough_error(xi: float, biot: float, level: Level, shape: str = "sphere") -> float:
-    """Return the largest error of a breakthrough that a cheaper level makes, over the height of the step."""
+def breakthrough_error(xi: float, biot: float, level: Level, shape: str = "sphere", last: float = np.inf) -> float:
+    """Return the largest error of a breakthrough that a cheaper level makes, over the height of the step.
+
+    `last` is the end of the run over the time of the mean breakthrough.
+    """
     units = min(xi, LONGEST)
-    exact, cheap = (breakthrough(units, units * TIMES, biot, each, shape) for each in ("interior", level))
-    return float(np.abs(cheap - exact).max())
+    share = 1.0 / correction(biot, shape) if level == "effective" else 1.0
+    at_once = abs(np.exp(-units * share) - np.exp(-units))  # when the gas arrives, H is K, and 1 with an inside
+    times = TIMES[last > TIMES]
+    if not len(times):
+        return float(at_once)
+    exact, cheap = (breakthrough(units, units * times, biot, each, shape) for each in ("interior", level))
+    return float(max(at_once, np.abs(cheap - exact).max()))
 
 
 def moving_bed_error(gamma: float, biot: float, fourier: float, level: Level, shape: str = "sphere") -> float:
-    """Return the error of the gas leaving a steady moving bed that a cheaper level makes, over the span of inlets."""
+    """Return the error of the temperatures leaving a steady moving bed by a cheaper level, over the span of inlets.
+
+    The heat that the gas gives is what the solids take: the error of their mean temperature is 1/|Gamma| of its own.
+    """
     exact, cheap = (moving_bed(gamma, biot, fourier, each, shape) for each in ("interior", level))
-    return abs(cheap - exact)
+    return abs(cheap - exact) * max(1.0, 1.0 / abs(gamma))
+
+
+def steady_error(xi: float, biot: float, level: Level, shape: str = "sphere") -> float:
+    """Return the largest error of gas that passes particles of one temperature in a steady bed, over the span.
+
+    The corrected coefficient and any points inside are exact there; with the film alone the gas misses exp(-x/c) -
+    exp(-x) after x transfer units, c the correction, most at x = c ln(c)/(c - 1).
+    """
+    c = correction(biot, shape)
+    if level != "lumped" or c == 1.0:
+        return 0.0
+    x = min(xi, c * float(np.log(c)) / (c - 1.0))
+    return float(np.exp(-x / c) - np.exp(-x))

@@ -22,7 +22,7 @@ from contbed.radiation.scene import Radiating
 from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine, MeshRectangle
 
 Scene = TypeVar("Scene", bound=Any)
-TOLERANCE = 0.01  # estimated error up to which plan may choose the Rosseland conductivity
+TOLERANCE = 0.01  # estimated error up to which plan may choose the Rosseland conductivity, without solver.accuracy
 
 
 def choose(scene: Scene) -> tuple[Scene, str]:
@@ -39,8 +39,9 @@ def choose(scene: Scene) -> tuple[Scene, str]:
         return scene, "Rosseland is not estimated where the solids move: layers at walls may be thinner than the bed"
     thick = scene.model_copy(update={"radiation": table.model_copy(update={"level": "rosseland"})})
     error = estimate(thick, scene.mesh)
-    text = f"Rosseland errs by about {100.0 * error:.2g} %, allowed are {100.0 * TOLERANCE:g} %"
-    return (thick if error <= TOLERANCE else scene), text
+    allowed = scene.solver.accuracy or TOLERANCE
+    text = f"Rosseland errs by about {100.0 * error:.2g} %, allowed are {100.0 * allowed:g} %"
+    return (thick if error <= allowed else scene), text
 
 
 def estimate(scene: Radiating, mesh: Any) -> float:

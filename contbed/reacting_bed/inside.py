@@ -20,7 +20,6 @@ from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.inside import Inside, Isotherm, adsorbed
 
 SHAPES = {"spheres": "sphere", "rods": "cylinder"}
-CHEAP_ENOUGH = 5e-3  # of the step of what leaves, by which a cheaper level may miss where the level is "auto"
 LEVELS: Mapping[str, Level] = {"film": "lumped", "linear_driving_force": "effective", "interior": "interior"}
 LEAST_FRACTION = 1e-9  # at which the slope of an isotherm is taken where none of its gas enters at the start
 
@@ -127,6 +126,6 @@ def _chosen(scene: s.ReactingScene, bed: Bed, inside: Inside, entering: Any, sha
     if worst.level != "auto":
         return worst
     for level in ("film", "linear_driving_force"):
-        if all(each.error[level] <= CHEAP_ENOUGH for each in found):
+        if all(each.error[level] <= scene.solver.accuracy for each in found):
             return replace(worst, level=level)
     return replace(worst, level="interior")

@@ -285,8 +285,8 @@ class Particle(Table):
     adsorption: Literal["auto", "film", "linear_driving_force", "interior"] = Field(
         "auto",
         description="what resists the uptake of gas: the film alone; in series with it diffusion inside, by one "
-        "concentration per particle; diffusion between points inside. auto: the cheapest that changes what leaves by "
-        "less than 0.5 %",
+        "concentration per particle; diffusion between points inside. auto: the cheapest whose error in what "
+        "leaves is within solver.accuracy",
     )
     points: Annotated[Whole, Field(ge=2, le=20)] = Field(3, description="inside of a particle, beside its surface")
 
@@ -357,6 +357,9 @@ class Solver(Table):
 
     degree: Annotated[Whole, Field(ge=1, le=5)] = Field(3, description="degree of the polynomials in a cell")
     tolerance: Fraction = Field(1e-6, description="target error of all fields over their spans for automatic cells")
+    accuracy: Fraction = Field(
+        5e-3, description="largest predicted error, over the step of what leaves, of a level that the plan takes"
+    )
     adapt: Annotated[Whole, Field(ge=0, le=20)] | None = Field(None, description="rounds of new cells; absent: 10")
     newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = 1e-10
     newton_iterations: Whole = Field(40, ge=1, le=1000)

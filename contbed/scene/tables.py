@@ -193,6 +193,11 @@ class Solver(Table):
     degree: Order = Field(2, description="polynomial degree of the temperatures")
     stabilisation: Switch = Field(True, description="residual-based SUPG")
     tolerance: Fraction = Field(1e-5, description="target error of theta for automatic meshes")
+    accuracy: Fraction | None = Field(
+        None,
+        description="largest predicted error over the span of a cheaper model that the plan may take where the scene "
+        "leaves it open; absent: 0.005 for the inside of particles, 0.01 for Rosseland",
+    )
     adapt: Annotated[Whole, Field(ge=0, le=10)] | None = Field(
         None, description="refinements where the error estimate of a steady run exceeds `tolerance`; absent: automatic"
     )

@@ -153,29 +153,65 @@ boundary.left.solid.inflow = 300.0
     )
 
 
-@pytest.mark.parametrize(
-    ("Bi", "level"),
-    [(0.05, "one temperature per particle, film alone"), (0.5, "corrected"), (5.0, "temperatures inside")],
-)
-def test_plan_chooses_by_the_biot_number(tmp_path, Bi, level):
-    found = plan(load(bed(tmp_path, Bi=Bi, xi=20, particle="particle = {}", more=step([20.0]))))
+def inside_line(found):
+    """What a plan says on the inside of particles."""
     (line,) = [text for name, text in (*found.built, *found.skipped) if name == "inside of particles"]
+    return line
+
+
+@pytest.mark.parametrize(
+    ("Bi", "level"), [(0.05, "corrected"), (0.5, "corrected"), (15.0, "temperatures inside, 2 points")]
+)
+def test_plan_takes_the_cheapest_level_within_the_accuracy(tmp_path, Bi, level):
+    found = plan(load(bed(tmp_path, Bi=Bi, xi=20, particle="particle = {}", more=step([20.0]))))
+    line = inside_line(found)
     assert level in line and f"Bi = {Bi:.3g}" in line
-    assert f"lumped {uptake.breakthrough_error(20, Bi, 'lumped'):.1e}" in line
+    for name in ("lumped", "effective"):
+        error = uptake.breakthrough_error(20, Bi, name, last=1.0)
+        assert f"{error:.1e}" in line
 
 
-def test_steady_bed_takes_the_corrected_film_unless_particles_stay_shortly(tmp_path):
+def test_accuracy_decides_how_many_points(tmp_path):
+    path = bed(tmp_path, Bi=15.0, xi=20, particle="particle = {}", more=step([20.0]))
+    chosen = [plan(load(path, {"solver.accuracy": each})).solved.particle for each in (0.1, 1e-2, 1e-4, 1e-6)]
+    assert [each.heat for each in chosen] == ["effective", "interior", "interior", "interior"]
+    assert [each.points for each in chosen[1:]] == [2, 3, 6]
+    # modes of the plan are those of the points: one unknown each
+    plans = [plan(load(path, {"solver.accuracy": each})) for each in (0.1, 1e-6)]
+    assert plans[1].unknowns()["heat"] == 4 * plans[0].unknowns()["heat"]
+
+
+@pytest.mark.parametrize("level", ["lumped", "effective", "interior"])
+def test_a_stated_level_is_kept_and_its_error_told(tmp_path, level):
+    particle = f'particle = {{ heat = "{level}" }}'
+    found = plan(load(bed(tmp_path, Bi=30.0, xi=20, particle=particle, more=step([20.0])), {"solver.accuracy": 1e-6}))
+    assert found.solved.particle.heat == level
+    line = inside_line(found)
+    error = uptake.breakthrough_error(20, 30.0, 3 if level == "interior" else level, last=1.0)
+    assert f"{error:.1e}" in line and "ABOVE solver.accuracy 1e-06" in line
+
+
+def test_stated_points_are_kept(tmp_path):
+    path = bed(tmp_path, Bi=30.0, xi=20, particle="particle = { points = 5 }", more=step([20.0]))
+    chosen = plan(load(path)).solved.particle
+    assert (chosen.heat, chosen.points) == ("interior", 5)
+
+
+def test_a_moving_bed_is_judged_by_its_stay_and_the_heat_its_solids_take(tmp_path):
     more = """
 flow = { velocity = -VELOCITY, velocity_solid = SPEED }
 boundary.right.fluid.inflow = 400.0
 boundary.left.solid.inflow = 300.0
 """
     alpha = FILM * D / 2 / 5.0 / SOLID
-    for fourier, level in ((0.2, "temperatures inside"), (0.5, "corrected")):
+    for fourier, level in ((0.02, "temperatures inside"), (0.2, "temperatures inside"), (2.0, "corrected")):
         speed = alpha * LENGTH * (1 - EPS) / (fourier * (D / 2) ** 2)
+        gamma = 0.9
         text = more.replace("SPEED", repr(speed))
-        built = dict(plan(load(bed(tmp_path, Bi=5.0, xi=20, particle="particle = {}", more=text))).built)
-        assert level in built["inside of particles"] and f"Fo = {fourier}" in built["inside of particles"]
+        units = gamma * 15.0 * fourier  # h a L/(G c) = s Gamma Bi Fo
+        line = inside_line(plan(load(bed(tmp_path, Bi=5.0, xi=units, particle="particle = {}", more=text))))
+        assert level in line and f"Fo = {fourier:g}" in line
+        assert f"{uptake.moving_bed_error(-gamma, 5.0, fourier, 'effective'):.1e}" in line
 
 
 def test_without_the_table_particles_are_uniform_and_the_plan_tells_the_error(tmp_path):
