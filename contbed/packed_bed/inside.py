@@ -1,10 +1,10 @@
 """What is resolved inside of the particles of a bed: one temperature, a corrected film, or temperatures inside.
 
-With Bi = h R/k_s particles of one temperature follow the fluid by the film alone, or by 1/h_eff = 1/h + R/((s + 2) k_s),
-s = 3 for spheres and 2 for rods; points inside cost one unknown each. The error of each level in what leaves is predicted
-from the exact solutions of `particle.uptake`: that of a step at the inlet of a transient, the steady moving bed, and fluid
-that passes the particles of a steady bed at rest, where h_eff is exact. Where the level is "auto" the plan takes, of those
-within solver.accuracy, the one of fewest unknowns, and of those of equal cost the one of least error.
+With Bi = h R/k_s particles of one temperature follow the fluid by the film alone, or by 1/h_eff = 1/h + R/((s+2) k_s),
+s = 3 for spheres and 2 for rods; points inside cost one unknown each. The error of each level in what leaves is
+predicted from the exact solutions of `particle.uptake`: that of a step at the inlet of a transient, the steady moving
+bed, and fluid that passes the particles of a steady bed at rest, where h_eff is exact. Where the level is "auto" the
+plan takes, of those within solver.accuracy, the one of fewest unknowns, and of equal cost the one of least error.
 
 Conduction along the bed and dispersion, left out of these solutions, smooth what the levels miss.
 """
@@ -18,7 +18,7 @@ import numpy as np
 
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.medium import Medium
-from contbed.particle.interior import SURFACE_OVER_VOLUME, interior
+from contbed.particle.interior import interior
 from contbed.particle.uptake import Level, breakthrough_error, moving_bed_error, steady_error
 
 ACCURACY = 5e-3  # of what leaves over the span, by which a level may miss where solver.accuracy is absent

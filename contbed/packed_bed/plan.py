@@ -69,6 +69,7 @@ class Plan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     schedule: Schedule = field(default_factory=lambda: Schedule({}))
+    inside: Inside | None = None  # how the level inside of the particles was chosen
 
     def as_written(self, boundary: str) -> str:
         """Name in the scene of a boundary of the mesh that is solved on."""
@@ -342,6 +343,7 @@ def plan(scene: s.Scene) -> Plan:
         tuple(built),
         tuple(skipped),
         schedule,
+        inside,
     )
 
 

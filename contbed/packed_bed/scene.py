@@ -108,7 +108,7 @@ class Particle(Table):
     )
     points: Annotated[Whole, Field(ge=2, le=20)] | None = Field(
         None,
-        description="temperatures inside, beside the surface; absent: 3, or with auto the fewest within solver.accuracy",
+        description="temperatures inside, beside the surface; absent: 3, with auto the fewest within solver.accuracy",
     )
 
 
