@@ -7,7 +7,8 @@ bed, and fluid that passes the particles of a steady bed at rest, where h_eff is
 plan takes, of those within solver.accuracy, the one of fewest unknowns, and of equal cost the one of least error.
 
 Conduction along the bed and dispersion are left out of these solutions: in time they smooth what levels miss, in a
-steady bed that moves they shift what leaves; errors there are within 2.5 of the predicted ones (`studies/levels_by_error`).
+steady bed that moves they shift what leaves; errors there were up to 2.4 times the predicted ones
+(`studies/levels_by_error`).
 """
 
 from __future__ import annotations

@@ -30,12 +30,12 @@ from contbed.packed_bed.radiation import cheapest, described_level
 from contbed.packed_bed.recognition import (
     bed_diameter,
     inlet_temperature,
-    reduced,
     role_in_flow,
     tracks_fronts,
     velocities,
 )
 from contbed.packed_bed.schedule import Piece, Schedule
+from contbed.packed_bed.sides import lines_of, on_a_line
 from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
@@ -164,7 +164,7 @@ class Plan:
         """Return the scene that is solved with the values at a time, just after or `before` a jump."""
         frozen = self.schedule.frozen(self.scene, time, before)
         frozen = frozen.model_copy(update={"radiation": self.solved.radiation, "particle": self.solved.particle})
-        line = None if self.solved.mesh is self.scene.mesh else reduced(frozen)
+        line = None if self.solved.mesh is self.scene.mesh else on_a_line(frozen)
         return frozen if line is None else line[0]
 
     @property
@@ -191,7 +191,7 @@ class Plan:
         target = scene.model_copy(update=kept)
         fluid = self.medium.fluid if scene.fluid == self.scene.fluid else None  # a mixture takes long to make
         medium = Medium.of(target, inlet_temperature(target), bed_diameter(target.mesh), fluid)
-        line = None if self.solved.mesh is self.scene.mesh else reduced(target)
+        line = None if self.solved.mesh is self.scene.mesh else on_a_line(target)
         target, section = line or (target, 1.0)
         velocity, solid = velocities(target)
         return replace(
@@ -268,10 +268,10 @@ def plan(scene: s.Scene) -> Plan:
     scene = resolved(scene, inside)
     medium = Medium.of(scene, inlet_temperature(scene), bed_diameter(scene.mesh))
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
-    lines = [reduced(each) if scene.solver.reduce else None for each in flows]
+    lines, sides = lines_of(flows, medium, bool(schedule))
     line = lines[0] if all(lines) else None
     if line is not None:
-        skipped.append(("2-D and 3-D mesh", "plug flow between adiabatic walls varies along the bed only"))
+        skipped.append(("2-D and 3-D mesh", sides))
     target, section = line or (scene, 1.0)
     grid = target.mesh
     velocity, solid = velocities(target)
@@ -302,7 +302,7 @@ def plan(scene: s.Scene) -> Plan:
     round_bed = isinstance(scene.mesh, MeshAxisymmetric) or getattr(scene.mesh, "axisymmetric", False)
     coordinate = "z" if round_bed else "x"
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"
-    built.append((f"mesh, {mesh.skfem.dim()}-D", cells))
+    built.append((f"mesh, {mesh.skfem.dim()}-D", f"{cells}; {sides}" if sides and line is None else cells))
     if automatic and mesh.skfem.dim() > 1 and scene.time is None:
         most = f"{AUTOMATIC_CELLS[mesh.skfem.dim()]} cells at most"
         built.append(("errors", f"estimated in each direction; new meshes until solver.tolerance is met, {most}"))

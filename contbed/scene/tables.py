@@ -196,7 +196,8 @@ class Solver(Table):
     accuracy: Fraction | None = Field(
         None,
         description="largest predicted error over the span of a cheaper model that the plan may take where the scene "
-        "leaves it open; absent: 0.005 for the inside of particles, 0.01 for Rosseland",
+        "leaves it open; absent: 0.005 for the inside of particles, 0.01 for Rosseland, and sides of "
+        "a bed that exchange heat are resolved",
     )
     adapt: Annotated[Whole, Field(ge=0, le=10)] | None = Field(
         None, description="refinements where the error estimate of a steady run exceeds `tolerance`; absent: automatic"
