@@ -266,6 +266,19 @@ def test_estimate_of_rosseland_is_across_the_walls(sides, walls, tau):
     assert estimate(scene, scene.mesh) == pytest.approx(3.0 / (0.75 * tau), rel=1e-12)
 
 
+@pytest.mark.parametrize(("factor", "level"), [(1.01, "rosseland"), (0.99, "p1")])
+def test_accuracy_decides_on_rosseland(factor, level):
+    values = bed(300.0, "p1", heated=True, allow_rosseland=True)
+    scene = from_dict(values)
+    error = estimate(scene, scene.mesh)
+    found = cb.plan(from_dict({**values, "solver": {**values.get("solver", {}), "accuracy": factor * error}}))
+    assert found.solved.radiation.level == level
+    assert f"Rosseland errs by about {100 * error:.2g} %, allowed are {100 * factor * error:g} %" in str(found)
+    # a level is left to the plan only where the scene allows it
+    del values["radiation"]["allow_rosseland"]
+    assert cb.plan(from_dict({**values, "solver": {"accuracy": 0.5}})).solved.radiation.level == "p1"
+
+
 def test_rosseland_is_not_chosen_where_walls_stand_apart():
     """A wall that radiates to a solid of another temperature needs an equation for G."""
     values = bed(300.0, "p1", heated=True, allow_rosseland=True)
