@@ -359,13 +359,17 @@ def _changes_of_flow(schedule: Schedule, scene: s.Scene) -> list[float]:
 
 
 def _inside(schedule: Schedule, scene: s.Scene) -> Inside | None:
-    """Return what is resolved inside of the particles, by the flow for which its level misses most."""
+    """Return what is resolved inside of the particles, by the flow for which its level misses most.
+
+    Nothing leaves while the fluid is at rest: such times count where there are no others.
+    """
     if scene.heat is None:
         return None
     bare = scene.model_copy(update={"particle": None})
     medium = Medium.of(bare, inlet_temperature(scene), bed_diameter(scene.mesh))
     flows = [schedule.frozen(scene, time) for time in _changes_of_flow(schedule, scene)]
-    found = [inside for each in flows if (inside := inside_of(each, medium, *velocities(each))) is not None]
+    moving = [each for each in flows if np.any(velocities(each)[0])]
+    found = [inside for each in moving or flows if (inside := inside_of(each, medium, *velocities(each))) is not None]
     return max(found, key=lambda inside: (inside.chosen.unknowns, inside.chosen.error), default=None)
 
 
