@@ -6,7 +6,7 @@ F [m/s] is the volume flux of the solids that the step moves, P [W/m3] the shear
 which does not agitate particles. Convection is explicit and limited, the rest implicit but for the heat of compression:
 near packing it makes sound up to six times as stiff as at constant theta, and binds the step there. "algebraic"
 balances production and dissipation, and neither moves nor conducts (Syamlal, Rogers and O'Brien 1993, MFIX
-Documentation: Theory Guide, DOE/METC-94/1004).
+Documentation: Theory Guide, DOE/METC-94/1004); below the balance theta rises as fast as P alone heats the particles.
 """
 
 from __future__ import annotations
@@ -199,7 +199,7 @@ def advance(
     kinetic_share = solid.shear_production / g.volume * r.mu / (r.mu + properties.mu_friction + SMALLEST)
     production = kinetic_share + model.sources.theta
     if model.options.theta == "algebraic":
-        theta = _balanced(state.theta, moved.eps_s, production, divergence, properties, model)
+        theta = _balanced(state.theta, moved.eps_s, production, divergence, properties, dt, model)
         model.grid.halo.exchange(theta)
         return Granular(theta, memory.rate_theta, memory.compression_rate, moved.counters)
     rho_s = model.materials.rho_solid
@@ -272,14 +272,18 @@ def _mark_negative(dt: float, s: Array, old: Array, rhs: Array, first_order: Fla
 
 
 def _balanced(
-    theta: Array, s: Array, production: Array, divergence: Array, properties: Properties, model: Model
+    theta: Array, s: Array, production: Array, divergence: Array, properties: Properties, dt: float, model: Model
 ) -> Array:
     """Granular temperature at which production balances dissipation, a quadratic for its square root.
 
-    Compression is left aside: few particles would need theta as 1/eps_s^2 to lose what it gives.
+    Compression is left aside: few particles would need theta as 1/eps_s^2 to lose what it gives. They also take longer
+    than `dt` [s] to come to the balance, and gain no more than the work of the shear in the step,
+    3/2 rho_s eps_s (theta - theta_old) <= P dt: the balance alone gives them energy that the flow has not lost, which
+    their pressure then gives to the flow.
     """
     r, root = properties.rheology, np.sqrt(theta)
     factor = np.where(root > 0, np.maximum(production, 0.0) / np.maximum(root, SMALLEST_ROOT), 0.0)
     linear = model.materials.rho_solid * r.pressure * np.maximum(divergence, 0.0) + 3.0 * properties.drag * s
     y: Array = 2.0 * factor / (linear + np.sqrt(linear**2 + 4.0 * r.dissipation * factor) + SMALLEST)
-    return y**2
+    fed = np.maximum(production, 0.0) * dt / (1.5 * model.materials.rho_solid * (s + NO_PARTICLES))
+    return np.minimum(y**2, theta + fed)
