@@ -188,7 +188,7 @@ def _advance(run: Run, time: float, after_each_step: Callable[[Simulation], None
         if run.scene.two_fluid.guards or np.isfinite(run.bed.state.theta).all():
             raise
         where = run.scene.origin.at(("two_fluid", "guards"))
-        text = "without them shear heats the few particles beside dense ones without bound; set guards = true"
+        text = "without them shear heats few particles too fast; set guards = true, or lower time.courant to 0.1"
         raise ConvergenceError(f"{error}; {where}: two_fluid.guards = false: {text}") from error
 
 
