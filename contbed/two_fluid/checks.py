@@ -25,7 +25,7 @@ from contbed.two_fluid.closures import (
     settling_velocity,
     takes,
 )
-from contbed.two_fluid.heat.scene import Heat
+from contbed.two_fluid.heat.scene import Heat, conducts
 from contbed.two_fluid.warnings import WARNINGS as WARNINGS
 
 MIN_PRESSURE = 1e3  # [Pa] of an ideal gas; below, its mean free path is no longer small beside the particles
@@ -210,11 +210,6 @@ def inlets_blow(boundary: dict[str, t.Boundary]) -> Mistakes:
     for name, part in boundary.items():
         if isinstance(part, t.Inlet) and part.eps_s == 0.0 and "velocity" not in part.model_fields_set:
             yield ("boundary", name, "velocity"), "missing; nothing enters (a closed boundary has type = 'wall')"
-
-
-def conducts(heat: Heat) -> bool:
-    """Whether any heat is conducted."""
-    return heat.conductivity_bed is not None or heat.effective_gas + heat.effective_solid > 0
 
 
 def pulses_end_in_an_inlet(boundary: dict[str, t.Boundary]) -> Mistakes:

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from contbed.two_fluid import scene as t
-from contbed.two_fluid.checks import conducts
 from contbed.two_fluid.closures import Bound, constants
 from contbed.two_fluid.heat.model import Physics, Thermal
-from contbed.two_fluid.heat.scene import Heat
+from contbed.two_fluid.heat.scene import Heat, conducts
 
 FIELDS = ("T_gas", "T_solid")
 

@@ -30,6 +30,11 @@ class Heat(Table):
     pressure: Pressure = Field(101325.0, description="outside of the outlet, or in a closed bed at the start")
 
 
+def conducts(heat: Heat) -> bool:
+    """Whether any heat is conducted."""
+    return heat.conductivity_bed is not None or heat.effective_gas + heat.effective_solid > 0
+
+
 class Temperatures(Table):
     """Of both phases, where there is [heat]."""
 
