@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from contbed import fields
 from contbed.errors import ContbedError
+from contbed.output.summary import number_text
 
 if TYPE_CHECKING:
     import pandas
@@ -106,7 +107,7 @@ def named(result: Result) -> list[tuple[str, Any, str, str]]:
 def html(result: Result) -> str:
     """Return a result as a table for a notebook: status, balances, named results, warnings."""
     rows = "".join(
-        f"<tr><td><code>{escape(name)}</code></td><td>{escape(_shown(value))}</td><td>{escape(unit)}</td>"
+        f"<tr><td><code>{escape(name)}</code></td><td>{escape(number_text(value, '.6g'))}</td><td>{escape(unit)}</td>"
         f"<td>{escape(meaning)}</td></tr>"
         for name, value, unit, meaning in named(result)
     )
@@ -213,7 +214,3 @@ def _attributes(name: str, unit: str) -> dict[str, str]:
     entry = fields.field(name)
     unit = unit or (entry.unit if entry else "")
     return ({"units": unit} if unit else {}) | ({"long_name": entry.description} if entry else {})
-
-
-def _shown(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, int | float) else str(value)

@@ -75,8 +75,8 @@ def _parts(summary: Mapping[str, Any]) -> Iterable[Any]:
         rows = [
             [
                 _with_unit(name, item.get("unit")),
-                *(_number(item.get(key)) for key in parts),
-                _number(item.get("relative_residual"), ".1e"),
+                *(number_text(item.get(key)) for key in parts),
+                number_text(item.get("relative_residual"), ".1e"),
             ]
             for name, item in balances.items()
         ]
@@ -84,7 +84,7 @@ def _parts(summary: Mapping[str, Any]) -> Iterable[Any]:
     if closures := summary.get("closures"):
         yield _grid("closure", ["argument", "used", "range", "outside"], _closure_rows(closures))
     if qoi := summary.get("qoi"):
-        rows = [[_with_unit(name_of(key), _unit(key)), _number(value, ".6g")] for key, value in qoi.items()]
+        rows = [[_with_unit(name_of(key), _unit(key)), number_text(value, ".6g")] for key, value in qoi.items()]
         yield _grid("result", [""], rows)
     for warning in summary.get("warnings") or []:
         yield Text(f"warning: {warning}", style="yellow")
@@ -96,11 +96,12 @@ def _head(summary: Mapping[str, Any]) -> list[list[str]]:
         rows.append(["status", str(summary["status"])])
     dofs = summary.get("dofs")
     if isinstance(dofs, Mapping):
-        rows.append(["unknowns", ", ".join(f"{part} {_number(count, ',')}" for part, count in dofs.items())])
+        rows.append(["unknowns", ", ".join(f"{part} {number_text(count, ',')}" for part, count in dofs.items())])
     elif dofs is not None:
-        rows.append(["unknowns", _number(dofs, ",")])
+        rows.append(["unknowns", number_text(dofs, ",")])
     if timings := summary.get("timings"):
-        rows.append(["wall time", ", ".join(f"{phase} {_number(value, '.3g')} s" for phase, value in timings.items())])
+        phases = (f"{phase} {number_text(value, '.3g')} s" for phase, value in timings.items())
+        rows.append(["wall time", ", ".join(phases)])
     return rows
 
 
@@ -151,8 +152,11 @@ def _span(ends: Iterable[float | None]) -> str:
     return f"{low:.3g}" if low == high else f"{low:.3g} .. {high:.3g}"
 
 
-def _number(value: Any, style: str = ".4g") -> str:
-    """Return a number as text; a missing one is a dash, and anything else is shown as it is."""
+def number_text(value: Any, style: str = ".4g") -> str:
+    """Return a number or a list of numbers as text; a missing one is a dash, and anything else is shown as it is."""
     if value is None:
         return "-"
+    if isinstance(value, list):
+        shown = ", ".join(number_text(item, style) for item in value[:8])
+        return f"{shown}, ... ({len(value)} values)" if len(value) > 8 else shown
     return format(value, style) if isinstance(value, int | float | np.number) else str(value)

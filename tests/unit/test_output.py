@@ -298,6 +298,8 @@ def test_result_table_is_plain_and_complete():
     assert all(len(line) <= 40 for line in narrow.splitlines())
     assert "412.346" in narrow
     assert summary.table({"status": "not converged"}).split() == ["status", "not", "converged"]
+    several = summary.table({"qoi": {"short": [265.63457863529555, 322.94544827905776], "long": [1 / 3] * 9}})
+    assert "265.635, 322.945" in several and several.count("0.333333") == 8 and "... (9" in several
 
 
 def test_result_table_has_colour_on_a_terminal(monkeypatch):
