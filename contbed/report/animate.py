@@ -59,7 +59,8 @@ def _write(item: Pictures | Cloud, target: Path, rate: int) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    ratio = 2.0 if isinstance(item, Cloud) else float(np.ptp(item.y)) / float(np.ptp(item.x))
+    (left, right), (bottom, top) = item.box() if isinstance(item, Cloud) else (item.x[[0, -1]], item.y[[0, -1]])
+    ratio = float((top - bottom) / (right - left))
     with matplotlib.rc_context():
         if target.suffix == ".mp4":
             matplotlib.rcParams["animation.ffmpeg_path"] = _ffmpeg(target)
@@ -95,19 +96,22 @@ def _map(axes: Any, item: Pictures) -> tuple[Any, Any]:
 
 def _cloud(axes: Any, item: Cloud) -> tuple[Any, Any]:
     """Draw the particles at the first time; return them and what draws those of another time."""
-    every = [np.concatenate(parts) for parts in zip(*item.frames, strict=True)]
-    x, z, colour = item.frames[0]
-    points = axes.scatter(x, z, c=colour, s=9, vmin=float(every[2].min()), vmax=float(every[2].max()))
-    axes.set(xlabel="x [m]", ylabel="z [m]", aspect="equal")
-    axes.set(xlim=(every[0].min(), every[0].max()), ylim=(every[1].min(), every[1].max()))
-    axes.margins(0.05)
+    from matplotlib.collections import EllipseCollection
+
+    across, along = item.box()
+    axes.set(xlabel="x [m]", ylabel="z [m]", aspect="equal", xlim=across, ylim=along)
+    spheres = EllipseCollection([], [], [], units="xy", offset_transform=axes.transData, edgecolor="black", lw=0.2)
+    values = np.concatenate([value for *_, value in item.frames])
+    spheres.set_clim(float(values.min()), float(values.max()))
+    axes.add_collection(spheres)
 
     def draw(k: int) -> None:
-        here, above, value = item.frames[k]
-        points.set_offsets(np.column_stack([here, above]))
-        points.set_array(value)
+        x, z, radius, value = item.frames[k]
+        spheres.set(widths=2 * radius, heights=2 * radius, angles=np.zeros(1), offsets=np.column_stack([x, z]))
+        spheres.set_array(value)
 
-    return points, draw
+    draw(0)
+    return spheres, draw
 
 
 def _ffmpeg(target: Path) -> str:

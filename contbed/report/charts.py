@@ -20,6 +20,7 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#0
 DASHES = ("solid", "dash", "dot", "dashdot")
 LEVELS = 65534  # of values in a picture, whose error is a part in 65534 of their span
 MAX_POINTS = 1000  # of a curve
+MARGINS = 100  # height of axis and margins of a picture [pixels]
 PICTURE = 360  # width of a picture [pixels] in half of a page, without axes and scale of colours
 COORDINATES = ("x", "y", "z", "r", "height")
 
@@ -149,16 +150,7 @@ def picture(run: Run, item: Pictures | Cloud, several: bool) -> Chart:
     title = f"{run.name}: {item.field}{unit}" if several else f"{item.field}{unit}"
     text = f"{title} ({item.remark})" if item.remark else title
     if isinstance(item, Cloud):
-        values = np.concatenate([colour for _, _, colour in item.frames])
-        x, y, colour = item.frames[-1]
-        marker = {"color": _short(colour), "cmin": float(values.min()), "cmax": float(values.max()), "size": 6}
-        marker |= {"colorscale": "Viridis", "colorbar": {"title": {"text": unit.strip(" []")}}}
-        trace = {"type": "scattergl", "mode": "markers", "x": _short(x), "y": _short(y), "marker": marker}
-        chart: Chart = {"kind": "cloud", "title": text, "data": [trace], "layout": _plane(("x", "z")),
-                        "height": _height(2.0)}  # fmt: skip
-        if len(item.times) > 1:
-            chart |= {"times": list(item.times), "points": [[_short(part) for part in frame] for frame in item.frames]}
-        return chart
+        return _cloud(item, text, unit)
     trace = {
         "type": "heatmap",
         "x": _short(item.x),
@@ -179,9 +171,30 @@ def picture(run: Run, item: Pictures | Cloud, several: bool) -> Chart:
     }
 
 
+def _cloud(item: Cloud, title: str, unit: str) -> Chart:
+    """Return the chart of particles, drawn in their size as far as the width of the page allows."""
+    (left, right), (bottom, top) = item.box()
+    ratio = (top - bottom) / (right - left)
+    height = _height(ratio)
+    scale = min(PICTURE / (right - left), (height - MARGINS) / (top - bottom))  # pixels/m
+    points = [[x, z, value, 2 * scale * radius] for x, z, radius, value in item.frames]
+    values = np.concatenate([frame[2] for frame in points])
+    x, z, value, size = (_short(part) for part in points[-1])
+    marker = {"color": value, "cmin": float(values.min()), "cmax": float(values.max()), "size": size}
+    marker |= {"colorscale": "Viridis", "colorbar": {"title": {"text": unit.strip(" []")}}, "opacity": 1.0}
+    trace = {"type": "scattergl", "mode": "markers", "x": x, "y": z, "marker": marker}
+    layout = _plane(("x", "z"))
+    layout["xaxis"] |= {"range": [left, right]}
+    layout["yaxis"] |= {"range": [bottom, top]}
+    chart: Chart = {"kind": "cloud", "title": title, "data": [trace], "layout": layout, "height": height}
+    if len(item.times) > 1:
+        chart |= {"times": list(item.times), "points": [[_short(part) for part in frame] for frame in points]}
+    return chart
+
+
 def _height(ratio: float) -> int:
     """Return the height [pixels] of a picture whose height over width is `ratio`."""
-    return int(min(max(PICTURE * ratio, 110.0), 520.0)) + 100
+    return int(min(max(PICTURE * ratio, 110.0), 520.0)) + MARGINS
 
 
 def _plane(axes: tuple[str, str]) -> Chart:

@@ -47,12 +47,18 @@ class Pictures:
 
 @dataclass(frozen=True)
 class Cloud:
-    """Particles at several times, seen from the side: positions x and z [m], and one value of each for its colour."""
+    """Particles at several times, seen from the side: x, z and radius [m], and one value of each for its colour."""
 
     field: str
-    frames: tuple[tuple[Array, Array, Array], ...]
+    frames: tuple[tuple[Array, Array, Array, Array], ...]
     times: tuple[float, ...]
     remark: str
+
+    def box(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return the intervals of x and z [m] that hold all particles at all times."""
+        x, z, radius = (np.concatenate([frame[k] for frame in self.frames]) for k in range(3))
+        across, along = ((float((at - radius).min()), float((at + radius).max())) for at in (x, z))
+        return across, along
 
 
 def pictures(run: Run, most: int = MAX_FRAMES) -> list[Pictures | Cloud]:
@@ -169,9 +175,10 @@ def _cloud(meshes: list[Any], times: tuple[float, ...]) -> Cloud:
     field = next((name for name in ("T", "T_solid", "|velocity|") if name in first), next(iter(first)))
     frames = []
     for mesh in meshes:
-        values, _ = _scalars(mesh)[field]
+        known = _scalars(mesh)
         nearest_last = np.argsort(-mesh.points[:, 1])
-        frames.append((mesh.points[nearest_last, 0], mesh.points[nearest_last, 2], values[nearest_last]))
+        x, _, z = mesh.points[nearest_last].T
+        frames.append((x, z, known["radius"][0][nearest_last], known[field][0][nearest_last]))
     return Cloud(field, tuple(frames), times, "all particles, seen along y")
 
 

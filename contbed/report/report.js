@@ -33,8 +33,8 @@ function shown(chart, k) {
   const div = document.getElementById("chart" + chart.number);
   if (chart.kind === "field") return Plotly.restyle(div, { z: [chart.values[k]] });
   if (chart.kind === "cloud") {
-    const [x, y, colour] = chart.points[k];
-    return Plotly.restyle(div, { x: [x], y: [y], "marker.color": [colour] });
+    const [x, y, colour, size] = chart.points[k];
+    return Plotly.restyle(div, { x: [x], y: [y], "marker.color": [colour], "marker.size": [size] });
   }
   return Plotly.restyle(div, { x: chart.lines[k].map((l) => l[0]), y: chart.lines[k].map((l) => l[1]) });
 }

@@ -12,7 +12,7 @@ from plane_scene import PLANE
 from contbed import cli, editor, load, run
 from contbed.errors import ContbedError
 from contbed.report import charts
-from contbed.report.fields import pictures
+from contbed.report.fields import Cloud, pictures
 from contbed.report.read import read_run
 from contbed.report.write import write
 from tests.report.report_file import BROWSER, WATCH, browse, charts_of
@@ -91,6 +91,17 @@ def test_a_box_is_cut_in_its_middle(tmp_path):
     (item, *_) = pictures(read_run(tmp_path / "box", "box"))
     assert item.remark == "plane y = 0.03 m" and item.axes == ("x", "z")
     assert np.isfinite(item.frames).all() and item.frames.min() >= 290.0
+
+
+def test_particles_have_their_size(plane):
+    """Two spheres that touch the sides of the picture: their diameters in pixels are shares of its height."""
+    radius = np.array([0.01, 0.03])
+    frame = (np.array([0.01, 0.03]), np.array([0.21, 0.03]), radius, np.array([1.0, 2.0]))
+    cloud = Cloud("T", (frame,), (0.0,), "")
+    assert np.allclose(cloud.box(), [(0.0, 0.06), (0.0, 0.22)])
+    chart = charts.picture(read_run(plane / "plane", "plane"), cloud, False)
+    inside = chart["height"] - charts.MARGINS
+    assert np.allclose(chart["data"][0]["marker"]["size"], 2 * radius / 0.22 * inside, rtol=1e-5)
 
 
 def test_two_runs_side_by_side(plane):
