@@ -19,9 +19,11 @@ from contbed.output.files import atomic
 from contbed.output.plots import styled_figure
 from contbed.output.summary import write_json
 from contbed.scene.identity import scene_hash
+from contbed.sweep.design import BY_THEMSELVES
 from contbed.sweep.study import Sample, Study
 from contbed.sweep.table import Quantity, Row, columns
 from contbed.uncertainty.indices import Indices, indices
+from contbed.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
 from contbed.uncertainty.propagate import Spread, contributions, first_order, independent, of_sample
 
 Array = NDArray[np.float64]
@@ -68,14 +70,20 @@ def write(study: Study, rows: Sequence[Row], out: Path) -> Report | None:
     found = []
     for quantity, _ in chosen:
         values = np.array([_number(row.qoi.get(quantity.key)) for row in ordered])
-        spreads = [of_sample(values[independent(sample.method, sample.points)])]
+        drawn = independent(sample.method, sample.points)
+        spreads = [of_sample(values[drawn])]
         shares = None
         if quantity.key in slopes:
             value, slope, runs = slopes[quantity.key]
             spreads.append(first_order(value, slope, sample.distributions, runs))
             parts = contributions(slope, sample.distributions) ** 2
             shares = parts / parts.sum() if parts.sum() > 0.0 else None
-        index = indices(sample.method, sample.points, values) if sample.method in ("sobol_indices", "morris") else None
+        index = None
+        if sample.method in BY_THEMSELVES:
+            index = indices(sample.method, sample.points, values)
+        elif chaos := expansion(sample.points, values, list(sample.distributions.values())):
+            spreads.append(chaos_spread(chaos))
+            index = chaos_indices(chaos)
         found.append(Uncertainty(quantity, tuple(spread for spread in spreads if spread is not None), index, shares))
     report = Report(sample, tuple(found), tuple(told))
     _write(report, out)

@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 from contbed.sweep import design
 from contbed.sweep.distributions import HALF_WIDTH, Distribution
 from contbed.uncertainty.indices import indices
+from contbed.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
 from contbed.uncertainty.propagate import contributions, first_order, independent, of_sample
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
 Array = NDArray[np.float64]
 RUNS = (40, 160, 640, 2560, 10240)  # about; each design takes what it needs
+CHAOS_RUNS = (16, 32, 64, 128, 256)
 SEEDS = 20  # of each design; errors are root mean squares over them
 ORDER = 40  # Gauss points along each parameter, with which the answers of the pressure drop have settled to 1e-10
 STEP = 1e-4  # of the derivatives, in standard deviations
@@ -117,6 +119,7 @@ def compute() -> Tables:
     for name, problem in PROBLEMS.items():
         rows.append(_by_gradient(name, problem))
         rows += [_by_design(name, problem, method, runs) for method in SAMPLED for runs in RUNS]
+        rows += [_by_chaos(name, problem, runs) for runs in CHAOS_RUNS]
         rows += [_by_morris(name, problem, runs) for runs in RUNS[:2]]
     form = {"problem": "", "estimator": "", "runs": "d"} | dict.fromkeys(
         ("error of the mean", "error of the deviation", "error of first order", "error of total"), ".3e"
@@ -174,6 +177,27 @@ def _by_design(name: str, problem: Problem, method: str, runs: int) -> list[Any]
     return [name, method, used, *parts, f"{right} of {SEEDS}" if errors["first"] else None, seconds]
 
 
+def _by_chaos(name: str, problem: Problem, runs: int) -> list[Any]:
+    """Polynomial chaos of Sobol points; the errors are those of the seeds in which it trusts its polynomial."""
+    answer, scale = reference(name), float(reference(name)["deviation"])
+    errors: dict[str, list[float]] = {"mean": [], "deviation": [], "first": [], "total": []}
+    right, start = 0, gallery.user_time()
+    for seed in range(SEEDS):
+        points = design.sample("sobol", runs, seed, 3)
+        chaos = expansion(points, problem.at(points), list(problem.distributions.values()))
+        if chaos is None:
+            continue
+        spread, columns = chaos_spread(chaos), chaos_indices(chaos).columns
+        errors["mean"].append((spread.mean - float(answer["mean"])) / scale)
+        errors["deviation"].append(spread.deviation / scale - 1.0)
+        errors["first"].append(float(np.abs(columns["first order"] - answer["first"]).max()))
+        errors["total"].append(float(np.abs(columns["total"] - answer["total"]).max()))
+        right += bool((np.argsort(columns["total"]) == np.argsort(answer["total"])).all())
+    seconds = (gallery.user_time() - start) / SEEDS
+    parts = [_rms(each) if each else None for each in errors.values()]
+    return [name, "polynomial_chaos", runs, *parts, f"{right} of {len(errors['mean'])}", seconds]
+
+
 def _by_morris(name: str, problem: Problem, runs: int) -> list[Any]:
     answer, right, used, start = reference(name), 0, 0, gallery.user_time()
     for seed in range(SEEDS):
@@ -194,11 +218,11 @@ def plot(tables: Tables) -> dict[str, Any]:
     figure, panels = gallery.figure(1, 2, sharey=True)
     table = tables["results"]
     for axes, name in zip(panels, PROBLEMS, strict=True):
-        for k, method in enumerate(("gradients", *SAMPLED)):
+        for k, method in enumerate(("gradients", *SAMPLED, "polynomial_chaos")):
             rows = table.where({"problem": name, "estimator": method})
             axes.loglog(rows["runs"], rows["error of the deviation"], "o-", color=gallery.PALETTE[k],
                         label=f"deviation, {method}")  # fmt: skip
-        for k, method in ((0, "gradients"), (3, "sobol_indices")):
+        for k, method in ((0, "gradients"), (3, "sobol_indices"), (4, "polynomial_chaos")):
             rows = table.where({"problem": name, "estimator": method})
             axes.loglog(rows["runs"], rows["error of total"], "s--", color=gallery.PALETTE[k],
                         label=f"total indices, {method}")  # fmt: skip
