@@ -222,6 +222,15 @@ def test_bands_of_polynomial_chaos_hold():
     assert used >= 36 and np.mean(held) >= 0.8
 
 
+def test_what_no_polynomial_explains_is_told():
+    """Noise of 4 % of the variance: about as much is missed at left-out runs, however many terms would fit it."""
+    random, spreads = np.random.default_rng(1), [EVEN, NORMAL]
+    for seed in range(5):
+        points = design.sample("latin_hypercube", 200, seed, 2)
+        values = EVEN(points[:, 0]) / EVEN.deviation + np.sqrt(0.04 / 0.96) * random.standard_normal(200)
+        assert 0.03 < expansion(points, values, spreads).unexplained < 0.06
+
+
 def test_without_a_polynomial_there_is_none():
     random, spreads = np.random.default_rng(1), [EVEN, NORMAL]
     points = design.sample("latin_hypercube", 60, seed=1, dimensions=2)
