@@ -22,6 +22,7 @@ from contbed.scene.toml_lines import KeyPath
 
 TRANSIENT_CELLS = 60  # of one length, through which fronts move
 SHORT_RESIDENCE = 0.01  # of the gas over the times in which something changes, below which it is quasi-steady
+PARTS = {"tube": "rings", "plane": "layers", "duct": "columns of a quarter"}
 FIRST_LAYER = 1e-4  # length of the first and last cell over that of the bed
 
 
@@ -185,7 +186,12 @@ def _lists(
             skipped.append(("films", "no reaction at particles needs them"))
     across_it = across(problem)
     if problem.rings is not None:
-        built.append(("the section", f"{problem.rings.count} rings" + (f"; {across_it}" if across_it else "")))
+        built.append(
+            (
+                "the section",
+                f"{problem.rings.count} {PARTS[problem.rings.shape]}" + (f"; {across_it}" if across_it else ""),
+            )
+        )
     elif across_it is not None:
         advice = "" if across_it.fits else "; resolve it by [section]"
         skipped.append(("differences across the bed", f"one dimension: {across_it}{advice}"))

@@ -15,7 +15,8 @@ from contbed.fem.line_dg import Ends, Line, System
 from contbed.materials.thermo import T_STANDARD
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.bed import Bed, Layout, State, conserved
-from contbed.reacting_bed.equations.section import Rings, Section
+from contbed.reacting_bed.equations.parts import Parts
+from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.inside import Choice, inside_of
 from contbed.reacting_bed.kinetics import Reaction, reactions_of
@@ -153,13 +154,13 @@ class Problem:
         return None if self.rings is None else Section(self.bed, self.rings)
 
     @cached_property
-    def rings(self) -> Rings | None:
-        """Rings of the section; None in one dimension."""
+    def rings(self) -> Parts | None:
+        """Rings, layers or columns of the section; None in one dimension."""
         section, wall = self.scene.section, self.scene.wall
         if section is None:
             return None
         assert wall is not None
-        return Rings(section.rings, 0.5 * wall.diameter, section.shape)
+        return Parts(section.rings, 0.5 * wall.diameter, section.shape)
 
     @cached_property
     def names(self) -> tuple[str, ...]:

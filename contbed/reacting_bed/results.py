@@ -94,16 +94,13 @@ def fill(problem: Problem, u: Array, result: Result, transient: bool = False) ->
 
 
 def across(problem: Problem, u: Array, x: Array) -> dict[str, Array]:
-    """Return the temperatures of the bed at the axis and at the wall [K], of parabolas in r through two rings there."""
+    """Return the temperatures of the bed at the axis and at the wall [K], of parabolas through two rings there."""
     assert problem.rings is not None
-    square = problem.rings.middles**2
-    to_axis, to_wall = square[0] / (square[1] - square[0]), problem.rings.radius**2 - square[-1]
-    to_wall /= square[-1] - square[-2]
     by_ring = problem.line.at(u, x).reshape(-1, len(problem.layout.names), len(x))
     found = {}
     for name in problem.layout.temperatures:
         T = by_ring[:, problem.layout.names.index(name)]
-        axis, wall = T[0] + to_axis * (T[0] - T[1]), T[-1] + to_wall * (T[-1] - T[-2])
+        axis, wall = problem.rings.to_axis @ T, problem.rings.to_wall @ T
         phases = ("fluid", "solid") if name == "T" else (name.removeprefix("T_"),)
         for phase in phases:
             found[f"T_{phase}_axis [K]"], found[f"T_{phase}_wall [K]"] = axis, wall

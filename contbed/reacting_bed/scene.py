@@ -196,11 +196,13 @@ class Wall(Table):
 class Section(Table):
     """The bed resolved across the flow, from the axis to the wall at half of wall.diameter; absent: one dimension."""
 
-    shape: Literal["tube", "plane"] = Field(
-        "tube", description="round, or between two plane walls at the distance wall.diameter"
+    shape: Literal["tube", "plane", "duct"] = Field(
+        "tube", description="round, between two plane walls at the distance wall.diameter, or square with it as side"
     )
     rings: Annotated[Whole, Field(ge=2, le=40)] = Field(
-        8, description="of equal width; the error across the flow is of second order"
+        8,
+        description="of equal width, of a duct columns along each half of the side; the error across the flow is of "
+        "second order",
     )
     conductivity_fluid: ConductivityOrClosure | None = Field(None, description="effective, radial; absent: none")
     conductivity_solid: ConductivityOrClosure | None = Field(

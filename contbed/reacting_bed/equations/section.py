@@ -1,17 +1,17 @@
-"""Rings of a tube, or layers of a plane bed, that exchange heat and species across the flow.
+"""Rings of a tube, layers of a plane bed or columns of a duct, that exchange heat and species across the flow.
 
-    dF/dx = S + (1/r^s) d(r^s N)/dr          s = 1 in a tube, 0 between plane walls
+    dF/dx = S + (1/r^s) d(r^s N)/dr          s = 1 in a tube, 0 between plane walls; in a duct the sum over y and z
     heat        N = K_r dT/dr + sum_k N_k h_k/M_k
     species k   N_k = eps rho ( D_k dw_k/dr - w_k sum_j D_j dw_j/dr )
     wall        N = (T_a - T)/(1/h_w + delta/K_r), or the given flux
     axis        N = 0
 
 F and S are those of `equations.bed` at each point: rings know of their neighbours by N alone. Finite volumes of equal
-width, whose exchange is of second order: what one ring gains through a face its neighbour loses to rounding. delta is
-the resistance between the middle of the outer ring and the wall, R ln(R/r) in a tube. The N_k sum to zero, so that the
-mass flux of each ring is what it is where it enters, or in time, where the gas is stored, what its own ring leaves of
-it: gas that expands goes along the bed, not across. The pressure is one over the section: its gradient is the mean of
-those of the rings by area.
+width (`equations.parts`), whose exchange is of second order: what one ring gains through a face its neighbour loses to
+rounding. delta is the length from the middle of a ring to the wall, R ln(R/r) in a tube. The N_k sum to zero, so that
+the mass flux of each ring is what it is where it enters, or in time, where the gas is stored, what its own ring leaves
+of it: gas that expands goes along the bed, not across. The pressure is one over the section: its gradient is the mean
+of those of the rings by area.
 
 Source: Froment, Bischoff, De Wilde 2011, Chemical Reactor Analysis and Design, ch. 11.7.
 """
@@ -20,62 +20,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contbed.reacting_bed.equations.bed import Bed, State
-
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Rings:
-    """Rings of equal width between the axis, or plane of symmetry, and the wall at `radius` [m]."""
-
-    count: int
-    radius: float
-    shape: Literal["tube", "plane"]
-
-    @property
-    def edges(self) -> Array:
-        """Distances of the faces from the axis [m], (count + 1,)."""
-        return np.linspace(0.0, self.radius, self.count + 1)
-
-    @property
-    def middles(self) -> Array:
-        """Distances of the middles from the axis [m], (count,)."""
-        return 0.5 * (self.edges[1:] + self.edges[:-1])
-
-    @property
-    def shares(self) -> Array:
-        """Shares of the section, of sum 1."""
-        power = 2 if self.shape == "tube" else 1
-        return np.diff((self.edges / self.radius) ** power)
-
-    @property
-    def faces(self) -> Array:
-        """Area of each face between rings per volume of the bed over the distance of their middles [1/m2]."""
-        width = self.radius / self.count
-        inner = self.edges[1:-1]
-        return 2.0 * inner / (self.radius**2 * width) if self.shape == "tube" else 0.0 * inner + 1 / self.radius / width
-
-    @property
-    def wall_area(self) -> float:
-        """Area of the wall per volume of the bed [1/m]."""
-        return (2.0 if self.shape == "tube" else 1.0) / self.radius
-
-    @property
-    def to_wall(self) -> float:
-        """Length of conduction from the middle of the outer ring to the wall, on the area of the wall [m]."""
-        outer = float(self.middles[-1])
-        return self.radius * float(np.log(self.radius / outer)) if self.shape == "tube" else self.radius - outer
-
-    def mean(self, u: Array) -> Array:
-        """Return the means over the section, (m, ...), of values by ring and unknown (count m, ...)."""
-        found: Array = np.tensordot(self.shares, u.reshape(self.count, -1, *u.shape[1:]), axes=1)
-        return found
+from contbed.reacting_bed.equations.parts import Parts
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +33,7 @@ class Section:
     """The equations of all rings as those of one line: unknowns ring by ring, from the axis to the wall."""
 
     bed: Bed
-    rings: Rings
+    rings: Parts
 
     def __call__(self, u: Sequence[Any], q: Sequence[Any], x: Any) -> tuple[list[Any], list[Any], list[Any]]:
         """Return convective fluxes, diffusive fluxes and sources of all equations at points."""
@@ -159,14 +109,13 @@ class Section:
             }
             fields = {name: self._pairs(*by_name[name]) for name in temperatures}
         shares = rings.shares
-        for face, area in enumerate(rings.faces):
-            inner, outer = face, face + 1
+        for inner, outer, area in rings.joins:
             gained: dict[str, Any] = {}
             for name, pairs in fields.items():
                 (T_a, K_a), (T_b, K_b) = pairs[inner], pairs[outer]
                 gained[name] = 0.5 * (K_a + K_b) * (T_b - T_a)
             if radial.dispersion is not None:
-                moved = self._moved(state, radial.dispersion, inner)
+                moved = self._moved(state, radial.dispersion, inner, outer)
                 gained |= {f"g_{name}": moved[name] for name in gases}
                 if temperatures:
                     h = {name: bed.enthalpies[name](state.T_fluid) for name in gases}
@@ -181,10 +130,12 @@ class Section:
                 sources[outer][k] = sources[outer][k] - amount * (area / shares[outer])
         if temperatures:
             k, pairs = names.index(temperatures[0]), fields[temperatures[0]]
-            T, K = pairs[-1]
-            coefficient = self._of_ring(bed.medium.wall_coefficient(state), rings.count - 1)
-            heat = bed.medium.through_wall(T, coefficient, K, rings.to_wall)
-            sources[-1][k] = sources[-1][k] + heat * (rings.wall_area / shares[-1])
+            coefficients = bed.medium.wall_coefficient(state)
+            for ring, area, distance in rings.walls:
+                heat = bed.medium.through_wall(
+                    pairs[ring][0], self._of_ring(coefficients, ring), pairs[ring][1], distance
+                )
+                sources[ring][k] = sources[ring][k] + heat * (area / shares[ring])
         if bed.layout.pressure:
             k = names.index("p")
             mean: Any = sum(float(share) * part[k] for share, part in zip(shares, sources, strict=True))
@@ -194,9 +145,9 @@ class Section:
     def _pairs(self, *fields: Any) -> list[Any]:
         return [tuple(self._of_ring(field, ring) for field in fields) for ring in range(self.rings.count)]
 
-    def _moved(self, state: State, dispersion: Any, inner: int) -> dict[str, Any]:
+    def _moved(self, state: State, dispersion: Any, inner: int, outer: int) -> dict[str, Any]:
         """Return what goes of each gas from a ring's outer neighbour to it, over area and distance [mol/m/s]."""
-        outer, eps = inner + 1, self.bed.medium.porosity
+        eps = self.bed.medium.porosity
         slopes, shares, coefficients = {}, {}, {}
         for name, g in state.g.items():
             w, D = g / state.flux, eps * state.rho * dispersion[name]
