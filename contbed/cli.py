@@ -25,10 +25,8 @@ from contbed.terminal import (
     interrupted,
     load_scene,
     resume,
+    usual_engine,
 )
-
-SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")  # how many processes mpirun started
-
 
 app = typer.Typer(
     name="contbed",
@@ -119,9 +117,10 @@ def run(
         _tell_when_compiling(loaded)
     command = f"contbed run {shlex.quote(str(scene))} --restart {shlex.quote(str(folder))}"
     resume[:] = [(folder / "checkpoint.npz", command)]
-    engine = engine or ("dolfinx" if any(int(os.environ.get(name, "1")) > 1 for name in SIZE) else "skfem")
     try:
-        result = solve(loaded, out=folder, quiet=quiet, restart=restart, engine=engine, threads=threads)
+        result = solve(
+            loaded, out=folder, quiet=quiet, restart=restart, engine=engine or usual_engine(), threads=threads
+        )
     except ContbedError:
         if report and (folder / "summary.json").exists():
             _write_report([folder])

@@ -6,12 +6,22 @@ import os
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 from typer import Argument, Option
 
-from contbed.terminal import AllowLarge, OutFolder, SceneFile, Settings, Trust, complain, load_scene, resume
+from contbed.terminal import (
+    AllowLarge,
+    OutFolder,
+    SceneFile,
+    Settings,
+    Trust,
+    complain,
+    load_scene,
+    resume,
+    usual_engine,
+)
 
 
 def sweep(
@@ -66,6 +76,9 @@ def sensitivities(
     out: OutFolder = None,
     settings: Settings = None,
     as_json: Annotated[bool, Option("--json", help="print JSON instead of the table")] = False,
+    engine: Annotated[
+        Literal["skfem", "dolfinx"] | None, Option("--engine", help="dolfinx: PETSc, the default under mpirun")
+    ] = None,
     trust: Trust = False,
     allow_large: AllowLarge = False,
 ) -> None:
@@ -76,7 +89,10 @@ def sensitivities(
     from contbed.design import sensitivities as design
     from contbed.output.summary import plain
 
-    found, about = design.sensitivities(loaded, qoi, to or ())
+    made = design.sensitivities(loaded, qoi, to or (), engine or usual_engine())
+    if made is None:
+        return
+    found, about = made
     folder = out or Path("results") / f"{scene.stem}-sensitivities"
     design.write(found, about, folder, loaded.title)
     print(json.dumps(plain(about), indent=1) if as_json else design.table(found, about))

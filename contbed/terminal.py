@@ -11,6 +11,7 @@ import typer
 from typer import Argument, Option
 
 RANK = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")  # number of a process, set by what started it
+SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")  # how many processes mpirun started
 
 resume: list[tuple[Path, str]] = []  # what must be there to go on, and the command that does
 
@@ -31,6 +32,11 @@ Threads = Annotated[
 AllowLarge = Annotated[
     bool, Option("--allow-large", help="take sizes that are refused otherwise: memory, numbers of cells, files")
 ]
+
+
+def usual_engine() -> str:
+    """Return the engine that computes where none is asked for: that of several ranks under mpirun."""
+    return "dolfinx" if any(int(os.environ.get(name, "1")) > 1 for name in SIZE) else "skfem"
 
 
 def load_scene(path: Path, settings: list[str] | None, trust: bool, allow_large: bool) -> Any:

@@ -4,7 +4,7 @@ Steady scenes take the discrete tangent, in which mesh and discretisation stay a
 computed flow and radiation, radiation alone, bubbling beds with reactions and what settles, reacting beds, developed
 flow. Transient packed beds take differences of runs that are repeated with the same mesh and time steps. Fronts,
 ordinates, cycles, other transients and particles take differences of whole runs; results that scatter come with the
-standard error of common seeds.
+standard error of common seeds. Scenes on DOLFINx take differences of whole runs, on any number of ranks.
 
 The tangent costs one solution with known factors for each key and gives all results. An adjoint would cost one for each
 result and give all keys: it would be cheaper where keys are many more than results, as with a value in every cell.
@@ -70,7 +70,7 @@ class Gradient:
         return found
 
 
-def gradient(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) -> Gradient:
+def gradient(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str], engine: str = "skfem") -> Gradient:
     """Return the derivatives of named results with respect to keys of a scene.
 
     Parameters
@@ -78,6 +78,7 @@ def gradient(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) -> Gradi
     scene : from `contbed.load`
     qoi : named results, as in summary.json, "T_fluid_out_K"
     keys : continuous keys that the scene gives, "bed.porosity", "boundary.left.fluid.inflow", "flow.velocity[1]"
+    engine : as of `contbed.run`; "dolfinx" is called on all ranks, of which all but the first return None
 
     Raises
     ------
@@ -85,6 +86,11 @@ def gradient(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str]) -> Gradi
     ContbedError : the scene, or the scene with a key a little changed, cannot be solved
     """
     require_possible(scene, qoi, keys)
+    if engine == "dolfinx":
+        from contbed.fem.ranks import run_on_root
+
+        found: Gradient = run_on_root(lambda: gradient_of(run(scene, engine=engine), qoi, keys))
+        return found
     return gradient_of(run(scene), qoi, keys)
 
 
@@ -100,16 +106,13 @@ def gradient_of(result: Result, qoi: Sequence[str], keys: Sequence[str]) -> Grad
 
     Raises
     ------
-    EngineError : the scene was run with another engine than scikit-fem; and what `gradient` raises
+    EngineError : the scene was run on several ranks, which all have to take part; and what `gradient` raises
     """
     require_possible(result.scene, qoi, keys)
-    engine = getattr(result.plan.mesh, "engine", "skfem")
-    if engine != "skfem":
-        raise EngineError(
-            f"{result.scene.origin.name}: gradients are not found with {engine}; run the scene without --engine, on "
-            "one process"
-        )
     chosen = [key(result.scene, name) for name in keys]
+    if getattr(result.plan.mesh, "engine", "skfem") == "dolfinx":
+        _require_ranks(result.scene)
+        return _by_runs(result, tuple(qoi), chosen, "dolfinx")
     base = tangent.of(result)
     if base is not None:
         return _by_tangent(base, result, tuple(qoi), chosen)
@@ -167,19 +170,29 @@ def _of_state(scene: SceneBase, found: dict[str, Any], qoi: tuple[str, ...]) -> 
     return picked(scene, found, qoi)
 
 
-def _by_runs(result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
+def _require_ranks(scene: SceneBase) -> None:
+    from contbed.fem.ranks import rank_group
+
+    if not rank_group().alone:
+        raise EngineError(
+            f"{scene.origin.name}: derivatives on several ranks need all of them: call contbed.design.gradients."
+            'gradient(scene, results, keys, engine="dolfinx") on each, or mpirun contbed sensitivities'
+        )
+
+
+def _by_runs(result: Result, qoi: tuple[str, ...], keys: list[Key], engine: str = "skfem") -> Gradient:
     scene: SceneBase = result.scene
     centre = picked(scene, result.qoi, qoi)
     scatters = model_of(scene).scatters
     find: Callable[..., Slope] = differences.noisy_slope if scatters else differences.slope
-    slopes = [find(scene, one, lambda changed: _results(changed, qoi), centre) for one in keys]
+    slopes = [find(scene, one, lambda changed: _results(changed, qoi, engine), centre) for one in keys]
     made = _gradient(qoi, keys, centre, slopes, "differences")
     errors = np.array([one.errors for one in slopes]).reshape(len(keys), len(qoi)).T
     return replace(made, standard_errors=errors) if scatters else _with_unsure(made, errors)
 
 
-def _results(scene: SceneBase, qoi: tuple[str, ...]) -> Array:
-    return picked(scene, run(scene).qoi, qoi)
+def _results(scene: SceneBase, qoi: tuple[str, ...], engine: str = "skfem") -> Array:
+    return picked(scene, run(scene, engine=engine).qoi, qoi)
 
 
 def _gradient(qoi: tuple[str, ...], keys: list[Key], centre: Array, slopes: list[Slope], method: str) -> Gradient:

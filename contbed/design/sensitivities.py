@@ -35,14 +35,17 @@ HOW = {
 }
 
 
-def sensitivities(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str] = ()) -> tuple[Gradient, dict[str, Any]]:
-    """Return the gradient of a scene, and the same as plain data with units.
+def sensitivities(
+    scene: SceneBase, qoi: Sequence[str], keys: Sequence[str] = (), engine: str = "skfem"
+) -> tuple[Gradient, dict[str, Any]] | None:
+    """Return the gradient of a scene, and the same as plain data with units; None on all ranks but the first.
 
     Parameters
     ----------
     qoi : named results
     keys : keys of the scene; all continuous ones that it gives if empty, which leaves out defaults and settings of
         the numerical method
+    engine : as of `contbed.run`
 
     Raises
     ------
@@ -52,7 +55,9 @@ def sensitivities(scene: SceneBase, qoi: Sequence[str], keys: Sequence[str] = ()
     names = list(dict.fromkeys(keys)) or [one.name for one in continuous(scene)]
     if not names:
         raise SceneError(f"{scene.origin.name}: the scene gives no continuous key; name one by --to")
-    found = gradient(scene, list(dict.fromkeys(qoi)), names)
+    found = gradient(scene, list(dict.fromkeys(qoi)), names, engine)
+    if found is None:
+        return None
     units = [key(scene, name).unit for name in found.keys]
     return found, {
         "title": scene.title,

@@ -43,6 +43,12 @@ class RankGroup:
         self.partition: Any = None  # the last `dolfinx.Partition`
         self.iterations: list[int] = []
         self.count = 0
+        self.served = False  # whether the other ranks wait for what the root rank asks for
+
+    @property
+    def alone(self) -> bool:
+        """Whether the root rank can compute now: it is the only one, or the others serve it."""
+        return self.comm.size == 1 or self.served
 
     def new_key(self) -> int:
         """Return a new number for an object that all ranks will hold."""
@@ -141,20 +147,28 @@ def rank_group() -> RankGroup:
 
 
 def run_on_root(main: Callable[[], Any]) -> Any:
-    """Run `main` on the root rank while the others serve it; they return None, or raise what ended the root rank."""
+    """Run `main` on the root rank while the others serve it; they return None, or raise what ended the root rank.
+
+    Within `main` of another call, as of the runs of a derivative, the others serve already.
+    """
     all_ranks = rank_group()
     all_ranks.iterations = []
+    if all_ranks.served:
+        return main()
     if not all_ranks.is_root:
         code, words = all_ranks.serve()
         if code:
             raise RootRankError(words, code)
         return None
+    all_ranks.served = True
     try:
         result = main()
     except BaseException as error:
         code = 130 if isinstance(error, KeyboardInterrupt) else getattr(error, "exit_code", 1)
         all_ranks.end_others(code, str(error) or type(error).__name__)
         raise
+    finally:
+        all_ranks.served = False
     all_ranks.end_others(0, "")
     return result
 

@@ -1,7 +1,5 @@
 """Gradients: refusals by name, differences of whole runs, common seeds."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from design_scenes import SLIP
@@ -10,7 +8,7 @@ import contbed as cb
 from contbed.design import differences
 from contbed.design.gradients import gradient
 from contbed.design.keys import continuous, key
-from contbed.errors import EngineError, SceneError
+from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.models import MODELS
 from contbed.scene.values import with_value
@@ -139,13 +137,6 @@ def test_pressure_drop_by_its_closed_form():
     assert found.logarithmic[0, 0] == pytest.approx(1.0, rel=1e-8)
     assert found.qoi == ("pressure_drop_Pa", *OUT)
     assert found.values[0] == drop
-
-
-def test_other_engines_are_refused_by_name():
-    result = cb.run(loads(SLIP))
-    result.plan = replace(result.plan, mesh=replace(result.plan.mesh, engine="dolfinx"))
-    with pytest.raises(EngineError, match="not found with dolfinx; run the scene without --engine"):
-        result.gradient(OUT, ["bed.porosity"])
 
 
 def test_conduction_of_a_lattice_by_its_closed_form():

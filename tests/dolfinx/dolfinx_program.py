@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from dolfinx_scenes import SCENES
 
+from contbed.design.gradients import gradient
+from contbed.errors import EngineError
 from contbed.loading import from_dict
 from contbed.runner import run
 
@@ -122,7 +124,27 @@ def complain(out: Path, scene: str, key: str, value: str) -> None:
         (out / f"rank{MPI.COMM_WORLD.rank}.txt").write_text(text)
 
 
-COMMANDS = {f.__name__: f for f in (agree, iterate, write, stop, resume, lose, complain)}
+def slopes(out: Path, scene: str, qoi: str, *keys: str) -> None:
+    """Derivatives of a result; on all ranks, and on one rank of a run that has been made as well."""
+    from mpi4py import MPI
+
+    loaded = from_dict(SCENES[scene])
+    found = gradient(loaded, [qoi], keys, engine="dolfinx")
+    result = run(loaded, engine="dolfinx")
+    if found is None or result is None:
+        assert found is None and result is None
+        return
+    if MPI.COMM_WORLD.size == 1:
+        assert np.array_equal(result.gradient([qoi], keys).derivatives, found.derivatives)
+    else:
+        try:
+            result.gradient([qoi], keys)
+        except EngineError as error:
+            assert "need all of them" in str(error)
+    np.savez(out / "slopes.npz", derivatives=found.derivatives, method=found.method)
+
+
+COMMANDS = {f.__name__: f for f in (agree, iterate, write, stop, resume, lose, complain, slopes)}
 
 if __name__ == "__main__":
     COMMANDS[sys.argv[1]](Path(sys.argv[2]), *sys.argv[3:])

@@ -68,3 +68,16 @@ def test_multigrid_and_field_split_reach_the_same(name: str, ranks: int, results
     for key in (key for key in one if key.startswith("nodal.")):
         assert np.abs(one[key] - other[key]).max() <= 1e-8 * np.abs(one[key]).max(), key
     assert abs(float(other["balance.energy"])) <= 1e-10
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_derivatives_are_those_of_the_tangent(ranks: int, results) -> None:
+    """Differences of runs at two distances err by 1e-12 of the cube of a step of 1e-3; Newton leaves 1e-10/1e-3."""
+    name, qoi = "heat_constant", "T_fluid_out_K"
+    keys = ["bed.porosity", "bed.particle_diameter", "boundary.left.fluid.fixed", "boundary.bottom.fluid.coefficient"]
+    exact = run(from_dict(SCENES[name])).gradient([qoi], keys)
+    found = np.load(Path(results("slopes", ranks, name, qoi, *keys)) / "slopes.npz")
+    assert exact.method == "tangent" and found["method"] == "differences"
+    scale = np.abs(exact.derivatives * exact.at).max()
+    assert np.all(np.abs(exact.derivatives * exact.at) > 1e-4 * scale)
+    np.testing.assert_allclose(found["derivatives"] * exact.at, exact.derivatives * exact.at, rtol=0, atol=1e-6 * scale)
