@@ -37,7 +37,7 @@ class Plan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
-    without_weak_form: str = "a reacting bed on a line, whose polynomials are discontinuous"
+    without_weak_form: str = "discontinuous polynomials on a line, as reacting beds have"
 
     @property
     def steps(self) -> bool:
