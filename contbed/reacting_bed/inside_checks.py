@@ -80,13 +80,14 @@ def adsorbed_gases_do_not_react_there(
 
 def pellets_have_diffusivities(particle: s.Particle, reactions: Reactions, solid: s.Solids | None) -> Mistakes:
     """Check that gases that react in pellets that are resolved have diffusivities, and no others have."""
-    inside = _species_in_particles(reactions, solid) if particle.mass == "interior" else {}
+    asked = particle.mass == "interior" or (particle.mass == "auto" and bool(particle.diffusivity))
+    inside = _species_in_particles(reactions, solid) if asked else {}
     gases = {gas for species in inside.values() for gas in species}
     if solid is not None and solid.composition is not None:
         gases = set()
-        if particle.mass == "interior":
+        if asked:
             yield (
-                ("particle", "mass"),
+                ("particle", "mass" if particle.mass == "interior" else "diffusivity"),
                 "resolves catalytic reactions of gases; particles that react have shrinking_core or three_interfaces",
             )
     elif particle.mass == "interior" and not inside:

@@ -203,8 +203,11 @@ class Pellets:
 
 
 def in_pellets(scene: s.ReactingScene, reactions: Sequence[Reaction], gases: Mapping[str, Any]) -> list[Reaction]:
-    """Return the reactions of a scene with those of gases in particles as means over resolved pellets."""
-    if scene.particle.mass != "interior":
+    """Return the reactions of a scene with those of gases in particles as means over resolved pellets.
+
+    What `pellet_level` has not decided, as in time, is resolved.
+    """
+    if scene.particle.mass not in ("auto", "interior") or not scene.particle.diffusivity:
         return list(reactions)
     chosen = [each for each in reactions if runs_in_pellets(each.site, each.own_film, each.stoichiometry, gases)]
     if not chosen:

@@ -13,6 +13,7 @@ from contbed.models import described
 from contbed.particle.effectiveness import effectiveness_of
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
+from contbed.reacting_bed.pellet_level import decided
 from contbed.reacting_bed.pellets import Pellets
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import Schedule, tables_of
@@ -23,6 +24,7 @@ from contbed.scene.toml_lines import KeyPath
 TRANSIENT_CELLS = 60  # of one length, through which fronts move
 SHORT_RESIDENCE = 0.01  # of the gas over the times in which something changes, below which it is quasi-steady
 PARTS = {"tube": "rings", "plane": "layers", "duct": "columns of a quarter"}
+PELLETS = "inside of pellets"
 FIRST_LAYER = 1e-4  # length of the first and last cell over that of the bed
 
 
@@ -78,6 +80,7 @@ def plan(scene: s.ReactingScene) -> Plan:
     SceneError : species, reactions or closures cannot be used
     """
     try:
+        scene, level = decided(scene, first_vertices(scene))
         schedule = Schedule.of(tables_of(scene), scene.origin.base)
         problem = _at_start(scene, schedule)
         problem.bed(problem.first_point(), [0.0] * len(problem.layout.names), 0.0)
@@ -87,6 +90,10 @@ def plan(scene: s.ReactingScene) -> Plan:
         raise SceneError([f"{scene.origin.at(_place(text))}: {text}" for text in error.problems]) from None
     stores_gas, reason = _gas_storage(scene, problem, schedule)
     built, skipped = _lists(scene, problem, schedule)
+    if level is not None and level.resolved:
+        built = [(what, f"{text}; {level}" if what == PELLETS else text) for what, text in built]
+    elif level is not None:
+        skipped.append((PELLETS, str(level)))
     if scene.time is not None:
         (built if stores_gas else skipped).append(("storage in the gas", reason))
     return Plan(scene, problem, schedule, stores_gas, tuple(built), tuple(skipped))
@@ -199,7 +206,7 @@ def _lists(
         built.append((f"adsorption of {', '.join(layout.inside)}", str(problem.choice)))
     resolved = next((r.rate for r in problem.reactions if isinstance(r.rate, Pellets)), None)
     if resolved is not None:
-        built.append(("inside of pellets", _effectiveness(problem, resolved)))
+        built.append((PELLETS, _effectiveness(problem, resolved)))
     for reaction in problem.reactions:
         built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else "at the particles"))
     if schedule:

@@ -276,10 +276,11 @@ class Reaction(Table):
 class Particle(Table):
     """What happens inside of a particle."""
 
-    mass: Literal["none", "effectiveness", "interior"] = Field(
-        "none",
-        description="effectiveness of a sphere by the Thiele modulus of each reaction with a diffusivity; or diffusion "
-        "and reaction of all gases resolved inside of the particles, with particle.diffusivity",
+    mass: Literal["auto", "none", "effectiveness", "interior"] = Field(
+        "auto",
+        description="effectiveness of a sphere by the Thiele modulus of each reaction with a diffusivity; interior: "
+        "diffusion and reaction of all gases resolved inside of the particles, with particle.diffusivity; auto: "
+        "resolved where that changes what reacts by more than solver.accuracy",
     )
     diffusivity: dict[str, PositiveDiffusivity] = Field(
         default_factory=dict, description='effective, of each gas that reacts in particles, { CH4 = "2e-6 m**2/s" }'

@@ -151,3 +151,49 @@ def test_nothing_to_resolve():
     scene["particle"].pop("diffusivity")
     with pytest.raises(SceneError, match="nothing reacts in the particles"):
         from_dict(scene)
+
+
+@pytest.mark.parametrize(("phi", "level"), [(0.2, "none"), (0.6, "interior")])
+def test_pellets_are_resolved_where_diffusion_matters(phi, level):
+    """Of first order in plug flow what reacts would differ by 1 - eta, and what leaves differs by less."""
+    scene, k = pellets(phi)
+    scene["mesh"]["length"] = 0.5 / (0.6 * k)
+    scene["particle"] = {key: value for key, value in scene["particle"].items() if key != "mass"}
+    planned = plan(from_dict(scene))
+    assert planned.scene.particle.mass == level
+    told = dict(planned.built if level == "interior" else planned.skipped)["inside of pellets"]
+    assert f"would differ by {1.0 - sphere(phi):.2g} of itself" in told
+    found = contbed.run(from_dict(scene)).qoi["x_A_out"]
+    both = {}
+    for mass in ("none", "interior"):
+        if mass == "none":
+            scene["particle"] = {"mass": "none"}
+        else:
+            scene["particle"] = {"mass": mass, "diffusivity": {"A": D_A, "B": D_B}}
+        both[mass] = contbed.run(from_dict(scene)).qoi["x_A_out"]
+    assert found == both[level]
+    change = abs(both["none"] - both["interior"]) / (1.0 - both["none"])
+    assert 0.3 * (1.0 - sphere(phi)) < change < 1.0 - sphere(phi)
+
+
+def test_derivatives_of_a_bed_whose_level_was_chosen():
+    """The tangent is that of the level which was run: without resistance x = exp(-0.6 k L/u), dk of it by hand."""
+    scene, k = pellets(0.2)
+    scene["mesh"]["length"] = L = 0.5 / (0.6 * k)
+    scene["particle"]["mass"] = "auto"
+    found = contbed.run(from_dict(scene)).gradient(["x_A_out"], ["reactions.r.parameters.k"]).derivatives[0, 0]
+    # resolved pellets have 2 (1 - eta) = 0.5 % less
+    assert found == pytest.approx(-left(k * L, 1.0) * 0.6 * L / 0.5, rel=1e-4)
+
+
+def test_what_cannot_be_judged_is_resolved():
+    """In time; without a diffusivity there is nothing to resolve, and nothing is solved to find out."""
+    scene, _ = pellets(0.1)
+    del scene["particle"]["mass"]
+    scene["time"] = {"end": 1.0}
+    planned = plan(from_dict(scene))
+    assert "in time it is resolved" in dict(planned.built)["inside of pellets"]
+    assert type(planned.problem.reactions[0].rate).__name__ == "Pellets"
+    del scene["particle"], scene["time"]
+    planned = plan(from_dict(scene))
+    assert "inside of pellets" not in dict(planned.built) | dict(planned.skipped)

@@ -1,11 +1,12 @@
 """Rings of a tube, layers of a plane bed or columns of a duct, that exchange heat and species across the flow.
 
-    dF/dx = S + (1/r^s) d(r^s N)/dr          s = 1 in a tube, 0 between plane walls; in a duct the sum over y and z
+    dF/dx = S + (1/r^s) d(r^s N)/dr          s = 1 in a tube, 0 between plane walls
     heat        N = K_r dT/dr + sum_k N_k h_k/M_k
     species k   N_k = eps rho ( D_k dw_k/dr - w_k sum_j D_j dw_j/dr )
     wall        N = (T_a - T)/(1/h_w + delta/K_r), or the given flux
     axis        N = 0
 
+In a duct heat and species pass along y and along z, each as between plane walls.
 F and S are those of `equations.bed` at each point: rings know of their neighbours by N alone. Finite volumes of equal
 width (`equations.parts`), whose exchange is of second order: what one ring gains through a face its neighbour loses to
 rounding. delta is the length from the middle of a ring to the wall, R ln(R/r) in a tube. The N_k sum to zero, so that

@@ -1,0 +1,96 @@
+"""Whether the inside of catalyst pellets is resolved: what their diffusion changes in the bed, judged without it.
+
+    E = max_k | int sum_j nu_kj (R_j - r_j) dx | / max_k | int sum_j nu_kj r_j dx |
+
+r_j are the rates of the bed in which nothing resists inside of the pellets, along its steady state, and R_j those of
+resolved pellets at its compositions and temperatures. Where a rate falls the less is used up the more is left for the
+pellets behind, so that E is more than what diffusion changes in what leaves, as long as reactions do not speed up as
+they proceed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import ContbedError
+from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.pellets import Pellets, runs_in_pellets
+from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.solve import Report, steady
+from contbed.reacting_bed.substances import Substances, substances
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PelletLevel:
+    """Whether pellets are resolved, and the share E of what reacts that chose it; None where it could not be found."""
+
+    resolved: bool
+    error: float | None
+    why: str = ""
+
+    def __str__(self) -> str:
+        if self.error is None:
+            return self.why
+        side = "above" if self.resolved else "within"
+        return f"without it what reacts would differ by {self.error:.2g} of itself, {side} solver.accuracy"
+
+
+def decided(scene: s.ReactingScene, vertices: Array) -> tuple[s.ReactingScene, PelletLevel | None]:
+    """Return a scene with particle.mass = "auto" decided, and why; None where it is no question.
+
+    `vertices` are the cells to judge it on. A run in time has no one state to judge it by: its pellets are resolved.
+    """
+    if scene.particle.mass != "auto" or not scene.particle.diffusivity:
+        return scene, None
+    if scene.time is not None:
+        return scene, PelletLevel(True, None, "in time it is resolved")
+    level = _judged(_with(scene, "none"), vertices)
+    return _with(scene, "interior" if level.resolved else "none"), level
+
+
+def _with(scene: s.ReactingScene, mass: str) -> s.ReactingScene:
+    return scene.model_copy(update={"particle": scene.particle.model_copy(update={"mass": mass})})
+
+
+def _judged(scene: s.ReactingScene, vertices: Array) -> PelletLevel:
+    species = substances(scene)
+    try:
+        error = missed(scene, Problem.of(scene, vertices, species), species)
+    except ContbedError as found:
+        return PelletLevel(True, None, f"without it no state is found to judge it by ({found})")
+    return PelletLevel(error > scene.solver.accuracy, error)
+
+
+def missed(scene: s.ReactingScene, problem: Problem, species: Substances) -> float:
+    """Return E of a bed without resistance inside of its pellets."""
+    problem, u = steady(problem, Report())
+    bed, line = problem.bed, problem.line
+    state = bed.state(problem.at_all_points(u))
+    values = bed.medium.at(state)
+    chosen = [r for r in problem.reactions if runs_in_pellets(r.site, r.own_film, r.stoichiometry, species.gases)]
+    pellets = Pellets.of(chosen, scene.particle.diffusivity, 1.0 - scene.bed.porosity)
+    at = bed.medium.local(state, values, chosen[0], bed.small)
+    shape = np.shape(problem.at_all_points(u)[0])
+
+    def total(rate: Any) -> float:
+        table = problem.mean(np.broadcast_to(rate, shape).reshape(-1, *u[0].shape))[0]
+        return float(np.einsum("cj,j,c->", table, line.weights, line.h))
+
+    free = {r.name: total(rate) for r, rate in zip(problem.reactions, bed.rates(state, values), strict=True)}
+    held = {r.name: total(mean) for r, mean in zip(chosen, pellets(at), strict=True)}
+
+    def largest(extents: dict[str, float]) -> float:
+        made = dict.fromkeys(species.all, 0.0)
+        for reaction in problem.reactions:
+            for name, n in reaction.stoichiometry.items():
+                made[name] += n * extents.get(reaction.name, 0.0)
+        return max(map(abs, made.values()))
+
+    whole = largest(free)
+    return largest({name: value - free[name] for name, value in held.items()}) / whole if whole else 0.0
