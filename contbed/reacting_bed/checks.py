@@ -278,7 +278,6 @@ def sections_can_be_resolved(
     wall: s.Wall | None,
     heat: s.Heat | None,
     continuation: s.Continuation | None,
-    adsorption: dict[str, s.Adsorption],
     see: See,
 ) -> Mistakes:
     """Check that a section has a size and something that passes across it, and that rings know what the bed does."""
@@ -295,8 +294,6 @@ def sections_can_be_resolved(
         )
     if continuation is not None:
         yield ("section",), f"is not resolved along a branch; remove it, or the table {see('continuation')}"
-    if adsorption:
-        yield ("section",), f"is not resolved in beds that adsorb; remove it, or the table {see('adsorption')}"
 
 
 def closures_exist(

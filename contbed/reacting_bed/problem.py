@@ -146,6 +146,8 @@ class Problem:
     def system(self) -> System:
         """Equations on the line."""
         point, coupling = self.section or self.bed, self.bed.coupling()
+        if coupling is not None and self.rings is not None:
+            coupling = np.asarray(np.kron(np.eye(self.rings.count), coupling), dtype=float)
         return System(self.line, self._directions, self._diffuses, point, self._ends, self._local, coupling)
 
     @cached_property

@@ -10,6 +10,7 @@ import time
 
 import numpy as np
 import pytest
+from adsorption_scenes import adsorber
 from reacting_bed_scenes import fixed_bed, isothermal
 
 import contbed
@@ -81,8 +82,24 @@ def test_restart_goes_on_bit_for_bit(tmp_path, monkeypatch):
     assert set(whole.profiles["t [s]"]) < set(longer.profiles["t [s]"]) | {800.0}
 
 
-def test_restart_of_a_section_goes_on_bit_for_bit(tmp_path, monkeypatch):
-    given = heated_section()
+def adsorbing_section():
+    """Two rings whose particles take up gas, with points inside of them."""
+    given, unit = adsorber(100.0, 10.0, 3.0, 2.0)
+    for gas in given["fluid"]["species"].values():
+        gas |= {"heat_capacity": 30.0, "enthalpy": 0.0}
+    given["mesh"]["cells"] = 3
+    given["solid"]["heat_capacity"] = 1000.0
+    given["particle"] = {"adsorption": "interior", "points": 2}
+    given["time"] |= {"end": 3.0 * unit, "tolerance": 1e-3}
+    return given | {
+        "heat": {},
+        "wall": {"diameter": 0.1, "coefficient": 50.0, "ambient": 400.0},
+        "section": {"rings": 2, "conductivity_solid": 2.0},
+    }
+
+
+@pytest.mark.parametrize("given", [heated_section(), adsorbing_section()], ids=["heated", "adsorbing"])
+def test_restart_of_a_section_goes_on_bit_for_bit(tmp_path, monkeypatch, given):
     whole = contbed.run(from_dict(given))
     assert whole.qoi["time_steps"] > STOP
     interrupted(given, tmp_path / "a", monkeypatch)

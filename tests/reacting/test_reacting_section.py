@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from adsorption_scenes import TRACE, adsorber
 from manufactured_section import error, solution
 from reacting_bed_scenes import R_GAS, P, T, isothermal
 from scipy.optimize import brentq
@@ -277,6 +278,65 @@ def test_bed_alike_across_is_plug_flow_in_time(gas, shape):
         assert np.allclose(section.profiles[name], column, rtol=1e-9, atol=1e-12), name
     for name, column in one.tables["outlet"].items():
         assert np.allclose(section.tables["outlet"][name], column, rtol=1e-6, atol=1e-9), name
+
+
+def adsorbing(rings, level, **time):
+    """A bed at rest that takes up a gas with -40 kJ/mol: five times what enters in a unit of time, to equilibrium."""
+    scene, unit = adsorber(100.0, 10.0, 3.0, 2.0)
+    for name in scene["fluid"]["species"]:
+        scene["fluid"]["species"][name] |= {"heat_capacity": CP, "enthalpy": 0.0}
+    scene["heat"] = {}
+    scene["solid"]["heat_capacity"] = C_SOLID
+    scene["adsorption"]["A"]["enthalpy"] = -4e4
+    scene["particle"] = {"adsorption": level, "points": 2}
+    scene["time"] |= {"end": 8.0 * unit} | time
+    scene["mesh"]["cells"] = 4
+    scene["wall"] = {"diameter": 2 * RADIUS, "flux": 0.0}
+    if rings:
+        scene["section"] = {"rings": rings, "conductivity_solid": 0.5, "mass_dispersion": 1e-4}
+    return scene
+
+
+@pytest.mark.parametrize(
+    "level", [*(pytest.param(name, marks=pytest.mark.slow) for name in ("film", "linear_driving_force")), "interior"]
+)
+def test_bed_that_adsorbs_alike_across_is_plug_flow(level):
+    """Breakthrough of a Langmuir front with its heat: rings are the bed in one dimension, to Newton's tolerance."""
+    one, section = (solved(adsorbing(rings, level, tolerance=1e-3)) for rings in (0, 2))
+    assert section.qoi["time_steps"] == one.qoi["time_steps"]
+    assert 0.01 < one.profiles["x_A [1]"][-1] / TRACE < 0.9  # the front passes the end
+    for name, column in one.profiles.items():
+        assert np.allclose(section.profiles[name], column, rtol=1e-9, atol=1e-14), name
+
+
+def test_heat_of_adsorption_leaves_through_the_wall():
+    """Energy and elements close to 1e-12; the axis is warmer than the wall."""
+    scene = adsorbing(3, "film", tolerance=1e-3)
+    scene["fluid"]["composition"] = "A:0.1, N:0.9"
+    scene["adsorption"]["A"] |= {"affinity": 1e-4, "capacity": 1.0}
+    scene["wall"] = {"diameter": 2 * RADIUS, "coefficient": 50.0, "ambient": T}
+    scene["solid"]["heat_capacity"] = 200.0
+    scene["time"]["end"] = 400.0
+    result = solved(scene)
+    warmer = result.profiles["T_fluid_axis [K]"] - result.profiles["T_fluid_wall [K]"]
+    assert warmer.max() > 2.0
+
+
+def test_moving_bed_that_adsorbs_is_plug_flow():
+    """Steady counter-current uptake, points inside of particles: rings alike are the bed in one dimension."""
+    runs = []
+    for rings in (0, 3):
+        scene = adsorbing(rings, "interior")
+        del scene["time"]
+        scene["flow"]["velocity_solid"] = -3e-3
+        scene["boundary"] = {"left": {"fluid": {"inflow": T}}, "right": {"solid": {"inflow": T}}}
+        scene["heat"] = {"nusselt": 10.0}
+        scene["fluid"] |= {"viscosity": MU, "conductivity": K_GAS}
+        runs.append(solved(scene))
+    one, section = runs
+    assert 0.05 < one.qoi["x_A_out"] / 1e-6 < 0.95
+    for name, column in one.profiles.items():
+        assert np.allclose(section.profiles[name], column, rtol=1e-9, atol=1e-14), name
 
 
 @pytest.mark.parametrize("temperatures", [1, pytest.param(2, marks=pytest.mark.slow)])
