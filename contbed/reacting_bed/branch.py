@@ -49,7 +49,7 @@ class Family:
     def assemble(self, x: Any, value: float, jacobian: bool) -> tuple[Any, Any]:
         """Assemble residuals over typical fluxes, and their derivatives to the unknowns."""
         problem = self.at(value)
-        m, N, n = len(problem.layout.names), problem.line.cells, problem.line.degree + 1
+        m, N, n = len(problem.names), problem.line.cells, problem.line.degree + 1
         residual, blocks = problem.system.assemble(x.reshape(m, N, n), jacobian)
         scale = self.problem.flux_sizes
         flat = (residual / scale[:, None, None]).ravel()
@@ -130,7 +130,7 @@ def states_at(family: Family, branch: Branch, value: float) -> list[Array]:
     for index, p, x in reversed(branch.folds):
         points.insert(index, (p, x))
     problem = family.at(value)
-    shape = (len(problem.layout.names), problem.line.cells, problem.line.degree + 1)
+    shape = (len(problem.names), problem.line.cells, problem.line.degree + 1)
     for (a, x), (b, y) in itertools.pairwise(points):
         if (a - value) * (b - value) > 0 or a == b:
             continue
@@ -148,7 +148,7 @@ def states_at(family: Family, branch: Branch, value: float) -> list[Array]:
 def _row(family: Family, p: float, x: Array) -> dict[str, float]:
     """Return the value and what leaves at a point of a branch."""
     problem = family.at(p)
-    u = x.reshape(len(problem.layout.names), problem.line.cells, -1)
+    u = x.reshape(len(problem.names), problem.line.cells, -1)
     unit = schema.unit(schema.of(type(problem.scene)), parse_key(family.key)) or "1"
     end = ends(problem)[0]
     state = values_at(problem, u, problem.line.vertices[[0, -1]])

@@ -273,14 +273,8 @@ def heat_fits_the_bed(heat: s.Heat | None, wall: s.Wall | None, section: s.Secti
         yield ("wall", "coefficient"), f"{text}, or give the coefficient to the mean temperature as a number"
 
 
-def sections_can_be_resolved(
-    section: s.Section | None,
-    wall: s.Wall | None,
-    heat: s.Heat | None,
-    continuation: s.Continuation | None,
-    see: See,
-) -> Mistakes:
-    """Check that a section has a size and something that passes across it, and that rings know what the bed does."""
+def sections_can_be_resolved(section: s.Section | None, wall: s.Wall | None, heat: s.Heat | None) -> Mistakes:
+    """Check that a section has a size and something that passes across it."""
     if section is None:
         return
     if wall is None:
@@ -292,8 +286,6 @@ def sections_can_be_resolved(
             "no heat passes between the rings; give conductivity_fluid, conductivity_solid or dispersion [W/m/K], such "
             'as dispersion = "vdi"; or remove [section] for a bed without differences across it',
         )
-    if continuation is not None:
-        yield ("section",), f"is not resolved along a branch; remove it, or the table {see('continuation')}"
 
 
 def closures_exist(

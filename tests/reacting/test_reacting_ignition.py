@@ -51,3 +51,37 @@ def test_a_bed_without_fold_has_one_state():
     result = contbed.run(from_dict(scene))
     assert not [key for key in result.qoi if key.startswith("fold")]
     assert result.qoi["steady_states_found"] == 1
+
+
+def in_a_section(scene, rings, **wall):
+    """The bed with a wall, across which heat passes easily."""
+    scene["wall"] = {"diameter": 0.1} | wall
+    if rings:
+        scene["section"] = {"rings": rings, "conductivity_solid": 1e3, "mass_dispersion": 1e-2}
+    return scene
+
+
+def test_folds_of_rings_alike_are_those_of_the_bed():
+    """Without heat through the wall the branch of the section is that of the table."""
+    bed = (5.0, 5.0, 10.0, 20.0)
+    (on,), (off,), _ = (rows_of(bed, kind) for kind in ("ignition", "extinction", "state"))
+    scene = in_a_section(ignition(*bed, Da=0.5 * off["Da"]), 2, flux=0.0)
+    scene["continuation"] = {"parameter": "reactions.r.factor", "to": 2.0 * on["Da"]}
+    scene["mesh"]["cells"] = CELLS
+    result = contbed.run(from_dict(scene))
+    assert result.qoi["fold_1"] == pytest.approx(on["Da"], rel=1e-7)
+    assert result.qoi["fold_2"] == pytest.approx(off["Da"], rel=1e-6)
+
+
+@pytest.mark.slow
+def test_fold_of_a_cooled_section_comes_to_that_of_one_dimension():
+    """Wide conduction across: R/(4 K_r) beside 1/h_w = 0.2 is 1e-5 of 0.2 m2 K/W, and so is the change of the fold."""
+    folds = []
+    for rings in (0, 2):
+        scene = in_a_section(ignition(5.0, 5.0, 10.0, 20.0, Da=0.02), rings, coefficient=5.0, ambient=600.0)
+        scene["continuation"] = {"parameter": "reactions.r.factor", "to": 2.0}
+        scene["mesh"]["cells"] = CELLS
+        folds.append(contbed.run(from_dict(scene)).qoi["fold_1"])
+    adiabatic = rows_of((5.0, 5.0, 10.0, 20.0), "ignition")[0]["Da"]
+    assert folds[0] > 1.2 * adiabatic
+    assert folds[1] == pytest.approx(folds[0], rel=1e-4)

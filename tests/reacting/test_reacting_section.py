@@ -384,7 +384,6 @@ def test_plan_tells_whether_one_dimension_is_enough():
             {"section": None, "wall": {"diameter": 0.1, "coefficient": "martin_nilles", "ambient": T_WALL}},
             r"wall\.coefficient.*which one dimension does not have; add \[section\]",
         ),
-        ({"continuation": {"parameter": "flow.velocity", "to": 1.0}}, "is not resolved along a branch"),
         ({"section": {"rings": 4, "conductivity_solid": "zbs"}}, "conductivity_solid"),
     ],
 )
