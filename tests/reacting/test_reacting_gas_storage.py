@@ -69,8 +69,12 @@ def marched(course, steps):
     return u
 
 
-def test_order_two_in_time_with_inlets_that_change():
-    """Composition, temperature and flow rise linearly, the gas is stored, first-order reaction with heat."""
+@pytest.mark.parametrize("rings", [0, pytest.param(2, marks=pytest.mark.slow)])
+def test_order_two_in_time_with_inlets_that_change(rings):
+    """Composition, temperature and flow rise linearly, the gas is stored, first-order reaction with heat.
+
+    With rings the wall becomes hotter as well, and gas and heat pass across.
+    """
     scene, _ = heated(4.0)
     mass, cp, end = 0.028, 30.0, 0.5
     scene["fluid"]["species"]["B"] = {
@@ -86,12 +90,22 @@ def test_order_two_in_time_with_inlets_that_change():
     scene["solid"] = {"density": 2.0, "heat_capacity": 800.0}  # as light as the gas, so that all fields change
     scene["mesh"]["cells"] = 6
     scene["time"] = {"end": end, "initial_temperature": 300.0, "gas": "stored"}
+    if rings:
+        hotter = {"times": [0.0, end], "values": [300.0, 500.0]}
+        scene["wall"] = {"diameter": 0.05, "coefficient": 20.0, "ambient": hotter}
+        scene["section"] = {
+            "rings": rings,
+            "conductivity_fluid": 0.2,
+            "conductivity_solid": 0.5,
+            "mass_dispersion": 1e-3,
+        }
     course = course_of(scene)
     sizes = course.problem.sizes[:, None, None]
     coarse, middle, fine = (marched(course, steps) / sizes for steps in (40, 80, 160))
-    for k, name in enumerate(course.problem.layout.names):
+    for k, name in enumerate(course.problem.names):
         ratio = np.abs(coarse[k] - middle[k]).max() / np.abs(middle[k] - fine[k]).max()
-        assert 3.8 < ratio < 4.3, (name, ratio)  # 4 for order 2; 3.97 to 4.18 are found
+        # 4 for order 2; 3.97 to 4.18 are found, to 4.34 with rings, which comes to 4.18 with twice the steps
+        assert 3.8 < ratio < 4.4, (name, ratio)
 
 
 def test_heat_of_the_gas_delays_the_front():

@@ -17,6 +17,7 @@ from contbed.loading import from_dict
 from contbed.reacting_bed.across import across
 from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.plan import plan
+from contbed.reacting_bed.solve import Report, march
 
 CP, U, RADIUS, T_WALL, K = 30.0, 0.5, 0.05, 800.0, 2.0
 POROSITY, DENSITY, C_SOLID = 0.4, 2000.0, 1000.0
@@ -187,6 +188,16 @@ def test_order_along(degree):
         wrong = v - best.line.at(u, line.points.ravel()).reshape(v.shape)
         found.append(np.sqrt(np.einsum("ecj,j,c->e", wrong**2, line.weights, line.h)))
     assert np.all(np.log2(found[0] / found[1]) > degree + 0.75)
+
+
+def test_steps_in_time_come_to_the_steady_state():
+    """From what enters, by steps of growing length: the state that Newton's method finds at once."""
+    scene = heated(3, reacts=400.0)
+    scene["section"]["mass_dispersion"] = 1e-4
+    problem, u = solved(scene).solved
+    _, found = march(problem, problem.start(), Report())
+    assert np.abs((found - u) / problem.sizes[:, None, None]).max() < 1e-8
+    assert np.abs((problem.start() - u) / problem.sizes[:, None, None]).max() > 0.1
 
 
 def test_wide_dispersion_is_one_dimension():
