@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +16,7 @@ from contbed.result import Result, outside
 from contbed.scene.identity import identity
 from contbed.scene.inputs import all_inputs
 from contbed.scene.tables import SceneBase
+from contbed.solvers.cost import expected_time
 from contbed.threads import using
 
 if TYPE_CHECKING:
@@ -122,13 +125,34 @@ def _found(
     return result, failure
 
 
+def _clock(plan: Any, quiet: bool) -> AbstractContextManager[None]:
+    """Return what shows the time that passes, for a run that tells nothing of its way."""
+    if quiet:
+        return nullcontext()
+    from contbed.output.progress import waiting
+
+    return waiting(_expected(plan))
+
+
+def _expected(plan: Any) -> float:
+    """Return the time that a run on a mesh without steps is expected to take [s]; 0 for others, which tell their way.
+
+    It is not known where errors choose the mesh, nor on ranks.
+    """
+    if plan.mesh is None or plan.steps or models.model_of(plan.scene).searches:
+        return 0.0
+    if getattr(plan, "balanced", False) or getattr(plan.mesh, "engine", "skfem") != "skfem":
+        return math.nan
+    return expected_time(plan.unknowns(), plan.policy)
+
+
 def _solve(
     scene: SceneBase, result: Result, folder: Path | None, quiet: bool, checkpoint: tuple[Any, Any] | None
 ) -> BaseException | None:
     """Fill the result; what stopped the run is returned, and stands in the result."""
     try:
         solve = models.model_of(scene).find("run", "run")
-        with quick_start.collecting():
+        with quick_start.collecting(), _clock(result.plan, quiet):
             solve(result.plan, result, folder, quiet, checkpoint)
         _verdict(scene, result)
     except (Exception, KeyboardInterrupt) as caught:

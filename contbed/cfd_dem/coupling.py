@@ -32,7 +32,6 @@ from contbed.dem import heat
 from contbed.dem.simulation import Simulation
 from contbed.errors import SceneError
 from contbed.interrupts import deferred_interrupt
-from contbed.output.progress import Progress
 
 Array = NDArray[np.float64]
 
@@ -95,9 +94,11 @@ class Bed:
         duration: float,
         interval: float | None = None,
         on_interval: Callable[[Bed], Any] | None = None,
-        quiet: bool = True,
+        reached: Callable[[float], None] | None = None,
     ) -> None:
         """Advance by `duration` [s]; `on_interval` is called each time that `interval` [s] has passed.
+
+        `reached` is told the time [s] after each step of the gas.
 
         Raises
         ------
@@ -105,14 +106,14 @@ class Bed:
         """
         end, start = self.time + duration, self.time
         next_call = start + (interval or duration)
-        with Progress(duration, "s", quiet=quiet) as progress:
-            while self.time < end * (1.0 - 1e-12):
-                self._advance(min(end, next_call) - self.time)
-                progress.advance_to(self.time - start)
-                if self.time >= next_call * (1.0 - 1e-12):
-                    next_call += interval or duration
-                    if on_interval is not None:
-                        on_interval(self)
+        while self.time < end * (1.0 - 1e-12):
+            self._advance(min(end, next_call) - self.time)
+            if reached is not None:
+                reached(self.time)
+            if self.time >= next_call * (1.0 - 1e-12):
+                next_call += interval or duration
+                if on_interval is not None:
+                    on_interval(self)
 
     def mass_balance(self) -> dict[str, float]:
         """Return the gas [kg] since the first step: stored, in and out."""
@@ -170,7 +171,7 @@ class Bed:
         dt = steps * simulation.time_step if self.moving else allowed
         if self.moving:
             simulation.force[:] = self.force
-            simulation.run(steps, steps)
+            simulation.advance(steps)
         self.time += dt
         self.above += int((simulation.position[:, 2] > self._top).sum())
         self.force, self.received = gas.step(dt, self.motion)

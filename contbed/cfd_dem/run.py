@@ -20,6 +20,7 @@ from contbed.cfd_dem.probes import probes_of
 from contbed.cfd_dem.results import fill
 from contbed.cfd_dem.scene import GasScene
 from contbed.dem import extract
+from contbed.output.progress import Progress
 from contbed.result import Result, timed
 from contbed.scene.tables import FluidConstant
 
@@ -122,13 +123,14 @@ def _march(scene: GasScene, bed: Bed, history: History, quiet: bool, save: Calla
     stops = np.arange(1, round(time.end / time.sample) + 1) * time.sample
     if jet is not None and jet.end is not None:
         stops = np.union1d(stops, jet.end)
-    for stop in stops[stops > bed.time * (1.0 + 1e-9)]:
-        bed.run(stop - bed.time, quiet=quiet)
-        _open_inlet(scene, bed)
-        if bed.time >= time.average_from * (1.0 - 1e-9):
-            history.average(bed)
-        history.record(bed)
-        save()
+    with Progress(time.end, "s", quiet) as progress:
+        for stop in stops[stops > bed.time * (1.0 + 1e-9)]:
+            bed.run(stop - bed.time, reached=progress.advance_to)
+            _open_inlet(scene, bed)
+            if bed.time >= time.average_from * (1.0 - 1e-9):
+                history.average(bed)
+            history.record(bed)
+            save()
 
 
 def _save(scene: GasScene, bed: Bed, history: History, folder: Path | None, keeper: Keeper) -> None:

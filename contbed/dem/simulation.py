@@ -157,7 +157,7 @@ class Simulation:
         with Progress(steps * self.time_step, "s", quiet=quiet) as progress:
             done = 0
             while done < steps:
-                self._advance(min(interval, steps - done))
+                self.advance(min(interval, steps - done))
                 done += min(interval, steps - done)
                 progress.advance_to(done * self.time_step)
                 if on_interval is not None and on_interval(self):
@@ -221,8 +221,8 @@ class Simulation:
         with np.errstate(invalid="ignore", divide="ignore"):
             return i, j, gap, apart / distance[:, None]
 
-    def _advance(self, steps: int) -> None:
-        """Advance by the steps of one interval; if it fails, the simulation is back at its start."""
+    def advance(self, steps: int) -> None:
+        """Advance by the steps of one interval, without a bar; if it fails, the simulation is back at its start."""
         with deferred_interrupt():
             before, now = self._memory.read(), (self._moved, self._stale, self.steps_done)
             start = {name: getattr(self, name).copy() for name in ("position", "velocity", "spin", "T")}

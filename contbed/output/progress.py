@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,6 +12,8 @@ from types import TracebackType
 from typing import Any, ClassVar
 
 INTERVAL = 0.1  # s between redraws
+WAITING = 0.5  # s between redraws of what only the clock tells
+SHORTEST = 2.0  # s of a run that has a bar
 
 
 class Progress:
@@ -75,3 +79,44 @@ class Progress:
         self._drawn = now
         text = f"{value:.4g} of {self.total:.4g} {self.unit}" + (f", {note}" if note else "")
         self._bar.update(0, completed=value, description=text, refresh=True)
+
+
+@contextmanager
+def waiting(expected: float) -> Iterator[None]:
+    """Bar of a block that tells nothing of its way: the time that has passed, of that expected.
+
+    Parameters
+    ----------
+    expected : time of the block [s], of a short one nothing is shown; nan if it is not known
+    """
+    if expected < SHORTEST or sys.stderr is None or not sys.stderr.isatty():
+        yield
+        return
+    ended = threading.Event()
+    drawing = threading.Thread(target=_draw, args=(expected, ended), daemon=True)
+    drawing.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        drawing.join()
+
+
+def _draw(expected: float, ended: threading.Event) -> None:
+    start = time.monotonic()
+    if ended.wait(SHORTEST):
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    known = math.isfinite(expected)
+    columns = (BarColumn(), TextColumn("{task.description}", markup=False))
+    with Bar(*columns, console=Console(stderr=True), auto_refresh=False, transient=True) as bar:
+        task = bar.add_task("", total=expected if known else None)
+        while True:
+            passed = time.monotonic() - start
+            text = f"{passed:.0f} s" + (f" of about {expected:.0f} s" if known else "")
+            bar.update(task, completed=min(passed, expected) if known else 0.0, description=text, refresh=True)
+            if ended.wait(WAITING):
+                return

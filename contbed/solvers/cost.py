@@ -47,6 +47,15 @@ RATES = {
 }
 
 
+def expected_time(unknowns: dict[str, int], policy: Policy) -> float:
+    """Return the processor time [s] of a steady scene on scikit-fem."""
+    return _rate(policy).time(sum(unknowns.values()))
+
+
+def _rate(policy: Policy) -> Rate:
+    return RATES["multigrid" if policy.multigrid and policy.dimension == 3 else "skfem", policy.dimension]
+
+
 def advice(unknowns: dict[str, int], policy: Policy, run: str = "a steady scene") -> str:
     """Say which engine suits a scene with these unknowns of its parts, and what the scene costs there.
 
@@ -56,8 +65,7 @@ def advice(unknowns: dict[str, int], policy: Policy, run: str = "a steady scene"
     bring the time below `LONG_RUN`.
     """
     size, largest = sum(unknowns.values()), max(unknowns.values())
-    here = "multigrid" if policy.multigrid and policy.dimension == 3 else "skfem"
-    one, other = RATES[here, policy.dimension], RATES["dolfinx", policy.dimension]
+    one, other = _rate(policy), RATES["dolfinx", policy.dimension]
     need = policy.predicted_GB(largest)
     limit = policy.limit_GB if policy.limit_GB is not None else 0.6 * free_memory_GB()
     there = f"about {_time(other.time(size))} of processor and {other.memory_GB(size):.2g} GB"

@@ -1,5 +1,7 @@
 """Probes of beds with gas: interpolation, columns of profiles, points outside of the box; beds settled deep."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from contbed.dem.particles import Particles
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.materials.constant import ConstantFluid
+from contbed.output.progress import Progress
 
 SCENE = """
 particles = { count = 60, radius = "1 mm", width = ["8 mm", "8 mm"], density = 2500.0, conductivity = 0.84, \
@@ -81,3 +84,17 @@ def test_overlaps_of_a_file_are_judged_by_the_stiffness():
         for radius in (1e-3, 4e-3):
             beads = Particles([[0.0, 0.0, 0.0]], radius)
             assert _largest_overlap(table, beads) == pytest.approx(expected, rel=1e-3)
+
+
+def test_one_bar_shows_the_whole_run():
+    """Time that is left follows from one pace, not from that of each sample."""
+    seen = []
+    changes = {"time.end": "0.02 s", "time.average_from": "0.01 s", "time.fields": "0.02 s"}
+    scene = cb.load(Path(cb.__file__).parent / "cfd_dem" / "template.toml", changes)
+    with Progress.watched(lambda bar, value: seen.append((bar, value))):
+        cb.run(scene)
+    whole = [(bar, value) for bar, value in seen if bar.total == 0.02]  # others settle the packing before
+    values = [value for _, value in whole]
+    assert len({id(bar) for bar, _ in whole}) == 1 and seen[-1][0] is whole[-1][0]
+    assert seen.index(whole[0]) == len(seen) - len(whole)  # none in between
+    assert values == sorted(values) and values[-1] == pytest.approx(0.02, rel=1e-3)

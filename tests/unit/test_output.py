@@ -24,7 +24,7 @@ from contbed import fields
 from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.fem.elements import Space
 from contbed.loading import loads
-from contbed.output import checkpoint, plots, summary
+from contbed.output import checkpoint, plots, progress, summary
 from contbed.output.files import atomic
 from contbed.output.progress import Progress
 from contbed.output.tables import read_table, write_table
@@ -568,13 +568,35 @@ class FakeTerminal(io.StringIO):
 def test_progress_is_silent_in_a_pipe(monkeypatch):
     stream = io.StringIO()
     monkeypatch.setattr(sys, "stderr", stream)
-    with Progress(1.0, "s") as progress:
-        progress.advance_to(0.5, "note")
+    with Progress(1.0, "s") as bar:
+        bar.advance_to(0.5, "note")
     terminal = FakeTerminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    with Progress(1.0, "s", quiet=True) as progress:
-        progress.advance_to(0.5)
+    with Progress(1.0, "s", quiet=True) as bar:
+        bar.advance_to(0.5)
     assert stream.getvalue() == terminal.getvalue() == ""
+
+
+def test_the_clock_is_shown_where_a_run_tells_nothing(monkeypatch):
+    """From SHORTEST on; not for a run that is expected to be shorter, nor for one that ends before, nor in a pipe."""
+    monkeypatch.setattr(progress, "SHORTEST", 0.05)
+    monkeypatch.setattr(progress, "WAITING", 0.01)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "120")
+    shown = []
+    for expected, seconds, stream in (
+        (40.0, 0.2, FakeTerminal()),
+        (math.nan, 0.2, FakeTerminal()),
+        (0.04, 0.2, FakeTerminal()),
+        (40.0, 0.0, FakeTerminal()),
+        (40.0, 0.2, io.StringIO()),
+    ):
+        monkeypatch.setattr(sys, "stderr", stream)
+        with progress.waiting(expected):
+            time.sleep(seconds)
+        shown.append(stream.getvalue())
+    assert "0 s of about 40 s" in shown[0] and "0 s" in shown[1] and "of about" not in shown[1]
+    assert shown[2:] == ["", "", ""]
 
 
 def test_progress_on_a_terminal(monkeypatch):
@@ -582,10 +604,10 @@ def test_progress_on_a_terminal(monkeypatch):
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "120")
-    with Progress(2.0, "s") as progress:
+    with Progress(2.0, "s") as bar:
         for k in range(1, 1001):
-            progress.advance_to(0.001 * k, "step [1] s")
-        progress.advance_to(2.0, "done")
+            bar.advance_to(0.001 * k, "step [1] s")
+        bar.advance_to(2.0, "done")
     text = terminal.getvalue()
     assert "step [1] s" in text and "2 of 2 s, done" in text and "100 %" in text
     assert text.count("step [1] s") < 100
