@@ -135,13 +135,13 @@ def _clock(plan: Any, quiet: bool) -> AbstractContextManager[None]:
 
 
 def _expected(plan: Any) -> float:
-    """Return the time that a run on a mesh without steps is expected to take [s]; 0 for others, which tell their way.
+    """Return the time that a run without steps is expected to take [s]; 0 for others, which tell their way.
 
-    It is not known where errors choose the mesh, nor on ranks.
+    It is known for a mesh that is given, on one process.
     """
-    if plan.mesh is None or plan.steps or models.model_of(plan.scene).searches:
+    if plan.steps or models.model_of(plan.scene).searches:
         return 0.0
-    if getattr(plan, "balanced", False) or getattr(plan.mesh, "engine", "skfem") != "skfem":
+    if plan.mesh is None or getattr(plan, "balanced", False) or getattr(plan.mesh, "engine", "skfem") != "skfem":
         return math.nan
     return expected_time(plan.unknowns(), plan.policy)
 

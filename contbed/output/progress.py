@@ -24,6 +24,7 @@ class Progress:
     """
 
     _watcher: ClassVar[Callable[[Progress, float], None] | None] = None
+    shown: ClassVar[bool] = False  # whether a bar is on the terminal, beside which the clock has no place
 
     def __init__(self, total: float, unit: str = "s", quiet: bool = False):
         self.total, self.unit = total, unit
@@ -48,6 +49,7 @@ class Progress:
             )
             self._bar.start()
             self._bar.add_task("", total=self.total)
+            Progress.shown = True
         return self
 
     def __exit__(
@@ -56,6 +58,7 @@ class Progress:
         if self._bar is not None:
             self._bar.stop()
             self._bar = None
+            Progress.shown = False
 
     @classmethod
     @contextmanager
@@ -83,7 +86,7 @@ class Progress:
 
 @contextmanager
 def waiting(expected: float) -> Iterator[None]:
-    """Bar of a block that tells nothing of its way: the time that has passed, of that expected.
+    """Bar of a block that tells nothing of its way: the time that has passed, of that expected; until it has its own.
 
     Parameters
     ----------
@@ -104,7 +107,7 @@ def waiting(expected: float) -> Iterator[None]:
 
 def _draw(expected: float, ended: threading.Event) -> None:
     start = time.monotonic()
-    if ended.wait(SHORTEST):
+    if ended.wait(SHORTEST) or Progress.shown:
         return
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn
@@ -118,5 +121,5 @@ def _draw(expected: float, ended: threading.Event) -> None:
             passed = time.monotonic() - start
             text = f"{passed:.0f} s" + (f" of about {expected:.0f} s" if known else "")
             bar.update(task, completed=min(passed, expected) if known else 0.0, description=text, refresh=True)
-            if ended.wait(WAITING):
+            if ended.wait(WAITING) or Progress.shown:
                 return

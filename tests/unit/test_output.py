@@ -597,6 +597,12 @@ def test_the_clock_is_shown_where_a_run_tells_nothing(monkeypatch):
         shown.append(stream.getvalue())
     assert "0 s of about 40 s" in shown[0] and "0 s" in shown[1] and "of about" not in shown[1]
     assert shown[2:] == ["", "", ""]
+    terminal = FakeTerminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with progress.waiting(40.0), Progress(1.0) as bar:
+        bar.advance_to(0.5, "its own")
+        time.sleep(0.2)
+    assert "its own" in terminal.getvalue() and "of about" not in terminal.getvalue()
 
 
 def test_progress_on_a_terminal(monkeypatch):
