@@ -95,6 +95,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1), help="mutants at a time")
     given = parser.parse_args(arguments)
     chosen = [m for m in read() if not given.texts or any(text in m.file or text in m.test for text in given.texts)]
+    if not chosen:
+        parser.error(f"no mutant whose file or test contains {', '.join(given.texts)}")
     start = time.perf_counter()
     code, output = result_of(sorted({mutant.test for mutant in chosen}))
     if code != PASSED:

@@ -12,7 +12,7 @@ from contbed.fields import FIELDS
 
 # Okabe and Ito's colours, told apart with any colour vision
 BLUE, VERMILION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
-PURPLE, SKY, BLACK, GREY = "#CC79A7", "#56B4E9", "#222222", "#999999"
+PURPLE, SKY, BLACK, GREY, YELLOW = "#CC79A7", "#56B4E9", "#222222", "#999999", "#F0E442"
 PALETTE = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK)
 PANEL = (4.2, 3.9)  # width and height of a panel [inches]
 DPI = 150

@@ -1,4 +1,4 @@
-"""From packings of particles to the outlet of two beds, with a band and what makes it."""
+"""From packings of particles to the outlet of three beds, with a band and what makes it."""
 
 from __future__ import annotations
 
@@ -17,16 +17,26 @@ from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
 HERE = Path(__file__).parent
-BEDS = ("heated_wall", "moving_bed")
+BEDS = ("heated_wall", "moving_bed", "bubbling_bed")
 NOT_COMPARED = ("CPU [s]",)
+INPUTS = {
+    "solid.conductivity": "conductivity",
+    "bed.particle_diameter": "diameter",
+    "species.char.diameter": "diameter",
+    "species.sand.diameter": "diameter",
+    "flow.velocity": "velocity or mass flow",
+    "gas.mass_flow": "velocity or mass flow",
+    "tubes.coefficient": "coefficient of the tubes",
+}
 COLOURS = {
     "packing": gallery.BLUE,
     "fit": gallery.BLACK,
     "law of conduction": gallery.VERMILION,
     "law of exchange": gallery.ORANGE,
-    "solid.conductivity": gallery.GREEN,
-    "bed.particle_diameter": gallery.SKY,
-    "flow.velocity": gallery.PURPLE,
+    "conductivity": gallery.GREEN,
+    "diameter": gallery.SKY,
+    "velocity or mass flow": gallery.PURPLE,
+    "coefficient of the tubes": gallery.YELLOW,
     "mesh": gallery.GREY,
 }
 
@@ -41,7 +51,7 @@ def reference() -> dict[str, float]:
 
 
 def compute() -> Tables:
-    """Run both cascades: their results with bands, and the parts of these."""
+    """Run the cascades: their results with bands, and the parts of these."""
     found, cpu = {}, {}
     for bed in BEDS:
         with tempfile.TemporaryDirectory() as folder:
@@ -66,6 +76,11 @@ def tables_of(found: Mapping[str, Outcome], cpu: Mapping[str, float]) -> Tables:
     return {"results": Table(columns, results), "parts": Table(of_parts, parts)}
 
 
+def shown(part: str) -> str:
+    """Return what a part is called in the picture, where inputs of one kind share a colour."""
+    return INPUTS.get(part, part)
+
+
 def plot(tables: Tables) -> dict[str, Any]:
     """Share of each part in the variance of each result."""
     table = tables["parts"]
@@ -74,7 +89,7 @@ def plot(tables: Tables) -> dict[str, Any]:
     left = np.zeros(len(rows))
     for part, colour in COLOURS.items():
         shares = [
-            sum(float(r["share"]) for r in table if (r["bed"], r["result"], r["part"]) == (bed, name, part))
+            sum(float(r["share"]) for r in table.where({"bed": bed, "result": name}) if shown(r["part"]) == part)
             for bed, name in rows
         ]
         axes.barh(range(len(rows)), shares, left=left, color=colour, label=part)

@@ -29,6 +29,7 @@ from contbed.dem import extract
 from contbed.design.cascade import measured
 from contbed.design.cascade.file import AT_PARTICLE, Cascade
 from contbed.design.cascade.particles import DEGREE, Ensemble
+from contbed.design.cascade.reactor import CONDUCTIVITY, NUSSELT
 from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.loading import load
 from contbed.scene.identity import scene_hash
@@ -44,7 +45,6 @@ BAND = 0.90  # of the probability
 PACKING = "packing"  # column of the number of a packing
 FIT_SAMPLES = 12  # runs for the part of the fit
 TIGHTER = 0.1  # factor of the tolerance of an automatic mesh for the part of the mesh
-CONDUCTIVITY, NUSSELT = "heat.conductivity_solid", "heat.nusselt"
 # Wakao and Funazkri's exponents; only the range that the first run visits is taken from it
 FIRST_NUSSELT = {"base": 2.0, "a": 1.1, "b": 0.6, "c": 1.0 / 3.0}
 FIRST_DEGREE = 5  # of Zehner and Schluender's conductivity as a polynomial of logarithms, for the same purpose
@@ -73,7 +73,7 @@ class Runs:
     outside: set[str] = field(default_factory=set)
 
     def results(self, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]) -> dict[str, float] | None:
-        """Return the results asked for with fitted closures by their key of the scene; None if the run failed."""
+        """Return the results asked for with fitted closures by their kind; None if the run failed."""
         folder = self.run(fits, changes)
         if folder is None:
             return None
@@ -104,9 +104,10 @@ class Runs:
 
     def run(self, fits: Mapping[str, extract.Fit], changes: Mapping[str, Any]) -> Path | None:
         """Run the scene, or find its run; return its folder, or None if it failed."""
-        files = {key: {"file": str(self._written(fit))} for key, fit in fits.items()}
-        output: dict[str, Any] = {"output.plots": False, "output.fields": False}
         cascade = self.cascade
+        places = cascade.reactor.places
+        files = {key: {"file": str(self._written(fit))} for kind, fit in fits.items() for key in places[kind]}
+        output: dict[str, Any] = {"output.plots": False, "output.fields": False}
         if cascade.measured is not None:
             output |= measured.outputs(cascade.measured)
         values = {**output, **files, **changes}
@@ -136,7 +137,7 @@ class Runs:
 def visited(runs: Runs) -> dict[str, Range]:
     """Return the ranges of k_solid/k_fluid, Re and Pr that the bed visits with closures of the literature."""
     cascade = runs.cascade
-    eps = cascade.scene.bed.porosity
+    eps = cascade.reactor.porosity
     fits: dict[str, extract.Fit] = {}
     if cascade.settings.laws.conduction:
         ratios = np.geomspace(*WIDEST["k_solid/k_fluid"], 25)
@@ -151,12 +152,12 @@ def visited(runs: Runs) -> dict[str, Range]:
     if folder is None:
         raise ConvergenceError(f"{cascade.scene_file}: the first run failed: {runs.failed[-1]}")
     summary = runs.summary(folder)
-    return {
-        name: (float(use["used"][0]), float(use["used"][1]))
-        for closure in summary["closures"]
-        if closure["name"].endswith(".toml")
-        for name, use in closure["ranges"].items()
-    }
+    found: dict[str, Range] = {}
+    for closure in summary["closures"]:
+        for name, use in closure["ranges"].items() if closure["name"].endswith(".toml") else ():
+            low, high = found.get(name, (np.inf, -np.inf))  # species of a bubbling bed have a range each
+            found[name] = min(low, float(use["used"][0])), max(high, float(use["used"][1]))
+    return found
 
 
 @dataclass(frozen=True)
@@ -173,7 +174,7 @@ class Fits:
         return max(1, len(laws.conduction)), max(1, len(laws.exchange))
 
     def of(self, beds: list[int], conduction: int = 0, exchange: int = 0) -> dict[str, extract.Fit]:
-        """Return the fits by their key of the scene."""
+        """Return the fits by their kind."""
         laws, found = self.ensemble.cascade.settings.laws, {}
         if laws.conduction:
             ratios = self.ranges[extract.RATIO]
@@ -209,9 +210,9 @@ def parts_of(runs: Runs, fits: Fits, base: Mapping[str, float]) -> list[Part]:
     ContbedError : so many runs failed that a part has none
     """
     beds, porosity = list(range(len(fits.ensemble.beds))), float(fits.ensemble.porosities.mean())
-    best, laws = fits.of(beds), fits.choices
-    at = {"bed.porosity": porosity}
-    single = [runs.results(fits.of([bed]), {"bed.porosity": float(fits.ensemble.porosities[bed])}) for bed in beds]
+    best, laws, given = fits.of(beds), fits.choices, runs.cascade.reactor.at
+    at = given(porosity)
+    single = [runs.results(fits.of([bed]), given(float(fits.ensemble.porosities[bed]))) for bed in beds]
     found = [_spread("packing", single, 1)]
     found.append(_spread("fit", [runs.results(one, at) for one in drawn(best, FIT_SAMPLES, seed=0)], 1))
     if laws[0] > 1:
@@ -221,7 +222,7 @@ def parts_of(runs: Runs, fits: Fits, base: Mapping[str, float]) -> list[Part]:
         results = [runs.results(fits.of(beds, exchange=k), at) for k in range(laws[1])]
         found.append(_spread("law of exchange", results, 0))
     for key, value, uncertainty in runs.cascade.uncertain:
-        middle = porosity if key == "bed.porosity" else value
+        middle = at.get(key, value)
         ends = [runs.results(best, at | {key: middle + sign * uncertainty}) for sign in (-1.0, 1.0)]
         found.append(_spread(key, ends, 0))
     found.append(_spread("mesh", [base, _on_finer_mesh(runs, best, at)], 0, scale=2.0))
@@ -259,9 +260,9 @@ def sampled(runs: Runs, fits: Fits) -> tuple[dict[str, Array], dict[str, list[An
         bed = int(random.integers(len(fits.ensemble.beds)))
         chosen = [int(random.integers(count)) for count in laws]
         one = drawn(fits.of([bed], *chosen), 1, seed=int(random.integers(2**31)))[0]
-        changes = {"bed.porosity": float(fits.ensemble.porosities[bed])}
+        changes = cascade.reactor.at(float(fits.ensemble.porosities[bed]))
         for key, value, uncertainty in cascade.uncertain:
-            middle = changes["bed.porosity"] if key == "bed.porosity" else value
+            middle = changes.get(key, value)
             changes[key] = float(middle + uncertainty * random.standard_normal())
         results = _or_failed(runs, one, changes)
         if results is not None:

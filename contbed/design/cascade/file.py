@@ -1,4 +1,4 @@
-"""A cascade file: the scene of a packed or moving bed whose closures come from packings of particles.
+"""A cascade file: the scene of a packed, moving or bubbling bed whose closures come from packings of particles.
 
     title = "From pebbles to the outlet of a heater"
     scene = "heater.toml"
@@ -19,8 +19,9 @@
     [uncertain]                              # standard uncertainty of numbers of the scene, in SI or as a share
     solid.conductivity = "10 %"
 
-`laws.conduction` gives heat.conductivity_solid, `laws.exchange` gives heat.nusselt; what is absent stays as the scene
-has it, and the particles are not asked for it. The scene gets the porosity of the packings.
+`laws.conduction` gives heat.conductivity_solid, `laws.exchange` gives heat.nusselt; of a bubbling bed they give
+bubbling_bed.conductivity and the gas_coefficient of each species. What is absent stays as the scene has it, and the
+particles are not asked for it. The scene gets the porosity of the packings.
 """
 
 from __future__ import annotations
@@ -33,8 +34,10 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Discriminator, Field
 
 from contbed import fields
+from contbed.bubbling_bed.scene import BubblingScene
 from contbed.closures.binding import bind
 from contbed.dem.heat import VORONOI
+from contbed.design.cascade.reactor import Reactor, reactor, why_not
 from contbed.errors import SceneError
 from contbed.loading import load, table_of
 from contbed.packed_bed.scene import Scene
@@ -70,7 +73,7 @@ class Laws(Table):
     """Laws of one particle, equally probable where there are several."""
 
     conduction: tuple[Literal["cones", "columns", "spreading"], ...] = Field(
-        (), description="paths of heat between two particles, for heat.conductivity_solid"
+        (), description="paths of heat between two particles, for the conductivity of the bed at rest"
     )
     exchange: tuple[Law, ...] = Field((), description="Nusselt numbers of a particle in its surroundings")
 
@@ -94,12 +97,14 @@ class Settings(Table):
 class Cascade:
     """What a cascade file asks for; `uncertain` holds key, value and standard uncertainty in SI.
 
+    `reactor` : what the packings give the scene
     `measured` : the bed whose measured points are compared; None if there is none
     """
 
     path: Path
     settings: Settings
-    scene: Scene
+    scene: Scene | BubblingScene
+    reactor: Reactor
     uncertain: tuple[tuple[str, float, float], ...]
     measured: Case | None
     trust: bool
@@ -113,7 +118,7 @@ class Cascade:
     @property
     def diameter(self) -> float:
         """Sauter mean diameter of the spheres of the packings [m]."""
-        return self.settings.packings.diameter or self.scene.bed.particle_diameter
+        return self.settings.packings.diameter or self.reactor.diameter
 
 
 def read_cascade(path: str | Path, trust: bool = False, allow_large: bool = False) -> Cascade:
@@ -132,11 +137,12 @@ def read_cascade(path: str | Path, trust: bool = False, allow_large: bool = Fals
     problems = list(_mistakes(settings, scene, origin))
     if problems:
         raise SceneError(problems)
-    assert isinstance(scene, Scene)
+    assert isinstance(scene, Scene | BubblingScene)
     uncertain = tuple(uncertain_numbers(settings.uncertain, scene, origin))
     if problems := list(_impossible(settings, uncertain, origin, {"trust": trust, "allow_large": allow_large})):
         raise SceneError(problems)
-    return Cascade(path, settings, scene, uncertain, _measured(settings, scene, origin), trust, allow_large)
+    measured = _measured(settings, scene, origin)
+    return Cascade(path, settings, scene, reactor(scene), uncertain, measured, trust, allow_large)
 
 
 def _impossible(
@@ -154,7 +160,7 @@ def _impossible(
                 break
 
 
-def _measured(settings: Settings, scene: Scene, origin: Origin) -> Case | None:
+def _measured(settings: Settings, scene: Scene | BubblingScene, origin: Origin) -> Case | None:
     """Return the measured bed.
 
     Raises
@@ -176,11 +182,9 @@ def _measured(settings: Settings, scene: Scene, origin: Origin) -> Case | None:
 
 
 def _mistakes(settings: Settings, scene: Any, origin: Origin) -> Iterator[str]:
-    if not isinstance(scene, Scene) or scene.heat is None:
-        yield f"{origin.at(('scene',))}: scene: a cascade ends in a packed or moving bed with [heat]"
+    if why := why_not(scene):
+        yield f"{origin.at(('scene',))}: scene: {why}"
         return
-    if scene.bed.shape != "spheres":
-        yield f"{origin.at(('scene',))}: scene: the packings are of spheres, but bed.shape is {scene.bed.shape!r}"
     if not settings.laws.conduction and not settings.laws.exchange:
         yield f"{origin.at(('laws',))}: laws: asks nothing of the particles; give conduction, exchange, or both"
     if settings.packings.walls and settings.laws.exchange:

@@ -103,8 +103,7 @@ def ensemble(cascade: Cascade, folder: Path, told: Callable[[], None]) -> Ensemb
 
 
 def _about(cascade: Cascade, number: int) -> dict[str, Any]:
-    assert cascade.scene.solid is not None
-    packings, density = cascade.settings.packings, cascade.scene.solid.density
+    packings, density = cascade.settings.packings, cascade.reactor.density
     return {
         "diameter": cascade.diameter,
         "spread": packings.spread,

@@ -62,7 +62,7 @@ def cascade(
         fits = Fits(ensemble(todo, folder / "particles", tell), ranges)
         porosities = fits.ensemble.porosities
         best = fits.of(list(range(len(porosities))))
-        base = runs.results(best, {"bed.porosity": float(porosities.mean())})
+        base = runs.results(best, todo.reactor.at(float(porosities.mean())))
         if base is None:
             raise ConvergenceError(f"{todo.scene_file}: the run with closures from packings failed: {runs.failed[-1]}")
         parts = parts_of(runs, fits, base)
