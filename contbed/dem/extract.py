@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -70,6 +70,16 @@ class Fit:
                 part["value"] = float(value)
             closures.append(Transferred("sample", content))
         return closures
+
+    def times(self, factor: float) -> Fit:
+        """Return the fit with all of its values multiplied by a factor > 0."""
+        content = json.loads(json.dumps(self.content))
+        if content["form"] == "power":
+            for name in ("base", "a"):
+                content["parameters"][name]["value"] *= factor
+        else:
+            next(term for term in content["terms"] if not any(term["powers"]))["value"] += float(np.log(factor))
+        return replace(self, content=content)
 
     def write(self, path: Path | str, provenance: Mapping[str, Any]) -> None:
         """Write the closure file. The version and a hash of the fitted content are added to `provenance`."""

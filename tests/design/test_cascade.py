@@ -9,6 +9,7 @@ import pytest
 
 from contbed.cli import main
 from contbed.closures.binding import bind
+from contbed.dem import extract
 from contbed.design.cascade import band, measured, particles
 from contbed.design.cascade.run import cascade
 from contbed.design.gradients import gradient
@@ -102,6 +103,51 @@ def test_part_of_the_laws_is_their_scatter(found):
     assert sum(found.shares(NAME).values()) == pytest.approx(1.0)
     low, high = found.band(NAME)
     assert high - low == pytest.approx(2.0 * parts["law of exchange"], rel=0.1)
+
+
+AT_REST = """
+mesh = { type = "line", length = 0.05, cells = 10 }
+fluid = { density = 1.2, heat_capacity = 1005, conductivity = 0.026, viscosity = 1.8e-5 }
+solid = { density = 2500, heat_capacity = 840, conductivity = 0.84 }
+bed = { porosity = 0.4, particle_diameter = "10 mm" }
+flow = { velocity = 0.0 }
+heat = { nusselt = 2.0, conductivity_solid = "zehner_schluender", conductivity_fluid = 0.0 }
+boundary.left.solid.fixed = 400.0
+boundary.right.solid.fixed = 300.0
+"""
+SCATTER = """
+scene = "bed.toml"
+qoi = ["heat_left_W"]
+samples = 100
+packings = { count = 2, particles = 300, width = 5 }
+laws = { conduction = ["cones"], scatter_conduction = "20 %" }
+"""
+
+
+def test_scatter_of_measured_beds_multiplies_the_law(tmp_path):
+    """Heat through a bed at rest is proportional to its conductivity, so that it scatters as that does."""
+    done = cascade(written(tmp_path, SCATTER, AT_REST), tmp_path / "out")
+    parts = {part.name: part.deviation["heat_left_W"] for part in done.parts}
+    best = done.base["heat_left_W"]
+    assert parts["scatter of conduction"] == pytest.approx(best * np.sinh(0.2), rel=1e-9)
+    factors = np.array(done.drawn["laws.scatter_conduction"])
+    scale = done.samples["heat_left_W"] / factors  # what is left is packing and fit
+    assert scale.std() == pytest.approx(np.hypot(parts["packing"], parts["fit"]), rel=0.5)
+    assert scale.std() < 0.02 * best
+    assert np.log(factors).std() == pytest.approx(0.2, rel=0.22)  # three standard errors of 100 draws
+    low, high = done.band("heat_left_W")
+    assert np.log(high / low) == pytest.approx(2 * NormalDist().inv_cdf(0.95) * 0.2, rel=0.3)
+
+
+def test_scatter_multiplies_both_forms_of_closures():
+    Re = np.geomspace(1.0, 100.0, 5)
+    power = extract.fit_power(Re, np.full(5, 0.7), 2.0 + 1.1 * Re**0.6)
+    at = {"Re": 30.0, "Pr": 0.7, "eps": 0.4}
+    assert power.times(1.7).closure()(**at) == pytest.approx(1.7 * power.closure()(**at), rel=1e-14)
+    columns = {extract.RATIO: Re, "eps": np.full(5, 0.4)}
+    fit = extract.fit_log_polynomial("conductivity", columns, Re**0.7, {extract.RATIO: "log"}, (2,))
+    there = {"k_fluid": 0.03, "k_solid": 0.9, "eps": 0.4}
+    assert fit.times(1.7).closure()(**there) == pytest.approx(1.7 * fit.closure()(**there), rel=1e-14)
 
 
 def test_second_command_computes_nothing(found, monkeypatch):
@@ -229,6 +275,16 @@ def test_packings_of_many_sizes_have_the_sauter_mean_of_the_bed(tmp_path):
         ('"5 %"', "nan", "cascade.toml:7: uncertain.solid.conductivity: expected a number > 0 in SI, or a share"),
         ('"5 %"', '"500 %"', "cascade.toml:7: uncertain.solid.conductivity: 4"),
         ('"5 %"', '"500 %"', "reaches what the scene refuses: solid.conductivity = -"),
+        (
+            '"gunn"] }',
+            '"gunn"], scatter_exchange = -0.1 }',
+            "cascade.toml:6: laws.scatter_exchange = -0.1: out of range",
+        ),
+        (
+            'exchange = [{ name = "power", a = 1.2, b = 0.5 }, "gunn"]',
+            "scatter_exchange = 0.1",
+            "cascade.toml:6: laws.scatter_exchange: there is no law of exchange to scatter",
+        ),
         ('"5 %"', '"5"', "cascade.toml:7: uncertain.solid.conductivity: expected a number > 0 in SI, or a share"),
     ],
 )

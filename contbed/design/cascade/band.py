@@ -5,6 +5,7 @@ Parts, each a standard deviation of a result with all else at its best value:
     packing     over the packings, each with its own fit and porosity
     fit         over the joint distribution of the parameters that are fitted to all packings
     laws        over the laws of one particle, equally probable: a choice among models, no more
+    scatter     half the difference of runs with closures a standard deviation of measured beds above and below
     KEY         half the difference of runs one standard uncertainty above and below
     mesh        difference to a finer mesh
 
@@ -221,12 +222,22 @@ def parts_of(runs: Runs, fits: Fits, base: Mapping[str, float]) -> list[Part]:
     if laws[1] > 1:
         results = [runs.results(fits.of(beds, exchange=k), at) for k in range(laws[1])]
         found.append(_spread("law of exchange", results, 0))
+    for kind, (name, scatter) in scatter_of(runs.cascade).items():
+        ends = [runs.results(best | {kind: best[kind].times(np.exp(sign * scatter))}, at) for sign in (-1.0, 1.0)]
+        found.append(_spread(f"scatter of {name}", ends, 0))
     for key, value, uncertainty in runs.cascade.uncertain:
         middle = at.get(key, value)
         ends = [runs.results(best, at | {key: middle + sign * uncertainty}) for sign in (-1.0, 1.0)]
         found.append(_spread(key, ends, 0))
     found.append(_spread("mesh", [base, _on_finer_mesh(runs, best, at)], 0, scale=2.0))
     return found
+
+
+def scatter_of(cascade: Cascade) -> dict[str, tuple[str, float]]:
+    """Return by kind of closure what scatters and the standard deviation of the logarithm of measured values."""
+    laws = cascade.settings.laws
+    there = {CONDUCTIVITY: ("conduction", laws.scatter_conduction), NUSSELT: ("exchange", laws.scatter_exchange)}
+    return {kind: part for kind, part in there.items() if part[1] > 0.0}
 
 
 def _on_finer_mesh(runs: Runs, fits: Mapping[str, extract.Fit], at: Mapping[str, Any]) -> dict[str, float] | None:
@@ -251,7 +262,7 @@ def sampled(runs: Runs, fits: Fits) -> tuple[dict[str, Array], dict[str, list[An
     Returns
     -------
     samples : by result and measured point, (runs,)
-    drawn : number of the packing, names of laws, numbers of the scene in SI, by their names, (runs,)
+    drawn : number of the packing, laws, factors of scatter, numbers of the scene in SI, by their names, (runs,)
     """
     cascade, laws = runs.cascade, fits.choices
     there = []
@@ -264,9 +275,14 @@ def sampled(runs: Runs, fits: Fits) -> tuple[dict[str, Array], dict[str, list[An
         for key, value, uncertainty in cascade.uncertain:
             middle = changes.get(key, value)
             changes[key] = float(middle + uncertainty * random.standard_normal())
+        factors = {}
+        for kind, (name, scatter) in scatter_of(cascade).items():
+            factor = float(np.exp(scatter * random.standard_normal()))
+            one[kind] = one[kind].times(factor)
+            factors[f"laws.scatter_{name}"] = factor
         results = _or_failed(runs, one, changes)
         if results is not None:
-            there.append(({PACKING: bed + 1} | _named(cascade, *chosen) | changes, results))
+            there.append(({PACKING: bed + 1} | _named(cascade, *chosen) | factors | changes, results))
     if len(there) < 2:
         count = cascade.settings.samples
         raise ContbedError(f"{len(there)} of {count} samples succeeded; the first problem: {runs.failed[0]}")

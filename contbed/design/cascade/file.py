@@ -15,6 +15,7 @@
     [laws]                                   # what is believed of one particle; more than one: a part of the band
     conduction = ["cones", "columns"]
     exchange = [{ name = "power", a = 1.2, b = 0.5 }, "gunn"]
+    scatter_conduction = "15 %"              # of measured beds about the laws: what all of them may miss
 
     [uncertain]                              # standard uncertainty of numbers of the scene, in SI or as a share
     solid.conductivity = "10 %"
@@ -50,6 +51,7 @@ from contbed.validation.case import Case, names, read_case
 
 AT_PARTICLE = ("Re", "Pr", "eps")  # what a law of exchange is given
 Law = Annotated[Named, Discriminator(form)]
+Scatter = Annotated[Number, Field(ge=0, lt=1)]
 
 
 class Packings(Table):
@@ -76,6 +78,12 @@ class Laws(Table):
         (), description="paths of heat between two particles, for the conductivity of the bed at rest"
     )
     exchange: tuple[Law, ...] = Field((), description="Nusselt numbers of a particle in its surroundings")
+    scatter_conduction: Scatter = Field(
+        0.0, description="standard deviation of measured conductivities of beds about the laws, as a share"
+    )
+    scatter_exchange: Scatter = Field(
+        0.0, description="standard deviation of measured Nusselt numbers of beds about the laws, as a share"
+    )
 
 
 class Settings(Table):
@@ -187,6 +195,9 @@ def _mistakes(settings: Settings, scene: Any, origin: Origin) -> Iterator[str]:
         return
     if not settings.laws.conduction and not settings.laws.exchange:
         yield f"{origin.at(('laws',))}: laws: asks nothing of the particles; give conduction, exchange, or both"
+    for name in ("conduction", "exchange"):
+        if getattr(settings.laws, f"scatter_{name}") and not getattr(settings.laws, name):
+            yield f"{origin.at(('laws', f'scatter_{name}'))}: laws.scatter_{name}: there is no law of {name} to scatter"
     if settings.packings.walls and settings.laws.exchange:
         why = "the gas is computed between periodic sides only; leave out walls, or laws.exchange"
         yield f"{origin.at(('packings', 'walls'))}: packings.walls: {why}"

@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from contbed.design.cascade import files
-from contbed.design.cascade.band import BAND, FIT_SAMPLES, Fits, Part, Runs, parts_of, sampled, visited
+from contbed.design.cascade.band import BAND, FIT_SAMPLES, Fits, Part, Runs, parts_of, sampled, scatter_of, visited
 from contbed.design.cascade.file import read_cascade
 from contbed.design.cascade.measured import held
 from contbed.design.cascade.outcome import Outcome
@@ -48,7 +48,7 @@ def cascade(
     prepare(folder)
     settings, laws = todo.settings, todo.settings.laws
     singles = settings.packings.count + FIT_SAMPLES + max(0, len(laws.conduction) - 1) + max(0, len(laws.exchange) - 1)
-    steps = settings.packings.count + singles + 2 * len(todo.uncertain) + settings.samples + 3
+    steps = settings.packings.count + singles + 2 * (len(todo.uncertain) + len(scatter_of(todo))) + settings.samples + 3
     with Progress(steps, "steps", quiet) as progress:
         done = 0
 
