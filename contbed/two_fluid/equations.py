@@ -18,5 +18,5 @@ Discretization: cell-centred finite volumes on any mesh, collocated. One step (s
 move with one limited volume flux; both velocities are convected (MUSCL, explicit) and sheared (implicit); forces and
 partially eliminated drag act on faces, and one pressure equation makes the flux of both phases free of divergence; cell
 velocities are reconstructed from the faces. Drag, solids pressure, stress and granular temperature are implicit. The
-step is bound by the Courant number of the particles and by the heat of compression; faster gas is sub-cycled.
+step is bound by the Courant number of the particles and by the heat of compression and shear; faster gas is sub-cycled.
 """

@@ -3,8 +3,9 @@
     3/2 rho_s (d(eps_s theta)/dt + div(F theta)) = -p_s div u_s + P + div(k grad theta) - gamma - 3 beta theta
 
 F [m/s] is the volume flux of the solids that the step moves, P [W/m3] the shear production without that of friction,
-which does not agitate particles. Convection is explicit and limited, the rest implicit but for the heat of compression:
-near packing it makes sound up to six times as stiff as at constant theta, and binds the step there. "algebraic"
+which does not agitate particles. Convection is explicit and limited, the rest implicit but for the heat of compression
+and of shear, which binds the step: near packing that of compression makes sound up to six times as stiff as at constant
+theta, and few particles, whose viscosity does not vanish with their fraction, are heated much by shear. "algebraic"
 balances production and dissipation, and neither moves nor conducts (Syamlal, Rogers and O'Brien 1993, MFIX
 Documentation: Theory Guide, DOE/METC-94/1004); below the balance theta rises as fast as P alone heats the particles.
 """
@@ -21,7 +22,7 @@ from contbed.two_fluid.boundary import WALL, Edge, Particles
 from contbed.two_fluid.cell_velocities import FaceVelocities, divergence_solid
 from contbed.two_fluid.compiled import SMALLEST, UNDERFLOW, Array, Flags, kernel
 from contbed.two_fluid.continuity import Moved
-from contbed.two_fluid.fv.gradient import NO_PARTICLES
+from contbed.two_fluid.fv.gradient import MIN_BINDING_FRACTION, NO_PARTICLES
 from contbed.two_fluid.fv.grid import Geometry, over_rows
 from contbed.two_fluid.fv.operators import convect, gradient, predictor_half_step
 from contbed.two_fluid.fv.reconstruction import Reconstruction
@@ -29,7 +30,6 @@ from contbed.two_fluid.implicit import solve_system
 from contbed.two_fluid.linear.cg import System, empty_system
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import Predicted
-from contbed.two_fluid.packing import MIN_PUSHED_FRACTION
 from contbed.two_fluid.rectangular import cells
 from contbed.two_fluid.rectangular import solids as solids_of_rows
 from contbed.two_fluid.state import Counters, Properties, State
@@ -42,12 +42,12 @@ class Granular(NamedTuple):
     """Result of a step.
 
     theta (nc,) [m2/s2], its rate (nc, 1) [m2/s3] without convection, and 1 over the longest stable step with the heat
-    of compression [1/s].
+    of compression and shear [1/s].
     """
 
     theta: Array
     rate: Array
-    compression_rate: float
+    heating_rate: float
     counters: Counters
 
 
@@ -138,22 +138,27 @@ def assemble_theta(
 
 
 @kernel
-def max_compression_rate(
-    begin: int, end: int, links: Array, particles: Particles, theta: Array, pressure: Array, sink: Array, drag: Array
+def max_heating_rate(
+    begin: int, end: int, links: Array, particles: Particles, theta: Array, terms: GranularTerms, drag: Array, mu: Array
 ) -> float:
-    """Largest 1/dt [1/s] at which the part of sound that warmer particles make grows.
+    """Largest 1/dt [1/s] at which motion that drives itself by the heat of compression and shear does not grow.
 
     The step follows a compression by its heat, and that by the velocity that it drives, so that
-    K dt^2 < (2 + d dt)(2 + b dt) with the rates K of both, d of dissipation and b of drag.
+    K dt^2 < (2 + d dt)(2 + b dt) with the rates K of both, d of dissipation and b of drag. A change S' of the shear S
+    changes the production P = 2 mu S:S by up to 2 (2 mu P)^(1/2) |S'|, which adds to p_s:
+    K = 2/3 (p_s/theta) (p_s + 2 (2 mu P)^(1/2)) k^2/(rho_s eps_s)^2, k^2 = 2 `links` for cells that take turns.
+    Viscosity acts before the velocity that heat drives and damps it in the next step only: it is left out.
+
     links (nc,) [1/m2] : sum of area over distance of the interior faces of a cell, over its volume
-    theta (nc,) : new granular temperature; pressure (nc,) : p_solid/(rho_s theta); sink (nc,) as in `GranularTerms`
+    theta (nc,) : new granular temperature; mu (nc,) : kinetic viscosity [Pa s]
     """
     s, rho_s = particles.eps_s, particles.rho
     fastest = 0.0
     for c in range(begin, end):
-        if s[c] > MIN_PUSHED_FRACTION:
-            both = 4.0 / 3.0 * theta[c] * (pressure[c] / s[c]) ** 2 * links[c]
-            d, b = sink[c] / (1.5 * rho_s * s[c]), drag[c] / rho_s
+        if s[c] > MIN_BINDING_FRACTION:
+            stress = terms.pressure[c] * theta[c] + 2.0 * np.sqrt(2.0 * mu[c] * max(0.0, terms.source[c]))
+            both = 4.0 / 3.0 * terms.pressure[c] * stress / (rho_s * s[c]) ** 2 * links[c]
+            d, b = terms.sink[c] / (1.5 * rho_s * s[c]), drag[c] / rho_s
             fastest = max(fastest, 0.25 * (np.sqrt((d - b) ** 2 + 4.0 * both) - d - b))
     return fastest
 
@@ -189,7 +194,7 @@ def advance(
     """Granular temperature after `dt` [s], by the option of the model."""
     memory = state.memory
     if model.options.theta == "frozen":
-        return Granular(state.theta, memory.rate_theta, memory.compression_rate, moved.counters)
+        return Granular(state.theta, memory.rate_theta, memory.heating_rate, moved.counters)
     g, rows, r = model.grid.geometry, model.grid.rows, properties.rheology
     divergence = np.empty_like(state.theta)
     if rows is None:
@@ -201,7 +206,7 @@ def advance(
     if model.options.theta == "algebraic":
         theta = _balanced(state.theta, moved.eps_s, production, divergence, properties, dt, model)
         model.grid.halo.exchange(theta)
-        return Granular(theta, memory.rate_theta, memory.compression_rate, moved.counters)
+        return Granular(theta, memory.rate_theta, memory.heating_rate, moved.counters)
     rho_s = model.materials.rho_solid
     sink = r.dissipation * np.sqrt(state.theta) + 3.0 * properties.drag * moved.eps_s
     terms = GranularTerms(sink, rho_s * r.pressure, divergence, production)
@@ -254,7 +259,7 @@ def _transport(
         theta[low] = 0.0
     rate = (theta.reshape(-1, 1) - column) / dt - convected
     links, number = model.grid.links, len(s[own])
-    rates = parallel(max_compression_rate, number, links, particles, theta, r.pressure, terms.sink, properties.drag)
+    rates = parallel(max_heating_rate, number, links, particles, theta, terms, properties.drag, r.mu)
     marked, clipped = (int(number) for number in halo.sum(marked, clipped))
     counters = counters.add(theta_upwind_cells=marked, theta_clipped_cells=clipped)
     return Granular(theta, rate, halo.max(max(rates)), counters)

@@ -11,6 +11,7 @@ import numpy as np
 from contbed.two_fluid.boundary import Condition, assemble
 from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.fv import limiter
+from contbed.two_fluid.fv.gradient import MIN_BINDING_FRACTION
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import MAX_SUBCYCLES, SUBCYCLE_COURANT
 from contbed.two_fluid.state import Account, State, check_finite, flatten, rebuild, zero_state
@@ -19,14 +20,11 @@ from contbed.two_fluid.step import initial_fluxes, step
 if TYPE_CHECKING:
     from contbed.two_fluid.heat.model import Thermal
 
-# share of the step at which compression and its heat would grow [-]; on random fields they do from 0.72 on
+# share of the step at which motion driven by its own heat would grow [-]; on random fields it does from 0.72 on
 # (test_sound_of_heated_particles)
-COMPRESSION_LIMIT = 0.7
+HEATING_LIMIT = 0.7
 # share of a cell that particles cross in a fixed step at most [-]; beyond, a cell would give more than it holds
 FIXED_COURANT = 1.0
-# solids fraction [-] above which the particles of a cell count in the Courant number
-# (test_few_particles_do_not_bind_the_step)
-MIN_COURANT_FRACTION = 1e-6
 ROUNDING = 1e-9  # share of a step by which a number of steps, or a time, may be off
 
 
@@ -123,8 +121,9 @@ class Simulation:
         """Length of the next step [s].
 
         By the Courant number of the particles, cells with few of them left aside; by the sub-cycles of the
-        gas; by what a step leaves open of a heated gas; by the heat of compression; and by the growth from step to
-        step. A fixed step in which particles would cross more than FIXED_COURANT of a cell is cut into equal parts.
+        gas; by what a step leaves open of a heated gas; by the heat of compression and shear; and by the growth from
+        step to step. A fixed step in which particles would cross more than FIXED_COURANT of a cell is cut into equal
+        parts.
         """
         o, state = self.model.options, self.state
         if o.dt is not None:
@@ -133,7 +132,7 @@ class Simulation:
         halo = self.model.grid.halo
         gas, solid = halo.max(float(np.max(state.fluxes.outflow_gas[halo.cells], initial=0.0))), self._fastest_solid()
         courant_gas = MAX_SUBCYCLES * SUBCYCLE_COURANT
-        rate = max(solid / o.courant, gas / courant_gas, state.memory.compression_rate / COMPRESSION_LIMIT)
+        rate = max(solid / o.courant, gas / courant_gas, state.memory.heating_rate / HEATING_LIMIT)
         if self.model.heat is not None:
             from contbed.two_fluid.heat.equations import rate_of_steps
 
@@ -144,7 +143,7 @@ class Simulation:
     def _fastest_solid(self) -> float:
         """Largest rate [1/s] at which particles empty a cell that holds enough of them to count."""
         state, halo = self.state, self.model.grid.halo
-        there = state.eps_s[halo.cells] > MIN_COURANT_FRACTION
+        there = state.eps_s[halo.cells] > MIN_BINDING_FRACTION
         return halo.max(float(np.max(state.fluxes.outflow_solid[halo.cells], where=there, initial=0.0)))
 
     def step(self, dt: float) -> None:

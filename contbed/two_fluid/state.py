@@ -53,7 +53,7 @@ class Memory(NamedTuple):
     force_gas, force_solid (nc, dim) [m/s2] : accelerations by pressure, drag and gravity
     face_residual (nf,) [m/s] : normal velocity of the gas less the interpolated cell velocity, as in Rhie-Chow
     gradients : of the forces, with which the next step extrapolates boundary values
-    compression_rate [1/s] : 1 over the longest step that is stable with the heat of compression
+    heating_rate [1/s] : 1 over the longest step that is stable with the heat of compression and shear
     """
 
     rate_gas: Array
@@ -64,7 +64,7 @@ class Memory(NamedTuple):
     force_solid: Array
     face_residual: Array
     gradients: ForceGradients
-    compression_rate: float
+    heating_rate: float
 
 
 class Properties(NamedTuple):

@@ -41,7 +41,7 @@ def step(state: State, dt: float, model: Model) -> State:
         u.force_solid,
         u.face_residual,
         faces.gradients.forces,
-        granular.compression_rate,
+        granular.heating_rate,
     )
     model.grid.halo.exchange(memory.rate_gas, memory.rate_solid, memory.rate_eps_s, memory.rate_theta)
     return replace(

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from core_closures import bed, closures, rectangle
 
-from contbed.two_fluid.boundary import symmetry
+from contbed.loading import from_dict
+from contbed.two_fluid import plan as planning
+from contbed.two_fluid.boundary import Particles, symmetry
+from contbed.two_fluid.granular_temperature import GranularTerms, max_heating_rate
 from contbed.two_fluid.model import Options
 from contbed.two_fluid.momentum import MAX_SUBCYCLES, SUBCYCLE_COURANT
 
@@ -123,3 +126,46 @@ def test_sound_of_heated_particles(shape):
     assert b.state.dt > 50.0 * options.dt_first
     assert max(fastest[100:]) < 0.5 * max(fastest)
     assert np.ptp(b.state.theta) < np.ptp(theta)
+
+
+def test_heat_of_shear_binds_the_step():
+    """Equal cells of eps_s 0.3 and theta 1 with p_s = rho_s eps_s theta, mu = 2 and shear rate G: P = mu G^2,
+    K = 4/3 (1 + 2 sqrt(2) mu G/(rho_s eps_s)) links, and steps of 2/sqrt(K) are the longest.
+    """
+    mu, G, rho_s, nc = 2.0, 300.0, 2500.0, 4
+    links = np.full(nc, 4.0 * N**2)
+    particles = Particles(rho_s, 0.63, np.full(nc, 0.3), np.ones(nc), np.ones(nc))
+    nothing = np.zeros(nc)
+    terms = GranularTerms(nothing, np.full(nc, rho_s * 0.3), nothing, np.full(nc, mu * G**2))
+    rate = max_heating_rate(0, nc, links, particles, np.ones(nc), terms, nothing, np.full(nc, mu))
+    K = 4.0 / 3.0 * (1.0 + 2.0 * np.sqrt(2.0) * mu * G / (rho_s * 0.3)) * 4.0 * N**2
+    assert rate == pytest.approx(0.5 * np.sqrt(K), rel=1e-12)  # of rounding; 1/dt without drag and dissipation
+
+
+@pytest.mark.slow
+def test_few_heated_particles_stay_below_the_gas():
+    """A stream of particles of 2 m/s in gas of 5 m/s, 7.1 m/s between them, enters an empty box without guards of
+    dilute flow. Beside it eps_s is 1e-6 to 1e-4, heated by shear; none is faster than the gas. With steps bound by
+    the Courant number alone they come to 20 m/s within 0.02 s.
+    """
+    scene = from_dict({
+        "mesh": {"type": "rectangle", "length": 0.1, "height": 0.3, "cells": [12, 36]},
+        "two_fluid": {"guards": False},
+        "gas": {"density": 1.2, "viscosity": 1.8e-5},
+        "solid": {"particle_diameter": 275e-6, "density": 2500.0},
+        "initial": {"theta": 1e-4},
+        "boundary": {
+            "bottom": {"type": "inlet", "velocity": 5.0, "eps_s": 0.3, "solid_velocity": 2.0, "theta": 0.1},
+            "top": {"type": "outlet"},
+            "left": {"type": "wall"},
+            "right": {"type": "wall"},
+        },
+        "time": {"end": 0.1},
+    })  # fmt: skip
+    b, _ = planning.plan(scene).bed()
+    fastest = 0.0
+    while b.clock.time < 0.1:
+        b.step_towards(0.1)
+        speed = np.sqrt((b.state.u_solid**2).sum(axis=1))
+        fastest = max(fastest, speed.max(where=b.state.eps_s > 1e-6, initial=0.0))
+    assert 2.0 < fastest < 5.0 / 0.7

@@ -14,6 +14,9 @@ from contbed.two_fluid.fv.grid import Geometry
 # ratio of two solids fractions [-] below which the weight of the smaller one falls with the ratio
 # (test_level_bed_on_triangles_calms_down)
 FEW_PARTICLES = 1e-2
+# solids fraction [-] above which the particles of a cell bind the length of steps
+# (test_few_particles_do_not_bind_the_step)
+MIN_BINDING_FRACTION = 1e-6
 NO_PARTICLES = 1e-30  # [-] solids fraction that makes the ratio of two empty cells 1
 
 
