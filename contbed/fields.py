@@ -241,6 +241,7 @@ _RESULTS = (
     Field("weight_NAME", "w", "1", "share of the weight that is carried by pressure, particles, walls or inflow"),
     Field("filter_size [m]", r"\Delta_f", "m", "size of the filter of closures for cells that do not resolve clusters"),
     Field("filter_froude", "F", "1", "the same over the square of the terminal velocity over gravity"),
+    Field("effective_restitution", r"e_\mathrm{eff}", "1", "restitution that the dissipation has, with friction"),
     Field("theta_over_s2d2", r"\Theta/(S d)^2", "1", "granular temperature of a sheared bed, scaled"),
     Field("averaged [s]", "t", "s", "time over which averages are taken"),
     Field("difference_of_halves", "e", "1", "difference of the averages of both halves of that time"),

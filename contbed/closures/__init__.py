@@ -22,7 +22,7 @@ contact [W/m2/K], contact_separation [m], temperature_jump [m]; of fluidized bed
 minimum_fluidization [-], drag [kg/m3/s], bubble_size [m], bubble_rise [m/s], gas_exchange [1/s],
 bubble_heat [W/m3/K]; of granular flow radial_distribution, granular_pressure, granular_viscosity,
 granular_bulk_viscosity, granular_conductivity, granular_dissipation,
-granular_production, without units, granular_friction [Pa]
+granular_production, effective_restitution, without units, granular_friction [Pa]
 and granular_friction_viscosity [Pa s]; of cells that do not resolve clusters wall_drag, wall_pressure and
 wall_viscosity; of turbulent gas eddy_viscosity [m2/s].
 """

@@ -79,6 +79,7 @@ ARGUMENTS: dict[str, Argument] = {
     "roughness": Argument("m", "root mean square of both surfaces, sqrt(sigma_1^2 + sigma_2^2)", "(0, inf)"),
     "shape": Argument("-", "1.25 spheres, 1.4 broken material, 2.5 cylinders", "(0, inf)"),
     "shear_rate": Argument("1/s", "square root of the second invariant of the strain rate", "[0, inf)"),
+    "sliding_friction": Argument("-", "Coulomb's coefficient of two particles", "[0, inf)"),
     "slip": Argument("m/s", "velocity of impact, of the order of u - u_mf", "[0, inf)"),
     "slope": Argument("-", "mean slope of the asperities of both surfaces, sqrt(m_1^2 + m_2^2)", "(0, inf)"),
     "sphericity": Argument("-", "phi, surface of the sphere of equal volume over that of the particle", "(0, 1]"),
@@ -117,6 +118,7 @@ RESULTS: dict[str, str] = {
     "decay": "decay constant",
     "drag": "drag coefficient per volume of the bed",
     "eddy_viscosity": "kinematic eddy viscosity of the gas",
+    "effective_restitution": "restitution that the dissipation has in place of e",
     "ejection": "solids thrown up from the surface of the bed",
     "elutriation": (
         "elutriation rate constant, times the mass fraction of the size the flow above the disengaging height"

@@ -115,6 +115,29 @@ def closures_exist(two_fluid: t.TwoFluid, origin: Origin) -> Mistakes:
             yield ("two_fluid", key), str(error)
 
 
+def friction_of_particles_is_complete(two_fluid: t.TwoFluid, solid: t.Solid, see: See, origin: Origin) -> Mistakes:
+    """Check that the friction of particles has its closure, the closure its coefficient, and that both fit."""
+    chosen, friction = two_fluid.effective_restitution, solid.sliding_friction
+    kind = "effective_restitution"
+    if chosen == ABSENT:
+        if friction is not None:
+            text = f"does nothing without two_fluid.{kind}; name one of {', '.join(names(kind))}, or leave it out"
+            yield ("solid", "sliding_friction"), text
+        return
+    if two_fluid.dissipation == ABSENT:
+        yield ("two_fluid", kind), f"stands in the dissipation, which is absent; see {see('two_fluid.dissipation')}"
+    if friction is None:
+        yield ("two_fluid", kind), "needs solid.sliding_friction, Coulomb's coefficient of two particles"
+        return
+    try:
+        value = float(bind(chosen, kind, GIVES[kind], origin.base)(e=solid.restitution, sliding_friction=friction))
+    except SceneError:
+        return  # closures_exist tells
+    if not 0.0 <= value <= 1.0:
+        text = f"gives {value:.4g}, no restitution between 0 and 1; see {see('solid.sliding_friction')}"
+        yield ("two_fluid", kind), f"{text} and {see('solid.restitution')}"
+
+
 def filtered_closures_have_their_velocity(
     two_fluid: t.TwoFluid, gas: t.Gas, solid: t.Solid, initial: t.Initial, see: See
 ) -> Mistakes:
@@ -296,6 +319,7 @@ def times_are_in_order(time: t.Time, see: See) -> Mistakes:
 CHECKS = (
     mesh_has_cells,
     closures_exist,
+    friction_of_particles_is_complete,
     filtered_closures_have_their_velocity,
     factors_near_walls_have_what_they_multiply,
     layers_are_in_the_vessel,

@@ -69,12 +69,16 @@ class GuardCounts(NamedTuple):
 
 
 class GranularConstants(NamedTuple):
-    """Numbers that the granular closures take in all cells; free_path [m] is infinite without guards."""
+    """Numbers that the granular closures take in all cells.
+
+    dissipative : restitution of the dissipation; free_path [m] : infinite without guards
+    """
 
     rho_solid: float
     d_p: float
     eps_max: float
     restitution: float
+    dissipative: float
     free_path: float
     friction_from: float
 
@@ -83,12 +87,13 @@ class GranularConstants(NamedTuple):
 class ParticleProperties:
     """What the closures need of the particles besides `Materials`.
 
-    restitution : of two particles [-]
+    restitution : of two particles [-]; dissipative_restitution : that of the dissipation
     friction_from : fraction above which particles rub; friction_strength [Pa]; friction_angle [rad]
     free_path : the largest that the guards of dilute flow allow [m]; None without guards
     """
 
     restitution: float
+    dissipative_restitution: float
     friction_from: float = 0.5
     friction_strength: float = 0.05
     friction_angle: float = 0.49742
@@ -113,7 +118,8 @@ def make(materials: Materials, particles: ParticleProperties, bound: Bound) -> C
     tables = _friction(materials, particles, bound["granular_friction"])
     gas, m = (materials.rho_gas, materials.mu_gas, materials.d_p), materials
     path = particles.free_path if particles.free_path is not None else np.inf
-    constants = GranularConstants(m.rho_solid, m.d_p, m.eps_max, particles.restitution, path, particles.friction_from)
+    e, dissipative = particles.restitution, particles.dissipative_restitution
+    constants = GranularConstants(m.rho_solid, m.d_p, m.eps_max, e, dissipative, path, particles.friction_from)
 
     def drag_coefficient(eps_s: Array, slip: Array) -> Array:
         """K = beta/eps_s (nc,) [kg/m3/s]."""
@@ -219,7 +225,7 @@ def _granular_in_cells(
         out.mu[i] = scale * viscosity(s, g0, e, kinetic_mu, own[2])
         out.bulk[i] = scale * bulk(s, g0, e, own[3])
         out.conductivity[i] = scale * conductivity(s, g0, e, kinetic_k, own[4])
-        out.dissipation[i] = rho / d_p * dissipation(s, g0, e, own[5])
+        out.dissipation[i] = rho / d_p * dissipation(s, g0, constants.dissipative, own[5])
         out.h[i] = 0.0
         out.p_friction[i] = 0.0
         if eps_s[i] > first:

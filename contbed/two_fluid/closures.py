@@ -26,6 +26,7 @@ KINDS = {
     "bulk_viscosity": "granular_bulk_viscosity",
     "conductivity": "granular_conductivity",
     "dissipation": "granular_dissipation",
+    "effective_restitution": "effective_restitution",
     "friction": "granular_friction",
     "friction_viscosity": "granular_friction_viscosity",
     "wall_drag": "wall_drag",
@@ -48,6 +49,7 @@ GIVES: dict[str, tuple[str, ...]] = {
     "granular_bulk_viscosity": _THEORY,
     "granular_conductivity": (*_THEORY, "kinetic"),
     "granular_dissipation": _THEORY,
+    "effective_restitution": ("e", "sliding_friction"),
     "granular_friction": ("eps_s", "eps_max", "eps_min", "strength"),
     "granular_friction_viscosity": ("p_friction", "angle", "shear_rate"),
     "wall_drag": ("wall_froude",),
@@ -175,11 +177,22 @@ def constants(scene: t.TwoFluidScene) -> dict[str, Any]:
         "angle": solid.friction.angle,
         "kinetic": 1.0,
     }
+    if solid.sliding_friction is not None:
+        found["sliding_friction"] = solid.sliding_friction
     if heat is not None:
         k = heat.conductivity_gas
         Pr = heat.heat_capacity_gas * gas.viscosity / k
         found |= {"k_fluid": k, "k_solid": heat.conductivity_solid, "Pr": Pr}
     return found
+
+
+def dissipative_restitution(scene: t.TwoFluidScene) -> float:
+    """Restitution that the dissipation has: that of the particles, or the effective one, which stands for friction."""
+    chosen = scene.two_fluid.effective_restitution
+    if chosen == ABSENT:
+        return scene.solid.restitution
+    kind = "effective_restitution"
+    return float(bind(chosen, kind, GIVES[kind], scene.origin.base)(**constants(scene)))
 
 
 def known(bed: Simulation, scene: t.TwoFluidScene) -> dict[str, Any]:

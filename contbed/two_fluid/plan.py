@@ -15,7 +15,7 @@ from contbed.models import described
 from contbed.scene.mesh import MeshFile
 from contbed.two_fluid import boundary, closure_kernels, filters, near_walls, probes, warnings
 from contbed.two_fluid import scene as t
-from contbed.two_fluid.closures import ABSENT, bound
+from contbed.two_fluid.closures import ABSENT, bound, dissipative_restitution
 from contbed.two_fluid.fv import grid
 from contbed.two_fluid.linear.pressure_solver import uses_elimination
 from contbed.two_fluid.model import Materials, Options, build_model
@@ -269,6 +269,7 @@ def _particles(scene: t.TwoFluidScene) -> closure_kernels.ParticleProperties:
     table, friction = scene.two_fluid, scene.solid.friction
     return closure_kernels.ParticleProperties(
         scene.solid.restitution,
+        dissipative_restitution(scene),
         friction.start,
         friction.strength,
         friction.angle,

@@ -11,7 +11,7 @@ from contbed.balance import Balance
 from contbed.two_fluid import filters, momentum_budget
 from contbed.two_fluid import scene as t
 from contbed.two_fluid.averages import Averages, along, spectrum
-from contbed.two_fluid.closures import MIN_REPORTED_FRACTION
+from contbed.two_fluid.closures import ABSENT, MIN_REPORTED_FRACTION, dissipative_restitution
 from contbed.two_fluid.fv.grid import Grid
 from contbed.two_fluid.simulation import Simulation
 
@@ -236,6 +236,8 @@ def results(
     section = bed.model.grid.geometry.volume.sum() / np.ptp(plan.mesh.skfem.p[-1])
     found["weight_of_solids"] = float(scene.two_fluid.gravity * last[2] / section)
     found |= filters.results(scene)
+    if scene.two_fluid.effective_restitution != ABSENT:
+        found["effective_restitution"] = dissipative_restitution(scene)
     shear = _shear(scene, plan)
     if shear:
         found["theta_over_s2d2"] = last[5] / (shear * bed.model.materials.d_p) ** 2

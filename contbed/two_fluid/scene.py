@@ -58,6 +58,9 @@ class TwoFluid(Table):
     bulk_viscosity: str = "granular_bulk_lun"
     conductivity: str = "granular_conductivity_syamlal"
     dissipation: str = "granular_dissipation_lun"
+    effective_restitution: Named = Field(
+        "none", description="friction of particles in the dissipation, from its coefficient"
+    )
     friction: str = Field("friction_johnson_jackson", description='"none": no friction near packing')
     friction_viscosity: str = Field("friction_viscosity_newtonian", description='"none": friction pushes only')
     wall_drag: str = Field("none", description='"igci": factor of filtered drag near slip walls')
@@ -90,6 +93,9 @@ class Solid(OfMaterial):
     particle_diameter: Length
     density: Density
     restitution: Annotated[Number, Field(gt=0, le=1)] = 0.9
+    sliding_friction: Annotated[Number, Field(ge=0)] | None = Field(
+        None, description="Coulomb's coefficient of two particles, for two_fluid.effective_restitution"
+    )
     packing: Annotated[Number, Field(gt=0, lt=0.75)] = Field(0.63, description="densest fraction")
     friction: Friction = Friction()
 

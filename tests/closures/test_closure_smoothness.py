@@ -84,6 +84,7 @@ BOX = {
     "u_friction": (0.1, 2.0),
     "nu": (1e-6, 1e-4),
     "drag_rate": (0.1, 100.0),
+    "sliding_friction": (0.01, 1.0),
 }
 # zero or almost on a part of the line: differences of terms, an exponential of -5.4 u_t / u, drag of which clusters
 # leave a thousandth
@@ -155,6 +156,8 @@ class Dual(np.lib.mixins.NDArrayOperatorsMixin):
                 return Dual(value, da / a)
             case np.sin:
                 return Dual(np.sin(a), np.cos(a) * da)
+            case np.arctan:
+                return Dual(value, da / (1 + a * a))
             case np.exp:
                 return Dual(value, value * da)
             case np.minimum:

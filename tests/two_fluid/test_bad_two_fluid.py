@@ -24,6 +24,9 @@ GOOD = {
     "time": {"end": 0.1},
 }
 
+RUBBING = "effective_restitution_chialvo_sundaresan"
+RUBS = {"two_fluid.effective_restitution": RUBBING, "solid.sliding_friction": 0.1}
+
 
 def scene(changes, without=()):
     return changed(GOOD, changes, without)
@@ -73,6 +76,11 @@ def test_the_good_scene_is_good():
         ({"solid.restitution": 1.1}, (), "solid.restitution"),
         ({"solid.particle_diameter": 0.0}, (), "solid.particle_diameter"),
         ({"solid.packing": 0.8}, (), "solid.packing"),
+        ({"solid.sliding_friction": 0.1}, (), "does nothing without two_fluid.effective_restitution"),
+        ({"two_fluid.effective_restitution": RUBBING}, (), "needs solid.sliding_friction"),
+        ({"two_fluid.effective_restitution": "chialvo", "solid.sliding_friction": 0.1}, (), "chialvo_sundaresan"),
+        ({**RUBS, "solid.restitution": 0.1}, (), "gives -0.01112, no restitution between 0 and 1"),
+        ({**RUBS, "two_fluid.dissipation": "none"}, (), "stands in the dissipation, which is absent"),
         ({"solid.friction": {"start": 0.64}}, (), "is not below the densest packing"),
         ({}, ("mesh.cells",), "mesh.cells"),
         ({"mesh.cells": [0, 4]}, (), "mesh.cells"),
