@@ -23,6 +23,7 @@ from contbed.scene.toml_lines import Origin
 GRAVITY = 9.81  # m/s2
 SKIN = 0.4  # of the radius; fluidized beds need new lists a third as often as at the 0.1 of packings, 30 % less time
 IMPACT_SPEED = 0.3  # m/s, of which the time step of the particles resolves impacts
+MOST_HALVINGS = 2  # of that step, where a stray particle is too fast for it: four times the speed, and the work
 SPEED_OF_FILES = 1.0  # m/s, at which particles of a bubbling bed may meet when their file is written
 
 
@@ -111,6 +112,7 @@ def simulation_of(table: GasParticles, gas: GasFlow, particles: Particles) -> Si
         skin=SKIN * float(particles.radius.min()),
         gravity=(0.0, 0.0, -GRAVITY if gas.gravity else 0.0),
         largest_overlap=SETTLED_OVERLAP if table.file is None else _largest_overlap(table, particles),
+        most_halvings=MOST_HALVINGS,
     )
 
 

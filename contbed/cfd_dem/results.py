@@ -12,6 +12,8 @@ from contbed.cfd_dem.closures import bound
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.history import History
 from contbed.cfd_dem.plan import GRAVITY, GasPlan
+from contbed.dem.failure import STRIDE
+from contbed.dem.simulation import Simulation
 from contbed.result import Result
 
 PERCENTILES = (5, 50, 95)  # of the coefficients of single particles
@@ -40,8 +42,19 @@ def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
     ):
         if number:
             result.warnings.append(f"{number} times {what}")
+    if bed.simulation.halvings:
+        result.warnings.append(_shorter(bed.simulation))
     if history.average.count:
         _fill_averages(result, plan, bed, history)
+
+
+def _shorter(simulation: Simulation) -> str:
+    """Say that the run went on with a shorter step of the particles."""
+    halvings, step = simulation.halvings, simulation.time_step
+    return (
+        f"particles were too fast for their time step, which was halved {halvings} time{'s' * (halvings > 1)}, "
+        f"to {step:.3g} s: it resolves speeds up to {STRIDE * simulation.radius.min() / step:.3g} m/s"
+    )
 
 
 def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:

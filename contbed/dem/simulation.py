@@ -13,8 +13,9 @@ from contbed import barrier, threads
 from contbed.dem import loop
 from contbed.dem.contact import largest_safe_step, require_safe_step
 from contbed.dem.contact_heat import ContactHeat
+from contbed.dem.failure import STRIDE, Failure, not_a_number, of_particle, place
 from contbed.dem.kernel_arrays import HEAT_PAIR, Array, Box, Indices, Interval, Laws, Spheres
-from contbed.dem.memory import Memory, Record
+from contbed.dem.memory import Memory, Record, halved
 from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, image_shifts, wall_gaps
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.walls import SKIN, Domain, Wall, wall_table
@@ -23,11 +24,9 @@ from contbed.interrupts import deferred_interrupt
 from contbed.output.progress import Progress
 
 LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start
-STRIDE = 0.1  # of the smallest radius: nothing may move farther in one step
 CHUNK = 2_000_000  # steps times particles of one call of the kernel, about 0.2 s, so that Ctrl-C is heard
 FEWEST = 8  # steps of one call; what goes in and out of it then costs a tenth of them for 1e6 particles, Ctrl-C 1 s
 LEAST = 2000  # particles that a thread must have; a step of them takes 0.1 ms, threads meet twice in it for 5 us
-NO_ROOM = "the lists of neighbours need more room"
 _STATE = ("position", "velocity", "spin", "force", "T")
 
 
@@ -58,6 +57,7 @@ class Simulation:
     impact_speed [m/s] : typical speed of impacts, for the time step
     skin [m] : room of the neighbour list
     largest_overlap : of the smaller radius, accepted at the start
+    most_halvings : how often the time step may be halved, from then on, where a particle is too fast for it
     heat, T [K] : conduction through contacts and temperatures at the start, one or each; None without
 
     `force` [N] of shape (n, 3) is added to every particle, `heat_source` [W] (n,) to its heat; change them between
@@ -79,6 +79,7 @@ class Simulation:
         impact_speed: float = 0.1,
         skin: float | None = None,
         largest_overlap: float = LARGEST_OVERLAP,
+        most_halvings: int = 0,
         heat: ContactHeat | None = None,
         T: ArrayLike | None = None,
     ):
@@ -95,6 +96,7 @@ class Simulation:
         require_safe_step(time_step, particles, materials, impact_speed)
         self.materials, self.walls, self.domain = tuple(materials), tuple(walls), domain
         self.time_step, self.steps_done = float(time_step), 0
+        self._first_step, self._most_halvings = self.time_step, most_halvings
         self.skin = float(skin) if skin is not None else SKIN * float(particles.radius.min())
         if not 0.0 < self.skin < np.inf:
             raise SceneError(f"dem: skin = {self.skin:g} m must be positive")
@@ -129,6 +131,11 @@ class Simulation:
         return self.steps_done * self.time_step
 
     @property
+    def halvings(self) -> int:
+        """How often the time step was halved since the start, for particles that were too fast for it."""
+        return round(float(np.log2(self._first_step / self.time_step)))
+
+    @property
     def heat_content(self) -> float:
         """Heat above 0 K [J] of particles with temperatures."""
         return float((self.heat_capacity * self.T).sum())
@@ -146,20 +153,20 @@ class Simulation:
         on_interval: Callable[[Simulation], bool | None] | None = None,
         quiet: bool = True,
     ) -> None:
-        """Advance by `steps`; after every `interval` of them `on_interval` is called, and True from it ends the run.
+        """Advance by the time of `steps`. After every `interval` of them `on_interval` is called; True ends the run.
 
         Raises
         ------
         ConvergenceError : a particle is too fast, not a number, or lost; the simulation is back at the start of the
             interval, and `state` holds its arrays
         """
-        interval = interval or max(1, min(steps, 1000))
-        with Progress(steps * self.time_step, "s", quiet=quiet) as progress:
+        interval, step = interval or max(1, min(steps, 1000)), self.time_step
+        with Progress(steps * step, "s", quiet=quiet) as progress:
             done = 0
             while done < steps:
-                self.advance(min(interval, steps - done))
+                self.advance(min(interval, steps - done) * round(step / self.time_step))
                 done += min(interval, steps - done)
-                progress.advance_to(done * self.time_step)
+                progress.advance_to(done * step)
                 if on_interval is not None and on_interval(self):
                     break
 
@@ -185,12 +192,12 @@ class Simulation:
             raise SceneError(
                 f"dem: checkpoint of another simulation: it has {walls:.0f} walls, expected {len(self.walls)}"
             )
-        if time_step != self.time_step:
-            raise SceneError(f"dem: the checkpoint has time step {time_step:g} s, expected {self.time_step:g} s")
+        if time_step not in self._first_step * 0.5 ** np.arange(self._most_halvings + 1):
+            raise SceneError(f"dem: the checkpoint has time step {time_step:g} s, expected {self._first_step:g} s")
         for name in _STATE:
             setattr(self, name, np.array(state[name], order="C"))
         self._go_back(Record(*(np.array(state[name], order="C") for name in Record._fields)))
-        self._moved, self._stale, self.steps_done = moved, bool(stale), int(steps)
+        self._moved, self._stale, self.steps_done, self.time_step = moved, bool(stale), int(steps), time_step
 
     def contacts(self) -> Contacts:
         """Return the closed contacts of pairs as they are now, in the order of i and j, i < j."""
@@ -222,7 +229,10 @@ class Simulation:
             return i, j, gap, apart / distance[:, None]
 
     def advance(self, steps: int) -> None:
-        """Advance by the steps of one interval, without a bar; if it fails, the simulation is back at its start."""
+        """Advance by the time of `steps`, as one interval, without a bar; if it fails, all is as at its start.
+
+        Where a particle is too fast for the time step, the interval is done again with half of it, if that is allowed.
+        """
         with deferred_interrupt():
             before, now = self._memory.read(), (self._moved, self._stale, self.steps_done)
             start = {name: getattr(self, name).copy() for name in ("position", "velocity", "spin", "T")}
@@ -236,31 +246,32 @@ class Simulation:
                 for name, array in start.items():
                     getattr(self, name)[:] = array
                 self._moved, self._stale, self.steps_done = now
-                if failure == NO_ROOM:
+                is_slower = failure.status == loop.TOO_FAST and self.halvings < self._most_halvings
+                if is_slower:
+                    before, end, self.time_step = halved(before), 2 * end, 0.5 * self.time_step
+                    self.steps_done *= 2
+                    now = (self._moved, self._stale, self.steps_done)
+                elif failure.status == loop.TOO_SMALL:
                     self._memory.grow()
                 self._memory.write(before)
-                if failure != NO_ROOM:
-                    raise ConvergenceError(failure, state=self._state(before))
+                if not is_slower and failure.status != loop.TOO_SMALL:
+                    raise ConvergenceError(failure.text, state=self._state(before))
                 self._load()
 
     @deferred_interrupt()
-    def _take_part(self, steps: int) -> str | None:
+    def _take_part(self, steps: int) -> Failure | None:
         """Run the steps in compiled code; return what went wrong, or None."""
         found, memory = self._take_steps(steps), self._memory
         if found.status == loop.TOO_SMALL:
-            return NO_ROOM
+            return Failure(found.status, "the lists of neighbours need more room")
         if found.status != loop.OK:
             i, time = found.particle, (self.steps_done + found.done + 1) * self.time_step
             bodies = memory.side.bodies
-            return _description(found.status, memory.user[i], bodies.position[i], bodies.motion[i, :3], time)
+            return of_particle(found.status, memory.user[i], bodies.position[i], bodies.motion[i, :3], time)
         memory.store(self.position, self.velocity, self.spin, self.T)
         self.steps_done, self._moved = self.steps_done + steps, found.moved
         if not np.isfinite(self.T).all():
-            i = int((~np.isfinite(self.T)).argmax())
-            return (
-                f"dem: temperature of particle {i} is not a number; a heat source, or a heat "
-                "capacity too small for the time step"
-            )
+            return not_a_number(int((~np.isfinite(self.T)).argmax()))
         return None
 
     def _take_steps(self, steps: int) -> loop.Outcome:
@@ -337,7 +348,7 @@ class Simulation:
         outside = ((self.position < lower) | (self.position > upper)) & ~periodic
         if outside.any():
             index = int(outside.any(axis=1).argmax())
-            raise SceneError(f"dem: particle {index} at {_place(self.position[index])} is outside the domain")
+            raise SceneError(f"dem: particle {index} at {place(self.position[index])} is outside the domain")
         lengths = np.where(periodic, upper - lower, 1.0)
         base = np.where(periodic, lower, 0.0)
         turns = np.where(periodic, np.floor((self.position - base) / lengths), 0.0)
@@ -360,22 +371,4 @@ class Simulation:
         if gaps.size and gaps.min() < 1.0 - largest:
             number, k = divmod(int(gaps.argmin()), len(self.position))
             where = "is beyond" if gaps.min() < 0.0 else "overlaps"
-            raise SceneError(f"dem: particle {k} at {_place(self.position[k])} {where} wall {number} at the start")
-
-
-def _place(point: Array) -> str:
-    return "(" + ", ".join(f"{value:.6g}" for value in point) + ") m"
-
-
-def _description(status: int, particle: int, where: Array, velocity: Array, time: float) -> str:
-    """Say what happened to a particle at `time` [s]."""
-    speed = float(np.linalg.norm(velocity))
-    what = {
-        loop.TOO_FAST: f"moves at {speed:.4g} m/s, more than {STRIDE:g} of the smallest radius in a step",
-        loop.LOST: "left the domain",
-        loop.BEYOND_WALL: "was pushed through a wall",
-    }[status]
-    return (
-        f"dem: particle {particle} at {_place(where)} {what} at t = {time:.6g} s; "
-        "the state before this interval is kept; try a smaller time step or a closed domain"
-    )
+            raise SceneError(f"dem: particle {k} at {place(self.position[k])} {where} wall {number} at the start")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import contbed as cb
+from contbed.cfd_dem.plan import simulation_of
 from contbed.loading import loads
 from contbed.output import checkpoint
 
@@ -90,3 +91,21 @@ def test_a_run_that_was_interrupted_before_its_first_sample_reports(tmp_path, mo
     with pytest.raises(KeyboardInterrupt):
         cb.run(loads(SCENE), out=tmp_path)
     assert (tmp_path / "summary.json").is_file()
+
+
+def test_a_step_that_was_halved_is_told_and_restarts(tmp_path, monkeypatch):
+    """The uppermost particle starts with one and a half of the speed that the step of the particles allows."""
+
+    def thrown(*arguments):
+        simulation = simulation_of(*arguments)
+        simulation.velocity[simulation.position[:, 2].argmax(), 2] = 1.5 * 0.1 * 1e-3 / simulation.time_step
+        return simulation
+
+    monkeypatch.setattr("contbed.cfd_dem.run.simulation_of", thrown)
+    ends = [loads(SCENE.replace("end = 0.04", f"end = {end}")) for end in (0.02, 0.025)]
+    whole = cb.run(ends[1])
+    cb.run(ends[0], out=tmp_path)
+    found = cb.run(ends[1], restart=tmp_path)
+    assert found.qoi == whole.qoi and found.warnings == whole.warnings
+    # 0.2 of the Rayleigh time is 32.6 us
+    assert any("was halved 1 time, to 1.63e-05 s: it resolves speeds up to 6.14 m/s" in text for text in whole.warnings)
