@@ -12,7 +12,9 @@ from studies._gallery import Table, Tables
 from studies._gallery.raw import raw
 from studies.patil_hot_bubble_two_fluid import study
 
-HERE, CASE = study.HERE, "half_3mm_900"
+HERE, HALF, WHOLE = study.HERE, "half_3mm_900", "3mm_900"
+BY_CHIALVO = {"solid.sliding_friction": 0.1, "two_fluid.effective_restitution": "chialvo_sundaresan"}
+BY_JENKINS = BY_CHIALVO | {"two_fluid.effective_restitution": "jenkins_zhang"}
 RUNS: dict[str, dict[str, Any]] = {
     "as the study": {},
     "no friction": {"two_fluid.friction": "none", "two_fluid.friction_viscosity": "none"},
@@ -23,20 +25,25 @@ RUNS: dict[str, dict[str, Any]] = {
     "drag by Beetstra": {"two_fluid.drag": "drag_beetstra"},
     "restitution 0.9": {"solid.restitution": 0.9},
     "restitution 0.8": {"solid.restitution": 0.8},
+    "friction of particles (Chialvo, Sundaresan)": BY_CHIALVO,
+    "friction of particles (Jenkins, Zhang)": BY_JENKINS,
+    "restitution 0.859 in all": {"solid.restitution": 0.859},
     "granular temperature frozen at 1e-5 m2/s2": {"two_fluid.granular_temperature": "frozen", "initial.theta": 1e-5},
     "no stress of the particles": {"two_fluid.viscosity": "none", "two_fluid.friction_viscosity": "none"},
+    "paper's width": {},
+    "paper's width, friction of particles (Chialvo, Sundaresan)": BY_CHIALVO,
 }
 
 
 def compute() -> Tables:
     """Diameter at the end of injection and later, and over that of the bubble beside particles."""
-    particles = reference()
     rows = []
     for number, (name, changes) in enumerate(RUNS.items()):
-        folder = f"closures_{number}"
-        cb.run(cb.load(HERE / f"{CASE}.toml", changes), raw(HERE.name) / folder)
+        folder, case = f"closures_{number}", WHOLE if name.startswith("paper's") else HALF
+        cb.run(study.scene(case, changes), raw(HERE.name) / folder)
         found = Table(dict.fromkeys(study.COLUMNS, ".6g"), study.series(folder))
-        stop, _, late, *_ = study.moments(CASE, found)
+        stop, _, late, *_ = study.moments(case, found)
+        particles = reference(case)
         rows.append((name, stop, stop / particles[0], late, late / particles[1]))
         print(name, f"{stop:.4f} {late:.4f}", flush=True)
     columns = {"run": ""}
@@ -45,20 +52,20 @@ def compute() -> Tables:
     return {"closures": Table(columns, rows)}
 
 
-def reference() -> tuple[float, float]:
+def reference(case: str) -> tuple[float, float]:
     """Diameters of the bubble beside particles [m], at the end of injection and later."""
-    stop, _, late, *_ = study.moments(CASE, study.reference().where({"case": CASE}))
+    stop, _, late, *_ = study.moments(case, study.reference().where({"case": case}))
     return stop, late
 
 
 def plot(tables: Tables) -> dict[str, Any]:
     """Diameters over those beside particles."""
     found = tables["closures"]
-    figure, axes = gallery.figure(1, 1, size=(7.5, 3.6))
+    figure, axes = gallery.figure(1, 1, size=(7.5, 4.2))
     place = np.arange(len(found.rows))[::-1]
     for name, mark, colour in (("at the end of injection", "o", gallery.BLUE), ("later", "s", gallery.VERMILION)):
         axes.plot(found[f"over particles {name}"], place, mark, color=colour, label=name)
     axes.axvline(1.0, color="0.5", lw=0.8)
     axes.set(xlabel="diameter over that beside particles", yticks=place, yticklabels=list(RUNS))
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=8, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0))
     return {"closures": figure}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -30,7 +30,7 @@ EMULSION, DEPTH = 0.4, 0.28  # porosity at the start; depth of the paper's bed [
 EVERY = 0.01  # s, between fields of the paper's bed
 
 
-def scene(case: str) -> cb.Scene:
+def scene(case: str, others: Mapping[str, Any] | None = None) -> cb.Scene:
     """The half bed, or the paper's, with another diameter and temperature; `_fine` halves the cells."""
     size, T = case.removesuffix("_fine").removeprefix("half_").split("mm_")
     background, T = BACKGROUND[int(size)], float(T)
@@ -47,7 +47,7 @@ def scene(case: str) -> cb.Scene:
         changes |= {"time.end": END, "time.sample": EVERY, "time.fields": EVERY}
     if case.endswith("_fine"):
         changes["mesh.cells"] = [60, 160]
-    return cb.load(HERE / ("2mm_700.toml" if case in WHOLE else "half_3mm_900.toml"), changes)
+    return cb.load(HERE / ("2mm_700.toml" if case in WHOLE else "half_3mm_900.toml"), changes | dict(others or {}))
 
 
 def scale(case: str) -> float:
