@@ -17,11 +17,15 @@ from contbed.two_fluid import momentum_budget
 from contbed.two_fluid.simulation import Simulation
 
 HALVES = 2
+OF_BED = ("weight", "momentum", "sum_forces")  # of `Averages.arrays`, those that do not list cells
 
 
 @dataclass
 class Averages:
-    """Sums over time of each half of the window, weighted by the steps; `momentum` after the last step."""
+    """Sums over time of each half of the window, weighted by the steps; `momentum` after the last step.
+
+    On the part of a bed that one rank has, they are those of its own cells; OF_BED are of the whole bed.
+    """
 
     start: float
     end: float
@@ -31,34 +35,41 @@ class Averages:
 
     def add(self, bed: Simulation) -> None:
         """Take the last step of the bed into account."""
-        clock, growth = bed.clock, max(1.0, bed.model.options.growth)
-        if clock.time + growth * max(clock.dt, clock.dt_wanted) <= self.start:
-            return  # the next step is not in the window either, and ranks gather their fields for what follows
+        if self.open_later(bed):
+            return
         before, self.momentum = self.momentum, momentum_budget.momentum(bed)
-        if clock.time <= self.start:
+        if bed.clock.time <= self.start:
             return
         half = min(int(HALVES * (bed.state.time - self.start) / (self.end - self.start)), HALVES - 1)
-        s = bed.state.eps_s[:, None]
+        own = bed.model.grid.halo.cells
+        fields = {name: values[own] for name, values in bed.state.fields().items()}
+        s, u_solid = fields["eps_s"], fields["u_solid"]
         now = {
-            "eps_s": bed.state.eps_s,
-            "theta": bed.state.eps_s * bed.state.theta,
-            "p": bed.state.p,
-            "u_gas": (1.0 - s) * bed.state.u_gas,
-            "u_solid": s * bed.state.u_solid,
-            "square": s * bed.state.u_solid**2,
-            "speed": bed.state.eps_s * np.linalg.norm(bed.state.u_solid, axis=1),
+            "eps_s": s,
+            "theta": s * fields["theta"],
+            "p": fields["p"],
+            "u_gas": (1.0 - s[:, None]) * fields["u_gas"],
+            "u_solid": s[:, None] * u_solid,
+            "square": s[:, None] * u_solid**2,
+            "speed": s * np.linalg.norm(u_solid, axis=1),
             "forces": momentum_budget.forces(bed, before),
         }
-        if bed.state.energy is not None:
-            now |= {
-                "T_gas": (1.0 - bed.state.eps_s) * bed.state.energy.T_gas,
-                "T_solid": bed.state.eps_s * bed.state.energy.T_solid,
-            }
+        if "T_gas" in fields:
+            now |= {"T_gas": (1.0 - s) * fields["T_gas"], "T_solid": s * fields["T_solid"]}
         self.weight[half] += bed.state.dt
         for name, value in now.items():
             if name not in self.sums:
                 self.sums[name] = np.zeros((HALVES, *value.shape))
             self.sums[name][half] += bed.state.dt * value
+
+    def open_later(self, bed: Simulation) -> bool:
+        """Return whether the next step of the bed is not in the window either, so that this one does not matter."""
+        clock, growth = bed.clock, max(1.0, bed.model.options.growth)
+        return clock.time + growth * max(clock.dt, clock.dt_wanted) <= self.start
+
+    def whole(self) -> Averages:
+        """Return the averages of the whole bed, which are these."""
+        return self
 
     def means(self, half: int | None = None) -> dict[str, np.ndarray]:
         """Return fields of averages, of all or of one half.

@@ -27,10 +27,11 @@ SHARES = ("pressure", "particles", "walls", "inflow", "change")
 
 def momentum(bed: Simulation) -> float:
     """Upward momentum of both phases [kg m/s]; in a plane per metre of depth, on a line per square metre."""
-    state, materials = bed.state, bed.model.materials
+    state, materials, halo = bed.state, bed.model.materials, bed.model.grid.halo
     s, rho_g, rho_s = state.eps_s, materials.rho_gas * density_ratio(state.energy), materials.rho_solid
-    density = np.stack((rho_g * (1.0 - s), rho_s * s)) * bed.model.grid.geometry.volume
-    return float(density[0] @ state.u_gas[:, -1] + density[1] @ state.u_solid[:, -1])
+    gas, solid = np.stack((rho_g * (1.0 - s), rho_s * s)) * bed.model.grid.geometry.volume
+    own = halo.cells
+    return float(*halo.sum(float(gas[own] @ state.u_gas[own, -1] + solid[own] @ state.u_solid[own, -1])))
 
 
 def forces(bed: Simulation, before: float) -> Array:
@@ -39,27 +40,32 @@ def forces(bed: Simulation, before: float) -> Array:
     before : momentum [kg m/s] at the start of the step, per metre or square metre as in `momentum`
     """
     state, model = bed.state, bed.model
-    g, first, edge, s = model.grid.geometry, model.grid.interior, model.edge, state.eps_s
-    cells, area, n = model.boundary_cells, g.area[first:], g.normal[first:, -1]
+    g, first, edge, s, halo = model.grid.geometry, model.grid.interior, model.edge, state.eps_s, model.grid.halo
+    own, inside = halo.edges, halo.cells
+    cells, area, n = model.boundary_cells[own], g.area[first:][own], g.normal[first:, -1][own]
     rho_g, rho_s = model.materials.rho_gas * density_ratio(state.energy), model.materials.rho_solid
-    outlet, rheology = edge.gas.kind == OUTLET, state.properties.rheology
-    pressure = np.where(outlet, edge.p, state.p[cells])
+    outlet, rheology = edge.gas.kind[own] == OUTLET, state.properties.rheology
+    pressure = np.where(outlet, edge.p[own], state.p[cells])
     particles = rho_s * rheology.pressure * state.theta + rheology.p_friction
     on_walls = np.where(outlet, 0.0, particles[cells])
     density = rho_g * (1.0 - s) + rho_s * s
-    beyond = area * n * np.where(outlet, 0.0, g.arm_left[first:, -1])
-    weight = -model.gravity[-1] * (density @ g.volume - density[cells] @ beyond)
-    solid = state.fluxes.moved[first:]
-    fluxes = (state.fluxes.total[first:] - solid) * np.broadcast_to(rho_g, s.shape)[cells], solid * rho_s
+    beyond = area * n * np.where(outlet, 0.0, g.arm_left[first:, -1][own])
+    weight = -model.gravity[-1] * (density[inside] @ g.volume[inside] - density[cells] @ beyond)
+    solid = state.fluxes.moved[first:][own]
+    fluxes = (
+        (state.fluxes.total[first:][own] - solid) * np.broadcast_to(rho_g, s.shape)[cells],
+        solid * rho_s,
+    )
     inflow = 0.0
     sides, velocities, fractions = (edge.gas, edge.solid), (state.u_gas, state.u_solid), (1.0 - s, s)
     for side, u, eps, flux in zip(sides, velocities, fractions, fluxes, strict=True):
         given = np.empty_like(side.u)
         boundary_velocity(g, side, np.abs(side.slip), u, eps, given)
-        inflow -= float(flux @ given[:, -1])
+        inflow -= float(flux @ given[own, -1])
     change = (momentum(bed) - before) / state.dt
     walls = state.wall_force_gas + state.wall_force_solid
-    return np.array([-area * n @ pressure, -area * n @ on_walls, walls, inflow, change, weight])
+    on_ends = halo.sum(float(-area * n @ pressure), float(-area * n @ on_walls), inflow, float(weight))
+    return np.array([*on_ends[:2], walls, on_ends[2], change, on_ends[3]])
 
 
 def shares(mean: Array) -> dict[str, float]:

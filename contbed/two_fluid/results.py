@@ -121,8 +121,7 @@ def tables(
     They hold averages, or the last state without them. With averages there is also spectrum.csv, the power of the
     pressure drop by frequency.
     """
-    averaged = averages is not None and averages.weight.sum() > 0
-    fields = averages.means() if averaged else bed.state.fields()  # type: ignore[union-attr]
+    fields = bed.state.fields() if averages is None else averages.means()
     volume, centres = bed.model.grid.geometry.volume, bed.model.grid.centres
     s = fields["eps_s"]
     values = {
@@ -136,7 +135,7 @@ def tables(
     values |= {f"{name} [K]": value for name, value in warm.items()}
     weights = {"T_gas [K]": 1.0 - s, "T_solid [K]": s} if warm else {}
     weights |= {"u_solid [m/s]": s, "theta [m2/s2]": s, "u_gas [m/s]": 1.0 - s}
-    if averaged:
+    if averages is not None:
         for name in ("theta_total [m2/s2]", "speed_solid [m/s]"):
             values[name], weights[name] = fields[name.partition(" ")[0]], s
     corners = plan.mesh.skfem.p[:, plan.mesh.skfem.t].T
@@ -157,7 +156,7 @@ def tables(
         found["lateral"] = {name: place, **columns}
         if plan.scene.output.levels:
             found["levels"] = _levels(plan, bed, values, weights)
-    late = rows["t [s]"] >= averages.start if averaged else np.zeros(0)  # type: ignore[union-attr]
+    late = np.zeros(0) if averages is None else rows["t [s]"] >= averages.start
     if late.sum() >= SPECTRUM:
         frequency, power = spectrum(rows["t [s]"][late], rows["pressure_drop [Pa]"][late])
         found["spectrum"] = {"frequency [Hz]": frequency, "spectral_density [Pa2 s]": power}
@@ -242,7 +241,7 @@ def results(
     if shear:
         found["theta_over_s2d2"] = last[5] / (shear * bed.model.materials.d_p) ** 2
     found |= _fronts(scene, bed)
-    if averages is not None and averages.weight.sum() > 0:
+    if averages is not None:
         late = rows["t [s]"] >= averages.start
         found["pressure_drop_mean [Pa]"] = float(np.mean(rows["pressure_drop [Pa]"][late]))
         found["averaged [s]"] = float(averages.weight.sum())

@@ -48,15 +48,27 @@ class Run:
         inlets = (getattr(part, "until", None) for part in self.scene.boundary.values())
         self.ends = sorted({end for end in inlets if end is not None})
         self.ended = 0
-        self.averages = None
-        if time.average_from is not None:
-            self.averages = Averages(time.average_from, time.end, momentum=momentum_budget.momentum(self.bed))
+        self.averages = None if time.average_from is None else self._begin_averages(time.average_from, time.end)
         self.rows: list[list[float]] = []
         self.files: list[tuple[float, str]] = []
         self.interval = time.sample or time.end / ROWS
         self.cut_steps = 0
         self.largest_speed = plausibility.largest_speed(self.scene, self.bed)
         self.take_row()
+
+    def _begin_averages(self, start: float, end: float) -> Averages:
+        if self.plan.mesh.engine == "dolfinx":
+            from contbed.two_fluid.distributed.averages import SharedAverages
+            from contbed.two_fluid.distributed.bed import SharedSimulation
+
+            assert isinstance(self.bed, SharedSimulation)
+            return SharedAverages(self.bed, start, end)
+        return Averages(start, end, momentum=momentum_budget.momentum(self.bed))
+
+    def averaged(self) -> Averages | None:
+        """Return the averages of the whole bed; None before there are any."""
+        found = None if self.averages is None else self.averages.whole()
+        return found if found is not None and found.weight.any() else None
 
     def take_row(self) -> None:
         """One row of profiles.csv."""
@@ -99,7 +111,7 @@ class Run:
         }
         arrays |= {f"ranges_{kind}": closure.state() for kind, closure in self.closures.items()}
         if self.averages is not None:
-            arrays |= self.averages.arrays()
+            arrays |= self.averages.whole().arrays()
         return arrays, {"state": json.dumps(plain), "files": json.dumps(self.files)}
 
     def resume(self, arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> None:
@@ -121,10 +133,9 @@ class Run:
 
     def _require_same_window(self, end: float) -> None:
         """Refuse another end of averages, whose halves are those of the window, once they have begun."""
-        assert self.averages is not None
-        if self.averages.weight.any() and end != self.scene.time.end:
+        if (found := self.averaged()) is not None and end != self.scene.time.end:
             where = self.scene.origin.at(("time", "end"))
-            text = f"the averages since {self.averages.start:g} s are of a window that ends at {end:g} s"
+            text = f"the averages since {found.start:g} s are of a window that ends at {end:g} s"
             raise SceneError(f"{where}: time.end = {self.scene.time.end:g}: {text}")
 
 
@@ -223,7 +234,8 @@ def _fields(run: Run, folder: Path) -> None:
 
     if run.files and run.files[-1][0] == run.bed.state.time:
         return
-    means = run.averages.means() if run.averages is not None and run.averages.weight.sum() > 0 else {}
+    averages = run.averaged()
+    means = {} if averages is None else averages.means()
     name = f"fields_{len(run.files):04d}.vtu"
     fields = run.bed.state.fields()
     fields |= {f"{key}_mean": value for key, value in means.items()}
@@ -254,7 +266,7 @@ def _fill_balances(run: Run, result: Result) -> None:
 
 
 def _fill_tables(run: Run, result: Result) -> None:
-    result.tables |= findings.tables(run.plan, run.bed, run.averages, result.profiles)
+    result.tables |= findings.tables(run.plan, run.bed, run.averaged(), result.profiles)
 
 
 def _fill_results(run: Run, result: Result) -> None:
@@ -264,7 +276,7 @@ def _fill_results(run: Run, result: Result) -> None:
     result.timings |= {f"flow: {name}": seconds for name, seconds in bed.model.timer.seconds.items()}
     guarded = {name: count[0] for name, count in run.compiled.counts._asdict().items()}
     counts = {name: int(number) for name, number in (state.counters._asdict() | guarded).items() if number}
-    found = findings.results(run.plan, bed, run.contents_at_start, run.averages, result.profiles, result.tables)
+    found = findings.results(run.plan, bed, run.contents_at_start, run.averaged(), result.profiles, result.tables)
     result.qoi |= found | counts | bed.traffic()
 
 

@@ -8,6 +8,9 @@ import pytest
 from dolfinx_launch import started
 from two_fluid_scenes import BEDS, CHECK_CASES
 
+from contbed.output.tables import read_table
+from contbed.two_fluid.averages import OF_BED
+
 PROGRAM = Path(__file__).with_name("two_fluid_program.py")
 # after 20 steps; two numbers of ranks differ by the order of sums and by what the pressure equation leaves, 1e-13 of
 # its right-hand side, which limiters multiply
@@ -16,6 +19,7 @@ TOLERANCE = 1e-10
 # becomes 4e-11 in its velocity within these steps; what ranks differ by is a few times that change
 TOLERANCES = {"tetrahedra": 1e-9}
 CONTINUED = 1e-8  # the same after some 50 steps, which multiply it further
+AVERAGED = ("triangles", "heated_rectangles", "periodic", "closed")
 # of the mass; each of the 20 steps rounds the content of each cell
 ROUNDING = 2e-14
 
@@ -105,6 +109,29 @@ def test_checkpoint_goes_on_on_other_ranks(first: int, then: int, written) -> No
         np.testing.assert_allclose(found[name], expected[name], rtol=0.0, atol=CONTINUED * scale, err_msg=name)
 
 
+@pytest.mark.parametrize("ranks", [1, 2, 3])
+def test_averages_of_ranks_are_those_of_gathered_fields(ranks: int, written) -> None:
+    folder = written("averages", ranks, *AVERAGED)
+    for name in AVERAGED:
+        taken, gathered = np.load(folder / f"{name}.npz"), np.load(folder / f"{name}_gathered.npz")
+        assert set(gathered["asked"]) == {"step_towards", "add"}  # no fields are gathered
+        assert taken["weight"].sum() > 0.0 and set(taken.files) == set(gathered.files) - {"asked"}
+        for key in taken.files:
+            scale = np.abs(gathered[key]).max() or 1.0
+            # cells have the same bits; sums over the bed are taken in another order
+            allowed = ROUNDING * scale if key in OF_BED else 0.0
+            np.testing.assert_allclose(taken[key], gathered[key], rtol=0.0, atol=allowed, err_msg=f"{name} {key}")
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_averages_do_not_depend_on_the_number_of_ranks(ranks: int, written) -> None:
+    for name in AVERAGED:
+        one, other = (np.load(written("averages", count, *AVERAGED) / f"{name}.npz") for count in (1, ranks))
+        for key in one.files:
+            scale = np.abs(one[key]).max() or 1.0
+            np.testing.assert_allclose(other[key], one[key], rtol=0.0, atol=TOLERANCE * scale, err_msg=f"{name} {key}")
+
+
 def test_pulse_of_hot_gas_ends_on_all_ranks(written) -> None:
     one, two = (rows(written("whole", ranks, "pulse", "0.05")) for ranks in (1, 2))
     drop, without = (found["pressure_drop_Pa"] for found in (one, rows(written("whole", 1, "heated", "0.05"))))
@@ -128,15 +155,20 @@ def test_results_and_files_are_those_of_one_rank(written) -> None:
 
 
 def test_a_killed_rank_ends_all_and_the_checkpoint_goes_on(written, tmp_path: Path) -> None:
-    done = started(2, "kill", tmp_path, "triangles", program=PROGRAM)
+    done = started(2, "kill", tmp_path, "averaged", program=PROGRAM)
     assert done.returncode != 0
     assert "signal 9 (Killed)" in done.stdout + done.stderr
     assert (tmp_path / "checkpoint.npz").is_file()
-    found, expected = rows(written("resume", 1, "triangles", tmp_path)), rows(written("whole", 1, "triangles", "0.05"))
-    assert len(found) == len(expected)
-    for name in expected.dtype.names:
-        scale = np.abs(expected[name]).max() or 1.0
-        np.testing.assert_allclose(found[name], expected[name], rtol=0.0, atol=CONTINUED * scale, err_msg=name)
+    assert np.load(tmp_path / "checkpoint.npz")["array.weight"].any()  # of averages that have begun
+    expected = written("whole", 1, "averaged", "0.05")
+    for ranks in (1, 3):
+        found = written("resume", ranks, "averaged", tmp_path)
+        for table in ("profiles", "axial", "lateral"):
+            columns, wanted = (read_table(folder / f"{table}.csv") for folder in (found, expected))
+            assert columns.keys() == wanted.keys()
+            for name, values in wanted.items():
+                scale = np.abs(values).max() or 1.0
+                np.testing.assert_allclose(columns[name], values, rtol=0.0, atol=CONTINUED * scale, err_msg=name)
 
 
 def test_more_ranks_than_cells(tmp_path: Path) -> None:

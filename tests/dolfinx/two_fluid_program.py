@@ -14,6 +14,9 @@ from contbed.fem.dolfinx import on_dolfinx
 from contbed.fem.ranks import run_on_root
 from contbed.loading import from_dict, load
 from contbed.runner import run
+from contbed.two_fluid.averages import Averages
+from contbed.two_fluid.distributed.averages import SharedAverages
+from contbed.two_fluid.momentum_budget import momentum
 from contbed.two_fluid.results import balances, contents
 
 STEPS = 20
@@ -35,6 +38,32 @@ def states(out: Path, *names: str) -> None:
                 bed.step_towards(1e3)
             open_shares = [abs(balance["relative_residual"]) for balance in balances(bed, start).values()]
             np.savez(out / f"{name}.npz", **bed.saved(), drift=max(open_shares), counts=np.concatenate(compiled.counts))
+
+        run_on_root(main)
+
+
+def averages(out: Path, *names: str) -> None:
+    """Averages by rank over the last steps, those of the fields that the first rank gathers, and what it asked for."""
+    for name in names:
+
+        def main(name: str = name) -> None:
+            bed, _ = on_dolfinx(models.plan(loaded(name))).bed()
+            for _ in range(STEPS // 2):
+                bed.step_towards(1e3)
+            window = bed.clock.time * (1.0 + 1e-9), 4.0 * bed.clock.time
+            gathered = Averages(*window, momentum=momentum(bed))
+            taken = SharedAverages(bed, *window)
+            asked, run = [], bed.shared.run
+            for _ in range(STEPS // 2):
+                bed.shared.run = lambda function, *more, **root: (
+                    asked.append(function.__name__) or run(function, *more, **root)
+                )
+                bed.step_towards(1e3)
+                taken.add(bed)
+                del bed.shared.run
+                gathered.add(bed)
+            np.savez(out / f"{name}.npz", **taken.whole().arrays())
+            np.savez(out / f"{name}_gathered.npz", **gathered.arrays(), asked=asked)
 
         run_on_root(main)
 
@@ -67,7 +96,7 @@ def kill(out: Path, name: str) -> None:
     run(scene, out=out, engine="dolfinx")
 
 
-COMMANDS = {f.__name__: f for f in (states, whole, resume, kill)}
+COMMANDS = {f.__name__: f for f in (states, averages, whole, resume, kill)}
 
 if __name__ == "__main__":
     COMMANDS[sys.argv[1]](Path(sys.argv[2]), *sys.argv[3:])

@@ -111,3 +111,4 @@ BEDS |= {
 }
 PULSE = {"type": "inlet", "on": "bottom", "start": 0.012, "end": 0.028, "velocity": 2.0, "T_gas": 900.0, "until": 0.02}
 BEDS["pulse"] = BEDS["heated"] | {"boundary": BEDS["heated"]["boundary"] | {"pulse": PULSE}}
+BEDS["averaged"] = bed(PLANE | {"shape": "triangle"}, time={"average_from": 0.012, "fields": 0.02})

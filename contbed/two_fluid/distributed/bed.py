@@ -84,14 +84,14 @@ class SharedSimulation(Simulation):
 
     def find_fluxes(self, dt: float) -> None:
         """Find fluxes and pressure that belong to the fields, as after a step of `dt` [s] without convection."""
-        self._tell()
+        self.tell()
         if error := self.shared.run(parts.find_fluxes, dt):
             raise error
         self._clock = self.clock
 
     def step_towards(self, end: float) -> None:
         """One of the equal steps to `end` [s], on all ranks."""
-        self._tell()
+        self.tell()
         error, self._clock = self.shared.run(parts.step_towards, end)
         if error:
             raise error
@@ -114,7 +114,7 @@ class SharedSimulation(Simulation):
         names = "messages_per_step", "message_bytes_per_step", "reductions_per_step"
         return {name: float(number) for name, number in zip(names, counted, strict=True)}
 
-    def _tell(self) -> None:
+    def tell(self) -> None:
         """Give all ranks their parts of a state that was set here."""
         if self._told:
             return

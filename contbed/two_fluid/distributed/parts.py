@@ -17,6 +17,7 @@ from contbed import threads
 from contbed.errors import ConvergenceError
 from contbed.fem.ranks import RankGroup
 from contbed.two_fluid import closure_kernels
+from contbed.two_fluid.averages import Averages
 from contbed.two_fluid.boundary import Edge, Side
 from contbed.two_fluid.closure_kernels import CompiledClosures, GuardCounts, ParticleProperties
 from contbed.two_fluid.closures import bound
@@ -53,11 +54,12 @@ class About(NamedTuple):
 
 @dataclass(eq=False)
 class RankBed:
-    """The bed of one rank: its part of the grid, the simulation there, and how often limits of closures acted."""
+    """The bed of one rank: its part of the grid, the simulation there, how often limits of closures acted, averages."""
 
     part: Part
     simulation: Simulation
     counts: GuardCounts
+    averages: Averages | None = None
 
     @property
     def halo(self) -> RankHalo:
