@@ -38,41 +38,55 @@ def write(path: Path, mesh: Any, nodal: Mapping[str, tuple[Space, Any]]) -> str:
     root = [partition.split(table) for table in (mesh.t.T, corners, region, *by_cell)]
     folder = path.parent.resolve()
     for rank in range(all_ranks.comm.size):
-        announce(path.with_name(_piece(path.stem, rank)))
+        announce(path.with_name(name_of(path.stem, rank)))
     all_ranks.run_on_all(write_piece, type(mesh), mesh.dim(), fields, names, str(folder), path.stem, root=root)
-    header = path.with_suffix(".pvtu")
-    with atomic(header) as temporary:
-        temporary.write_text(_header(fields, bool(names), path.stem, all_ranks.comm.size), encoding="utf-8")
-    return header.name
+    points = {name: ("Float64", 3 if ncomponents else 1) for name, (_, ncomponents) in fields.items()}
+    return write_header(path, points, {"region": ("Int32", 1)} if names else {}, all_ranks.comm.size)
 
 
-def _header(fields: dict[str, tuple[int, int]], region: bool, stem: str, count: int) -> str:
+def write_header(
+    path: Path, points: Mapping[str, tuple[str, int]], cells: Mapping[str, tuple[str, int]], count: int
+) -> str:
+    """Write the .pvtu beside the pieces of `path`, after them; return its name.
+
+    Parameters
+    ----------
+    path : of the .vtu that the pieces stand for
+    points, cells : VTK's type and number of components of each array
+    count : number of pieces
+    """
+
     def array(name: str, kind: str, ncomponents: int) -> str:
         return f'      <PDataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{ncomponents}"/>'
 
-    return "\n".join(
+    text = "\n".join(
         [
             '<?xml version="1.0"?>',
             '<VTKFile type="PUnstructuredGrid" version="0.1">',
             "  <PUnstructuredGrid>",
             "    <PPointData>",
-            *(array(name, "Float64", 3 if n else 1) for name, (_, n) in fields.items()),
+            *(array(name, *what) for name, what in points.items()),
             "    </PPointData>",
             "    <PCellData>",
-            *([array("region", "Int32", 1)] if region else []),
+            *(array(name, *what) for name, what in cells.items()),
             "    </PCellData>",
             "    <PPoints>",
             array("Points", "Float64", 3),
             "    </PPoints>",
-            *(f"    <Piece Source={quoteattr(_piece(stem, rank))}/>" for rank in range(count)),
+            *(f"    <Piece Source={quoteattr(name_of(path.stem, rank))}/>" for rank in range(count)),
             "  </PUnstructuredGrid>",
             "</VTKFile>",
             "",
         ]
     )
+    header = path.with_suffix(".pvtu")
+    with atomic(header) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return header.name
 
 
-def _piece(stem: str, rank: int) -> str:
+def name_of(stem: str, rank: int) -> str:
+    """Return the name of the piece of a rank."""
     return f"{stem}_p{rank:05d}.vtu"
 
 
@@ -111,4 +125,5 @@ def write_piece(
         nodal[name] = (space, values if ncomponents else values[0])
     if names:
         mesh = mesh.with_subdomains({name: np.flatnonzero(region == k) for k, name in enumerate(names)})
-    write_fields(Path(folder) / _piece(stem, all_ranks.comm.rank), mesh, nodal)
+    write_fields(Path(folder) / name_of(stem, all_ranks.comm.rank), mesh, nodal)
+    all_ranks.comm.Barrier()  # what names the pieces is written when all are there

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.output.nearest import Nearest
+from contbed.output.stored import read_fields
 from contbed.report.read import Run, Snapshot
 
 Array = NDArray[np.float64]
@@ -66,9 +67,7 @@ def pictures(run: Run, most: int = MAX_FRAMES) -> list[Pictures | Cloud]:
     chosen = _chosen(run.snapshots, most)
     if not chosen:
         return []
-    import meshio
-
-    meshes = [meshio.read(snapshot.file) for snapshot in chosen]
+    meshes = [read_fields(snapshot.file) for snapshot in chosen]
     times = tuple(snapshot.time for snapshot in chosen if snapshot.time is not None)
     kinds = {block.type for block in meshes[0].cells}
     if kinds == {"vertex"}:

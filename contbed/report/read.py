@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from contbed.errors import ContbedError
 from contbed.models import MODELS, kind_of
 from contbed.output.folder import read_summary
+from contbed.output.stored import read_series
 from contbed.output.tables import read_table
 from contbed.scene import schema
 
@@ -116,15 +116,9 @@ def _keys(root: schema.Node, values: Any, path: tuple[str, ...]) -> list[Key]:
 
 
 def _snapshots(folder: Path) -> list[Snapshot]:
-    """Return the files of the fields in order of time; pieces of a parallel run are left out."""
+    """Return the files of the fields in order of time; of pieces the .pvtu that names them."""
     series = sorted(folder.glob("*.pvd"))
-    if not series:
-        return [
-            Snapshot(None, file) for file in sorted(folder.glob("*.vtu")) if not re.search(r"_p\d+\.vtu$", file.name)
-        ]
-    found = []
-    for entry in ElementTree.parse(series[0]).iter("DataSet"):
-        file = folder / entry.attrib["file"]
-        if file.suffix == ".vtu" and file.is_file():
-            found.append(Snapshot(float(entry.attrib["timestep"]), file))
-    return found
+    if series:
+        return [Snapshot(time, file) for time, file in read_series(series[0]) if file.suffix in (".vtu", ".pvtu")]
+    whole = [file for file in folder.glob("*.vtu") if not re.search(r"_p\d+\.vtu$", file.name)]
+    return [Snapshot(None, file) for file in sorted([*whole, *folder.glob("*.pvtu")])]

@@ -83,7 +83,7 @@ class TwoFluidPlan:
         if self.mesh.engine == "dolfinx":
             from contbed.two_fluid.distributed.bed import SharedSimulation
 
-            bed = SharedSimulation(model, scene, particles, compiled.counts)
+            bed = SharedSimulation(model, self.mesh.skfem, scene, particles, compiled.counts)
         bed.start(**initial(scene, self.grid))
         return bed, compiled
 

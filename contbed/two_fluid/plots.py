@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from contbed.fields import field, name_of
 from contbed.output.maps import cell_maps
 from contbed.output.plots import styled_figure
+from contbed.output.stored import read_fields, read_series
 from contbed.result import Result
 
 _MAPS = ("eps_s", "T_gas", "T_solid")
@@ -67,9 +68,11 @@ def plot(result: Result, folder: Path) -> None:
     """Write profiles.png, and fields.png of a plane or a box from its last file of fields."""
     title = result.plan.scene.title
     two_fluid_plot(folder / "profiles.png", result.profiles, result.tables, title)
-    files = sorted(folder.glob("fields_*.vtu"))
-    if files and result.plan.mesh.skfem.dim() > 1:
-        fields_plot(folder / "fields.png", files[-1], result.profiles["t [s]"][-1], title)
+    series = folder / "fields.pvd"
+    stored = read_series(series) if series.is_file() else []
+    if stored and result.plan.mesh.skfem.dim() > 1:
+        time, file = stored[-1]
+        fields_plot(folder / "fields.png", file, time, title)
 
 
 def fields_plot(path: Path, file: Path, time: float, title: str = "") -> None:
@@ -84,9 +87,7 @@ def fields_plot(path: Path, file: Path, time: float, title: str = "") -> None:
     time : of these fields [s]
     title : text above the picture
     """
-    import meshio
-
-    stored = meshio.read(file)
+    stored = read_fields(file)
     corners = stored.points[stored.cells[0].data]
     fields = {name: values[0] for name, values in stored.cell_data.items() if name in _MAPS}
     extent = np.ptp(stored.points, axis=0)

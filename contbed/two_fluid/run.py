@@ -230,17 +230,16 @@ def _keep(run: Run, folder: Path, keeper: Keeper) -> None:
 
 def _fields(run: Run, folder: Path) -> None:
     from contbed.output.vtu import write_series
-    from contbed.two_fluid.files import write_cells
 
-    if run.files and run.files[-1][0] == run.bed.state.time:
+    time = run.bed.clock.time
+    if run.files and run.files[-1][0] == time:
         return
-    averages = run.averaged()
-    means = {} if averages is None else averages.means()
-    name = f"fields_{len(run.files):04d}.vtu"
-    fields = run.bed.state.fields()
-    fields |= {f"{key}_mean": value for key, value in means.items()}
-    write_cells(folder / name, run.plan.mesh.skfem, run.plan.grid.cells, fields)
-    run.files.append((run.bed.state.time, name))
+    if run.plan.mesh.engine == "dolfinx":
+        from contbed.two_fluid.distributed.files import write
+    else:
+        from contbed.two_fluid.files import write
+    name = write(folder / f"fields_{len(run.files):04d}.vtu", run.plan.mesh.skfem, run.bed, run.averages)
+    run.files.append((time, name))
     write_series(folder / "fields.pvd", run.files)
 
 

@@ -13,9 +13,11 @@ from contbed import models
 from contbed.fem.dolfinx import on_dolfinx
 from contbed.fem.ranks import run_on_root
 from contbed.loading import from_dict, load
+from contbed.output import pieces
 from contbed.runner import run
 from contbed.two_fluid.averages import Averages
 from contbed.two_fluid.distributed.averages import SharedAverages
+from contbed.two_fluid.distributed.files import write
 from contbed.two_fluid.momentum_budget import momentum
 from contbed.two_fluid.results import balances, contents
 
@@ -68,9 +70,33 @@ def averages(out: Path, *names: str) -> None:
         run_on_root(main)
 
 
-def whole(out: Path, name: str, end: str) -> None:
+def files(out: Path, *names: str) -> None:
+    """Fields and averages of the same state, each in one file of the first rank and in pieces of all."""
+    for name in names:
+
+        def main(name: str = name) -> None:
+            plan = on_dolfinx(models.plan(loaded(name)))
+            bed, _ = plan.bed()
+            taken = SharedAverages(bed, 0.0, 1.0)
+            for _ in range(3):
+                bed.step_towards(1e3)
+                taken.add(bed)
+            for folder, pieces.WHOLE in ((out / "pieces", 10), (out / "one", 100_000)):
+                write(folder / f"{name}.vtu", plan.mesh.skfem, bed, taken)
+
+        run_on_root(main)
+
+
+def in_pieces(out: Path, name: str, end: str) -> None:
+    """A run until `end` [s] whose fields are written in pieces."""
+    pieces.WHOLE = 10
+    whole(out, name, end, plots=True)
+
+
+def whole(out: Path, name: str, end: str, plots: bool = False) -> None:
     """A run with its files until `end` [s]."""
-    run(from_dict(BEDS[name] | {"time": BEDS[name]["time"] | {"end": float(end)}}), out=out, engine="dolfinx")
+    time = BEDS[name]["time"] | {"end": float(end)}
+    run(from_dict(BEDS[name] | {"time": time, "output": {"plots": plots}}), out=out, engine="dolfinx")
 
 
 def resume(out: Path, name: str, folder: str) -> None:
@@ -96,7 +122,7 @@ def kill(out: Path, name: str) -> None:
     run(scene, out=out, engine="dolfinx")
 
 
-COMMANDS = {f.__name__: f for f in (states, averages, whole, resume, kill)}
+COMMANDS = {f.__name__: f for f in (states, averages, files, in_pieces, whole, resume, kill)}
 
 if __name__ == "__main__":
     COMMANDS[sys.argv[1]](Path(sys.argv[2]), *sys.argv[3:])

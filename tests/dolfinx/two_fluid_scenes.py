@@ -101,6 +101,10 @@ BEDS = {
         boundary={"front": {"type": "wall"}, "back": {"type": "wall"}},
         time={"first": 1e-4, "longest": 1e-4},
     ),
+    "hexahedra": bed(
+        {"type": "box", "length": 0.03, "width": 0.02, "height": 0.08, "cells": [3, 2, 8]},
+        boundary={"front": {"type": "wall"}, "back": {"type": "wall"}},
+    ),
     "factors_near_walls": bed(PLANE, two_fluid={"drag": "igci", "wall_drag": "igci"}),
     "closed": _without(bed(PLANE | {"shape": "triangle"}), "top", bottom={"type": "wall"}, top={"type": "wall"}),
 }

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import skfem
 
 from contbed.fem.ranks import RankGroup, rank_group
 from contbed.two_fluid.boundary import OUTLET, Condition
@@ -45,10 +46,12 @@ class Shared:
 class SharedSimulation(Simulation):
     """A bed whose steps run on all ranks; `counts` get how often limits of closures acted."""
 
-    def __init__(self, model: Model, scene: TwoFluidScene, particles: ParticleProperties, counts: GuardCounts):
+    def __init__(
+        self, model: Model, mesh: skfem.Mesh, scene: TwoFluidScene, particles: ParticleProperties, counts: GuardCounts
+    ):
         ranks = rank_group()
         size, g, edge = ranks.comm.size, model.grid, model.edge
-        found = list(split(g, owners(g, size), size))
+        found = list(split(g, mesh, owners(g, size), size))
         self.shared, self.counts = Shared(ranks, found, g.interior), counts
         floating = not (edge.gas.kind == OUTLET).any()
         about = parts.About(scene, model.materials, particles, model.options, bool(floating), model.closed)

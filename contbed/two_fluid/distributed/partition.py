@@ -11,9 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import skfem
 
 from contbed.errors import EngineError
 from contbed.two_fluid.compiled import Indices
+from contbed.two_fluid.files import corners_of
 from contbed.two_fluid.fv.grid import Geometry, Grid, neighbours
 
 # of ghost cells: gradients on skewed grids take neighbours of neighbours; what reaches farther is exchanged on the way
@@ -31,6 +33,7 @@ class Part:
     cells : of the whole grid, own ones first, then layer by layer, each in the order of the whole grid
     owned, near : number of own cells, and of those and the first layer
     interior, edge : faces of the whole grid; own_faces (nf,), own_edges (nb,) mark those of own cells on the left
+    points (np, dim) [m], corners (nc, n) : nodes of the cells, and those of each cell in VTK's order
     sent, received : for each neighbouring rank the own cells that it needs and the ghost cells that it owns
     """
 
@@ -42,6 +45,8 @@ class Part:
     edge: Indices
     geometry: Geometry
     grid_cells: Indices
+    points: np.ndarray
+    corners: Indices
     centres: np.ndarray
     middles: np.ndarray
     own_faces: np.ndarray
@@ -91,9 +96,9 @@ def owners(grid: Grid, size: int) -> Indices:
     return ranks
 
 
-def split(grid: Grid, owner: Indices, size: int) -> Iterator[Part]:
+def split(grid: Grid, mesh: skfem.Mesh, owner: Indices, size: int) -> Iterator[Part]:
     """Yield the part of each rank."""
-    parts = [_part(grid, owner, rank) for rank in range(size)]
+    parts = [_part(grid, mesh, owner, rank) for rank in range(size)]
     numbers = np.full(len(owner), -1, dtype=np.int64)
     for part in parts:
         numbers[part.cells] = np.arange(len(part.cells))
@@ -106,7 +111,7 @@ def split(grid: Grid, owner: Indices, size: int) -> Iterator[Part]:
         yield part
 
 
-def _part(grid: Grid, owner: Indices, rank: int) -> Part:
+def _part(grid: Grid, mesh: skfem.Mesh, owner: Indices, rank: int) -> Part:
     g, ni = grid.geometry, grid.interior
     left, right, inside = g.left[:ni], g.right, owner == rank
     layers = [np.flatnonzero(inside)]
@@ -128,6 +133,7 @@ def _part(grid: Grid, owner: Indices, rank: int) -> Part:
     taken |= {name: getattr(g, name)[interior] for name in OF_INTERIOR}
     taken |= {name: value[cells] if len(value := getattr(g, name)) else value for name in OF_CELLS}
     own = owner[g.left[faces]] == rank
+    nodes, corners = np.unique(corners_of(mesh)[1][grid.cells[cells]], return_inverse=True)
     return Part(
         rank,
         cells,
@@ -143,6 +149,8 @@ def _part(grid: Grid, owner: Indices, rank: int) -> Part:
             **taken,
         ),
         grid.cells[cells],
+        mesh.p.T[nodes],
+        corners.reshape(len(cells), -1),
         grid.centres[cells],
         grid.middles[faces],
         own,
