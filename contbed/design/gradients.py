@@ -110,7 +110,7 @@ def gradient_of(result: Result, qoi: Sequence[str], keys: Sequence[str]) -> Grad
     """
     require_possible(result.scene, qoi, keys)
     chosen = [key(result.scene, name) for name in keys]
-    if getattr(result.plan.mesh, "engine", "skfem") == "dolfinx":
+    if getattr(result.plan.mesh or result.plan, "engine", "skfem") == "dolfinx":
         _require_ranks(result.scene)
         return _by_runs(result, tuple(qoi), chosen, "dolfinx")
     base = tangent.of(result)

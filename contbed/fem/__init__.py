@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from contbed.fem.line_dg import Line
+    from contbed.fem.line_dg import System as LineSystem
     from contbed.fem.skfem import System as AnySystem
     from contbed.mesh.mesh import Mesh
     from contbed.solvers.linear import Policy
@@ -28,6 +30,15 @@ def system(
     else:
         from contbed.fem.skfem import System  # type: ignore[assignment]
     return System(mesh.skfem, fields, order, axisymmetric=mesh.axisymmetric, section=section)
+
+
+def line_system(line: Line, *equations: Any) -> LineSystem:
+    """Return equations on a line of discontinuous polynomials for its engine; arguments of `fem.line_dg.System`."""
+    if line.engine == "dolfinx":
+        from contbed.fem.dolfinx_line import System
+    else:
+        from contbed.fem.line_dg import System  # type: ignore[assignment]
+    return System(line, *equations)
 
 
 def engine_matrix(mesh: Mesh, matrix: Any) -> Any:

@@ -45,7 +45,11 @@ def on_dolfinx(plan: Any) -> Any:
     dolfinx, _ = versions.modules()
     size = rank_group().comm.size
     how = f"DOLFINx {dolfinx.__version__} and PETSc on {size} rank{'s' if size > 1 else ''}"
-    return replace(plan, mesh=replace(plan.mesh, engine="dolfinx"), built=(("engine", how), *plan.built))
+    if plan.mesh is None:  # a line of discontinuous polynomials
+        placed = plan.on_engine("dolfinx")
+    else:
+        placed = replace(plan, mesh=replace(plan.mesh, engine="dolfinx"))
+    return replace(placed, built=(("engine", how), *placed.built))
 
 
 def engine_usage() -> dict[str, Any]:
@@ -71,8 +75,11 @@ class Partition:
     counts: Any
 
     @classmethod
-    def of(cls, all_ranks: RankGroup, mesh: Any) -> Partition:
-        """Return the partition of a mesh; it is built at the first call, and the last one is kept."""
+    def of(cls, all_ranks: RankGroup, mesh: Any, shared: bool = False) -> Partition:
+        """Return the partition of a mesh; it is built at the first call, and the last one is kept.
+
+        With `shared`, ranks know the cells behind their facets, which forms over interior facets need.
+        """
         kept: Partition | None = all_ranks.partition
         if kept is None or kept.mesh is not mesh:
             if kept is not None:
@@ -86,7 +93,7 @@ class Partition:
             key = all_ranks.new_key()
             cells = mesh.t[_order(refdom, 1)].T.astype(np.int64)
             order, counts = all_ranks.run_on_all(
-                parts.make_mesh, key, CELLS[refdom], mesh.dim(), root=(cells, mesh.p.T.astype(float))
+                parts.make_mesh, key, CELLS[refdom], mesh.dim(), shared, root=(cells, mesh.p.T.astype(float))
             )
             all_ranks.partition = kept = cls(mesh, key, order, counts)
         return kept

@@ -29,10 +29,10 @@ def usage(all_ranks: RankGroup, root: Any) -> Any:
     return all_ranks.gather(mine, [2] * all_ranks.comm.size)
 
 
-def make_mesh(all_ranks: RankGroup, root: Any, key: int, cell: str, dim: int) -> Any:
-    """Distribute a mesh; return the cells of each rank in turn and their number."""
+def make_mesh(all_ranks: RankGroup, root: Any, key: int, cell: str, dim: int, shared: bool) -> Any:
+    """Distribute a mesh, with the cells behind `shared` facets; return those of each rank in turn and their number."""
     cells, points = root or (np.empty((0, 2**dim if cell in CUBES else dim + 1), np.int64), np.empty((0, dim)))
-    mesh = versions.create_mesh(all_ranks.comm, cell, cells, points)
+    mesh = versions.create_mesh(all_ranks.comm, cell, cells, points, shared)
     owned = mesh.topology.index_map(dim).size_local
     original = np.asarray(mesh.topology.original_cell_index[:owned], dtype=np.int64)
     counts = all_ranks.comm.gather(owned)

@@ -4,7 +4,8 @@ Run with 0.5.2 (Debian 12: UFL 2022.2, Basix 0.5, FFCx 0.5, PETSc 3.18). Written
 documentation and sources; of these only UFL 2026.1, Basix 0.11 and FFCx 0.11 were run (the element functions below and
 tests/verification/test_ufl.py), DOLFINx itself was NOT run in any version above 0.5.2.
 
-    meshes     `create_mesh(comm, cells, x, domain)` up to 0.9, `(comm, cells, domain, x)` from 0.10
+    meshes     `create_mesh(comm, cells, x, domain)` up to 0.9, `(comm, cells, domain, x)` from 0.10; copies
+               of cells of neighbours by `ghost_mode` up to 0.6, by a partitioner since
     elements   `basix.ufl_wrapper` in 0.5, `basix.ufl` since 0.7; a quadrature element of any points since 0.8
     spaces     `fem.FunctionSpace` up to 0.6, `fem.functionspace` since 0.7
     dof lists  an adjacency list up to 0.6, an array since 0.7
@@ -23,6 +24,7 @@ import numpy as np
 
 from contbed.errors import EngineError
 
+SAME_POINT = 1e-12  # distance of points in a cell of length 1 that differ by rounding alone
 HOW = "sudo apt-get install python3-dolfinx and a virtual environment with --system-site-packages, see README"
 
 
@@ -47,27 +49,31 @@ def modules() -> tuple[Any, Any]:
     return dolfinx, PETSc
 
 
-def create_mesh(comm: Any, cell: str, cells: Any, points: Any) -> Any:
-    """Build a mesh of linear cells from each rank's share of arrays (ncells, nv) and (n, dim); shares may be empty."""
+def create_mesh(comm: Any, cell: str, cells: Any, points: Any, shared: bool = False) -> Any:
+    """Build a mesh of linear cells from each rank's share of arrays (ncells, nv) and (n, dim); shares may be empty.
+
+    With `shared`, each rank has copies of the cells behind its facets.
+    """
     import ufl
     from dolfinx import mesh
 
     dim = points.shape[1]
     if hasattr(ufl, "VectorElement"):  # up to 0.6
         domain = ufl.Mesh(ufl.VectorElement("Lagrange", cell, 1))
-        return mesh.create_mesh(comm, cells, points, domain, ghost_mode=_no_ghosts())
+        return mesh.create_mesh(comm, cells, points, domain, ghost_mode=_ghosts(shared))
     import basix.ufl
 
     domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(dim,)))
+    parts = {"partitioner": mesh.create_cell_partitioner(_ghosts(shared))} if shared else {}
     if list(signature(mesh.create_mesh).parameters)[2] == "x":
-        return mesh.create_mesh(comm, cells, points, domain)
-    return mesh.create_mesh(comm, cells, domain, points)
+        return mesh.create_mesh(comm, cells, points, domain, **parts)
+    return mesh.create_mesh(comm, cells, domain, points, **parts)
 
 
-def _no_ghosts() -> Any:
+def _ghosts(shared: bool) -> Any:
     from dolfinx.cpp.mesh import GhostMode
 
-    return GhostMode.none
+    return GhostMode.shared_facet if shared else GhostMode.none
 
 
 def lagrange(cell: str, degree: int, ncomponents: int) -> Any:
@@ -81,6 +87,26 @@ def lagrange(cell: str, degree: int, ncomponents: int) -> Any:
         return ufl_wrapper.VectorElement(scalar, ncomponents) if ncomponents else scalar
     shape = (ncomponents,) if ncomponents else None
     return basix.ufl.element("P", cell, degree, lagrange_variant=basix.LagrangeVariant.equispaced, shape=shape)
+
+
+def gauss_polynomials(points: Any) -> tuple[Any, Any]:
+    """Return the element of polynomials given by their values at Gauss points (n,) in [0, 1], and its order of them."""
+    import basix
+
+    variant, none, degree = basix.LagrangeVariant.gl_warped, basix.DPCVariant.unset, len(points) - 1
+    plain = basix.create_element(basix.ElementFamily.P, basix.CellType.interval, degree, variant, none, True)
+    distance = np.abs(np.asarray(plain.points) - points)
+    if distance.min(axis=1).max() > SAME_POINT:
+        raise EngineError("this version of Basix has other Gauss points")
+    order = distance.argmin(axis=1)
+    try:
+        import basix.ufl
+    except ImportError:
+        from basix import ufl_wrapper
+
+        return ufl_wrapper.create_element("P", "interval", degree, variant, discontinuous=True), order
+    element = basix.ufl.element("P", "interval", degree, lagrange_variant=variant, discontinuous=True)
+    return element, order
 
 
 def mixed(elements: list[Any]) -> Any:

@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.fem.dual import Dual
-from contbed.fem.line_blocks import Blocks
+from contbed.fem.line_slopes import Slopes
 
 Array = NDArray[np.float64]
 Values = list[Any]
@@ -53,10 +53,12 @@ class Line:
 
     vertices : (N + 1,) increasing [m]
     degree : p >= 1
+    engine : that integrates and solves on this line, one of `fem.ENGINES`
     """
 
     vertices: Array
     degree: int
+    engine: str = "skfem"
 
     @property
     def cells(self) -> int:
@@ -148,6 +150,22 @@ class Ends:
     value: tuple[Array, Array]
 
 
+@dataclass(frozen=True)
+class Sides:
+    """What fields are within their cells, by field and cell (m, N).
+
+    gradients : at the nodes (m, N, p + 1); zero for those that do not diffuse
+    low, high : values at the left and the right end of each cell
+    slope_low, slope_high : gradients there
+    """
+
+    gradients: Array
+    low: Array
+    high: Array
+    slope_low: Array
+    slope_high: Array
+
+
 class System:
     """The equations on a line, for fields with fixed directions.
 
@@ -179,8 +197,8 @@ class System:
         """Number of unknowns."""
         return self.m * self.line.cells * (self.line.degree + 1)
 
-    def gradients(self, u: Array) -> Array:
-        """Return the gradients of fields (m, N, p + 1); zero for those that do not diffuse."""
+    def sides(self, u: Array) -> Sides:
+        """Return the gradients of fields, and values and gradients at the ends of their cells."""
         line, q = self.line, np.zeros_like(u)
         for f in np.flatnonzero(self.diffuses):
             q[f] = u[f] @ line.slopes.T
@@ -188,7 +206,7 @@ class System:
             end = line.left if self.ahead[f] else line.right
             q[f] += lift[:, None] * (end / line.weights)
             q[f] /= line.h[:, None]
-        return q
+        return Sides(q, u @ line.left, u @ line.right, q @ line.left, q @ line.right)
 
     def _jump(self, u: Array, f: int) -> Array:
         """Return the jump at the end from which field f comes, times the sign of that end's normal (N,)."""
@@ -203,11 +221,10 @@ class System:
             jump[-1] = right[f] - high[-1] if np.isfinite(right[f]) else 0.0
         return jump
 
-    def traces(self, u: Array, q: Array) -> tuple[Array, Array, Array]:
+    def traces(self, sides: Sides) -> tuple[Array, Array, Array]:
         """Return upwind values, values and gradients on the other side, each (m, N + 1)."""
-        line = self.line
-        shape = (self.m, line.cells + 1)
-        low, high = u @ line.left, u @ line.right
+        shape = (self.m, self.line.cells + 1)
+        low, high = sides.low, sides.high
         left, right = self.ends.value
         # values at the vertices from the cell on the left and on the right; at an end what is prescribed, or the inside
         from_left, from_right = np.empty(shape), np.empty(shape)
@@ -221,7 +238,7 @@ class System:
         down[~self.ahead, 0] = low[~self.ahead, 0]
         slope = np.zeros(shape)
         if self.diffuses.any():
-            qlow, qhigh = q @ line.left, q @ line.right
+            qlow, qhigh = sides.slope_low, sides.slope_high
             slope_left = np.concatenate([qlow[:, :1], qhigh], axis=1)
             slope_right = np.concatenate([qlow, qhigh[:, -1:]], axis=1)
             slope = np.where(ahead, slope_right, slope_left)
@@ -229,7 +246,7 @@ class System:
 
     def fluxes(self, u: Array) -> Array:
         """Return the fluxes of all equations through all vertices (m, N + 1)."""
-        up, down, slope = self.traces(u, self.gradients(u))
+        up, down, slope = self.traces(self.sides(u))
         convective = self.point.convective(list(up))
         diffusive = self.point.diffusive(list(down), list(slope)) if self.diffuses.any() else [0.0] * self.m
         total = np.array([np.broadcast_to(c + d, up[0].shape) for c, d in zip(convective, diffusive, strict=True)])
@@ -245,7 +262,7 @@ class System:
 
     def sources(self, u: Array) -> Array:
         """Return the integrals of the sources of all equations over the line (m,)."""
-        q = self.gradients(u)
+        q = self.sides(u).gradients
         shape = u[0].shape
         values = self.point([x.ravel() for x in u], [x.ravel() for x in q], self.line.points.ravel())[2]
         table = np.array([np.broadcast_to(v, (u[0].size,)).reshape(shape) for v in values])
@@ -255,17 +272,13 @@ class System:
         return total
 
     def assemble(self, u: Array, jacobian: bool = True) -> tuple[Array, Any]:
-        """Return the residuals (m, N, p + 1), flux out less flux in less source, and their blocks.
-
-        Blocks are (left, own, right), each (N, m, p + 1, m, p + 1): derivatives of the residuals of a cell, by
-        equation and node, to the unknowns of the cell to its left, its own, and that to its right.
-        """
+        """Return the residuals (m, N, p + 1), flux out less flux in less source, and their derivatives `Slopes`."""
         line, m, n, N = self.line, self.m, self.line.degree + 1, self.line.cells
-        q = self.gradients(u)
+        sides = self.sides(u)
         shape = (N * n,)
-        values, grads = _seeded(u.reshape(m, -1), q.reshape(m, -1), self.diffuses, jacobian)
+        values, grads = _seeded(u.reshape(m, -1), sides.gradients.reshape(m, -1), self.diffuses, jacobian)
         C, D, S = self.point(values, grads, line.points.ravel())
-        up, down, slope = self.traces(u, q)
+        up, down, slope = self.traces(sides)
         values, grads = _seeded(up, slope, self.diffuses, jacobian)
         Cf = self.point.convective(values)
         values, grads = _seeded(down, slope, self.diffuses, jacobian)
@@ -277,56 +290,39 @@ class System:
             source += np.tensordot(self.coupling, u, axes=1)
         convective = _values(Cf, (N + 1,), m)
         hat = self._at_ends(convective + _values(Df, (N + 1,), m), convective)
-        test = line.weights[:, None] * line.slopes  # (node j, test i): w_j phi_i'(xi_j)
-        residual = -(F @ test)
-        residual += hat[:, 1:, None] * line.right - hat[:, :-1, None] * line.left
-        residual -= source * line.weights * line.h[:, None]
+        residual = self.integrated(F, source, hat)
         if not jacobian:
             return residual, None
-        blocks = self._blocks(C, D, S, Cf, Df, test)
-        return residual, blocks
+        slopes = self.no_slopes()
+        self._differentiate(C, D, S, slopes)
+        self._differentiate_faces(Cf, Df, slopes)
+        return residual, slopes
 
-    def _blocks(self, C: Values, D: Values, S: Values, Cf: Values, Df: Values, test: Array) -> tuple[Array, ...]:
-        line, n, N = self.line, self.line.degree + 1, self.line.cells
-        blocks = Blocks.zeros(N, self.m, n, self.ahead, *self._gradient_slopes())
+    def integrated(self, F: Array, source: Array, hat: Array) -> Array:
+        """Return residuals from fluxes and sources at the nodes (m, N, p + 1), and fluxes at vertices (m, N + 1)."""
+        line = self.line
+        test = line.weights[:, None] * line.slopes  # (node j, test i): w_j phi_i'(xi_j)
+        residual: Array = -(F @ test)
+        residual += hat[:, 1:, None] * line.right - hat[:, :-1, None] * line.left
+        residual -= source * line.weights * line.h[:, None]
+        return residual
+
+    def no_slopes(self) -> Any:
+        """Return derivatives of the residuals to be added to."""
+        return Slopes(self)
+
+    def _differentiate(self, C: Values, D: Values, S: Values, slopes: Any) -> None:
+        """Add the derivatives of fluxes and sources at the nodes."""
+        shape = self.line.points.shape
         for e in range(self.m):
-            for parts, kind in ((C, "flux"), (D, "flux"), (S, "source")):
+            for parts, add in ((C, slopes.add_flux), (D, slopes.add_flux), (S, slopes.add_source)):
                 for (slot, f), tangent in getattr(parts[e], "tangents", {}).items():
-                    t = np.broadcast_to(tangent, (N * n,)).reshape(N, n)
-                    if kind == "source" and slot == "u":
-                        blocks.add_sources(e, f, -t * line.weights * line.h[:, None])
-                        continue
-                    if kind == "flux":
-                        rows = -test.T[None] * t[:, None, :]  # (N, i, a)
-                    else:
-                        rows = np.zeros((N, n, n))
-                        rows[:, range(n), range(n)] = -t * line.weights * line.h[:, None]
-                    blocks.add_nodes(e, f, slot, rows)
+                    add(e, f, slot, np.broadcast_to(tangent, (shape[0] * shape[1],)).reshape(shape))
         if self.coupling is not None:
-            for j, weight in enumerate(line.weights):
-                blocks.own[:, :, j, :, j] -= self.coupling * (weight * line.h)[:, None, None]
-        self._faces(blocks, Cf, Df)
-        return blocks.lower, blocks.own, blocks.upper
+            for e, f in np.argwhere(self.coupling):
+                slopes.add_source(int(e), int(f), "u", np.full(shape, self.coupling[e, f]))
 
-    def _gradient_slopes(self) -> tuple[Array, Array]:
-        """Return derivatives of gradients (m, N, n, n) to values in the own cell and in that a field comes from."""
-        line, n, N = self.line, self.line.degree + 1, self.line.cells
-        inner, outer = np.zeros((self.m, N, n, n)), np.zeros((self.m, N, n, n))
-        for f in np.flatnonzero(self.diffuses):
-            ahead = self.ahead[f]
-            end, opposite = (line.left, line.right) if ahead else (line.right, line.left)
-            sign = 1.0 if ahead else -1.0
-            own_lift = sign * np.outer(end / line.weights, end)
-            lifts = np.ones(N)
-            edge = 0 if ahead else N - 1
-            if not np.isfinite(self.ends.value[0 if ahead else 1][f]):
-                lifts[edge] = 0.0
-            inner[f] = (line.slopes[None] + lifts[:, None, None] * own_lift) / line.h[:, None, None]
-            lifts[edge] = 0.0
-            outer[f] = lifts[:, None, None] * (-sign * np.outer(end / line.weights, opposite)) / line.h[:, None, None]
-        return inner, outer
-
-    def _faces(self, blocks: Blocks, Cf: Values, Df: Values) -> None:
+    def _differentiate_faces(self, Cf: Values, Df: Values, slopes: Any) -> None:
         """Add the derivatives of the fluxes through the vertices."""
         N = self.line.cells
         for e in range(self.m):
@@ -340,28 +336,7 @@ class System:
                     left_side = bool(self.ahead[f]) == upwind  # whether the trace is that of the cell on the left
                     if slot == "q":
                         left_side = not self.ahead[f]
-                    self._face(blocks, e, f, slot, t, left_side)
-
-    def _face(self, blocks: Blocks, e: int, f: int, slot: str, t: Array, left_side: bool) -> None:
-        """Add d(flux)/d(trace) `t` (N + 1,) of one field, whose trace belongs to the cell on one side of each face."""
-        line, N = self.line, self.line.cells
-        cells = np.arange(N)
-        for side, k, sign, phi in (("right", cells + 1, 1.0, line.right), ("left", cells, -1.0, line.left)):
-            # the face `side` of every cell c; its trace belongs to c itself or to a neighbour
-            neighbour = (side == "right" and not left_side) or (side == "left" and left_side)
-            at_end = (k == N) if side == "right" else (k == 0)
-            trace = line.right if left_side else line.left
-            prescribed = np.isfinite(self.ends.value[1 if side == "right" else 0][f])
-            coefficient = sign * t[k]
-            if not neighbour:
-                blocks.add_trace(e, f, slot, coefficient[:, None, None] * phi[None, :, None], trace, 0)
-                continue
-            factor = np.where(at_end, 0.0, coefficient)[:, None, None] * phi[None, :, None]
-            blocks.add_trace(e, f, slot, factor, trace, 1 if side == "right" else -1)
-            comes_in = (side == "left") == bool(self.ahead[f])
-            if not (prescribed and comes_in and slot == "u"):
-                factor = np.where(at_end, coefficient, 0.0)[:, None, None] * phi[None, :, None]
-                blocks.add_trace(e, f, slot, factor, phi, 0)
+                    slopes.add_face(e, f, slot, t, left_side)
 
 
 def _seeded(u: Array, q: Array, diffuses: Any, jacobian: bool) -> tuple[Values, Values]:

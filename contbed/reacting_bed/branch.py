@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from contbed.errors import ConvergenceError
@@ -50,24 +49,12 @@ class Family:
         """Assemble residuals over typical fluxes, and their derivatives to the unknowns."""
         problem = self.at(value)
         m, N, n = len(problem.names), problem.line.cells, problem.line.degree + 1
-        residual, blocks = problem.system.assemble(x.reshape(m, N, n), jacobian)
+        residual, slopes = problem.system.assemble(x.reshape(m, N, n), jacobian)
         scale = self.problem.flux_sizes
         flat = (residual / scale[:, None, None]).ravel()
         if not jacobian:
             return flat, None
-        index = np.arange(m * N * n).reshape(m, N, n).transpose(1, 0, 2)  # (N, m, n)
-        rows, columns, entries = [], [], []
-        for block, shift in zip(blocks, (-1, 0, 1), strict=True):
-            cells = np.arange(max(0, -shift), min(N, N - shift))
-            part = block[cells] / scale[None, :, None, None, None]
-            shape = part.shape
-            rows.append(np.broadcast_to(index[cells][:, :, :, None, None], shape).ravel())
-            columns.append(np.broadcast_to(index[cells + shift][:, None, None, :, :], shape).ravel())
-            entries.append(part.ravel())
-        size = m * N * n
-        values, where = np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))
-        there = values != 0.0
-        return flat, sp.csc_matrix((values[there], (where[0][there], where[1][there])), shape=(size, size))
+        return flat, slopes.matrix(scale)
 
 
 def follow(problem: Problem, u: Array, result: Result) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -39,7 +39,21 @@ class Plan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
-    without_weak_form: str = "discontinuous polynomials on a line, as reacting beds have"
+
+    @property
+    def without_weak_form(self) -> str:
+        """What the engine for MPI does not have."""
+        return ""
+
+    @property
+    def engine(self) -> str:
+        """The engine that integrates and solves."""
+        return self.problem.line.engine
+
+    def on_engine(self, engine: str) -> Plan:
+        """Return the plan on another engine."""
+        line = replace(self.problem.line, engine=engine)
+        return replace(self, problem=replace(self.problem, line=line))
 
     @property
     def steps(self) -> bool:

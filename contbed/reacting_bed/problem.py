@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.closures.reactions import R_GAS
+from contbed.fem import line_system
 from contbed.fem.line_dg import Ends, Line, System
 from contbed.materials.thermo import T_STANDARD
 from contbed.reacting_bed import scene as s
@@ -114,7 +115,7 @@ class Problem:
 
     def on(self, vertices: Array) -> Problem:
         """Return the problem on other cells."""
-        return replace(self, line=Line(vertices, self.line.degree))
+        return replace(self, line=replace(self.line, vertices=vertices))
 
     def within(self, scene: s.ReactingScene) -> Problem:
         """Return the problem with the streams and surroundings of a scene that differs in nothing else."""
@@ -148,7 +149,7 @@ class Problem:
         point, coupling = self.section or self.bed, self.bed.coupling()
         if coupling is not None and self.rings is not None:
             coupling = np.asarray(np.kron(np.eye(self.rings.count), coupling), dtype=float)
-        return System(self.line, self._directions, self._diffuses, point, self._ends, self._local, coupling)
+        return line_system(self.line, self._directions, self._diffuses, point, self._ends, self._local, coupling)
 
     @cached_property
     def section(self) -> Section | None:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from contbed.errors import ConvergenceError
 from contbed.fem.dual import Dual
-from contbed.fem.line_blocks import Factors
 from contbed.reacting_bed.cells import MOST_CELLS, halves, moved, next_cells
 from contbed.reacting_bed.kinetics import FINEST
 from contbed.reacting_bed.problem import Problem
@@ -90,14 +89,14 @@ def newton(problem: Problem, u: Array, report: Report, storage: Storage | None =
     best, norm, since = np.inf, np.inf, 0
     for _ in range(iterations):
         with np.errstate(all="ignore"):
-            residual, blocks = system.assemble(u)
+            residual, slopes = system.assemble(u)
             if storage is not None:
-                residual = storage.add(u, residual, blocks[1])
+                residual = storage.add(u, residual, slopes)
             norm = measure(problem, residual)
             if not np.isfinite(norm):
                 raise ConvergenceError("a rate or property is not finite", report.history, u)
             report.history.append(norm)
-            du = Factors(blocks, system.local).solve(-residual)
+            du = slopes.factors().solve(-residual)
             share = limited(problem, u, du)
             change = float(np.abs(du / scale).max())
         if not np.isfinite(change):
@@ -165,17 +164,15 @@ class Storage:
         found: Array = (self.content(u, False)[0] - self.held) * weight
         return found
 
-    def add(self, u: Array, residual: Array, own: Array) -> Array:
-        """Return the residuals with what storage adds, and add its derivatives to the blocks of cells' own unknowns."""
+    def add(self, u: Array, residual: Array, slopes: Any) -> Array:
+        """Return the residuals with what storage adds, and add its derivatives to theirs."""
         line = self.problem.line
         _, N, n = u.shape
         held, parts = self.content(u, True)
-        weight = line.weights * line.h[:, None] / self.dt
-        nodes = range(n)
         for e, part in enumerate(parts):
             for (_, f), tangent in getattr(part, "tangents", {}).items():
-                own[:, e, nodes, f, nodes] += np.broadcast_to(tangent, (N * n,)).reshape(N, n) * weight
-        return residual + (held - self.held) * weight
+                slopes.add_source(e, f, "u", np.broadcast_to(-tangent / self.dt, (N * n,)).reshape(N, n))
+        return residual + (held - self.held) * (line.weights * line.h[:, None] / self.dt)
 
 
 def residence_time(problem: Problem) -> float:

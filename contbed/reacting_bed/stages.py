@@ -15,10 +15,11 @@ Source: Alexander 1977, SIAM J. Numer. Anal. 14, 1006-1021, doi:10.1137/0714068.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.fem.line_blocks import Factors
 from contbed.reacting_bed import solve
 from contbed.reacting_bed.problem import Problem
 
@@ -60,15 +61,15 @@ def stages(
     return first, last, float(np.abs(filtered).max())
 
 
-def _matrix(problem: Problem, u: Array, storage: solve.Storage) -> Factors:
-    residual, blocks = problem.system.assemble(u)
-    storage.add(u, residual, blocks[1])
-    return Factors(blocks, problem.system.local)
+def _matrix(problem: Problem, u: Array, storage: solve.Storage) -> Any:
+    residual, slopes = problem.system.assemble(u)
+    storage.add(u, residual, slopes)
+    return slopes.factors()
 
 
 def _solved(
-    problem: Problem, guess: Array, report: solve.Report, storage: solve.Storage, factors: Factors | None
-) -> tuple[Array, Factors]:
+    problem: Problem, guess: Array, report: solve.Report, storage: solve.Storage, factors: Any
+) -> tuple[Array, Any]:
     """Return the solution of a stage, and the last matrix; that of the former stage is used as long as it serves."""
     with np.errstate(all="ignore"):
         for known in (factors, None):
@@ -81,9 +82,7 @@ def _solved(
         return found, _matrix(problem, found, storage)
 
 
-def _corrected(
-    problem: Problem, u: Array, report: solve.Report, storage: solve.Storage, factors: Factors
-) -> Array | None:
+def _corrected(problem: Problem, u: Array, report: solve.Report, storage: solve.Storage, factors: Any) -> Array | None:
     """Return the solution by corrections with one matrix; None where they do not fall fast."""
     scale = problem.sizes[:, None, None]
     before = np.inf

@@ -38,8 +38,8 @@ class Tangent:
     @cached_property
     def solver(self) -> Factors:
         """The factors, found when they are first needed."""
-        system = self.problem.system
-        return Factors(system.assemble(self.u)[1], system.local)
+        found: Factors = self.problem.system.assemble(self.u)[1].factors()
+        return found
 
     def results(self, below: ReactingScene, above: ReactingScene) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the named results of two scenes with a key a little below and above that of the solved one.
@@ -76,4 +76,4 @@ class Tangent:
 
 def of(result: Result) -> Tangent | None:
     """Return the tangent of a run; None where it has solved nothing that has one."""
-    return None if result.solved is None else Tangent(result)
+    return None if result.solved is None or result.solved[0].line.engine != "skfem" else Tangent(result)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from dolfinx_reacting_scenes import SCENES as REACTING
 from dolfinx_scenes import SCENES
 
 from contbed.design.gradients import gradient
@@ -14,7 +15,7 @@ from contbed.errors import EngineError
 from contbed.loading import from_dict
 from contbed.runner import run
 
-STOP = 25.0  # [s] of the run that is interrupted
+EVERY = SCENES | REACTING
 
 
 def found(result: Any) -> dict[str, Any]:
@@ -46,6 +47,14 @@ def agree(out: Path, engine: str = "dolfinx") -> None:
             np.savez(out / f"{name}.npz", **found(result))
 
 
+def react(out: Path) -> None:
+    """Run all reacting beds."""
+    for name, scene in REACTING.items():
+        result = run(from_dict(scene), engine="dolfinx")
+        if result is not None:
+            np.savez(out / f"{name}.npz", **found(result))
+
+
 def iterate(out: Path) -> None:
     """Scenes in space without factorisations."""
     from contbed.fem import petsc
@@ -66,26 +75,26 @@ def write(out: Path) -> None:
         run(from_dict(SCENES[name]), out=out / name, engine="dolfinx")
 
 
-def stop(out: Path) -> None:
-    """A transient run that is interrupted."""
+def stop(out: Path, scene: str, after: str) -> None:
+    """A transient run that is interrupted after a time [s]."""
     from contbed.output.progress import Progress
 
     def advance(self: Any, time: float) -> None:
-        if time > STOP:
+        if time > float(after):
             raise KeyboardInterrupt
 
     Progress.advance_to = advance
     try:
-        run(from_dict(SCENES["transient_gas"]), out=out, engine="dolfinx")
+        run(from_dict(EVERY[scene]), out=out, engine="dolfinx")
     except BaseException as error:
         assert "KeyboardInterrupt" in (type(error).__name__, str(error))
         return
     raise AssertionError("not interrupted")
 
 
-def resume(out: Path, folder: str) -> None:
+def resume(out: Path, scene: str, folder: str) -> None:
     """Continue from the checkpoint in a folder."""
-    result = run(from_dict(SCENES["transient_gas"]), restart=folder, out=out, engine="dolfinx")
+    result = run(from_dict(EVERY[scene]), restart=folder, out=out, engine="dolfinx")
     if result is not None:
         np.savez(out / "found.npz", **found(result))
 
@@ -94,7 +103,7 @@ def lose(out: Path, scene: str) -> None:
     """The last rank fails in the middle of an assembly."""
     from mpi4py import MPI
 
-    from contbed.fem import dolfinx_parts, dolfinx_points
+    from contbed.fem import dolfinx_line_parts, dolfinx_parts, dolfinx_points
 
     def broken(whole: Any) -> Any:
         def fail(*arguments: Any) -> Any:
@@ -105,12 +114,13 @@ def lose(out: Path, scene: str) -> None:
         return fail
 
     dolfinx_parts._jacobian, dolfinx_points._kernel = broken(dolfinx_parts._jacobian), broken(dolfinx_points._kernel)
-    run(from_dict(SCENES[scene]), engine="dolfinx")
+    dolfinx_line_parts._traces = broken(dolfinx_line_parts._traces)
+    run(from_dict(EVERY[scene]), engine="dolfinx")
 
 
 def complain(out: Path, scene: str, key: str, value: str) -> None:
     """All ranks meet the error that ended the root rank, in a scene with one value changed."""
-    table = tables = deepcopy(SCENES[scene])
+    table = tables = deepcopy(EVERY[scene])
     *path, last = key.split(".")
     for step in path:
         table = table.setdefault(step, {})
@@ -128,7 +138,7 @@ def slopes(out: Path, scene: str, qoi: str, *keys: str) -> None:
     """Derivatives of a result; on all ranks, and on one rank of a run that has been made as well."""
     from mpi4py import MPI
 
-    loaded = from_dict(SCENES[scene])
+    loaded = from_dict(EVERY[scene])
     found = gradient(loaded, [qoi], keys, engine="dolfinx")
     result = run(loaded, engine="dolfinx")
     if found is None or result is None:
@@ -144,7 +154,7 @@ def slopes(out: Path, scene: str, qoi: str, *keys: str) -> None:
     np.savez(out / "slopes.npz", derivatives=found.derivatives, method=found.method)
 
 
-COMMANDS = {f.__name__: f for f in (agree, iterate, write, stop, resume, lose, complain, slopes)}
+COMMANDS = {f.__name__: f for f in (agree, react, iterate, write, stop, resume, lose, complain, slopes)}
 
 if __name__ == "__main__":
     COMMANDS[sys.argv[1]](Path(sys.argv[2]), *sys.argv[3:])

@@ -110,7 +110,7 @@ def test_a_bad_scene_is_told_once(scene) -> None:
     assert done.stderr.count("lenght") == 1 and "length" in done.stderr
 
 
-@pytest.mark.parametrize("scene", ["heat_constant", "bubbling_frozen"])
+@pytest.mark.parametrize("scene", ["heat_constant", "bubbling_frozen", "burning"])
 def test_a_rank_that_fails_ends_all(scene: str) -> None:
     done = started(2, "lose", "unused", scene)
     assert done.returncode != 0
@@ -122,6 +122,7 @@ def test_a_rank_that_fails_ends_all(scene: str) -> None:
     [
         ("heat_gas_walls", "solver.newton_iterations", "1", "ConvergenceError", 3),
         ("ordinates_conducting", "solver.newton_iterations", "1", "ConvergenceError", 3),
+        ("burning", "solver.newton_iterations", "1", "ConvergenceError", 3),
         ("bubbling_settling", "freeboard.elutriation", "5.0", "ConvergenceError", 3),
         ("bubbling_closures", "solver.strict", "true", "ClosureRangeError", 4),
         ("bubbling_frozen", "solver.balance_tolerance", "1e-30", "BalanceError", 5),

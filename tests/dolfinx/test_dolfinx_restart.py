@@ -12,9 +12,9 @@ KEYS = ("nodal.", "series.", "profile.")
 
 @pytest.mark.parametrize(("first", "then"), [(1, 1), (1, 2), (2, 1)])
 def test_continued_on_other_ranks(results, first: int, then: int) -> None:
-    folder = results("stop", first)
+    folder = results("stop", first, "transient_gas", 25.0)
     assert (folder / "checkpoint.npz").is_file()
-    continued = np.load(results("resume", then, folder) / "found.npz")
+    continued = np.load(results("resume", then, "transient_gas", folder) / "found.npz")
     whole = np.load(results("agree", then) / "transient_gas.npz")
     assert int(whole["nodal.T_solid"].size) and continued.files == whole.files
     for key in (key for key in whole.files if key.startswith(KEYS)):

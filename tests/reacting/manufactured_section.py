@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from reacting_bed_scenes import R_GAS, P, isothermal
 
-from contbed.fem.line_blocks import Factors
 from contbed.fem.line_dg import Ends, System
 from contbed.loading import from_dict
 from contbed.reacting_bed.equations.section import Section
@@ -124,8 +123,8 @@ def solution(shape: str, rings: int, cells: int, degree: int) -> tuple[Any, Any,
     exact = np.array([np.broadcast_to(f, line.points.shape) for r in middles for f in fields(line.points, r)[0]])
     u, iterations = exact * 1.01, 0
     for _ in range(12):
-        residual, blocks = system.assemble(u)
-        step = Factors(blocks, ()).solve(-residual)
+        residual, slopes = system.assemble(u)
+        step = slopes.factors().solve(-residual)
         u, iterations = u + step, iterations + 1
         if np.abs(step / exact).max() < 1e-11:
             break

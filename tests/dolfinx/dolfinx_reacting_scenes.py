@@ -1,0 +1,96 @@
+"""Small reacting beds that together use every term on a line, both directions and both kinds of ends."""
+
+import sys
+import tomllib
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "reacting"))
+
+from adsorption_scenes import adsorber  # noqa: E402
+from reacting_bed_scenes import danckwerts, isothermal, shrinking_core, species  # noqa: E402
+
+KINDS = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0}
+
+
+def study(path: str, **mesh: Any) -> dict[str, Any]:
+    """The tables of a study, with keys of its mesh replaced, and profiles where they do not depend on its cells."""
+    found = tomllib.loads((ROOT / "studies" / path).read_text(encoding="utf-8"))
+    found["mesh"] |= mesh
+    length = found["mesh"]["length"]
+    return found | {"output": {"positions": [length * k / 20 for k in range(21)]}}
+
+
+def to_the_left(scene: dict[str, Any]) -> dict[str, Any]:
+    """The same with gas that comes from the right, where its composition and temperature are fixed."""
+    scene = deepcopy(scene)
+    scene["flow"]["velocity"] = -scene["flow"]["velocity"]
+    scene["boundary"] = {"right": {"fluid": {"fixed": 500.0}}}
+    return scene
+
+
+def burning(**tables: Any) -> dict[str, Any]:
+    """A -> B that heats a bed which conducts and mixes along it, two temperatures."""
+    gases = {"A": {**KINDS, "enthalpy": 4000.0}, "B": {**KINDS, "enthalpy": 0.0}}
+    scene = isothermal("A:0.9, B:0.1", gases)
+    scene["mesh"]["cells"] = 12
+    scene["fluid"] |= {"viscosity": 2e-5, "conductivity": 0.05, "diffusivity": 2e-5}
+    scene["solid"] = {"density": 2000.0, "heat_capacity": 800.0}
+    scene["heat"] = {"nusselt": "nusselt_gunn", "conductivity_solid": 1.0, "conductivity_fluid": 0.5}
+    scene["mass"] = {"dispersion": 0.02, "sherwood": "sherwood_ranz_marshall"}
+    scene["reactions"] = {"r": {"equation": "A -> B", "A": 5e3, "E": 4e4}}
+    return scene | tables
+
+
+def section() -> dict[str, Any]:
+    """Rings of a tube whose wall cools, one temperature."""
+    wall = {"diameter": 0.1, "coefficient": 50.0, "ambient": 600.0}
+    rings = {"rings": 3, "conductivity_solid": 2.0, "dispersion": 1e-3}
+    return burning(wall=wall, section=rings, heat={}, mass={"dispersion": 0.02})
+
+
+def pellets() -> dict[str, Any]:
+    """First order inside of pellets that are resolved."""
+    scene = isothermal("A:1", species(A=0.028, B=0.028))
+    scene["mesh"] |= {"length": 0.05, "cells": 8}
+    rate = {"equation": "A -> B", "rate": "k*c_A", "parameters": {"k": 20.0}, "basis": "particle"}
+    scene["particle"] = {"mass": "interior", "diffusivity": {"A": 2e-6, "B": 5e-6}}
+    return scene | {"reactions": {"r": rate}, "solid": {"density": 1000.0}}
+
+
+def front() -> dict[str, Any]:
+    """A front of what is adsorbed, resolved inside of the particles, over a time in which it moves."""
+    scene, unit = adsorber(K=200.0, units=10.0, biot=10.0, capacity=3.0)
+    scene["time"] |= {"end": unit, "tolerance": 1e-2}
+    scene["mesh"]["cells"] = 6
+    scene["output"]["positions"] = [0.1, 0.2, 0.5, 1.0]
+    return scene
+
+
+def warming(gas: str) -> dict[str, Any]:
+    """A bed over the time in which what enters gets warmer."""
+    scene = burning(time={"end": 400.0, "gas": gas, "tolerance": 1e-2, "initial_temperature": 500.0})
+    scene["boundary"]["left"]["fluid"]["inflow"] = {"times": [0.0, 400.0], "values": [500.0, 540.0]}
+    scene["mesh"]["cells"] = 8
+    return scene
+
+
+SCENES: dict[str, dict[str, Any]] = {
+    "first_order": danckwerts(5.0, 2.0),
+    "first_order_to_the_left": to_the_left(danckwerts(5.0, 2.0)),
+    "shrinking_core": shrinking_core(N=2.0, n=0.8, f=0.3, d=0.4, r=0.3),
+    "burning": burning(),
+    "burning_to_the_left": to_the_left(burning()),
+    "section": section(),
+    "pellets": pellets(),
+    "adsorption": front(),
+    "warming": warming("quasi_steady"),
+    "reformer_tube": study("reformer_tube/tube_U300.toml"),
+    "clc_moving_bed": study("clc_moving_bed/iron_oxide.toml"),
+    "branch": study("ignition_front/adiabatic_bed.toml", cells=6),
+}
+SCENES["branch"]["continuation"] |= {"to": 0.1, "points": 6}
+for _scene in SCENES.values():
+    _scene["output"] = _scene.get("output", {}) | {"plots": False}
