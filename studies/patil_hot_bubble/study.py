@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain, box
 from contbed.materials import gas_mixture
+from contbed.output import checkpoint
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 from studies._gallery.bubbles import draw_bubbles, equivalent_diameter, largest_bubble
@@ -31,8 +32,9 @@ BACKGROUND = {1: 0.65, 2: 1.1, 3: 1.45}  # m/s by diameter in mm
 COUNT, DEPTH = 45000, 0.018  # of the paper's bed of 3 mm, which sets the height
 GLASS = Material(density=2526.0, youngs_modulus=5e6, restitution=0.97, sliding_friction=0.1)
 OPEN = 0.8  # porosity above which a cell belongs to a bubble
-EVERY = 0.0125  # s
+EVERY = 0.01  # s, between samples
 SHOWN = (0.1, 0.2, 0.3, 0.4)  # s
+ROOM = 3.0  # height of the gas over that of the bed: a plug on the bubble rises to more than twice of it
 AIR = "N2:0.79, O2:0.21"
 CASES = ("half_2mm_300", "half_2mm_900", "half_3mm_300", "half_3mm_600", "half_3mm_900")
 COLUMNS = ("t [s]", "diameter [m]", "T_bubble [K]", "z_bubble [m]", "T_particle_max [K]")
@@ -55,10 +57,10 @@ class Case:
         self.count = round(COUNT * (3e-3 / self.d) ** 3 * self.depth / DEPTH * self.scale**2)
 
 
-def settled(case: Case) -> Any:
-    """Bed of particles, with strong damping: what moves in it later is the gas's work."""
+def settled(case: Case) -> dict[str, np.ndarray]:
+    """Positions and height of the bed, with strong damping: what moves in it later is the gas's work."""
     damped = replace(GLASS, restitution=0.3)
-    return pack(
+    packing = pack(
         (case.width, case.depth),
         radius=case.d / 2,
         count=case.count,
@@ -67,13 +69,14 @@ def settled(case: Case) -> Any:
         seed=1,
         at_rest=1e-3,
     )
+    return {"settled": packing.position, "height": np.array(packing.statistics["height"])}
 
 
-def coupled(case: Case, packing: Any) -> tuple[Bed, Callable[[bool], None]]:
+def coupled(case: Case, packing: Mapping[str, np.ndarray]) -> tuple[Bed, Callable[[bool], None]]:
     """The bed, and what switches the jet on and off."""
-    height = 2.0 * packing.statistics["height"]
+    height = ROOM * float(packing["height"])
     domain = Domain((0, 0, 0), (case.width, case.depth, np.inf), (False, True, False))
-    spheres = Particles(packing.position, packing.radius)
+    spheres = Particles(packing["settled"], case.d / 2)
     simulation = Simulation(spheres, [GLASS], box(domain), domain, impact_speed=1.0, largest_overlap=0.1)
     # cells of about 2.3 diameters, such that an even number of them spans the nozzle
     across = case.nozzle / max(1, round(case.nozzle / (2.34 * case.d)))
@@ -115,27 +118,36 @@ def bubble(gas: Gas) -> tuple[float, float, float]:
 
 
 def run(name: str) -> list[tuple[float, ...]]:
-    """Bubble and hottest particle over time; particles and gas at some times are kept as raw fields."""
-    case = Case(name)
-    bed, inlet = coupled(case, settled(case))
-    start, rows, shots = gallery.user_time(), [], {}
+    """Bubble and hottest particle over time; particles and gas at some times are kept as raw fields.
 
-    def sample(now: Bed) -> None:
-        rows.append((now.time, *bubble(now.gas), float(now.T.max())))
+    A run that was cut off goes on from its last sample.
+    """
+    case, folder = Case(name), raw(HERE.name) / name
+    folder.mkdir(parents=True, exist_ok=True)
+    start = gallery.user_time()
+    kept = checkpoint.load(folder)[0] if (folder / checkpoint.NAME).is_file() else {"rows": np.empty((0, 5))}
+    packing = {key: kept[key] for key in ("settled", "height")} if "settled" in kept else settled(case)
+    bed, inlet = coupled(case, packing)
+    rows, shots = kept["rows"].tolist(), {key: kept[key] for key in kept if key.startswith(("x_", "T_"))}
+    if rows:
+        bed.restore(kept)
+
+    for number in range(len(rows), round(END / EVERY)):
+        inlet(number < round(DURATION / EVERY))
+        bed.run((number + 1) * EVERY * case.scale - bed.time)
+        rows.append((bed.time, *bubble(bed.gas), float(bed.T.max())))
         for t in SHOWN:
-            if abs(now.time - case.scale * t) < 0.25 * EVERY * case.scale:
-                shots[f"x_{t}"] = now.simulation.position[:, ::2].copy()
-                shots[f"T_{t}"] = now.gas.T.reshape(now.gas.grid.count).mean(axis=1)
-
-    for on, seconds in ((True, DURATION), (False, END - DURATION)):
-        inlet(on)
-        bed.run(case.scale * seconds, EVERY * case.scale * 0.8, sample)
+            if abs(bed.time - case.scale * t) < 0.25 * EVERY * case.scale:
+                shots[f"x_{t}"] = bed.simulation.position[:, ::2].copy()
+                shots[f"T_{t}"] = bed.gas.T.reshape(bed.gas.grid.count).mean(axis=1)
+        checkpoint.save(folder, bed.state() | packing | shots | {"rows": np.array(rows)}, {})
     balance = bed.balance()
     closed = balance["stored"] - balance["in"] + balance["out"] - balance["source"]
     print(f"{name}: {case.count} particles, {gallery.user_time() - start:.0f} s of CPU, heat open by {closed:.1e} J")
-    folder = raw(HERE.name)
-    folder.mkdir(parents=True, exist_ok=True)
-    np.savez_compressed(folder / f"{name}.npz", size=bed.gas.grid.size, **shots)
+    if bed.above:
+        print(f"{name}: {bed.above} times particles above the grid of the gas, which act in its uppermost cells")
+    np.savez_compressed(folder.with_suffix(".npz"), size=bed.gas.grid.size, **shots)
+    (folder / checkpoint.NAME).unlink()
     return rows
 
 
