@@ -170,6 +170,7 @@ MODELS: dict[str, Model] = {
             "reacting_bed": "equations.bed",
             "gas_inside_particles": "equations.inside",
             "reacting_section": "equations.section",
+            "several_solids": "equations.kinds",
         },
     ),
     "packed_bed": Model(

@@ -10,6 +10,7 @@ from contbed.closures.formula import parse_formula, require_names
 from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions, names_in
 from contbed.materials.elements import elements_of
+from contbed.reacting_bed import kind_checks
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import SUM, CompositionSeries, constant
 from contbed.reacting_bed.inside_checks import (
@@ -19,6 +20,7 @@ from contbed.reacting_bed.inside_checks import (
     pellets_have_diffusivities,
     uptake_has_a_meaning,
 )
+from contbed.reacting_bed.kind_checks import in_each_kind, of_all_kinds
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
 from contbed.reacting_bed.medium import bound, places_of
@@ -305,15 +307,6 @@ def closures_exist(
                 yield path, str(error)
 
 
-def particles_fit(mesh: Any, bed: s.Bed, see: See) -> Mistakes:
-    """Check that particles are smaller than the bed."""
-    if bed.particle_diameter > mesh.length:
-        yield (
-            ("bed", "particle_diameter"),
-            f"{bed.particle_diameter:g} m is more than the length of the bed, {see('mesh.length')}; is a unit missing?",
-        )
-
-
 def positions_are_inside(mesh: Any, output: Any, see: See) -> Mistakes:
     """Check that profile positions lie in the bed."""
     for k, x in enumerate(output.positions):
@@ -351,29 +344,29 @@ def the_parameter_is_a_number(
 CHECKS: tuple[Check, ...] = (
     series_are_usable,
     times_are_in_order,
-    compositions_sum_to_one,
+    in_each_kind(compositions_sum_to_one),
     *(
         at_each_time(check)
         for check in (
             the_parameter_is_a_number,
-            equations_balance,
-            laws_have_what_they_need,
-            formulas_can_be_read,
-            orders_name_species,
-            steady_states_exist,
-            particles_are_known,
-            streams_have_a_temperature,
+            of_all_kinds(equations_balance),
+            of_all_kinds(laws_have_what_they_need),
+            of_all_kinds(formulas_can_be_read),
+            of_all_kinds(orders_name_species),
+            in_each_kind(steady_states_exist),
+            in_each_kind(particles_are_known),
+            of_all_kinds(streams_have_a_temperature),
         )
     ),
     heat_fits_the_bed,
     sections_can_be_resolved,
     adsorbed_gases_are_there,
-    particles_can_adsorb,
+    of_all_kinds(particles_can_adsorb),
     adsorbed_gases_do_not_react_there,
     pellets_have_diffusivities,
     uptake_has_a_meaning,
     closures_exist,
-    particles_fit,
+    *kind_checks.CHECKS,
     positions_are_inside,
 )
 

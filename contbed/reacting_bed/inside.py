@@ -85,10 +85,10 @@ def inside_of(scene: s.ReactingScene, bed: Bed, entering: Any, density: float) -
         points.stiffness,
         points.surface,
         0.0,
-        0.5 * scene.bed.particle_diameter,
+        0.5 * scene.bed.diameter,
         solid.porosity,
         density,
-        1.0 - scene.bed.porosity,
+        bed.medium.solids,
     )
     choice = _chosen(scene, bed, inside, entering, shape)
     if choice.level == "interior":

@@ -38,6 +38,7 @@ class Local:
     x: Mapping[str, Any]  # mole fractions
     n: Mapping[str, Any]  # of solids [mol/m3 bed]
     eps: float
+    solids: float  # volume of the particles that react per volume of bed
     radius: float  # of a particle [m]
     catalyst: float  # mass of particles per volume of bed [kg/m3]
     films: Mapping[str, Any]  # coefficient of each gas [m/s]; empty without films
@@ -61,6 +62,13 @@ class Reaction:
     site: str
     own_film: bool = False
     step: int | None = None
+    kind: str | None = None  # of the particles in which it runs, where there are several
+    alone: str | None = None  # name without the kind, where it runs in several
+
+    @property
+    def key(self) -> str:
+        """Name without the kind of particles: the key in [reactions] of a reaction without stages."""
+        return self.alone or self.name
 
     @property
     def stoichiometry(self) -> Mapping[str, float]:
@@ -120,7 +128,7 @@ def _per_bed(rate: Rate, basis: str, factor: float) -> Rate:
     """Return a rate per volume of bed from one per basis."""
 
     def scaled(at: Local) -> Any:
-        volume = {"gas": at.eps, "particle": 1.0 - at.eps, "bed": 1.0, "catalyst": at.catalyst}[basis]
+        volume = {"gas": at.eps, "particle": at.solids, "bed": 1.0, "catalyst": at.catalyst}[basis]
         return rate(at) * (factor * volume)
 
     return scaled
@@ -235,7 +243,7 @@ def _grain(table: s.Reaction, equation: Equation, species: Substances) -> Rate:
             * _powers(at, orders)
             * odd_power(left, exponent, at.small)
             * total
-            * (scale / (1.0 - at.eps))
+            * (scale / at.solids)
         )
 
     return rate
@@ -281,7 +289,7 @@ def _stages(table: s.Reaction, equations: Mapping[str, Equation]) -> list[Reacti
         around = three_interfaces.Gas(at.c[data.reducing], at.c[data.oxidised], at.films.get(gas, np.inf))
         guard = max(three_interfaces.GUARD, at.small)
         taken = three_interfaces.interface_rates(X, at.radius, around, data.constants(at.T), guard)  # type: ignore[arg-type]
-        scale = (3.0 / at.radius) * table.factor * (1.0 - at.eps)
+        scale = (3.0 / at.radius) * table.factor * at.solids
         return [w * x * x * scale for w, x in zip(taken, X, strict=True)]
 
     return [
@@ -308,7 +316,7 @@ def _slowed(rate: Rate, table: s.Reaction, equation: Equation, species: Substanc
 
     def slowed(at: Local) -> Any:
         value = rate(at)
-        share = {"particle": 1.0, "bed": 1.0 / (1.0 - at.eps), "catalyst": at.catalyst / (1.0 - at.eps), "gas": 1.0}
+        share = {"particle": 1.0, "bed": 1.0 / at.solids, "catalyst": at.catalyst / at.solids, "gas": 1.0}
         least = 1e-9 * at.p / (R_GAS * at.T)
         ahead: Any = np.asarray(getattr(value, "value", value)) >= 0.0
         used: Any = np.where(ahead, at.c[gas] / moles, at.c[back] / back_moles)

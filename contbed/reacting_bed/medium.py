@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -80,6 +80,7 @@ class Transport:
     pressure_gradient: Any = 0.0
     dispersion: Mapping[str, Any] | None = None
     films: Mapping[str, Any] = field(default_factory=dict)
+    kinds: Mapping[str, Transport] = field(default_factory=dict)  # of each of several kinds of particles
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +93,8 @@ class Medium:
     solids_density: float
     with_pressure: bool
     closures: Mapping[str, BoundClosure]
+    share: float = 1.0  # of the volume of all particles, of one of several kinds
+    kinds: Mapping[str, Medium] = field(default_factory=dict)  # of each of several kinds of particles
 
     @classmethod
     def of(cls, scene: s.ReactingScene, species: Substances, solids_density: float, with_pressure: bool) -> Medium:
@@ -110,9 +113,14 @@ class Medium:
 
     @property
     def area(self) -> float:
-        """Specific surface of the packing [1/m]."""
+        """Specific surface of the packing, or of one of its kinds [1/m]."""
         bed = self.scene.bed
-        return _AREA[bed.shape] * (1.0 - bed.porosity) / bed.particle_diameter
+        return _AREA[bed.shape] * (1.0 - bed.porosity) / bed.diameter * self.share
+
+    @property
+    def solids(self) -> float:
+        """Volume of the particles per volume of bed."""
+        return (1.0 - self.scene.bed.porosity) * self.share
 
     def at(self, state: State) -> Transport:
         """Return the coefficients at a state."""
@@ -125,7 +133,7 @@ class Medium:
         if heat is not None:
             if heat.nusselt is not None:
                 Nu = self._value("heat.nusselt", heat.nusselt, needs)
-                exchange = Nu * needs.k_fluid * (self.area / self.scene.bed.particle_diameter)
+                exchange = Nu * needs.k_fluid * (self.area / self.scene.bed.diameter)
             K_f = self._conductivity("heat.conductivity_fluid", heat.conductivity_fluid, needs, "fluid")
             K_s = self._conductivity("heat.conductivity_solid", heat.conductivity_solid, needs, "solid")
             if heat.dispersion is not None:
@@ -142,7 +150,16 @@ class Medium:
                 dispersion = self._dispersion("mass.dispersion", mass.dispersion, needs)
             if mass.sherwood is not None:
                 films = self._films(mass.sherwood, needs)
-        return Transport(exchange, K_f, K_s, q_wall, gradient, dispersion, films)
+        if not self.kinds:
+            return Transport(exchange, K_f, K_s, q_wall, gradient, dispersion, films)
+        kinds = {kind: medium.of_its_share(state.kinds[kind]) for kind, medium in self.kinds.items()}
+        K_s = sum(transport.conductivity_solid for transport in kinds.values())
+        return Transport(exchange, K_f, K_s, q_wall, gradient, dispersion, films, kinds)
+
+    def of_its_share(self, state: State) -> Transport:
+        """Return the coefficients of one of several kinds, which conducts by its share of the volume."""
+        found = self.at(state)
+        return replace(found, conductivity_solid=self.share * found.conductivity_solid)
 
     def wall_coefficient(self, state: State) -> Any:
         """Return the coefficient of the wall [W/m2/K] at a state beside it, None for a wall with a given flux."""
@@ -209,7 +226,8 @@ class Medium:
             x,
             state.n,
             bed.porosity,
-            0.5 * bed.particle_diameter,
+            self.solids,
+            0.5 * bed.diameter,
             self.solids_density,
             transport.films,
             small or FINEST,
@@ -221,7 +239,7 @@ class Medium:
         closure, v = self.closures[key], np.abs(needs.state.u) / self.porosity
         bed = self.scene.bed
         return {
-            name: closure(eps=bed.porosity, d_p=bed.particle_diameter, v=v, D_gas=D)
+            name: closure(eps=bed.porosity, d_p=bed.diameter, v=v, D_gas=D)
             for name, D in zip(self.species.gases, needs.diffusivities, strict=True)
         }
 
@@ -230,12 +248,10 @@ class Medium:
         for name, D in zip(self.species.gases, needs.diffusivities, strict=True):
             if named(spec):
                 Sc = needs.viscosity / (needs.state.rho * D)
-                Sh = self.closures["mass.sherwood"](
-                    eps=bed.porosity, d_p=bed.particle_diameter, Re=needs.reynolds, Sc=Sc
-                )
+                Sh = self.closures["mass.sherwood"](eps=bed.porosity, d_p=bed.diameter, Re=needs.reynolds, Sc=Sc)
             else:
                 Sh = spec
-            out[name] = Sh * D * (1.0 / bed.particle_diameter)
+            out[name] = Sh * D * (1.0 / bed.diameter)
         return out
 
     def _conductivity(self, key: str, spec: Any, needs: Any, phase: str) -> Any:
@@ -254,7 +270,8 @@ class Medium:
 
     def ranges(self) -> list[RangeUse]:
         """Return how each closure was used in its last evaluation."""
-        return [closure.use() for closure in self.closures.values() if closure._last is not None]
+        own = [closure.use() for closure in self.closures.values() if closure._last is not None]
+        return own + [use for medium in self.kinds.values() for use in medium.ranges()]
 
 
 class _Properties:
@@ -322,7 +339,7 @@ class _Properties:
     def reynolds(self) -> Any:
         def make() -> Any:
             slip = np.abs(self.slip)
-            return self.state.rho * slip * (self.medium.scene.bed.particle_diameter) / self.viscosity
+            return self.state.rho * slip * self.medium.scene.bed.diameter / self.viscosity
 
         return self._once("Re", make)
 
@@ -340,7 +357,7 @@ class _Properties:
         bed, wall = self.medium.scene.bed, self.medium.scene.wall
         values = {
             "eps": lambda: bed.porosity,
-            "d_p": lambda: bed.particle_diameter,
+            "d_p": lambda: bed.diameter,
             "Re": lambda: self.reynolds,
             "Pr": lambda: self.prandtl,
             "Pe": lambda: self.reynolds * self.prandtl,
@@ -348,6 +365,6 @@ class _Properties:
             "k_fluid": lambda: self.k_fluid,
             "k_solid": lambda: self.k_solid,
             "k_stagnant": lambda: sum(self.medium.stagnant(self)),
-            "D_bed": lambda: wall.diameter if wall is not None else 1e3 * bed.particle_diameter,
+            "D_bed": lambda: wall.diameter if wall is not None else 1e3 * bed.diameter,
         }
         return values[name]()

@@ -13,12 +13,12 @@ from contbed.models import described
 from contbed.particle.effectiveness import effectiveness_of
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
+from contbed.reacting_bed.kinds import described_kinds, species_of
 from contbed.reacting_bed.pellet_level import decided
 from contbed.reacting_bed.pellets import Pellets
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import Schedule, tables_of
 from contbed.reacting_bed.solve import FIRST_CELLS
-from contbed.reacting_bed.substances import substances
 from contbed.scene.toml_lines import KeyPath
 
 TRANSIENT_CELLS = 60  # of one length, through which fronts move
@@ -132,7 +132,7 @@ def _gas_storage(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -
 
 def _at_start(scene: s.ReactingScene, schedule: Schedule) -> Problem:
     """Return the problem with the streams at the start; it has a pressure if one of the streams of the run needs it."""
-    species, vertices = substances(scene), first_vertices(scene)
+    species, vertices = species_of(scene), first_vertices(scene)
     problem = Problem.of(schedule.frozen(scene, 0.0), vertices, species)
     if problem.layout.pressure or scene.flow.pressure_drop == "none":
         return problem
@@ -186,8 +186,12 @@ def _lists(
     inert = [name for name in species.solids if name not in layout.solids]
     if inert:
         skipped.append((f"unknowns of {', '.join(inert)}", "no reaction takes or makes it"))
+    if scene.solids:
+        built.append(("kinds of particles", described_kinds(scene.solids)))
     if layout.temperatures:
-        built.append(("energy", "two temperatures" if len(layout.temperatures) == 2 else "one temperature"))
+        count = len(layout.temperatures)
+        each = f"{count} temperatures: of the gas, and of {', '.join(layout.kinds)}"
+        built.append(("energy", {1: "one temperature", 2: "two temperatures"}.get(count, each)))
     else:
         skipped.append(("energy", f"no [heat] table: isothermal at {problem.streams.T_gas:g} K"))
     if layout.pressure:
@@ -222,7 +226,8 @@ def _lists(
     if resolved is not None:
         built.append((PELLETS, _effectiveness(problem, resolved)))
     for reaction in problem.reactions:
-        built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else "at the particles"))
+        where = "at the particles" + ("" if reaction.kind is None else f", {reaction.kind}")
+        built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else where))
     if schedule:
         assert scene.time is not None
         keys = ", ".join(".".join(str(part) for part in path) for path in schedule.samples)

@@ -13,18 +13,20 @@ from numpy.typing import NDArray
 from contbed.closures.reactions import R_GAS
 from contbed.fem import line_system
 from contbed.fem.line_dg import Ends, Line, System
-from contbed.materials.thermo import T_STANDARD
+from contbed.reacting_bed import kinds
 from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.assembled import bed_of
 from contbed.reacting_bed.equations.bed import Bed, Layout, State, conserved
 from contbed.reacting_bed.equations.parts import Parts
 from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.inside import Choice, inside_of
+from contbed.reacting_bed.kinds import species_of
 from contbed.reacting_bed.kinetics import Reaction, reactions_of
 from contbed.reacting_bed.medium import Medium
 from contbed.reacting_bed.pellets import in_pellets
 from contbed.reacting_bed.streams import Streams, gas_sign, inlet, streams
-from contbed.reacting_bed.substances import Substances, substances
+from contbed.reacting_bed.substances import Substances
 
 Array = NDArray[np.float64]
 LARGE_T = 1e3  # [K], of the temperatures of most reactors
@@ -47,53 +49,25 @@ class Problem:
     @classmethod
     def of(cls, scene: s.ReactingScene, vertices: Array, species: Substances | None = None) -> Problem:
         """Build the bed of a scene; `species` if they are known from one with the same."""
-        species = species or substances(scene)
+        species = species or species_of(scene)
+        if scene.solids:
+            return cls._of_kinds(scene, vertices, species)
         entering = streams(scene, species)
         reactions = tuple(in_pellets(scene, reactions_of(scene, species), species.gases))
-        reacting = {name for reaction in reactions for name in reaction.stoichiometry}
-        solids = tuple(name for name in species.solids if name in reacting)
-        heat = scene.heat
-        temperatures: tuple[str, ...] = ()
-        if heat is not None:
-            temperatures = ("T",) if heat.nusselt is None else ("T_fluid", "T_solid")
-        films: tuple[str, ...] = ()
-        if scene.mass is not None and scene.mass.sherwood is not None:
-            through = [r for r in reactions if r.site != "gas" and not r.own_film]
-            wanted = {name for r in through for name in r.stoichiometry} | {
-                name
-                for key, table in scene.reactions.items()
-                if any(r.name == key for r in through)
-                for name in table.orders or {}
-            }
-            films = tuple(name for name in species.gases if name in wanted)
-        flow = scene.flow
-        with_pressure = flow.pressure_drop == "ergun"
         medium = Medium.of(scene, species, entering.solids_density, True)
-        if flow.pressure_drop == "auto":
-            with_pressure = _drop(scene, species, entering, medium) > LITTLE_DROP * entering.pressure
-        medium = replace(medium, with_pressure=with_pressure)
-        layout = Layout(tuple(species.gases), solids, temperatures, with_pressure, films)
-        eps = scene.bed.porosity
-        inert = [
-            (n, species.solids[name].enthalpy) for name, n in entering.solid.items() if name not in solids and n > 0
-        ]
-        solid = scene.solid
-        if solid is not None and solid.composition is None and solid.heat_capacity is not None:
-            capacity = solid.heat_capacity
-            inert.append((entering.solids_density, lambda T: capacity * (T - T_STANDARD)))
-        bed = Bed(
-            layout,
-            {name: item.molar_mass for name, item in species.gases.items()},
-            {name: item.enthalpy for name, item in species.all.items()},
-            reactions,
-            medium,
-            constant(flow.velocity_solid) / (1.0 - eps),
-            tuple(inert),
-            entering.pressure,
-            entering.T_gas,
-        )
+        medium = replace(medium, with_pressure=_pressure_drops(scene, species, entering, medium))
+        bed = bed_of(scene, species, entering, reactions, medium)
         made = cls(scene, species, entering, reactions, bed, Line(vertices, scene.solver.degree))
         return made._with_inside() if scene.adsorption else made
+
+    @classmethod
+    def _of_kinds(cls, scene: s.ReactingScene, vertices: Array, species: Substances) -> Problem:
+        """Build the bed of a scene with several kinds of particles."""
+        entering, gas = kinds.entering(scene, species), kinds.gas_scene(scene)
+        medium = kinds.medium_of_kinds(scene, species, entering)
+        medium = replace(medium, with_pressure=_pressure_drops(gas, species, entering, medium))
+        bed = kinds.bed_of_kinds(scene, species, entering, medium)
+        return cls(scene, species, entering, tuple(bed.reactions), bed, Line(vertices, scene.solver.degree))
 
     def _with_inside(self) -> Problem:
         """Return the problem whose particles take up gas."""
@@ -119,6 +93,9 @@ class Problem:
 
     def within(self, scene: s.ReactingScene) -> Problem:
         """Return the problem with the streams and surroundings of a scene that differs in nothing else."""
+        if scene.solids:
+            entering = kinds.entering(scene, self.species)
+            return replace(self, scene=scene, streams=entering, bed=kinds.within(self.bed, scene, entering))
         entering = streams(scene, self.species)
         speed = constant(scene.flow.velocity_solid)
         medium = replace(self.bed.medium, scene=scene, velocity_solid=speed)
@@ -184,14 +161,17 @@ class Problem:
     @property
     def _local(self) -> list[int]:
         """Return the unknowns of particles at rest and of films, which are in no flux."""
-        kinds = ("s_",) if self.bed.velocity_solid else ("s_", "n_", "a_")
-        return [k for k, name in enumerate(self.names) if name.startswith(kinds)]
+        return [
+            k
+            for k, name in enumerate(self.names)
+            if name.startswith("s_") or (name.startswith(("n_", "a_")) and not self.bed.velocity_of(name))
+        ]
 
     @property
     def _directions(self) -> list[int]:
         gas = 1 if self.streams.ahead else -1
         solid = -1 if self.bed.velocity_solid < 0 else 1
-        return [solid if name.startswith(("n_", "a_")) or name == "T_solid" else gas for name in self.names]
+        return [solid if name.startswith(("n_", "a_", "T_solid")) else gas for name in self.names]
 
     @property
     def _diffuses(self) -> list[bool]:
@@ -200,23 +180,29 @@ class Problem:
         heat = scene.heat
         fluid = heat is not None and (heat.conductivity_fluid is not None or heat.dispersion is not None)
         solid = heat is not None and heat.conductivity_solid is not None
-        by_name = {"T": fluid or solid, "T_fluid": fluid, "T_solid": solid}
+        by_name = {"T": fluid or solid, "T_fluid": fluid}
+        by_name |= {name: solid for name in self.layout.temperatures if name.startswith("T_solid")}
         return [mass if name.startswith("g_") else by_name.get(name, False) for name in self.names]
 
     @cached_property
     def entering(self) -> dict[str, float]:
         """Values of the unknowns in the streams that enter."""
         streams = self.streams
-        one = {"T": streams.T_gas, "T_fluid": streams.T_gas, "T_solid": streams.T_solid, "p": streams.pressure}
+        one = self._temperatures(streams.T_gas, streams.T_solid) | {"p": streams.pressure}
         molar = streams.pressure / (R_GAS * streams.T_gas)
         total = sum(streams.gas.values())
         one |= {f"g_{name}": g for name, g in streams.gas.items()}
-        one |= {f"s_{name}": g / total * molar for name, g in streams.gas.items()}
+        for film in self.layout.films:
+            one[f"s_{film}"] = streams.gas[self.layout.gas_of_film(film)] / total * molar
         clean = {name: 0.0 for name in self.layout.names if name.startswith("a_")}
         return one | clean | {f"n_{name}": n for name, n in streams.solid.items()}
 
+    def _temperatures(self, T_gas: float, T_solid: float) -> dict[str, float]:
+        names = self.layout.temperatures
+        return {name: T_solid if name.startswith("T_solid") else T_gas for name in names}
+
     def _state_entering(self, T_gas: float, T_solid: float) -> State:
-        values = self.entering | {"T": T_gas, "T_fluid": T_gas, "T_solid": T_solid}
+        values = self.entering | self._temperatures(T_gas, T_solid)
         return self.bed.state([values[name] for name in self.layout.names])
 
     def _state_entering_values(self) -> list[float]:
@@ -227,13 +213,15 @@ class Problem:
         """Fluxes of all equations that enter, signed along x."""
         streams, names = self.streams, self.layout.names
         found = {f"g_{name}": g for name, g in streams.gas.items()}
-        v = self.bed.velocity_solid
-        found |= {f"n_{name}": v * n for name, n in streams.solid.items()}
+        v = self.bed.velocity_of
+        found |= {f"n_{name}": v(f"n_{name}") * n for name, n in streams.solid.items()}
         state = self._state_entering(streams.T_gas, streams.T_solid)
         h = self.bed.enthalpies
         gas = float(sum(g * h[name](streams.T_gas) for name, g in streams.gas.items()))
-        solid = float(v * self.bed.held_by_solids(state)) if v else 0.0
-        found |= {"T": gas + solid, "T_fluid": gas, "T_solid": solid, "p": streams.pressure}
+        moving = [(bed.velocity_solid, bed, at) for bed, at in self.bed.phases(state)]
+        solid = [float(speed * bed.held_by_solids(at)) if speed else 0.0 for speed, bed, at in moving]
+        found |= {"T": gas + sum(solid), "T_fluid": gas, "p": streams.pressure}
+        found |= dict(zip((name for name in names if name.startswith("T_solid")), solid, strict=False))
         return {name: found.get(name, 0.0) for name in names}
 
     @property
@@ -248,12 +236,12 @@ class Problem:
         fixed = table is not None and table.fixed is not None
         for k, name in enumerate(names):
             end = 0 if ahead[k] else 1
-            moves = name.startswith("g_") or name in ("p", "T_fluid", "T") or self.bed.velocity_solid != 0.0
+            moves = name.startswith("g_") or name in ("p", "T_fluid", "T") or self.bed.velocity_of(name) != 0.0
             if name.startswith("s_"):
                 continue
             if fixed and (name.startswith("g_") or name in ("T", "T_fluid")):
                 value[end][k] = self.entering[name]
-            elif moves or name == "T_solid":
+            elif moves or name.startswith("T_solid"):
                 given[end][k], flux[end][k] = True, at[k] if moves else 0.0
         return Ends((flux[0], flux[1]), (given[0], given[1]), (value[0], value[1]))
 
@@ -271,8 +259,9 @@ class Problem:
         rise = 1.0  # [K]
         gas = abs(sum(g * (h[name](streams.T_gas + rise) - h[name](streams.T_gas)) for name, g in streams.gas.items()))
         states = [self._state_entering(streams.T_gas, streams.T_solid + more) for more in (0.0, rise)]
-        held = self.bed.held_by_solids(states[1]) - self.bed.held_by_solids(states[0])
-        solid = float(abs(self.bed.velocity_solid * held))
+        solid = 0.0
+        for (bed, cold), (_, warm) in zip(*(self.bed.phases(state) for state in states), strict=True):
+            solid += float(abs(bed.velocity_solid * (bed.held_by_solids(warm) - bed.held_by_solids(cold))))
         return float((gas * streams.T_gas + solid * streams.T_solid) / (gas + solid))
 
     def start(self, T: float | None = None) -> Array:
@@ -280,7 +269,7 @@ class Problem:
         out = np.empty((len(self.names), *self.line.points.shape))
         for k, name in enumerate(self.names):
             out[k] = self.entering[name]
-            if T is not None and name in ("T", "T_fluid", "T_solid"):
+            if T is not None and name in self.layout.temperatures:
                 out[k] = T
         return out
 
@@ -303,8 +292,21 @@ class Problem:
         solids = max(sum(self.streams.solid.values()), 1e-30)
         molar = self.streams.pressure / (R_GAS * self.streams.T_gas)
         one = {"g": self.moles, "n": solids, "p": self.streams.pressure, "s": molar, "a": molar}
+        one |= self._amounts
         names = self.names
-        return np.array([one.get(name.split("_")[0], LARGE_T) * self._share(name) for name in names])
+        return np.array(
+            [one.get(name, one.get(name.split("_")[0], LARGE_T)) * self._share(name) for name in names], dtype=float
+        )
+
+    @property
+    def _amounts(self) -> dict[str, float]:
+        """Moles of all constituents of its kind that each solid of several kinds is measured by [mol/m3 bed]."""
+        found: dict[str, float] = {}
+        for kind, each in self.species.kinds.items():
+            names = [kinds.of_kind(name, kind) for name in each.solids]
+            total = max(sum(self.streams.solid[name] for name in names), 1e-30)
+            found |= {f"n_{name}": total for name in names}
+        return found
 
     @cached_property
     def flux_sizes(self) -> Array:
@@ -327,6 +329,13 @@ class Problem:
     def flux_at(self, u: Array) -> Mapping[str, Array]:
         """Return the fluxes of all equations through the vertices, signed along x, per area of the bed."""
         return dict(zip(self.layout.names, self.mean(self.system.fluxes(u)), strict=True))
+
+
+def _pressure_drops(scene: s.ReactingScene, species: Substances, entering: Streams, medium: Medium) -> bool:
+    """Return whether the pressure is an unknown."""
+    if scene.flow.pressure_drop != "auto":
+        return scene.flow.pressure_drop == "ergun"
+    return _drop(scene, species, entering, medium) > LITTLE_DROP * entering.pressure
 
 
 def _drop(scene: s.ReactingScene, species: Substances, entering: Streams, medium: Medium) -> float:

@@ -12,8 +12,9 @@ from contbed.balance import Balance
 from contbed.closures.reactions import R_GAS
 from contbed.materials.thermo import T_STANDARD, Equilibrium
 from contbed.reacting_bed.equations.bed import State, conserved
-from contbed.reacting_bed.laws import IRON
+from contbed.reacting_bed.equations.kinds import of_kind
 from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.results_kinds import fill_kinds, of_iron
 from contbed.result import Result, outside
 
 Array = NDArray[np.float64]
@@ -42,16 +43,40 @@ def profiles(problem: Problem, u: Array) -> dict[str, Array]:
     x = positions(problem)
     state = values_at(problem, u, x)
     ones = np.ones_like(x)
-    out = {"x [m]": x, "T_fluid [K]": state.T_fluid * ones, "T_solid [K]": state.T_solid * ones}
+    out = {"x [m]": x, "T_fluid [K]": state.T_fluid * ones}
+    out |= {f"{name} [K]": T * ones for name, T in temperatures_of_solids(problem, state).items()}
     out |= {"p_gas [Pa]": state.p * ones, "u [m/s]": state.u * ones}
     out |= {f"x_{name} [1]": value * ones for name, value in state.x.items()}
     out |= loadings(problem, state, ones)
-    solids = solids_at(problem, state, ones)
-    mass = sum(n * problem.species.solids[name].molar_mass for name, n in solids.items())
     if problem.layout.solids:
-        for name, n in solids.items():
-            out[f"w_{name} [1]"] = n * problem.species.solids[name].molar_mass / mass
+        out |= {f"w_{name} [1]": w * ones for name, w in fractions(problem, solids_at(problem, state, ones)).items()}
     return out | ({} if problem.rings is None else across(problem, u, x))
+
+
+def temperatures_of_solids(problem: Problem, state: State) -> dict[str, Any]:
+    """Return the temperatures of the particles by name, of each kind where they differ."""
+    if len(problem.layout.temperatures) <= 2:
+        return {"T_solid": state.T_solid}
+    return {of_kind("T_solid", kind): own.T_solid for kind, own in state.kinds.items()}
+
+
+def fractions(problem: Problem, solids: Mapping[str, Any]) -> dict[str, Any]:
+    """Return mass fractions of constituents in their particles; of several kinds each in its own."""
+    out: dict[str, Any] = {}
+    for names in kinds_of(problem).values():
+        held = {name: solids[name] * problem.species.solids[name].molar_mass for name in names}
+        mass = sum(held.values())
+        out |= {name: m / mass for name, m in held.items()}
+    return out
+
+
+def kinds_of(problem: Problem) -> dict[str | None, list[str]]:
+    """Return the names of the constituents of each kind of particles that has some; None is the only one."""
+    species = problem.species
+    if not species.kinds:
+        return {None: list(species.solids)}
+    found = {kind: [of_kind(name, kind) for name in each.solids] for kind, each in species.kinds.items()}
+    return {kind: names for kind, names in found.items() if names}
 
 
 def loadings(problem: Problem, state: State, ones: Array) -> dict[str, Array]:
@@ -152,34 +177,32 @@ def _inlet_velocity(problem: Problem) -> float:
 
 def _solids(problem: Problem, fluxes: Mapping[str, Array], state: State, end: int, result: Result) -> None:
     qoi, streams = result.qoi, problem.streams
-    v = abs(problem.bed.velocity_solid)
-    if v:
-        qoi["T_solid_out_K"] = _at(state.T_solid, end)
-        amounts = dict(streams.solid)
-        for name in problem.layout.solids:
+    if not problem.bed.velocity_solid:
+        return
+    for name, T in temperatures_of_solids(problem, state).items():
+        if problem.bed.velocity_of(name):
+            qoi[f"{name}_out_K"] = _at(T, end)
+    amounts = dict(streams.solid)
+    for name in problem.layout.solids:
+        if v := abs(problem.bed.velocity_of(f"n_{name}")):
             amounts[name] = abs(float(fluxes[f"n_{name}"][end])) / v * _along(fluxes[f"n_{name}"][end], problem)
-        mass = sum(n * problem.species.solids[name].molar_mass for name, n in amounts.items())
-        for name in problem.layout.solids:
-            qoi[f"w_{name}_out"] = amounts[name] * problem.species.solids[name].molar_mass / mass
+    share = fractions(problem, amounts)
+    for name in problem.layout.solids:
+        if problem.bed.velocity_of(f"n_{name}"):
+            qoi[f"w_{name}_out"] = share[name]
             if streams.solid[name] and amounts[name] < streams.solid[name]:
                 qoi[f"conversion_{name}"] = 1.0 - amounts[name] / streams.solid[name]
-        qoi["solids_out_kg_m2s"] = v * mass
-        _iron(problem, amounts, qoi)
+    if problem.species.kinds:
+        fill_kinds(problem, amounts, qoi)
+        return
+    mass = sum(n * problem.species.solids[name].molar_mass for name, n in amounts.items())
+    qoi["solids_out_kg_m2s"] = abs(problem.bed.velocity_solid) * mass
+    if "Fe" in problem.layout.solids:
+        qoi |= of_iron(amounts)
 
 
 def _along(value: Any, problem: Problem) -> float:
     return 1.0 if float(value) * problem.bed.velocity_solid >= 0 else -1.0
-
-
-def _iron(problem: Problem, amounts: Mapping[str, float], qoi: dict[str, Any]) -> None:
-    """Add metallization and degree of reduction where iron oxides are reduced to iron."""
-    if "Fe" not in problem.layout.solids:
-        return
-    atoms = dict(zip(IRON, (2.0, 3.0, 1.0, 1.0), strict=True))
-    oxygen = dict(zip(IRON, (3.0, 4.0, 1.0, 0.0), strict=True))
-    iron = sum(atoms[name] * amounts.get(name, 0.0) for name in IRON)
-    qoi["metallization"] = amounts["Fe"] / iron
-    qoi["reduction"] = 1.0 - sum(oxygen[name] * amounts.get(name, 0.0) for name in IRON) / (1.5 * iron)
 
 
 def _extents(problem: Problem, u: Array, state: State, end: int, result: Result) -> None:
@@ -190,15 +213,19 @@ def _extents(problem: Problem, u: Array, state: State, end: int, result: Result)
     line = problem.line
     for reaction, rate in zip(problem.reactions, rates, strict=True):
         table = problem.mean(np.broadcast_to(rate, flat[0].shape).reshape(-1, *u[0].shape))[0]
-        result.qoi[f"extent_{reaction.name}_mol_m2s"] = float(np.einsum("cj,j,c->", table, line.weights, line.h))
+        extent = float(np.einsum("cj,j,c->", table, line.weights, line.h))
+        result.qoi[f"extent_{reaction.name}_mol_m2s"] = extent
+        if reaction.key != reaction.name:  # in several kinds of particles
+            whole = f"extent_{reaction.key}_mol_m2s"
+            result.qoi[whole] = result.qoi.get(whole, 0.0) + extent
         gases = {name: n for name, n in reaction.stoichiometry.items() if name in problem.species.gases}
         all_gas = len(gases) == len(reaction.stoichiometry)
         known = all(problem.species.gases[name].has_entropy for name in gases)
         if reaction.equation.reversible and all_gas and known:
-            T = _at(state.T_solid if reaction.site != "gas" else state.T_fluid, end)
+            T = _at(state.of(reaction.kind).T_solid if reaction.site != "gas" else state.T_fluid, end)
             pressures = {name: max(_at(state.x[name] * state.p, end), 1e-300) / 1e5 for name in gases}
             Q = sum(n * np.log(pressures[name]) for name, n in gases.items())
-            factor = problem.scene.reactions[reaction.name].equilibrium_factor
+            factor = problem.scene.reactions[reaction.key].equilibrium_factor
             K = Equilibrium(gases, problem.species.all, frozenset(gases), factor).ln_K(T)
             result.qoi[f"Q_over_K_{reaction.name}"] = float(np.exp(Q - K))
 
@@ -238,11 +265,14 @@ def heat_carried(problem: Problem, u: Array) -> float:
     h = problem.bed.enthalpies
     total = 0.0
     for k in (0, 1):
-        T_f, T_s = _at(state.T_fluid, k), _at(state.T_solid, k)
+        T_f = _at(state.T_fluid, k)
         total += abs(sum(_at(g, k) * float(h[name](T_f) - h[name](T_STANDARD)) for name, g in state.g.items()))
-        v = problem.bed.velocity_solid
-        total += abs(v * sum(_at(n, k) * float(h[name](T_s) - h[name](T_STANDARD)) for name, n in state.n.items()))
-        total += abs(v * sum(n * float(of(T_s) - of(T_STANDARD)) for n, of in problem.bed.inert))
+        for bed, own in problem.bed.phases(state):
+            T_s, v, h_s = _at(own.T_solid, k), bed.velocity_solid, bed.enthalpies
+            total += abs(
+                v * sum(_at(n, k) * float(h_s[name](T_s) - h_s[name](T_STANDARD)) for name, n in own.n.items())
+            )
+            total += abs(v * sum(n * float(of(T_s) - of(T_STANDARD)) for n, of in bed.inert))
     return max(total, 1e-300)
 
 
@@ -262,8 +292,12 @@ def _remarks(problem: Problem, u: Array, result: Result) -> None:
     result.qoi["share_negative"] = share
     if lowest < -TOLD:
         result.warnings.append(f"a share of gas or solid falls to {lowest:.2g}: use more cells, or a smaller tolerance")
-    for phase, T in (("fluid", state.T_fluid), ("solid", state.T_solid)):
-        items = problem.species.gases if phase == "fluid" else problem.species.solids
+    ranges = [(state.T_fluid, problem.species.gases)]
+    ranges += [
+        (state.of(kind).T_solid, {name: problem.species.solids[name] for name in names})
+        for kind, names in kinds_of(problem).items()
+    ]
+    for T, items in ranges:
         for name, item in items.items():
             low, high = item.T_range
             if np.min(T) < low * (1 - 1e-3) or np.max(T) > high * (1 + 1e-3):

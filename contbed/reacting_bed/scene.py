@@ -17,10 +17,14 @@ from contbed.reacting_bed.inlet_series import (
     MolarFluxOrSeries,
     SpeedOrSeries,
 )
+from contbed.reacting_bed.solids_scene import Curve as Curve
+from contbed.reacting_bed.solids_scene import MolarEnergy as MolarEnergy
+from contbed.reacting_bed.solids_scene import SolidKind as SolidKind
+from contbed.reacting_bed.solids_scene import Solids as Solids
+from contbed.reacting_bed.solids_scene import Substance as Substance
 from contbed.scene.mesh import MeshLine
 from contbed.scene.quantities import (
     Conductivity,
-    Density,
     FiniteFloat,
     Fraction,
     Instant,
@@ -50,43 +54,14 @@ from contbed.scene.tables import (
     WallCoefficientOrClosure,
 )
 
-MolarMass = Annotated[float, *unit("kg/mol"), Field(gt=0)]
-MolarEnergy = Annotated[float, *unit("J/mol")]
 ActivationEnergy = Annotated[MolarEnergy, Field(ge=0)]
-MolarEntropy = Annotated[float, *unit("J/mol/K")]
-MolarHeatCapacity = Annotated[float, *unit("J/mol/K"), Field(gt=0)]
 Diffusivity = Annotated[float, *unit("m**2/s"), Field(ge=0)]
 PositiveDiffusivity = Annotated[float, *unit("m**2/s"), Field(gt=0)]
-HeatCapacityOfSolid = Annotated[float, *unit("J/kg/K"), Field(gt=0)]
-Curve = Annotated[tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=4)]
 DiffusivityOrName = Annotated[
     Annotated[PositiveDiffusivity, Tag("number")] | Annotated[Literal["cantera", "fuller"], Tag("name")],
     Discriminator(form),
 ]
 DispersionOfMass = Annotated[Annotated[Diffusivity, Tag("number")] | NamedOrFile, Discriminator(form)]
-
-
-class Substance(Table):
-    """Data of one species; what is absent comes from its formula, the mechanism or the thermodynamic tables."""
-
-    elements: dict[str, Positive] | None = Field(None, description="atoms, {C = 1, H = 4}; absent: from the name")
-    molar_mass: MolarMass | None = Field(None, description="absent: from the elements")
-    shomate: tuple[FiniteFloat, ...] | None = Field(
-        None,
-        min_length=5,
-        max_length=8,
-        description="A to H of the Shomate equation, T/1000 K, J/mol/K and kJ/mol; F and G may be left out",
-    )
-    heat_capacity: MolarHeatCapacity | None = Field(None, description="constant, instead of shomate")
-    enthalpy: MolarEnergy | None = Field(None, description="of formation at 298.15 K, with heat_capacity or A to E")
-    entropy: MolarEntropy | None = Field(None, description="standard, at 298.15 K")
-    density: Density | None = Field(None, description="of a solid without pores")
-    viscosity: Annotated[Annotated[Viscosity, Tag("number")] | Curve, Discriminator(form)] | None = Field(
-        None, description="of a gas; a list is c1 to c4 of c1 T^c2/(1 + c3/T + c4/T^2)"
-    )
-    conductivity: Annotated[Annotated[Conductivity, Tag("number")] | Curve, Discriminator(form)] | None = Field(
-        None, description="of a gas, as viscosity"
-    )
 
 
 class Gas(Table):
@@ -119,22 +94,21 @@ class GasIdeal(Gas):
 Fluid = Annotated[GasCantera | GasIdeal, Field(discriminator="model")]
 
 
-class Solids(Table):
-    """The particles: their constituents where they react, porosity, and what is not known from constituents."""
-
-    composition: str | None = Field(None, description='mass fractions that enter, "Fe2O3:0.45, Al2O3:0.55"')
-    porosity: Annotated[Number, Field(ge=0, lt=1)] = Field(0.0, description="of the particles that enter")
-    density: Density | None = Field(None, description="of particles that enter; absent: from constituents and porosity")
-    heat_capacity: HeatCapacityOfSolid | None = Field(None, description="of particles without constituents")
-    conductivity: Conductivity | None = Field(None, description="of the particles")
-    constituent: dict[str, Substance] = Field(default_factory=dict, description="data of constituents by name")
-
-
 class Bed(Packing):
     """The packing and its resistance to flow."""
 
+    particle_diameter: Length | None = Field(  # type: ignore[assignment]
+        None,
+        description="of one kind; absent with [solids.NAME], which have theirs: their Sauter mean resists the flow",
+    )
     permeability: PermeabilityOrClosure = "permeability_ergun"
     forchheimer: NonNegativeOrClosure = "forchheimer_ergun"
+
+    @property
+    def diameter(self) -> float:
+        """Diameter of the particles, of several kinds the Sauter mean [m]."""
+        assert self.particle_diameter is not None  # `checks` and `kinds` see to it
+        return self.particle_diameter
 
 
 class Flow(Table):
@@ -248,6 +222,9 @@ Parameter = Annotated[
 ]
 
 
+KindOrKinds = Annotated[Annotated[str, Tag("name")] | Annotated[tuple[str, ...], Tag("list")], Discriminator(form)]
+
+
 class Reaction(Table):
     """One reaction: a rate law by name with its constants, or a formula."""
 
@@ -260,6 +237,9 @@ class Reaction(Table):
     b: Number = 0.0
     E: ActivationEnergy | None = Field(None, description="activation energy")
     orders: dict[str, Number] | None = Field(None, description="in concentrations; absent: 1 for each reactant gas")
+    solid: KindOrKinds | None = Field(
+        None, description="kind, or list of kinds, of [solids] in which it runs; absent: those that hold what reacts"
+    )
     basis: Literal["gas", "catalyst", "particle", "bed"] | None = Field(
         None, description="rate per m3 of gas, kg of catalyst, m3 of particles or of bed; absent: gas, or particle"
     )
@@ -378,7 +358,8 @@ class ReactingScene(SceneBase):
 
     mesh: MeshLine
     fluid: Fluid
-    solid: Solids | None = None
+    solid: Solids | None = Field(None, description="where one kind of particles fills the bed")
+    solids: dict[str, SolidKind] = Field(default_factory=dict, description="where several do: each kind by name")
     bed: Bed
     flow: Flow
     heat: Heat | None = None

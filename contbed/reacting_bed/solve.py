@@ -152,10 +152,10 @@ class Storage:
                 parts[k] = next(inside)
             elif name == "T_fluid":
                 parts[k] = heat
-            elif name in ("T_solid", "T"):
-                parts[k] = problem.bed.held_by_solids(state) + (heat if name == "T" else 0.0)
-            if name in ("T_solid", "T") and not problem.bed.inert and not state.n:
-                parts[k] = NO_DATA * values[k]
+            elif name == "T" or name.startswith("T_solid"):
+                parts[k] = problem.bed.heat_held(state, name) + (heat if name == "T" else 0.0)
+                if not problem.bed.knows_heat(name):
+                    parts[k] = NO_DATA * values[k]
         return parts
 
     def residual(self, u: Array) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +67,7 @@ class Substances:
     fed: dict[str, float]
     transport: GasTransport | None
     skeletal: dict[str, float]  # densities of constituents without pores [kg/m3]
+    kinds: Mapping[str, Substances] = field(default_factory=dict)  # of each of several kinds of particles
 
     @property
     def all(self) -> dict[str, Thermo]:

@@ -66,7 +66,8 @@ class Tangent:
             frozen = frozen.model_copy(update={"flow": frozen.flow.model_copy(update={"pressure_drop": drop})})
         ratio = scene.mesh.length / base.scene.mesh.length
         # data of the species take longer to read than the equations to make
-        same = (frozen.fluid, frozen.solid) == (base.scene.fluid, base.scene.solid)
+        before, now = ((of.fluid, of.solid, of.solids) for of in (base.scene, frozen))
+        same = before == now
         made = Problem.of(frozen, base.line.vertices * ratio, base.species if same else None)
         made = made.with_strength(base.bed.strength).with_small(base.bed.small)
         if made.layout != base.layout or len(made.reactions) != len(base.reactions):

@@ -134,7 +134,7 @@ def allowed(node: Node) -> str:
     if values := choices(node):
         return " or ".join(json.dumps(value) for value in values)
     ways = options(node)
-    text = "a closure's name" if len(ways) > 1 else "a text"
+    text = "a text" if {way.get("type") for way in ways} <= {"string", "array"} else "a closure's name"
     return ", or ".join(dict.fromkeys(text if way.get("type") == "string" else _one(way) for way in ways))
 
 

@@ -19,6 +19,7 @@ T_s, what they take comes at T_f:
 
 The correction makes the J_k sum to zero. The weighted sum of all species equations is that of G. With one temperature
 both energy equations are added. Where species are no unknowns of a film the gas at the particle is that of the stream.
+Several kinds of particles each have equations of their own, see `equations.kinds`.
 
 Source: Wakao, Kaguei 1982, Heat and Mass Transfer in Packed Beds; Bird, Stewart, Lightfoot 2002, ch. 19.
 """
@@ -51,6 +52,7 @@ class Layout:
     films: tuple[str, ...] = ()
     inside: tuple[str, ...] = ()  # gases inside of particles
     points: int = 0  # of a particle, at which they are known
+    kinds: tuple[str, ...] = ()  # of particles where there are several, whose names end those of solids and films
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -59,6 +61,10 @@ class Layout:
         gases, films = (f"g_{name}" for name in self.gases), (f"s_{name}" for name in self.films)
         inner = (f"a_{name}_{i}" for name in self.inside for i in range(self.points))
         return (*gases, *(f"n_{name}" for name in self.solids), *self.temperatures, *pressure, *films, *inner)
+
+    def gas_of_film(self, film: str) -> str:
+        """Return the gas of a film, "CO" of that of the kind "ore", "CO_ore"."""
+        return film.rpartition("_")[0] if self.kinds else film
 
 
 def conserved(name: str) -> str | None:
@@ -85,6 +91,11 @@ class State:
     rho: Any
     films: Mapping[str, Any] = field(default_factory=dict)  # concentrations at the particle [mol/m3]
     inner: Mapping[str, Sequence[Any]] = field(default_factory=dict)  # in the pores of particles, at their points
+    kinds: Mapping[str, State] = field(default_factory=dict)  # as each of several kinds of particles sees it
+
+    def of(self, kind: str | None) -> State:
+        """Return the state as a kind of particles sees it, None where there is one."""
+        return self if kind is None else self.kinds[kind]
 
     @property
     def u(self) -> Any:
@@ -278,6 +289,22 @@ class Bed:
             held, heat = self.inside.held(state.inner, np.maximum(T, LEAST_T))
             total = total + heat + sum(sum(points) * self.enthalpies[name](T) for name, points in held.items())
         return total + sum(n * h(T) for n, h in self.inert)
+
+    def heat_held(self, state: State, _: str) -> Any:
+        """Return the enthalpy of the solids in the balance of a temperature [J/m3 bed]."""
+        return self.held_by_solids(state)
+
+    def knows_heat(self, _: str) -> bool:
+        """Whether solids with data stand in the balance of a temperature."""
+        return bool(self.inert or self.layout.solids)
+
+    def velocity_of(self, _: str) -> float:
+        """Return the true velocity of the solids that an unknown belongs to [m/s]."""
+        return self.velocity_solid
+
+    def phases(self, state: State) -> list[tuple[Bed, State]]:
+        """Return the bed of each kind of particles, and the state as it sees it."""
+        return [(self, state)]
 
     def held_inside(self, state: State) -> list[Any]:
         """Return the moles that each point of particles holds of each gas, as the unknowns are ordered [mol/m3 bed]."""

@@ -1,0 +1,317 @@
+"""Several kinds of particles in one bed: alike they are one kind; unlike they follow closed forms; balances close."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from reacting_bed_scenes import MOLAR, bilinear, fixed_bed, isothermal, shrinking_core, solids, species, table
+from scipy.linalg import expm
+from several_solids import SHARES, split
+
+import contbed
+from contbed.loading import from_dict
+from contbed.models import plan
+from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.solve import Report
+from contbed.reacting_bed.stages import stages
+from contbed.reacting_bed.transient import Course
+from contbed.result import Result
+
+ROUNDING = 1e-9  # of two solutions of the same equations on the same cells, whose Newton's methods end at 1e-10
+STEPS = 1e-5  # of runs with steps to a tolerance of 1e-3, whose lengths rounding may move by a percent
+DIGITS = 1e-8  # fluxes at the ends on cells that follow a tolerance of 1e-6
+CLOSED = 1e-12
+EPS, U = 0.4, 0.5
+
+
+def solved(scene: dict) -> Result:
+    result = contbed.run(from_dict(scene))
+    for name, balance in result.balances.items():
+        assert abs(balance["relative_residual"]) < CLOSED, name
+    return result
+
+
+def hot(**more) -> dict:
+    """Particles that react with gas and give off heat, against the gas, with all that a bed may have."""
+    gases = species(A=0.028, B=0.028)
+    gases["A"] |= {"heat_capacity": 30.0, "enthalpy": 4e3}
+    gases["B"] |= {"heat_capacity": 32.0, "enthalpy": 0.0}
+    scene = isothermal("A:0.9, B:0.1", gases, **more)
+    scene["fluid"] |= {"viscosity": 2e-5, "conductivity": 0.03, "diffusivity": 2e-5}
+    scene["flow"] = {"velocity": 0.5, "velocity_solid": -2e-4, "pressure_drop": "ergun"}
+    scene["solid"] = solids()
+    for name, heat in (("S", 1e3), ("P", 0.0)):
+        scene["solid"]["constituent"][name] |= {"heat_capacity": 80.0, "enthalpy": heat}
+    scene["heat"] = {"nusselt": "nusselt_wakao_kaguei", "conductivity_solid": 0.5, "conductivity_fluid": 0.1}
+    scene["mass"] = {"sherwood": "sherwood_wakao_funazkri", "dispersion": 1e-4}
+    scene["boundary"]["right"] = {"solid": {"inflow": 400.0}}
+    orders = {"A": 1.0, "S": 1.0}
+    scene["reactions"] = {"r": {"equation": "A + S -> B + P", "A": 5e-3, "E": "20 kJ/mol", "orders": orders}}
+    scene["reactions"]["r"]["basis"] = "bed"
+    return scene
+
+
+def alike(scene: dict, same: float = ROUNDING) -> None:
+    """Compare one kind with two that differ in nothing; what each makes and holds is its share."""
+    one, two = solved(scene), solved(split(scene))
+    for key, value in one.qoi.items():
+        names = (
+            [key] if key in two.qoi else [k for k in two.qoi if k.replace("_coarse", "").replace("_fine", "") == key]
+        )
+        assert names, key
+        for name in names:
+            assert two.qoi[name] == pytest.approx(value, rel=same, abs=same), name
+    for key, values in one.profiles.items():
+        name, unit = key.split(" ")
+        for column in [key] if key in two.profiles else [f"{name}_{kind} {unit}" for kind in SHARES]:
+            assert two.profiles[column] == pytest.approx(values, rel=same, abs=same), column
+    if "extent_r_mol_m2s" in one.qoi:
+        for kind, share in SHARES.items():
+            part = two.qoi[f"extent_r_{kind}_mol_m2s"]
+            assert part == pytest.approx(share * one.qoi["extent_r_mol_m2s"], rel=same)
+
+
+def on_cells(scene: dict, cells: int = 12) -> dict:
+    return scene | {"mesh": scene["mesh"] | {"cells": cells}}
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [on_cells(bilinear(2.0, 1.2)), on_cells(shrinking_core(2.0, 1.2, 0.2, 0.5, 0.3), 24), on_cells(hot(), 5)],
+    ids=["bilinear", "shrinking_core", "hot"],
+)
+def test_kinds_that_are_alike_are_one(scene):
+    alike(scene)
+
+
+@pytest.mark.parametrize("with_one_temperature", [False, True])
+def test_kinds_that_are_alike_are_one_along_the_gas(with_one_temperature):
+    scene = on_cells(hot(), 5)
+    scene["flow"]["velocity_solid"] = 2e-4
+    scene["boundary"]["left"]["solid"] = scene["boundary"].pop("right")["solid"]
+    if with_one_temperature:
+        del scene["heat"]["nusselt"]
+    alike(scene)
+
+
+def stepped(scene: dict) -> dict[str, np.ndarray]:
+    """Unknowns by name after three steps in time of one length."""
+    found = plan(from_dict(scene))
+    course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
+    u = course.start()
+    for _ in range(3):
+        _, u, _ = stages((course.problem, course.problem), u, u, 5.0, Report(), course.sizes(u))
+    return dict(zip(course.problem.names, u, strict=True))
+
+
+@pytest.mark.parametrize("moves", [True, False], ids=["moving", "at rest"])
+@pytest.mark.parametrize("gas", ["quasi_steady", "stored"])
+def test_steps_of_kinds_that_are_alike_are_those_of_one(moves, gas):
+    one, two = (stepped(in_time(scene, moves, gas)) for scene in (hot(), split(hot())))
+    for name, values in one.items():
+        parts = {kind: share if name.startswith("n_") else 1.0 for kind, share in SHARES.items()}
+        for kind, share in parts.items():
+            found = two[name if name in two else f"{name}_{kind}"]
+            assert found == pytest.approx(share * values, rel=ROUNDING, abs=ROUNDING), name
+
+
+def in_time(scene: dict, moves: bool, gas: str = "auto") -> dict:
+    scene = on_cells(scene, 3)
+    scene["time"] = {"end": 200.0, "initial_temperature": 450.0, "tolerance": 1e-3, "gas": gas}
+    if not moves:
+        scene["flow"]["velocity_solid"] = 0.0
+        del scene["boundary"]["right"]
+    return scene
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("moves", [True, False], ids=["moving", "at rest"])
+def test_runs_in_time_of_kinds_that_are_alike(moves):
+    alike(in_time(hot(), moves), STEPS)
+
+
+def test_two_sizes_in_a_moving_bed_follow_their_own_closed_forms():
+    """First order in what is left, at a rate of each kind's own, and cores that shrink in much gas."""
+    scene = on_cells(split(bilinear(1.0, 1.0)))
+    v = abs(scene["flow"]["velocity_solid"])
+    k = {kind: c * v / (1.0 - EPS) for kind, c in (("coarse", 0.5), ("fine", 1.5))}
+    scene["solids"]["fine"]["velocity_solid"] = -2.0 * v
+    scene["fluid"]["composition"] = "A:0.5, B:0.5"
+    scene["flow"]["velocity"] = 50.0  # more gas than solids take
+    scene["reactions"] = {
+        f"r_{kind}": {"equation": "A + S -> B + P", "A": each, "E": 0.0, "orders": {"S": 1.0}, "solid": kind}
+        for kind, each in k.items()
+    }
+    for kind, share in SHARES.items():
+        scene["reactions"][f"r_{kind}"]["A"] /= share * (1.0 - EPS)  # per volume of particles
+    qoi = solved(scene).qoi
+    X = {"coarse": 1.0 - np.exp(-0.5), "fine": 1.0 - np.exp(-0.75)}
+    for kind, exact in X.items():
+        assert qoi[f"conversion_S_{kind}"] == pytest.approx(exact, abs=DIGITS)
+    flow = {"coarse": 0.3, "fine": 1.4}
+    mean = sum(flow[kind] * X[kind] for kind in X) / sum(flow.values())
+    assert qoi["conversion_S"] == pytest.approx(mean, abs=DIGITS)
+    mass = 3000.0 * v * sum(flow.values())
+    assert qoi["solids_out_kg_m2s"] == pytest.approx(mass, rel=DIGITS)
+
+
+@pytest.mark.slow
+def test_two_sizes_at_rest_shrink_as_their_diameters_say():
+    """A surface reaction in a gas that hardly changes: X = 1 - (1 - t/tau)^3, tau = rho d/(2 k c)."""
+    scene = fixed_bed("shrinking_core", 0.0, 0.0, 1.0, 1e-9, 0.4)
+    scene["mesh"] |= {"length": 1.0, "cells": 2}
+    scene["flow"]["velocity"] = 1e9
+    scene["output"]["positions"] = [0.5]
+    scene["time"]["tolerance"] = 1e-5
+    scene = split(scene, fine={"particle_diameter": 2e-3})  # 3 mm is complete after 1000 s
+    result = solved(scene)
+    X = {"coarse": 1.0 - (1.0 - 0.4) ** 3, "fine": 1.0 - (1.0 - 0.4 * 3.0 / 2.0) ** 3}
+    for kind, exact in X.items():  # steps of a local tolerance of 1e-5
+        assert result.profiles[f"w_P_{kind} [1]"][-1] == pytest.approx(exact, abs=1e-5)
+
+
+def catalysed(share: float, **more) -> dict:
+    """A share of catalyst among beads without reaction."""
+    scene = isothermal("A:1", species(A=0.028, B=0.028), **more)
+    d = scene["bed"].pop("particle_diameter")
+    scene["solids"] = {
+        "catalyst": {"volume_share": share, "particle_diameter": d, "density": 1500.0},
+        "beads": {"volume_share": 1.0 - share, "particle_diameter": 2.0 * d, "density": 2500.0},
+    }
+    scene["reactions"] = {"r": {"equation": "A -> B", "A": 2e-3, "E": 0.0, "basis": "catalyst", "solid": "catalyst"}}
+    return scene
+
+
+@pytest.mark.parametrize("share", [0.2, 0.75])
+def test_beads_dilute_a_catalyst(share):
+    Da = 2e-3 * share * (1.0 - EPS) * 1500.0 / U
+    assert solved(catalysed(share)).qoi["conversion_A"] == pytest.approx(1.0 - np.exp(-Da), abs=DIGITS)
+
+
+def test_each_kind_has_its_own_film():
+    """Resistances of film and reaction in series for each of two catalysts, in parallel for both."""
+    scene = catalysed(0.4)
+    D, Sh = 2e-5, {"catalyst": 4.0, "beads": 8.0}
+    scene["fluid"]["diffusivity"] = D
+    scene["mass"] = {"sherwood": Sh["catalyst"]}
+    scene["solids"]["beads"]["sherwood"] = Sh["beads"]
+    scene["reactions"]["r"]["solid"] = ["catalyst", "beads"]
+    total = 0.0
+    for kind, at in scene["solids"].items():
+        d, share = at["particle_diameter"], at["volume_share"]
+        film = Sh[kind] * D / d * 6.0 * share * (1.0 - EPS) / d
+        total += 1.0 / (1.0 / film + 1.0 / (2e-3 * share * (1.0 - EPS) * at["density"]))
+    qoi = solved(scene).qoi
+    assert qoi["conversion_A"] == pytest.approx(1.0 - np.exp(-total / U), abs=DIGITS)
+    assert qoi["extent_r_mol_m2s"] == pytest.approx(U * MOLAR * (1.0 - np.exp(-total / U)), rel=DIGITS)
+
+
+def exchanging(directions: float) -> tuple[dict, dict[str, float]]:
+    """Two sizes heated by a gas with constant data, and what the matrix exponential says of what leaves."""
+    G, cp, k_f, L, v = 0.5, 30.0 / 0.028, 0.03, 0.3, 3e-4
+    gases = species(A=0.028)
+    gases["A"] |= {"heat_capacity": 30.0, "enthalpy": 0.0}
+    scene = isothermal("A:1", gases)
+    scene["fluid"]["conductivity"] = k_f
+    del scene["bed"]["particle_diameter"]
+    scene["mesh"]["length"] = L
+    scene["flow"] = {"mass_flux": G, "velocity_solid": directions * v, "pressure_drop": "none"}
+    scene["heat"] = {"nusselt": 5.0}
+    kinds = {"small": (0.25, 4e-3, 2000.0, 800.0, 5.0, v), "large": (0.75, 9e-3, 1200.0, 1000.0, 8.0, 1.5 * v)}
+    scene["solids"] = {
+        kind: {
+            "volume_share": share,
+            "particle_diameter": d,
+            "density": rho,
+            "heat_capacity": c,
+            "nusselt": Nu,
+            "velocity_solid": directions * speed,
+        }
+        for kind, (share, d, rho, c, Nu, speed) in kinds.items()
+    }
+    end = "left" if directions > 0 else "right"
+    scene["boundary"] = {"left": {"fluid": {"inflow": 900.0}}}
+    scene["boundary"].setdefault(end, {})["solid"] = {"inflow": 300.0}
+    rows = np.zeros((3, 3))
+    for i, (share, d, rho, c, Nu, speed) in enumerate(kinds.values(), 1):
+        ha = Nu * k_f / d * 6.0 * share * (1.0 - EPS) / d
+        C = directions * speed * share * rho * c
+        rows[0, [0, i]] += np.array([-ha, ha]) / (G * cp)
+        rows[i, [0, i]] = np.array([ha, -ha]) / C
+    E = expm(rows * L)
+    if directions > 0:
+        gas, *leaving = E @ [900.0, 300.0, 300.0]
+    else:
+        leaving = np.linalg.solve(E[1:, 1:], 300.0 - E[1:, 0] * 900.0)
+        gas = E[0] @ [900.0, *leaving]
+    exact = {"T_fluid_out_K": gas, "T_solid_small_out_K": leaving[0], "T_solid_large_out_K": leaving[1]}
+    return scene, exact
+
+
+@pytest.mark.parametrize("directions", [1.0, -1.0], ids=["along", "against"])
+def test_two_sizes_heated_by_a_gas(directions):
+    scene, exact = exchanging(directions)
+    result = solved(scene)
+    for key, value in exact.items():
+        assert result.qoi[key] == pytest.approx(value, rel=DIGITS), key
+    assert {"T_solid_small [K]", "T_solid_large [K]"} <= set(result.profiles)
+    assert "4 temperatures" not in str(result.plan) and "3 temperatures: of the gas, and of small, large" in str(
+        result.plan
+    )
+
+
+def unlike(**more) -> dict:
+    """Ore that reacts and beads that hold heat, of other size and speed."""
+    scene = split(hot(**more), {"ore": 0.6, "beads": 0.4}, ore={"particle_diameter": 4e-3})
+    beads = {"volume_share": 0.4, "particle_diameter": 8e-3, "density": 2500.0, "heat_capacity": 900.0}
+    scene["solids"]["beads"] = beads | {"velocity_solid": -4e-4, "nusselt": 12.0}
+    return scene
+
+
+def test_balances_close_with_all_that_differs():
+    result = solved(on_cells(unlike(), 6))
+    assert "energy" in result.balances and "conversion_S_ore" in result.qoi
+    # Ergun's equation has the Sauter mean
+    at = result.plan.problem.bed.medium.scene.bed.particle_diameter
+    assert at == pytest.approx(1.0 / (0.6 / 4e-3 + 0.4 / 8e-3), rel=1e-14)
+
+
+@pytest.mark.slow
+def test_steps_in_time_end_in_the_steady_state():
+    scene = on_cells(unlike(), 4)
+    steady = solved(scene)
+    scene["time"] = {"end": 2e5, "initial_temperature": 500.0, "tolerance": 1e-3}
+    ended = solved(scene)
+    for key in ("T_fluid_out_K", "conversion_S_ore", "T_solid_beads_out_K", "x_A_out"):
+        assert ended.qoi[key] == pytest.approx(steady.qoi[key], rel=1e-7), key
+
+
+def test_streams_that_change_reach_all_kinds():
+    """A bed whose streams are replaced, as series do at each of their times, is that of a scene with them."""
+    scene = on_cells(unlike(), 4)
+    vertices = np.linspace(0.0, 1.0, 5)
+    del scene["solids"]["beads"]["velocity_solid"]
+    before = Problem.of(from_dict(scene), vertices)
+    scene["flow"] |= {"velocity": 0.7, "velocity_solid": -3e-4}
+    scene["boundary"]["right"]["solid"]["inflow"] = 420.0
+    there = from_dict(scene)
+    exact, found = Problem.of(there, vertices), before.within(there)
+    u = exact.start(450.0)
+    residuals = [problem.system.assemble(u, False)[0] for problem in (exact, found)]
+    assert residuals[1] == pytest.approx(residuals[0], rel=1e-13)
+    assert np.abs(before.system.assemble(u, False)[0] - residuals[0]).max() > 0.0
+
+
+@pytest.mark.slow
+def test_a_gas_that_changes_in_time_reaches_all_kinds():
+    scene = on_cells(hot(), 4)
+    scene["flow"]["velocity"] = {"times": [0.0, 50.0], "values": [0.5, 0.7], "form": "step"}
+    scene["time"] = {"end": 100.0, "initial_temperature": 450.0, "tolerance": 1e-3}
+    alike(scene, STEPS)
+
+
+def test_the_table_of_one_kind_holds_for_each_of_several():
+    row = next(row for row in table("counter_current_bilinear") if row["r"] != 1.0)
+    qoi = solved(split(bilinear(row["N"], row["r"]))).qoi
+    for name in ("conversion_S", "conversion_S_coarse", "conversion_S_fine"):
+        assert 1.0 - qoi[name] == pytest.approx(row["solid_out_over_in"], abs=DIGITS)
