@@ -14,6 +14,7 @@ from contbed.output.plots import plain_ticks, styled_figure
 from contbed.result import Result
 
 COLOURS = ("#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2", "#999999")
+STYLES = ("-", "--", ":", "-.")
 PANELS = (
     ("T_", "T [K]"),
     ("x_", "mole fraction"),
@@ -48,15 +49,26 @@ def plot(result: Result, folder: Path) -> None:
         for spare in every[len(panels) :]:
             spare.remove()
         for axes, (found, label) in zip(every[: len(panels)], panels, strict=True):
-            for k, (name, values) in enumerate(found.items()):
-                style = "--" if name == "T_fluid" else "-"
-                axes.plot(x, values, style, color=COLOURS[k % len(COLOURS)], label=name.split("_", 1)[1])
+            looks = looks_of(list(found), list(result.plan.scene.solids))
+            for (name, values), (colour, style) in zip(found.items(), looks, strict=True):
+                axes.plot(x, values, style, color=colour, label=name.split("_", 1)[1])
             axes.set_ylabel(label)
             axes.margins(x=0)
             plain_ticks(axes)
             axes.set_xlabel("$x$ [m]")
             if len(found) > 1:
                 axes.legend(fontsize=8, ncols=2)
+
+
+def looks_of(names: list[str], kinds: list[str]) -> list[tuple[str, str]]:
+    """Return colour and style of each line: a colour for each constituent, a style for each kind of particles."""
+    alone = [name.rpartition("_")[0] if name.rpartition("_")[2] in kinds else name for name in names]
+    order = list(dict.fromkeys(alone))
+    looks = []
+    for name, without in zip(names, alone, strict=True):
+        style = STYLES[kinds.index(name.rpartition("_")[2]) % len(STYLES)] if name != without else "-"
+        looks.append((COLOURS[order.index(without) % len(COLOURS)], "--" if name == "T_fluid" else style))
+    return looks
 
 
 def branch_plot(path: Path, columns: Mapping[str, Any], title: str) -> None:

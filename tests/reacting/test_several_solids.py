@@ -11,6 +11,7 @@ from several_solids import SHARES, split
 import contbed
 from contbed.loading import from_dict
 from contbed.models import plan
+from contbed.reacting_bed.plots import looks_of
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.stages import stages
@@ -286,6 +287,16 @@ def test_steps_in_time_end_in_the_steady_state():
         assert ended.qoi[key] == pytest.approx(steady.qoi[key], rel=1e-7), key
 
 
+def test_beads_at_rest_among_ore_that_moves_are_as_hot_as_the_gas():
+    """Nothing heats them but the gas where nothing conducts, and a steady state needs no heat capacity of theirs."""
+    scene = on_cells(unlike(), 5)
+    scene["solids"]["beads"]["velocity_solid"] = 0.0
+    del scene["heat"]["conductivity_solid"], scene["solids"]["beads"]["heat_capacity"]
+    result = solved(scene)
+    assert result.profiles["T_solid_beads [K]"] == pytest.approx(result.profiles["T_fluid [K]"], rel=1e-10)
+    assert "T_solid_beads_out_K" not in result.qoi and result.qoi["solids_out_kg_m2s"] == pytest.approx(0.36, rel=1e-12)
+
+
 def test_streams_that_change_reach_all_kinds():
     """A bed whose streams are replaced, as series do at each of their times, is that of a scene with them."""
     scene = on_cells(unlike(), 4)
@@ -315,3 +326,11 @@ def test_the_table_of_one_kind_holds_for_each_of_several():
     qoi = solved(split(bilinear(row["N"], row["r"]))).qoi
     for name in ("conversion_S", "conversion_S_coarse", "conversion_S_fine"):
         assert 1.0 - qoi[name] == pytest.approx(row["solid_out_over_in"], abs=DIGITS)
+
+
+def test_lines_of_a_constituent_have_one_colour_and_a_style_for_each_kind():
+    looks = looks_of(["T_fluid", "T_solid_ore", "T_solid_coke", "w_C_coke", "w_C_ore"], ["ore", "coke"])
+    colours, styles = zip(*looks, strict=True)
+    assert colours[1] == colours[2] != colours[0] and colours[3] == colours[4] != colours[1]
+    assert styles == ("--", "-", "--", "--", "-")
+    assert len(set(looks_of(["w_A", "w_B", "w_C"], []))) == 3
