@@ -67,7 +67,7 @@ class System(line_dg.System):
         return Distributed.of(self.line)
 
     @property
-    def diffusing(self) -> list[tuple[int, float, Array, Array]]:
+    def diffusing(self) -> parts.Diffusing:
         """Each field whose gradient enters a flux: its direction, at which vertices a value is given, and the value."""
         out, N = [], self.line.cells
         for f in np.flatnonzero(self.diffuses):
@@ -80,19 +80,19 @@ class System(line_dg.System):
 
     def sides(self, u: Array) -> line_dg.Sides:
         """Return the gradients of fields, and values and gradients at the ends of their cells."""
-        diffusing = self.diffusing
-        flat = np.ascontiguousarray(u.reshape(self.m, -1))
-        traces, slopes, of_slopes = self.on.ranks.run_on_all(parts.look, self.on.key, root=(flat, diffusing))
-        q, low, high = np.zeros_like(u), np.zeros(u.shape[:2]), np.zeros(u.shape[:2])
+        diffusing, m = self.diffusing, self.m
+        slopes, traces = self.on.ranks.run_on_all(parts.look, self.on.key, u.reshape(m, -1), diffusing)
+        q, slope_low, slope_high = np.zeros_like(u), np.zeros(u.shape[:2]), np.zeros(u.shape[:2])
         fields = [f for f, *_ in diffusing]
+        low, high = traces[:, 1, :-1], traces[:, 0, 1:]
         q[fields] = slopes.reshape(-1, *u.shape[1:])
-        low[fields], high[fields] = of_slopes[:, 1, :-1], of_slopes[:, 0, 1:]
-        return line_dg.Sides(q, traces[:, 1, :-1], traces[:, 0, 1:], low, high)
+        slope_low[fields], slope_high[fields] = low[m:], high[m:]
+        return line_dg.Sides(q, low[:m], high[:m], slope_low, slope_high)
 
     def integrated(self, F: Array, source: Array, hat: Array) -> Array:
         """Return residuals from fluxes and sources at the nodes (m, N, p + 1), and fluxes at vertices (m, N + 1)."""
-        root = (F.reshape(self.m, -1), source.reshape(self.m, -1), hat)
-        found: Array = self.on.ranks.run_on_all(parts.residual, self.on.key, root=root)
+        fluxes, sources = F.reshape(self.m, -1), source.reshape(self.m, -1)
+        found: Array = self.on.ranks.run_on_all(parts.residual, self.on.key, fluxes, sources, hat)
         return found.reshape(F.shape)
 
     def no_slopes(self) -> Slopes:
@@ -156,13 +156,12 @@ class Slopes:
             raise ConvergenceError("the matrix holds values that are not finite")
         on = system.on
         key = on.ranks.new_key()
-        root = (pairs, inside, at_vertices, system.diffusing)
-        on.ranks.run_on_all(parts.jacobian, on.key, key, system.m, root=root)
+        on.ranks.run_on_all(parts.jacobian, on.key, key, system.m, pairs, inside, at_vertices, system.diffusing)
         return Matrix(on.ranks, key, on.layout(system.m))
 
-    def factors(self) -> Factors:
-        """Return the factors, to solve with."""
-        return Factors(self)
+    def factors(self, residuals: Array, _: Array) -> Factors:
+        """Return the factors, to solve with, from typical values (m,) of residuals; MUMPS measures unknowns itself."""
+        return Factors(self, residuals)
 
 
 class Factors:
@@ -173,10 +172,11 @@ class Factors:
     ConvergenceError : the matrix is not finite, or singular where it is solved with
     """
 
-    def __init__(self, slopes: Slopes):
-        self.inverse = slopes.matrix(np.ones(slopes.system.m)).inverse(PetscPolicy(1))
+    def __init__(self, slopes: Slopes, sizes: Array):
+        self.sizes = sizes[:, None, None]
+        self.inverse = slopes.matrix(sizes).inverse(PetscPolicy(1))
 
     def solve(self, residual: Array) -> Array:
         """Return the solution for a right-hand side (m, N, p + 1)."""
-        found: Array = self.inverse(residual.ravel()).reshape(residual.shape)
+        found: Array = self.inverse((residual / self.sizes).ravel()).reshape(residual.shape)
         return found

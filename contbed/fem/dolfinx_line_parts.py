@@ -26,6 +26,8 @@ from contbed.fem.petsc import LocalMatrix
 from contbed.fem.ranks import RankGroup
 
 Array = NDArray[np.float64]
+# field, whether it goes to the right (1) or the left (0), at which vertices a value is given (1), the values
+Diffusing = list[tuple[int, float, Array, Array]]
 
 
 def make_line(all_ranks: RankGroup, root: Any, key: int, mesh: int, points: Array, weights: Array) -> Any:
@@ -66,7 +68,8 @@ def _make_forms(stored: Any, points: Array, weights: Array) -> None:
     from dolfinx import fem
 
     mesh, V, L, Q = stored.part.mesh, stored.V, stored.L, stored.Q
-    u, v, w = ufl.TrialFunction(V), ufl.TestFunction(V), ufl.TestFunction(L)
+    # spaces that are the same object make DOLFINx set a diagonal, for which all ranks meet
+    u, v, w = ufl.TrialFunction(V.clone()), ufl.TestFunction(V), ufl.TestFunction(L)
     stored.field = field = fem.Function(V)
     stored.flux, stored.source = flux, source = fem.Function(Q), fem.Function(Q)
     stored.left, stored.right = on_left, on_right = fem.Function(L), fem.Function(L)
@@ -107,27 +110,27 @@ def _assembled(stored: Any, form: str, places: Any, size: int) -> Array:
     """Return this rank's part of an assembled vector in the numbering of the root rank."""
     from dolfinx import fem
 
-    out = np.zeros(size)
-    np.add.at(out, places, fem.assemble_vector(stored.forms[form]).array)
+    here, out = np.zeros(len(places)), np.zeros(size)
+    fem.assemble_vector(here, stored.forms[form])  # into an array: a vector of DOLFINx is made by all ranks together
+    np.add.at(out, places, here)
     return out
 
 
-def look(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Return traces of fields from the left and the right at vertices, gradients at the nodes, and their traces.
+def look(all_ranks: RankGroup, root: Any, key: int, fields: Array, diffusing: Diffusing) -> Any:
+    """Return gradients of fields at the nodes, and traces of fields and gradients from the left and right at vertices.
 
-    `root` has the fields (m, nodes), and for each that diffuses (field, direction, where given, values) at the ends.
+    fields : (m, nodes)
+    diffusing : of those whose gradients are asked for
     """
     stored = all_ranks.objects[key]
-    fields, diffusing = all_ranks.comm.bcast(root)
-    traces = all_ranks.comm.reduce(_traces(stored, fields))
-    slopes = []
-    for f, *at_ends in diffusing:
+    slopes = np.empty((len(diffusing), fields.shape[1]))
+    for k, (f, ahead, given, value) in enumerate(diffusing):
         stored.field.x.array[:] = fields[f][stored.nodes]
-        _set_ends(stored, *at_ends)
-        total = all_ranks.comm.allreduce(_assembled(stored, "gradient", stored.nodes, fields.shape[1]))
-        slopes.append(total / stored.lengths)
-    table = np.reshape(slopes, (-1, fields.shape[1]))
-    return traces, table, all_ranks.comm.reduce(_traces(stored, table))
+        _set_ends(stored, ahead, given, value)
+        slopes[k] = _assembled(stored, "gradient", stored.nodes, fields.shape[1])
+    if diffusing:
+        slopes = all_ranks.comm.allreduce(slopes) / stored.lengths
+    return slopes, all_ranks.comm.reduce(_traces(stored, np.concatenate([fields, slopes])))
 
 
 def _traces(stored: Any, fields: Array) -> Array:
@@ -145,26 +148,35 @@ def _set_ends(stored: Any, ahead: float, given: Array, value: Array) -> None:
     stored.given.x.array[:], stored.value.x.array[:] = given[stored.vertices], value[stored.vertices]
 
 
-def residual(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Return the residuals (m, nodes) of fluxes and sources at the points and fluxes at the vertices."""
+def residual(all_ranks: RankGroup, root: Any, key: int, fluxes: Array, sources: Array, through: Array) -> Any:
+    """Return the residuals (m, nodes) of fluxes and sources at the points and fluxes through the vertices."""
     stored = all_ranks.objects[key]
     out = []
-    for flux, source, at_vertices in zip(*all_ranks.comm.bcast(root), strict=True):
+    for flux, source, at_vertices in zip(fluxes, sources, through, strict=True):
         stored.flux.x.array[:], stored.source.x.array[:] = flux[stored.at_points], source[stored.at_points]
         stored.left.x.array[:] = at_vertices[stored.vertices]
         out.append(_assembled(stored, "residual", stored.nodes, len(flux)))
     return all_ranks.comm.reduce(np.array(out))
 
 
-def jacobian(all_ranks: RankGroup, root: Any, key: int, matrix: int, fields: int) -> None:
+def jacobian(
+    all_ranks: RankGroup,
+    root: Any,
+    key: int,
+    matrix: int,
+    fields: int,
+    pairs: list[tuple[int, int]],
+    inside: Array,
+    at_vertices: Array,
+    diffusing: Diffusing,
+) -> None:
     """Store the matrix of derivatives by `fields` unknowns of each node as object `matrix`.
 
-    `root` has the pairs (equation, unknown), where gradients are unknowns behind the fields; for each pair the
-    derivatives (2, nodes) of flux and source and those (2, N + 1) of fluxes at vertices by traces from the left and the
-    right; and what `look` has of fields that diffuse.
+    pairs : (equation, unknown), where gradients are unknowns behind the fields
+    inside : for each pair, derivatives (2, nodes) of flux and source
+    at_vertices : for each pair, derivatives (2, N + 1) of fluxes by traces from the left and the right
     """
     stored = all_ranks.objects[key]
-    pairs, inside, at_vertices, diffusing = all_ranks.comm.bcast(root)
     slopes = len(diffusing)
     own = [row for row, column in pairs if column < fields]
     A = _Part(all_ranks, stored, (fields, fields), own)
@@ -175,8 +187,8 @@ def jacobian(all_ranks: RankGroup, root: Any, key: int, matrix: int, fields: int
         stored.left.x.array[:], stored.right.x.array[:] = left[stored.vertices], right[stored.vertices]
         into, k = (A, column) if column < fields else (by_slope, column - fields)
         into.add(row, k, "jacobian")
-    for k, (f, *at_ends) in enumerate(diffusing):
-        _set_ends(stored, *at_ends)
+    for k, (f, ahead, given, value) in enumerate(diffusing):
+        _set_ends(stored, ahead, given, value)
         of_slope.add(k, f, "gradient_by_field")
     made = A.made()
     if slopes:

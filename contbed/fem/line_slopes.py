@@ -47,9 +47,9 @@ class Slopes:
         there = values != 0.0
         return csc_matrix((values[there], (where[0][there], where[1][there])), shape=(size, size))
 
-    def factors(self) -> Factors:
-        """Return the factors, to solve with."""
-        return Factors(self.arrays, self.system.local)
+    def factors(self, residuals: Array, unknowns: Array) -> Factors:
+        """Return the factors, to solve with, from typical values (m,) of residuals and unknowns."""
+        return Factors(self.arrays, (residuals, unknowns), self.system.local)
 
     def add_flux(self, e: int, f: int, slot: str, t: Array) -> None:
         """Add the derivative (N, p + 1) of the flux of an equation by the value ("u") or gradient ("q") of a field."""

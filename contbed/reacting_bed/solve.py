@@ -96,7 +96,7 @@ def newton(problem: Problem, u: Array, report: Report, storage: Storage | None =
             if not np.isfinite(norm):
                 raise ConvergenceError("a rate or property is not finite", report.history, u)
             report.history.append(norm)
-            du = slopes.factors().solve(-residual)
+            du = slopes.factors(problem.flux_sizes, problem.sizes).solve(-residual)
             share = limited(problem, u, du)
             change = float(np.abs(du / scale).max())
         if not np.isfinite(change):

@@ -64,7 +64,7 @@ def stages(
 def _matrix(problem: Problem, u: Array, storage: solve.Storage) -> Any:
     residual, slopes = problem.system.assemble(u)
     storage.add(u, residual, slopes)
-    return slopes.factors()
+    return slopes.factors(problem.flux_sizes, problem.sizes)
 
 
 def _solved(

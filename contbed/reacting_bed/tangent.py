@@ -38,7 +38,8 @@ class Tangent:
     @cached_property
     def solver(self) -> Factors:
         """The factors, found when they are first needed."""
-        found: Factors = self.problem.system.assemble(self.u)[1].factors()
+        slopes = self.problem.system.assemble(self.u)[1]
+        found: Factors = slopes.factors(self.problem.flux_sizes, self.problem.sizes)
         return found
 
     def results(self, below: ReactingScene, above: ReactingScene) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -47,10 +47,10 @@ def agree(out: Path, engine: str = "dolfinx") -> None:
             np.savez(out / f"{name}.npz", **found(result))
 
 
-def react(out: Path) -> None:
-    """Run all reacting beds."""
-    for name, scene in REACTING.items():
-        result = run(from_dict(scene), engine="dolfinx")
+def react(out: Path, *names: str) -> None:
+    """Run reacting beds."""
+    for name in names:
+        result = run(from_dict(REACTING[name]), engine="dolfinx")
         if result is not None:
             np.savez(out / f"{name}.npz", **found(result))
 

@@ -91,6 +91,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "clc_moving_bed": study("clc_moving_bed/iron_oxide.toml"),
     "branch": study("ignition_front/adiabatic_bed.toml", cells=6),
 }
+LONG = ("adsorption", "branch")  # hundreds of linear systems: solved on one rank alone
 SCENES["branch"]["continuation"] |= {"to": 0.1, "points": 6}
 for _scene in SCENES.values():
     _scene["output"] = _scene.get("output", {}) | {"plots": False}

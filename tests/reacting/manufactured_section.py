@@ -124,7 +124,7 @@ def solution(shape: str, rings: int, cells: int, degree: int) -> tuple[Any, Any,
     u, iterations = exact * 1.01, 0
     for _ in range(12):
         residual, slopes = system.assemble(u)
-        step = slopes.factors().solve(-residual)
+        step = slopes.factors(problem.flux_sizes, problem.sizes).solve(-residual)
         u, iterations = u + step, iterations + 1
         if np.abs(step / exact).max() < 1e-11:
             break
