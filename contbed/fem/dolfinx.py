@@ -33,7 +33,7 @@ CELLS = {RefLine: "interval", RefTri: "triangle", RefQuad: "quadrilateral", RefT
 
 
 def on_dolfinx(plan: Any) -> Any:
-    """Return the plan with its mesh on this engine, for models in weak form.
+    """Return the plan with its mesh on this engine, for models in weak form and those that share out a grid.
 
     Raises
     ------
@@ -49,7 +49,8 @@ def on_dolfinx(plan: Any) -> Any:
         placed = plan.on_engine("dolfinx")
     else:
         placed = replace(plan, mesh=replace(plan.mesh, engine="dolfinx"))
-    return replace(placed, built=(("engine", how), *placed.built))
+    placed = replace(placed, built=(("engine", how), *placed.built))
+    return placed.on_ranks() if hasattr(placed, "on_ranks") else placed
 
 
 def engine_usage() -> dict[str, Any]:

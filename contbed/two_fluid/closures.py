@@ -198,7 +198,6 @@ def dissipative_restitution(scene: t.TwoFluidScene) -> float:
 def known(bed: Simulation, scene: t.TwoFluidScene) -> dict[str, Any]:
     """Arguments of closures at the present state, where there are particles."""
     from contbed.two_fluid.properties import density_ratio
-    from contbed.two_fluid.stress import shear_rate
 
     there = bed.state.eps_s > MIN_REPORTED_FRACTION
     if not there.any():
@@ -212,9 +211,7 @@ def known(bed: Simulation, scene: t.TwoFluidScene) -> dict[str, Any]:
         "Re": (1.0 - s) * m.rho_gas * slip * m.d_p / m.mu_gas,
         "g0": bed.state.properties.rheology.g0[there],
         "p_friction": bed.state.properties.rheology.p_friction[there],
-        "shear_rate": shear_rate(bed.state.u_solid, bed.state.eps_s, bed.model)[there]
-        if bed.model.closures.sheared
-        else 0.0,
+        "shear_rate": bed.shear_rate()[there] if bed.model.closures.sheared else 0.0,
         **constants(scene),
     }
     if bed.state.energy is not None:

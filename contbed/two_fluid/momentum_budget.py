@@ -51,9 +51,10 @@ def forces(bed: Simulation, before: float) -> Array:
     density = rho_g * (1.0 - s) + rho_s * s
     beyond = area * n * np.where(outlet, 0.0, g.arm_left[first:, -1][own])
     weight = -model.gravity[-1] * (density[inside] @ g.volume[inside] - density[cells] @ beyond)
-    solid = state.fluxes.moved[first:][own]
+    outwards = slice(model.grid.face_count - len(edge.p), None)
+    solid = state.fluxes.moved[outwards][own]
     fluxes = (
-        (state.fluxes.total[first:][own] - solid) * np.broadcast_to(rho_g, s.shape)[cells],
+        (state.fluxes.total[outwards][own] - solid) * np.broadcast_to(rho_g, s.shape)[cells],
         solid * rho_s,
     )
     inflow = 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from contbed.two_fluid.fv import grid
 from contbed.two_fluid.linear.pressure_solver import uses_elimination
 from contbed.two_fluid.model import Materials, Options, build_model
 from contbed.two_fluid.simulation import Simulation
+
+if TYPE_CHECKING:
+    from contbed.two_fluid.distributed.grid import SharedGrid
 
 # s of CPU per cell and step in 1-D, 2-D and 3-D, of beds of some 10 000 cells, on rectangular grids and on any mesh
 STEP_COST_IN_ROWS, STEP_COST = (5e-7, 9e-7, 1.3e-6), (5e-7, 1.2e-6, 3e-6)
@@ -38,6 +41,7 @@ class TwoFluidPlan:
     warnings: tuple[str, ...] = ()
     steps: bool = True
     without_weak_form: str = ""
+    shared_grid: SharedGrid | None = None  # of ranks, which then have the grid; `grid` is its outline
 
     @property
     def policy(self) -> Any:
@@ -52,6 +56,20 @@ class TwoFluidPlan:
         cells = len(self.grid.cells)
         flow = {"flow": cells * (2 + theta + 2 * self.grid.dimension)}
         return flow if self.scene.heat is None else flow | {"heat": 2 * cells}
+
+    def on_ranks(self) -> TwoFluidPlan:
+        """Return the plan with its grid shared out to all ranks.
+
+        Raises
+        ------
+        EngineError : fewer cells than ranks
+        """
+        from contbed.two_fluid.distributed.grid import SharedGrid
+
+        shared = SharedGrid(self.grid, self.mesh.skfem)
+        # a copy of the mesh leaves behind the lists of faces that the grid was built from
+        mesh = replace(self.mesh, skfem=replace(self.mesh.skfem))
+        return replace(self, mesh=mesh, grid=shared.outline, shared_grid=shared)
 
     def bed(self) -> tuple[Simulation, closure_kernels.CompiledClosures]:
         """Build the bed with its initial fields, and its compiled closures."""
@@ -79,11 +97,12 @@ class TwoFluidPlan:
         boundaries = conditions(scene, self.grid)
         closures = near_walls.corrected(compiled.closures, compiled.bound, scene, self.grid)
         model = build_model(self.grid, materials, closures, boundaries, _options(scene), heat)
-        bed = Simulation(model)
-        if self.mesh.engine == "dolfinx":
+        if self.shared_grid is None:
+            bed = Simulation(model)
+        else:
             from contbed.two_fluid.distributed.bed import SharedSimulation
 
-            bed = SharedSimulation(model, self.mesh.skfem, scene, particles, compiled.counts)
+            bed = SharedSimulation(model, self.shared_grid, scene, particles, compiled.counts)
         bed.start(**initial(scene, self.grid))
         return bed, compiled
 
@@ -108,7 +127,7 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
             where = scene.origin.at(("boundary",))
             raise SceneError(f"{where}: boundary.{name}: missing; every side needs a condition")
     table = scene.two_fluid
-    cost = (STEP_COST if cells.rows is None else STEP_COST_IN_ROWS)[cells.dimension - 1] * len(cells.cells)
+    cost = (STEP_COST_IN_ROWS if cells.rectangular else STEP_COST)[cells.dimension - 1] * len(cells.cells)
     built = [("cells", f"{len(cells.cells)}, about {cost * 1e3:.2g} ms a step")]
     how = "elimination" if uses_elimination(cells) else "conjugate gradients with multigrid"
     built.append(("pressure", f"{how}, band of {cells.bandwidth} cells"))
@@ -141,7 +160,7 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
 def _threads(cells: grid.Grid) -> str:
     """On how many cores a step is computed, and why."""
     count, allowed, number = len(cells.cells), threads.count(), threads.count(len(cells.cells))
-    if cells.rows is None:
+    if not cells.rectangular:
         return "1: the mesh is not a rectangular grid, whose rows are shared among cores"
     if number == 1:
         why = (

@@ -84,11 +84,11 @@ class Run:
         if ended == self.ended:
             return False
         self.ended = ended
-        bed.impose(planning.conditions(self.scene, bed.model.grid, bed.state.time))
+        bed.impose(planning.conditions(self.scene, bed.model.grid, bed.clock.time))
         if bed.model.heat is not None:
             from contbed.two_fluid.heat import plan as heat_planning
 
-            bed.impose_heat(heat_planning.thermal(planning.parts(self.scene, bed.state.time)))
+            bed.impose_heat(heat_planning.thermal(planning.parts(self.scene, bed.clock.time)))
         return True
 
     def after_step(self, bed: Simulation) -> None:

@@ -16,6 +16,7 @@ from contbed.two_fluid.model import Model
 from contbed.two_fluid.momentum import MAX_SUBCYCLES, SUBCYCLE_COURANT
 from contbed.two_fluid.state import Account, State, check_finite, flatten, rebuild, zero_state
 from contbed.two_fluid.step import initial_fluxes, step
+from contbed.two_fluid.stress import shear_rate
 
 if TYPE_CHECKING:
     from contbed.two_fluid.heat.model import Thermal
@@ -84,6 +85,10 @@ class Simulation:
     def clock(self) -> Clock:
         """Times of the state, without its fields."""
         return Clock(self.state.time, self.state.dt, self.state.dt_wanted, self.state.steps)
+
+    def shear_rate(self) -> Array:
+        """Return the shear rate (nc,) [1/s] of the particles."""
+        return shear_rate(self.state.u_solid, self.state.eps_s, self.model)
 
     def traffic(self) -> dict[str, float]:
         """Return what ranks send each other in a step; nothing without ranks."""

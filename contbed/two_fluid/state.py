@@ -190,7 +190,7 @@ class State:
 
 def zero_state(grid: Grid) -> State:
     """State of an empty vessel without motion."""
-    nc, nf, dim = len(grid.cells), len(grid.geometry.left), grid.dimension
+    nc, nf, dim = len(grid.cells), grid.face_count, grid.dimension
 
     def scalar() -> Array:
         return np.zeros(nc)

@@ -86,7 +86,7 @@ NAMES = [pytest.param(name, marks=pytest.mark.slow) if name == "box" else name f
 def both(by_rows):
     """The same bed by rows, and face by face with vectors in the memory order of other meshes."""
     model = by_rows.model
-    on = replace(model.grid, rows=None, places=None)
+    on = replace(model.grid, rectangular=False, places=None)
     solver = PressureSolver(on, model.pressure_solver.floating)
     general = Simulation(replace(model, grid=on, pressure_solver=solver))
     saved = flatten(by_rows.state)

@@ -1,7 +1,7 @@
 """A two-fluid bed that ranks share, as the root rank sees it: a `Simulation` whose steps run on all ranks.
 
-The root rank has the grid and, whenever it asks for it, the state as a whole, in the numbering of the mesh as built: so
-rows, averages, fields and checkpoints do not depend on the number of ranks.
+The root rank has the outline of the grid and, whenever it asks for it, the state as a whole, in the numbering of the
+mesh as built: so rows, averages, fields and checkpoints do not depend on the number of ranks.
 """
 
 from __future__ import annotations
@@ -10,13 +10,12 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import skfem
 
-from contbed.fem.ranks import RankGroup, rank_group
 from contbed.two_fluid.boundary import OUTLET, Condition
 from contbed.two_fluid.closure_kernels import GuardCounts, ParticleProperties
+from contbed.two_fluid.compiled import Array
 from contbed.two_fluid.distributed import parts
-from contbed.two_fluid.distributed.partition import Part, owners, split
+from contbed.two_fluid.distributed.grid import SharedGrid
 from contbed.two_fluid.model import Model
 from contbed.two_fluid.scene import TwoFluidScene
 from contbed.two_fluid.simulation import Clock, Simulation
@@ -29,11 +28,9 @@ if TYPE_CHECKING:
 class Shared:
     """The object of all ranks, released with the last bed that uses it; which cells and faces each rank has."""
 
-    def __init__(self, ranks: RankGroup, found: list[Part], interior: int):
-        self.ranks, self.key = ranks, ranks.new_key()
-        self.all = [(part.cells, part.faces) for part in found]
-        self.own = [(part.cells[: part.owned], part.faces[part.own_faces]) for part in found]
-        self.edges = [part.edge - interior for part in found]
+    def __init__(self, grid: SharedGrid):
+        self.ranks, self.grid = grid.ranks, grid  # kept: beds of ranks are on its parts
+        self.key, self.all, self.own, self.edges = self.ranks.new_key(), grid.all, grid.own, grid.edges
 
     def run(self, function: Callable[..., Any], *arguments: Any, root: Any = None) -> Any:
         """Run a function of `parts` on all ranks."""
@@ -44,28 +41,28 @@ class Shared:
 
 
 class SharedSimulation(Simulation):
-    """A bed whose steps run on all ranks; `counts` get how often limits of closures acted."""
+    """A bed whose steps run on all ranks; `counts` get how often limits of closures acted.
+
+    Its model is on the outline of the grid and takes no steps.
+    """
 
     def __init__(
-        self, model: Model, mesh: skfem.Mesh, scene: TwoFluidScene, particles: ParticleProperties, counts: GuardCounts
+        self, model: Model, grid: SharedGrid, scene: TwoFluidScene, particles: ParticleProperties, counts: GuardCounts
     ):
-        ranks = rank_group()
-        size, g, edge = ranks.comm.size, model.grid, model.edge
-        found = list(split(g, mesh, owners(g, size), size))
-        self.shared, self.counts = Shared(ranks, found, g.interior), counts
+        edge = model.edge
+        self.shared, self.counts = Shared(grid), counts
         floating = not (edge.gas.kind == OUTLET).any()
         about = parts.About(scene, model.materials, particles, model.options, bool(floating), model.closed)
         walls, heat = model.closures.wall_froude, model.heat
         given = [
             (
-                part,
                 parts.taken(edge, at),
                 None if heat is None else parts.taken_heat(heat, at),
-                None if walls is None else walls[part.cells],
+                None if walls is None else walls[cells],
             )
-            for part, at in zip(found, self.shared.edges, strict=True)
+            for (cells, _), at in zip(grid.all, grid.edges, strict=True)
         ]
-        self.shared.run(parts.make, about, root=(given, model.timer))
+        self.shared.run(parts.make, grid.key, about, root=(given, model.timer))
         self._clock: Clock | None = None
         super().__init__(model)
 
@@ -110,6 +107,14 @@ class SharedSimulation(Simulation):
         heat = self.model.heat
         assert heat is not None
         self.shared.run(parts.impose_heat, root=[parts.taken_heat(heat, at) for at in self.shared.edges])
+
+    def shear_rate(self) -> Array:
+        """Return the shear rate (nc,) [1/s] of the particles, put together from the ranks."""
+        self.tell()
+        found = np.empty(len(self.model.grid.cells))
+        for rates, (cells, _) in zip(self.shared.run(parts.own_shear_rate), self.shared.own, strict=True):
+            found[cells] = rates
+        return found
 
     def traffic(self) -> dict[str, float]:
         """Return messages, bytes and reductions of the busiest rank in a step."""

@@ -14,7 +14,7 @@ import numpy as np
 import skfem
 
 from contbed.errors import EngineError
-from contbed.two_fluid.compiled import Indices
+from contbed.two_fluid.compiled import Flags, Indices
 from contbed.two_fluid.files import corners_of
 from contbed.two_fluid.fv.grid import Geometry, Grid, neighbours
 
@@ -97,40 +97,52 @@ def owners(grid: Grid, size: int) -> Indices:
 
 
 def split(grid: Grid, mesh: skfem.Mesh, owner: Indices, size: int) -> Iterator[Part]:
-    """Yield the part of each rank."""
-    parts = [_part(grid, mesh, owner, rank) for rank in range(size)]
+    """Yield the part of each rank, one after the other, as each is as large as its share of the grid."""
+    layers = [_layers(grid, owner, rank) for rank in range(size)]
+    ghosts = [np.concatenate(found[1:]) for found in layers]
     numbers = np.full(len(owner), -1, dtype=np.int64)
-    for part in parts:
+    for rank in range(size):
+        part = _part(grid, mesh, owner, rank, layers[rank])
         numbers[part.cells] = np.arange(len(part.cells))
-        for other in parts:
+        for other in range(size):
             # symmetric: a rank in whose layers own cells of another lie has its own cells in that one's
-            needed = other.cells[other.owned :]
-            needed = needed[owner[needed] == part.rank]
+            needed = ghosts[other][owner[ghosts[other]] == rank]
             if len(needed):
-                part.sent[other.rank] = numbers[needed]
+                part.sent[other] = numbers[needed]
         yield part
 
 
-def _part(grid: Grid, mesh: skfem.Mesh, owner: Indices, rank: int) -> Part:
-    g, ni = grid.geometry, grid.interior
-    left, right, inside = g.left[:ni], g.right, owner == rank
+def _layers(grid: Grid, owner: Indices, rank: int) -> list[Indices]:
+    """Own cells of a rank, and those of each layer behind them."""
+    inside = owner == rank
     layers = [np.flatnonzero(inside)]
     for _ in range(LAYERS):
-        beside = np.zeros(len(owner), dtype=np.bool_)
-        beside[right[inside[left]]] = True
-        beside[left[inside[right]]] = True
-        beside &= ~inside
+        beside = _with_neighbours(grid, inside) & ~inside
         layers.append(np.flatnonzero(beside))
         inside |= beside
+    return layers
+
+
+def _with_neighbours(grid: Grid, cells: Flags) -> Flags:
+    """Mark cells that are marked, and their neighbours."""
+    left, right, found = grid.geometry.left[: grid.interior], grid.geometry.right, cells.copy()
+    found[right[cells[left]]] = True
+    found[left[cells[right]]] = True
+    return found
+
+
+def _part(grid: Grid, mesh: skfem.Mesh, owner: Indices, rank: int, layers: list[Indices]) -> Part:
+    g, ni = grid.geometry, grid.interior
+    left, right, inside = g.left[:ni], g.right, np.zeros(len(owner), dtype=np.bool_)
     cells = np.concatenate(layers)
+    inside[cells] = True
     numbers = np.full(len(owner), -1, dtype=np.int64)
     numbers[cells] = np.arange(len(cells))
     interior = np.flatnonzero(inside[left] & inside[right])
     edge = ni + np.flatnonzero(inside[g.left[ni:]])
     faces = np.concatenate((interior, edge))
     ghosts = cells[len(layers[0]) :]
-    taken: dict[str, Any] = {name: getattr(g, name)[faces] for name in OF_FACES}
-    taken |= {name: getattr(g, name)[interior] for name in OF_INTERIOR}
+    taken = _of_faces(g, faces, interior)
     taken |= {name: value[cells] if len(value := getattr(g, name)) else value for name in OF_CELLS}
     own = owner[g.left[faces]] == rank
     nodes, corners = np.unique(corners_of(mesh)[1][grid.cells[cells]], return_inverse=True)
@@ -159,4 +171,62 @@ def _part(grid: Grid, mesh: skfem.Mesh, owner: Indices, rank: int) -> Part:
         {},
         grid.bandwidth,
         grid.axisymmetric,
+    )
+
+
+def _of_faces(g: Geometry, faces: Indices, interior: Indices) -> dict[str, Any]:
+    """Return what `Geometry` lists by face, of some faces and of those that are interior."""
+    return {name: getattr(g, name)[faces] for name in OF_FACES} | {
+        name: getattr(g, name)[interior] for name in OF_INTERIOR
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class Outline(Grid):
+    """What the root rank keeps of a grid that it has shared out.
+
+    It has places and volumes of all cells, the boundary faces, and those beside and behind boundary cells, from which
+    the pressure reaches floor and roof; for each axis the outermost faces, so that the bed has its extent.
+    """
+
+    all_faces: int = 0
+
+    @property
+    def face_count(self) -> int:
+        """Number of faces of the whole grid."""
+        return self.all_faces
+
+
+def outline(grid: Grid) -> Outline:
+    """Return the outline of a grid."""
+    g, ni, count = grid.geometry, grid.interior, len(grid.geometry.left)
+    near = np.zeros(len(grid.cells), dtype=np.bool_)
+    near[g.left[ni:]] = True
+    near = _with_neighbours(grid, near)
+    kept = near[g.left[:ni]] | near[g.right]
+    outermost = np.concatenate((grid.middles.argmin(axis=0), grid.middles.argmax(axis=0)))
+    kept[outermost[outermost < ni]] = True
+    interior = np.flatnonzero(kept)
+    faces, first = np.concatenate((interior, np.arange(ni, count))), len(interior)
+    geometry = g._replace(
+        left=g.left[faces],
+        right=g.right[interior],
+        gradient_inverse=g.gradient_inverse[:0],
+        moment_inverse=g.moment_inverse[:0],
+        edge_from=first,
+        edge_to=len(faces),
+        **_of_faces(g, faces, interior),
+    )
+    return Outline(
+        geometry,
+        grid.cells,
+        grid.centres,
+        grid.middles[faces],
+        {name: numbers - ni + first for name, numbers in grid.boundaries.items()},
+        grid.regions,
+        grid.axisymmetric,
+        grid.bandwidth,
+        False,
+        None,
+        all_faces=count,
     )

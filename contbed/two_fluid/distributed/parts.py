@@ -88,13 +88,14 @@ def taken_heat(heat: HeatModel, faces: Any) -> tuple[Array, ...]:
     return tuple(values[faces] for values in (heat.T_gas, heat.T_solid, heat.wall, heat.flux))
 
 
-def make(all_ranks: RankGroup, root: Any, key: int, about: About) -> None:
-    """Build the bed of each rank from its part, conditions, those of heat and distances from walls as object `key`.
+def make(all_ranks: RankGroup, root: Any, key: int, shared_grid: int, about: About) -> None:
+    """Build the bed of each rank from its part of the grid, object `shared_grid`, as object `key`.
 
-    The root rank has these for all ranks, and a timer.
+    The root rank has conditions, those of heat and distances from walls for all ranks, and a timer.
     """
-    parts, timer = root or (None, Timer())
-    part, edge, outside_heat, wall_froude = all_ranks.comm.scatter(parts)
+    given, timer = root or (None, Timer())
+    part: Part = all_ranks.objects[shared_grid]
+    edge, outside_heat, wall_froude = all_ranks.comm.scatter(given)
     sent, received = part.sent, part.received
     others = [Neighbour(rank, sent[rank], received[rank]) for rank in sorted(sent)]
     halo = RankHalo(all_ranks.comm, part.owned, part.near, part.own_faces, part.own_edges, others)
@@ -108,7 +109,7 @@ def make(all_ranks: RankGroup, root: Any, key: int, about: About) -> None:
         {},
         part.axisymmetric,
         part.bandwidth,
-        None,
+        False,
         None,
         halo,
     )
@@ -186,6 +187,13 @@ def set_state(all_ranks: RankGroup, root: Any, key: int) -> None:
     """Set the state of all parts; root has the flattened one of each."""
     bed = all_ranks.objects[key].simulation
     bed.state = rebuild(bed.state, all_ranks.comm.scatter(root))
+
+
+def own_shear_rate(all_ranks: RankGroup, root: Any, key: int) -> Any:
+    """Return on the root rank the shear rates of the own cells of each rank."""
+    here = all_ranks.objects[key]
+    with np.errstate(all="ignore"):
+        return all_ranks.comm.gather(here.simulation.shear_rate()[: here.part.owned])
 
 
 def own_state(all_ranks: RankGroup, root: Any, key: int) -> Any:

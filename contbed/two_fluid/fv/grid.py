@@ -82,7 +82,7 @@ class Grid:
     boundaries : faces of each named boundary that is not periodic
     regions : cells of each named region
     bandwidth : largest distance of neighbours in the numbering by reverse Cuthill-McKee
-    rows : of a rectangular grid, else None
+    rectangular : whether the grid has rows
     places (nc, dim) : of the cells on the lattice of a rectangular grid that no periodic pair closes, else None
     halo : cells that other ranks own
     """
@@ -95,7 +95,7 @@ class Grid:
     regions: dict[str, np.ndarray]
     axisymmetric: bool
     bandwidth: int
-    rows: Rows | None
+    rectangular: bool
     places: np.ndarray | None
     halo: Halo = WHOLE
 
@@ -118,6 +118,15 @@ class Grid:
         np.add.at(found, g.right, link)
         found /= g.volume
         return found
+
+    @cached_property
+    def rows(self) -> Rows | None:
+        """Rows of a rectangular grid, else None; built when a step needs them, as ranks do not."""
+        if not self.rectangular:
+            return None
+        g = self.geometry
+        arms, slopes = (g.arm_left, g.arm_right), (g.slope_left, g.slope_right)
+        return build_rows(g.left, g.right, g.normal, arms, slopes, len(self.cells))
 
     def parts(self, number: int) -> list[tuple[Geometry, Rows]]:
         """Return lists and rows of a rectangular grid in a number of parts with equally many cells."""
@@ -142,7 +151,12 @@ class Grid:
     @property
     def order(self) -> Literal["C", "F"]:
         """Order in memory of vectors (nc, dim): with rows by component, so that each row is contiguous."""
-        return "C" if self.rows is None else "F"
+        return "F" if self.rectangular else "C"
+
+    @property
+    def face_count(self) -> int:
+        """Number of faces that a state has."""
+        return len(self.geometry.left)
 
     @property
     def interior(self) -> int:
@@ -256,7 +270,6 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
     number = np.full(len(first), -1)
     number[edge] = ni + np.arange(len(edge))
     named = {name: number[facets] for name, facets in old.boundaries.items()}
-    arms = arm_left, arm_right
     return Grid(
         Geometry._make([*map(np.ascontiguousarray, arrays), bool(skewed), (0,) * dim, ni, len(left)]),
         cells,
@@ -266,7 +279,7 @@ def build(mesh: Mesh, periodic: Sequence[tuple[str, str]] = ()) -> Grid:
         {name: np.sort(rank[c]) for name, c in old.subdomains.items()},
         mesh.axisymmetric,
         bandwidth,
-        None if place is None else build_rows(left, right, normal, arms, (slopes[0], slopes[1]), count),
+        place is not None,
         None if place is None or periodic else place[cells],
     )
 
