@@ -105,15 +105,14 @@ def test_part_of_the_laws_is_their_scatter(found):
     assert high - low == pytest.approx(2.0 * parts["law of exchange"], rel=0.1)
 
 
-AT_REST = """
-mesh = { type = "line", length = 0.05, cells = 10 }
+RESTING = """
+mesh = { type = "line", length = 0.05, cells = 12 }
 fluid = { density = 1.2, heat_capacity = 1005, conductivity = 0.026, viscosity = 1.8e-5 }
 solid = { density = 2500, heat_capacity = 840, conductivity = 0.84 }
 bed = { porosity = 0.4, particle_diameter = "10 mm" }
 flow = { velocity = 0.0 }
 heat = { nusselt = 2.0, conductivity_solid = "zehner_schluender", conductivity_fluid = 0.0 }
 boundary.left.solid.fixed = 400.0
-boundary.right.solid.fixed = 300.0
 """
 SCATTER = """
 scene = "bed.toml"
@@ -126,7 +125,7 @@ laws = { conduction = ["cones"], scatter_conduction = "20 %" }
 
 def test_scatter_of_measured_beds_multiplies_the_law(tmp_path):
     """Heat through a bed at rest is proportional to its conductivity, so that it scatters as that does."""
-    done = cascade(written(tmp_path, SCATTER, AT_REST), tmp_path / "out")
+    done = cascade(written(tmp_path, SCATTER, RESTING + "boundary.right.solid.fixed = 300.0\n"), tmp_path / "out")
     parts = {part.name: part.deviation["heat_left_W"] for part in done.parts}
     best = done.base["heat_left_W"]
     assert parts["scatter of conduction"] == pytest.approx(best * np.sinh(0.2), rel=1e-9)
@@ -382,16 +381,7 @@ column = "T"
 time = "t"
 position = "x"
 """
-HEATED = """
-mesh = { type = "line", length = 0.05, cells = 12 }
-fluid = { density = 1.2, heat_capacity = 1005, conductivity = 0.026, viscosity = 1.8e-5 }
-solid = { density = 2500, heat_capacity = 840, conductivity = 0.84 }
-bed = { porosity = 0.4, particle_diameter = "10 mm" }
-flow = { velocity = 0.0 }
-heat = { nusselt = 2.0, conductivity_solid = "zehner_schluender", conductivity_fluid = 0.0 }
-boundary.left.solid.fixed = 400.0
-time = { end = 2000, initial_fluid = 300, initial_solid = 300 }
-"""
+HEATED = RESTING + "time = { end = 2000, initial_fluid = 300, initial_solid = 300 }\n"
 
 
 def measured_bed(folder, rows):
