@@ -15,6 +15,7 @@ so that heat expands the gas (low Mach number), and what a step misses the next 
 advanced by their fluxes alone and are conserved to rounding.
 
 The inlet is below, with a mass flux and a temperature for every column; p = 0 above; sides slip, stick or are periodic.
+Particles above the grid feel no gas, nor does it feel them; those that cross its top count with the part below it.
 A jet is a slot of the inlet: `gas.inlet(background, T, slot=(x0, x1), slot_velocity=..., slot_T=...)`.
 Steps are explicit in convection: `courant` should stay below one, which `coupling.Bed` sees to.
 
@@ -38,6 +39,7 @@ from contbed.errors import ConvergenceError, SceneError
 Array = NDArray[np.float64]
 
 MIN_POROSITY = 0.2  # of a cell or a face; lower ones, of overlapping spheres on small cells, are counted and raised
+MIN_SOLIDS = 1e-12  # at a particle; one that is hardly in the gas leaves less in its cells, and drag is beta/(1 - eps)
 MAX_ITERATIONS = 4000  # of conjugate gradients; 1e-7 takes 100 on 4 x 4 x 60 cells, 250 on 40 x 40 x 60
 NEWTON_ITERATIONS = 3  # from enthalpy to temperature; a step of 100 K in air of 300 to 1500 K leaves 3e-15 of T
 _STATE = ("u", "q", "p", "eps", "mass", "heat", "T", "inlet_mass", "inlet_T")
@@ -143,7 +145,8 @@ class Gas:
     def start(self, bed: Motion) -> None:
         """Fill the room between the particles with gas that rises everywhere with the mean superficial velocity."""
         grid = self.grid
-        self.eps, _ = self._porosity(bed, *grid.shares(bed.x, bed.radius))
+        where, share, inside = grid.shares(bed.x, bed.radius)
+        self.eps, _ = self._porosity(bed.volume * inside, where, share)
         self.mass = self.density * self.eps * self.open_volume
         self.heat = self.mass * (self._on_cells(self.fluid.enthalpy) - self._base)
         self.q = np.where(grid.active & (grid.face_axis == 2), self.inlet_mass[grid.bottom].mean(), 0.0)
@@ -170,14 +173,14 @@ class Gas:
         self.given = drag.resisted * self.q - drag.pushed - places.solid * slope
         force = drag.coefficient * (kernels.gather_faces(places.faces, places.weight, self.q) - drag.carried)
         pressed = kernels.gather_faces(places.faces, places.weight, slope)
-        return force - bed.volume[:, None] * pressed, received
+        return force - places.volume[:, None] * pressed, received
 
     def around(self, bed: Motion) -> Local:
         """Return the gas around each particle."""
-        where, share = self.grid.shares(bed.x, bed.radius)
+        where, share, inside = self.grid.shares(bed.x, bed.radius)
         eps = kernels.gather(where, share, self.eps)
         slip = kernels.gather_faces(*self.grid.weights(bed.x), self.q) - eps[:, None] * bed.v
-        return self._local(where, share, eps, slip, 2.0 * bed.radius)
+        return self._local(where, share, inside, eps, slip, 2.0 * bed.radius)
 
     def state(self) -> dict[str, Array]:
         """Return all that a step depends on as arrays for a checkpoint."""
@@ -196,11 +199,12 @@ class Gas:
 
     def _locate(self, bed: Motion) -> Places:
         """Find the cells and faces around each particle, and the porosities."""
-        where, share = self.grid.shares(bed.x, bed.radius)
+        where, share, inside = self.grid.shares(bed.x, bed.radius)
         faces, weight = self.grid.weights(bed.x)
-        eps, eps_at = self._porosity(bed, where, share)
-        solid = kernels.scatter_faces(faces, weight, np.repeat(bed.volume[:, None], 3, 1), len(self.u))
-        return Places(where, share, faces, weight, eps, eps_at, solid, self._face_porosity(solid, eps))
+        volume = bed.volume * inside
+        eps, eps_at = self._porosity(volume, where, share)
+        solid = kernels.scatter_faces(faces, weight, np.repeat(volume[:, None], 3, 1), len(self.u))
+        return Places(where, share, inside, volume, faces, weight, eps, eps_at, solid, self._face_porosity(solid, eps))
 
     def _set_inlet_velocity(self, eps_face: Array) -> Array:
         """Set the velocities at the inlet from the mass flux; return the density on faces (f,) [kg/m3]."""
@@ -215,9 +219,10 @@ class Gas:
         where, share, faces, weight = places.where, places.share, places.faces, places.weight
         d_p, eps_at = 2.0 * bed.radius, places.eps_at
         carried = eps_at[:, None] * bed.v
-        local = self._local(where, share, eps_at, kernels.gather_faces(faces, weight, self.q) - carried, d_p)
+        slip = kernels.gather_faces(faces, weight, self.q) - carried
+        local = self._local(where, share, places.inside, eps_at, slip, d_p)
         beta = self.drag(Re=local.Re, eps=local.eps, d_p=d_p, mu=local.mu)
-        coefficient = np.repeat((beta * bed.volume / ((1.0 - eps_at) * eps_at))[:, None], 3, 1)
+        coefficient = np.repeat((beta * places.volume / ((1.0 - eps_at) * eps_at))[:, None], 3, 1)
         resisted = kernels.scatter_faces(faces, weight, coefficient, len(self.u))
         pushed = kernels.scatter_faces(faces, weight, coefficient * carried, len(self.u))
         return local, Drag(coefficient, carried, resisted, pushed)
@@ -262,11 +267,11 @@ class Gas:
         self.eps, self.q = places.eps, eps_face * self.u
         return slope
 
-    def _porosity(self, bed: Motion, where: Any, share: Array) -> tuple[Array, Array]:
-        """Find the porosity of the cells, and at the particles."""
-        solid = kernels.scatter(where, share, bed.volume, self.grid.cells)
+    def _porosity(self, volume: Array, where: Any, share: Array) -> tuple[Array, Array]:
+        """Find the porosity of the cells, and at the particles, of which `volume` (n,) [m3] is in the gas."""
+        solid = kernels.scatter(where, share, volume, self.grid.cells)
         eps = self._raised(1.0 - solid / self.grid.volume)
-        return eps, kernels.gather(where, share, eps)
+        return eps, np.minimum(kernels.gather(where, share, eps), 1.0 - MIN_SOLIDS)
 
     def _face_porosity(self, solid: Array, eps: Array) -> Array:
         """Find the porosity of the volumes of faces; a face without volume takes that of the cells beside."""
@@ -278,7 +283,7 @@ class Gas:
         self.counts["raised"] += int(low.sum())
         return np.where(low, MIN_POROSITY, eps)
 
-    def _local(self, where: Any, share: Array, eps: Array, slip: Array, d_p: Array) -> Local:
+    def _local(self, where: Any, share: Array, inside: Array, eps: Array, slip: Array, d_p: Array) -> Local:
         def at(of: Callable[[Array], Any]) -> Any:
             if self.fluid.constant:
                 return np.full(len(eps), of(self.T))
@@ -287,13 +292,13 @@ class Gas:
         fluid, speed = self.fluid, np.linalg.norm(slip, axis=1)
         mu, k = at(fluid.viscosity), at(fluid.conductivity)
         T = kernels.gather(where, share, self.T)
-        return Local(eps, at(fluid.density) * speed * d_p / mu, mu * at(fluid.heat_capacity) / k, mu, k, T)
+        return Local(eps, at(fluid.density) * speed * d_p / mu, mu * at(fluid.heat_capacity) / k, mu, k, T, inside)
 
     def convection(self, local: Local, d_p: Array) -> Array:
-        """Evaluate the heat transfer coefficient of every particle [W/m2/K]."""
+        """Evaluate the heat transfer coefficient of every particle [W/m2/K], over all of its surface."""
         assert self.nusselt is not None
         arguments = {name: getattr(local, name) for name in self._names}
-        return np.asarray(self.nusselt(**arguments) * local.k / d_p)
+        return np.asarray(self.nusselt(**arguments) * local.k / d_p * local.inside)
 
     def _exchange(self, dt: float, bed: Motion, places: Places, local: Local) -> tuple[Array, Array]:
         """Heat that cells gain from particles and neighbours [W], and that particles receive; implicit in the gas."""

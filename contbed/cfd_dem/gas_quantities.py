@@ -28,7 +28,10 @@ class Motion:
 
 @dataclass
 class Local:
-    """The gas around each particle (n,): porosity, superficial Reynolds number of the slip, Pr, mu, k, T [SI]."""
+    """The gas around each particle (n,): porosity, superficial Reynolds number of the slip, Pr, mu, k, T [SI].
+
+    `inside` is the part of each particle that is in the gas, less than 1 where it reaches above the grid.
+    """
 
     eps: Array
     Re: Array
@@ -36,17 +39,21 @@ class Local:
     mu: Array
     k: Array
     T: Array
+    inside: Array
 
 
 class Places(NamedTuple):
     """Where the particles are: cells (n, k) and shares in them, faces (n, 3, 8) and weights on them, porosities.
 
+    `volume` (n,) [m3] is what of each particle is below the top of the grid, `inside` the part of its own that this is.
     `eps` (c,) of the cells, `eps_at` (n,) at the particles, `eps_face` (f,) on faces; `solid` (f,) [m3] is the volume
     of particles that belongs to a face.
     """
 
     where: NDArray[np.int32]
     share: Array
+    inside: Array
+    volume: Array
     faces: NDArray[np.int32]
     weight: Array
     eps: Array

@@ -7,8 +7,9 @@ A sphere is in a cell with the part of its volume that planes cut off, the produ
 
     F(b) - F(a),  F(s) = (2 + 3 s - s^3)/4 for s = (plane - x)/R in [-1, 1]
 
-and what lies beyond a wall counts in the cell at the wall: shares sum to 1 and no solid leaves the bed. On faces a
-particle has trilinear weights, over the faces on which a velocity is solved for, normalised.
+and what lies beyond a wall counts in the cell at the wall, so that no solid leaves the bed through it. The top is open:
+what lies above it is not in the gas, and the shares, which sum to 1, are those of the part within. On faces a particle
+has trilinear weights, over the faces on which a velocity is solved for, normalised.
 """
 
 from __future__ import annotations
@@ -120,12 +121,15 @@ class Grid:
         axes = [low + (np.arange(n) + 0.5) * s for low, n, s in zip(self.lower, self.count, self.size, strict=True)]
         return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
 
-    def shares(self, x: Array, reach: Array) -> tuple[NDArray[np.int32], Array]:
-        """Find the cells (n, k) in which spheres of radius `reach` [m] are, and the part in each."""
+    def shares(self, x: Array, reach: Array) -> tuple[NDArray[np.int32], Array, Array]:
+        """Find the cells (n, k) around spheres of radius `reach` [m], shares in them and the part below the top (n,).
+
+        The shares are those of that part; a sphere above the top has shares of the uppermost cells and no such part.
+        """
         width = int(np.ceil(2.0 * reach.max() / self.size.min())) + 1
         count = np.array(self.count)
-        cells, share = _cell_shares(x, reach, self.lower, self.size, count, self.sides, self.open_cells, width)
-        return cells, share
+        cells, share, inside = _cell_shares(x, reach, self.lower, self.size, count, self.sides, self.open_cells, width)
+        return cells, share, inside
 
     def weights(self, x: Array) -> tuple[NDArray[np.int32], Array]:
         """Find the faces (n, 3, 8) across x, y, z around each point, and its weights on them."""
@@ -200,9 +204,9 @@ def _cell_shares(
     periodic: NDArray[np.bool_],
     opened: NDArray[np.bool_],
     width: int,
-) -> tuple[NDArray[np.int32], Array]:
+) -> tuple[NDArray[np.int32], Array, Array]:
     n = len(x)
-    cells, share = np.zeros((n, width**3), np.int32), np.zeros((n, width**3))
+    cells, share, inside = np.zeros((n, width**3), np.int32), np.zeros((n, width**3)), np.ones(n)
     at, part = np.empty((3, width), np.int64), np.empty((3, width))
     for i in range(n):
         for a in range(3):
@@ -216,6 +220,13 @@ def _cell_shares(
                 below = filled
                 k = first + s
                 at[a, s] = k % count[a] if periodic[a] else min(max(k, 0), count[a] - 1)
+                if a == 2 and k == count[a] - 1:
+                    inside[i] = filled
+                elif a == 2 and k >= count[a]:
+                    if s == 0:
+                        inside[i] = 0.0
+                    elif inside[i] > 0.0:
+                        part[a, s] = 0.0
         k, total = 0, 0.0
         for p in range(width):
             for q in range(width):
@@ -227,7 +238,7 @@ def _cell_shares(
                     k += 1
         if total > 0.0 and total != 1.0:
             share[i] /= total
-    return cells, share
+    return cells, share, inside
 
 
 @njit(cache=True)

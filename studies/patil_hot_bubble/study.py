@@ -145,7 +145,7 @@ def run(name: str) -> list[tuple[float, ...]]:
     closed = balance["stored"] - balance["in"] + balance["out"] - balance["source"]
     print(f"{name}: {case.count} particles, {gallery.user_time() - start:.0f} s of CPU, heat open by {closed:.1e} J")
     if bed.above:
-        print(f"{name}: {bed.above} times particles above the grid of the gas, which act in its uppermost cells")
+        print(f"{name}: {bed.above} times particles above the grid of the gas, where they feel none")
     np.savez_compressed(folder.with_suffix(".npz"), size=bed.gas.grid.size, **shots)
     (folder / checkpoint.NAME).unlink()
     return rows
