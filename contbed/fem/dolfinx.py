@@ -45,12 +45,11 @@ def on_dolfinx(plan: Any) -> Any:
     dolfinx, _ = versions.modules()
     size = rank_group().comm.size
     how = f"DOLFINx {dolfinx.__version__} and PETSc on {size} rank{'s' if size > 1 else ''}"
-    if plan.mesh is None:  # a line of discontinuous polynomials
+    if hasattr(plan, "on_engine"):  # discontinuous polynomials on a line, or a grid that ranks share
         placed = plan.on_engine("dolfinx")
     else:
         placed = replace(plan, mesh=replace(plan.mesh, engine="dolfinx"))
-    placed = replace(placed, built=(("engine", how), *placed.built))
-    return placed.on_ranks() if hasattr(placed, "on_ranks") else placed
+    return replace(placed, built=(("engine", how), *placed.built))
 
 
 def engine_usage() -> dict[str, Any]:

@@ -57,8 +57,8 @@ class TwoFluidPlan:
         flow = {"flow": cells * (2 + theta + 2 * self.grid.dimension)}
         return flow if self.scene.heat is None else flow | {"heat": 2 * cells}
 
-    def on_ranks(self) -> TwoFluidPlan:
-        """Return the plan with its grid shared out to all ranks.
+    def on_engine(self, engine: str) -> TwoFluidPlan:
+        """Return the plan on an engine that shares its grid out to all ranks.
 
         Raises
         ------
@@ -68,7 +68,7 @@ class TwoFluidPlan:
 
         shared = SharedGrid(self.grid, self.mesh.skfem)
         # a copy of the mesh leaves behind the lists of faces that the grid was built from
-        mesh = replace(self.mesh, skfem=replace(self.mesh.skfem))
+        mesh = replace(self.mesh, engine=engine, skfem=replace(self.mesh.skfem))
         return replace(self, mesh=mesh, grid=shared.outline, shared_grid=shared)
 
     def bed(self) -> tuple[Simulation, closure_kernels.CompiledClosures]:

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import meshio
 import numpy as np
 
 import contbed as cb
+from contbed.output import stored
 from contbed.two_fluid.averages import along
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
@@ -53,9 +53,19 @@ def reference() -> dict[str, float]:
     return {"theta_total core [m2/s2]": MEASURED}
 
 
+def scene_of(run: str) -> Any:
+    """Scene of a run of the duct."""
+    return cb.load(SCENE, {"mesh.cells": list(MODELS[run].cells), **MODELS[run].changes})
+
+
+def folder_of(run: str) -> Path:
+    """Where a run keeps its results and its checkpoint."""
+    return KEPT / run.replace(" ", "_").replace(",", "").replace(".", "")
+
+
 def profile(folder: Path, window: Any) -> tuple[Table, dict[str, float]]:
     """Profile across the middle of the depth, and means of the core, from the averages in the last file of fields."""
-    mesh = meshio.read(max(folder.glob("fields_*.vtu")))
+    mesh = stored.read_fields(stored.read_series(folder / "fields.pvd")[-1][1])
     corners = mesh.points[mesh.cells[0].data]
     centres, volume = corners.mean(axis=1), np.ptp(corners, axis=1).prod(axis=1)
     data = {name.partition(" ")[0]: values[0] for name, values in mesh.cell_data.items()}
@@ -69,28 +79,28 @@ def profile(folder: Path, window: Any) -> tuple[Table, dict[str, float]]:
     weights = {name: s for name in values if name != "eps_s [1]"}
     middle = np.abs(centres[:, 1] - 0.5 * WIDTH) < 0.5 * CORE * WIDTH
     there = middle & (centres[:, 2] > window.start) & (centres[:, 2] < window.end)
-    count = len(np.unique(np.round(centres[:, 0], 6)))
-    pick = {name: value[there] for name, value in values.items()}
-    lean = {name: value[there] for name, value in weights.items()}
-    x, columns = along(centres[there, 0], volume[there], pick, lean, count)
-    core = there & (np.abs(centres[:, 0] - 0.5 * WIDTH) < 0.5 * CORE * WIDTH)
-    means = {n: float(np.average(v[core], weights=weights.get(n, 1.0 + 0.0 * s)[core])) for n, v in values.items()}
-    return Table.from_columns({"x [m]": x, **columns}, ".4g"), means
+
+    def means(place: Any, bins: int) -> Any:
+        held = [{name: value[place] for name, value in each.items()} for each in (values, weights)]
+        return along(centres[place, 0], volume[place], *held, bins)
+
+    x, columns = means(there, len(np.unique(np.round(centres[:, 0], 6))))
+    _, core = means(there & (np.abs(centres[:, 0] - 0.5 * WIDTH) < 0.5 * CORE * WIDTH), 1)
+    return Table.from_columns({"x [m]": x, **columns}, ".4g"), {name: float(value[0]) for name, value in core.items()}
 
 
 def compute(cases: Sequence[str] = tuple(MODELS)) -> Tables:
     """Run the models, or go on with them; results and profiles across the middle."""
     rows, profiles = [], []
     for name in cases:
-        model, folder = MODELS[name], KEPT / name.replace(" ", "_").replace(",", "").replace(".", "")
-        scene = cb.load(SCENE, {"mesh.cells": list(model.cells), **model.changes})
+        scene, folder = scene_of(name), folder_of(name)
         result = cb.run(scene, folder, restart=folder if (folder / "checkpoint.npz").is_file() else None)
         across, core = profile(folder, scene.output.window)
         q, u = result.qoi, across["u_solid [m/s]"]
         found = q["averaged [s]"], q["pressure_drop_mean [Pa]"], core["eps_s [1]"], core["u_solid [m/s]"]
         walls, theta = 0.5 * (u[0] + u[-1]), (core["theta [m2/s2]"], core["theta_total [m2/s2]"])
         rows.append(
-            (name, "x".join(map(str, model.cells)), *found, walls, *theta, q["difference_of_halves"], q["steps"])
+            (name, "x".join(map(str, MODELS[name].cells)), *found, walls, *theta, q["difference_of_halves"], q["steps"])
         )
         print(*rows[-1], flush=True)
         profiles += [(name, *values) for values in zip(*(across[column] for column in PROFILE), strict=True)]
