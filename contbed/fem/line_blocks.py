@@ -30,6 +30,7 @@ class Blocks:
     """Derivatives of the residuals of each cell to the unknowns of the cell to its left, its own, and the next one.
 
     lower, own, upper : (N, m, n, m, n), by equation and node, and by field and node
+    sources : (m, m, N, n) by equation and field, where a node matters to itself alone; to be added to `own`
     ahead : (m,) whether a field is taken from the left
     inner, outer : (m, N, n, n) derivatives of gradients to values in the own cell, and in that a field comes from
     """
@@ -37,6 +38,7 @@ class Blocks:
     lower: Array
     own: Array
     upper: Array
+    sources: Array
     ahead: NDArray[np.bool_]
     inner: Array
     outer: Array
@@ -45,7 +47,11 @@ class Blocks:
     def zeros(cls, N: int, m: int, n: int, ahead: Any, inner: Array, outer: Array) -> Blocks:
         """Return blocks to be added to."""
         lower, own, upper = (np.zeros((N, m, n, m, n)) for _ in range(3))
-        return cls(lower, own, upper, ahead, inner, outer)
+        return cls(lower, own, upper, np.zeros((m, m, N, n)), ahead, inner, outer)
+
+    def arrays(self) -> tuple[Array, Array, Array]:
+        """Return the blocks with all that was added to them."""
+        return self.lower, _with_sources(self.own, self.sources), self.upper
 
     def add_nodes(self, e: int, f: int, slot: str, rows: Array) -> None:
         """Add derivatives (N, n, n) by values (slot "u") or gradients ("q") at the nodes of each cell."""
@@ -55,11 +61,6 @@ class Blocks:
         self.own[:, e, :, f, :] += rows @ self.inner[f]
         target = self.lower if self.ahead[f] else self.upper
         target[:, e, :, f, :] += rows @ self.outer[f]
-
-    def add_sources(self, e: int, f: int, values: Array) -> None:
-        """Add derivatives (N, n) of an equation at each node by the value of a field there."""
-        nodes = np.arange(values.shape[1])
-        self.own[:, e, nodes, f, nodes] += values
 
     def add_trace(self, e: int, f: int, slot: str, factor: Array, trace: Array, shift: int) -> None:
         """Add factor (N, n, 1) times the trace of a field (its value or its gradient) in the cell `shift` further."""
@@ -76,12 +77,20 @@ class Blocks:
             targets[beyond][:, e, :, f, :] += part
 
 
+def _with_sources(own: Array, sources: Array) -> Array:
+    """Return blocks (N, m, n, m, n) with derivatives (m, m, N, n) by the values at the same node added."""
+    whole = own.copy()
+    for k in range(own.shape[2]):
+        whole[:, :, k, :, k] += sources[..., k].transpose(2, 0, 1)
+    return whole
+
+
 class Factors:
     """LU factors of a block tridiagonal matrix, as a band or sparse.
 
     Parameters
     ----------
-    blocks : (lower, own, upper), see `Blocks`
+    blocks : see there
     sizes : typical values (m,) of residuals and of unknowns, over which entries are taken: pivots chosen by entries in
         watts and moles left 5e-4 of the sizes, where now 6e-8 is left, on the first cells of a bed of iron oxide
     local : fields whose equations have no fluxes and that are in no flux: they are eliminated at each node first
@@ -91,18 +100,25 @@ class Factors:
     ConvergenceError : the matrix is singular or not finite
     """
 
-    def __init__(self, blocks: tuple[Array, ...], sizes: tuple[Array, Array], local: Sequence[int] = ()):
-        m = blocks[1].shape[1]
+    def __init__(self, blocks: Blocks, sizes: tuple[Array, Array], local: Sequence[int] = ()):
+        m = blocks.own.shape[1]
         self.residuals, self.unknowns = (each[:, None, None] for each in sizes)
-        blocks = tuple(block * sizes[1][:, None] / sizes[0][:, None, None, None] for block in blocks)
         self.local = np.array(sorted(local), dtype=int)
         self.kept = np.setdiff1d(np.arange(m), self.local)
+        if len(self.local):  # derivatives by eliminated fields at other nodes are zero: leave them out first
+            lower, own, upper = (b[:, self.kept][:, :, :, self.kept] for b in (blocks.lower, blocks.own, blocks.upper))
+            own = _with_sources(own, blocks.sources[np.ix_(self.kept, self.kept)])
+        else:
+            lower, own, upper = blocks.arrays()
+        over, by = sizes[0][self.kept], sizes[1][self.kept]
+        lower, own, upper = (b * by[:, None] / over[:, None, None, None] for b in (lower, own, upper))
         if len(self.local):
-            blocks = self._condensed(blocks)
-        lower, own, upper = blocks
+            self._condense(blocks, own, sizes)
         N, m, n = own.shape[:3]
         size = m * n
-        lower, own, upper = (np.ascontiguousarray(b.transpose(0, 2, 1, 4, 3)).reshape(N, size, size) for b in blocks)
+        lower, own, upper = (
+            np.ascontiguousarray(b.transpose(0, 2, 1, 4, 3)).reshape(N, size, size) for b in (lower, own, upper)
+        )
         self.shape, self._sparse = (N, m, n), None
         if size > WIDEST:
             self._sparse = self._sparse_factors(lower, own, upper)
@@ -140,21 +156,20 @@ class Factors:
         except RuntimeError:
             raise ConvergenceError("the linear system is singular") from None
 
-    def _condensed(self, blocks: tuple[Array, ...]) -> tuple[Array, ...]:
-        """Return the blocks of the kept fields, and keep what gives the eliminated ones at each node."""
+    def _condense(self, blocks: Blocks, own: Array, sizes: tuple[Array, Array]) -> None:
+        """Take the eliminated fields out of the blocks `own` of the kept ones; keep what gives them at each node."""
         kept, local = self.kept, self.local
-        nodes = np.arange(blocks[1].shape[2])
-        at_nodes = blocks[1][:, :, nodes, :, nodes]  # (node, N, m, m)
+        nodes = np.arange(own.shape[2])
+        at_nodes = blocks.own[:, :, nodes, :, nodes] + blocks.sources.transpose(3, 2, 0, 1)  # (node, N, m, m)
+        at_nodes *= sizes[1] / sizes[0][:, None]
         try:
             self._inverse = np.linalg.inv(at_nodes[:, :, local[:, None], local])
         except np.linalg.LinAlgError:
             raise ConvergenceError("the equations of a node are singular") from None
         self._onto = at_nodes[:, :, kept[:, None], local] @ self._inverse  # rows of kept fields
         self._by_kept = self._inverse @ at_nodes[:, :, local[:, None], kept]
-        lower, own, upper = (b[:, kept][:, :, :, kept] for b in blocks)
         taken = self._onto @ at_nodes[:, :, local[:, None], kept]
         own[:, :, nodes, :, nodes] -= taken
-        return lower, own, upper
 
     def solve(self, residual: Array) -> Array:
         """Return the solution for a right-hand side (m, N, p + 1)."""

@@ -28,7 +28,7 @@ class Slopes:
         They are the derivatives of the residuals of a cell, by equation and node, to the unknowns of the cell to its
         left, its own, and that to its right.
         """
-        return self.blocks.lower, self.blocks.own, self.blocks.upper
+        return self.blocks.arrays()
 
     def matrix(self, sizes: Array) -> Any:
         """Return the sparse matrix of the derivatives of residuals over sizes (m,), both as they are stored."""
@@ -49,7 +49,7 @@ class Slopes:
 
     def factors(self, residuals: Array, unknowns: Array) -> Factors:
         """Return the factors, to solve with, from typical values (m,) of residuals and unknowns."""
-        return Factors(self.arrays, (residuals, unknowns), self.system.local)
+        return Factors(self.blocks, (residuals, unknowns), self.system.local)
 
     def add_flux(self, e: int, f: int, slot: str, t: Array) -> None:
         """Add the derivative (N, p + 1) of the flux of an equation by the value ("u") or gradient ("q") of a field."""
@@ -61,7 +61,7 @@ class Slopes:
         """Add the derivative (N, p + 1) of the source of an equation by the value or gradient of a field."""
         values = -t * self.line.weights * self.line.h[:, None]
         if slot == "u":
-            self.blocks.add_sources(e, f, values)
+            self.blocks.sources[e, f] += values
             return
         N, n = t.shape
         rows = np.zeros((N, n, n))

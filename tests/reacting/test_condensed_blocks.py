@@ -7,7 +7,7 @@ import pytest
 
 from contbed.errors import ConvergenceError
 from contbed.fem import line_blocks
-from contbed.fem.line_blocks import Factors
+from contbed.fem.line_blocks import Blocks, Factors
 
 N, M, NODES, LOCAL = 4, 5, 3, (1, 3)
 SIZES = np.ones(M), np.ones(M)
@@ -31,9 +31,26 @@ def blocks():
     return lower, own, upper
 
 
+def held(parts):
+    """Blocks in which half of what a node takes from itself is among the sources."""
+    lower, own, upper = parts
+    made = Blocks.zeros(N, M, NODES, np.ones(M, bool), np.zeros((M, N, NODES, NODES)), np.zeros((M, N, NODES, NODES)))
+    for mine, given in ((made.lower, lower), (made.own, own), (made.upper, upper)):
+        mine[...] = given
+    for node in range(NODES):
+        made.own[:, :, node, :, node] *= 0.5
+        made.sources[..., node] = 0.5 * own[:, :, node, :, node].transpose(1, 2, 0)
+    return made
+
+
+def test_sources_belong_to_the_blocks():
+    for found, given in zip(held(blocks()).arrays(), blocks(), strict=True):
+        np.testing.assert_array_equal(found, given)
+
+
 def test_same_solution():
     right = np.random.default_rng(8).standard_normal((M, N, NODES))
-    whole, condensed = Factors(blocks(), SIZES).solve(right), Factors(blocks(), SIZES, LOCAL).solve(right)
+    whole, condensed = Factors(held(blocks()), SIZES).solve(right), Factors(held(blocks()), SIZES, LOCAL).solve(right)
     np.testing.assert_allclose(condensed, whole, rtol=1e-11, atol=1e-13)
 
 
@@ -41,15 +58,15 @@ def test_a_node_without_solution():
     lower, own, upper = blocks()
     own[2, LOCAL[0], 0] = 0.0
     with pytest.raises(ConvergenceError, match="singular"):
-        Factors((lower, own, upper), SIZES, LOCAL)
+        Factors(held((lower, own, upper)), SIZES, LOCAL)
 
 
 @pytest.mark.parametrize("local", [(), LOCAL], ids=["all fields", "condensed"])
 def test_wide_blocks_have_sparse_factors_with_the_same_solution(local, monkeypatch):
     right = np.random.default_rng(8).standard_normal((M, N, NODES))
-    as_band = Factors(blocks(), SIZES, local).solve(right)
+    as_band = Factors(held(blocks()), SIZES, local).solve(right)
     monkeypatch.setattr(line_blocks, "WIDEST", 1)
-    np.testing.assert_allclose(Factors(blocks(), SIZES, local).solve(right), as_band, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(Factors(held(blocks()), SIZES, local).solve(right), as_band, rtol=1e-11, atol=1e-13)
 
 
 @pytest.mark.parametrize(("value", "told"), [(0.0, "singular"), (np.nan, "not finite")])
@@ -59,7 +76,7 @@ def test_sparse_factors_tell_what_is_wrong(value, told, monkeypatch):
     for part in (lower, own, upper):
         part[2, 0, 0] = value
     with pytest.raises(ConvergenceError, match=told):
-        Factors((lower, own, upper), SIZES)
+        Factors(held((lower, own, upper)), SIZES)
 
 
 @pytest.mark.parametrize("local", [(), LOCAL], ids=["all fields", "condensed"])
@@ -68,7 +85,7 @@ def test_units_leave_the_solution_as_exact_as_it_was(local):
     random = np.random.default_rng(9)
     equations, unknowns = 10.0 ** random.uniform(-6, 6, M), 10.0 ** random.uniform(-9, 9, M)
     right = random.standard_normal((M, N, NODES))
-    plain = Factors(blocks(), SIZES, local).solve(right)
+    plain = Factors(held(blocks()), SIZES, local).solve(right)
     other = tuple(part * equations[:, None, None, None] / unknowns[:, None] for part in blocks())
-    found = Factors(other, (equations, unknowns), local).solve(right * equations[:, None, None])
+    found = Factors(held(other), (equations, unknowns), local).solve(right * equations[:, None, None])
     np.testing.assert_allclose(found / unknowns[:, None, None], plain, rtol=1e-12, atol=1e-14)
