@@ -49,9 +49,13 @@ class Blocks:
         lower, own, upper = (np.zeros((N, m, n, m, n)) for _ in range(3))
         return cls(lower, own, upper, np.zeros((m, m, N, n)), ahead, inner, outer)
 
-    def arrays(self) -> tuple[Array, Array, Array]:
-        """Return the blocks with all that was added to them."""
-        return self.lower, _with_sources(self.own, self.sources), self.upper
+    def arrays(self, fields: NDArray[np.int64]) -> tuple[Array, Array, Array]:
+        """Return what the equations of some fields (k,) take from these fields, with all that was added."""
+        lower, own, upper = (b[:, fields][:, :, :, fields] for b in (self.lower, self.own, self.upper))
+        sources = self.sources[fields][:, fields]
+        for node in range(own.shape[2]):
+            own[:, :, node, :, node] += sources[..., node].transpose(2, 0, 1)
+        return lower, own, upper
 
     def add_nodes(self, e: int, f: int, slot: str, rows: Array) -> None:
         """Add derivatives (N, n, n) by values (slot "u") or gradients ("q") at the nodes of each cell."""
@@ -77,20 +81,12 @@ class Blocks:
             targets[beyond][:, e, :, f, :] += part
 
 
-def _with_sources(own: Array, sources: Array) -> Array:
-    """Return blocks (N, m, n, m, n) with derivatives (m, m, N, n) by the values at the same node added."""
-    whole = own.copy()
-    for k in range(own.shape[2]):
-        whole[:, :, k, :, k] += sources[..., k].transpose(2, 0, 1)
-    return whole
-
-
 class Factors:
     """LU factors of a block tridiagonal matrix, as a band or sparse.
 
     Parameters
     ----------
-    blocks : see there
+    blocks : what was added term by term
     sizes : typical values (m,) of residuals and of unknowns, over which entries are taken: pivots chosen by entries in
         watts and moles left 5e-4 of the sizes, where now 6e-8 is left, on the first cells of a bed of iron oxide
     local : fields whose equations have no fluxes and that are in no flux: they are eliminated at each node first
@@ -105,13 +101,9 @@ class Factors:
         self.residuals, self.unknowns = (each[:, None, None] for each in sizes)
         self.local = np.array(sorted(local), dtype=int)
         self.kept = np.setdiff1d(np.arange(m), self.local)
-        if len(self.local):  # derivatives by eliminated fields at other nodes are zero: leave them out first
-            lower, own, upper = (b[:, self.kept][:, :, :, self.kept] for b in (blocks.lower, blocks.own, blocks.upper))
-            own = _with_sources(own, blocks.sources[np.ix_(self.kept, self.kept)])
-        else:
-            lower, own, upper = blocks.arrays()
         over, by = sizes[0][self.kept], sizes[1][self.kept]
-        lower, own, upper = (b * by[:, None] / over[:, None, None, None] for b in (lower, own, upper))
+        # derivatives by eliminated fields at other nodes are zero and left out first
+        lower, own, upper = (b * by[:, None] / over[:, None, None, None] for b in blocks.arrays(self.kept))
         if len(self.local):
             self._condense(blocks, own, sizes)
         N, m, n = own.shape[:3]

@@ -28,7 +28,7 @@ class Slopes:
         They are the derivatives of the residuals of a cell, by equation and node, to the unknowns of the cell to its
         left, its own, and that to its right.
         """
-        return self.blocks.arrays()
+        return self.blocks.arrays(np.arange(self.system.m))
 
     def matrix(self, sizes: Array) -> Any:
         """Return the sparse matrix of the derivatives of residuals over sizes (m,), both as they are stored."""

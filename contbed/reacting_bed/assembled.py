@@ -24,8 +24,8 @@ def bed_of(
     layout = Layout(tuple(species.gases), solids, temperatures_of(scene), medium.with_pressure, films)
     return Bed(
         layout,
-        {name: item.molar_mass for name, item in species.gases.items()},
-        {name: item.enthalpy for name, item in species.all.items()},
+        species.molar_masses,
+        species.enthalpies,
         reactions,
         medium,
         constant(scene.flow.velocity_solid) / (1.0 - scene.bed.porosity),

@@ -259,8 +259,8 @@ def bed_of_kinds(scene: s.ReactingScene, species: Substances, entering: Streams,
     )
     return KindsBed(
         layout,
-        {name: item.molar_mass for name, item in species.gases.items()},
-        {name: item.enthalpy for name, item in species.all.items()},
+        species.molar_masses,
+        species.enthalpies,
         reactions,
         medium,
         slowest(scene.solids, scene.flow) / (1.0 - scene.bed.porosity),

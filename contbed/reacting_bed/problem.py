@@ -344,8 +344,7 @@ def _drop(scene: s.ReactingScene, species: Substances, entering: Streams, medium
         return 0.0
     hottest = max(entering.T_gas, entering.T_solid)
     names = tuple(species.gases)
-    masses = {name: item.molar_mass for name, item in species.gases.items()}
-    bed = Bed(Layout(names, (), (), False), masses, {}, (), medium, 0.0, (), entering.pressure, hottest)
+    bed = Bed(Layout(names, (), (), False), species.molar_masses, {}, (), medium, 0.0, (), entering.pressure, hottest)
     state = bed.state([entering.gas[name] for name in names])
     return abs(float(medium.resistance(state))) * scene.mesh.length
 

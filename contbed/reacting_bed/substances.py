@@ -74,6 +74,16 @@ class Substances:
         """Gases and solids by name."""
         return self.gases | self.solids
 
+    @property
+    def molar_masses(self) -> dict[str, float]:
+        """Molar masses of the gases by name [kg/mol]."""
+        return {name: item.molar_mass for name, item in self.gases.items()}
+
+    @property
+    def enthalpies(self) -> dict[str, Any]:
+        """Enthalpies of gases and solids by name, functions of T [K]."""
+        return {name: item.enthalpy for name, item in self.all.items()}
+
 
 def substances(scene: s.ReactingScene) -> Substances:
     """Return the species of a scene: those that enter, and those that reactions name.

@@ -30,7 +30,7 @@ from studies._gallery.figures import (
 )
 from studies._gallery.overrides import merged
 from studies._gallery.sweeps import swept
-from studies._gallery.table import Table, Tables
+from studies._gallery.table import Table, Tables, updated
 from studies._gallery.timing import Timed, cpu, cpu_of, in_turn, machine, user_time
 
 __all__ = [
@@ -59,5 +59,6 @@ __all__ = [
     "shades",
     "swept",
     "ticks",
+    "updated",
     "user_time",
 ]

@@ -124,6 +124,14 @@ class Table:
         return out
 
 
+def updated(folder: Path, new: Tables, by: Mapping[str, Sequence[str]]) -> Tables:
+    """The new tables; those that `by` names as kept in the folder, see `Table.updated`, with the new rows."""
+    return {
+        name: Table.read(folder / f"{name}.csv").updated(table, by[name]) if name in by else table
+        for name, table in new.items()
+    }
+
+
 def _text(value: Any, form: str) -> str:
     if value is None:
         return ""

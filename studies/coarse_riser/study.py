@@ -81,7 +81,7 @@ def compute(cases: Sequence[str] = tuple(MODELS)) -> Tables:
     if len(cases) == len(MODELS):
         return tables
     keys = {"results": ["model"], "profiles": ["model", "x [m]"]}
-    return {name: Table.read(HERE / f"{name}.csv").updated(table, keys[name]) for name, table in tables.items()}
+    return gallery.updated(HERE, tables, keys)
 
 
 def plot(tables: Tables) -> dict[str, Any]:

@@ -202,10 +202,7 @@ def compute() -> Tables:
     kept = {"speed": ("code", "particles", "skin_mm"), "conduction": ("code", "steps")}
     found = {"speed": speed(), "conduction": conduction(), "accuracy": accuracy(), "scaling": scaling()}
     found["threads"] = several_threads()
-    return {
-        name: Table.read(HERE / f"{name}.csv").updated(table, kept[name]) if name in kept else table
-        for name, table in found.items()
-    }
+    return gallery.updated(HERE, found, kept)
 
 
 def plot(tables: Tables) -> dict[str, Any]:

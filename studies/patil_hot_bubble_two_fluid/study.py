@@ -114,7 +114,7 @@ def compute(cases: Sequence[str] = CASES) -> Tables:
     head = [f"{name} {when}" for when in ("at the end of injection", "later") for name in ("diameter [m]", "T [K]")]
     columns = dict.fromkeys((*head, "largest diameter [m]", "T_particle_max [K]"), ".4g")
     new = {"results": Table({"case": "", "model": "", **columns}, rows), "bubble": found}
-    return {name: Table.read(HERE / f"{name}.csv").updated(table, ["case"]) for name, table in new.items()}
+    return gallery.updated(HERE, new, dict.fromkeys(new, ("case",)))
 
 
 def moments(case: str, table: Table) -> tuple[float, ...]:

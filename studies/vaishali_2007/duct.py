@@ -63,6 +63,11 @@ def folder_of(run: str) -> Path:
     return KEPT / run.replace(" ", "_").replace(",", "").replace(".", "")
 
 
+def run(scene: Any, folder: Path) -> Any:
+    """Run a scene, or go on with what the folder holds of it."""
+    return cb.run(scene, folder, restart=folder if (folder / "checkpoint.npz").is_file() else None)
+
+
 def profile(folder: Path, window: Any) -> tuple[Table, dict[str, float]]:
     """Profile across the middle of the depth, and means of the core, from the averages in the last file of fields."""
     mesh = stored.read_fields(stored.read_series(folder / "fields.pvd")[-1][1])
@@ -94,7 +99,7 @@ def compute(cases: Sequence[str] = tuple(MODELS)) -> Tables:
     rows, profiles = [], []
     for name in cases:
         scene, folder = scene_of(name), folder_of(name)
-        result = cb.run(scene, folder, restart=folder if (folder / "checkpoint.npz").is_file() else None)
+        result = run(scene, folder)
         across, core = profile(folder, scene.output.window)
         q, u = result.qoi, across["u_solid [m/s]"]
         found = q["averaged [s]"], q["pressure_drop_mean [Pa]"], core["eps_s [1]"], core["u_solid [m/s]"]
@@ -111,7 +116,7 @@ def compute(cases: Sequence[str] = tuple(MODELS)) -> Tables:
     if len(cases) == len(MODELS):
         return tables
     keys = {"duct": ["run"], "duct_profiles": ["run", "x [m]"]}
-    return {name: Table.read(HERE / f"{name}.csv").updated(table, keys[name]) for name, table in tables.items()}
+    return gallery.updated(HERE, tables, keys)
 
 
 def plot(tables: Tables) -> dict[str, Any]:

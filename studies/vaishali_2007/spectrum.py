@@ -44,7 +44,7 @@ def series(run: str) -> tuple[list[dict[str, Any]], int]:
         scene, folder = cb.load(HERE / "ff_wenyu.toml", PROBED), duct.KEPT / run
     else:
         scene, folder = duct.scene_of(run), duct.folder_of(run)
-    result = cb.run(scene, folder, restart=folder if (folder / "checkpoint.npz").is_file() else None)
+    result = duct.run(scene, folder)
     rows = Table.read(folder / "profiles.csv")
     counted = rows["t [s]"] >= scene.time.average_from
     found = [
@@ -80,10 +80,13 @@ def compute(cases: Sequence[str] = RUNS) -> Tables:
         rows.append((run, t[-1] - t[0], *values, steps))
         print(*rows[-1], flush=True)
         lines += [(run, *pair) for pair in zip(frequency, power, strict=True)]
-    return {
+    tables = {
         "spectrum": Table(RESULTS, rows),
         "spectra": Table({"run": "", "frequency [Hz]": ".4g", "power [m2/s]": ".4g"}, lines),
     }
+    if len(cases) == len(RUNS):
+        return tables
+    return gallery.updated(HERE, tables, dict.fromkeys(tables, ("run",)))
 
 
 def plot(tables: Tables) -> dict[str, Any]:
