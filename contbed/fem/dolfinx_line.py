@@ -125,6 +125,11 @@ class Slopes:
         """Add the derivative (N, p + 1) of the source of an equation by the value or gradient of a field."""
         self._of(e, f, slot)[0][1] += t
 
+    def add_coupling(self, coupling: Array) -> None:
+        """Add derivatives (m, m) of the sources of equations by the values of fields, alike at all nodes."""
+        for e, f in np.argwhere(coupling):
+            self.add_source(int(e), int(f), "u", coupling[e, f])
+
     def add_face(self, e: int, f: int, slot: str, t: Array, left_side: bool) -> None:
         """Add d(flux)/d(trace) `t` (N + 1,) of one field, whose trace belongs to the cell on one side of each face.
 

@@ -6,8 +6,8 @@ neighbours alone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,56 +29,81 @@ WIDEST = (
 class Blocks:
     """Derivatives of the residuals of each cell to the unknowns of the cell to its left, its own, and the next one.
 
-    lower, own, upper : (N, m, n, m, n), by equation and node, and by field and node
-    sources : (m, m, N, n) by equation and field, where a node matters to itself alone; to be added to `own`
+    exchanged : (k,) increasing: fields that are in a flux or whose equation has one; others act at their nodes alone
+    lower, own, upper : (N, k, n, k, n) of these, by equation and node, and by field and node
+    sources : (m, m, N, n) of the sources of all equations, by equation and field; less their residuals over `measure`
+    measure : (N, n) length of the line that belongs to a node [m]
     ahead : (m,) whether a field is taken from the left
     inner, outer : (m, N, n, n) derivatives of gradients to values in the own cell, and in that a field comes from
     """
 
+    exchanged: NDArray[np.int64]
     lower: Array
     own: Array
     upper: Array
     sources: Array
+    measure: Array
     ahead: NDArray[np.bool_]
     inner: Array
     outer: Array
 
     @classmethod
-    def zeros(cls, N: int, m: int, n: int, ahead: Any, inner: Array, outer: Array) -> Blocks:
+    def zeros(cls, exchanged: NDArray[np.int64], measure: Array, ahead: Any, inner: Array, outer: Array) -> Blocks:
         """Return blocks to be added to."""
-        lower, own, upper = (np.zeros((N, m, n, m, n)) for _ in range(3))
-        return cls(lower, own, upper, np.zeros((m, m, N, n)), ahead, inner, outer)
+        m, k, (N, n) = len(ahead), len(exchanged), measure.shape
+        lower, own, upper = (np.zeros((N, k, n, k, n)) for _ in range(3))
+        return cls(exchanged, lower, own, upper, np.zeros((m, m, N, n)), measure, ahead, inner, outer)
 
-    def arrays(self, fields: NDArray[np.int64]) -> tuple[Array, Array, Array]:
-        """Return what the equations of some fields (k,) take from these fields, with all that was added."""
-        lower, own, upper = (b[:, fields][:, :, :, fields] for b in (self.lower, self.own, self.upper))
-        sources = self.sources[fields][:, fields]
-        for node in range(own.shape[2]):
-            own[:, :, node, :, node] += sources[..., node].transpose(2, 0, 1)
-        return lower, own, upper
+    @cached_property
+    def place(self) -> dict[int, int]:
+        """Place of each exchanged field in the blocks."""
+        return {int(f): k for k, f in enumerate(self.exchanged)}
+
+    def at_nodes(self, equations: NDArray[np.int64], fields: NDArray[np.int64]) -> Array:
+        """Return what equations (a,) take from fields (b,) by sources, at each node of all cells (n, N, a, b)."""
+        found: Array = self.sources[equations][:, fields].transpose(3, 2, 0, 1) * -self.measure.T[:, :, None, None]
+        return found
+
+    def of_exchanged(self) -> tuple[Array, Array, Array]:
+        """Return lower, own and upper with all that was added to the sources."""
+        own, nodes = self.own.copy(), np.arange(self.measure.shape[1])
+        own[:, :, nodes, :, nodes] += self.at_nodes(self.exchanged, self.exchanged)
+        return self.lower, own, self.upper
+
+    def of_all(self) -> tuple[Array, Array, Array]:
+        """Return the derivatives of the residuals of all equations to all fields, each (N, m, n, m, n)."""
+        (N, n), m, at = self.measure.shape, len(self.ahead), self.exchanged
+        cells, nodes, fields = np.arange(N), np.arange(n), np.arange(m)
+        found = [np.zeros((N, m, n, m, n)) for _ in range(3)]
+        for out, block in zip(found, (self.lower, self.own, self.upper), strict=True):
+            out[np.ix_(cells, at, nodes, at, nodes)] = block
+        found[1][:, :, nodes, :, nodes] += self.at_nodes(fields, fields)
+        return found[0], found[1], found[2]
 
     def add_nodes(self, e: int, f: int, slot: str, rows: Array) -> None:
         """Add derivatives (N, n, n) by values (slot "u") or gradients ("q") at the nodes of each cell."""
+        row, column = self.place[e], self.place[f]
         if slot == "u":
-            self.own[:, e, :, f, :] += rows
+            self.own[:, row, :, column, :] += rows
             return
-        self.own[:, e, :, f, :] += rows @ self.inner[f]
+        self.own[:, row, :, column, :] += rows @ self.inner[f]
         target = self.lower if self.ahead[f] else self.upper
-        target[:, e, :, f, :] += rows @ self.outer[f]
+        target[:, row, :, column, :] += rows @ self.outer[f]
 
     def add_trace(self, e: int, f: int, slot: str, factor: Array, trace: Array, shift: int) -> None:
         """Add factor (N, n, 1) times the trace of a field (its value or its gradient) in the cell `shift` further."""
         targets = {-1: self.lower, 0: self.own, 1: self.upper}
+        row, column = self.place[e], self.place[f]
         if slot == "u":
-            targets[shift][:, e, :, f, :] += factor * trace
+            targets[shift][:, row, :, column, :] += factor * trace
             return
         N = len(self.own)
         from_cell = np.clip(np.arange(N) + shift, 0, N - 1)
-        targets[shift][:, e, :, f, :] += factor * (trace @ self.inner[f][from_cell])[:, None, :]
+        targets[shift][:, row, :, column, :] += factor * (trace @ self.inner[f][from_cell])[:, None, :]
         beyond = shift + (-1 if self.ahead[f] else 1)
         part = factor * (trace @ self.outer[f][from_cell])[:, None, :]
         if part.any():
-            targets[beyond][:, e, :, f, :] += part
+            targets[beyond][:, row, :, column, :] += part
 
 
 class Factors:
@@ -89,21 +114,20 @@ class Factors:
     blocks : what was added term by term
     sizes : typical values (m,) of residuals and of unknowns, over which entries are taken: pivots chosen by entries in
         watts and moles left 5e-4 of the sizes, where now 6e-8 is left, on the first cells of a bed of iron oxide
-    local : fields whose equations have no fluxes and that are in no flux: they are eliminated at each node first
+
+    Fields that are not exchanged are eliminated at each node first.
 
     Raises
     ------
     ConvergenceError : the matrix is singular or not finite
     """
 
-    def __init__(self, blocks: Blocks, sizes: tuple[Array, Array], local: Sequence[int] = ()):
-        m = blocks.own.shape[1]
+    def __init__(self, blocks: Blocks, sizes: tuple[Array, Array]):
         self.residuals, self.unknowns = (each[:, None, None] for each in sizes)
-        self.local = np.array(sorted(local), dtype=int)
-        self.kept = np.setdiff1d(np.arange(m), self.local)
+        self.kept = blocks.exchanged
+        self.local = np.setdiff1d(np.arange(len(blocks.ahead)), self.kept)
         over, by = sizes[0][self.kept], sizes[1][self.kept]
-        # derivatives by eliminated fields at other nodes are zero and left out first
-        lower, own, upper = (b * by[:, None] / over[:, None, None, None] for b in blocks.arrays(self.kept))
+        lower, own, upper = (b * by[:, None] / over[:, None, None, None] for b in blocks.of_exchanged())
         if len(self.local):
             self._condense(blocks, own, sizes)
         N, m, n = own.shape[:3]
@@ -150,18 +174,21 @@ class Factors:
 
     def _condense(self, blocks: Blocks, own: Array, sizes: tuple[Array, Array]) -> None:
         """Take the eliminated fields out of the blocks `own` of the kept ones; keep what gives them at each node."""
-        kept, local = self.kept, self.local
-        nodes = np.arange(own.shape[2])
-        at_nodes = blocks.own[:, :, nodes, :, nodes] + blocks.sources.transpose(3, 2, 0, 1)  # (node, N, m, m)
-        at_nodes *= sizes[1] / sizes[0][:, None]
+        over, by = sizes[0], sizes[1]
+
+        def part(rows: Any, columns: Any) -> Array:
+            found: Array = blocks.at_nodes(rows, columns) * (by[columns] / over[rows][:, None])
+            return found
+
+        kept, local, nodes = self.kept, self.local, np.arange(own.shape[2])
         try:
-            self._inverse = np.linalg.inv(at_nodes[:, :, local[:, None], local])
+            self._inverse = np.linalg.inv(part(local, local))  # (node, N, local, local)
         except np.linalg.LinAlgError:
             raise ConvergenceError("the equations of a node are singular") from None
-        self._onto = at_nodes[:, :, kept[:, None], local] @ self._inverse  # rows of kept fields
-        self._by_kept = self._inverse @ at_nodes[:, :, local[:, None], kept]
-        taken = self._onto @ at_nodes[:, :, local[:, None], kept]
-        own[:, :, nodes, :, nodes] -= taken
+        by_kept = part(local, kept)
+        self._onto = part(kept, local) @ self._inverse  # rows of kept fields
+        self._by_kept = self._inverse @ by_kept
+        own[:, :, nodes, :, nodes] -= self._onto @ by_kept
 
     def solve(self, residual: Array) -> Array:
         """Return the solution for a right-hand side (m, N, p + 1)."""

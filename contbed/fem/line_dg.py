@@ -315,17 +315,17 @@ class System:
         """Add the derivatives of fluxes and sources at the nodes."""
         shape = self.line.points.shape
         for e in range(self.m):
-            for parts, add in ((C, slopes.add_flux), (D, slopes.add_flux), (S, slopes.add_source)):
+            fluxes = () if e in self.local else ((C, slopes.add_flux), (D, slopes.add_flux))
+            for parts, add in (*fluxes, (S, slopes.add_source)):
                 for (slot, f), tangent in getattr(parts[e], "tangents", {}).items():
                     add(e, f, slot, np.broadcast_to(tangent, (shape[0] * shape[1],)).reshape(shape))
         if self.coupling is not None:
-            for e, f in np.argwhere(self.coupling):
-                slopes.add_source(int(e), int(f), "u", np.full(shape, self.coupling[e, f]))
+            slopes.add_coupling(self.coupling)
 
     def _differentiate_faces(self, Cf: Values, Df: Values, slopes: Any) -> None:
         """Add the derivatives of the fluxes through the vertices."""
         N = self.line.cells
-        for e in range(self.m):
+        for e in np.setdiff1d(range(self.m), self.local):
             for parts, upwind in ((Cf, True), (Df, False)):
                 for (slot, f), tangent in getattr(parts[e], "tangents", {}).items():
                     t = np.array(np.broadcast_to(tangent, (N + 1,)))

@@ -19,23 +19,16 @@ class Slopes:
     def __init__(self, system: Any):
         self.system, self.line, self.ends, self.ahead = system, system.line, system.ends, system.ahead
         line = self.line
-        self.blocks = Blocks.zeros(line.cells, system.m, line.degree + 1, self.ahead, *self._of_gradients())
-
-    @property
-    def arrays(self) -> tuple[Array, Array, Array]:
-        """Blocks (left, own, right), each (N, m, p + 1, m, p + 1).
-
-        They are the derivatives of the residuals of a cell, by equation and node, to the unknowns of the cell to its
-        left, its own, and that to its right.
-        """
-        return self.blocks.arrays(np.arange(self.system.m))
+        exchanged = np.setdiff1d(np.arange(system.m), system.local)
+        measure = line.weights * line.h[:, None]
+        self.blocks = Blocks.zeros(exchanged, measure, self.ahead, *self._of_gradients())
 
     def matrix(self, sizes: Array) -> Any:
         """Return the sparse matrix of the derivatives of residuals over sizes (m,), both as they are stored."""
-        N, m, n = self.blocks.own.shape[:3]
+        m, (N, n) = self.system.m, self.blocks.measure.shape
         index = np.arange(m * N * n).reshape(m, N, n).transpose(1, 0, 2)  # (N, m, n)
         rows, columns, entries = [], [], []
-        for block, shift in zip(self.arrays, (-1, 0, 1), strict=True):
+        for block, shift in zip(self.blocks.of_all(), (-1, 0, 1), strict=True):
             cells = np.arange(max(0, -shift), min(N, N - shift))
             part = block[cells] / sizes[None, :, None, None, None]
             shape = part.shape
@@ -49,7 +42,7 @@ class Slopes:
 
     def factors(self, residuals: Array, unknowns: Array) -> Factors:
         """Return the factors, to solve with, from typical values (m,) of residuals and unknowns."""
-        return Factors(self.blocks, (residuals, unknowns), self.system.local)
+        return Factors(self.blocks, (residuals, unknowns))
 
     def add_flux(self, e: int, f: int, slot: str, t: Array) -> None:
         """Add the derivative (N, p + 1) of the flux of an equation by the value ("u") or gradient ("q") of a field."""
@@ -59,14 +52,17 @@ class Slopes:
 
     def add_source(self, e: int, f: int, slot: str, t: Array) -> None:
         """Add the derivative (N, p + 1) of the source of an equation by the value or gradient of a field."""
-        values = -t * self.line.weights * self.line.h[:, None]
         if slot == "u":
-            self.blocks.sources[e, f] += values
+            self.blocks.sources[e, f] += t
             return
         N, n = t.shape
         rows = np.zeros((N, n, n))
-        rows[:, range(n), range(n)] = values
+        rows[:, range(n), range(n)] = -t * self.blocks.measure
         self.blocks.add_nodes(e, f, slot, rows)
+
+    def add_coupling(self, coupling: Array) -> None:
+        """Add derivatives (m, m) of the sources of equations by the values of fields, alike at all nodes."""
+        self.blocks.sources[...] += coupling[:, :, None, None]
 
     def add_face(self, e: int, f: int, slot: str, t: Array, left_side: bool) -> None:
         """Add d(flux)/d(trace) `t` (N + 1,) of one field, whose trace belongs to the cell on one side of each face."""

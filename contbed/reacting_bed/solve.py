@@ -133,8 +133,10 @@ class Storage:
         one = np.ones(flat.shape[1])
         values: list[Any] = [Dual(x, {("u", k): one}) for k, x in enumerate(flat)] if jacobian else list(flat)
         parts = self._of_bed(values) if section is None else section.held(values, self._of_bed)
-        table = np.array([np.broadcast_to(getattr(p, "value", p), one.shape) for p in parts]).reshape(u.shape)
-        return table, parts
+        table = np.empty_like(flat)
+        for row, part in zip(table, parts, strict=True):
+            row[:] = getattr(part, "value", part)
+        return table.reshape(u.shape), parts
 
     def _of_bed(self, values: list[Any]) -> list[Any]:
         """Return what is held by equation of the layout at points."""

@@ -31,26 +31,35 @@ def blocks():
     return lower, own, upper
 
 
-def held(parts):
-    """Blocks in which half of what a node takes from itself is among the sources."""
+def held(parts, local=()):
+    """Blocks in which what a node takes from itself is among the sources: half of it, and all of local fields."""
     lower, own, upper = parts
-    made = Blocks.zeros(N, M, NODES, np.ones(M, bool), np.zeros((M, N, NODES, NODES)), np.zeros((M, N, NODES, NODES)))
+    exchanged = np.setdiff1d(np.arange(M), local)
+    measure = np.random.default_rng(10).uniform(0.5, 2.0, (N, NODES))
+    none = np.zeros((M, N, NODES, NODES))
+    made = Blocks.zeros(exchanged, measure, np.ones(M, bool), none, none)
     for mine, given in ((made.lower, lower), (made.own, own), (made.upper, upper)):
-        mine[...] = given
+        mine[...] = given[:, exchanged][:, :, :, exchanged]
     for node in range(NODES):
         made.own[:, :, node, :, node] *= 0.5
-        made.sources[..., node] = 0.5 * own[:, :, node, :, node].transpose(1, 2, 0)
+        at_node = own[:, :, node, :, node].copy()
+        at_node[:, exchanged[:, None], exchanged] *= 0.5
+        made.sources[..., node] = -at_node.transpose(1, 2, 0) / measure[:, node]
     return made
 
 
-def test_sources_belong_to_the_blocks():
-    for found, given in zip(held(blocks()).arrays(np.arange(M)), blocks(), strict=True):
-        np.testing.assert_array_equal(found, given)
+@pytest.mark.parametrize("local", [(), LOCAL], ids=["all fields", "condensed"])
+def test_sources_belong_to_the_blocks(local):
+    for found, given in zip(held(blocks(), local).of_all(), blocks(), strict=True):
+        np.testing.assert_allclose(found, given, rtol=1e-15)
 
 
 def test_same_solution():
     right = np.random.default_rng(8).standard_normal((M, N, NODES))
-    whole, condensed = Factors(held(blocks()), SIZES).solve(right), Factors(held(blocks()), SIZES, LOCAL).solve(right)
+    whole, condensed = (
+        Factors(held(blocks()), SIZES).solve(right),
+        Factors(held(blocks(), LOCAL), SIZES).solve(right),
+    )
     np.testing.assert_allclose(condensed, whole, rtol=1e-11, atol=1e-13)
 
 
@@ -58,15 +67,15 @@ def test_a_node_without_solution():
     lower, own, upper = blocks()
     own[2, LOCAL[0], 0] = 0.0
     with pytest.raises(ConvergenceError, match="singular"):
-        Factors(held((lower, own, upper)), SIZES, LOCAL)
+        Factors(held((lower, own, upper), LOCAL), SIZES)
 
 
 @pytest.mark.parametrize("local", [(), LOCAL], ids=["all fields", "condensed"])
 def test_wide_blocks_have_sparse_factors_with_the_same_solution(local, monkeypatch):
     right = np.random.default_rng(8).standard_normal((M, N, NODES))
-    as_band = Factors(held(blocks()), SIZES, local).solve(right)
+    as_band = Factors(held(blocks(), local), SIZES).solve(right)
     monkeypatch.setattr(line_blocks, "WIDEST", 1)
-    np.testing.assert_allclose(Factors(held(blocks()), SIZES, local).solve(right), as_band, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(Factors(held(blocks(), local), SIZES).solve(right), as_band, rtol=1e-11, atol=1e-13)
 
 
 @pytest.mark.parametrize(("value", "told"), [(0.0, "singular"), (np.nan, "not finite")])
@@ -85,7 +94,7 @@ def test_units_leave_the_solution_as_exact_as_it_was(local):
     random = np.random.default_rng(9)
     equations, unknowns = 10.0 ** random.uniform(-6, 6, M), 10.0 ** random.uniform(-9, 9, M)
     right = random.standard_normal((M, N, NODES))
-    plain = Factors(held(blocks()), SIZES, local).solve(right)
+    plain = Factors(held(blocks(), local), SIZES).solve(right)
     other = tuple(part * equations[:, None, None, None] / unknowns[:, None] for part in blocks())
-    found = Factors(held(other), (equations, unknowns), local).solve(right * equations[:, None, None])
+    found = Factors(held(other, local), (equations, unknowns)).solve(right * equations[:, None, None])
     np.testing.assert_allclose(found / unknowns[:, None, None], plain, rtol=1e-12, atol=1e-14)
