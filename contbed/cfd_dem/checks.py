@@ -119,6 +119,13 @@ def probes_are_in_the_box(output: g.GasOutput, particles: g.GasParticles, gas: g
             )
 
 
+def levels_are_in_the_box(output: g.GasOutput, gas: g.GasFlow, see: See) -> Mistakes:
+    """Require that heights for averages across the bed lie in the box."""
+    for k, height in enumerate(output.levels):
+        if not 0.0 <= height <= gas.height:
+            yield ("output", "levels", k), f"is outside of the box from 0 to {gas.height:g} m; see {see('gas.height')}"
+
+
 def poisson_ratio_is_of_a_solid(particles: g.GasParticles) -> Mistakes:
     """Look for a Poisson's ratio that only special foams have."""
     if particles.poisson_ratio < 0.0:
@@ -159,5 +166,6 @@ CHECKS = (
     closure_is_of_a_fixed_bed,
     file_can_be_used,
     probes_are_in_the_box,
+    levels_are_in_the_box,
 )
 WARNINGS = (poisson_ratio_is_of_a_solid, cells_lie_inside_of_the_bed)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.heat_transfer import Average
+from contbed.cfd_dem.levels import Levels
 from contbed.cfd_dem.probes import Probes
 from contbed.dem.particle_files import write_particles
 from contbed.dem.statistics import surface
@@ -28,8 +29,14 @@ class History:
 
     average: Average
     probes: Probes
+    levels: Levels
     rows: list[list[float]] = field(default_factory=list)
     file_times: list[float] = field(default_factory=list)
+
+    def take(self, bed: Bed) -> None:
+        """Take the bed as it is now into the averages."""
+        self.average(bed)
+        self.levels(bed.simulation)
 
     def record(self, bed: Bed) -> None:
         """Add a row for the bed as it is now."""
@@ -69,11 +76,13 @@ class History:
 
     def state(self) -> dict[str, Array]:
         """Return all of it as arrays for a checkpoint."""
-        return self.average.state() | {"rows": np.array(self.rows), "file_times": np.array(self.file_times)}
+        kept = self.average.state() | self.levels.state()
+        return kept | {"rows": np.array(self.rows), "file_times": np.array(self.file_times)}
 
     def restore(self, state: Mapping[str, Array]) -> None:
         """Continue from the arrays of `state`."""
         self.average.restore(state)
+        self.levels.restore(state)
         self.rows, self.file_times = state["rows"].tolist(), state["file_times"].tolist()
 
 

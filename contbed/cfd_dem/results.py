@@ -74,6 +74,8 @@ def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) ->
     late = columns["t [s]"] >= plan.scene.time.average_from * (1.0 - 1e-9)
     for name in ("pressure_drop [Pa]", "height [m]"):
         result.qoi[name] = float(columns[name][late].mean())
+    if history.levels.heights:
+        result.tables["levels"] = history.levels.table()
     _fill_ranges(result, plan, bed, history)
 
 

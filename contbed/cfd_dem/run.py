@@ -15,6 +15,7 @@ from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.heat_transfer import Average, bed_nusselt
 from contbed.cfd_dem.history import History
+from contbed.cfd_dem.levels import Levels
 from contbed.cfd_dem.plan import GasPlan, simulation_of
 from contbed.cfd_dem.probes import probes_of
 from contbed.cfd_dem.results import fill
@@ -27,7 +28,7 @@ from contbed.scene.tables import FluidConstant
 if TYPE_CHECKING:
     from contbed.output.checkpoint import Keeper
 
-RESTART_MAY_CHANGE = ("time.end", "time.checkpoint_every", "output")
+RESTART_MAY_CHANGE = ("time.end", "time.checkpoint_every", "output.plots", "output.fields")
 
 
 @timed("particles and gas")
@@ -54,7 +55,9 @@ def run(
     scene = plan.scene
     bed, solid = build(plan)
     history = History(
-        Average(solid, scene.particles.emissivity, scene.gas.T), probes_of(plan.grid, scene.output.probes)
+        Average(solid, scene.particles.emissivity, scene.gas.T),
+        probes_of(plan.grid, scene.output.probes),
+        Levels(plan.grid, scene.output.levels),
     )
     if start is not None:
         bed.restore(start[0])
@@ -128,7 +131,7 @@ def _march(scene: GasScene, bed: Bed, history: History, quiet: bool, save: Calla
             bed.run(stop - bed.time, reached=progress.advance_to)
             _open_inlet(scene, bed)
             if bed.time >= time.average_from * (1.0 - 1e-9):
-                history.average(bed)
+                history.take(bed)
             history.record(bed)
             save()
 

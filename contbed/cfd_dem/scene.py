@@ -132,6 +132,7 @@ class GasOutput(Table):
     probes: dict[str, tuple[Position, Position, Position]] = Field(
         default_factory=dict, description="points in x, y and z, for profiles.csv"
     )
+    levels: tuple[Position, ...] = Field((), description="heights, for averages across the bed in levels.csv")
 
 
 class GasSolver(Table):

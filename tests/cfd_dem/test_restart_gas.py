@@ -10,6 +10,7 @@ import pytest
 
 import contbed as cb
 from contbed.cfd_dem.plan import simulation_of
+from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.output import checkpoint
 
@@ -20,7 +21,7 @@ fluid = { density = 1.2, viscosity = 1.8e-5, heat_capacity = 1005.0, conductivit
 gas = { velocity = 1.0, T = 400.0, height = "60 mm", nusselt = "gunn" }
 heat = { T = 300.0 }
 time = { end = 0.04, average_from = 0.01, sample = 0.005, fields = 0.01, checkpoint_every = 1e-9 }
-output = { plots = false }
+output = { plots = false, levels = [0.004] }
 """
 
 
@@ -30,6 +31,8 @@ def same(found, whole, folder, reference):
     assert found.balances == whole.balances
     for name, column in whole.profiles.items():
         assert np.array_equal(column, found.profiles[name]), name
+    for name, column in whole.tables["levels"].items():
+        assert np.array_equal(column, found.tables["levels"][name]), name
     names = {path.name for path in reference.glob("particles*")}
     assert {path.name for path in folder.glob("particles*")} == names
     for name in names:
@@ -81,6 +84,15 @@ def test_a_run_continues_into_another_folder(whole, tmp_path):
     listed = (tmp_path / "particles.pvd").read_text()
     for k in range(4):
         assert (f"particles_000{k}.vtu" in listed) == (tmp_path / f"particles_000{k}.vtu").is_file()
+
+
+@pytest.mark.parametrize("key", ["probes = { a = [0.004, 0.004, 0.0] }", "levels = [0.005]"])
+def test_what_was_averaged_or_recorded_elsewhere_is_refused(whole, key, tmp_path):
+    _, folder, _ = whole
+    again = shutil.copytree(folder, tmp_path / "again")
+    other = loads(SCENE.replace("plots = false, levels = [0.004]", f"plots = false, {key}"))
+    with pytest.raises(SceneError, match=f"output.{key.split()[0]}.*the checkpoint has"):
+        cb.run(other, restart=again)
 
 
 def test_a_run_that_was_interrupted_before_its_first_sample_reports(tmp_path, monkeypatch):
