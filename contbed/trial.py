@@ -21,6 +21,7 @@ from contbed import models
 from contbed.models import Plan
 from contbed.output.progress import Progress
 from contbed.result import Result
+from contbed.threads import single_blas
 
 BUDGET = 2.0  # s of processor time of a trial, after its first step, which may compile
 SEARCH_BUDGET = 5.0  # s of processor time of the trial of a search for a steady state
@@ -110,7 +111,7 @@ def _searched(plan: Plan) -> tuple[float, bool]:
             raise _Enough
 
     run: Callable[..., None] = models.model_of(plan.scene).find("run", "run")
-    with Progress.watched(watch), suppress(Exception):  # a run that fails is told by the run
+    with Progress.watched(watch), single_blas(), suppress(Exception):  # a run that fails is told by the run
         run(plan, Result(plan), None, True, None)
         return clock.process_time() - start, True
     return seconds, False
@@ -151,7 +152,7 @@ def _tried(plan: Plan) -> Trial:
             raise _Enough
 
     run: Callable[..., None] = models.model_of(plan.scene).find("run", "run")
-    with Progress.watched(watch), suppress(Exception):  # a run that fails is told by the run
+    with Progress.watched(watch), single_blas(), suppress(Exception):  # a run that fails is told by the run
         run(plan, Result(plan), None, True, None)
         trial.ended = True
     return trial

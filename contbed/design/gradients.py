@@ -30,6 +30,7 @@ from contbed.models import model_of
 from contbed.result import Result
 from contbed.runner import run
 from contbed.scene.tables import SceneBase
+from contbed.threads import single_blas
 
 Array = NDArray[np.float64]
 
@@ -148,6 +149,7 @@ def picked(scene: SceneBase, found: dict[str, Any], qoi: Sequence[str]) -> Array
     return np.array(values)
 
 
+@single_blas()
 def _by_tangent(base: Any, result: Result, qoi: tuple[str, ...], keys: list[Key]) -> Gradient:
     scene: SceneBase = result.scene
     centre = picked(scene, result.qoi, qoi)

@@ -8,10 +8,15 @@ import time
 
 import numpy as np
 import pytest
+import scipy.linalg  # its BLAS is another one than numpy's
 from numba import njit
+from small_scenes import STEADY
+from threadpoolctl import ThreadpoolController, threadpool_limits
 
-from contbed import threads
+import contbed as cb
+from contbed import threads, trial
 from contbed.errors import SceneError
+from contbed.loading import loads
 
 
 @njit(nogil=True)
@@ -137,3 +142,57 @@ def test_a_run_is_allowed_its_threads(monkeypatch):
     monkeypatch.setattr(runner, "_run", lambda *_: seen.append(threads.count()))
     runner.run(None, threads=3)
     assert seen == [3]
+
+
+def threads_of_blas():
+    return [library["num_threads"] for library in ThreadpoolController().info() if library["user_api"] == "blas"]
+
+
+@pytest.fixture
+def two_for_blas(monkeypatch):
+    """Both libraries compute on two threads, as they do by default on two cores."""
+    for name in threads.BLAS_VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+    with threadpool_limits(2, "blas"):
+        assert scipy.linalg.lapack.dgbtrf is not None
+        assert len(threads_of_blas()) >= 1 and set(threads_of_blas()) == {2}
+        yield
+
+
+def test_blas_computes_on_one_thread_in_a_block(two_for_blas):
+    with pytest.raises(RuntimeError, match="stops"), threads.single_blas():
+        assert set(threads_of_blas()) == {1}
+        raise RuntimeError("stops")
+    assert set(threads_of_blas()) == {2}
+
+
+def test_what_the_environment_says_of_blas_stays(two_for_blas, monkeypatch):
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
+    with threads.single_blas():
+        assert set(threads_of_blas()) == {2}
+
+
+def test_runs_gradients_and_trials_take_one_thread_of_blas(two_for_blas, monkeypatch):
+    seen = []
+
+    def watched(place):
+        function = getattr(*place)
+
+        def counted(*arguments, **options):
+            seen.append(set(threads_of_blas()))
+            return function(*arguments, **options)
+
+        monkeypatch.setattr(*place, counted)
+
+    from contbed.design import tangent
+    from contbed.design.gradients import gradient
+    from contbed.packed_bed import run
+
+    watched((run, "run"))
+    watched((tangent, "slope"))
+    scene = loads(STEADY)
+    gradient(scene, ["T_fluid_out_K"], ["bed.porosity"])
+    trial._tried(cb.plan(scene))
+    trial._searched(cb.plan(scene))
+    assert seen == [{1}] * 4
+    assert set(threads_of_blas()) == {2}
