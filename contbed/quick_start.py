@@ -2,12 +2,14 @@
 
 - Modules are imported without the collection of reference cycles in between, which finds nothing in them, and they are
   not searched when Python ends: together 0.3 to 0.4 s of 1.4 s of a small run.
+- OpenBLAS is loaded for the one thread that runs let it compute on, 0.1 s: others wait for work, busy, from the start.
 - matplotlib is imported without the help texts that it composes for every `set` method, 0.1 s.
 """
 
 from __future__ import annotations
 
 import gc
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -16,8 +18,9 @@ _process = {"of_a_command": False, "frozen": False}
 
 
 def begin() -> None:
-    """Postpone the collection of reference cycles; called before a command imports anything."""
+    """Postpone the collection of reference cycles and start no threads of BLAS; called before anything is imported."""
     _process["of_a_command"] = True
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.disable()
 
 

@@ -18,7 +18,10 @@ module.run = lambda *arguments: (during.append(gc.isenabled()), solve(*arguments
 """
 AFTER = """
 import matplotlib.figure, matplotlib.axes
-print(during, gc.isenabled(), "meshio" in sys.modules, bool(matplotlib.axes.Axes.set.__doc__.count("alpha")))
+import os
+one = os.environ.get("OPENBLAS_NUM_THREADS")
+help_texts = bool(matplotlib.axes.Axes.set.__doc__.count("alpha"))
+print(during, gc.isenabled(), "meshio" in sys.modules, help_texts, one)
 """
 
 
@@ -26,14 +29,15 @@ print(during, gc.isenabled(), "meshio" in sys.modules, bool(matplotlib.axes.Axes
     ("start", "expected"),
     [
         ("from contbed.__main__ import main; sys.argv[1:] = ['run', 'scene.toml', '--out', 'out', '--quiet']; main()",
-         "[True] False False False"),
-        ("import contbed as cb; cb.run(cb.load('scene.toml'), out='out')", "[True] True False True"),
+         "[True] False False False 1"),
+        ("import contbed as cb; cb.run(cb.load('scene.toml'), out='out')", "[True] True False True None"),
     ],
 )  # fmt: skip
 def test_a_command_and_a_program(start, expected, tmp_path):
-    """Cycles are collected while either solves; help texts of matplotlib are missing in the command only."""
+    """Cycles are collected while either solves; a command alone has no help texts of matplotlib, one thread of BLAS."""
     (tmp_path / "scene.toml").write_text(STEADY)
     environment = {**os.environ, "PYTHONPATH": str(Path(contbed.__file__).parents[1])}
+    environment.pop("OPENBLAS_NUM_THREADS", None)
     done = subprocess.run(
         [sys.executable, "-c", f"import sys\n{LOOK}\n{start}\n{AFTER}"],
         cwd=tmp_path,
