@@ -119,20 +119,23 @@ def _searched(plan: Plan) -> tuple[float, bool]:
 
 def _predict(plan: Plan, end: float) -> tuple[float, float]:
     """Return the processor time of the run itself [s] and its number of steps; zeros where no steps can be made."""
+    before = 0.0
+    if (to_try := getattr(plan, "to_try", None)) is not None:
+        plan, before = to_try()
     fine = _tried(plan)
     if len(fine.spent) < FEWEST:
         return 0.0, 0.0
     # the first step of compiled loops may have compiled them
     setup = 0.0 if models.model_of(plan.scene).compiles else fine.spent[0]
     if fine.ended:
-        return setup + fine.spent[-1] - fine.spent[0], len(fine.spent)
+        return before + setup + fine.spent[-1] - fine.spent[0], len(fine.spent)
     steps = fine.steps_to(end)
     if (coarse := _on_a_coarse_mesh(plan)) is not None:
         counted = _tried(coarse)
         if len(counted.spent) >= FEWEST:
             steps = len(counted.spent) if counted.ended else counted.steps_to(end)
     steps = max(steps, len(fine.spent))
-    return setup + fine.cost_of_a_step() * steps, steps
+    return before + setup + fine.cost_of_a_step() * steps, steps
 
 
 def _tried(plan: Plan) -> Trial:

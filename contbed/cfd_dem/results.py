@@ -86,7 +86,7 @@ def _fill_ranges(result: Result, plan: GasPlan, bed: Bed, history: History) -> N
         "Re": average.Re,
         "Pr": average.Pr,
         "eps": average.eps,
-        "d_p": 2.0 * plan.particles.radius,
+        "d_p": 2.0 * bed.simulation.radius,
         "mu": float(np.mean(bed.gas.fluid.viscosity(bed.gas.T))),
     }
     for closure in bound(plan.scene).values():

@@ -16,7 +16,7 @@ from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.heat_transfer import Average, bed_nusselt
 from contbed.cfd_dem.history import History
 from contbed.cfd_dem.levels import Levels
-from contbed.cfd_dem.plan import GasPlan, simulation_of
+from contbed.cfd_dem.plan import GasPlan, settled, simulation_of
 from contbed.cfd_dem.probes import probes_of
 from contbed.cfd_dem.results import fill
 from contbed.cfd_dem.scene import GasScene
@@ -53,6 +53,8 @@ def run(
     from contbed.scene.identity import identity
 
     scene = plan.scene
+    with result.timed("packing"):
+        result.plan = plan = settled(plan, quiet, None if start is None else start[0])
     bed, solid = build(plan)
     history = History(
         Average(solid, scene.particles.emissivity, scene.gas.T),
@@ -77,8 +79,9 @@ def run(
 
 
 def build(plan: GasPlan) -> tuple[Bed, Solid]:
-    """Build the bed of a plan, with its inlet open, and how its particles conduct."""
+    """Build the bed of a plan whose particles have settled, with its inlet open, and how its particles conduct."""
     scene = plan.scene
+    assert plan.particles is not None
     table, gas = scene.particles, scene.gas
     simulation = simulation_of(table, gas, plan.particles)
     solid = Solid(table.conductivity, table.heat_capacity, table.modulus_real, table.exponents)
