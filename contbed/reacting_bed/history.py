@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 SAME = 1e-12  # relative distance below which two times are the same
 ARRAYS = ("u", "held", "passed", "sources")
 NUMBERS = ("time", "dt", "steps", "carried")
+EXTENTS = "extents_"  # begins names of arrays of a checkpoint
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class History:
     sources : (m,) integrals of the sources; carried : integral of the heat of all streams above 298.15 K [J/m2]
     outlet : (steps, columns) of the outlet over time, `columns` their names
     kept : states at output times
+    extents : of reactions inside of pellets, by number of pellets: first guesses, on which the last digits depend
     """
 
     u: Array
@@ -42,12 +44,14 @@ class History:
     columns: tuple[str, ...] = ()
     outlet: tuple[tuple[float, ...], ...] = ()
     kept: Mapping[float, Array] = field(default_factory=dict)
+    extents: Mapping[int, Array] = field(default_factory=dict)
 
     def pack(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the arrays and numbers of a checkpoint."""
         arrays = {name: getattr(self, name) for name in ARRAYS}
         arrays |= {"outlet": np.array(self.outlet), "times": np.array([*self.kept])}
         arrays |= {"kept": np.array([*self.kept.values()])}
+        arrays |= {f"{EXTENTS}{count}": extents for count, extents in self.extents.items()}
         return arrays, {name: getattr(self, name) for name in NUMBERS} | {"columns": list(self.columns)}
 
     @classmethod
@@ -59,6 +63,7 @@ class History:
             columns=tuple(meta["columns"]),
             outlet=tuple(tuple(row) for row in arrays["outlet"].tolist()),
             kept=dict(zip(arrays["times"].tolist(), arrays["kept"], strict=True)),
+            extents={int(name.removeprefix(EXTENTS)): arrays[name] for name in arrays if name.startswith(EXTENTS)},
         )
 
     def fitted(self, time: Time, where: Origin) -> History:

@@ -222,9 +222,8 @@ def _lists(
         skipped.append(("differences across the bed", f"one dimension: {across_it}{advice}"))
     if problem.choice is not None:
         built.append((f"adsorption of {', '.join(layout.inside)}", str(problem.choice)))
-    resolved = next((r.rate for r in problem.reactions if isinstance(r.rate, Pellets)), None)
-    if resolved is not None:
-        built.append((PELLETS, _effectiveness(problem, resolved)))
+    if problem.pellets is not None:
+        built.append((PELLETS, _effectiveness(problem, problem.pellets)))
     for reaction in problem.reactions:
         where = "at the particles" + ("" if reaction.kind is None else f", {reaction.kind}")
         built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else where))

@@ -24,7 +24,7 @@ from contbed.reacting_bed.inside import Choice, inside_of
 from contbed.reacting_bed.kinds import species_of
 from contbed.reacting_bed.kinetics import Reaction, reactions_of
 from contbed.reacting_bed.medium import Medium
-from contbed.reacting_bed.pellets import in_pellets
+from contbed.reacting_bed.pellets import Pellets, in_pellets
 from contbed.reacting_bed.streams import Streams, gas_sign, inlet, streams
 from contbed.reacting_bed.substances import Substances
 
@@ -119,6 +119,11 @@ class Problem:
     def layout(self) -> Layout:
         """The unknowns."""
         return self.bed.layout
+
+    @property
+    def pellets(self) -> Pellets | None:
+        """Catalyst pellets whose inside is resolved; None without."""
+        return next((reaction.rate for reaction in self.reactions if isinstance(reaction.rate, Pellets)), None)
 
     @cached_property
     def system(self) -> System:

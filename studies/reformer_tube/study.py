@@ -30,8 +30,9 @@ OWN_K = {"reactions.reforming.equilibrium_factor": 1.0, "reactions.total.equilib
 DIFFUSIVITY = {"CH4": 1.1e-6, "H2O": 1.2e-6, "H2": 3.5e-6, "CO": 1.1e-6, "CO2": 0.8e-6}
 RATES = ("reforming", "shift", "total")
 OWN_RATES = {f"reactions.{name}.factor": 1.0 for name in RATES}
+FIXED, RESOLVED = "effectiveness fixed", "pellets resolved"
 INSIDE = {
-    "pellets resolved": OWN_RATES | {"particle.mass": "interior", "particle.diffusivity": DIFFUSIVITY},
+    RESOLVED: OWN_RATES | {"particle.mass": "interior", "particle.diffusivity": DIFFUSIVITY},
     "effectiveness by Thiele": OWN_RATES
     | {"particle.mass": "effectiveness"}
     | {f"reactions.{name}.diffusivity": DIFFUSIVITY["CH4"] for name in RATES},
@@ -41,7 +42,7 @@ ACROSS = {
     "section.mass_dispersion": {"name": "mass_dispersion_peclet", "Pe_p": 10.0},
     "mesh.cells": 20,  # twice as many change conversions by 5e-8, differences across the tube by 0.13 K
 }
-RINGS = (4, 8)
+RINGS = ((4, FIXED), (8, FIXED), (8, RESOLVED))
 
 
 def reference(case: str) -> dict[str, float]:
@@ -75,19 +76,20 @@ def compute() -> Tables:
         "results": Table({"case": "", "what": "", **dict.fromkeys(SHOWN, ".10g")}, rows),
         "tubes": Table({"case": "", **headers}, profiles),
         "pellets": Table({"case": "", "inside": "", "x [m]": ".6g", "x_CH4 [1]": ".6g"}, pellets),
-        "section": Table({"case": "", "rings": "", **dict.fromkeys(SECTION, ".6g")}, section),
+        "section": Table({"case": "", "rings": "", "inside": "", **dict.fromkeys(SECTION, ".6g")}, section),
     }
 
 
 def _across(case: str) -> list[tuple[Any, ...]]:
-    """Return the tube resolved across the flow: mean, axis and wall along it, with each number of rings."""
+    """Return the tube resolved across the flow: mean, axis and wall along it, by rings and inside of pellets."""
     rows = []
-    for rings in RINGS:
-        run = cb.run(cb.load(HERE / f"{case}.toml", ACROSS | {"section.rings": rings}))
+    for rings, inside in RINGS:
+        changes = ACROSS | {"section.rings": rings} | INSIDE.get(inside, {})
+        run = cb.run(cb.load(HERE / f"{case}.toml", changes))
         x = np.linspace(0.0, run.profiles["x [m]"][-1], 61)
         found = [np.interp(x, run.profiles["x [m]"], run.profiles[name]) for name in (*SECTION[1:4], "x_CH4 [1]")]
         out = run.qoi["conversion_CH4"], run.qoi["dT_section_max_K"]
-        rows += [(case, rings, *values, *out) for values in zip(x, *found, strict=True)]
+        rows += [(case, rings, inside, *values, *out) for values in zip(x, *found, strict=True)]
     return rows
 
 
@@ -116,7 +118,7 @@ def plot(tables: Tables) -> dict[str, Any]:
     right.legend(fontsize=8)
     section = tables["section"]
     for case in CASES[:2]:
-        here = (section["case"] == case) & (section["rings"] == RINGS[-1])
+        here = (section["case"] == case) & (section["rings"] == 8) & (section["inside"] == FIXED)
         for name, style in (("T_fluid [K]", "--"), ("T_fluid_axis [K]", ":"), ("T_fluid_wall [K]", "-.")):
             label = {"--": "2-D mean", ":": "2-D axis", "-.": "2-D wall"}[style] if case == CASES[0] else None
             left.plot(section["x [m]"][here], section[name][here], style, color=COLOURS[case], label=label, lw=1.0)

@@ -60,6 +60,13 @@ def pellets() -> dict[str, Any]:
     return scene | {"reactions": {"r": rate}, "solid": {"density": 1000.0}}
 
 
+def pellets_across() -> dict[str, Any]:
+    """Pellets in rings of a tube whose wall cools."""
+    scene = section()
+    scene["reactions"]["r"] |= {"A": 5e4, "basis": "particle"}
+    return scene | {"particle": {"mass": "interior", "diffusivity": {"A": 2e-6, "B": 5e-6}}}
+
+
 def front() -> dict[str, Any]:
     """A front of what is adsorbed, resolved inside of the particles, over a time in which it moves."""
     scene, unit = adsorber(K=200.0, units=10.0, biot=10.0, capacity=3.0)
@@ -85,6 +92,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "burning_to_the_left": to_the_left(burning()),
     "section": section(),
     "pellets": pellets(),
+    "pellets_across": pellets_across(),
     "adsorption": front(),
     "warming": warming("quasi_steady"),
     "reformer_tube": study("reformer_tube/tube_U300.toml"),

@@ -98,7 +98,20 @@ def adsorbing_section():
     }
 
 
-@pytest.mark.parametrize("given", [heated_section(), adsorbing_section()], ids=["heated", "adsorbing"])
+def section_of_pellets():
+    """Two rings of pellets inside of which A becomes B."""
+    given = heated_section()
+    given["reactions"]["r"] |= {"A": 5e6, "E": 6e4, "basis": "particle"}
+    given["section"]["rings"] = 2
+    given["particle"] = {"mass": "interior", "diffusivity": {"A": 2e-6, "B": 2e-6}}
+    given["time"] = {"end": 300.0, "times": [50.0], "tolerance": 1e-3}
+    return given
+
+
+SECTIONS = {"heated": heated_section(), "adsorbing": adsorbing_section(), "pellets": section_of_pellets()}
+
+
+@pytest.mark.parametrize("given", SECTIONS.values(), ids=SECTIONS)
 def test_restart_of_a_section_goes_on_bit_for_bit(tmp_path, monkeypatch, given):
     whole = contbed.run(from_dict(given))
     assert whole.qoi["time_steps"] > STOP

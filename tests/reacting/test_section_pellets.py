@@ -1,0 +1,162 @@
+"""Pellets that are resolved inside of a bed that is resolved across the flow: limits, closed forms, order, restart."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+
+import numpy as np
+import pytest
+from reacting_bed_scenes import R_GAS, P, isothermal, species
+from test_pellets import D_A, REFORMER, R, left, pellets
+
+import contbed
+from contbed.loading import from_dict
+from contbed.particle.effectiveness import sphere
+from contbed.reacting_bed.plan import plan
+
+CLOSED = 1e-12  # of what enters
+SHELLS = 1e-5  # of what leaves: points inside err by 3e-6 of the effectiveness
+RADIUS, CP, T_IN, T_WALL, E = 0.05, 30.0, 500.0, 420.0, 6e4
+ALIKE = {"wall": {"diameter": 2 * RADIUS, "flux": 0.0}}  # nothing makes one ring differ from another
+
+
+def solved(scene):
+    result = contbed.run(from_dict(scene))
+    for name, balance in result.balances.items():
+        assert abs(balance["relative_residual"]) < CLOSED, name
+    return result
+
+
+def same(one, section, rel=1e-9):
+    """All that a bed in one dimension reports, to Newton's tolerance."""
+    for name, column in one.profiles.items():
+        np.testing.assert_allclose(section.profiles[name], column, rtol=rel, atol=1e-12, err_msg=name)
+    for name in one.qoi.keys() - {"time_steps", "share_negative"}:
+        assert section.qoi[name] == pytest.approx(one.qoi[name], rel=rel, abs=1e-12), name
+
+
+def reforming(rings):
+    """Three reactions of five gases with their heat, a falling pressure, species that pass between the rings."""
+    scene = deepcopy(REFORMER)
+    scene["mesh"]["cells"] = 4
+    scene["flow"]["pressure_drop"] = "ergun"
+    if rings:
+        scene |= ALIKE | {"section": {"rings": rings, "conductivity_solid": 2.0, "mass_dispersion": 1e-4}}
+    return scene
+
+
+def test_rings_alike_are_the_bed_in_one_dimension():
+    one, section = (solved(reforming(rings)) for rings in (0, 3))
+    same(one, section)
+    assert 0.05 < one.qoi["conversion_CH4"] < 0.5
+
+
+@pytest.mark.parametrize("shape", ["tube", "duct"])
+@pytest.mark.parametrize("biot", [None, 5.0])
+def test_first_order(shape, biot):
+    """1/eta_o = 1/eta + phi^2/(3 Bi) with the film, eta of the closed form."""
+    phi = 5.0
+    scene, k = pellets(phi)
+    eta = sphere(phi)
+    if biot is not None:
+        eta = 1.0 / (1.0 / eta + phi**2 / (3.0 * biot))
+        scene["fluid"]["diffusivity"] = 2e-5
+        scene["mass"] = {"sherwood": 2.0 * biot * D_A / 2e-5}  # Sh D/d = Bi D_A/R
+    scene["mesh"] |= {"length": 1.0 / (0.6 * k * eta / 0.5), "cells": 6}
+    for gas in scene["fluid"]["species"].values():
+        gas |= {"heat_capacity": CP, "enthalpy": 0.0}
+    scene |= ALIKE | {"heat": {}, "section": {"rings": 2, "shape": shape, "conductivity_solid": 1.0}}
+    assert solved(scene).qoi["x_A_out"] == pytest.approx(left(k * scene["mesh"]["length"], eta), rel=SHELLS)
+
+
+def cooled(rings, mass="interior", factor=1.0):
+    """First order that gives off heat to a wall, phi of 11 at the axis and 2 at the wall."""
+    gases = species(A=0.028, B=0.028)
+    gases["A"] |= {"heat_capacity": CP, "enthalpy": 6e3}
+    gases["B"] |= {"heat_capacity": CP, "enthalpy": 0.0}
+    scene = isothermal("A:1", gases)
+    scene["mesh"] |= {"length": 0.3, "cells": 6}
+    scene["solid"], scene["heat"] = {"density": 1000.0, "heat_capacity": 800.0}, {}
+    scene["reactions"] = {"r": {"equation": "A -> B", "A": 5e6, "E": E, "basis": "particle", "factor": factor}}
+    scene["wall"] = {"diameter": 2 * RADIUS, "coefficient": 100.0, "ambient": T_WALL}
+    scene["section"] = {"rings": rings, "conductivity_solid": 1.0, "mass_dispersion": 1e-4}
+    scene["output"]["positions"] = [0.1, 0.3]
+    scene["particle"] = {"mass": mass}
+    if mass == "effectiveness":
+        scene["reactions"]["r"]["diffusivity"] = D_A
+    elif mass != "none":
+        scene["particle"]["diffusivity"] = {"A": D_A, "B": D_A}
+    return scene
+
+
+def test_a_cooled_tube_is_that_with_the_closed_effectiveness():
+    """Each ring has the modulus of its own temperature."""
+    exact, found = (solved(cooled(4, mass)).profiles for mass in ("effectiveness", "interior"))
+    for name, column in exact.items():
+        np.testing.assert_allclose(found[name], column, rtol=SHELLS, err_msg=name)
+    assert np.all(found["T_fluid_axis [K]"] - found["T_fluid_wall [K]"] > 50.0)
+
+
+def test_order_across():
+    coarse, fine, finest = (
+        np.array([solved(cooled(rings)).qoi[key] for key in ("x_A_out", "T_fluid_out_K", "heat_wall_W")])
+        for rings in (4, 8, 16)
+    )
+    orders = np.log2((coarse - fine) / (fine - finest))
+    assert orders == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize(("factor", "level"), [(1e-4, "none"), (1.0, "interior")])
+def test_auto_weighs_the_rings_by_their_area(factor, level):
+    """E = 1 - eta over the rates of the bed in which nothing resists inside, each ring with its own temperature."""
+    planned = plan(from_dict(cooled(3, "auto", factor)))
+    assert planned.scene.particle.mass == level
+    problem, u = solved(cooled(3, "none", factor)).solved
+    g_A, g_B, T = u.reshape(3, 3, *u.shape[1:]).swapaxes(0, 1)
+    k = factor * 5e6 * np.exp(-E / (R_GAS * T))
+    rate = k * g_A / (g_A + g_B) * P / (R_GAS * T)
+    line = problem.line
+    whole, part = (
+        np.einsum("r,rcj,j,c->", problem.rings.shares, f, line.weights, line.h)
+        for f in (rate, rate * (1.0 - sphere(R * np.sqrt(k / D_A))))
+    )
+    told = dict(planned.built if level == "interior" else planned.skipped)["inside of pellets"]
+    assert f"would differ by {part / whole:.2g} of itself" in told
+    assert solved(cooled(3, "auto", factor)).qoi == solved(cooled(3, level, factor)).qoi
+
+
+def in_time(scene, end, **more):
+    return scene | {"time": {"end": end, "tolerance": 1e-3} | more}
+
+
+@pytest.mark.parametrize("gas", ["quasi_steady", pytest.param("stored", marks=pytest.mark.slow)])
+def test_rings_alike_in_time(gas):
+    """A jump of the inlet temperature: the same steps, and at each the bed in one dimension."""
+    runs = []
+    for rings in (0, 2):
+        scene = in_time(cooled(2), 60.0, gas=gas)
+        scene |= ALIKE
+        if not rings:
+            del scene["section"]
+        jump = {"times": [0, 20], "values": [T_IN - 30.0, T_IN], "form": "step"}
+        scene["boundary"] = {"left": {"fluid": {"inflow": jump}}}
+        runs.append(solved(scene))
+    one, section = runs
+    assert section.qoi["time_steps"] == one.qoi["time_steps"]
+    same(one, section)
+    assert 0.1 < one.qoi["x_A_out"] < 0.9
+
+
+@pytest.mark.slow
+def test_in_time_it_ends_in_the_steady_state():
+    steady, late = solved(cooled(3)), solved(in_time(cooled(3), 5e4))
+    for name, column in steady.profiles.items():
+        np.testing.assert_allclose(late.profiles[name], column, rtol=1e-8, err_msg=name)
+
+
+def test_derivatives_are_those_of_differences():
+    """Central differences err by the square of 1e-4 and by what is left of Newton's method over it."""
+    key = "reactions.r.factor"
+    found = solved(cooled(2)).gradient(["x_A_out"], [key]).derivatives[0, 0]
+    low, high = (solved(cooled(2, factor=1.0 + side * 1e-4)).qoi["x_A_out"] for side in (-1.0, 1.0))
+    assert found == pytest.approx((high - low) / 2e-4, rel=1e-5)
