@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -16,8 +15,10 @@ from contbed.closures.reactions import R_GAS
 from contbed.particle.interior import SURFACE_OVER_VOLUME, interior
 from contbed.particle.uptake import Level, breakthrough_error, moving_bed_error
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.equations.bed import Bed
+from contbed.reacting_bed.equations.bed import Bed, State
 from contbed.reacting_bed.equations.inside import Inside, Isotherm, adsorbed
+from contbed.reacting_bed.equations.kinds import KindsBed, of_kind
+from contbed.reacting_bed.kinds import kind_scene
 
 SHAPES = {"spheres": "sphere", "rods": "cylinder"}
 LEVELS: Mapping[str, Level] = {"film": "lumped", "linear_driving_force": "effective", "interior": "interior"}
@@ -62,17 +63,50 @@ def isotherms_of(scene: s.ReactingScene) -> dict[str, Isotherm]:
     }
 
 
-def inside_of(scene: s.ReactingScene, bed: Bed, entering: Any, density: float) -> tuple[Inside | None, Choice | None]:
-    """Return the particles of a scene that take up gas, and how their level was chosen; None without adsorption.
+def with_inside(scene: s.ReactingScene, bed: Bed, entering: State) -> tuple[Bed, dict[str | None, Choice]]:
+    """Return a bed whose particles take up gas, and how the level of each kind was chosen, None the only one.
+
+    Errors of several kinds add at most, at rest and with straight isotherms: what passes one kind is spread by the
+    others. Each may have its part of `solver.accuracy`.
 
     Parameters
     ----------
     bed : without its particles' inside
     entering : state of the gas and the particles as they enter
-    density : of the particles [kg/m3]
     """
-    if not scene.adsorption:
-        return None, None
+    if not isinstance(bed, KindsBed):
+        made, choice = _with_inside(scene, bed, entering, scene.solver.accuracy)
+        return made, {None: choice}
+    parts = dict(bed.parts)
+    choices: dict[str | None, Choice] = {}
+    views = {kind: kind_scene(scene, kind) for kind, table in scene.solids.items() if table.adsorption}
+    for kind, view in views.items():
+        limit = scene.solver.accuracy / len(views)
+        parts[kind], choices[kind] = _with_inside(view, parts[kind], entering.kinds[kind], limit)
+    layout = replace(
+        bed.layout,
+        inside=tuple(dict.fromkeys(gas for part in parts.values() for gas in part.layout.inside)),
+        inside_kinds=tuple(of_kind(name, kind) for kind, part in parts.items() for name in part.layout.inner),
+    )
+    return replace(bed, parts=parts, layout=layout), choices
+
+
+def _with_inside(scene: s.ReactingScene, bed: Bed, entering: State, accuracy: float) -> tuple[Bed, Choice]:
+    """Return the bed of one kind whose particles take up gas, and how their level was chosen."""
+    inside, choice = inside_of(scene, bed, entering, accuracy)
+    layout = replace(bed.layout, inside=inside.gases, points=inside.count)
+    return replace(bed, inside=inside, layout=layout), choice
+
+
+def inside_of(scene: s.ReactingScene, bed: Bed, entering: State, accuracy: float) -> tuple[Inside, Choice]:
+    """Return the particles of one kind that take up gas, and how their level was chosen.
+
+    Parameters
+    ----------
+    bed : without its particles' inside
+    entering : state of the gas and the particles as they enter
+    accuracy : largest error of a level that is taken
+    """
     shape = SHAPES[scene.bed.shape]
     solid = scene.solid
     assert solid is not None
@@ -87,18 +121,19 @@ def inside_of(scene: s.ReactingScene, bed: Bed, entering: Any, density: float) -
         0.0,
         0.5 * scene.bed.diameter,
         solid.porosity,
-        density,
+        bed.medium.solids_density / bed.medium.solids,
         bed.medium.solids,
     )
-    choice = _chosen(scene, bed, inside, entering, shape)
+    choice = _chosen(scene, bed, inside, entering, accuracy)
     if choice.level == "interior":
         return inside, choice
     resistance = 0.0 if choice.level == "film" else 1.0 / (SURFACE_OVER_VOLUME[shape] + 2)
     return replace(inside, weights=np.ones(1), stiffness=np.zeros((1, 1)), resistance=resistance), choice
 
 
-def _chosen(scene: s.ReactingScene, bed: Bed, inside: Inside, entering: Any, shape: str) -> Choice:
+def _chosen(scene: s.ReactingScene, bed: Bed, inside: Inside, entering: State, accuracy: float) -> Choice:
     """Return the level that a scene names, or the cheapest whose error is small for every gas."""
+    shape = SHAPES[scene.bed.shape]
     films = bed.medium.at(entering).films
     T, u, length = float(entering.T_solid), float(entering.u), scene.mesh.length
     molar = float(entering.p) / (R_GAS * float(entering.T_fluid))
@@ -126,6 +161,6 @@ def _chosen(scene: s.ReactingScene, bed: Bed, inside: Inside, entering: Any, sha
     if worst.level != "auto":
         return worst
     for level in ("film", "linear_driving_force"):
-        if all(each.error[level] <= scene.solver.accuracy for each in found):
+        if all(each.error[level] <= accuracy for each in found):
             return replace(worst, level=level)
     return replace(worst, level="interior")

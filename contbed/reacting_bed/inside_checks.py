@@ -73,8 +73,8 @@ def adsorbed_gases_do_not_react_there(
         for gas in sorted(species & set(adsorption)):
             yield (
                 ("reactions", name),
-                f"{gas} is adsorbed by the particles (adsorption.{gas}) and reacts in them: its film and pores "
-                "are modelled for one of the two; remove one",
+                f"{gas} is adsorbed by the particles in which it reacts: its film and pores are modelled for one of "
+                f"the two; remove one, or name kinds: reactions.{name}.solid, solids.NAME.adsorption.{gas}",
             )
 
 

@@ -67,20 +67,31 @@ def in_each_kind(check: Check) -> Check:
             return
         said = set()
         for kind, table in solids.items():
-            own = given | {"solid": _alone(solids, kind)}
+            own = dict(given)
+            if "solid" in given:
+                own["solid"] = _alone(solids, kind)
             if "flow" in given and table.velocity_solid is not None:
                 own["flow"] = _moving(given["flow"], table.velocity_solid)
             if "reactions" in given:
                 running = {k: r for k, r in given["reactions"].items() if not r.solid or kind in kinds_named(r)}
                 own["reactions"] = running
+            if "adsorption" in given:
+                own["adsorption"] = table.adsorption
             for path, text in check(**own):
-                path = ("solids", kind, *path[1:]) if path[0] == "solid" else path
+                path = _of_kind(path, kind)
                 mistake = path, text.replace("solid.", f"solids.{kind}.")
                 if mistake not in said:
                     said.add(mistake)
                     yield mistake
 
     return _with_solids(check, each)
+
+
+def _of_kind(path: KeyPath, kind: str) -> KeyPath:
+    """Return where a key of one kind stands among several."""
+    if path[0] == "solid":
+        return ("solids", kind, *path[1:])
+    return ("solids", kind, *path) if path[0] == "adsorption" else path
 
 
 def _moving(flow: s.Flow, velocity: float) -> s.Flow:
@@ -206,8 +217,7 @@ def kinds_are_lumped(
     for gas in adsorption:
         yield (
             ("adsorption", gas),
-            "gases are adsorbed where one kind of particles fills the bed; with several write the uptake as a reaction "
-            "of a constituent, such as CaO + CO2 <-> CaCO3",
+            f"does not tell which kind adsorbs it; give solids.NAME.adsorption.{gas}, for each that does",
         )
 
 

@@ -103,6 +103,7 @@ def kind_scene(scene: s.ReactingScene, kind: str) -> s.ReactingScene:
         "heat": heat,
         "mass": mass,
         "wall": None,
+        "adsorption": table.adsorption,
     }
     return scene.model_copy(update=update)
 

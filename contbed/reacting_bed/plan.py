@@ -125,7 +125,7 @@ def _gas_storage(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -
     size = f"the gas stays for {delay:.3g} s, {delay / shortest:.2g} of {what}"
     if time.gas != "auto":
         return time.gas == "stored", f'time.gas = "{time.gas}"; {size}'
-    fills = time.initial_composition is not None and not scene.adsorption  # where no particles hold gas as well
+    fills = time.initial_composition is not None and not scene.adsorbs  # where no particles hold gas as well
     stored = delay > SHORT_RESIDENCE * shortest or fills
     return stored, size if stored else f"what leaves is early by that: {size}"
 
@@ -220,8 +220,9 @@ def _lists(
     elif across_it is not None:
         advice = "" if across_it.fits else "; resolve it by [section]"
         skipped.append(("differences across the bed", f"one dimension: {across_it}{advice}"))
-    if problem.choice is not None:
-        built.append((f"adsorption of {', '.join(layout.inside)}", str(problem.choice)))
+    for kind, choice in problem.choices.items():
+        gases = scene.adsorption if kind is None else scene.solids[kind].adsorption
+        built.append((f"adsorption of {', '.join(gases)}" + ("" if kind is None else f" by {kind}"), str(choice)))
     if problem.pellets is not None:
         built.append((PELLETS, _effectiveness(problem, problem.pellets)))
     for reaction in problem.reactions:

@@ -20,7 +20,7 @@ from contbed.reacting_bed.equations.bed import Bed, Layout, State, conserved
 from contbed.reacting_bed.equations.parts import Parts
 from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.inlet_series import constant
-from contbed.reacting_bed.inside import Choice, inside_of
+from contbed.reacting_bed.inside import Choice, with_inside
 from contbed.reacting_bed.kinds import species_of
 from contbed.reacting_bed.kinetics import Reaction, reactions_of
 from contbed.reacting_bed.medium import Medium
@@ -43,7 +43,7 @@ class Problem:
     reactions: tuple[Reaction, ...]
     bed: Bed
     line: Line
-    choice: Choice | None = None  # of what is resolved inside of particles that adsorb
+    choices: Mapping[str | None, Choice] = field(default_factory=dict)  # inside of particles that adsorb, by kind
     peaks: Mapping[str, float] = field(default_factory=dict)  # largest mole fractions of gases that are adsorbed
 
     @classmethod
@@ -58,7 +58,7 @@ class Problem:
         medium = replace(medium, with_pressure=_pressure_drops(scene, species, entering, medium))
         bed = bed_of(scene, species, entering, reactions, medium)
         made = cls(scene, species, entering, reactions, bed, Line(vertices, scene.solver.degree))
-        return made._with_inside() if scene.adsorption else made
+        return made._with_inside() if scene.adsorbs else made
 
     @classmethod
     def _of_kinds(cls, scene: s.ReactingScene, vertices: Array, species: Substances) -> Problem:
@@ -67,17 +67,14 @@ class Problem:
         medium = kinds.medium_of_kinds(scene, species, entering)
         medium = replace(medium, with_pressure=_pressure_drops(gas, species, entering, medium))
         bed = kinds.bed_of_kinds(scene, species, entering, medium)
-        return cls(scene, species, entering, tuple(bed.reactions), bed, Line(vertices, scene.solver.degree))
+        made = cls(scene, species, entering, tuple(bed.reactions), bed, Line(vertices, scene.solver.degree))
+        return made._with_inside() if scene.adsorbs else made
 
     def _with_inside(self) -> Problem:
         """Return the problem whose particles take up gas."""
         at_inlet = self._state_entering(self.streams.T_gas, self.streams.T_solid)
-        density = self.streams.solids_density / (1.0 - self.scene.bed.porosity)
-        inside, choice = inside_of(self.scene, self.bed, at_inlet, density)
-        assert inside is not None
-        layout = replace(self.layout, inside=inside.gases, points=inside.count)
-        made = replace(self, bed=replace(self.bed, inside=inside, layout=layout), choice=choice)
-        return made.with_peaks(at_inlet.x)
+        bed, choices = with_inside(self.scene, self.bed, at_inlet)
+        return replace(self, bed=bed, choices=choices).with_peaks(at_inlet.x)
 
     def with_peaks(self, fractions: Mapping[str, float]) -> Problem:
         """Return the problem whose adsorbed gases are measured by their largest mole fractions, where these are known.

@@ -80,14 +80,15 @@ def kinds_of(problem: Problem) -> dict[str | None, list[str]]:
 
 
 def loadings(problem: Problem, state: State, ones: Array) -> dict[str, Array]:
-    """Return the moles of each gas inside of particles, adsorbed and in their pores, per mass of particles."""
-    inside = problem.bed.inside
-    if inside is None:
-        return {}
-    held = inside.held(state.inner, state.T_solid)[0]
-    return {
-        f"q_{name} [mol/kg]": sum(points) / (inside.solids * inside.density) * ones for name, points in held.items()
-    }
+    """Return the moles of each gas inside of particles, adsorbed and in their pores, per mass of their kind."""
+    out = {}
+    for (bed, own), kind in zip(problem.bed.phases(state), problem.layout.kinds or (None,), strict=True):
+        if (inside := bed.inside) is None:
+            continue
+        for name, points in inside.held(own.inner, own.T_solid)[0].items():
+            column = f"q_{name}" if kind is None else of_kind(f"q_{name}", kind)
+            out[f"{column} [mol/kg]"] = sum(points) / (inside.solids * inside.density) * ones
+    return out
 
 
 def solids_at(problem: Problem, state: State, ones: Array) -> dict[str, Array]:

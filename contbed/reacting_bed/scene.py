@@ -17,8 +17,10 @@ from contbed.reacting_bed.inlet_series import (
     MolarFluxOrSeries,
     SpeedOrSeries,
 )
+from contbed.reacting_bed.solids_scene import Adsorption as Adsorption
 from contbed.reacting_bed.solids_scene import Curve as Curve
 from contbed.reacting_bed.solids_scene import MolarEnergy as MolarEnergy
+from contbed.reacting_bed.solids_scene import PositiveDiffusivity as PositiveDiffusivity
 from contbed.reacting_bed.solids_scene import SolidKind as SolidKind
 from contbed.reacting_bed.solids_scene import Solids as Solids
 from contbed.reacting_bed.solids_scene import Substance as Substance
@@ -56,7 +58,6 @@ from contbed.scene.tables import (
 
 ActivationEnergy = Annotated[MolarEnergy, Field(ge=0)]
 Diffusivity = Annotated[float, *unit("m**2/s"), Field(ge=0)]
-PositiveDiffusivity = Annotated[float, *unit("m**2/s"), Field(gt=0)]
 DiffusivityOrName = Annotated[
     Annotated[PositiveDiffusivity, Tag("number")] | Annotated[Literal["cantera", "fuller"], Tag("name")],
     Discriminator(form),
@@ -274,31 +275,6 @@ class Particle(Table):
     points: Annotated[Whole, Field(ge=2, le=20)] = Field(3, description="inside of a particle, beside its surface")
 
 
-class Adsorption(Table):
-    """Isotherm of a gas and its diffusion in the pores; give henry, or capacity and affinity (Langmuir)."""
-
-    henry: Annotated[float, *unit("mol/kg/Pa"), Field(gt=0)] | None = Field(
-        None, description="moles adsorbed per mass of particles over the partial pressure"
-    )
-    capacity: Annotated[float, *unit("mol/kg"), Field(gt=0)] | None = Field(
-        None, description="moles adsorbed per mass of particles when all sites are taken"
-    )
-    affinity: Annotated[float, *unit("1/Pa"), Field(gt=0)] | None = Field(
-        None, description="b of q = q_s b p/(1 + sum b p)"
-    )
-    temperature: Temperature = Field(298.15, description="at which henry or affinity holds")
-    enthalpy: MolarEnergy = Field(0.0, description="of adsorption, negative where heat is released")
-    diffusivity: PositiveDiffusivity = Field(description="effective, in the pores of the particles")
-
-    @model_validator(mode="after")
-    def _one_isotherm(self) -> Adsorption:
-        if (self.capacity is None) != (self.affinity is None):
-            raise ValueError("capacity and affinity belong together")
-        if (self.henry is None) == (self.capacity is None):
-            raise ValueError("give henry, or capacity and affinity")
-        return self
-
-
 class Guess(Table):
     """First guess of a steady state, where several exist or none is found from the streams that enter."""
 
@@ -367,7 +343,9 @@ class ReactingScene(SceneBase):
     wall: Wall | None = None
     section: Section | None = None
     particle: Particle = Particle()
-    adsorption: dict[str, Adsorption] = Field(default_factory=dict, description="of gases by name")
+    adsorption: dict[str, Adsorption] = Field(
+        default_factory=dict, description="of gases by name; of several kinds of particles each has its own"
+    )
     reactions: dict[str, Reaction] = Field(default_factory=dict)
     boundary: dict[str, Boundary] = Field(default_factory=dict)
     guess: Guess = Guess()
@@ -375,3 +353,8 @@ class ReactingScene(SceneBase):
     time: Time | None = None
     solver: Solver = Solver()
     output: Output = Output()
+
+    @property
+    def adsorbs(self) -> bool:
+        """Whether particles take up gas."""
+        return bool(self.adsorption) or any(kind.adsorption for kind in self.solids.values())

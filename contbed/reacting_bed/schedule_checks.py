@@ -95,7 +95,11 @@ def _of_streams_that_enter(boundary: Boundaries, flow: s.Flow) -> Boundaries:
 
 
 def times_are_in_order(
-    time: s.Time | None, continuation: s.Continuation | None, adsorption: dict[str, s.Adsorption], see: See
+    time: s.Time | None,
+    continuation: s.Continuation | None,
+    adsorption: dict[str, s.Adsorption],
+    solids: dict[str, s.SolidKind],
+    see: See,
 ) -> Mistakes:
     """Check that output times lie within the run, and that a branch is one of steady states."""
     if time is None:
@@ -103,7 +107,8 @@ def times_are_in_order(
     for index, instant in enumerate(time.times):
         if instant > time.end:
             yield ("time", "times", index), f"{instant:g} s is after the end; see {see('time.end')}"
-    if time.gas == "quasi_steady" and time.initial_composition is not None and not adsorption:
+    adsorbs = adsorption or any(kind.adsorption for kind in solids.values())
+    if time.gas == "quasi_steady" and time.initial_composition is not None and not adsorbs:
         key = ("time", "initial_composition")
         yield key, f"has no meaning for a gas that follows at once; see {see('time.gas')}"
     if continuation is not None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from contbed.scene.quantities import (
     Conductivity,
@@ -17,6 +17,7 @@ from contbed.scene.quantities import (
     Number,
     Positive,
     Table,
+    Temperature,
     Viscosity,
     form,
     unit,
@@ -30,6 +31,7 @@ MolarHeatCapacity = Annotated[float, *unit("J/mol/K"), Field(gt=0)]
 HeatCapacityOfSolid = Annotated[float, *unit("J/kg/K"), Field(gt=0)]
 Curve = Annotated[tuple[FiniteFloat, ...], Tag("list"), Field(min_length=1, max_length=4)]
 Speed = Annotated[float, *unit("m/s")]
+PositiveDiffusivity = Annotated[float, *unit("m**2/s"), Field(gt=0)]
 
 
 class Substance(Table):
@@ -66,6 +68,31 @@ class Solids(Table):
     constituent: dict[str, Substance] = Field(default_factory=dict, description="data of constituents by name")
 
 
+class Adsorption(Table):
+    """Isotherm of a gas and its diffusion in the pores; give henry, or capacity and affinity (Langmuir)."""
+
+    henry: Annotated[float, *unit("mol/kg/Pa"), Field(gt=0)] | None = Field(
+        None, description="moles adsorbed per mass of particles over the partial pressure"
+    )
+    capacity: Annotated[float, *unit("mol/kg"), Field(gt=0)] | None = Field(
+        None, description="moles adsorbed per mass of particles when all sites are taken"
+    )
+    affinity: Annotated[float, *unit("1/Pa"), Field(gt=0)] | None = Field(
+        None, description="b of q = q_s b p/(1 + sum b p)"
+    )
+    temperature: Temperature = Field(298.15, description="at which henry or affinity holds")
+    enthalpy: MolarEnergy = Field(0.0, description="of adsorption, negative where heat is released")
+    diffusivity: PositiveDiffusivity = Field(description="effective, in the pores of the particles")
+
+    @model_validator(mode="after")
+    def _one_isotherm(self) -> Adsorption:
+        if (self.capacity is None) != (self.affinity is None):
+            raise ValueError("capacity and affinity belong together")
+        if (self.henry is None) == (self.capacity is None):
+            raise ValueError("give henry, or capacity and affinity")
+        return self
+
+
 class SolidKind(Solids):
     """One of several kinds of particles that fill the bed together, mixed evenly where they enter."""
 
@@ -78,3 +105,4 @@ class SolidKind(Solids):
     )
     nusselt: NonNegativeOrClosure | None = Field(None, description="of this kind; absent: heat.nusselt")
     sherwood: NonNegativeOrClosure | None = Field(None, description="of this kind; absent: mass.sherwood")
+    adsorption: dict[str, Adsorption] = Field(default_factory=dict, description="of gases by name, in this kind")

@@ -11,6 +11,7 @@ sys.path.insert(0, str(ROOT / "tests" / "reacting"))
 
 from adsorption_scenes import adsorber  # noqa: E402
 from reacting_bed_scenes import danckwerts, isothermal, shrinking_core, species  # noqa: E402
+from several_solids import split  # noqa: E402
 
 KINDS = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0}
 
@@ -76,6 +77,22 @@ def front() -> dict[str, Any]:
     return scene
 
 
+def kinds_that_adsorb() -> dict[str, Any]:
+    """Two sizes that move at unlike speeds against a gas that they take up, with points inside."""
+    scene, _ = adsorber(K=200.0, units=10.0, biot=10.0)
+    del scene["time"]
+    scene["flow"]["velocity_solid"] = -2e-3
+    scene["boundary"]["right"] = {"solid": {"inflow": 500.0}}
+    scene["mesh"]["cells"] = 8
+    scene["output"]["positions"] = [0.1, 0.2, 0.5, 1.0]
+    scene["particle"] = {"adsorption": "interior", "points": 2}
+    scene = split(scene, coarse={"particle_diameter": 6e-3, "velocity_solid": -1e-3})
+    gases = scene.pop("adsorption")
+    for kind in scene["solids"].values():
+        kind["adsorption"] = gases
+    return scene
+
+
 def warming(gas: str) -> dict[str, Any]:
     """A bed over the time in which what enters gets warmer."""
     scene = burning(time={"end": 400.0, "gas": gas, "tolerance": 1e-2, "initial_temperature": 500.0})
@@ -94,6 +111,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "pellets": pellets(),
     "pellets_across": pellets_across(),
     "adsorption": front(),
+    "kinds_that_adsorb": kinds_that_adsorb(),
     "warming": warming("quasi_steady"),
     "reformer_tube": study("reformer_tube/tube_U300.toml"),
     "clc_moving_bed": study("clc_moving_bed/iron_oxide.toml"),

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from adsorption_scenes import adsorber
 from reacting_bed_scenes import fixed_bed, isothermal
+from several_solids import split
 
 import contbed
 from contbed.errors import SceneError
@@ -108,11 +109,31 @@ def section_of_pellets():
     return given
 
 
-SECTIONS = {"heated": heated_section(), "adsorbing": adsorbing_section(), "pellets": section_of_pellets()}
+def kinds_that_adsorb():
+    """Two kinds of particles with points inside that take up a gas whose share falls."""
+    given, unit = adsorber(100.0, 10.0, 3.0)
+    given["mesh"]["cells"] = 4
+    values = ["A:1e-6, N:0.999999", "A:5e-7, N:0.9999995"]
+    given["fluid"]["composition"] = {"times": [0, 3.0 * unit], "values": values, "form": "linear"}
+    given["particle"] = {"adsorption": "interior", "points": 2}
+    given["time"] |= {"end": 3.0 * unit, "tolerance": 1e-3}
+    given = split(given)
+    gases = given.pop("adsorption")
+    for kind in given["solids"].values():
+        kind["adsorption"] = gases
+    return given
 
 
-@pytest.mark.parametrize("given", SECTIONS.values(), ids=SECTIONS)
-def test_restart_of_a_section_goes_on_bit_for_bit(tmp_path, monkeypatch, given):
+BEDS = {
+    "heated section": heated_section(),
+    "adsorbing section": adsorbing_section(),
+    "section of pellets": section_of_pellets(),
+    "kinds that adsorb": kinds_that_adsorb(),
+}
+
+
+@pytest.mark.parametrize("given", BEDS.values(), ids=BEDS)
+def test_restart_of_beds_goes_on_bit_for_bit(tmp_path, monkeypatch, given):
     whole = contbed.run(from_dict(given))
     assert whole.qoi["time_steps"] > STOP
     interrupted(given, tmp_path / "a", monkeypatch)

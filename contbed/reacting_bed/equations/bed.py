@@ -53,14 +53,24 @@ class Layout:
     inside: tuple[str, ...] = ()  # gases inside of particles
     points: int = 0  # of a particle, at which they are known
     kinds: tuple[str, ...] = ()  # of particles where there are several, whose names end those of solids and films
+    inside_kinds: tuple[str, ...] = ()  # unknowns inside of several kinds of particles
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of all unknowns."""
         pressure = ("p",) if self.pressure else ()
         gases, films = (f"g_{name}" for name in self.gases), (f"s_{name}" for name in self.films)
-        inner = (f"a_{name}_{i}" for name in self.inside for i in range(self.points))
-        return (*gases, *(f"n_{name}" for name in self.solids), *self.temperatures, *pressure, *films, *inner)
+        solids = (f"n_{name}" for name in self.solids)
+        return (*gases, *solids, *self.temperatures, *pressure, *films, *self.inner, *self.inside_kinds)
+
+    @cached_property
+    def inner(self) -> tuple[str, ...]:
+        """Names of the unknowns inside of particles of one kind."""
+        return tuple(f"a_{name}_{i}" for name in self.inside for i in range(self.points))
+
+    def concentrations(self, values: Mapping[str, Any]) -> dict[str, list[Any]]:
+        """Return the concentrations of each gas at the points of a particle, from unknowns by name."""
+        return {name: [values[f"a_{name}_{i}"] for i in range(self.points)] for name in self.inside}
 
     def gas_of_film(self, film: str) -> str:
         """Return the gas of a film, "CO" of that of the kind "ore", "CO_ore"."""
@@ -70,8 +80,9 @@ class Layout:
 def conserved(name: str) -> str | None:
     """Return the species whose moles an unknown counts; None for temperatures, pressure and films."""
     kind, _, rest = name.partition("_")
-    if kind == "a":
-        return rest.rpartition("_")[0]
+    if kind == "a":  # a_GAS_POINT, or a_GAS_POINT_KIND
+        gas, _, last = rest.rpartition("_")
+        return gas if last.isdigit() else gas.rpartition("_")[0]
     return rest if kind in ("g", "n") else None
 
 
@@ -140,7 +151,7 @@ class Bed:
         c = {name: x_k * molar for name, x_k in x.items()}
         films = {name: values[f"s_{name}"] for name in layout.films}
         n = {name: values[f"n_{name}"] for name in layout.solids}
-        inner = {name: [values[f"a_{name}_{i}"] for i in range(layout.points)] for name in layout.inside}
+        inner = layout.concentrations(values)
         return State(g, n, T_fluid, T_solid, p, moles, flux, x, c, molar * flux / moles, films, inner)
 
     def __call__(self, u: Sequence[Any], q: Sequence[Any], _: Any) -> tuple[list[Any], list[Any], list[Any]]:
@@ -180,7 +191,7 @@ class Bed:
         out += [0.0] * len(self.layout.films)
         if self.inside is not None:
             moves = self.velocity_solid != 0.0
-            inner = len(self.layout.inside) * self.layout.points
+            inner = len(self.layout.inner)
             out += [self.velocity_solid * m for m in self.held_inside(state)] if moves else [0.0] * inner
         return out
 

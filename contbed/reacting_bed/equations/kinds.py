@@ -5,6 +5,7 @@
     species k           d/dx [ g_k + J_k/M_k ] = S_k,gas + sum_i S_k,i
     gas                 d/dx [ sum (g_k + J_k/M_k) h_k(T_f) - K_f T_f' ] = sum_i ( h_i a_i (T_i - T_f) + X_i ) + q_w
     film of kind i      0 = k_f,k,i a_i (c_k - c_s,k,i) + S_k,i
+    inside of kind i    gas in the pores and adsorbed by its own isotherms, see `equations.inside`
 
 with s_i the share of kind i in the volume of the particles, a_i = 6 s_i (1 - eps)/d_i, films and Nusselt numbers on d_i
 and the velocity relative to it. Kinds exchange heat and species by the gas alone. Each conducts by its share as a bed
@@ -22,6 +23,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from contbed.reacting_bed.equations.bed import Bed, Layout, State
 
@@ -105,6 +109,7 @@ class KindsBed(Bed):
                 n={name: own[f"n_{name}"] for name in layout.solids},
                 T_solid=own.get("T_solid", at.T_solid),
                 films={name: own[f"s_{name}"] for name in layout.films},
+                inner=layout.concentrations(own),
             )
             n |= {of_kind(name, kind): value for name, value in kinds[kind].n.items()}
             films |= {of_kind(name, kind): value for name, value in kinds[kind].films.items()}
@@ -120,6 +125,8 @@ class KindsBed(Bed):
             if not v:
                 continue
             found |= {of_kind(f"n_{name}", kind): v * n for name, n in own.n.items()}
+            inner = zip(part.layout.inner, part.held_inside(own), strict=True)
+            found |= {of_kind(name, kind): v * held for name, held in inner}
             if "T" in found:
                 found["T"] = found["T"] + v * part.held_by_solids(own)
             elif self.layout.temperatures:
@@ -145,6 +152,22 @@ class KindsBed(Bed):
             for name, source in zip(self.names_of[kind], own, strict=True):
                 found[name] = found[name] + source if name in found else source
         return self._in_order(found)
+
+    def coupling(self) -> NDArray[np.float64] | None:
+        """Return the sources that are linear in the unknowns (m, m): diffusion between points inside of each kind."""
+        parts = {kind: part.coupling() for kind, part in self.parts.items()}
+        if all(part is None for part in parts.values()):
+            return None
+        out = np.zeros((len(self.layout.names), len(self.layout.names)))
+        for kind, part in parts.items():
+            if part is not None:
+                here = [self.layout.names.index(name) for name in self.names_of[kind]]
+                out[np.ix_(here, here)] += part
+        return out
+
+    def held_inside(self, state: State) -> list[Any]:
+        """Return the moles that each point of particles holds of each gas, as the unknowns are ordered [mol/m3 bed]."""
+        return [moles for part, own in self.phases(state) for moles in part.held_inside(own)]
 
     def rates(self, state: State, transport: Any) -> list[Any]:
         """Return the rates of all reactions [mol/m3 bed/s]."""
