@@ -16,11 +16,12 @@ from contbed.reacting_bed.inlet_series import SUM, CompositionSeries, constant
 from contbed.reacting_bed.inside_checks import (
     adsorbed_gases_are_there,
     adsorbed_gases_do_not_react_there,
+    kinds_have_diffusivities,
     particles_can_adsorb,
     pellets_have_diffusivities,
     uptake_has_a_meaning,
 )
-from contbed.reacting_bed.kind_checks import in_each_kind, of_all_kinds
+from contbed.reacting_bed.kind_checks import in_each_kind, of_all_kinds, of_one_kind
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
 from contbed.reacting_bed.medium import bound, places_of
@@ -363,7 +364,8 @@ CHECKS: tuple[Check, ...] = (
     in_each_kind(adsorbed_gases_are_there),
     in_each_kind(particles_can_adsorb),
     in_each_kind(adsorbed_gases_do_not_react_there),
-    pellets_have_diffusivities,
+    of_one_kind(pellets_have_diffusivities),
+    kinds_have_diffusivities,
     in_each_kind(uptake_has_a_meaning),
     closures_exist,
     *kind_checks.CHECKS,

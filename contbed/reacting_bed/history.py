@@ -30,7 +30,7 @@ class History:
     sources : (m,) integrals of the sources; carried : integral of the heat of all streams above 298.15 K [J/m2]
     outlet : (steps, columns) of the outlet over time, `columns` their names
     kept : states at output times
-    extents : of reactions inside of pellets, by number of pellets: first guesses, on which the last digits depend
+    extents : of reactions inside of pellets, by their number and kind: first guesses, on which last digits depend
     """
 
     u: Array
@@ -44,26 +44,31 @@ class History:
     columns: tuple[str, ...] = ()
     outlet: tuple[tuple[float, ...], ...] = ()
     kept: Mapping[float, Array] = field(default_factory=dict)
-    extents: Mapping[int, Array] = field(default_factory=dict)
+    extents: Mapping[tuple[int, str], Array] = field(default_factory=dict)
 
     def pack(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the arrays and numbers of a checkpoint."""
         arrays = {name: getattr(self, name) for name in ARRAYS}
         arrays |= {"outlet": np.array(self.outlet), "times": np.array([*self.kept])}
         arrays |= {"kept": np.array([*self.kept.values()])}
-        arrays |= {f"{EXTENTS}{count}": extents for count, extents in self.extents.items()}
+        arrays |= {f"{EXTENTS}{count}_{kind}": extents for (count, kind), extents in self.extents.items()}
         return arrays, {name: getattr(self, name) for name in NUMBERS} | {"columns": list(self.columns)}
 
     @classmethod
     def unpack(cls, arrays: Mapping[str, Any], meta: Mapping[str, Any]) -> History:
         """Restore a history from a checkpoint."""
+        extents = {}
+        for name in arrays:
+            if name.startswith(EXTENTS):
+                count, _, kind = name.removeprefix(EXTENTS).partition("_")
+                extents[int(count), kind] = arrays[name]
         return cls(
             **{name: arrays[name] for name in ARRAYS},
             **{name: meta[name] for name in NUMBERS},
             columns=tuple(meta["columns"]),
             outlet=tuple(tuple(row) for row in arrays["outlet"].tolist()),
             kept=dict(zip(arrays["times"].tolist(), arrays["kept"], strict=True)),
-            extents={int(name.removeprefix(EXTENTS)): arrays[name] for name in arrays if name.startswith(EXTENTS)},
+            extents=extents,
         )
 
     def fitted(self, time: Time, where: Origin) -> History:

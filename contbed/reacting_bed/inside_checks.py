@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from contbed.closures.reactions_reforming import REACTIONS as REFORMING
 from contbed.errors import SceneError
 from contbed.materials.composition import names_in
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import CompositionSeries, constant
+from contbed.reacting_bed.kinds import kinds_named
 from contbed.reacting_bed.schedule import series_of
 from contbed.reacting_bed.substances import equations_of
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.names import nearest
 from contbed.scene.series import Series
+from contbed.scene.toml_lines import KeyPath
 
 Reactions = dict[str, s.Reaction]
 Adsorptions = dict[str, s.Adsorption]
+PARTICLES_REACT = "resolves catalytic reactions of gases; particles that react have shrinking_core or three_interfaces"
 
 
 def adsorbed_gases_are_there(adsorption: Adsorptions, fluid: s.Gas, time: s.Time | None) -> Mistakes:
@@ -82,20 +87,45 @@ def pellets_have_diffusivities(particle: s.Particle, reactions: Reactions, solid
     """Check that gases that react in pellets that are resolved have diffusivities, and no others have."""
     asked = particle.mass == "interior" or (particle.mass == "auto" and bool(particle.diffusivity))
     inside = _species_in_particles(reactions, solid) if asked else {}
-    gases = {gas for species in inside.values() for gas in species}
-    if solid is not None and solid.composition is not None:
-        gases = set()
-        if asked:
-            yield (
-                ("particle", "mass" if particle.mass == "interior" else "diffusivity"),
-                "resolves catalytic reactions of gases; particles that react have shrinking_core or three_interfaces",
-            )
+    if asked and solid is not None and solid.composition is not None:
+        yield ("particle", "mass" if particle.mass == "interior" else "diffusivity"), PARTICLES_REACT
     elif particle.mass == "interior" and not inside:
         yield ("particle", "mass"), "nothing reacts in the particles; remove it, or give a reaction basis = 'catalyst'"
-    for gas in sorted(gases - set(particle.diffusivity)):
-        yield ("particle", "diffusivity"), f"{gas} reacts in the particles and has none; give {gas} = in m2/s"
-    for gas in sorted(set(particle.diffusivity) - gases):
-        yield ("particle", "diffusivity", gas), "no reaction in particles that are resolved needs it; remove it"
+    yield from _fitting(("particle", "diffusivity"), particle.diffusivity, inside, solid)
+
+
+def _fitting(
+    path: KeyPath, given: Mapping[str, float], inside: Mapping[str, set[str]], solid: s.Solids | None
+) -> Mistakes:
+    """Check diffusivities against the species of the reactions inside of pellets."""
+    gases = set() if solid is not None and solid.composition is not None else set().union(*inside.values())
+    for gas in sorted(gases - set(given)):
+        yield path, f"{gas} reacts in the particles and has none; give {gas} = in m2/s"
+    for gas in sorted(set(given) - gases):
+        yield (*path, gas), "no reaction in particles that are resolved needs it; remove it"
+
+
+def kinds_have_diffusivities(particle: s.Particle, reactions: Reactions, solids: dict[str, s.SolidKind]) -> Mistakes:
+    """Check that each of several kinds has the diffusivities of the gases that react in its pellets, and no others."""
+    if not solids:
+        return
+    for gas in particle.diffusivity:
+        yield (
+            ("particle", "diffusivity", gas),
+            f"does not tell in which kind; give solids.NAME.diffusivity.{gas}, for each whose inside is resolved",
+        )
+    anywhere = False
+    for kind, table in solids.items():
+        asked = particle.mass == "interior" or (particle.mass == "auto" and bool(table.diffusivity))
+        named = {name: each for name, each in reactions.items() if kind in kinds_named(each)}
+        inside = _species_in_particles(named, table) if asked else {}
+        if table.composition is None:
+            anywhere = anywhere or bool(inside)
+            yield from _fitting(("solids", kind, "diffusivity"), table.diffusivity, inside, table)
+        elif table.diffusivity:
+            yield ("solids", kind, "diffusivity"), PARTICLES_REACT
+    if particle.mass == "interior" and not anywhere:
+        yield ("particle", "mass"), "nothing reacts in the particles; remove it, or name a kind, reactions.NAME.solid"
 
 
 def uptake_has_a_meaning(

@@ -57,6 +57,17 @@ def of_all_kinds(check: Check) -> Check:
     return _with_solids(check, each)
 
 
+def of_one_kind(check: Check) -> Check:
+    """Return a check of a scene that is left out where several kinds fill the bed."""
+
+    @wraps(check)
+    def each(solids: Kinds, **given: Any) -> Mistakes:
+        if not solids:
+            yield from check(**given)
+
+    return _with_solids(check, each)
+
+
 def in_each_kind(check: Check) -> Check:
     """Return a check of a scene that is done for each kind, with its velocity and the reactions that may run in it."""
 
@@ -196,23 +207,14 @@ def reactions_name_kinds(reactions: Reactions, solids: Kinds) -> Mistakes:
             yield path, f"a rate per m3 of {table.basis} is not that of a kind; give basis = 'catalyst' or 'particle'"
 
 
-def kinds_are_lumped(
-    solids: Kinds, section: s.Section | None, particle: s.Particle, adsorption: dict[str, s.Adsorption]
-) -> Mistakes:
-    """Check that a bed of several kinds has one dimension, and particles whose inside is not resolved."""
+def kinds_have_one_dimension(solids: Kinds, section: s.Section | None, adsorption: dict[str, s.Adsorption]) -> Mistakes:
+    """Check that a bed of several kinds has one dimension, and that each kind tells which gases it adsorbs."""
     if not solids:
         return
     if section is not None:
         yield (
             ("section",),
             "a bed of several kinds of particles has one dimension; remove it, or give one kind, [solid]",
-        )
-    if particle.mass == "interior" or particle.diffusivity:
-        key = "mass" if particle.mass == "interior" else "diffusivity"
-        yield (
-            ("particle", key),
-            "the inside of particles is resolved where one kind fills the bed; remove it, and give reactions an "
-            "effectiveness by particle.mass = 'effectiveness' and their diffusivity",
         )
     for gas in adsorption:
         yield (
@@ -226,5 +228,5 @@ CHECKS: tuple[Check, ...] = (
     kinds_fill_the_bed,
     kinds_have_what_they_give,
     reactions_name_kinds,
-    kinds_are_lumped,
+    kinds_have_one_dimension,
 )

@@ -18,6 +18,7 @@ from contbed.reacting_bed.equations.kinds import KindsBed, of_kind
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.kinetics import Reaction, reactions_of, site_of
 from contbed.reacting_bed.medium import Medium
+from contbed.reacting_bed.pellets import in_pellets
 from contbed.reacting_bed.streams import Streams, streams
 from contbed.reacting_bed.substances import Equation, Substances, equations_of, substances
 
@@ -104,6 +105,7 @@ def kind_scene(scene: s.ReactingScene, kind: str) -> s.ReactingScene:
         "mass": mass,
         "wall": None,
         "adsorption": table.adsorption,
+        "particle": scene.particle.model_copy(update={"diffusivity": table.diffusivity}),
     }
     return scene.model_copy(update=update)
 
@@ -227,6 +229,7 @@ def _reactions(scene: s.ReactingScene, species: Substances) -> tuple[list[Reacti
                 for each in some(view, [name], species.kinds[kind]):
                     full = of_kind(each.name, kind) if len(kinds) > 1 else each.name
                     found[kind].append(replace(each, name=full, kind=kind, alone=each.name))
+        found[kind] = in_pellets(view, found[kind], species.gases, shares_of(scene.solids)[kind])
     return gas, found
 
 

@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 
 from contbed.errors import ContbedError
 from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.kinds import species_of
 from contbed.reacting_bed.pellets import Pellets, runs_in_pellets
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.solve import Report, steady
-from contbed.reacting_bed.substances import Substances, substances
+from contbed.reacting_bed.substances import Substances
 
 Array = NDArray[np.float64]
 
@@ -46,7 +47,7 @@ def decided(scene: s.ReactingScene, vertices: Array) -> tuple[s.ReactingScene, P
 
     `vertices` are the cells to judge it on. A run in time has no one state to judge it by: its pellets are resolved.
     """
-    if scene.particle.mass != "auto" or not scene.particle.diffusivity:
+    if scene.particle.mass != "auto" or not any(_diffusivities(scene).values()):
         return scene, None
     if scene.time is not None:
         return scene, PelletLevel(True, None, "in time it is resolved")
@@ -58,8 +59,15 @@ def _with(scene: s.ReactingScene, mass: str) -> s.ReactingScene:
     return scene.model_copy(update={"particle": scene.particle.model_copy(update={"mass": mass})})
 
 
+def _diffusivities(scene: s.ReactingScene) -> dict[str | None, dict[str, float]]:
+    """Return the diffusivities of gases by kind of particles, None for the only one."""
+    if not scene.solids:
+        return {None: scene.particle.diffusivity}
+    return {kind: table.diffusivity for kind, table in scene.solids.items() if table.diffusivity}
+
+
 def _judged(scene: s.ReactingScene, vertices: Array) -> PelletLevel:
-    species = substances(scene)
+    species = species_of(scene)
     try:
         error = missed(scene, Problem.of(scene, vertices, species), species)
     except ContbedError as found:
@@ -73,9 +81,6 @@ def missed(scene: s.ReactingScene, problem: Problem, species: Substances) -> flo
     bed, line = problem.bed, problem.line
     state = bed.state(problem.at_all_points(u))
     values = bed.medium.at(state)
-    chosen = [r for r in problem.reactions if runs_in_pellets(r.site, r.own_film, r.stoichiometry, species.gases)]
-    pellets = Pellets.of(chosen, scene.particle.diffusivity, 1.0 - scene.bed.porosity)
-    at = bed.medium.local(state, values, chosen[0], bed.small)
     shape = np.shape(problem.at_all_points(u)[0])
 
     def total(rate: Any) -> float:
@@ -83,7 +88,14 @@ def missed(scene: s.ReactingScene, problem: Problem, species: Substances) -> flo
         return float(np.einsum("cj,j,c->", table, line.weights, line.h))
 
     free = {r.name: total(rate) for r, rate in zip(problem.reactions, bed.rates(state, values), strict=True)}
-    held = {r.name: total(mean) for r, mean in zip(chosen, pellets(at), strict=True)}
+    held: dict[str, float] = {}
+    for kind, diffusivities in _diffusivities(scene).items():
+        gases, inside = species.gases, [r for r in problem.reactions if r.kind == kind]
+        chosen = [r for r in inside if runs_in_pellets(r.site, r.own_film, r.stoichiometry, gases)]
+        part, own = problem.phase(state, kind)
+        at = part.medium.local(own, part.medium.at(own), chosen[0], bed.small)
+        means = Pellets.of(chosen, diffusivities, part.medium.solids)(at)
+        held |= {r.name: total(mean) for r, mean in zip(chosen, means, strict=True)}
 
     def largest(extents: dict[str, float]) -> float:
         made = dict.fromkeys(species.all, 0.0)

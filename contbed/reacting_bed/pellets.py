@@ -202,17 +202,19 @@ class Pellets:
         return None
 
 
-def in_pellets(scene: s.ReactingScene, reactions: Sequence[Reaction], gases: Mapping[str, Any]) -> list[Reaction]:
+def in_pellets(
+    scene: s.ReactingScene, reactions: Sequence[Reaction], gases: Mapping[str, Any], share: float = 1.0
+) -> list[Reaction]:
     """Return the reactions of a scene with those of gases in particles as means over resolved pellets.
 
-    What `pellet_level` has not decided, as in time, is resolved.
+    What `pellet_level` has not decided, as in time, is resolved. `share` is that of the volume of all particles.
     """
     if scene.particle.mass not in ("auto", "interior") or not scene.particle.diffusivity:
         return list(reactions)
     chosen = [each for each in reactions if runs_in_pellets(each.site, each.own_film, each.stoichiometry, gases)]
     if not chosen:
         return list(reactions)
-    pellets = Pellets.of(chosen, scene.particle.diffusivity, 1.0 - scene.bed.porosity)
+    pellets = Pellets.of(chosen, scene.particle.diffusivity, (1.0 - scene.bed.porosity) * share)
     resolved = {each.name: each for each in pellets.resolved()}
     return [resolved.get(each.name, each) for each in reactions]
 

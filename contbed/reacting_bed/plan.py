@@ -15,7 +15,6 @@ from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
 from contbed.reacting_bed.kinds import described_kinds, species_of
 from contbed.reacting_bed.pellet_level import decided
-from contbed.reacting_bed.pellets import Pellets
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import Schedule, tables_of
 from contbed.reacting_bed.solve import FIRST_CELLS
@@ -144,10 +143,10 @@ def _at_start(scene: s.ReactingScene, schedule: Schedule) -> Problem:
     return problem
 
 
-def _effectiveness(problem: Problem, pellets: Pellets) -> str:
-    """Return the effectiveness of each reaction where the gas enters, resolved and by its Thiele modulus."""
-    bed = problem.bed
-    state = problem.bed.state(problem.first_point())
+def _effectiveness(problem: Problem, kind: str | None) -> str:
+    """Return the effectiveness of each reaction in a kind of particles where the gas enters, resolved and by Thiele."""
+    pellets = problem.pellets[kind]
+    bed, state = problem.phase(problem.bed.state(problem.first_point()), kind)
     at = bed.medium.local(state, bed.medium.at(state), pellets.reactions[0], bed.small)
     parts = []
     for reaction, mean in zip(pellets.reactions, pellets(at), strict=True):
@@ -159,10 +158,12 @@ def _effectiveness(problem: Problem, pellets: Pellets) -> str:
         gas, moles = next((name, -n) for name, n in reaction.stoichiometry.items() if n < 0)
         k = moles * rate / pellets.solids / max(float(at.c[gas]), 1e-300)
         if k > 0.0:
-            D = problem.scene.particle.diffusivity[gas]
+            D = pellets.diffusivities[pellets.gases.index(gas)]
             text += f" (by the Thiele modulus of {gas} {float(effectiveness_of(at.radius, k, D)):.3g})"
         parts.append(text)
-    return f"diffusion and reaction of {', '.join(pellets.gases)}; effectiveness at the inlet: {', '.join(parts)}"
+    where = "" if kind is None else f" in {kind}"
+    gases = ", ".join(pellets.gases)
+    return f"diffusion and reaction of {gases}{where}; effectiveness at the inlet: {', '.join(parts)}"
 
 
 def _place(text: str) -> KeyPath:
@@ -223,8 +224,8 @@ def _lists(
     for kind, choice in problem.choices.items():
         gases = scene.adsorption if kind is None else scene.solids[kind].adsorption
         built.append((f"adsorption of {', '.join(gases)}" + ("" if kind is None else f" by {kind}"), str(choice)))
-    if problem.pellets is not None:
-        built.append((PELLETS, _effectiveness(problem, problem.pellets)))
+    if problem.pellets:
+        built.append((PELLETS, "; ".join(_effectiveness(problem, kind) for kind in problem.pellets)))
     for reaction in problem.reactions:
         where = "at the particles" + ("" if reaction.kind is None else f", {reaction.kind}")
         built.append((f"reaction {reaction.name}", "in the gas" if reaction.site == "gas" else where))

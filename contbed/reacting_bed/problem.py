@@ -118,9 +118,13 @@ class Problem:
         return self.bed.layout
 
     @property
-    def pellets(self) -> Pellets | None:
-        """Catalyst pellets whose inside is resolved; None without."""
-        return next((reaction.rate for reaction in self.reactions if isinstance(reaction.rate, Pellets)), None)
+    def pellets(self) -> dict[str | None, Pellets]:
+        """Catalyst pellets whose inside is resolved, by kind of particles, None for the only one."""
+        return {each.kind: each.rate for each in self.reactions if isinstance(each.rate, Pellets)}
+
+    def phase(self, state: State, kind: str | None) -> tuple[Bed, State]:
+        """Return the bed of a kind of particles, None for the only one, and the state as it sees it."""
+        return dict(zip(self.layout.kinds or (None,), self.bed.phases(state), strict=True))[kind]
 
     @cached_property
     def system(self) -> System:

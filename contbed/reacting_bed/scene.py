@@ -264,7 +264,9 @@ class Particle(Table):
         "resolved where that changes what reacts by more than solver.accuracy",
     )
     diffusivity: dict[str, PositiveDiffusivity] = Field(
-        default_factory=dict, description='effective, of each gas that reacts in particles, { CH4 = "2e-6 m**2/s" }'
+        default_factory=dict,
+        description='effective, of each gas that reacts in particles, { CH4 = "2e-6 m**2/s" }; of several kinds each '
+        "has its own",
     )
     adsorption: Literal["auto", "film", "linear_driving_force", "interior"] = Field(
         "auto",

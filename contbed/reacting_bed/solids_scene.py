@@ -106,3 +106,6 @@ class SolidKind(Solids):
     nusselt: NonNegativeOrClosure | None = Field(None, description="of this kind; absent: heat.nusselt")
     sherwood: NonNegativeOrClosure | None = Field(None, description="of this kind; absent: mass.sherwood")
     adsorption: dict[str, Adsorption] = Field(default_factory=dict, description="of gases by name, in this kind")
+    diffusivity: dict[str, PositiveDiffusivity] = Field(
+        default_factory=dict, description="effective, of each gas that reacts in this kind, see particle.mass"
+    )

@@ -205,8 +205,8 @@ def march(course: Course, history: History, report: solve.Report) -> Iterator[Hi
     """
     time = course.time
     outputs = output_times(time)
-    if course.problem.pellets is not None:
-        course.problem.pellets.known.update(history.extents)
+    for kind, pellets in course.problem.pellets.items():
+        pellets.known.update({count: xi for (count, of), xi in history.extents.items() if of == (kind or "")})
     for stop in course.stops():
         while history.time < stop * (1.0 - SAME):
             history = advanced(course, history, stop, report)
@@ -262,7 +262,8 @@ def _passed(
         sources = sources + step * weight * problem.mean(problem.system.sources(u))
         if problem.layout.temperatures:
             carried += step * weight * results.heat_carried(problem, u)
-    row, pellets = outlet(problems[1], states[1], fluxes, end), problems[1].pellets
+    row = outlet(problems[1], states[1], fluxes, end)
+    pellets = problems[1].pellets.items()
     return replace(
         history,
         u=states[1],
@@ -274,7 +275,7 @@ def _passed(
         carried=carried,
         columns=tuple(row),
         outlet=(*history.outlet, tuple(row.values())),
-        extents={} if pellets is None else dict(pellets.known),
+        extents={(count, kind or ""): xi for kind, each in pellets for count, xi in each.known.items()},
     )
 
 

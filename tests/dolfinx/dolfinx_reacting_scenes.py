@@ -93,6 +93,17 @@ def kinds_that_adsorb() -> dict[str, Any]:
     return scene
 
 
+def kinds_of_pellets() -> dict[str, Any]:
+    """Two sizes of pellets that are resolved inside."""
+    scene = pellets()
+    gases = scene["particle"].pop("diffusivity")
+    scene = split(scene, coarse={"particle_diameter": 6e-3})
+    scene["reactions"]["r"]["solid"] = list(scene["solids"])
+    for kind in scene["solids"].values():
+        kind["diffusivity"] = gases
+    return scene
+
+
 def warming(gas: str) -> dict[str, Any]:
     """A bed over the time in which what enters gets warmer."""
     scene = burning(time={"end": 400.0, "gas": gas, "tolerance": 1e-2, "initial_temperature": 500.0})
@@ -112,6 +123,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "pellets_across": pellets_across(),
     "adsorption": front(),
     "kinds_that_adsorb": kinds_that_adsorb(),
+    "kinds_of_pellets": kinds_of_pellets(),
     "warming": warming("quasi_steady"),
     "reformer_tube": study("reformer_tube/tube_U300.toml"),
     "clc_moving_bed": study("clc_moving_bed/iron_oxide.toml"),

@@ -76,7 +76,7 @@ def test_the_scene_without_mistakes_is_planned():
         ("density = 1000.0", "density = 1000.0\nsherwood = 3.0", "has no meaning without mass.sherwood"),
         ("{ C = {", "{ FeO = { heat_capacity = 51.0 }, C = {", "has other data in solids.ore"),
         ("[flow]", "[adsorption.CO]\nhenry = 1.0\ndiffusivity = 1e-6\n[flow]", "give solids.NAME.adsorption.CO"),
-        ("[flow]", "[particle]\ndiffusivity = { CO = 1e-6 }\n[flow]", "inside of particles is resolved where one kind"),
+        ("[flow]", "[particle]\ndiffusivity = { CO = 1e-6 }\n[flow]", "give solids.NAME.diffusivity.CO"),
         ("[flow]", "[section]\n[flow]", "a bed of several kinds of particles has one dimension"),
     ],
 )

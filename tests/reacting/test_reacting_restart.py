@@ -124,11 +124,24 @@ def kinds_that_adsorb():
     return given
 
 
+def kinds_of_pellets():
+    """Pellets of two sizes inside of which A becomes B."""
+    given = section_of_pellets()
+    del given["section"]
+    gases = given["particle"].pop("diffusivity")
+    given = split(given, coarse={"particle_diameter": 5e-3})
+    given["reactions"]["r"]["solid"] = list(given["solids"])
+    for kind in given["solids"].values():
+        kind["diffusivity"] = gases
+    return given
+
+
 BEDS = {
     "heated section": heated_section(),
     "adsorbing section": adsorbing_section(),
     "section of pellets": section_of_pellets(),
     "kinds that adsorb": kinds_that_adsorb(),
+    "kinds of pellets": kinds_of_pellets(),
 }
 
 

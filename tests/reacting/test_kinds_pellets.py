@@ -1,0 +1,140 @@
+"""Pellets that are resolved inside among several kinds of particles: alike they are one; unlike they add up."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+
+import numpy as np
+import pytest
+from several_solids import SHARES, split
+from test_pellets import D_A, D_B, REFORMER, R, left, pellets
+
+import contbed
+from contbed.errors import SceneError
+from contbed.loading import from_dict
+from contbed.particle.effectiveness import sphere
+from contbed.reacting_bed.plan import plan
+
+CLOSED = 1e-12  # of what enters
+ROUNDING = 1e-9  # of two solutions of the same equations, whose Newton's methods end at 1e-10
+SHELLS = 1e-5  # of what leaves: points inside err by 3e-6 of the effectiveness
+D = {"A": D_A, "B": D_B}
+
+
+def solved(scene):
+    result = contbed.run(from_dict(scene))
+    for name, balance in result.balances.items():
+        assert abs(balance["relative_residual"]) < CLOSED, name
+    return result
+
+
+def shared(scene, shares=SHARES, **changes):
+    """The pellets of a scene as kinds, all with its diffusivities or those in `changes`."""
+    out = split(scene, shares)
+    diffusivity = out["particle"].pop("diffusivity")
+    for kind in shares:
+        out["solids"][kind] |= {"diffusivity": diffusivity} | changes.get(kind, {})
+    running = [kind for kind in shares if out["solids"][kind]["diffusivity"]]
+    for reaction in out["reactions"].values():
+        reaction["solid"] = running
+    return out
+
+
+def reforming():
+    """Three reactions of five gases, two temperatures, a film and a falling pressure."""
+    scene = deepcopy(REFORMER)
+    scene["mesh"]["cells"] = 4
+    scene["fluid"]["conductivity"] = 0.1
+    scene["flow"]["pressure_drop"] = "ergun"
+    scene["heat"] = {"nusselt": "nusselt_wakao_kaguei", "conductivity_solid": 0.5}
+    scene["mass"] = {"sherwood": "sherwood_wakao_funazkri"}
+    return scene
+
+
+def test_kinds_that_are_alike_are_one():
+    one, two = solved(reforming()), solved(shared(reforming()))
+    for name, column in one.profiles.items():
+        for found in [name] if name in two.profiles else [name.replace(" ", f"_{kind} ") for kind in SHARES]:
+            np.testing.assert_allclose(two.profiles[found], column, rtol=ROUNDING, atol=1e-12, err_msg=found)
+    for name in ("reforming", "shift", "total"):
+        extent = one.qoi[f"extent_{name}_mol_m2s"]
+        assert two.qoi[f"extent_{name}_mol_m2s"] == pytest.approx(extent, rel=ROUNDING)
+        assert two.qoi[f"extent_{name}_coarse_mol_m2s"] == pytest.approx(SHARES["coarse"] * extent, rel=ROUNDING)
+    assert 0.05 < one.qoi["conversion_CH4"] < 0.5
+
+
+def test_beads_dilute_a_catalyst():
+    phi, share = 5.0, 0.3
+    scene, k = pellets(phi)
+    scene["mesh"]["length"] = L = 1.0 / (share * 0.6 * k * sphere(phi) / 0.5)
+    scene = shared(scene, {"catalyst": share, "beads": 1.0 - share}, beads={"diffusivity": {}})
+    result = solved(scene)
+    assert result.qoi["x_A_out"] == pytest.approx(left(k * L, share * sphere(phi)), rel=SHELLS)
+    told = dict(result.plan.built)["inside of pellets"]
+    assert told.startswith("diffusion and reaction of A, B in catalyst; effectiveness at the inlet: r 0.48")
+
+
+def test_each_kind_has_its_size_and_diffusivities():
+    """Two catalysts in parallel, each with film and closed effectiveness: 1/eta_o = 1/eta + phi^2/(3 Bi)."""
+    scene, k = pellets(2.0)
+    d, factor, Bi = {"coarse": 6e-3, "fine": 2e-3}, {"coarse": 3.0, "fine": 0.5}, {"coarse": 8.0, "fine": 4.0}
+    gas = 2e-5
+    scene["fluid"]["diffusivity"], scene["mass"] = gas, {"sherwood": 1.0}
+    total, changes = 0.0, {}
+    for kind, share in SHARES.items():
+        radius, inside = 0.5 * d[kind], factor[kind] * D_A
+        phi = radius * np.sqrt(k / inside)
+        total += share / (1.0 / sphere(phi) + phi**2 / (3.0 * Bi[kind]))
+        changes[kind] = {
+            "particle_diameter": d[kind],
+            "diffusivity": {"A": inside, "B": inside},
+            "sherwood": 2.0 * Bi[kind] * inside / gas,
+        }
+    scene["mesh"]["length"] = L = 1.0 / (0.6 * k * total / 0.5)
+    assert solved(shared(scene, **changes)).qoi["x_A_out"] == pytest.approx(left(k * L, total), rel=SHELLS)
+
+
+@pytest.mark.parametrize(("phi", "level"), [(0.1, "none"), (0.6, "interior")])
+def test_auto_judges_all_kinds(phi, level):
+    """Of two catalysts of which one is twice as large E is the mean of 1 - eta by volume."""
+    scene, k = pellets(phi)
+    scene["mesh"]["length"] = 0.5 / (0.6 * k)
+    scene["particle"]["mass"] = "auto"
+    scene = shared(scene, coarse={"particle_diameter": 4.0 * R})
+    planned = plan(from_dict(scene))
+    assert planned.scene.particle.mass == level
+    error = 1.0 - SHARES["coarse"] * sphere(2.0 * phi) - SHARES["fine"] * sphere(phi)
+    told = dict(planned.built if level == "interior" else planned.skipped)["inside of pellets"]
+    assert f"would differ by {error:.2g} of itself" in told
+    found = solved(scene).qoi["x_A_out"]
+    scene["particle"]["mass"] = level
+    if level == "none":
+        for table in scene["solids"].values():
+            del table["diffusivity"]
+    assert found == solved(scene).qoi["x_A_out"]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda s: s["particle"].update(diffusivity=D), r"give solids\.NAME\.diffusivity\.A"),
+        (lambda s: s["solids"]["fine"]["diffusivity"].pop("B"), r"solids\.fine\.diffusivity.*: B reacts in"),
+        (
+            lambda s: s["solids"]["fine"]["diffusivity"].update(C=1e-6),
+            r"fine\.diffusivity\.C.*: no reaction in",
+        ),
+        (lambda s: s["solids"]["fine"].pop("diffusivity"), r"solids\.fine\.diffusivity: A reacts in the particles"),
+        (lambda s: s["reactions"].clear(), r"particle\.mass.*: nothing reacts in the particles"),
+        (lambda s: s["particle"].update(mass="none"), r"no reaction in particles that are resolved needs it"),
+        (
+            lambda s: s["solids"]["fine"].update(composition="S:1", constituent={"S": {"molar_mass": 0.1}}),
+            r"solids\.fine\.diffusivity.*: resolves catalytic reactions of gases",
+        ),
+    ],
+)
+def test_mistakes(change, said):
+    scene, _ = pellets(1.0)
+    scene = deepcopy(shared(scene))
+    change(scene)
+    with pytest.raises(SceneError, match=said):
+        from_dict(scene)
