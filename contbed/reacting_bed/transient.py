@@ -99,10 +99,11 @@ class Course:
             for k, name in enumerate(problem.names):
                 if name.startswith("g_"):
                     u[k] = fractions.get(name[2:], 0.0) * moles
-        molar = problem.streams.pressure / (R_GAS * T)
-        for k, name in enumerate(problem.layout.names):
+        molar, m = problem.streams.pressure / (R_GAS * T), len(problem.layout.names)
+        for k, name in enumerate(problem.names):
             if name.startswith("a_"):  # particles begin in equilibrium with the gas around them
-                u[k] = u[problem.layout.gases.index(str(conserved(name)))] / moles * molar
+                gas = k - k % m + problem.layout.gases.index(str(conserved(name)))
+                u[k] = u[gas] / moles * molar
         return u
 
     def sizes(self, u: Array) -> Array:

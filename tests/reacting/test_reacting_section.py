@@ -320,6 +320,20 @@ def test_bed_that_adsorbs_alike_across_is_plug_flow(level):
         assert np.allclose(section.profiles[name], column, rtol=1e-9, atol=1e-14), name
 
 
+def test_bed_that_gives_off_what_it_holds_is_plug_flow():
+    """Particles of all rings begin in equilibrium with the gas that fills the bed."""
+    runs = []
+    for rings in (0, 3):
+        scene = adsorbing(rings, "film", tolerance=1e-3)
+        scene["time"]["initial_composition"] = scene["fluid"]["composition"]
+        scene["fluid"]["composition"] = "N:1"
+        runs.append(solved(scene))
+    one, section = runs
+    assert 0.1 < one.profiles["x_A [1]"][-1] / TRACE < 0.9
+    for name, column in one.profiles.items():
+        assert np.allclose(section.profiles[name], column, rtol=1e-7, atol=1e-14), name
+
+
 def test_heat_of_adsorption_leaves_through_the_wall():
     """Energy and elements close to 1e-12; the axis is warmer than the wall."""
     scene = adsorbing(3, "film", tolerance=1e-3)
