@@ -52,6 +52,8 @@ _FIELDS = (
     Field("T_fluid_wall", r"T_\mathrm{f,R}", "K", "temperature of the fluid at the wall of the bed", lower=0.0),
     Field("T_solid_axis", r"T_\mathrm{s,0}", "K", "temperature of the particles at the axis of the bed", lower=0.0),
     Field("T_solid_wall", r"T_\mathrm{s,R}", "K", "temperature of the particles at the wall of the bed", lower=0.0),
+    Field("T_solid_NAME_axis", r"T_\mathrm{NAME,0}", "K", "temperature of a kind of particles at the axis of the bed"),
+    Field("T_solid_NAME_wall", r"T_\mathrm{NAME,R}", "K", "temperature of a kind of particles at the wall of the bed"),
     Field("T_mean", r"\overline{T}", "K", "mean temperature of a particle", lower=0.0),
     Field("mass_fraction", "m", "1", "mass that is left over that of the fresh particle"),
     Field("T_gas", r"T_\mathrm{g}", "K", "temperature of the gas", lower=0.0),

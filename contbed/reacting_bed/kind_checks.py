@@ -207,16 +207,9 @@ def reactions_name_kinds(reactions: Reactions, solids: Kinds) -> Mistakes:
             yield path, f"a rate per m3 of {table.basis} is not that of a kind; give basis = 'catalyst' or 'particle'"
 
 
-def kinds_have_one_dimension(solids: Kinds, section: s.Section | None, adsorption: dict[str, s.Adsorption]) -> Mistakes:
-    """Check that a bed of several kinds has one dimension, and that each kind tells which gases it adsorbs."""
-    if not solids:
-        return
-    if section is not None:
-        yield (
-            ("section",),
-            "a bed of several kinds of particles has one dimension; remove it, or give one kind, [solid]",
-        )
-    for gas in adsorption:
+def kinds_tell_what_they_adsorb(solids: Kinds, adsorption: dict[str, s.Adsorption]) -> Mistakes:
+    """Check that each of several kinds tells which gases it adsorbs."""
+    for gas in adsorption if solids else ():
         yield (
             ("adsorption", gas),
             f"does not tell which kind adsorbs it; give solids.NAME.adsorption.{gas}, for each that does",
@@ -228,5 +221,5 @@ CHECKS: tuple[Check, ...] = (
     kinds_fill_the_bed,
     kinds_have_what_they_give,
     reactions_name_kinds,
-    kinds_have_one_dimension,
+    kinds_tell_what_they_adsorb,
 )

@@ -182,7 +182,7 @@ class Medium:
         return coefficient * (constant(wall.ambient) - T)
 
     def radial(self, state: State) -> Transport:
-        """Return the coefficients across the flow at a state: conductivities and dispersion."""
+        """Return the coefficients across the flow at a state: conductivities, of each kind by its share; dispersion."""
         section, needs = self.scene.section, _Properties(self, state)
         assert section is not None
         K_f, K_s = self.stagnant(needs)
@@ -191,13 +191,23 @@ class Medium:
         dispersion = None
         if section.mass_dispersion is not None:
             dispersion = self._dispersion("section.mass_dispersion", section.mass_dispersion, needs)
-        return Transport(conductivity_fluid=K_f, conductivity_solid=K_s, dispersion=dispersion)
+        kinds = {kind: Transport(conductivity_solid=K) for kind, K in self._across_kinds(state).items()}
+        return Transport(conductivity_fluid=K_f, conductivity_solid=K_s, dispersion=dispersion, kinds=kinds)
+
+    def _across_kinds(self, state: State) -> dict[str, Any]:
+        """Return the conductivity across the flow of each of several kinds, by its share of the volume [W/m/K]."""
+        return {
+            kind: medium.share * medium.stagnant(_Properties(medium, state.kinds[kind]))[1]
+            for kind, medium in self.kinds.items()
+        }
 
     def stagnant(self, needs: _Properties) -> tuple[Any, Any]:
         """Return the conductivities of gas and particles across the flow without dispersion [W/m/K]."""
         section = self.scene.section
         assert section is not None  # `checks` sees to it
         K_f = self._conductivity("section.conductivity_fluid", section.conductivity_fluid, needs, "fluid")
+        if self.kinds:
+            return K_f, sum(self._across_kinds(needs.state).values())
         return K_f, self._conductivity("section.conductivity_solid", section.conductivity_solid, needs, "solid")
 
     def resistance(self, state: State, needs: Any = None) -> Any:

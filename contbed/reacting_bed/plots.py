@@ -62,11 +62,13 @@ def plot(result: Result, folder: Path) -> None:
 
 def looks_of(names: list[str], kinds: list[str]) -> list[tuple[str, str]]:
     """Return colour and style of each line: a colour for each constituent, a style for each kind of particles."""
-    alone = [name.rpartition("_")[0] if name.rpartition("_")[2] in kinds else name for name in names]
+    parts = [name.split("_") for name in names]
+    there = [next((part for part in reversed(each) if part in kinds), None) for each in parts]
+    alone = [tuple(part for part in each if part != kind) for each, kind in zip(parts, there, strict=True)]
     order = list(dict.fromkeys(alone))
     looks = []
-    for name, without in zip(names, alone, strict=True):
-        style = STYLES[kinds.index(name.rpartition("_")[2]) % len(STYLES)] if name != without else "-"
+    for name, kind, without in zip(names, there, alone, strict=True):
+        style = "-" if kind is None else STYLES[kinds.index(kind) % len(STYLES)]
         looks.append((COLOURS[order.index(without) % len(COLOURS)], "--" if name == "T_fluid" else style))
     return looks
 

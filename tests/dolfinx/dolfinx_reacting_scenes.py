@@ -104,6 +104,15 @@ def kinds_of_pellets() -> dict[str, Any]:
     return scene
 
 
+def kinds_across() -> dict[str, Any]:
+    """Two sizes of particles, of two temperatures beside that of the gas, in rings of a tube whose wall cools."""
+    scene = burning(wall=section()["wall"], section=section()["section"] | {"conductivity_fluid": 0.5})
+    scene["mesh"]["cells"] = 6
+    scene = split(scene, coarse={"particle_diameter": 6e-3})
+    scene["reactions"]["r"] |= {"basis": "particle", "solid": "fine"}
+    return scene
+
+
 def warming(gas: str) -> dict[str, Any]:
     """A bed over the time in which what enters gets warmer."""
     scene = burning(time={"end": 400.0, "gas": gas, "tolerance": 1e-2, "initial_temperature": 500.0})
@@ -124,6 +133,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "adsorption": front(),
     "kinds_that_adsorb": kinds_that_adsorb(),
     "kinds_of_pellets": kinds_of_pellets(),
+    "kinds_across": kinds_across(),
     "warming": warming("quasi_steady"),
     "reformer_tube": study("reformer_tube/tube_U300.toml"),
     "clc_moving_bed": study("clc_moving_bed/iron_oxide.toml"),

@@ -77,7 +77,6 @@ def test_the_scene_without_mistakes_is_planned():
         ("{ C = {", "{ FeO = { heat_capacity = 51.0 }, C = {", "has other data in solids.ore"),
         ("[flow]", "[adsorption.CO]\nhenry = 1.0\ndiffusivity = 1e-6\n[flow]", "give solids.NAME.adsorption.CO"),
         ("[flow]", "[particle]\ndiffusivity = { CO = 1e-6 }\n[flow]", "give solids.NAME.diffusivity.CO"),
-        ("[flow]", "[section]\n[flow]", "a bed of several kinds of particles has one dimension"),
     ],
 )
 def test_mistakes(old, new, said):

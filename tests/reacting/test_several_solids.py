@@ -334,3 +334,5 @@ def test_lines_of_a_constituent_have_one_colour_and_a_style_for_each_kind():
     assert colours[1] == colours[2] != colours[0] and colours[3] == colours[4] != colours[1]
     assert styles == ("--", "-", "--", "--", "-")
     assert len(set(looks_of(["w_A", "w_B", "w_C"], []))) == 3
+    (axis, full), (same, broken) = looks_of(["T_solid_ore_axis", "T_solid_coke_axis"], ["ore", "coke"])
+    assert axis == same and (full, broken) == ("-", "--")

@@ -8,9 +8,9 @@
     inside of kind i    gas in the pores and adsorbed by its own isotherms, see `equations.inside`
 
 with s_i the share of kind i in the volume of the particles, a_i = 6 s_i (1 - eps)/d_i, films and Nusselt numbers on d_i
-and the velocity relative to it. Kinds exchange heat and species by the gas alone. Each conducts by its share as a bed
-filled with it would. With one temperature all energy equations are added. The resistance to flow is that of spheres of
-the Sauter mean 1/sum(s_i/d_i), on the velocity relative to the mean of the particles by volume.
+and the velocity relative to it. Kinds exchange heat and species by the gas alone. Each conducts by its share, along
+and across, as a bed filled with it would. With one temperature all energy equations are added. The resistance to flow
+is that of spheres of the Sauter mean 1/sum(s_i/d_i), on the velocity relative to the mean of the particles by volume.
 
 Of the equations those of one kind are those of `equations.bed`, with the gas that all share.
 
