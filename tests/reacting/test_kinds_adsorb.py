@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 from adsorption_scenes import DENSITY, EPS, GAS_DIFFUSIVITY, SPEED, TRACE, adsorber
@@ -36,7 +38,7 @@ def shared(scene, shares=SHARES, **changes):
     out = split(scene, shares)
     adsorption = out.pop("adsorption")
     for kind in shares:
-        out["solids"][kind] |= {"adsorption": adsorption} | changes.get(kind, {})
+        out["solids"][kind] |= {"adsorption": deepcopy(adsorption)} | changes.get(kind, {})
     return out
 
 
@@ -193,6 +195,19 @@ def test_kinds_of_unlike_speed_in_a_steady_bed():
     found = solved(scene).qoi["x_A_out"] / TRACE
     assert found == pytest.approx(exact, abs=TRACE)  # the share by which the flow of the gas changes
     assert 0.05 < exact < 0.95
+
+
+def test_derivatives_to_the_isotherm_of_one_kind():
+    """Against central differences, which err by the square of 1e-4 and by what Newton's method leaves over it."""
+    scene = shared(moving(warm("interior")), coarse={"particle_diameter": 5e-3})
+    found = solved(scene).gradient(["x_A_out"], ["solids.fine.adsorption.A.affinity"])
+    sides = []
+    for change in (-1e-4, 1e-4):
+        other = deepcopy(scene)
+        other["solids"]["fine"]["adsorption"]["A"]["affinity"] *= 1.0 + change
+        sides.append(solved(other).qoi["x_A_out"])
+    slope = (sides[1] - sides[0]) / (2e-4 * scene["solids"]["fine"]["adsorption"]["A"]["affinity"])
+    assert found.derivatives[0, 0] == pytest.approx(slope, rel=1e-6)
 
 
 def test_each_kind_follows_its_isotherms():

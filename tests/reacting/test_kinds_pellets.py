@@ -33,7 +33,7 @@ def shared(scene, shares=SHARES, **changes):
     out = split(scene, shares)
     diffusivity = out["particle"].pop("diffusivity")
     for kind in shares:
-        out["solids"][kind] |= {"diffusivity": diffusivity} | changes.get(kind, {})
+        out["solids"][kind] |= {"diffusivity": dict(diffusivity)} | changes.get(kind, {})
     running = [kind for kind in shares if out["solids"][kind]["diffusivity"]]
     for reaction in out["reactions"].values():
         reaction["solid"] = running
