@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from contextlib import AbstractContextManager, nullcontext
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from contbed import models, quick_start
 from contbed.errors import BalanceError, ClosureRangeError, ContbedError, ConvergenceError, SceneError, interrupt_in
+from contbed.fields import field, name_of
 from contbed.result import Result, outside
 from contbed.scene.identity import identity
 from contbed.scene.inputs import all_inputs
@@ -200,7 +202,8 @@ def _write(result: Result, place: RunFolder, failure: BaseException | None) -> B
 
 
 def _verdict(scene: Any, result: Result) -> None:
-    """Turn an open balance, or in strict mode a closure out of its range, into an error."""
+    """Turn temperatures below 0 K, an open balance, or in strict mode a closure out of its range, into an error."""
+    _require_temperatures(result)
     for name, balance in result.balances.items():
         if not abs(balance["relative_residual"]) <= scene.solver.balance_tolerance:
             raise BalanceError(
@@ -210,6 +213,21 @@ def _verdict(scene: Any, result: Result) -> None:
     beyond = [closure for closure in result.closures if closure["share_outside"] > 0]
     if scene.solver.strict and beyond:
         raise ClosureRangeError("; ".join(outside(closure) for closure in beyond))
+
+
+def _require_temperatures(result: Result) -> None:
+    """Raise ConvergenceError where a temperature of profiles or tables is not above 0 K."""
+    for header, column in chain(result.profiles.items(), *(table.items() for table in result.tables.values())):
+        name = name_of(header)
+        quantity = field(name)
+        if quantity is None or quantity.unit != "K" or not len(column):
+            continue
+        coldest = float(np.min(np.asarray(column, dtype=float)))
+        if coldest <= quantity.lower:
+            raise ConvergenceError(
+                f"{name} falls to {coldest:.4g} K: a source, a flux or a wall takes more heat than the bed holds; "
+                "this is no steady or reachable state"
+            )
 
 
 def _checkpoint(scene: SceneBase, plan: Any, folder: Path) -> tuple[Any, Any]:

@@ -32,6 +32,29 @@ def test_a_sink_that_takes_more_than_there_is(tmp_path):
     assert json.loads((tmp_path / "summary.json").read_text())["status"] == "not converged"
 
 
+REACTING = {
+    "mesh": {"type": "line", "length": 0.2},
+    "fluid": {
+        "model": "ideal_gas",
+        "composition": "N2:1",
+        "species": {"N2": {"heat_capacity": 30.0}},
+        "conductivity": 0.03,
+    },
+    "solid": {"density": 2000.0, "heat_capacity": 800.0},
+    "bed": {"porosity": 0.4, "particle_diameter": 0.003},
+    "flow": {"mass_flux": 0.5, "pressure_drop": "none"},
+    "heat": {"nusselt": 5.0},
+    "wall": {"diameter": 0.05, "flux": -1e6},  # takes 8 MW/m2 of a stream that brings 0.2
+    "boundary": {"left": {"fluid": {"inflow": 400.0}}},
+}
+
+
+@pytest.mark.parametrize("more", [{}, {"time": {"end": 400.0}}], ids=["steady", "in time"])
+def test_a_wall_that_takes_more_than_a_reacting_bed_holds(more):
+    with pytest.raises(ConvergenceError, match=r"T_\w+ falls to -[\d.e+]+ K: .* takes more heat than the bed holds"):
+        cb.run(from_dict(REACTING | more))
+
+
 def test_far_beyond_the_data_of_a_gas():
     gas = {"model": "cantera", "composition": "N2:1"}
     with pytest.raises(ConvergenceError, match="by more than their whole range"):
