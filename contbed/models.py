@@ -60,6 +60,19 @@ class Plan(Protocol):
 
 
 @dataclass(frozen=True)
+class FewerSteps:
+    """A run that is done sooner and tells how many steps another takes: `ratio` times its own besides those `fixed`."""
+
+    plan: Plan
+    fixed: float = 0.0
+    ratio: float = 1.0
+
+    def steps(self, counted: float) -> float:
+        """Return the number of steps of the other run from that of this one."""
+        return counted + (self.ratio - 1.0) * max(counted - self.fixed, 0.0)
+
+
+@dataclass(frozen=True)
 class Model:
     """One physics.
 

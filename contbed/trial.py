@@ -2,7 +2,8 @@
 
 Time steps: the trial runs the scene itself for `BUDGET` seconds of processor time and reads what a step costs here. How
 many steps are to come follows from the pace of its second half; in a packed bed, whose steps grow or shrink over the
-whole run, from a run on a coarse mesh instead, as the steps follow the temperatures and hardly the mesh. Searches for a
+whole run, from a run on a coarse mesh instead, as the steps follow the temperatures and hardly the mesh; in a reacting
+bed from one with a larger error of a step, by the order of that error. Searches for a
 steady state: most end within `SEARCH_BUDGET`; the others tell which share of their way they have gone by then. Steady
 planes and volumes whose meshes are chosen by their errors: the first of these meshes tell the last one.
 """
@@ -18,12 +19,13 @@ from typing import Any
 import numpy as np
 
 from contbed import models
-from contbed.models import Plan
+from contbed.models import FewerSteps, Plan
 from contbed.output.progress import Progress
 from contbed.result import Result
 from contbed.threads import single_blas
 
 BUDGET = 2.0  # s of processor time of a trial, after its first step, which may compile
+COUNT_BUDGET = 5.0  # s of processor time of the run that counts the steps
 SEARCH_BUDGET = 5.0  # s of processor time of the trial of a search for a steady state
 COARSE = 40  # cells along the bed of the run that counts the steps; across it a quarter
 OUTPUT = 0.5  # s of processor time for pictures and fields
@@ -122,7 +124,7 @@ def _predict(plan: Plan, end: float) -> tuple[float, float]:
     before = 0.0
     if (to_try := getattr(plan, "to_try", None)) is not None:
         plan, before = to_try()
-    fine = _tried(plan)
+    fine = _tried(plan, BUDGET)
     if len(fine.spent) < FEWEST:
         return 0.0, 0.0
     # the first step of compiled loops may have compiled them
@@ -130,16 +132,16 @@ def _predict(plan: Plan, end: float) -> tuple[float, float]:
     if fine.ended:
         return before + setup + fine.spent[-1] - fine.spent[0], len(fine.spent)
     steps = fine.steps_to(end)
-    if (coarse := _on_a_coarse_mesh(plan)) is not None:
-        counted = _tried(coarse)
+    if (fewer := _with_fewer_steps(plan)) is not None:
+        counted = _tried(fewer.plan, COUNT_BUDGET)
         if len(counted.spent) >= FEWEST:
-            steps = len(counted.spent) if counted.ended else counted.steps_to(end)
+            steps = fewer.steps(len(counted.spent) if counted.ended else counted.steps_to(end))
     steps = max(steps, len(fine.spent))
     return before + setup + fine.cost_of_a_step() * steps, steps
 
 
-def _tried(plan: Plan) -> Trial:
-    """Run the scene until the budget is spent, without writing anything."""
+def _tried(plan: Plan, budget: float) -> Trial:
+    """Run the scene until the budget [s] is spent, without writing anything."""
     trial, start = Trial(), clock.process_time()
     base, last = 0.0, 0.0
     owner: Any = None
@@ -151,7 +153,7 @@ def _tried(plan: Plan) -> Trial:
         last = value
         trial.reached.append(base + value)
         trial.spent.append(clock.process_time() - start)
-        if trial.spent[-1] - trial.spent[0] >= BUDGET and len(trial.spent) >= FEWEST:
+        if trial.spent[-1] - trial.spent[0] >= budget and len(trial.spent) >= FEWEST:
             raise _Enough
 
     run: Callable[..., None] = models.model_of(plan.scene).find("run", "run")
@@ -161,11 +163,11 @@ def _tried(plan: Plan) -> Trial:
     return trial
 
 
-def _on_a_coarse_mesh(plan: Plan) -> Plan | None:
-    """Return the same plan on few cells where the physics has such a mesh."""
-    coarse: Callable[[int], Plan | None] | None = getattr(plan, "on_a_coarse_mesh", None)
+def _with_fewer_steps(plan: Plan) -> FewerSteps | None:
+    """Return a run of the same scene that is done sooner, where the physics has one that tells the number of steps."""
+    fewer: Callable[[int], FewerSteps | None] | None = getattr(plan, "with_fewer_steps", None)
     with suppress(Exception):
-        return None if coarse is None else coarse(COARSE)
+        return None if fewer is None else fewer(COARSE)
     return None
 
 

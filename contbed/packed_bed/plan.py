@@ -19,7 +19,7 @@ from contbed.errors import SceneError
 from contbed.mesh.build import build, moved, require_names
 from contbed.mesh.grading import finest
 from contbed.mesh.mesh import Mesh
-from contbed.models import described
+from contbed.models import FewerSteps, described
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
@@ -232,7 +232,7 @@ class Plan:
             out["radiation"] = Space(grid, self.scene.solver.degree).size
         return out
 
-    def on_a_coarse_mesh(self, cells: int) -> Plan | None:
+    def with_fewer_steps(self, cells: int) -> FewerSteps | None:
         """Return the plan with `cells` along the bed, a quarter across; None where it has few or a mesh of a file."""
         mesh = self.scene.mesh
         if isinstance(mesh, MeshFile) or self.mesh.skfem.nelements <= 2 * cells:
@@ -240,7 +240,7 @@ class Plan:
         each: Any = [cells // 4] * mesh.dimension
         each[1 if isinstance(mesh, MeshAxisymmetric) else 0] = cells
         changes = {"cells": tuple(each) if mesh.dimension > 1 else cells, "graded": True, "refine": 0}
-        return plan(self.scene.model_copy(update={"mesh": mesh.model_copy(update=changes)}))
+        return FewerSteps(plan(self.scene.model_copy(update={"mesh": mesh.model_copy(update=changes)})))
 
     def __str__(self) -> str:
         run = "the first mesh" if self.balanced else "a steady scene"

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import log
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contbed.errors import SceneError
-from contbed.models import described
+from contbed.models import FewerSteps, described
 from contbed.particle.effectiveness import effectiveness_of
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
@@ -24,6 +26,8 @@ TRANSIENT_CELLS = 60  # of one length, through which fronts move
 SHORT_RESIDENCE = 0.01  # of the gas over the times in which something changes, below which it is quasi-steady
 PARTS = {"tube": "rings", "plane": "layers", "duct": "columns of a quarter"}
 PELLETS = "inside of pellets"
+LARGEST_ERROR = 0.01  # tolerance of the run that counts the steps, in which their order still holds
+FEWEST_RINGS = 2  # of that run, as the steps hardly depend on their number
 FIRST_LAYER = 1e-4  # length of the first and last cell over that of the bed
 
 
@@ -65,6 +69,24 @@ class Plan:
         from contbed.solvers.linear import Policy
 
         return Policy(1)
+
+    def with_fewer_steps(self, cells: int) -> FewerSteps:
+        """Return the plan with a larger error of a step, which is of second order; steps that grow after a jump stay.
+
+        `cells` has no effect: fronts, which bind the steps of a gas that is stored, are as steep as cells let them.
+        """
+        from contbed.reacting_bed.transient import FIRST_STEP, MOST_GROWTH
+
+        time, section = self.scene.time, self.scene.section
+        assert time is not None
+        tolerance = max(LARGEST_ERROR, time.tolerance)
+        changes: dict[str, Any] = {"time": time.model_copy(update={"tolerance": tolerance})}
+        if section is not None:
+            changes["section"] = section.model_copy(update={"rings": FEWEST_RINGS})
+        starts = [t for t in self.schedule.cuts(time.end)[:-1] if t == 0.0 or self.schedule.jumps(t)]
+        lengths = [after - t for t, after in pairwise([*starts, time.end])]
+        growing = sum(log(max(length / (FIRST_STEP * time.end), 1.0)) / log(MOST_GROWTH) for length in lengths)
+        return FewerSteps(plan(self.scene.model_copy(update=changes)), growing, (tolerance / time.tolerance) ** 0.5)
 
     def unknowns(self) -> dict[str, int]:
         """Return the number of unknowns on the first cells."""

@@ -71,7 +71,7 @@ def at_each_time(check: Check) -> Check:
         said = set()
         for moment in schedule.moments() or [0.0]:
             frozen = schedule.at(tables, moment)
-            if schedule and "boundary" in frozen:
+            if schedule and "boundary" in frozen and "flow" in frozen:
                 frozen["boundary"] = _of_streams_that_enter(frozen["boundary"], frozen["flow"])
             for mistake in check(**given | frozen):
                 if mistake not in said:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from contbed.scene.series import Samples
+from contbed.scene.series import SAME, Samples
 from contbed.scene.toml_lines import KeyPath
 
-SAME = 1e-9  # relative distance of two cuts of a run below which they are one
+MERGED = (
+    0.5  # distance of two cuts below which they are one, over that of jumps; a value before a cut is so before both
+)
 
 
 @dataclass(frozen=True)
@@ -21,9 +23,9 @@ class SeriesByKey:
         return bool(self.samples)
 
     def cuts(self, end: float) -> list[float]:
-        """Return the times from 0 to `end` between which everything is linear in time [s]."""
+        """Return the times from 0 to `end` between which all is linear in time; of jumps that are one the last [s]."""
         times = sorted({0.0, end, *(t for values in self.samples.values() for t in values.breaks(end))})
-        return [a for a, b in pairwise([*times, 2.0 * end]) if b - a > SAME * end]
+        return [a for a, b in pairwise([*times, 2.0 * end]) if b - a > MERGED * SAME * b]
 
     def jumps(self, time: float, among: str = "") -> bool:
         """Return whether a value jumps at a time; `among` names the table that is looked at, empty for all."""

@@ -21,6 +21,7 @@ from contbed.scene.quantities import FiniteFloat, HeatFlux, Instant, Seconds, Ta
 
 Array = NDArray[np.float64]
 TINY = 1e-12  # of the time, below which two times are the same
+SAME = 1e-9  # of the time, below which two jumps are one
 
 
 class Series(Table):
@@ -119,12 +120,13 @@ class Samples:
     period: float | None
 
     def at(self, time: float, before: bool = False) -> Any:
-        """Return the value at a time, at a jump that after it, or `before` it."""
+        """Return the value at a time, at a jump that after it, or `before` it and those that are one with it."""
+        share = -SAME if before else TINY
         turns = 0.0
         if self.period is not None:
-            turns = np.floor(time / self.period * (1.0 + (-TINY if before else TINY)))
+            turns = np.floor(time / self.period * (1.0 + share))
         local = max(time - turns * (self.period or 0.0), 0.0)
-        slack = (-TINY if before else TINY) * max(time, local)
+        slack = share * max(time, local)
         k = max(int(np.searchsorted(self.times, local + slack, side="right")) - 1, 0)
         if self.form == "step":
             return self.values[k]

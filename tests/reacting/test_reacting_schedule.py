@@ -8,6 +8,7 @@ from reacting_bed_scenes import T, bilinear, fixed_bed, heated, schumann
 from scipy.integrate import quad
 
 import contbed
+from contbed import models, trial
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 
@@ -31,6 +32,34 @@ def test_steps_of_the_inlet_temperature_superpose():
     assert result.qoi["T_fluid_out_K"] - 300.0 == pytest.approx(exact, abs=300.0 * STEPS)
     assert jump in result.tables["outlet"]["t [s]"]
     closes(result)
+
+
+@pytest.mark.parametrize("later", [1e-12, 1e-10, 4e-10], ids=str)
+def test_jumps_at_all_but_the_same_time_are_one(later):
+    """The gas turns, and what enters has another temperature, as two files with other digits say it."""
+    found = []
+    for share in (0.0, later):
+        scene, eta_per_s = heated(4.0)
+        end = 3.0 / eta_per_s
+        turns = {"times": [0.0, end / 3.0], "values": [0.5, -0.5], "form": "step"}
+        colder = {"times": [0.0, end / 3.0 * (1.0 + share)], "values": [500.0, 400.0], "form": "step"}
+        scene["flow"]["mass_flux"] = turns
+        scene["boundary"] = {end_: {"fluid": {"inflow": colder}} for end_ in ("left", "right")}
+        scene["time"]["end"] = end
+        found.append(contbed.run(from_dict(scene)).qoi["T_fluid_out_K"])
+    # the same steps, each longer or shorter by that share
+    assert found[1] == pytest.approx(found[0], rel=1e-8)
+
+
+def test_the_plan_counts_the_steps_of_small_errors(monkeypatch):
+    """Within a factor of 2, the promise of the plan, of a run that the budget shows 1 % of."""
+    monkeypatch.setattr(trial, "BUDGET", 0.02)
+    scene, eta_per_s = heated(4.0)
+    scene["time"] |= {"end": 5.0 / eta_per_s, "tolerance": 1e-6}
+    loaded = from_dict(scene)
+    _, steps = trial._predict(models.plan(loaded), loaded.time.end)
+    taken = len(contbed.run(loaded).tables["outlet"]["t [s]"])
+    assert 0.5 < steps / taken < 2.0
 
 
 def test_a_ramp_of_the_inlet_temperature():
