@@ -10,7 +10,7 @@ from contbed.closures.formula import parse_formula, require_names
 from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions, names_in
 from contbed.materials.elements import elements_of
-from contbed.reacting_bed import kind_checks
+from contbed.reacting_bed import curve_checks, kind_checks
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import SUM, CompositionSeries, constant
 from contbed.reacting_bed.inside_checks import (
@@ -357,6 +357,8 @@ CHECKS: tuple[Check, ...] = (
             in_each_kind(steady_states_exist),
             in_each_kind(particles_are_known),
             of_all_kinds(streams_have_a_temperature),
+            curve_checks.curves_of_gases_are_positive,
+            in_each_kind(curve_checks.curves_of_solids_are_positive),
         )
     ),
     heat_fits_the_bed,

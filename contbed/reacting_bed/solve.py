@@ -206,7 +206,7 @@ def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
             failures += 1
             if failures > MOST_FAILURES:
                 raise ConvergenceError(
-                    f"no steady state is found; the longest step in time that converged is {longest:.3g} s",
+                    f"the longest step in time that converged is {longest:.3g} s",
                     report.history,
                     error.state,
                 ) from None

@@ -91,6 +91,29 @@ def test_mistakes_of_formulas(rate, said):
     assert said in str(found.value)
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("O2 = { h", "O2 = { conductivity = [0.03, 0, -600], h", r"O2\.conductivity.*: gives -0\.15 W/m/K at 500 K"),
+        ("O2 = { h", "O2 = { viscosity = [-2e-5], h", r"O2\.viscosity.*: gives -2e-05 Pa s at 500 K"),
+        (
+            "O2 = { heat_capacity = 30.0",
+            "O2 = { shomate = [30, -80, 0, 0, 0, 1]",
+            r"O2\.shomate.*: gives -10 J/mol/K at",
+        ),
+        (
+            "FeO = { heat_capacity = 50.0",
+            "FeO = { shomate = [30, -80, 0, 0, 0, 1]",
+            r"constituent\.FeO\.shomate.*: gives",
+        ),
+    ],
+)
+def test_properties_that_are_negative_where_streams_enter(old, new, said):
+    text = (GOOD + SOLID + "[heat]\n[time]\nend = 1.0\n").replace(old, new)
+    with pytest.raises(SceneError, match=r"bed\.toml:\d+: .*" + said):
+        loads(text, "bed.toml")
+
+
 def test_solids_at_rest_have_no_steady_state():
     text = GOOD.replace("CH4 + 2 O2 -> CO2 + 2 H2O", "CH4 + 4 FeO -> CO2 + 2 H2O + 4 Fe") + SOLID
     with pytest.raises(SceneError, match="are used up: no steady state exists"):
