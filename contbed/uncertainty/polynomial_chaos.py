@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from contbed.sweep.distributions import Distribution
 from contbed.uncertainty.indices import SOBOL_COLUMNS, Indices
-from contbed.uncertainty.propagate import COVERAGE, Spread
+from contbed.uncertainty.propagate import COVERAGE, Spread, of_size_one
 
 Array = NDArray[np.float64]
 MOST_UNEXPLAINED = 0.1  # share of the variance that the polynomial may leave; above, its indices say little
@@ -58,9 +58,9 @@ class Expansion:
     runs: int
 
     @property
-    def variance(self) -> float:
-        """Variance of the polynomial."""
-        return float((self.coefficients[1:] ** 2).sum())
+    def deviation(self) -> float:
+        """Standard deviation of the polynomial."""
+        return math.hypot(*self.coefficients[1:])
 
 
 def expansion(points: Array, values: Array, distributions: Sequence[Distribution]) -> Expansion | None:
@@ -73,7 +73,7 @@ def expansion(points: Array, values: Array, distributions: Sequence[Distribution
     distributions : of the parameters in their order
     """
     kept = np.isfinite(values) & ((points > 0.0) & (points < 1.0)).all(axis=1)
-    y = values[kept]
+    y, exponent = of_size_one(values[kept])
     most = min(len(y) * (FOLDS - 1) // (FOLDS * RUNS_PER_TERM), MOST_TAKEN)
     if most < 2 + len(distributions) or np.ptp(y) == 0.0:
         return None
@@ -88,7 +88,8 @@ def expansion(points: Array, values: Array, distributions: Sequence[Distribution
         shares.append(_shares(degrees[terms], _fitted(basis[fold != k][:, terms], y[fold != k])))
     taken, _ = _taken(basis, y, len(best.terms[0]), basis[:0], best.greedy)
     half = QUANTILE * np.hypot(math.sqrt(FOLDS - 1.0) * np.std(shares, axis=0), best.error)
-    return Expansion(distributions, degrees[taken], _fitted(basis[:, taken], y), best.error, half, len(y))
+    coefficients = np.ldexp(_fitted(basis[:, taken], y), exponent)
+    return Expansion(distributions, degrees[taken], coefficients, best.error, half, len(y))
 
 
 def chaos_spread(found: Expansion) -> Spread:
@@ -98,7 +99,7 @@ def chaos_spread(found: Expansion) -> Spread:
     points = qmc.Sobol(len(found.distributions), scramble=True, seed=SEED).random(POINTS)
     values = _basis(points, found.degrees, found.distributions) @ found.coefficients
     low, high = np.quantile(values, (0.5 * (1.0 - COVERAGE), 0.5 * (1.0 + COVERAGE)))
-    deviation = math.sqrt(found.variance)
+    deviation = found.deviation
     error = deviation * math.sqrt(found.unexplained / found.runs)
     mean = float(found.coefficients[0])
     return Spread("polynomial chaos", mean, deviation, float(low), float(high), error, found.runs)
@@ -112,7 +113,7 @@ def chaos_indices(found: Expansion) -> Indices:
 
 
 def _shares(degrees: NDArray[np.int_], coefficients: Array) -> tuple[Array, Array]:
-    parts, has = coefficients**2, degrees > 0
+    parts, has = of_size_one(coefficients)[0] ** 2, degrees > 0
     alone = has.sum(axis=1) == 1
     variance = parts[has.any(axis=1)].sum() or 1.0
     first = np.array([parts[alone & has[:, j]].sum() for j in range(degrees.shape[1])])

@@ -45,9 +45,19 @@ def of_sample(values: Array) -> Spread | None:
         return None
     tail = 0.5 * (1.0 - COVERAGE)
     low, high = np.quantile(kept, (tail, 1.0 - tail))
-    deviation = float(kept.std(ddof=1))
+    scaled, exponent = of_size_one(kept)
+    deviation = math.ldexp(float(scaled.std(ddof=1)), exponent)
     error = deviation / math.sqrt(len(kept))
     return Spread("samples", float(kept.mean()), deviation, float(low), float(high), error, len(kept))
+
+
+def of_size_one(values: Array) -> tuple[Array, int]:
+    """Return values over a power of 2, the largest below 1 in size, and its exponent.
+
+    Squares of values such as mole fractions of 1e-200 are no numbers of a computer.
+    """
+    exponent = math.frexp(float(np.abs(values).max(initial=0.0)))[1]
+    return np.ldexp(values, -exponent), exponent
 
 
 def first_order(value: float, slopes: Array, distributions: Mapping[str, Distribution], runs: int) -> Spread:

@@ -242,6 +242,20 @@ def test_without_a_polynomial_there_is_none():
     assert expansion(points, some, spreads).runs == 51
 
 
+@pytest.mark.parametrize("unit", [2.0**-700, 2.0**700])
+def test_results_whose_squares_are_no_numbers_have_the_same_spread(unit):
+    """Mole fractions of what has reacted: a power of 2 changes no digit but those of the band."""
+    spreads = [EVEN, NORMAL]
+    points = design.sample("latin_hypercube", 60, seed=1, dimensions=2)
+    values = EVEN(points[:, 0]) + NORMAL(points[:, 1])
+    found, small = expansion(points, values, spreads), expansion(points, unit * values, spreads)
+    for each, other in ((chaos_spread(found), chaos_spread(small)), (of_sample(values), of_sample(unit * values))):
+        assert other.mean == pytest.approx(unit * each.mean, rel=1e-12)
+        assert other.deviation == pytest.approx(unit * each.deviation, rel=1e-12)
+    for name, column in chaos_indices(found).columns.items():
+        np.testing.assert_array_equal(chaos_indices(small).columns[name], column)
+
+
 def test_a_sample_has_indices_by_polynomial_chaos(folder, capsys):
     text = STUDY.replace('"sobol_indices"', '"sobol"').replace("count = 8", "count = 32")
     (folder / "study.toml").write_text(text)
