@@ -1,12 +1,14 @@
 """Nodal Lagrange elements of degree 1 to 3 on all cell shapes, and their numbering on a scikit-fem mesh.
 
-The basis is kept as monomial coefficients, so values, gradients and second derivatives are exact polynomials.
+The basis is kept as monomial coefficients, so values, gradients and second derivatives are exact polynomials. Gradients
+of a constant are zero to the last digit of the smallest one, as many thin cells add up what is left of them.
 Nodes are the equispaced lattice. Numbering is scikit-fem's `Dofs`; the two inner nodes of a cubic edge are swapped
 where the cell runs along it from the higher to the lower vertex, so that neighbours agree.
 """
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from itertools import product
 from types import SimpleNamespace
@@ -23,6 +25,7 @@ from contbed.errors import SceneError
 
 Array = NDArray[np.float64]
 _TENSOR = (RefQuad, RefHex)
+QUANTUM = 0.25  # coefficients are multiples of it: of cubics on thirds of a line 1/2, of their products on squares 1/4
 
 
 class Lagrange:
@@ -49,7 +52,8 @@ class Lagrange:
         if refdom not in _TENSOR:
             powers = [p for p in powers if sum(p) <= degree]
         self.powers = np.array(powers)
-        self.coefficients = np.linalg.inv(self._monomials(self.nodes.T, (0,) * self.dim).T)
+        inverse = np.linalg.inv(self._monomials(self.nodes.T, (0,) * self.dim).T)
+        self.coefficients = np.round(inverse / QUANTUM) * QUANTUM
         self.nvertices = len(vertices)
 
     @staticmethod
@@ -76,7 +80,12 @@ class Lagrange:
     def table(self, X: Array, *axes: int) -> Array:
         """Return basis functions differentiated along `axes` at reference points X (dim, nq): (nb, nq)."""
         order = tuple(axes.count(axis) for axis in range(self.dim))
-        return self.coefficients.T @ self._monomials(X, order)
+        table: Array = self.coefficients.T @ self._monomials(X, order)
+        if axes:
+            smallest = np.argmin(np.where(table == 0.0, np.inf, np.abs(table)), axis=0)
+            for k, column in zip(smallest, table.T, strict=True):
+                column[k] -= math.fsum(column)
+        return table
 
 
 @lru_cache(maxsize=64)
