@@ -30,8 +30,10 @@ from contbed.particle.interior import SURFACE_OVER_VOLUME, interior
 
 Level = Literal["lumped", "effective", "interior"] | int  # a number is that of points inside
 NODES = 32  # on Talbot's contour: errors of truncation and of rounding are both near 1e-10
+LEAST_GROWTH = 1e-9  # over the largest possible; flows of heat that differ by less are equal
 # of the mean breakthrough, at which levels are compared: short beds differ most when the gas arrives
 TIMES = np.concatenate([np.geomspace(1e-5, 0.02, 40)[:-1], np.arange(1, 151) * 0.02])
+SMALL = 0.01  # size of p below which a sphere's difference of all but equal numbers is a series, exact to 1e-12
 LONGEST = 50.0  # transfer units beyond which a breakthrough is compared at this many: differences fall with more
 
 
@@ -59,9 +61,12 @@ def _potential(root: Any, shape: str) -> Any:
         from scipy.special import ive
 
         return root * ive(1, root) / ive(0, root)
-    falling = np.exp(-2.0 * root)
-    tanh = (1.0 - falling) / (1.0 + falling)
-    return root * tanh if shape == "slab" else root / tanh - 1.0
+    tanh = -np.expm1(-2.0 * root) / (1.0 + np.exp(-2.0 * root))
+    if shape == "slab":
+        return root * tanh
+    p = root * root
+    series = p * (1.0 / 3.0 + p * (-1.0 / 45.0 + p * (2.0 / 945.0 - p / 4725.0)))
+    return np.where(np.abs(p) < SMALL, series, root / tanh - 1.0)
 
 
 def invert(transform: Callable[[Any], Any], times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -96,8 +101,12 @@ def moving_bed(gamma: float, biot: float, fourier: float, level: Level = "interi
     if gamma < -1.0:
         from scipy.optimize import brentq
 
+        def real(p: float) -> float:
+            return float(np.real(denominator(p)))
+
         high = -s * gamma * biot
-        growth = float(brentq(lambda p: float(np.real(denominator(p))), 1e-9 * high, high))
+        low = LEAST_GROWTH * high
+        growth = float(brentq(real, low, high)) if real(low) < 0.0 else 0.0
     scaled = invert(lambda p: 1.0 / denominator(p + growth), np.array([fourier]))[0]
     return float(scaled if gamma > 0.0 else np.exp(-growth * fourier) / scaled)
 

@@ -106,6 +106,27 @@ def test_a_long_moving_bed_with_heavy_solids_leaves_the_gas_at_their_temperature
     assert 0.0 <= uptake.moving_bed(gamma, biot, fourier) < 1e-3
 
 
+@pytest.mark.parametrize("shape", ["sphere", "cylinder", "slab"])
+@pytest.mark.parametrize("gamma", [-1.0 - 1e-12, -1.0 - 1e-8, -1.5, -1e3])
+@pytest.mark.parametrize("biot", [1e-6, 1e-3, 1e3])
+def test_gas_against_particles_leaves_between_what_enters(gamma, biot, shape):
+    """With particles that all but follow the gas, and with flows of heat that are all but equal."""
+    for fourier in (1e-3, 1.0, 1e4):
+        for level in ("lumped", "effective", "interior", 3):
+            # Talbot's contour is exact to 1e-9
+            assert -1e-9 <= uptake.moving_bed(gamma, biot, fourier, level, shape) <= 1.0 + 1e-9
+
+
+def test_uptake_of_a_sphere_at_small_p():
+    """H = p/(3 Bi + p) - ..., to first order p/(3 Bi); the difference of all but equal numbers lost all digits."""
+    for p in (1e-14, 1e-10):
+        # of the next order is 1 + 5/Bi times p/15
+        assert complex(uptake.uptake(p, 2.0)).real == pytest.approx(p / 6.0, rel=1e-9)
+    # on both sides of where the series begins
+    below, above = (complex(uptake.uptake(uptake.SMALL * (1.0 + k), 2.0)).real for k in (-1e-9, 1e-9))
+    assert (above - below) / below == pytest.approx(2e-9, rel=1e-2)
+
+
 def test_gas_in_a_steady_bed_misses_by_the_coefficient():
     x = np.linspace(0.0, 30.0, 300001)
     c = uptake.correction(4.0)
