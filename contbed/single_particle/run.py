@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from contbed.balance import Balance
+from contbed.errors import ConvergenceError
 from contbed.fields import header
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
 from contbed.scene.series import Series
+from contbed.scene.toml_lines import Origin
 from contbed.single_particle.equations import SCALE_HEAT, Material, Sphere, Surface
 from contbed.single_particle.plan import Plan
 from contbed.single_particle.scene import SingleParticleScene
-from contbed.solvers.timestep import STAGES, WEIGHTS, march
+from contbed.solvers.timestep import STAGES, WEIGHTS, Step, march
 
 ROWS = 100  # output times where none are given
 
@@ -81,10 +83,9 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     mass0 = float(problem.volume @ problem.masses(state).sum(axis=0))
     options = {"tolerance": scene.solver.newton_tolerance, "iterations": scene.solver.newton_iterations}
     gas = (problem.count + 2) * problem.shells - 1
+    steps = march(problem, state, end, plan.policy, tolerance=scene.time.tolerance, span=span, newton_options=options)
     with Progress(end, "s", quiet) as progress:
-        for step in march(
-            problem, state, end, plan.policy, tolerance=scene.time.tolerance, span=span, newton_options=options
-        ):
+        for step in _told(steps, scene.origin):
             for moment in moments[len(kept) :]:
                 if moment <= step.end * (1 + 1e-12):
                     kept.append(step.states[-1] if moment >= step.end else step.at(moment))
@@ -105,6 +106,19 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     mass = float(problem.volume @ problem.masses(state).sum(axis=0))
     result.balances["mass"] = Balance.of_fluxes([-left * whole], "kg", 0.0, (mass - mass0) * whole, whole).as_dict()
     _findings(plan, problem, moments, kept, result)
+
+
+def _told(steps: Iterator[Step], origin: Origin) -> Iterator[Step]:
+    """Yield the steps; what stops them is told with its time and what to try."""
+    reached = 0.0
+    try:
+        for step in steps:
+            yield step
+            reached = step.end
+    except ConvergenceError as error:
+        text = f"{origin.at(('reactions',))}: {error}, at t = {reached:.4g} s"
+        advice = "no shorter step helps; a reaction may be too fast: lower its A, or raise its activation_temperature"
+        raise ConvergenceError(f"{text}: {advice}", error.history, error.state) from None
 
 
 def _findings(plan: Plan, problem: Sphere, moments: list[float], kept: list[Any], result: Result) -> None:

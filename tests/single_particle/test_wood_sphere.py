@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from contbed.errors import SceneError
+from contbed.errors import ConvergenceError, SceneError
 from contbed.loading import load
 from contbed.models import MODELS
 from contbed.runner import run
@@ -100,6 +100,13 @@ def test_uniform_reaction_is_exponential(tmp_path):
     found = run(load(path))
     assert found.profiles["mass_fraction [1]"][-1] == pytest.approx(np.exp(-2.0), rel=1e-3)
     assert found.qoi["T_centre_max_K"] == pytest.approx(300.0, abs=1e-6)
+
+
+def test_a_reaction_too_fast_for_any_step_is_told():
+    """A step of 1e-6 of the run still takes all of the wood at once."""
+    fast = {"reactions.tar.activation_temperature": 3328.34, "reactions.intermediate.A": 1.65e9}
+    with pytest.raises(ConvergenceError, match=r"template\.toml:\d+: .*at t = .* s: .*lower its A"):
+        run(load(MODELS["single_particle"].template, fast))
 
 
 def test_template_runs():
