@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -115,8 +116,12 @@ def run(
 
     if not quiet:
         _tell_when_compiling(loaded)
-    command = f"contbed run {shlex.quote(str(scene))} --restart {shlex.quote(str(folder))}"
-    resume[:] = [(folder / "checkpoint.npz", command)]
+    options = [word for text in settings or [] for word in ("--set", text)]
+    options += ["--engine", engine] if engine else []
+    options += ["--trust"] * trust + ["--allow-large"] * allow_large
+    command = shlex.join(["contbed", "run", str(scene), *options, "--restart", str(folder)])
+    # a checkpoint that was there before is that of another run, which this one has not replaced yet
+    resume[:] = [(folder / "checkpoint.npz", 0.0 if folder == restart else time.time(), command)]
     try:
         result = solve(
             loaded, out=folder, quiet=quiet, restart=restart, engine=engine or usual_engine(), threads=threads

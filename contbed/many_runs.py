@@ -46,7 +46,7 @@ def sweep(
     from contbed.sweep.sweep import sweep as run_all
 
     folder = out or Path("results") / study.stem
-    resume[:] = [(folder / "runs", "the same command")]
+    resume[:] = [(folder / "runs", 0.0, "the same command")]
     done = run_all(study, folder, jobs, scheduler, retry_failed, quiet, trust, allow_large)
     for text in done.warnings:
         complain(f"warning: {text}")
@@ -115,7 +115,7 @@ def optimise(
     from contbed.design.optimise import optimise as search
 
     folder = out or Path("results") / design.stem
-    resume[:] = [(folder / "runs", "the same command")]
+    resume[:] = [(folder / "runs", 0.0, "the same command")]
     done = search(design, folder, retry_failed, quiet, trust, allow_large, lambda text: complain(f"warning: {text}"))
     for text in done.found.remarks:
         complain(f"warning: {text}")
@@ -141,7 +141,7 @@ def cascade(
     from contbed.design.cascade.run import cascade as compute
 
     folder = out or Path("results") / file.stem
-    resume[:] = [(folder / "particles", "the same command")]
+    resume[:] = [(folder / "particles", 0.0, "the same command")]
     done = compute(file, folder, retry_failed, quiet, trust, allow_large)
     for text in done.warnings:
         complain(f"warning: {text}")
@@ -166,7 +166,7 @@ def calibrate(
     from contbed.calibration.write import table
 
     folder = out or Path("results") / data.stem
-    resume[:] = [(folder / "runs.jsonl", "the same command")]
+    resume[:] = [(folder / "runs.jsonl", 0.0, "the same command")]
     found = command.calibrate(data, folder, jobs, retry_failed, quiet, trust, allow_large)
     for text in found.warnings:
         complain(f"warning: {text}")

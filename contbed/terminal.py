@@ -13,7 +13,9 @@ from typer import Argument, Option
 RANK = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")  # number of a process, set by what started it
 SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")  # how many processes mpirun started
 
-resume: list[tuple[Path, str]] = []  # what must be there to go on, and the command that does
+COARSE_CLOCK = 0.1  # s, by which the times of files may lag; systems count them in some 10 ms
+# what must be there to go on, not older than a time [s since 1970], and the command that does
+resume: list[tuple[Path, float, str]] = []
 
 SceneFile = Annotated[Path, Argument(metavar="SCENE", help="a TOML file")]
 OutFolder = Annotated[Path | None, Option("--out", metavar="DIR", help="folder for the results")]
@@ -62,8 +64,8 @@ def _assignment(text: str) -> tuple[str, Any]:
 
 def interrupted() -> str:
     """Return what to say after Ctrl-C: how to go on, where there is a state to go on from."""
-    for needed, command in resume:
-        if needed.exists():
+    for needed, since, command in resume:
+        if needed.exists() and needed.stat().st_mtime >= since - COARSE_CLOCK:
             return f"interrupted; to go on: {command}"
     return "interrupted"
 

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import contbed as cb
+from contbed import cli
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.output.tables import read_table
@@ -229,6 +230,35 @@ def test_interrupt_leaves_the_last_state(scene, whole, tmp_path):
     assert (tmp_path / "profiles.csv").exists()
     assert finish([*COMMAND, scene, "--restart", tmp_path])[0] == 0
     same(tmp_path, whole)
+
+
+def test_the_way_on_has_the_settings_of_the_run(scene, tmp_path, capsys, monkeypatch):
+    """A scene without them is another one, with which the checkpoint is refused."""
+    monkeypatch.setattr("contbed.runner.run", stopped_after_a_checkpoint)
+    settings = ["--set", "flow.velocity=0.31", "--set", "title=a b", "--allow-large"]
+    assert cli.main(["run", str(scene), "--out", str(tmp_path), "--quiet", *settings]) == 130
+    way = f"contbed run {scene} --set flow.velocity=0.31 --set 'title=a b' --allow-large --restart {tmp_path}"
+    assert capsys.readouterr().err == f"interrupted; to go on: {way}\n"
+
+
+def test_an_earlier_checkpoint_is_no_way_on(scene, tmp_path, capsys, monkeypatch):
+    (tmp_path / "checkpoint.npz").touch()
+    os.utime(tmp_path / "checkpoint.npz", (1e9, 1e9))
+
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("contbed.runner.run", stopped)
+    assert cli.main(["run", str(scene), "--out", str(tmp_path), "--quiet"]) == 130
+    assert capsys.readouterr().err == "interrupted\n"
+    assert cli.main(["run", str(scene), "--restart", str(tmp_path), "--quiet"]) == 130
+    assert capsys.readouterr().err.startswith("interrupted; to go on: contbed run")
+
+
+def stopped_after_a_checkpoint(_, out, **__):
+    """Run that is interrupted."""
+    (out / "checkpoint.npz").touch()
+    raise KeyboardInterrupt
 
 
 def test_checkpoint_of_another_scene(scene, whole):
