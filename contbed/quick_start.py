@@ -52,12 +52,12 @@ def without_help_texts() -> Iterator[None]:
         return
     from matplotlib import artist
 
-    inspector: Any = artist.ArtistInspector
-    changed: Any = artist
-    text, setters = artist.kwdoc, inspector.get_setters
-    changed.kwdoc = lambda artist: ""
-    inspector.get_setters = lambda self: []
+    # `ArtistInspector` stays as it is: axes ask it which arguments their grids take
+    module: Any = artist
+    kwdoc, compose = artist.kwdoc, module.Artist.__dict__["_update_set_signature_and_docstring"]
+    module.kwdoc = lambda artist: ""
+    module.Artist._update_set_signature_and_docstring = classmethod(lambda kind: None)
     try:
         yield
     finally:
-        changed.kwdoc, inspector.get_setters = text, setters
+        module.kwdoc, module.Artist._update_set_signature_and_docstring = kwdoc, compose

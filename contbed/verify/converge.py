@@ -4,7 +4,7 @@
 
 Every level halves the cells of the one before. Prescribed cells are doubled in number; the grading of an automatic
 mesh starts at its coarsest and is refined uniformly, so that the first levels already show the order and not the
-tolerance of the scene. The error is the largest one of the profile along the bed: against the closed form where
+tolerance of the scene. The error is the largest one of the profiles along the bed: against the closed form where
 `exact_profile` knows one, else the difference between successive levels at the points of the first one. Time steps stay
 as the scene has them.
 """
@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from contbed.errors import SceneError
+from contbed.fields import header
 from contbed.loading import load
 from contbed.mesh.grading import GRADING_ERROR
 from contbed.models import plan as make_plan
@@ -28,6 +29,8 @@ from contbed.runner import run
 from contbed.scene.mesh import MeshLine
 from contbed.scene.tables import SceneBase
 
+TIME = header("t")
+LEAST_SCALE = 1e-9  # of a column; fractions below are what rounding leaves of a species
 Profile = Callable[[Any], dict[str, Any]]
 
 
@@ -78,7 +81,10 @@ def converge(
     SceneError, ConvergenceError, ClosureRangeError, BalanceError : as a run of the scene does
     """
     first = load(scene, trust=trust, allow_large=allow_large)
-    exact = exact_profile(make_plan(_at_level(scene, first, 0)))
+    plan: Any = make_plan(_at_level(scene, first, 0))
+    if plan.mesh is None and plan.scene.mesh.cells is None:
+        raise SceneError(f"{scene}: the cells of this bed follow its errors; give mesh.cells, which are doubled")
+    exact = exact_profile(plan)
     rows: list[Level] = []
     before: dict[str, Any] | None = None
     points: tuple[float, ...] = ()
@@ -87,7 +93,7 @@ def converge(
         result = run(_at_level(scene, first, k, points))
         wall = clock.perf_counter() - start
         coordinate, columns = _compared(result.profiles)
-        mesh, error = result.plan.mesh, float("nan")
+        error = float("nan")
         if exact is not None:
             error = _distance(columns, exact(coordinate))
         else:
@@ -95,7 +101,7 @@ def converge(
             if before is not None:
                 error = _distance(columns, before)
             before = columns
-        h = (mesh.measure() / mesh.skfem.nelements) ** (1.0 / mesh.skfem.dim())
+        h = _cell_size(result.plan)
         order = float(np.log(rows[-1].error / error) / np.log(rows[-1].h / h)) if rows and error > 0 else float("nan")
         rows.append(Level(h, sum(result.plan.unknowns().values()), error, order, wall))
     what = "error against the closed form" if exact is not None else "difference from the level before"
@@ -111,6 +117,8 @@ def _at_level(path: str | Path, scene: Any, level: int, points: Sequence[float] 
     if mesh is None:
         remedy = "; vary solver.cells" if "cells" in type(scene.solver).model_fields else ""
         raise SceneError(f"{path}: a scene of kind {scene.kind} has no [mesh] to refine{remedy}")
+    if "positions" not in type(scene.output).model_fields:
+        raise SceneError(f"{path}: a scene of kind {scene.kind} has no profiles at given positions to compare")
     changes: dict[str, Any] = {"solver.adapt": 0} if "adapt" in type(scene.solver).model_fields else {}
     cells = getattr(mesh, "cells", None)
     if cells is not None:
@@ -122,18 +130,29 @@ def _at_level(path: str | Path, scene: Any, level: int, points: Sequence[float] 
     return load(path, changes, trust=scene.origin.trust, allow_large=scene.origin.allow_large)
 
 
+def _cell_size(plan: Any) -> float:
+    """Return the mean size of the cells [m]; of a reacting bed those of one length."""
+    if plan.mesh is None:
+        return float(plan.scene.mesh.length / plan.problem.line.cells)
+    return float((plan.mesh.measure() / plan.mesh.skfem.nelements) ** (1.0 / plan.mesh.skfem.dim()))
+
+
 def _compared(profiles: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """Return the coordinate, and the columns that are compared: theta, or the temperatures, or the velocity."""
-    coordinate, *names = profiles
-    for prefix in ("theta_", "T_", "u "):
-        if chosen := {name: profiles[name] for name in names if name.startswith(prefix)}:
+    """Return the coordinate, and the columns that are compared: theta, or temperatures and fractions, or the velocity.
+
+    Mole and mass fractions are there in a bed whose temperature may be the same everywhere.
+    """
+    coordinate, *names = (name for name in profiles if name != TIME)
+    for prefixes in ("theta_", ("T_", "x_", "w_"), "u "):
+        if chosen := {name: profiles[name] for name in names if name.startswith(prefixes)}:
             break
     return profiles[coordinate], chosen
 
 
 def _distance(columns: dict[str, Any], reference: dict[str, Any]) -> float:
     """Return the largest difference of any column; theta as it is, others over their largest value."""
-    scales = {name: 1.0 if name.startswith("theta_") else np.abs(reference[name]).max() or 1.0 for name in columns}
+    scales = {name: max(np.abs(value).max(), LEAST_SCALE) for name, value in reference.items()}
+    scales |= {name: 1.0 for name in columns if name.startswith("theta_")}
     return max(float(np.abs(columns[name] - reference[name]).max() / scales[name]) for name in columns)
 
 

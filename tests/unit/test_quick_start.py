@@ -20,7 +20,7 @@ AFTER = """
 import matplotlib.figure, matplotlib.axes
 import os
 one = os.environ.get("OPENBLAS_NUM_THREADS")
-help_texts = bool(matplotlib.axes.Axes.set.__doc__.count("alpha"))
+help_texts = "alpha" in (matplotlib.axes.Axes.set.__doc__ or "")
 print(during, gc.isenabled(), "meshio" in sys.modules, help_texts, one)
 """
 

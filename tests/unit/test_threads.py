@@ -192,7 +192,7 @@ def test_runs_gradients_and_trials_take_one_thread_of_blas(two_for_blas, monkeyp
     watched((tangent, "slope"))
     scene = loads(STEADY)
     gradient(scene, ["T_fluid_out_K"], ["bed.porosity"])
-    trial._tried(cb.plan(scene))
+    trial._tried(cb.plan(scene), trial.BUDGET)
     trial._searched(cb.plan(scene))
     assert seen == [{1}] * 4
     assert set(threads_of_blas()) == {2}

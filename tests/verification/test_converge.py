@@ -1,13 +1,16 @@
 """Mesh convergence of scenes: orders against the closed form and of successive differences, table, files."""
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from contbed.errors import SceneError
 from contbed.loading import loads
-from contbed.models import plan
+from contbed.models import MODELS, plan
 from contbed.output.tables import read_table
 from contbed.verify.converge import converge, exact_profile
 
@@ -85,6 +88,68 @@ def test_difference_of_levels_without_a_closed_form(tmp_path: Path) -> None:
     assert not found.exact
     assert np.isnan(found.levels[0].error)
     assert found.levels[-1].order == pytest.approx(3.0, abs=0.3)
+
+
+REACTING = """
+[mesh]
+type = "line"
+length = 1.0
+cells = 4
+[fluid]
+model = "ideal_gas"
+composition = "O2:1"
+species.O2.heat_capacity = 30.0
+species.O3.heat_capacity = 45.0
+[bed]
+porosity = 0.4
+particle_diameter = 0.003
+[flow]
+velocity = 0.5
+pressure_drop = "none"
+[boundary.left]
+fluid.inflow = 500.0
+[reactions.r]
+equation = "3 O2 -> 2 O3"
+A = 2.0
+E = 0.0
+orders = { O2 = 1.0 }
+[solver]
+degree = 1
+"""
+
+
+def test_fractions_of_an_isothermal_reacting_bed(tmp_path: Path) -> None:
+    """Temperatures are the same on all meshes, what reacts is not; degree 1 inside of cells is of second order."""
+    file = tmp_path / "scene.toml"
+    file.write_text(REACTING, encoding="utf-8")
+    found = converge(file, 4)
+    assert found.measure.endswith(": T_fluid, T_solid, x_O2, x_O3")
+    assert found.levels[-1].error > 1e-5
+    assert found.levels[-1].order == pytest.approx(2.0, abs=0.2)
+    assert [level.h for level in found.levels] == pytest.approx([0.25, 0.125, 0.0625, 0.03125])
+
+
+def test_a_reacting_bed_in_time(tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text(REACTING + '[time]\nend = 10.0\ngas = "quasi_steady"\n', encoding="utf-8")
+    assert converge(file, 3).levels[-1].error > 0.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"), [("reacting_bed", "give mesh.cells"), ("two_fluid", "no profiles at given positions")]
+)
+def test_kinds_without_meshes_to_compare(tmp_path: Path, kind: str, said: str) -> None:
+    with pytest.raises(SceneError, match=said):
+        converge(MODELS[kind].template, 2)
+
+
+def test_the_command_draws_its_picture(tmp_path: Path) -> None:
+    """In a process of its own, in which parts of matplotlib are left out."""
+    file = scene(tmp_path, ("fluid.fixed", "fluid.inflow"))
+    command = [sys.executable, "-m", "contbed", "converge", str(file), "--levels", "2", "--out", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "convergence.png").stat().st_size > 1000
 
 
 def test_flow_without_heat(tmp_path: Path) -> None:
