@@ -177,8 +177,7 @@ def run_transient(
                     saved = clock.monotonic()
     except ConvergenceError as error:
         raise ConvergenceError(
-            f"{origin.name}: {error} at t = {history.time:.4g} s; use more mesh.cells, or smooth a rate "
-            "whose slope is infinite where nothing is left",
+            f"{origin.name}: {error} at t = {history.time:.4g} s; {_advice(course, history)}",
             report.history,
             history.u,
         ) from None
@@ -187,6 +186,21 @@ def run_transient(
         if history.steps:
             fill(course.at, history, result)
         save()
+
+
+def _advice(course: Course, history: History) -> str:
+    """Return what to try where steps fail at a state."""
+    problem = course.at(history.time, before=False)
+    gases = [k for k, name in enumerate(problem.layout.names) if name.startswith("g_")]
+    enters = abs(sum(problem.streams.gas.values()))
+    taken = -float(problem.mean(problem.system.sources(history.u))[gases].sum())
+    if problem.bed.gas_pressure is not None and taken >= enters:
+        return (
+            f"reactions take {taken:.3g} mol/m2/s of the gas that fills the bed and {enters:.3g} enter: it would "
+            "flow back from the other end. Begin with time.initial_composition of gas that has reacted, or give "
+            'time.gas = "quasi_steady"'
+        )
+    return "use more mesh.cells, or smooth a rate whose slope is infinite where nothing is left"
 
 
 def begin(course: Course) -> History:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reacting_bed_scenes import danckwerts, ergun, fixed_bed, heated, schumann, table
+from reacting_bed_scenes import MOLAR, danckwerts, ergun, fixed_bed, heated, isothermal, schumann, species, table
 
 import contbed
-from contbed.errors import SceneError
+from contbed.errors import ConvergenceError, SceneError
 from contbed.loading import from_dict
 from contbed.particle.uptake import invert
 from contbed.reacting_bed.plan import plan
@@ -176,3 +176,13 @@ def test_transient_heat_needs_particles():
     scene["time"]["end"] = 1.0
     with pytest.raises(SceneError, match="solid: missing; particles whose temperature changes hold heat"):
         from_dict(scene)
+
+
+def test_gas_that_is_used_up_faster_than_it_enters_is_told():
+    """A bed full of A, 2 A -> B: k c L/2 of the moles vanish, more than enter; no step and no mesh helps."""
+    scene = isothermal("A:1", species(A=0.014, B=0.028), time={"end": 10.0, "gas": "stored"})
+    scene["reactions"] = {"r": {"equation": "2 A -> B", "A": 3.0, "E": 0.0, "orders": {"A": 1.0}}}
+    # the rate of the equation is 3 c over the gas, 0.4 of the bed; the gas enters with 0.5 m/s
+    told = f"reactions take {1.2 * MOLAR:.3g} mol/m2/s of the gas .* and {0.5 * MOLAR:.3g} enter"
+    with pytest.raises(ConvergenceError, match=told):
+        contbed.run(from_dict(scene))
