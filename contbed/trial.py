@@ -71,7 +71,7 @@ def predicted_time(plan: Plan) -> str:
         return _text_of_search(plan)
     if getattr(plan, "balanced", False):
         return _text_of_last_mesh(plan)
-    if not plan.steps:
+    if not (plan.steps or getattr(plan, "fronts", False)):  # fronts take steps that no checkpoint goes on from
         return ""
     before = clock.process_time()
     seconds, steps = _predict(plan, plan.scene.time.end)

@@ -233,9 +233,12 @@ class Plan:
         return out
 
     def with_fewer_steps(self, cells: int) -> FewerSteps | None:
-        """Return the plan with `cells` along the bed, a quarter across; None where it has few or a mesh of a file."""
+        """Return the plan with `cells` along the bed, a quarter across; None where it has few or a mesh of a file.
+
+        Fronts take as many steps as they have cells.
+        """
         mesh = self.scene.mesh
-        if isinstance(mesh, MeshFile) or self.mesh.skfem.nelements <= 2 * cells:
+        if self.fronts or isinstance(mesh, MeshFile) or self.mesh.skfem.nelements <= 2 * cells:
             return None
         each: Any = [cells // 4] * mesh.dimension
         each[1 if isinstance(mesh, MeshAxisymmetric) else 0] = cells

@@ -7,6 +7,7 @@ from typing import Any
 
 from contbed.balance import Balance
 from contbed.fem.probe import Line, line_along
+from contbed.output.progress import Progress
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.scene import Time
 from contbed.packed_bed.shared import Solved, check_state, heat_balance, heat_problem, report_flow, solved_flow
@@ -30,7 +31,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     scene = plan.scene
     if plan.fronts:
         with result.timed("heat"):
-            _track_fronts(plan, result)
+            _track_fronts(plan, result, quiet)
         return
     if start is not None and "vertices" in start[0]:
         plan = result.plan = plan.on([start[0]["vertices"]])
@@ -145,7 +146,7 @@ def _steady(plan: Plan, line: Line, problem: Any, result: Result, before: Any, l
     return None, estimate
 
 
-def _track_fronts(plan: Plan, result: Result) -> None:
+def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
     from contbed.packed_bed.equations.fronts import track
     from contbed.packed_bed.results import front_findings
 
@@ -154,17 +155,19 @@ def _track_fronts(plan: Plan, result: Result) -> None:
     assert time is not None
     u = float(plan.velocity[0])
     times = sorted({*time.times, time.end})
-    snapshots, sums = track(
-        scene.mesh.length,  # type: ignore[union-attr]
-        plan.mesh.skfem.nelements,
-        abs(u) / bed.porosity,
-        bed.porosity * medium.fluid.density(300.0) * medium.fluid.heat_capacity(300.0),
-        (1.0 - bed.porosity) * medium.solid.density(300.0) * medium.solid.heat_capacity(300.0),
-        float(medium.exchange(medium.T_fluid_in, lambda density: abs(u))),
-        medium.T_fluid_in,
-        _start_of_fronts(time),
-        times,
-    )
+    with Progress(time.end, "s", quiet) as progress:
+        snapshots, sums = track(
+            scene.mesh.length,  # type: ignore[union-attr]
+            plan.mesh.skfem.nelements,
+            abs(u) / bed.porosity,
+            bed.porosity * medium.fluid.density(300.0) * medium.fluid.heat_capacity(300.0),
+            (1.0 - bed.porosity) * medium.solid.density(300.0) * medium.solid.heat_capacity(300.0),
+            float(medium.exchange(medium.T_fluid_in, lambda density: abs(u))),
+            medium.T_fluid_in,
+            _start_of_fronts(time),
+            times,
+            progress.advance_to,
+        )
     result.closures = [use.to_dict() for use in medium.ranges()]
     sums = {name: value * plan.section for name, value in sums.items()}
     result.balances["energy"] = Balance(sums["in"], sums["out"], "J", stored=sums["stored"]).as_dict()

@@ -64,6 +64,27 @@ def test_predicted_steps_and_time_of_a_transient():
     assert 0.5 < seconds / spent < 2.0
 
 
+def test_predicted_steps_of_fronts(monkeypatch):
+    """A parcel of one cell takes each step: a bed of 400 cells in which the gas stays 0.4 s, for 20 s."""
+    monkeypatch.setattr(trial, "BUDGET", 0.02)
+    scene = from_dict(
+        {
+            "mesh": {"type": "line", "length": 1.0, "cells": 400},
+            "fluid": {"density": 1.0, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 2e-5},
+            "solid": {"density": 2000.0, "heat_capacity": 800.0, "conductivity": 1.0},
+            "bed": {"porosity": 0.4, "particle_diameter": 0.02},
+            "flow": {"velocity": 1.0},
+            "heat": {"nusselt": 50.0, "conductivity_fluid": 0.0, "conductivity_solid": 0.0},
+            "boundary": {"left": {"fluid": {"inflow": 600.0}}},
+            "time": {"end": 20.0, "initial_fluid": 300.0, "initial_solid": 300.0},
+        }
+    )
+    planned = plan(scene)
+    _, steps = trial._predict(planned, scene.time.end)
+    assert planned.fronts and steps == pytest.approx(20.0 / 0.4 * 400, rel=0.01)
+    assert predicted_time(planned).endswith("steps, by a trial")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "changes"),
