@@ -7,7 +7,6 @@ from typing import Any
 
 from contbed.balance import Balance
 from contbed.fem.probe import Line, line_along
-from contbed.output.progress import Progress
 from contbed.packed_bed.plan import Plan
 from contbed.packed_bed.scene import Time
 from contbed.packed_bed.shared import Solved, check_state, heat_balance, heat_problem, report_flow, solved_flow
@@ -147,6 +146,7 @@ def _steady(plan: Plan, line: Line, problem: Any, result: Result, before: Any, l
 
 
 def _track_fronts(plan: Plan, result: Result, quiet: bool) -> None:
+    from contbed.output.progress import Progress
     from contbed.packed_bed.equations.fronts import track
     from contbed.packed_bed.results import front_findings
 
