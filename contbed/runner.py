@@ -220,9 +220,10 @@ def _require_temperatures(result: Result) -> None:
     for header, column in chain(result.profiles.items(), *(table.items() for table in result.tables.values())):
         name = name_of(header)
         quantity = field(name)
-        if quantity is None or quantity.unit != "K" or not len(column):
+        if quantity is None or quantity.unit != "K":
             continue
-        coldest = float(np.min(np.asarray(column, dtype=float)))
+        known = np.asarray(column, dtype=float)
+        coldest = float(np.min(known[~np.isnan(known)], initial=np.inf))  # what is not there has no temperature
         if coldest <= quantity.lower:
             raise ConvergenceError(
                 f"{name} falls to {coldest:.4g} K: a source, a flux or a wall takes more heat than the bed holds; "

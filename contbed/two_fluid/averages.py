@@ -123,7 +123,8 @@ def along(
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Means of cells in equal bins of a coordinate: the coordinate of the bins that hold cells, and each value.
 
-    `weights` names what a value is weighted by besides the volume, such as the fraction of the phase.
+    `weights` names what a value is weighted by besides the volume, such as the fraction of the phase. Where a phase is
+    not, its temperature is not a number, other means of it are 0.
     """
     low, high = position.min(), position.max()
     which = np.minimum(((position - low) / max(high - low, 1e-300) * bins).astype(int), bins - 1)
@@ -133,9 +134,10 @@ def along(
     out = {}
     for name, value in values.items():
         weight = volume * weights.get(name, 1.0)
-        out[name] = np.bincount(which, weight * value, bins)[there] / np.maximum(
-            np.bincount(which, weight, bins)[there], 1e-300
-        )
+        total = np.bincount(which, weight, bins)[there]
+        out[name] = np.bincount(which, weight * value, bins)[there] / np.maximum(total, 1e-300)
+        if name.endswith(" [K]"):
+            out[name] = np.where(total > 0.0, out[name], np.nan)
     return place, out
 
 

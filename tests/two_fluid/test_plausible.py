@@ -89,6 +89,8 @@ def test_particles_that_are_not_there_have_no_temperature():
     result = cb.run(from_dict(BED | {"heat": HEAT, "initial": start, "boundary": BED["boundary"] | inlet}))
     assert np.isnan(result.qoi["T_solid_mean [K]"]) and np.isnan(result.qoi["T_solid_max [K]"])
     assert np.isnan(result.profiles["T_solid_mean [K]"]).all()
+    assert np.isnan(result.tables["axial"]["T_solid [K]"]).all()
+    assert (result.tables["axial"]["T_gas [K]"] > 299.0).all()
 
 
 def test_a_temperature_below_zero_names_the_remedy():
