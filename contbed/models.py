@@ -210,6 +210,14 @@ def model_of(scene: Kind) -> Model:
     return MODELS[scene.kind]
 
 
+def solver_of(scene: Kind) -> Callable[..., None]:
+    """Return what runs plans of the physics of a scene, with one thread of BLAS, see `threads.single_blas`."""
+    from contbed.threads import single_blas
+
+    run: Callable[..., None] = model_of(scene).find("run", "run")
+    return single_blas()(run)
+
+
 def kind_of(values: Mapping[str, Any]) -> str:
     """Return the kind of scene that the tables of a file describe."""
     return next(kind for kind, model in MODELS.items() if model.means(values))

@@ -19,7 +19,7 @@ from contbed.scene.identity import identity
 from contbed.scene.inputs import all_inputs
 from contbed.scene.tables import SceneBase
 from contbed.solvers.cost import expected_time
-from contbed.threads import single_blas, using
+from contbed.threads import using
 
 if TYPE_CHECKING:
     from contbed.output.folder import RunFolder
@@ -153,8 +153,8 @@ def _solve(
 ) -> BaseException | None:
     """Fill the result; what stopped the run is returned, and stands in the result."""
     try:
-        solve = models.model_of(scene).find("run", "run")
-        with quick_start.collecting(), _clock(result.plan, quiet), single_blas():
+        solve = models.solver_of(scene)
+        with quick_start.collecting(), _clock(result.plan, quiet):
             solve(result.plan, result, folder, quiet, checkpoint)
         _verdict(scene, result)
     except (Exception, KeyboardInterrupt) as caught:

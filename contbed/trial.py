@@ -3,9 +3,9 @@
 Time steps: the trial runs the scene itself for `BUDGET` seconds of processor time and reads what a step costs here. How
 many steps are to come follows from the pace of its second half; in a packed bed, whose steps grow or shrink over the
 whole run, from a run on a coarse mesh instead, as the steps follow the temperatures and hardly the mesh; in a reacting
-bed from one with a larger error of a step, by the order of that error. Searches for a
-steady state: most end within `SEARCH_BUDGET`; the others tell which share of their way they have gone by then. Steady
-planes and volumes whose meshes are chosen by their errors: the first of these meshes tell the last one.
+bed from one with a larger error of a step, by the order of that error. Searches for a steady state: most end within
+`SEARCH_BUDGET`; the others tell which share of their way they have gone by then. Steady planes and volumes whose meshes
+are chosen by their errors: the first of these meshes tell the last one.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from contbed import models
 from contbed.models import FewerSteps, Plan
 from contbed.output.progress import Progress
 from contbed.result import Result
-from contbed.threads import single_blas
 
 BUDGET = 2.0  # s of processor time of a trial, after its first step, which may compile
 COUNT_BUDGET = 5.0  # s of processor time of the run that counts the steps
@@ -112,8 +111,8 @@ def _searched(plan: Plan) -> tuple[float, bool]:
             seconds = spent / share
             raise _Enough
 
-    run: Callable[..., None] = models.model_of(plan.scene).find("run", "run")
-    with Progress.watched(watch), single_blas(), suppress(Exception):  # a run that fails is told by the run
+    run = models.solver_of(plan.scene)
+    with Progress.watched(watch), suppress(Exception):  # a run that fails is told by the run
         run(plan, Result(plan), None, True, None)
         return clock.process_time() - start, True
     return seconds, False
@@ -156,8 +155,8 @@ def _tried(plan: Plan, budget: float) -> Trial:
         if trial.spent[-1] - trial.spent[0] >= budget and len(trial.spent) >= FEWEST:
             raise _Enough
 
-    run: Callable[..., None] = models.model_of(plan.scene).find("run", "run")
-    with Progress.watched(watch), single_blas(), suppress(Exception):  # a run that fails is told by the run
+    run = models.solver_of(plan.scene)
+    with Progress.watched(watch), suppress(Exception):  # a run that fails is told by the run
         run(plan, Result(plan), None, True, None)
         trial.ended = True
     return trial

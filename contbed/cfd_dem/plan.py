@@ -17,7 +17,7 @@ import numpy as np
 from contbed.cfd_dem.grid import Grid
 from contbed.cfd_dem.scene import GasFlow, GasParticles, GasScene
 from contbed.dem.contact import hertz_impact
-from contbed.dem.packing import AT_REST, LOOSE, SETTLED_OVERLAP, pack
+from contbed.dem.packing import AT_REST, SETTLED_OVERLAP, loose_height, pack
 from contbed.dem.particle_files import read_particles
 from contbed.dem.particles import Material, Particles
 from contbed.dem.settling import stages_of
@@ -36,7 +36,6 @@ MOST_TRIED = 5000  # particles that a trial settles, in half a minute
 # first stage, and in later, stiffer ones; within 0.7 to 1.7 of what 6,000 to 175,800 spheres took
 SETTLING = 0.6e-6, 0.13e-6
 APART = 1.001  # diameters between particles of a lattice
-LATTICE = 0.52  # solid fraction of a simple cubic one
 SPEED_OF_FILES = 1.0  # m/s, at which particles of a bubbling bed may meet when their file is written
 
 
@@ -82,7 +81,7 @@ class GasPlan:
             start = clock.process_time()
             return settled(self, quiet=True), clock.process_time() - start
         lattice = _lattice(table)
-        fall = np.sqrt(2.0 * LATTICE / LOOSE * float(lattice.position[:, 2].max()) / GRAVITY)
+        fall = np.sqrt(2.0 * loose_height(lattice.radius, table.width[0] * table.width[1]) / GRAVITY)
         first, *later = stages_of(lattice, material_of(table), AT_REST, GRAVITY)
         steps = SETTLING[0] / first.time_step + sum(SETTLING[1] / stage.time_step for stage in later)
         return replace(self, particles=lattice), self.number * float(fall) * steps
@@ -211,7 +210,7 @@ def _grid(scene: GasScene, particles: Particles | None) -> Grid:
 
 
 def _lattice(table: GasParticles) -> Particles:
-    """Return the particles on a simple cubic lattice that fills the floor, of the solid fraction `LATTICE`."""
+    """Return the particles on a simple cubic lattice that fills the floor, with a solid fraction of 0.52."""
     assert table.radius is not None and table.count is not None
     apart = 2.0 * APART * table.radius
     nx, ny = (max(1, int(width / apart)) for width in table.width)

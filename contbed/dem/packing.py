@@ -129,6 +129,11 @@ def pack(
     return Packing(final, radii, material, domain, tuple(walls), cylinder, contacts, statistics)
 
 
+def loose_height(radii: NDArray[np.float64], area: float) -> float:
+    """Return the height [m] of spheres (n,) [m] over a floor [m2] before they settle."""
+    return float(4.0 / 3.0 * np.pi * (radii**3).sum() / (LOOSE * area))
+
+
 def _radii(radius: ArrayLike, count: int | None, height: float | None, area: float) -> NDArray[np.float64]:
     radii = np.atleast_1d(np.asarray(radius, dtype=np.float64))
     if not (radii > 0.0).all() or radii.ndim != 1:
@@ -167,7 +172,7 @@ def _place(
     area: float,
 ) -> NDArray[np.float64]:
     """Draw positions without overlap; equal spheres are numbered column by column, which keeps memory near."""
-    top = 4.0 / 3.0 * np.pi * (radii**3).sum() / (LOOSE * area) + 2.0 * radii.max()
+    top = loose_height(radii, area) + 2.0 * radii.max()
     limits = np.array([sides[0], sides[1], top])
     order = np.argsort(-radii, kind="stable")
     for _ in range(8):

@@ -185,13 +185,14 @@ class Medium:
         """Return the coefficients across the flow at a state: conductivities, of each kind by its share; dispersion."""
         section, needs = self.scene.section, _Properties(self, state)
         assert section is not None
-        K_f, K_s = self.stagnant(needs)
+        across = self._across_kinds(state)
+        K_f, K_s = self._stagnant(needs, across)
         if section.dispersion is not None:
             K_f = K_f + self._value("section.dispersion", section.dispersion, needs)
         dispersion = None
         if section.mass_dispersion is not None:
             dispersion = self._dispersion("section.mass_dispersion", section.mass_dispersion, needs)
-        kinds = {kind: Transport(conductivity_solid=K) for kind, K in self._across_kinds(state).items()}
+        kinds = {kind: Transport(conductivity_solid=K) for kind, K in across.items()}
         return Transport(conductivity_fluid=K_f, conductivity_solid=K_s, dispersion=dispersion, kinds=kinds)
 
     def _across_kinds(self, state: State) -> dict[str, Any]:
@@ -203,11 +204,14 @@ class Medium:
 
     def stagnant(self, needs: _Properties) -> tuple[Any, Any]:
         """Return the conductivities of gas and particles across the flow without dispersion [W/m/K]."""
+        return self._stagnant(needs, self._across_kinds(needs.state))
+
+    def _stagnant(self, needs: _Properties, kinds: Mapping[str, Any]) -> tuple[Any, Any]:
         section = self.scene.section
         assert section is not None  # `checks` sees to it
         K_f = self._conductivity("section.conductivity_fluid", section.conductivity_fluid, needs, "fluid")
-        if self.kinds:
-            return K_f, sum(self._across_kinds(needs.state).values())
+        if kinds:
+            return K_f, sum(kinds.values())
         return K_f, self._conductivity("section.conductivity_solid", section.conductivity_solid, needs, "solid")
 
     def resistance(self, state: State, needs: Any = None) -> Any:

@@ -24,6 +24,7 @@ from contbed.reacting_bed.solids_scene import PositiveDiffusivity as PositiveDif
 from contbed.reacting_bed.solids_scene import SolidKind as SolidKind
 from contbed.reacting_bed.solids_scene import Solids as Solids
 from contbed.reacting_bed.solids_scene import Substance as Substance
+from contbed.reacting_bed.solids_scene import any_adsorbs as any_adsorbs
 from contbed.scene.mesh import MeshLine
 from contbed.scene.quantities import (
     Conductivity,
@@ -359,4 +360,4 @@ class ReactingScene(SceneBase):
     @property
     def adsorbs(self) -> bool:
         """Whether particles take up gas."""
-        return bool(self.adsorption) or any(kind.adsorption for kind in self.solids.values())
+        return any_adsorbs(self.adsorption, self.solids)

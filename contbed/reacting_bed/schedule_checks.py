@@ -107,8 +107,8 @@ def times_are_in_order(
     for index, instant in enumerate(time.times):
         if instant > time.end:
             yield ("time", "times", index), f"{instant:g} s is after the end; see {see('time.end')}"
-    adsorbs = adsorption or any(kind.adsorption for kind in solids.values())
-    if time.gas == "quasi_steady" and time.initial_composition is not None and not adsorbs:
+    follows = time.gas == "quasi_steady" and not s.any_adsorbs(adsorption, solids)
+    if follows and time.initial_composition is not None:
         key = ("time", "initial_composition")
         yield key, f"has no meaning for a gas that follows at once; see {see('time.gas')}"
     if continuation is not None:

@@ -8,9 +8,8 @@ from itertools import pairwise
 from contbed.scene.series import SAME, Samples
 from contbed.scene.toml_lines import KeyPath
 
-MERGED = (
-    0.5  # distance of two cuts below which they are one, over that of jumps; a value before a cut is so before both
-)
+# distance of two cuts below which they are one, over that of jumps; a value before a cut is so before both
+MERGED = 0.5
 
 
 @dataclass(frozen=True)

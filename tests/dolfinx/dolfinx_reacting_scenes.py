@@ -11,7 +11,7 @@ sys.path.insert(0, str(ROOT / "tests" / "reacting"))
 
 from adsorption_scenes import adsorber  # noqa: E402
 from reacting_bed_scenes import danckwerts, isothermal, shrinking_core, species  # noqa: E402
-from several_solids import split  # noqa: E402
+from several_solids import split, split_adsorbing, split_pellets  # noqa: E402
 
 KINDS = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0}
 
@@ -86,22 +86,12 @@ def kinds_that_adsorb() -> dict[str, Any]:
     scene["mesh"]["cells"] = 8
     scene["output"]["positions"] = [0.1, 0.2, 0.5, 1.0]
     scene["particle"] = {"adsorption": "interior", "points": 2}
-    scene = split(scene, coarse={"particle_diameter": 6e-3, "velocity_solid": -1e-3})
-    gases = scene.pop("adsorption")
-    for kind in scene["solids"].values():
-        kind["adsorption"] = gases
-    return scene
+    return split_adsorbing(scene, coarse={"particle_diameter": 6e-3, "velocity_solid": -1e-3})
 
 
 def kinds_of_pellets() -> dict[str, Any]:
     """Two sizes of pellets that are resolved inside."""
-    scene = pellets()
-    gases = scene["particle"].pop("diffusivity")
-    scene = split(scene, coarse={"particle_diameter": 6e-3})
-    scene["reactions"]["r"]["solid"] = list(scene["solids"])
-    for kind in scene["solids"].values():
-        kind["diffusivity"] = gases
-    return scene
+    return split_pellets(pellets(), coarse={"particle_diameter": 6e-3})
 
 
 def kinds_across() -> dict[str, Any]:

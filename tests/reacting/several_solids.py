@@ -17,3 +17,29 @@ def split(scene: dict[str, Any], shares: dict[str, float] = SHARES, **changes: d
         for kind, share in shares.items()
     }
     return out
+
+
+def split_adsorbing(
+    scene: dict[str, Any], shares: dict[str, float] = SHARES, **changes: dict[str, Any]
+) -> dict[str, Any]:
+    """The particles of a scene that adsorb as kinds, each with the same isotherms or those in `changes`."""
+    out = split(scene, shares)
+    return _with_each(out, {"adsorption": out.pop("adsorption")}, changes)
+
+
+def split_pellets(
+    scene: dict[str, Any], shares: dict[str, float] = SHARES, **changes: dict[str, Any]
+) -> dict[str, Any]:
+    """The pellets of a scene as kinds in which all reactions run, with its diffusivities or those in `changes`."""
+    out = split(scene, shares)
+    out = _with_each(out, {"diffusivity": out["particle"].pop("diffusivity")}, changes)
+    running = [kind for kind, table in out["solids"].items() if table["diffusivity"]]
+    for reaction in out["reactions"].values():
+        reaction["solid"] = running
+    return out
+
+
+def _with_each(scene: dict[str, Any], given: dict[str, Any], changes: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    for kind, table in scene["solids"].items():
+        table |= deepcopy(given) | changes.get(kind, {})
+    return scene

@@ -9,37 +9,17 @@ import pytest
 from adsorption_scenes import DENSITY, EPS, GAS_DIFFUSIVITY, SPEED, TRACE, adsorber
 from reacting_bed_scenes import MOLAR, P, T
 from scipy.linalg import expm
-from several_solids import SHARES, split
+from several_solids import SHARES, split_adsorbing
+from solving import solved, stepped
 
-import contbed
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.particle.uptake import invert, uptake
 from contbed.reacting_bed.plan import plan
-from contbed.reacting_bed.solve import Report
-from contbed.reacting_bed.stages import stages
-from contbed.reacting_bed.transient import Course
 
-CLOSED = 1e-12  # of what enters
 ROUNDING = 1e-9  # of two solutions of the same equations, whose Newton's methods end at 1e-10
 LEVELS = ("film", "linear_driving_force", "interior")
 K = 200.0  # per volume of particles over per volume of gas
-
-
-def solved(scene):
-    result = contbed.run(from_dict(scene))
-    for name, balance in result.balances.items():
-        assert abs(balance["relative_residual"]) < CLOSED, name
-    return result
-
-
-def shared(scene, shares=SHARES, **changes):
-    """The particles of a scene that adsorb as kinds, each with the same isotherms or those in `changes`."""
-    out = split(scene, shares)
-    adsorption = out.pop("adsorption")
-    for kind in shares:
-        out["solids"][kind] |= {"adsorption": deepcopy(adsorption)} | changes.get(kind, {})
-    return out
 
 
 def warm(level):
@@ -65,22 +45,12 @@ def warm(level):
     return scene
 
 
-def stepped(scene):
-    """Unknowns by name after three steps in time of one length."""
-    found = plan(from_dict(scene))
-    course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
-    u = course.start()
-    for _ in range(3):
-        _, u, _ = stages((course.problem, course.problem), u, u, 2.0, Report(), course.sizes(u))
-    return dict(zip(course.problem.names, u, strict=True))
-
-
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("gas", ["quasi_steady", "stored"])
 def test_steps_of_kinds_that_are_alike_are_those_of_one(level, gas):
     scene = warm(level)
     scene["time"]["gas"] = gas
-    one, two = stepped(scene), stepped(shared(scene))
+    one, two = stepped(scene, 2.0), stepped(split_adsorbing(scene), 2.0)
     assert np.ptp(one["T_solid"]) > 1.0
     for name, values in one.items():
         for found in [name] if name in two else [f"{name}_{kind}" for kind in SHARES]:
@@ -100,7 +70,7 @@ def moving(scene, speed=-3e-3):
 def test_kinds_that_move_alike_are_one(level, speed):
     """Steady; profiles of the gas, of temperatures and of loadings."""
     scene = moving(warm(level), speed)
-    one, two = solved(scene), solved(shared(scene))
+    one, two = solved(scene), solved(split_adsorbing(scene))
     for key, values in one.profiles.items():
         name, unit = key.split(" ")
         for column in [key] if key in two.profiles else [f"{name}_{kind} {unit}" for kind in SHARES]:
@@ -115,7 +85,7 @@ def test_beads_that_adsorb_nothing_dilute_those_that_do(level):
     scene["particle"] = {"adsorption": level}
     scene["time"] |= {"end": 3.0 * unit, "tolerance": 1e-3}
     scene["mesh"]["cells"] = 4
-    mixed = shared(scene, {"sorbent": 0.3, "beads": 0.7}, beads={"adsorption": {}})
+    mixed = split_adsorbing(scene, {"sorbent": 0.3, "beads": 0.7}, beads={"adsorption": {}})
     scene["bed"]["porosity"] = 1.0 - 0.3 * (1.0 - EPS)
     one, two = solved(scene), solved(mixed)
     assert one.qoi["time_steps"] == two.qoi["time_steps"]
@@ -199,7 +169,7 @@ def test_kinds_of_unlike_speed_in_a_steady_bed():
 
 def test_derivatives_to_the_isotherm_of_one_kind():
     """Against central differences, which err by the square of 1e-4 and by what Newton's method leaves over it."""
-    scene = shared(moving(warm("interior")), coarse={"particle_diameter": 5e-3})
+    scene = split_adsorbing(moving(warm("interior")), coarse={"particle_diameter": 5e-3})
     found = solved(scene).gradient(["x_A_out"], ["solids.fine.adsorption.A.affinity"])
     sides = []
     for change in (-1e-4, 1e-4):
@@ -219,7 +189,7 @@ def test_each_kind_follows_its_isotherms():
     del scene["heat"]
     scene["flow"]["pressure_drop"] = "none"
     scene["solid"]["porosity"] = 0.0
-    found = solved(shared(scene, coarse={"adsorption": {"A": both["A"]}}, fine={"adsorption": both})).profiles
+    found = solved(split_adsorbing(scene, coarse={"adsorption": {"A": both["A"]}}, fine={"adsorption": both})).profiles
     a, c = 2e-4 * 0.1 * P, 1e-4 * 0.1 * P
     np.testing.assert_allclose(found["q_A_coarse [mol/kg]"], a / (1.0 + a), rtol=1e-10)
     np.testing.assert_allclose(found["q_A_fine [mol/kg]"], a / (1.0 + a + c), rtol=1e-10)
@@ -251,7 +221,7 @@ def test_all_that_differs_closes():
     own = scene["adsorption"]
     hot = {"adsorption": {"A": own["A"] | {"enthalpy": -4e4}}, "particle_diameter": 6e-3}
     cold = {"adsorption": {"C": own["C"]}, "particle_diameter": 2e-3, "nusselt": 3.0, "heat_capacity": 700.0}
-    result = solved(shared(scene, coarse=hot, fine=cold))
+    result = solved(split_adsorbing(scene, coarse=hot, fine=cold))
     assert {"C", "O", "energy"} <= set(result.balances)
     warmer = result.profiles["T_solid_coarse [K]"] - result.profiles["T_solid_fine [K]"]
     assert warmer.max() > 0.5

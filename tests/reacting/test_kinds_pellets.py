@@ -6,38 +6,18 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from several_solids import SHARES, split
+from several_solids import SHARES, split_pellets
+from solving import solved
 from test_pellets import D_A, D_B, REFORMER, R, left, pellets
 
-import contbed
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.particle.effectiveness import sphere
 from contbed.reacting_bed.plan import plan
 
-CLOSED = 1e-12  # of what enters
 ROUNDING = 1e-9  # of two solutions of the same equations, whose Newton's methods end at 1e-10
 SHELLS = 1e-5  # of what leaves: points inside err by 3e-6 of the effectiveness
 D = {"A": D_A, "B": D_B}
-
-
-def solved(scene):
-    result = contbed.run(from_dict(scene))
-    for name, balance in result.balances.items():
-        assert abs(balance["relative_residual"]) < CLOSED, name
-    return result
-
-
-def shared(scene, shares=SHARES, **changes):
-    """The pellets of a scene as kinds, all with its diffusivities or those in `changes`."""
-    out = split(scene, shares)
-    diffusivity = out["particle"].pop("diffusivity")
-    for kind in shares:
-        out["solids"][kind] |= {"diffusivity": dict(diffusivity)} | changes.get(kind, {})
-    running = [kind for kind in shares if out["solids"][kind]["diffusivity"]]
-    for reaction in out["reactions"].values():
-        reaction["solid"] = running
-    return out
 
 
 def reforming():
@@ -52,7 +32,7 @@ def reforming():
 
 
 def test_kinds_that_are_alike_are_one():
-    one, two = solved(reforming()), solved(shared(reforming()))
+    one, two = solved(reforming()), solved(split_pellets(reforming()))
     for name, column in one.profiles.items():
         for found in [name] if name in two.profiles else [name.replace(" ", f"_{kind} ") for kind in SHARES]:
             np.testing.assert_allclose(two.profiles[found], column, rtol=ROUNDING, atol=1e-12, err_msg=found)
@@ -67,7 +47,7 @@ def test_beads_dilute_a_catalyst():
     phi, share = 5.0, 0.3
     scene, k = pellets(phi)
     scene["mesh"]["length"] = L = 1.0 / (share * 0.6 * k * sphere(phi) / 0.5)
-    scene = shared(scene, {"catalyst": share, "beads": 1.0 - share}, beads={"diffusivity": {}})
+    scene = split_pellets(scene, {"catalyst": share, "beads": 1.0 - share}, beads={"diffusivity": {}})
     result = solved(scene)
     assert result.qoi["x_A_out"] == pytest.approx(left(k * L, share * sphere(phi)), rel=SHELLS)
     told = dict(result.plan.built)["inside of pellets"]
@@ -91,7 +71,7 @@ def test_each_kind_has_its_size_and_diffusivities():
             "sherwood": 2.0 * Bi[kind] * inside / gas,
         }
     scene["mesh"]["length"] = L = 1.0 / (0.6 * k * total / 0.5)
-    assert solved(shared(scene, **changes)).qoi["x_A_out"] == pytest.approx(left(k * L, total), rel=SHELLS)
+    assert solved(split_pellets(scene, **changes)).qoi["x_A_out"] == pytest.approx(left(k * L, total), rel=SHELLS)
 
 
 @pytest.mark.parametrize(("phi", "level"), [(0.1, "none"), (0.6, "interior")])
@@ -100,7 +80,7 @@ def test_auto_judges_all_kinds(phi, level):
     scene, k = pellets(phi)
     scene["mesh"]["length"] = 0.5 / (0.6 * k)
     scene["particle"]["mass"] = "auto"
-    scene = shared(scene, coarse={"particle_diameter": 4.0 * R})
+    scene = split_pellets(scene, coarse={"particle_diameter": 4.0 * R})
     planned = plan(from_dict(scene))
     assert planned.scene.particle.mass == level
     error = 1.0 - SHARES["coarse"] * sphere(2.0 * phi) - SHARES["fine"] * sphere(phi)
@@ -134,7 +114,7 @@ def test_auto_judges_all_kinds(phi, level):
 )
 def test_mistakes(change, said):
     scene, _ = pellets(1.0)
-    scene = deepcopy(shared(scene))
+    scene = deepcopy(split_pellets(scene))
     change(scene)
     with pytest.raises(SceneError, match=said):
         from_dict(scene)

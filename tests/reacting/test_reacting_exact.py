@@ -12,22 +12,11 @@ from reacting_bed_scenes import (
     shrinking_core,
     table,
 )
-
-import contbed
-from contbed.loading import from_dict
-from contbed.result import Result
+from solving import solved
 
 # of what enters: fluxes at the ends converge with order 7; cells follow a tolerance of 1e-6 and reach 1e-8 and better
 DIGITS = 1e-8
 FRONT = 1e-6  # where a conversion ends at a point with an infinite slope
-CLOSED = 1e-12
-
-
-def solved(scene: dict) -> Result:
-    result = contbed.run(from_dict(scene))
-    for name, balance in result.balances.items():
-        assert abs(balance["relative_residual"]) < CLOSED, name
-    return result
 
 
 @pytest.mark.parametrize("row", table("danckwerts_first_order"), ids=lambda row: f"{row['Pe']:g}-{row['Da']:g}")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from adsorption_scenes import adsorber
 from reacting_bed_scenes import fixed_bed, isothermal
-from several_solids import split
+from several_solids import split_adsorbing, split_pellets
 
 import contbed
 from contbed.errors import SceneError
@@ -117,23 +117,14 @@ def kinds_that_adsorb():
     given["fluid"]["composition"] = {"times": [0, 3.0 * unit], "values": values, "form": "linear"}
     given["particle"] = {"adsorption": "interior", "points": 2}
     given["time"] |= {"end": 3.0 * unit, "tolerance": 1e-3}
-    given = split(given)
-    gases = given.pop("adsorption")
-    for kind in given["solids"].values():
-        kind["adsorption"] = gases
-    return given
+    return split_adsorbing(given)
 
 
 def kinds_of_pellets():
     """Pellets of two sizes inside of which A becomes B."""
     given = section_of_pellets()
     del given["section"]
-    gases = given["particle"].pop("diffusivity")
-    given = split(given, coarse={"particle_diameter": 5e-3})
-    given["reactions"]["r"]["solid"] = list(given["solids"])
-    for kind in given["solids"].values():
-        kind["diffusivity"] = gases
-    return given
+    return split_pellets(given, coarse={"particle_diameter": 5e-3})
 
 
 BEDS = {

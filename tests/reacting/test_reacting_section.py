@@ -9,8 +9,8 @@ from manufactured_section import error, solution
 from reacting_bed_scenes import R_GAS, P, T, isothermal
 from scipy.optimize import brentq
 from scipy.special import j0, j1
+from solving import solved
 
-import contbed
 from contbed.closures import get
 from contbed.errors import SceneError
 from contbed.loading import from_dict
@@ -21,7 +21,6 @@ from contbed.reacting_bed.solve import Report, march
 
 CP, U, RADIUS, T_WALL, K = 30.0, 0.5, 0.05, 800.0, 2.0
 POROSITY, DENSITY, C_SOLID = 0.4, 2000.0, 1000.0
-CLOSED = 1e-12  # of what enters
 
 
 def heated(rings, shape="tube", wall=50.0, conductivity=K, reacts=0.0):
@@ -36,13 +35,6 @@ def heated(rings, shape="tube", wall=50.0, conductivity=K, reacts=0.0):
         scene["section"] = {"shape": shape, "rings": rings, "conductivity_solid": conductivity}
     scene["output"]["positions"] = [0.5, 1.0]
     return scene
-
-
-def solved(scene):
-    result = contbed.run(from_dict(scene))
-    for name, balance in result.balances.items():
-        assert abs(balance["relative_residual"]) < CLOSED, name
-    return result
 
 
 def mean_of_series(shape, wall, Fo):

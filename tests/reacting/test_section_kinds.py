@@ -4,31 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from several_solids import SHARES, split
-from test_kinds_adsorb import shared as sharing_gas
-from test_kinds_adsorb import stepped, warm
+from several_solids import SHARES, split, split_adsorbing, split_pellets
+from solving import solved, stepped
+from test_kinds_adsorb import warm
 from test_kinds_pellets import reforming
-from test_kinds_pellets import shared as sharing_pellets
 from test_reacting_section import heated, mixed
 from test_several_solids import hot, on_cells, unlike
 
-import contbed
 from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.reacting_bed.equations.section import Section
 from contbed.reacting_bed.plan import plan
 
-CLOSED = 1e-12  # of what enters
 ROUNDING = 1e-9  # of two solutions of the same equations, whose Newton's methods end at 1e-10
 DIAMETER = 0.1  # [m]
 COOLED = {"diameter": DIAMETER, "coefficient": 50.0, "ambient": 350.0}
-
-
-def solved(scene):
-    result = contbed.run(from_dict(scene))
-    for name, balance in result.balances.items():
-        assert abs(balance["relative_residual"]) < CLOSED, name
-    return result
 
 
 def across(scene, wall=COOLED, rings=3, **more):
@@ -77,7 +67,7 @@ def test_each_kind_conducts_by_its_share():
     same(solved(scene), solved(split(scene, coarse={"conductivity": 2.0}, fine={"conductivity": 0.5})))
 
 
-@pytest.mark.parametrize("kinds", [unlike, lambda: sharing_pellets(reforming())], ids=["unlike", "pellets"])
+@pytest.mark.parametrize("kinds", [unlike, lambda: split_pellets(reforming())], ids=["unlike", "pellets"])
 def test_rings_alike_are_the_bed_in_one_dimension(kinds):
     """Kinds of other size, speed and conduction, and pellets that are resolved, behind a wall that nothing passes."""
     one = solved(on_cells(kinds(), 4))
@@ -91,7 +81,7 @@ def test_steps_of_kinds_that_adsorb(gas, level):
     """Kinds alike are one kind in each ring, as the wall warms."""
     scene = across(warm(level), COOLED | {"ambient": 600.0}, rings=2)
     scene["time"]["gas"] = gas
-    one, two = stepped(scene), stepped(sharing_gas(scene))
+    one, two = stepped(scene, 2.0), stepped(split_adsorbing(scene), 2.0)
     for name, values in one.items():
         for found in [name] if name in two else [f"{name}_{kind}" for kind in SHARES]:
             assert two[found] == pytest.approx(values, rel=ROUNDING, abs=1e-12), found

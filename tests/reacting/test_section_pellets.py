@@ -7,24 +7,16 @@ from copy import deepcopy
 import numpy as np
 import pytest
 from reacting_bed_scenes import R_GAS, P, isothermal, species
+from solving import solved
 from test_pellets import D_A, REFORMER, R, left, pellets
 
-import contbed
 from contbed.loading import from_dict
 from contbed.particle.effectiveness import sphere
 from contbed.reacting_bed.plan import plan
 
-CLOSED = 1e-12  # of what enters
 SHELLS = 1e-5  # of what leaves: points inside err by 3e-6 of the effectiveness
 RADIUS, CP, T_IN, T_WALL, E = 0.05, 30.0, 500.0, 420.0, 6e4
 ALIKE = {"wall": {"diameter": 2 * RADIUS, "flux": 0.0}}  # nothing makes one ring differ from another
-
-
-def solved(scene):
-    result = contbed.run(from_dict(scene))
-    for name, balance in result.balances.items():
-        assert abs(balance["relative_residual"]) < CLOSED, name
-    return result
 
 
 def same(one, section, rel=1e-9):

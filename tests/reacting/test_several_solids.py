@@ -7,29 +7,16 @@ import pytest
 from reacting_bed_scenes import MOLAR, bilinear, fixed_bed, isothermal, shrinking_core, solids, species, table
 from scipy.linalg import expm
 from several_solids import SHARES, split
+from solving import solved, stepped
 
-import contbed
 from contbed.loading import from_dict
-from contbed.models import plan
 from contbed.reacting_bed.plots import looks_of
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.solve import Report
-from contbed.reacting_bed.stages import stages
-from contbed.reacting_bed.transient import Course
-from contbed.result import Result
 
 ROUNDING = 1e-9  # of two solutions of the same equations on the same cells, whose Newton's methods end at 1e-10
 STEPS = 1e-5  # of runs with steps to a tolerance of 1e-3, whose lengths rounding may move by a percent
 DIGITS = 1e-8  # fluxes at the ends on cells that follow a tolerance of 1e-6
-CLOSED = 1e-12
 EPS, U = 0.4, 0.5
-
-
-def solved(scene: dict) -> Result:
-    result = contbed.run(from_dict(scene))
-    for name, balance in result.balances.items():
-        assert abs(balance["relative_residual"]) < CLOSED, name
-    return result
 
 
 def hot(**more) -> dict:
@@ -95,20 +82,10 @@ def test_kinds_that_are_alike_are_one_along_the_gas(with_one_temperature):
     alike(scene)
 
 
-def stepped(scene: dict) -> dict[str, np.ndarray]:
-    """Unknowns by name after three steps in time of one length."""
-    found = plan(from_dict(scene))
-    course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
-    u = course.start()
-    for _ in range(3):
-        _, u, _ = stages((course.problem, course.problem), u, u, 5.0, Report(), course.sizes(u))
-    return dict(zip(course.problem.names, u, strict=True))
-
-
 @pytest.mark.parametrize("moves", [True, False], ids=["moving", "at rest"])
 @pytest.mark.parametrize("gas", ["quasi_steady", "stored"])
 def test_steps_of_kinds_that_are_alike_are_those_of_one(moves, gas):
-    one, two = (stepped(in_time(scene, moves, gas)) for scene in (hot(), split(hot())))
+    one, two = (stepped(in_time(scene, moves, gas), 5.0) for scene in (hot(), split(hot())))
     for name, values in one.items():
         parts = {kind: share if name.startswith("n_") else 1.0 for kind, share in SHARES.items()}
         for kind, share in parts.items():

@@ -12,8 +12,7 @@ width (`equations.parts`), whose exchange is of second order: what one ring gain
 rounding. delta is the length from the middle of a ring to the wall, R ln(R/r) in a tube. The N_k sum to zero, so that
 the mass flux of each ring is what it is where it enters, or in time, where the gas is stored, what its own ring leaves
 of it: gas that expands goes along the bed, not across. Several kinds of particles each conduct across by their share of
-the volume. The pressure is one over the section: its gradient is the mean
-of those of the rings by area.
+the volume. The pressure is one over the section: its gradient is the mean of those of the rings by area.
 
 Source: Froment, Bischoff, De Wilde 2011, Chemical Reactor Analysis and Design, ch. 11.7.
 """

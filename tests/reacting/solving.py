@@ -1,0 +1,35 @@
+"""Runs of reacting beds whose balances close, and steps of one length."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import contbed
+from contbed.loading import from_dict
+from contbed.models import plan
+from contbed.reacting_bed.solve import Report
+from contbed.reacting_bed.stages import stages
+from contbed.reacting_bed.transient import Course
+from contbed.result import Result
+
+CLOSED = 1e-12  # of what enters
+
+
+def solved(scene: dict[str, Any]) -> Result:
+    """Result of a run, all of whose balances close."""
+    result = contbed.run(from_dict(scene))
+    for name, balance in result.balances.items():
+        assert abs(balance["relative_residual"]) < CLOSED, name
+    return result
+
+
+def stepped(scene: dict[str, Any], dt: float) -> dict[str, np.ndarray]:
+    """Unknowns by name after three steps in time of one length [s]."""
+    found: Any = plan(from_dict(scene))
+    course = Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
+    u = course.start()
+    for _ in range(3):
+        _, u, _ = stages((course.problem, course.problem), u, u, dt, Report(), course.sizes(u))
+    return dict(zip(course.problem.names, u, strict=True))
