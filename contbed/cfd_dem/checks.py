@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from math import pi
+
 from contbed.cfd_dem import scene as g
 from contbed.cfd_dem.closures import GIVES
 from contbed.closures.binding import bind
+from contbed.dem.contact import DENSER, denser_by_weight
 from contbed.dem.particle_files import read_particles, tells_radii
+from contbed.dem.particles import Material
+from contbed.dem.scene import SOLID_SHARE
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.tables import FluidCantera, FluidConstant
@@ -146,6 +151,23 @@ def cells_lie_inside_of_the_bed(particles: g.GasParticles, gas: g.GasFlow, origi
             )
 
 
+def spheres_bear_the_bed(particles: g.GasParticles, gas: g.GasFlow, origin: Origin) -> Mistakes:
+    """Look for spheres so soft that the bed packs denser under its weight, and lets less gas through."""
+    radius, count = particles.radius, particles.count
+    if particles.fixed or not gas.gravity or radius is None or count is None:
+        return
+    height = count * 4.0 / 3.0 * pi * radius**3 / (SOLID_SHARE * particles.width[0] * particles.width[1])
+    material = Material(particles.density, particles.modulus, particles.poisson_ratio)
+    denser = denser_by_weight(height, radius, material)
+    if denser > DENSER:
+        yield (
+            ("particles", "modulus"),
+            f"so soft that a bed about {height:.2g} m high packs {denser:.1%} denser under its weight: less gas "
+            "passes through particles at rest and more through jets and bubbles; "
+            f"{particles.modulus * (denser / DENSER) ** 1.5:.2g} Pa keep that to {DENSER:.0%}",
+        )
+
+
 def _cell(particles: g.GasParticles, gas: g.GasFlow, origin: Origin) -> tuple[float, float]:
     """Width and height of the cells of the gas [m] that the scene asks for; 0 where no radius is known."""
     radius = particles.radius
@@ -168,4 +190,4 @@ CHECKS = (
     probes_are_in_the_box,
     levels_are_in_the_box,
 )
-WARNINGS = (poisson_ratio_is_of_a_solid, cells_lie_inside_of_the_bed)
+WARNINGS = (poisson_ratio_is_of_a_solid, cells_lie_inside_of_the_bed, spheres_bear_the_bed)

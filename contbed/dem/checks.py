@@ -6,8 +6,10 @@ import numpy as np
 
 from contbed.dem import dumps
 from contbed.dem import scene as p
+from contbed.dem.contact import DENSER, denser_by_weight
 from contbed.dem.heat import VORONOI
 from contbed.dem.particle_files import FileParticles, missing_step, read_particles, tells_radii
+from contbed.dem.particles import Material
 from contbed.dem.plan import porosity_of
 from contbed.dem.sizes import CUT
 from contbed.dem.walls import SKIN
@@ -205,4 +207,21 @@ CHECKS = (
     spreading_suits,
     file_can_be_used,
 )
-WARNINGS: tuple[Check, ...] = ()
+
+
+def packing_bears_itself(packing: p.Packing | None) -> Mistakes:
+    """Look for spheres so soft that the packing is denser under its weight than one of hard spheres."""
+    if packing is None or not packing.number:
+        return
+    material = Material(packing.density, packing.modulus, packing.poisson_ratio)
+    denser = denser_by_weight(packing.expected_height, packing.radius, material)
+    if denser > DENSER:
+        yield (
+            ("packing", "modulus"),
+            f"so soft that a packing about {packing.expected_height:.2g} m high is {denser:.1%} denser by its weight, "
+            "with more and larger contacts; "
+            f"{packing.modulus * (denser / DENSER) ** 1.5:.2g} Pa keep that to {DENSER:.0%}",
+        )
+
+
+WARNINGS: tuple[Check, ...] = (packing_bears_itself,)
