@@ -94,6 +94,8 @@ class Gas:
         self.u, self.q, self.p = np.zeros(faces), np.zeros(faces), np.zeros(grid.cells)
         self.T, self.eps = np.full(grid.cells, float(T)), np.ones(grid.cells)
         self.mass, self.heat = self.density * self.open_volume, np.zeros(grid.cells)
+        # of memory that the system takes back the first use costs as much as the weights
+        self._room: tuple[NDArray[np.int32], Array] | None = None
         self.started = False
         self.sums = dict.fromkeys(("mass_in", "mass_out", "heat_in", "heat_out", "gained"), 0.0)
         self.counts = {"raised": 0, "iterations": 0, "steps": 0}
@@ -171,15 +173,13 @@ class Gas:
         slope = self._project(dt, places, predicted, gained)
         self._transport(dt, gained)
         self.given = drag.resisted * self.q - drag.pushed - places.solid * slope
-        force = drag.coefficient * (kernels.gather_faces(places.faces, places.weight, self.q) - drag.carried)
-        pressed = kernels.gather_faces(places.faces, places.weight, slope)
-        return force - places.volume[:, None] * pressed, received
+        return kernels.force_on_particles(places, drag, self.q, slope), received
 
     def around(self, bed: Motion) -> Local:
         """Return the gas around each particle."""
         where, share, inside = self.grid.shares(bed.x, bed.radius)
         eps = kernels.gather(where, share, self.eps)
-        slip = kernels.gather_faces(*self.grid.weights(bed.x), self.q) - eps[:, None] * bed.v
+        slip = kernels.gather_faces(*self._weights(bed), self.q) - eps[:, None] * bed.v
         return self._local(where, share, inside, eps, slip, 2.0 * bed.radius)
 
     def state(self) -> dict[str, Array]:
@@ -200,11 +200,16 @@ class Gas:
     def _locate(self, bed: Motion) -> Places:
         """Find the cells and faces around each particle, and the porosities."""
         where, share, inside = self.grid.shares(bed.x, bed.radius)
-        faces, weight = self.grid.weights(bed.x)
+        faces, weight = self._weights(bed)
         volume = bed.volume * inside
         eps, eps_at = self._porosity(volume, where, share)
-        solid = kernels.scatter_faces(faces, weight, np.repeat(volume[:, None], 3, 1), len(self.u))
+        solid = kernels.scatter_faces(faces, weight, volume, len(self.u))
         return Places(where, share, inside, volume, faces, weight, eps, eps_at, solid, self._face_porosity(solid, eps))
+
+    def _weights(self, bed: Motion) -> tuple[NDArray[np.int32], Array]:
+        """Find the faces around each particle and its weights on them, which hold until they are asked for again."""
+        self._room = self.grid.weights(bed.x, self._room)
+        return self._room
 
     def _set_inlet_velocity(self, eps_face: Array) -> Array:
         """Set the velocities at the inlet from the mass flux; return the density on faces (f,) [kg/m3]."""
@@ -222,10 +227,9 @@ class Gas:
         slip = kernels.gather_faces(faces, weight, self.q) - carried
         local = self._local(where, share, places.inside, eps_at, slip, d_p)
         beta = self.drag(Re=local.Re, eps=local.eps, d_p=d_p, mu=local.mu)
-        coefficient = np.repeat((beta * places.volume / ((1.0 - eps_at) * eps_at))[:, None], 3, 1)
-        resisted = kernels.scatter_faces(faces, weight, coefficient, len(self.u))
-        pushed = kernels.scatter_faces(faces, weight, coefficient * carried, len(self.u))
-        return local, Drag(coefficient, carried, resisted, pushed)
+        coefficient = beta * places.volume / ((1.0 - eps_at) * eps_at)
+        sums = kernels.scatter_drag(faces, weight, coefficient, carried, len(self.u))
+        return local, Drag(coefficient, carried, *sums)
 
     def _predict(self, dt: float, rho: Array, places: Places, drag: Drag) -> Prediction:
         """Predict the velocity without the pressure gradient: explicit convection and stress, implicit drag."""

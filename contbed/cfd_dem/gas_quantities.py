@@ -65,7 +65,7 @@ class Places(NamedTuple):
 class Drag(NamedTuple):
     """Drag of the superficial slip q - eps v, implicit in q.
 
-    `coefficient` [kg/s] and eps v [m/s], `carried`, of each particle and axis (n, 3); sums on faces (f,) of the
+    `coefficient` [kg/s] (n,) and eps v [m/s], `carried` (n, 3), of each particle; sums on faces (f,) of the
     coefficients, `resisted` [kg/s], and of their products with eps v, `pushed` [N].
     """
 

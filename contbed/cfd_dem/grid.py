@@ -131,11 +131,13 @@ class Grid:
         cells, share, inside = _cell_shares(x, reach, self.lower, self.size, count, self.sides, self.open_cells, width)
         return cells, share, inside
 
-    def weights(self, x: Array) -> tuple[NDArray[np.int32], Array]:
-        """Find the faces (n, 3, 8) across x, y, z around each point, and its weights on them."""
-        count = np.array(self.count)
-        faces, weight = _face_weights(x, self.lower, self.size, count, self.sides, self.face_first, self.active)
-        return faces, weight
+    def weights(self, x: Array, room: tuple[NDArray[np.int32], Array] | None = None) -> tuple[NDArray[np.int32], Array]:
+        """Find the faces (n, 3, 8) across x, y, z around each point, and its weights on them, in `room` if given."""
+        shape, count = (len(x), 3, 8), np.array(self.count)
+        if room is None or room[0].shape != shape:
+            room = np.empty(shape, np.int32), np.empty(shape)
+        _face_weights(x, self.lower, self.size, count, self.sides, self.face_first, self.active, *room)
+        return room
 
     def _connect(self) -> None:
         count, sides = np.array(self.count), self.sides
@@ -241,7 +243,7 @@ def _cell_shares(
     return cells, share, inside
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _face_weights(
     x: Array,
     lower: Array,
@@ -250,30 +252,41 @@ def _face_weights(
     periodic: NDArray[np.bool_],
     first: NDArray[np.int64],
     active: NDArray[np.bool_],
-) -> tuple[NDArray[np.int32], Array]:
-    n = len(x)
-    faces, weight = np.zeros((n, 3, 8), np.int32), np.zeros((n, 3, 8))
-    at, part = np.empty((3, 2), np.int64), np.empty((3, 2))
-    shape = np.empty(3, np.int64)
-    for i in range(n):
-        for a in range(3):
-            for b in range(3):
-                shape[b] = count[b] + (1 if a == b and not periodic[b] else 0)
-                s = (x[i, b] - lower[b]) / size[b] - (0.0 if a == b else 0.5)
+    faces: NDArray[np.int32],
+    weight: Array,
+) -> None:
+    # along each axis the two faces (0) and the two centres (1) around a point, as numbers along it, and its parts
+    at, part = np.empty((2, 3, 2), np.int64), np.empty((2, 3, 2))
+    many = np.empty((2, 3), np.int64)
+    for b in range(3):
+        many[0, b], many[1, b] = count[b] + (0 if periodic[b] else 1), count[b]
+    for i in range(len(x)):
+        for b in range(3):
+            place = (x[i, b] - lower[b]) / size[b]
+            for kind in range(2):
+                s, last = place - 0.5 * kind, many[kind, b] - 1
                 k = int(np.floor(s))
-                part[b, 1] = s - k
-                part[b, 0] = 1.0 - part[b, 1]
-                for side in range(2):
-                    m = k + side
-                    at[b, side] = m % shape[b] if periodic[b] else min(max(m, 0), shape[b] - 1)
-            total = 0.0
-            for corner in range(8):
-                p, q, r = corner // 4, corner // 2 % 2, corner % 2
-                f = first[a] + (at[0, p] * shape[1] + at[1, q]) * shape[2] + at[2, r]
-                faces[i, a, corner] = f
-                if active[f]:
-                    weight[i, a, corner] = part[0, p] * part[1, q] * part[2, r]
-                    total += weight[i, a, corner]
+                part[kind, b, 1] = s - k
+                part[kind, b, 0] = 1.0 - part[kind, b, 1]
+                if 0 <= k < last:
+                    at[kind, b, 0], at[kind, b, 1] = k, k + 1
+                elif periodic[b]:
+                    at[kind, b, 0], at[kind, b, 1] = k % (last + 1), (k + 1) % (last + 1)
+                else:
+                    at[kind, b, 0], at[kind, b, 1] = min(max(k, 0), last), min(max(k + 1, 0), last)
+        for a in range(3):
+            kx, ky, kz = (0 if a == 0 else 1), (0 if a == 1 else 1), (0 if a == 2 else 1)
+            total, corner = 0.0, 0
+            for p in range(2):
+                for q in range(2):
+                    row = first[a] + (at[kx, 0, p] * many[ky, 1] + at[ky, 1, q]) * many[kz, 2]
+                    both = part[kx, 0, p] * part[ky, 1, q]
+                    for r in range(2):
+                        f = row + at[kz, 2, r]
+                        w = both * part[kz, 2, r] if active[f] else 0.0
+                        faces[i, a, corner], weight[i, a, corner] = f, w
+                        total += w
+                        corner += 1
             if total > 0.0:
-                weight[i, a] /= total
-    return faces, weight
+                for corner in range(8):
+                    weight[i, a, corner] /= total

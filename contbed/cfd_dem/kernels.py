@@ -5,6 +5,8 @@ Kernels run over the tables of a `grid.Grid`; arrays are of cells (c,), faces (f
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -49,12 +51,45 @@ def gather_faces(faces: Places, weight: Array, values: Array) -> Array:
 
 @njit(cache=True)
 def scatter_faces(faces: Places, weight: Array, values: Array, size: int) -> Array:
-    """Sum `values` (n, 3) over the particles, by direction, shape (size,)."""
+    """Sum `values` (n,) over the particles, on the faces across each axis, shape (size,)."""
     out = np.zeros(size)
     for i in range(len(faces)):
         for a in range(3):
             for k in range(8):
-                out[faces[i, a, k]] += weight[i, a, k] * values[i, a]
+                out[faces[i, a, k]] += weight[i, a, k] * values[i]
+    return out
+
+
+@njit(cache=True)
+def scatter_drag(faces: Places, weight: Array, coefficient: Array, carried: Array, size: int) -> tuple[Array, Array]:
+    """Sum `coefficient` (n,), and its products with `carried` (n, 3) by direction, shapes (size,)."""
+    resisted, pushed = np.zeros(size), np.zeros(size)
+    for i in range(len(faces)):
+        for a in range(3):
+            given = coefficient[i] * carried[i, a]
+            for k in range(8):
+                f, w = faces[i, a, k], weight[i, a, k]
+                resisted[f] += w * coefficient[i]
+                pushed[f] += w * given
+    return resisted, pushed
+
+
+@njit(cache=True)
+def force_on_particles(places: Any, drag: Any, q: Array, slope: Array) -> Array:
+    """Find the force on each particle (n, 3) [N]: drag by q (f,) [m/s] and buoyancy by the slope (f,) of p [Pa/m].
+
+    `places` and `drag` are those of `gas_quantities`.
+    """
+    faces, weight = places.faces, places.weight
+    out = np.empty((len(faces), 3))
+    for i in range(len(faces)):
+        for a in range(3):
+            speed, steep = 0.0, 0.0
+            for k in range(8):
+                f, w = faces[i, a, k], weight[i, a, k]
+                speed += w * q[f]
+                steep += w * slope[f]
+            out[i, a] = drag.coefficient[i] * (speed - drag.carried[i, a]) - places.volume[i] * steep
     return out
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from contbed.dem.kernel_arrays import (
@@ -124,11 +125,9 @@ class Memory:
 
     def load(self, position: Array, velocity: Array, spin: Array, pushed: Array | None) -> None:
         """Copy positions [m], velocities [m/s], spins [rad/s] and external forces [N] from the user's order."""
-        bodies = self.side.bodies
-        np.take(position, self.user, axis=0, out=bodies.position)
-        bodies.motion[:, :3], bodies.motion[:, 3:] = velocity[self.user], spin[self.user]
+        _load(self.side.bodies, *(np.ascontiguousarray(values, np.float64) for values in (position, velocity, spin)))
         if pushed is not None:
-            np.take(pushed, self.user, axis=0, out=bodies.pushed)
+            np.take(pushed, self.user, axis=0, out=self.side.bodies.pushed)
 
     def load_heat(self, T: Array, source: Array, capacity: Array) -> None:
         """Copy temperatures [K], heat sources [W] and heat capacities [J/K] from the user's order."""
@@ -137,9 +136,7 @@ class Memory:
 
     def store(self, position: Array, velocity: Array, spin: Array, T: Array) -> None:
         """Copy positions, velocities, spins and temperatures to the user's order."""
-        bodies = self.side.bodies
-        position[self.user] = bodies.position
-        velocity[self.user], spin[self.user] = bodies.motion[:, :3], bodies.motion[:, 3:]
+        _store(self.side.bodies, position, velocity, spin)
         if self._is_warm:
             T[self.user] = self.side.heat.T
 
@@ -237,6 +234,24 @@ class Memory:
                 np.zeros(blocks, np.int32), _whole(close), _whole(close), np.empty((close, 3)), np.empty((close, 2))
             ),
         )
+
+
+@njit(nogil=True, cache=True)
+def _load(bodies: Bodies, position: Array, velocity: Array, spin: Array) -> None:
+    for i in range(len(bodies.user)):
+        k = bodies.user[i]
+        for a in range(3):
+            bodies.position[i, a], bodies.motion[i, a] = position[k, a], velocity[k, a]
+            bodies.motion[i, 3 + a] = spin[k, a]
+
+
+@njit(nogil=True, cache=True)
+def _store(bodies: Bodies, position: Array, velocity: Array, spin: Array) -> None:
+    for i in range(len(bodies.user)):
+        k = bodies.user[i]
+        for a in range(3):
+            position[k, a], velocity[k, a] = bodies.position[i, a], bodies.motion[i, a]
+            spin[k, a] = bodies.motion[i, 3 + a]
 
 
 def _whole(size: int) -> Entries:
