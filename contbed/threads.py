@@ -3,7 +3,8 @@
 A kernel is compiled with `nogil=True` and takes a range: `kernel(begin, end, *arguments)` computes the elements from
 begin to before end. `parallel` calls it for equal parts of the range, one for each thread; a kernel whose elements do
 not depend on each other gives the same bits for any number of threads. Sums need an order that does not depend on the
-number of threads: `sums` calls the kernel for parts of a fixed length and adds what it returns in the order of parts.
+number of threads: `sums` calls the kernel for parts of a fixed length and adds what it returns in the order of parts,
+`scattered` does so with arrays to which it adds.
 
     @njit(nogil=True, cache=True)
     def squares(begin, end, x, out):
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS")  # the least of those set bounds the default
 BLAS_VARIABLES = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 PART = 4096  # elements of a part of `sums`; a kernel of 10 ns an element takes 40 us for it, a hand-over 10 us
+SCATTERED = 8  # most parts of `scattered`, each with an array of its own
 ALIGNED = 64  # parts of `parallel` begin at multiples of it, so that two threads seldom write to one cache line
 LEAST = 4096  # elements that a thread must have by default; below, handing over costs more than it saves
 
@@ -166,6 +168,37 @@ def sums(kernel: Callable[..., Any], n: int, *arguments: Any, part: int = PART) 
     number = min(count(n), len(starts))
     together([(some, (first, number)) for first in range(number)])
     return np.sum(np.array(found, dtype=np.float64), axis=0)
+
+
+def scattered(kernel: Callable[..., Any], n: int, shape: tuple[int, ...], *arguments: Any, least: int = LEAST) -> Any:
+    """Add arrays to which `kernel(begin, end, *arguments, out)` adds for parts of the range, in the order of the parts.
+
+    Parameters
+    ----------
+    kernel : compiled with nogil=True; adds to any place of `out`
+    n : number of elements
+    shape : of `out`, which is zero at the start of a part
+    arguments : passed on to the kernel
+    least : elements of a part; their number depends on it and `n`, not on the number of threads
+
+    Returns
+    -------
+    the sum of all parts
+
+    Raises
+    ------
+    KeyboardInterrupt : SIGINT arrived
+    """
+    parts = max(1, min(SCATTERED, n // least))
+    out, bounds = np.zeros((parts, *shape)), [n * k // parts for k in range(parts + 1)]
+
+    def some(first: int, step: int) -> None:
+        for k in range(first, parts, step):
+            kernel(bounds[k], bounds[k + 1], *arguments, out[k])
+
+    number = min(count(n, least), parts)
+    together([(some, (first, number)) for first in range(number)])
+    return out[0] if parts == 1 else out.sum(axis=0)
 
 
 def together(calls: list[tuple[Callable[..., Any], tuple[Any, ...]]]) -> list[Any]:

@@ -21,6 +21,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from contbed import threads
 from contbed.errors import SceneError
 
 Array = NDArray[np.float64]
@@ -128,7 +129,9 @@ class Grid:
         """
         width = int(np.ceil(2.0 * reach.max() / self.size.min())) + 1
         count = np.array(self.count)
-        cells, share, inside = _cell_shares(x, reach, self.lower, self.size, count, self.sides, self.open_cells, width)
+        cells, share, inside = np.empty((len(x), width**3), np.int32), np.empty((len(x), width**3)), np.ones(len(x))
+        sides = self.lower, self.size, count, self.sides, self.open_cells
+        threads.parallel(_cell_shares, len(x), x, reach, *sides, width, cells, share, inside)
         return cells, share, inside
 
     def weights(self, x: Array, room: tuple[NDArray[np.int32], Array] | None = None) -> tuple[NDArray[np.int32], Array]:
@@ -136,7 +139,8 @@ class Grid:
         shape, count = (len(x), 3, 8), np.array(self.count)
         if room is None or room[0].shape != shape:
             room = np.empty(shape, np.int32), np.empty(shape)
-        _face_weights(x, self.lower, self.size, count, self.sides, self.face_first, self.active, *room)
+        sides = self.lower, self.size, count, self.sides, self.face_first, self.active
+        threads.parallel(_face_weights, len(x), x, *sides, *room)
         return room
 
     def _connect(self) -> None:
@@ -196,8 +200,10 @@ class Grid:
         return volume * self.volume / len(inner)
 
 
-@njit(cache=True)
+@njit(nogil=True, cache=True)
 def _cell_shares(
+    begin: int,
+    end: int,
     x: Array,
     reach: Array,
     lower: Array,
@@ -206,11 +212,12 @@ def _cell_shares(
     periodic: NDArray[np.bool_],
     opened: NDArray[np.bool_],
     width: int,
-) -> tuple[NDArray[np.int32], Array, Array]:
-    n = len(x)
-    cells, share, inside = np.zeros((n, width**3), np.int32), np.zeros((n, width**3)), np.ones(n)
+    cells: NDArray[np.int32],
+    share: Array,
+    inside: Array,
+) -> None:
     at, part = np.empty((3, width), np.int64), np.empty((3, width))
-    for i in range(n):
+    for i in range(begin, end):
         for a in range(3):
             first = int(np.floor((x[i, a] - reach[i] - lower[a]) / size[a]))
             below = 0.0
@@ -240,11 +247,12 @@ def _cell_shares(
                     k += 1
         if total > 0.0 and total != 1.0:
             share[i] /= total
-    return cells, share, inside
 
 
-@njit(cache=True, error_model="numpy")
+@njit(nogil=True, cache=True, error_model="numpy")
 def _face_weights(
+    begin: int,
+    end: int,
     x: Array,
     lower: Array,
     size: Array,
@@ -260,7 +268,7 @@ def _face_weights(
     many = np.empty((2, 3), np.int64)
     for b in range(3):
         many[0, b], many[1, b] = count[b] + (0 if periodic[b] else 1), count[b]
-    for i in range(len(x)):
+    for i in range(begin, end):
         for b in range(3):
             place = (x[i, b] - lower[b]) / size[b]
             for kind in range(2):

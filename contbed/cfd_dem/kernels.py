@@ -1,6 +1,7 @@
 """Compiled parts of the gas: sums over the particles' shares, momentum on faces, slopes of the pressure.
 
-Kernels run over the tables of a `grid.Grid`; arrays are of cells (c,), faces (f,) or particles (n,).
+Kernels run over the tables of a `grid.Grid`; arrays are of cells (c,), faces (f,) or particles (n,). Those over
+particles run in several threads; sums are taken in an order that does not depend on how many there are.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from contbed import threads
 from contbed.cfd_dem.grid import OUTLET, Tables
 
 Array = NDArray[np.float64]
@@ -18,79 +20,114 @@ Indices = NDArray[np.int64]
 Places = NDArray[np.int32]  # cells or faces around each particle
 
 
-@njit(cache=True)
 def gather(where: Places, weight: Array, values: Array) -> Array:
     """Sum the weighted values of the cells around each particle, shape (n,)."""
-    out = np.zeros(len(where))
-    for i in range(len(where)):
-        for k in range(where.shape[1]):
-            out[i] += weight[i, k] * values[where[i, k]]
+    out = np.empty(len(where))
+    threads.parallel(_gather, len(where), where, weight, values, out)
     return out
 
 
-@njit(cache=True)
+@njit(nogil=True, cache=True)
+def _gather(begin: int, end: int, where: Places, weight: Array, values: Array, out: Array) -> None:
+    for i in range(begin, end):
+        found = 0.0
+        for k in range(where.shape[1]):
+            found += weight[i, k] * values[where[i, k]]
+        out[i] = found
+
+
 def scatter(where: Places, weight: Array, values: Array, size: int) -> Array:
     """Sum `values` (n,) over the particles, shape (size,)."""
-    out = np.zeros(size)
-    for i in range(len(where)):
+    return np.asarray(threads.scattered(_scatter, len(where), (size,), where, weight, values))
+
+
+@njit(nogil=True, cache=True)
+def _scatter(begin: int, end: int, where: Places, weight: Array, values: Array, out: Array) -> None:
+    for i in range(begin, end):
         for k in range(where.shape[1]):
             out[where[i, k]] += weight[i, k] * values[i]
-    return out
 
 
-@njit(cache=True)
 def gather_faces(faces: Places, weight: Array, values: Array) -> Array:
     """Find the vector at each particle from values normal to the faces, shape (n, 3)."""
-    out = np.zeros((len(faces), 3))
-    for i in range(len(faces)):
-        for a in range(3):
-            for k in range(8):
-                out[i, a] += weight[i, a, k] * values[faces[i, a, k]]
+    out = np.empty((len(faces), 3))
+    threads.parallel(_gather_faces, len(faces), faces, weight, values, out)
     return out
 
 
-@njit(cache=True)
+@njit(nogil=True, cache=True)
+def _gather_faces(begin: int, end: int, faces: Places, weight: Array, values: Array, out: Array) -> None:
+    for i in range(begin, end):
+        for a in range(3):
+            found = 0.0
+            for k in range(8):
+                found += weight[i, a, k] * values[faces[i, a, k]]
+            out[i, a] = found
+
+
 def scatter_faces(faces: Places, weight: Array, values: Array, size: int) -> Array:
     """Sum `values` (n,) over the particles, on the faces across each axis, shape (size,)."""
-    out = np.zeros(size)
-    for i in range(len(faces)):
+    return np.asarray(threads.scattered(_scatter_faces, len(faces), (size,), faces, weight, values))
+
+
+@njit(nogil=True, cache=True)
+def _scatter_faces(begin: int, end: int, faces: Places, weight: Array, values: Array, out: Array) -> None:
+    for i in range(begin, end):
         for a in range(3):
             for k in range(8):
                 out[faces[i, a, k]] += weight[i, a, k] * values[i]
-    return out
 
 
-@njit(cache=True)
-def scatter_drag(faces: Places, weight: Array, coefficient: Array, carried: Array, size: int) -> tuple[Array, Array]:
-    """Sum `coefficient` (n,), and its products with `carried` (n, 3) by direction, shapes (size,)."""
-    resisted, pushed = np.zeros(size), np.zeros(size)
-    for i in range(len(faces)):
+def scatter_drag(faces: Places, weight: Array, coefficient: Array, carried: Array, size: int) -> Array:
+    """Sum `coefficient` (n,), and its products with `carried` (n, 3) by direction, shape (2, size)."""
+    return np.asarray(threads.scattered(_scatter_drag, len(faces), (2, size), faces, weight, coefficient, carried))
+
+
+@njit(nogil=True, cache=True)
+def _scatter_drag(
+    begin: int, end: int, faces: Places, weight: Array, coefficient: Array, carried: Array, out: Array
+) -> None:
+    for i in range(begin, end):
         for a in range(3):
             given = coefficient[i] * carried[i, a]
             for k in range(8):
                 f, w = faces[i, a, k], weight[i, a, k]
-                resisted[f] += w * coefficient[i]
-                pushed[f] += w * given
-    return resisted, pushed
+                out[0, f] += w * coefficient[i]
+                out[1, f] += w * given
 
 
-@njit(cache=True)
 def force_on_particles(places: Any, drag: Any, q: Array, slope: Array) -> Array:
     """Find the force on each particle (n, 3) [N]: drag by q (f,) [m/s] and buoyancy by the slope (f,) of p [Pa/m].
 
     `places` and `drag` are those of `gas_quantities`.
     """
-    faces, weight = places.faces, places.weight
-    out = np.empty((len(faces), 3))
-    for i in range(len(faces)):
+    out = np.empty((len(places.faces), 3))
+    given = drag.coefficient, drag.carried, places.volume
+    threads.parallel(_force, len(out), places.faces, places.weight, *given, q, slope, out)
+    return out
+
+
+@njit(nogil=True, cache=True)
+def _force(
+    begin: int,
+    end: int,
+    faces: Places,
+    weight: Array,
+    coefficient: Array,
+    carried: Array,
+    volume: Array,
+    q: Array,
+    slope: Array,
+    out: Array,
+) -> None:
+    for i in range(begin, end):
         for a in range(3):
             speed, steep = 0.0, 0.0
             for k in range(8):
                 f, w = faces[i, a, k], weight[i, a, k]
                 speed += w * q[f]
                 steep += w * slope[f]
-            out[i, a] = drag.coefficient[i] * (speed - drag.carried[i, a]) - places.volume[i] * steep
-    return out
+            out[i, a] = coefficient[i] * (speed - carried[i, a]) - volume[i] * steep
 
 
 @njit(cache=True)

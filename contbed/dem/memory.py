@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from contbed import threads
 from contbed.dem.kernel_arrays import (
     BLOCK,
     Array,
@@ -125,7 +126,8 @@ class Memory:
 
     def load(self, position: Array, velocity: Array, spin: Array, pushed: Array | None) -> None:
         """Copy positions [m], velocities [m/s], spins [rad/s] and external forces [N] from the user's order."""
-        _load(self.side.bodies, *(np.ascontiguousarray(values, np.float64) for values in (position, velocity, spin)))
+        given = (np.ascontiguousarray(values, np.float64) for values in (position, velocity, spin))
+        threads.parallel(_load, len(position), self.side.bodies, *given)
         if pushed is not None:
             np.take(pushed, self.user, axis=0, out=self.side.bodies.pushed)
 
@@ -136,7 +138,7 @@ class Memory:
 
     def store(self, position: Array, velocity: Array, spin: Array, T: Array) -> None:
         """Copy positions, velocities, spins and temperatures to the user's order."""
-        _store(self.side.bodies, position, velocity, spin)
+        threads.parallel(_store, len(position), self.side.bodies, position, velocity, spin)
         if self._is_warm:
             T[self.user] = self.side.heat.T
 
@@ -237,8 +239,8 @@ class Memory:
 
 
 @njit(nogil=True, cache=True)
-def _load(bodies: Bodies, position: Array, velocity: Array, spin: Array) -> None:
-    for i in range(len(bodies.user)):
+def _load(begin: int, end: int, bodies: Bodies, position: Array, velocity: Array, spin: Array) -> None:
+    for i in range(begin, end):
         k = bodies.user[i]
         for a in range(3):
             bodies.position[i, a], bodies.motion[i, a] = position[k, a], velocity[k, a]
@@ -246,8 +248,8 @@ def _load(bodies: Bodies, position: Array, velocity: Array, spin: Array) -> None
 
 
 @njit(nogil=True, cache=True)
-def _store(bodies: Bodies, position: Array, velocity: Array, spin: Array) -> None:
-    for i in range(len(bodies.user)):
+def _store(begin: int, end: int, bodies: Bodies, position: Array, velocity: Array, spin: Array) -> None:
+    for i in range(begin, end):
         k = bodies.user[i]
         for a in range(3):
             position[k, a], velocity[k, a] = bodies.position[i, a], bodies.motion[i, a]

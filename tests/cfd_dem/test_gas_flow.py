@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import i0e
 
+from contbed import threads
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.gas import Gas
@@ -59,6 +60,22 @@ def bed_of(packing, U, gas=None, nusselt=None, periodic=(True, True), **options)
     gas = gas or Gas(grid, AIR, drag_gidaspow, nusselt)
     gas.inlet(U, 300.0)
     return Bed(simulation, gas, **options)
+
+
+def test_the_same_bits_on_several_threads():
+    """So many spheres that three threads take parts of them, with heat; sums are in parts whatever their number."""
+    rng = np.random.default_rng(4)
+    x = lattice(1.1 * D, 24, 24, 24) + rng.uniform(-0.04, 0.04, (13824, 3)) * D
+    bed = Motion(x, rng.normal(0, 0.3, x.shape), np.full(len(x), D / 2), rng.uniform(300.0, 400.0, len(x)))
+    found = []
+    for number in (1, 3):
+        grid = Grid(np.zeros(3), np.full(3, 3.3 * D), (8, 8, 9), (True, False))
+        gas = Gas(grid, AIR, drag_gidaspow, nusselt_gunn)
+        gas.inlet(0.7, 300.0)
+        with threads.using(number):
+            assert threads.count(len(x)) == number
+            found.append([*gas.step(1e-4, bed), *gas.step(1e-4, bed), gas.u, gas.p, gas.T])
+    assert all(one.tobytes() == other.tobytes() for one, other in zip(*found, strict=True))
 
 
 @pytest.mark.parametrize("drag", [drag_di_felice, drag_gidaspow, drag_wen_yu])

@@ -54,6 +54,26 @@ def test_sums_do_not_depend_on_the_number_of_threads():
     assert (threads.sums(total, 0, x) == 0.0).all()
 
 
+@njit(nogil=True)
+def spread(begin, end, place, x, out):
+    for k in range(begin, end):
+        out[0, place[k]] += x[k]
+        out[1, place[k]] -= x[k]
+
+
+@pytest.mark.parametrize("n", [0, 5, 999, 20_003])
+def test_scattered_sums_do_not_depend_on_the_number_of_threads(n):
+    """Round-off beside NumPy's sum, which has another order; parts of 100 elements are at most SCATTERED."""
+    rng = np.random.default_rng(1)
+    place, x, found = rng.integers(7, size=n), rng.normal(size=n), []
+    for number in (1, 2, 5):
+        with threads.using(number):
+            found.append(threads.scattered(spread, n, (2, 7), place, x, least=100))
+    assert found[0].tobytes() == found[1].tobytes() == found[2].tobytes()
+    assert found[0][0] == pytest.approx(np.bincount(place, x, 7), rel=1e-12, abs=1e-12)
+    assert (found[0][1] == -found[0][0]).all()
+
+
 def test_calls_run_at_the_same_time():
     """Each waits for the other, which calls one after the other would do for ever."""
     meet = threading.Barrier(2, timeout=60.0)
