@@ -92,7 +92,6 @@ class Pairs(NamedTuple):
     [m/s]; both meaningful for closed contacts only
     start, stop (2, n) : those of row i in zone z are the places from `start[z, i]` to before `stop[z, i]`
     listed (n, 3) : positions for which the list was made [m]
-    per_margin (n,) : 1 over how far each particle may move until the list is old [1/m]
     """
 
     room: tuple[int, int]
@@ -104,7 +103,6 @@ class Pairs(NamedTuple):
     spring: Array
     onset: Array
     listed: Array
-    per_margin: Array
 
 
 class NearWalls(NamedTuple):
@@ -154,24 +152,16 @@ class Sums(NamedTuple):
 
 
 class Sorting(NamedTuple):
-    """Room for sorting: cell of each particle, sorted order and its inverse (n,), first particle of each cell.
-
-    reach (n,) : radius and how far each particle may move until the list is old [m], in the new order
-    fast : of each cell, whether it or one near to it holds fast particles (`ordering.NEAR`, `ordering.FAST`)
-    held (1,) : for how long margins should hold [s], 0 if all are alike
-    """
+    """Room for sorting: cell of each particle, sorted order and its inverse (n,), first particle of each cell."""
 
     cell: Entries
     order: Entries
     place: Entries
     first: Entries
-    reach: Array
-    fast: NDArray[np.uint8]
-    held: Array
 
 
 class Blocks(NamedTuple):
-    """What is found for each block: largest speed or distance squared, particle to blame or -1, corners, needs.
+    """What is found for each block: largest speed squared or distance squared, particle to blame or -1, corners, needs.
 
     largest, culprit : (blocks,)
     extent : (blocks, 6) lower and upper corner [m]
@@ -212,15 +202,16 @@ class Laws(NamedTuple):
 class Interval(NamedTuple):
     """Steps of a run: gravity (3,) [m/s2], time step [s], how many steps after step `first`.
 
-    `moved` is the largest share of its margin that a particle can have moved since the list was made, `begun` whether
-    the first step has moved the particles already, `speed_limit` [m/s] of a particle, `is_pushed` whether there are
-    external forces.
+    `enough` [m] is the move after which the list is made anew, `moved` [m] the farthest that a particle can have moved
+    since it was made, `begun` whether the first step has moved the particles already, `speed_limit` [m/s] of a
+    particle, `is_pushed` whether there are external forces.
     """
 
     gravity: Array
     time_step: float
     first: int
     steps: int
+    enough: float
     moved: float
     begun: bool
     speed_limit: float

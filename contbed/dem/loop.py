@@ -24,16 +24,8 @@ from contbed.barrier import Crew, finish, take, wait
 from contbed.compiling import inner
 from contbed.dem import contact, contact_heat, forces, heat_impact, kernel_arrays, neighbours, ordering, wall_forces
 from contbed.dem.forces import empty_batch, pair_forces
-from contbed.dem.kernel_arrays import BLOCK, Array, Blocks, Box, Indices, Interval, Laws, Pairs, Room, Side, Sums, Table
-from contbed.dem.neighbours import (
-    carry_pairs,
-    carry_walls,
-    find_incoming,
-    find_near_walls,
-    find_pairs,
-    horizon,
-    set_margins,
-)
+from contbed.dem.kernel_arrays import BLOCK, Array, Blocks, Box, Indices, Interval, Laws, Room, Side, Sums, Table
+from contbed.dem.neighbours import carry_pairs, carry_walls, find_incoming, find_near_walls, find_pairs
 from contbed.dem.ordering import cells_around, find_cells, reorder, sort, wrap
 from contbed.dem.wall_forces import wall_forces as add_wall_forces
 
@@ -45,7 +37,7 @@ BEGIN, GO_ON, END = range(3)
 class Outcome(NamedTuple):
     """How a kernel ended: status, the particle to blame or -1, steps completed.
 
-    moved : largest share of its margin that a particle can have moved since the list was made
+    moved : farthest that a particle can have moved since the list was made [m]
     """
 
     status: int
@@ -59,15 +51,9 @@ def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int,
     """Take both half kicks of velocity Verlet, and move: after the second half of a step comes the first of the next.
 
     First what other blocks and external forces give is added to the sums, and the heat to the temperatures. `largest`
-    and `culprit` of the block become the largest speed over margin squared and a particle above the limit or -1.
+    and `culprit` of the block become the largest speed squared and a particle above the limit or -1.
     """
-    bodies, spheres, heat, crossing, per_margin = (
-        side.bodies,
-        side.spheres,
-        side.heat,
-        sums.crossing,
-        side.pairs.per_margin,
-    )
+    bodies, spheres, heat, crossing = side.bodies, side.spheres, side.heat, sums.crossing
     load, half, motion, dt = sums.load, side.bodies.half, side.bodies.motion, interval.time_step
     h, top, worst, is_warm = 0.5 * interval.time_step, 0.0, -1, len(side.heat.T) > 0
     per_mass, per_inertia = 1.0 / spheres.mass[0], 1.0 / spheres.inertia[0]
@@ -100,17 +86,16 @@ def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int,
             speed2 += u * u
         if not speed2 <= interval.speed_limit * interval.speed_limit:  # a NaN is never below
             worst = i
-        top = max(top, speed2 * per_margin[i] * per_margin[i])
+        top = max(top, speed2)
     blocks.largest[block], blocks.culprit[block] = top, worst
 
 
 @inner(error_model="numpy", nogil=True)
-def _measure_move(block: int, x: Array, pairs: Pairs, largest: Array) -> None:
-    """Find the square of the largest share of its margin by which a particle has moved since the list was made."""
-    top, x0 = 0.0, pairs.listed
+def _measure_move(block: int, x: Array, x0: Array, largest: Array) -> None:
+    """Find the largest distance squared from the positions at which the list was made [m2]."""
+    top = 0.0
     for i in range(block * BLOCK, min((block + 1) * BLOCK, len(x))):
-        distance2 = (x[i, 0] - x0[i, 0]) ** 2 + (x[i, 1] - x0[i, 1]) ** 2 + (x[i, 2] - x0[i, 2]) ** 2
-        top = max(top, distance2 * pairs.per_margin[i] ** 2)
+        top = max(top, (x[i, 0] - x0[i, 0]) ** 2 + (x[i, 1] - x0[i, 1]) ** 2 + (x[i, 2] - x0[i, 2]) ** 2)
     largest[block] = top
 
 
@@ -144,15 +129,15 @@ def _step_kernel(stamp: int) -> Callable[..., Outcome]:
                 if culprit >= 0:
                     return Outcome(TOO_FAST, culprit, done, moved)
                 moved += np.sqrt(blocks.largest.max()) * interval.time_step
-                if moved > 1.0:
+                if moved > interval.enough:
                     wait(crew)
                     piece = take(crew)
                     while piece < pieces:
-                        _measure_move(piece, side.bodies.position, side.pairs, blocks.largest)
+                        _measure_move(piece, side.bodies.position, side.pairs.listed, blocks.largest)
                         piece = take(crew)
                     finish(crew, pieces)
                     moved = float(np.sqrt(blocks.largest.max()))
-                if moved > 1.0:
+                if moved > interval.enough:
                     return Outcome(LIST_IS_OLD, -1, done, moved)
             begun = False
             phase, now = GO_ON if done < interval.steps - 1 else END, float(interval.first + done + 1)
@@ -184,23 +169,21 @@ def _list_kernel(stamp: int) -> Callable[..., Outcome]:
         walls: Table,
         box: Box,
         skin: float,
-        dt: float,
         room: Room,
     ) -> Outcome:
-        """Sort the particles and list pairs and near walls anew on the side `new`; `skin` [m], time step `dt` [s]."""
+        """Sort the particles and list pairs and near walls anew on the side `new`."""
         blocks, sorting, n = room.blocks, room.sorting, max(len(old.bodies.position), min(stamp, 0))
         pieces = len(blocks.largest)
         widest = old.spheres.radius[0] if old.spheres.equal else old.spheres.radius.max()
         piece = take(crew)
         while piece < pieces:
-            wrap(piece, old.bodies, box, blocks)
+            wrap(piece, old.bodies.position, box, blocks.culprit, blocks.extent)
             piece = take(crew)
         finish(crew, pieces)
         lost = _culprit(blocks.culprit)
         if lost >= 0:
             return Outcome(LOST, lost, 0, 0.0)
         cells = cells_around(blocks.extent, box, 2.0 * widest + skin, n)
-        speed = np.sqrt(blocks.largest.max())
         piece = take(crew)
         while piece < pieces:
             find_cells(piece, old.bodies.position, cells, sorting.cell)
@@ -208,22 +191,18 @@ def _list_kernel(stamp: int) -> Callable[..., Outcome]:
         finish(crew, pieces)
         if crew.number == 0:
             sort(sorting, cells)
-            sorting.held[0] = horizon(speed, skin, widest, dt, sorting, old.bodies, cells, box)
         wait(crew)
-        held = sorting.held[0]
         piece = take(crew)
         while piece < pieces:
             reorder(piece, old, new, sorting.order)
-            set_margins(piece, new, sorting, skin, held)
             piece = take(crew)
         finish(crew, pieces)
-        x = new.bodies.position
+        x, radius = new.bodies.position, new.spheres.radius
         piece = take(crew)
         while piece < pieces:
-            needed = find_pairs(piece, x, new.pairs, cells, sorting, box, held == 0.0)
+            needed = find_pairs(piece, x, radius, new.pairs, cells, sorting.first, box, skin)
             blocks.needed[piece, 0], blocks.needed[piece, 1] = needed
-            near = find_near_walls(piece, x, sorting.reach, new.near, walls)
-            blocks.needed[piece, 2], blocks.culprit[piece] = near
+            blocks.needed[piece, 2], blocks.culprit[piece] = find_near_walls(piece, x, radius, new.near, walls, skin)
             piece = take(crew)
         finish(crew, pieces)
         lost = _culprit(blocks.culprit)

@@ -43,7 +43,6 @@ class Record(NamedTuple):
 
     user (n,) : index of each particle for the user
     load (n, 6), listed (n, 3) : force and torque [N, N m], positions when the list was made [m]
-    per_margin (n,) : 1 over how far each may move until it is old [1/m]
     row, entry (e,) : the Verlet list; spring (c, 3) [m] and onset (c, 2) of its closed contacts
     wall_particle, wall (k,), wall_spring (k, 3), wall_onset (k, 2) : particles near to walls
     """
@@ -51,7 +50,6 @@ class Record(NamedTuple):
     user: Entries
     load: Array
     listed: Array
-    per_margin: Array
     row: Unsigned
     entry: Unsigned
     spring: Array
@@ -113,8 +111,7 @@ class Memory:
         n = len(self._given.radius)
         history = np.zeros((0, 3)), np.zeros((0, 2))
         order, pairs, near = np.arange(n, dtype=np.int32), np.zeros(0, np.uint32), np.zeros(0, np.int32)
-        load, listed, per_margin = np.zeros((n, 6)), np.zeros((n, 3)), np.ones(n)
-        self.write(Record(order, load, listed, per_margin, pairs, pairs, *history, near, near, *history))
+        self.write(Record(order, np.zeros((n, 6)), np.zeros((n, 3)), pairs, pairs, *history, near, near, *history))
 
     def swap(self) -> None:
         """Take the other side as the present one."""
@@ -156,7 +153,6 @@ class Memory:
             self.user.copy(),
             self.sums.load.copy(),
             pairs.listed.copy(),
-            pairs.per_margin.copy(),
             pairs.row[place],
             entry,
             pairs.spring[closed],
@@ -184,8 +180,7 @@ class Memory:
         near.particle[place], near.wall[place] = record.wall_particle, record.wall
         near.spring[place], near.onset[place] = record.wall_spring, record.wall_onset
         find_incoming(pairs, self.sums.crossing)
-        self.sums.load[:], bodies.user[:] = record.load, record.user
-        pairs.listed[:], pairs.per_margin[:] = record.listed, record.per_margin
+        self.sums.load[:], bodies.user[:], pairs.listed[:] = record.load, record.user, record.listed
         if not spheres.equal:
             for name in _EACH:
                 getattr(spheres, name)[:] = getattr(self._given, name)[record.user]
@@ -204,9 +199,7 @@ class Memory:
         crossing = Crossing(np.empty((across, 7)), _whole(n + 1), _whole(across))
         self.sums = Sums(np.zeros((n, 6)), np.zeros(warm), crossing)
         self.room = Room(
-            Sorting(
-                _whole(n), _whole(n), _whole(n), _whole(cells), np.empty(n), np.empty(cells, np.uint8), np.zeros(1)
-            ),
+            Sorting(_whole(n), _whole(n), _whole(n), _whole(cells)),
             Blocks(np.zeros(blocks), np.full(blocks, -1), np.zeros((blocks, 6)), np.zeros((blocks, 3), np.int64)),
             crossing,
         )
@@ -230,7 +223,6 @@ class Memory:
                 np.empty((size, 3)),
                 np.empty((size, 2)),
                 np.zeros((n, 3)),
-                np.ones(n),
             ),
             NearWalls(
                 np.zeros(blocks, np.int32), _whole(close), _whole(close), np.empty((close, 3)), np.empty((close, 2))

@@ -1,10 +1,5 @@
 """Verlet list with a skin from sorted cells, every pair once (i < j in memory), and the contact histories kept with it.
 
-A pair is listed while the gap between both is less than their margins together, and the list is old when a particle has
-moved by its own margin. That is half the skin, and more for particles so fast that they would cross it in a few steps:
-a jet in a bed at rest asks for new lists no sooner than its speed needs, and the bed does not pay for wider margins.
-Fast ones reach over two cells. Where all are slow all margins are equal.
-
 An entry holds the index of j in its lower BITS, above them which periodic image of j is meant, and the highest bit is
 set while the contact is closed. Positions are wrapped into the periodic sides only when the list is made: images stay
 valid in between. Particles are sorted by cell (`ordering`), so that those of a cell follow each other in memory, and
@@ -17,13 +12,11 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from contbed.compiling import inner
 from contbed.dem.kernel_arrays import (
     BLOCK,
     Array,
-    Bodies,
     Box,
     Crossing,
     Entries,
@@ -31,23 +24,14 @@ from contbed.dem.kernel_arrays import (
     NearWalls,
     Pairs,
     Row,
-    Side,
-    Sorting,
     Table,
 )
-from contbed.dem.ordering import FAST, Cells, mark_fast, number_of, place_of, speed_squared
+from contbed.dem.ordering import Cells, number_of, place_of
 
 BITS = np.uint32(26)  # of an entry for the index of j; the image is above
 MASK = np.uint32((1 << 26) - 1)
 IMAGE = np.uint32(31)  # of 27 images, in five bits
 CLOSED = np.uint32(1 << 31)
-STEPS = 20.0  # for which the fastest particle should not ask for a new list; one costs as much as some five steps
-LONGER = 2.0  # how many times as long a list must last by wide margins, which cost something themselves
-MOST_MARKED = 0.3  # share of particles with or near to fast ones, where a list costs up to five times as much
-# steps to the cells around one: itself and those beside it, then the second ones
-_OFFSETS = np.stack(np.meshgrid(*3 * [np.arange(-2, 3)], indexing="ij"), axis=-1).reshape(-1, 3)
-AROUND = _OFFSETS[np.argsort(np.abs(_OFFSETS).max(axis=1) > 1, kind="stable")]
-BESIDE = 27
 
 
 @njit(cache=True)
@@ -67,57 +51,18 @@ def image_shifts(box: Box) -> Array:
 
 
 @inner(nogil=True)
-def horizon(
-    speed: float, skin: float, widest: float, dt: float, sorting: Sorting, bodies: Bodies, cells: Cells, box: Box
-) -> float:
-    """Find the time [s] for which margins are to hold at the speeds at which a list is made, 0 for half the skin each.
-
-    Cells near to fast particles are marked.
-
-    Parameters
-    ----------
-    speed [m/s] : largest
-    skin, widest [m] : sum of two margins of slow particles, largest radius
-    dt [s] : time step
-    sorting, bodies, cells : in the order before
-    """
-    margin = 0.5 * skin
-    if LONGER * margin >= STEPS * speed * dt:
-        return 0.0
-    for axis in range(3):
-        # with fewer cells a fast particle would meet another and its image
-        if box.periodic[axis] and cells.along[axis] < 4:
-            return 0.0
-    # two fast particles reach from a cell to the second one after it
-    held = float(min(STEPS * dt, (widest + skin) / speed))
-    if held * speed < LONGER * margin or mark_fast(cells, sorting, bodies, margin / held, box) > MOST_MARKED:
-        return 0.0
-    return held
-
-
-@inner(nogil=True)
-def set_margins(block: int, new: Side, sorting: Sorting, skin: float, held: float) -> None:
-    """Find how far each particle of a block may move until the list is old, which it holds for `held` [s]."""
-    radius, margin = new.spheres.radius, 0.5 * skin
-    for i in range(block * BLOCK, min((block + 1) * BLOCK, len(new.bodies.position))):
-        if held > 0.0:
-            margin = max(0.5 * skin, np.sqrt(speed_squared(new.bodies, i)) * held)
-        sorting.reach[i], new.pairs.per_margin[i] = radius[i] + margin, 1.0 / margin
-
-
-@inner(nogil=True)
 def find_pairs(
-    block: int, x: Array, pairs: Pairs, cells: Cells, sorting: Sorting, box: Box, is_equal: bool
+    block: int, x: Array, radius: Array, pairs: Pairs, cells: Cells, first: Entries, box: Box, skin: float
 ) -> tuple[int, int]:
     """Fill the rows of a block; return how many places it needs within the block and across blocks.
 
-    Where that is more than there is room for, the list is not complete. `is_equal` : all margins are.
+    Where that is more than there is room for, the list is not complete.
     """
     begin, end, image = block * BLOCK, min((block + 1) * BLOCK, len(x)), image_shifts(box)
     base, count = np.empty(2, np.int64), np.zeros(2, np.int64)
     base[0] = block * (pairs.room[0] + pairs.room[1])
     base[1] = base[0] + pairs.room[0]
-    near = np.empty((125, 3), np.int64)  # first and last particle of each cell around, and its image
+    near = np.empty((28, 3), np.int64)  # first and last particle of each cell around, and its image
     home, groups = -1, 0
     for i in range(begin, end):
         for zone in range(2):
@@ -126,13 +71,13 @@ def find_pairs(
         number = number_of(cells, at[0], at[1], at[2])
         if number != home:
             home = number
-            groups = _cells_after(home, at, cells, sorting.first, sorting.fast, box, near, is_equal)
+            groups = _cells_after(home, at, cells, first, box, near)
         for g in range(groups):
             shift = near[g, 2]
             sx, sy, sz = x[i, 0] - image[shift, 0], x[i, 1] - image[shift, 1], x[i, 2] - image[shift, 2]
             for j in range(max(near[g, 0], i + 1), near[g, 1]):
                 dx, dy, dz = sx - x[j, 0], sy - x[j, 1], sz - x[j, 2]
-                reach = sorting.reach[i] + sorting.reach[j]
+                reach = radius[i] + radius[j] + skin
                 if dx * dx + dy * dy + dz * dz < reach * reach:
                     zone = 0 if j < end else 1
                     if count[zone] < pairs.room[zone]:
@@ -147,26 +92,15 @@ def find_pairs(
 
 
 @inner(nogil=True)
-def _cells_after(
-    home: int,
-    at: tuple[int, int, int],
-    cells: Cells,
-    first: Entries,
-    fast: NDArray[np.uint8],
-    box: Box,
-    near: Indices,
-    is_equal: bool,
-) -> int:
-    """Find the particles in the cell `home` and in those around with a higher number; return the number of cells.
-
-    Around are the cells beside it, and the second ones where they or `home` hold fast particles.
-    """
-    groups, place = 0, np.empty(3, np.int64)
-    is_fast = not is_equal and fast[home] & FAST != 0
-    for step in range(BESIDE if is_equal or fast[home] == 0 else len(AROUND)):
-        image, power, inside = 0, 1, True
+def _cells_after(home: int, at: tuple[int, int, int], cells: Cells, first: Entries, box: Box, near: Indices) -> int:
+    """Find the particles in the cell `home` and in those around with a higher number; return the number of cells."""
+    groups = 0
+    place = np.empty(3, np.int64)
+    for step in range(27):
+        image, power, inside, digit = 0, 1, True, step
         for axis in range(3):
-            place[axis] = at[axis] + AROUND[step, axis]
+            place[axis] = at[axis] + digit % 3 - 1
+            digit //= 3
             if place[axis] < 0:
                 inside = inside and box.periodic[axis]
                 place[axis] += cells.along[axis]
@@ -179,8 +113,6 @@ def _cells_after(
         if not inside:
             continue
         number = number_of(cells, place[0], place[1], place[2])
-        if step >= BESIDE and not is_fast and fast[number] & FAST == 0:
-            continue
         if number >= home and first[number] < first[number + 1]:
             near[groups, 0], near[groups, 1], near[groups, 2] = first[number], first[number + 1], image
             groups += 1
@@ -237,7 +169,7 @@ def carry_pairs(block: int, old: Pairs, new: Pairs, place: Entries) -> None:
 
 
 @inner(nogil=True)
-def find_near_walls(block: int, x: Array, reach: Array, near: NearWalls, walls: Table) -> tuple[int, int]:
+def find_near_walls(block: int, x: Array, radius: Array, near: NearWalls, walls: Table, skin: float) -> tuple[int, int]:
     """List the particles of a block near to walls; return how many there are, and one beyond a wall or -1."""
     room = len(near.wall) // len(near.used)
     total, lost, base = 0, -1, block * room
@@ -246,7 +178,7 @@ def find_near_walls(block: int, x: Array, reach: Array, near: NearWalls, walls: 
             gap, _, _, _ = wall_distance(x[i, 0], x[i, 1], x[i, 2], walls[w])
             if not gap > 0.0:
                 lost = i
-            if gap < reach[i]:
+            if gap < radius[i] + skin:
                 if total < room:
                     near.particle[base + total], near.wall[base + total] = i, w
                     near.onset[base + total, 0], near.onset[base + total, 1] = -1.0, 0.0

@@ -14,11 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from contbed.compiling import inner
-from contbed.dem.kernel_arrays import BLOCK, Array, Blocks, Bodies, Box, Entries, Indices, Side, Sorting
+from contbed.dem.kernel_arrays import BLOCK, Array, Box, Entries, Indices, Side, Sorting
 
 CUBE = 3  # bits of a cell's place in its cube, along each axis
-MOST_FAST = 0.05  # share of fast particles that are marked one by one, each with the 125 cells around it
-NEAR, FAST = np.uint8(1), np.uint8(2)  # a fast particle is at most two cells away; in the cell itself
 MOST_CELLS = 5  # times the number of particles, and as many as a cube has
 
 
@@ -133,7 +131,7 @@ def find_cells(block: int, x: Array, cells: Cells, cell: Entries) -> None:
 @inner(nogil=True)
 def sort(sorting: Sorting, cells: Cells) -> None:
     """Sort the particles by cell, those of a cell as they were (a counting sort)."""
-    cell, order, place, first = sorting.cell, sorting.order, sorting.place, sorting.first
+    cell, order, place, first = sorting
     total = len(cells.cube) << cells.bits
     for c in range(total + 1):
         first[c] = 0
@@ -149,45 +147,6 @@ def sort(sorting: Sorting, cells: Cells) -> None:
     for c in range(total, 0, -1):
         first[c] = first[c - 1]
     first[0] = 0
-
-
-@inner(nogil=True)
-def mark_fast(cells: Cells, sorting: Sorting, bodies: Bodies, slow: float, box: Box) -> float:
-    """Mark the cells with particles faster than `slow` [m/s] and those up to two away.
-
-    Return the share of the particles that are in marked cells; 1, with nothing marked, if more than MOST_FAST are fast.
-    """
-    fast, x, at, total = sorting.fast, bodies.position, np.empty(3, np.int64), len(cells.cube) << cells.bits
-    count = 0
-    for i in range(len(x)):
-        count += speed_squared(bodies, i) > slow * slow
-    if count > MOST_FAST * len(x):
-        return 1.0
-    fast[:total] = 0
-    for i in range(len(x)):
-        if speed_squared(bodies, i) <= slow * slow or fast[sorting.cell[i]] & FAST:
-            continue
-        fast[sorting.cell[i]] |= FAST
-        for step in range(125):
-            inside, digit = True, step
-            for axis in range(3):
-                at[axis] = place_of(cells, x[i, axis], axis) + digit % 5 - 2
-                digit //= 5
-                if box.periodic[axis]:
-                    at[axis] %= cells.along[axis]
-                inside = inside and 0 <= at[axis] < cells.along[axis]
-            if inside:
-                fast[number_of(cells, at[0], at[1], at[2])] |= NEAR
-    count = 0
-    for i in range(len(x)):
-        count += fast[sorting.cell[i]] != 0
-    return count / len(x)
-
-
-@inner(nogil=True)
-def speed_squared(bodies: Bodies, i: int) -> float:
-    """Return the square of the speed of a particle [m2/s2]."""
-    return float(bodies.motion[i, 0] ** 2 + bodies.motion[i, 1] ** 2 + bodies.motion[i, 2] ** 2)
 
 
 @inner(nogil=True)
@@ -212,15 +171,11 @@ def reorder(block: int, old: Side, new: Side, order: Entries) -> None:
 
 
 @inner(nogil=True)
-def wrap(block: int, bodies: Bodies, box: Box, blocks: Blocks) -> None:
-    """Bring particles of a block into the periodic sides; note corners, speed, and one outside of the other sides."""
-    lower, upper, periodic, x = box.lower, box.upper, box.periodic, bodies.position
-    culprits, corners, top = blocks.culprit, blocks.extent, 0.0
+def wrap(block: int, x: Array, box: Box, culprits: Indices, corners: Array) -> None:
+    """Bring particles of a block into the periodic sides; note its corners, and one outside of the other sides."""
+    lower, upper, periodic = box.lower, box.upper, box.periodic
     culprits[block] = -1
     begin, end = block * BLOCK, min((block + 1) * BLOCK, len(x))
-    for i in range(begin, end):
-        top = max(top, speed_squared(bodies, i))
-    blocks.largest[block] = top
     for axis in range(3):
         low, high = np.inf, -np.inf
         for i in range(begin, end):

@@ -289,6 +289,7 @@ class Simulation:
                 self.time_step,
                 self.steps_done + done,
                 steps - done,
+                0.5 * self.skin,
                 moved,
                 begun,
                 limit,
@@ -312,7 +313,6 @@ class Simulation:
             self._laws.walls,
             self._box,
             self.skin,
-            self.time_step,
             memory.room,
         )
         if found.status == loop.OK:
