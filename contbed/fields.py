@@ -176,6 +176,7 @@ _RESULTS = (
     Field("reduction_NAME", "R", "1", "share of the oxygen of Fe2O3 that is removed from a kind of particles"),
     Field("reduction", "R", "1", "share of the oxygen of Fe2O3 that is removed from the solids that leave"),
     Field("share_negative", "s", "1", "share of the points at which a fraction lies below -1e-6"),
+    Field("cells_damped", "N", "1", "cells in which amounts that would fall below zero are damped"),
     Field("cells", "N", "1", "number of cells"),
     # radiation
     Field("optical_thickness", r"\tau", "1", "extinction times the extent of the medium"),

@@ -10,6 +10,9 @@ tested with the same polynomials; fluxes of cells meet at the ends of the cells:
     C from the traces upwind, D from the traces on the other side (local discontinuous Galerkin, alternating fluxes),
     u' h = u_xi + (u_upwind - u) phi/w   at the end from which u comes.
 
+Where `damping` d of a field is given, - d du/dxi adds to the flux inside of the cell, xi in [0, 1], and to none at its
+ends: what passes and is held stays the same, and the field is flat where d is large.
+
 Fields that come from the left and from the right share the points, so that what one gains the other loses exactly, and
 the sum of an equation over all cells is flux in = flux out + source to rounding. Fields are of order p + 1. Where D = 0
 and all fields have one direction fluxes at the ends of the cells are those of Radau's collocation, of order 2 p + 1.
@@ -174,6 +177,7 @@ class System:
     point : fluxes and sources of a point
     local : fields whose equations have no fluxes and that are in no flux
     coupling : (m, m) sources of equations per value of fields that add to those of `point`, where they are constant
+    damping : (m, N) of fields in cells, in flux per value; none in local ones
     """
 
     def __init__(
@@ -185,9 +189,10 @@ class System:
         ends: Ends,
         local: Sequence[int] = (),
         coupling: Array | None = None,
+        damping: Array | None = None,
     ):
         self.line, self.point, self.ends = line, point, ends
-        self.local, self.coupling = tuple(local), coupling
+        self.local, self.coupling, self.damping = tuple(local), coupling, damping
         self.ahead = np.asarray(directions) > 0
         self.diffuses = np.asarray(diffuses)
         self.m = len(self.ahead)
@@ -285,6 +290,8 @@ class System:
         Df = self.point.diffusive(values, grads) if self.diffuses.any() else [0.0] * m
 
         F = _values(C, shape, m).reshape(m, N, n) + _values(D, shape, m).reshape(m, N, n)
+        if self.damping is not None:
+            F -= self.damping[:, :, None] * (u @ line.slopes.T)
         source = _values(S, shape, m).reshape(m, N, n)
         if self.coupling is not None:
             source += np.tensordot(self.coupling, u, axes=1)
@@ -321,6 +328,9 @@ class System:
                     add(e, f, slot, np.broadcast_to(tangent, (shape[0] * shape[1],)).reshape(shape))
         if self.coupling is not None:
             slopes.add_coupling(self.coupling)
+        if self.damping is not None:
+            for f in np.flatnonzero(self.damping.any(axis=1)):
+                slopes.add_damping(int(f), self.damping[f])
 
     def _differentiate_faces(self, Cf: Values, Df: Values, slopes: Any) -> None:
         """Add the derivatives of the fluxes through the vertices."""

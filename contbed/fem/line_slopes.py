@@ -64,6 +64,11 @@ class Slopes:
         """Add derivatives (m, m) of the sources of equations by the values of fields, alike at all nodes."""
         self.blocks.sources[...] += coupling[:, :, None, None]
 
+    def add_damping(self, f: int, damping: Array) -> None:
+        """Add the derivative of the residual of a field by its damping in each cell (N,)."""
+        D = self.line.slopes
+        self.blocks.add_nodes(f, f, "u", damping[:, None, None] * (D.T @ (self.line.weights[:, None] * D)))
+
     def add_face(self, e: int, f: int, slot: str, t: Array, left_side: bool) -> None:
         """Add d(flux)/d(trace) `t` (N + 1,) of one field, whose trace belongs to the cell on one side of each face."""
         line, N, blocks = self.line, self.line.cells, self.blocks

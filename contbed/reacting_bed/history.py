@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.errors import SceneError
+from contbed.reacting_bed.amounts import Least
 from contbed.reacting_bed.scene import Time
 from contbed.scene.toml_lines import Origin
 
@@ -30,6 +31,7 @@ class History:
     sources : (m,) integrals of the sources; carried : integral of the heat of all streams above 298.15 K [J/m2]
     outlet : (steps, columns) of the outlet over time, `columns` their names
     kept : states at output times
+    least : amount of a gas or solid of all steps
     extents : of reactions inside of pellets, by their number and kind: first guesses, on which last digits depend
     """
 
@@ -45,12 +47,13 @@ class History:
     outlet: tuple[tuple[float, ...], ...] = ()
     kept: Mapping[float, Array] = field(default_factory=dict)
     extents: Mapping[tuple[int, str], Array] = field(default_factory=dict)
+    least: Least = field(default_factory=Least)
 
     def pack(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the arrays and numbers of a checkpoint."""
         arrays = {name: getattr(self, name) for name in ARRAYS}
         arrays |= {"outlet": np.array(self.outlet), "times": np.array([*self.kept])}
-        arrays |= {"kept": np.array([*self.kept.values()])}
+        arrays |= {"kept": np.array([*self.kept.values()]), "least": np.array(self.least)}
         arrays |= {f"{EXTENTS}{count}_{kind}": extents for (count, kind), extents in self.extents.items()}
         return arrays, {name: getattr(self, name) for name in NUMBERS} | {"columns": list(self.columns)}
 
@@ -69,6 +72,7 @@ class History:
             outlet=tuple(tuple(row) for row in arrays["outlet"].tolist()),
             kept=dict(zip(arrays["times"].tolist(), arrays["kept"], strict=True)),
             extents=extents,
+            least=Least(*arrays["least"].tolist()),
         )
 
     def fitted(self, time: Time, where: Origin) -> History:

@@ -45,6 +45,7 @@ class Problem:
     line: Line
     choices: Mapping[str | None, Choice] = field(default_factory=dict)  # inside of particles that adsorb, by kind
     peaks: Mapping[str, float] = field(default_factory=dict)  # largest mole fractions of gases that are adsorbed
+    damping: Array | None = None  # of fields in cells (m, N), see `fem.line_dg`
 
     @classmethod
     def of(cls, scene: s.ReactingScene, vertices: Array, species: Substances | None = None) -> Problem:
@@ -86,7 +87,7 @@ class Problem:
 
     def on(self, vertices: Array) -> Problem:
         """Return the problem on other cells."""
-        return replace(self, line=replace(self.line, vertices=vertices))
+        return replace(self, line=replace(self.line, vertices=vertices), damping=None)
 
     def within(self, scene: s.ReactingScene) -> Problem:
         """Return the problem with the streams and surroundings of a scene that differs in nothing else."""
@@ -132,7 +133,8 @@ class Problem:
         point, coupling = self.section or self.bed, self.bed.coupling()
         if coupling is not None and self.rings is not None:
             coupling = np.asarray(np.kron(np.eye(self.rings.count), coupling), dtype=float)
-        return line_system(self.line, self._directions, self._diffuses, point, self._ends, self._local, coupling)
+        exchanged = (self._directions, self._diffuses, point, self._ends, self._local)
+        return line_system(self.line, *exchanged, coupling, self.damping)
 
     @cached_property
     def section(self) -> Section | None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from contbed.balance import Balance
 from contbed.closures.reactions import R_GAS
 from contbed.materials.thermo import T_STANDARD, Equilibrium
+from contbed.reacting_bed.amounts import Least, below_zero, least
 from contbed.reacting_bed.equations.bed import State, conserved
 from contbed.reacting_bed.equations.kinds import of_kind
 from contbed.reacting_bed.problem import Problem
@@ -19,7 +20,6 @@ from contbed.result import Result, outside
 
 Array = NDArray[np.float64]
 UNDERSHOT = 1e-6  # share of the whole below zero that is counted
-TOLD = 1e-4  # share of the whole below zero that is worth a warning
 BETWEEN = 2  # positions of profiles inside of each cell
 
 
@@ -102,8 +102,11 @@ def ends(problem: Problem) -> tuple[int, int]:
     return gas, (-1 if problem.bed.velocity_solid >= 0 else 0)
 
 
-def fill(problem: Problem, u: Array, result: Result, transient: bool = False) -> None:
-    """Fill in profiles, results, balances, ranges and warnings of a state."""
+def fill(problem: Problem, u: Array, result: Result, passed: Least | None = None) -> None:
+    """Fill in profiles, results, balances, ranges and warnings of a state.
+
+    `passed` is the least amount of a run in time, whose balances are not those of its state.
+    """
     result.profiles = profiles(problem, u)
     fluxes = problem.flux_at(u)
     gas_end, solid_end = ends(problem)
@@ -114,9 +117,9 @@ def fill(problem: Problem, u: Array, result: Result, transient: bool = False) ->
     _extents(problem, u, state, gas_end, result)
     if problem.rings is not None:
         _across(result)
-    if not transient:
+    if passed is None:
         _balances(problem, u, fluxes, result)
-    _remarks(problem, u, result)
+    _remarks(problem, u, result, passed)
 
 
 def across(problem: Problem, u: Array, x: Array) -> dict[str, Array]:
@@ -277,7 +280,7 @@ def heat_carried(problem: Problem, u: Array) -> float:
     return max(total, 1e-300)
 
 
-def _remarks(problem: Problem, u: Array, result: Result) -> None:
+def _remarks(problem: Problem, u: Array, result: Result, found: Least | None) -> None:
     """Record the use of closures and laws, and what lies below zero or outside of data."""
     state = problem.bed.state(problem.at_all_points(u))
     problem.bed.medium.at(state)
@@ -285,14 +288,13 @@ def _remarks(problem: Problem, u: Array, result: Result) -> None:
         problem.bed.medium.radial(state)
     result.closures = [use.to_dict() for use in problem.bed.medium.ranges()]
     result.warnings += [outside(closure) for closure in result.closures if closure["share_outside"] > 0]
-    lowest, share = 0.0, 0.0
+    share = 0.0
     whole = max(sum(problem.streams.solid.values()), 1e-300)
     for value in [*state.x.values(), *(n / whole for n in state.n.values())]:
-        lowest = min(lowest, float(np.min(value)))
         share = max(share, float(np.mean(value < -UNDERSHOT)))
     result.qoi["share_negative"] = share
-    if lowest < -TOLD:
-        result.warnings.append(f"a share of gas or solid falls to {lowest:.2g}: use more cells, or a smaller tolerance")
+    if (sentence := below_zero(problem, found or least(problem, u))) is not None:
+        result.warnings.append(sentence)
     ranges = [(state.T_fluid, problem.species.gases)]
     ranges += [
         (state.of(kind).T_solid, {name: problem.species.solids[name] for name in names})

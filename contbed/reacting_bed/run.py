@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from contbed.errors import ConvergenceError
-from contbed.reacting_bed import results, solve
+from contbed.reacting_bed import limited, results, solve
 from contbed.reacting_bed.plan import Plan
 from contbed.reacting_bed.problem import Problem, isothermal_drop
 from contbed.result import Result
@@ -37,13 +37,14 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     problem = plan.problem
     with result.timed("bed"):
         try:
-            problem, u = solve.steady(problem, report)
+            problem, u = whole = solve.steady(problem, report)
+            problem, u = limited.limited(problem, u, report)
         except ConvergenceError as error:
             raise ConvergenceError(_sentence(problem, error), report.history, error.state) from None
     result.history += report.history
     result.adaptations = report.rounds
     if report.rounds:
-        result.qoi["estimated_error"] = report.estimate
+        result.qoi["estimated_error"] = max(report.estimate, report.damping_changes)
     if report.stopped:
         result.warnings.append("the last better cells gave no state: the errors are those of `estimated_error`")
     if report.small > LARGE_SMOOTHING:
@@ -51,17 +52,22 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
             f"powers of what is left of a solid are straight lines below {report.small:g} of it: sharper ones give no "
             "state on these cells"
         )
+    if report.damping_changes > limited.LARGE_CHANGE * plan.scene.solver.tolerance:
+        result.warnings.append(
+            f"amounts are damped in {report.damped} cells where they would be negative, which changes what leaves by "
+            f"{report.damping_changes:.2g} of what enters: use more mesh.cells"
+        )
     if report.marched:
         result.warnings.append("the first cells took steps in time to the steady state")
     with result.timed("results"):
         results.fill(problem, u, result)
     result.solved = problem, u
-    result.qoi["cells"] = problem.line.cells
+    result.qoi |= {"cells": problem.line.cells, "cells_damped": report.damped}
     if plan.scene.continuation is not None:
         from contbed.reacting_bed.branch import follow
 
         with result.timed("continuation"):
-            follow(problem, u, result)
+            follow(*whole, result)
 
 
 def _sentence(problem: Problem, error: ConvergenceError) -> str:

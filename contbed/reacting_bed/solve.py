@@ -49,6 +49,8 @@ class Report:
     stopped: bool = False  # whether no state was found on better cells
     sharpest: bool = False  # whether no sharper powers of what is left of solids are tried
     small: float = 0.0  # share of a solid below which its powers are straight lines; 0 for that of the laws
+    damped: int = 0  # cells in which amounts would fall below zero, see `limited`
+    damping_changes: float = 0.0  # what leaves, over what enters
 
 
 def measure(problem: Problem, residual: Array) -> float:
@@ -75,6 +77,28 @@ def limited(problem: Problem, u: Array, du: Array) -> float:
     return share
 
 
+def step(problem: Problem, u: Array, report: Report, storage: Storage | None = None) -> tuple[Array, float, float]:
+    """Return a step of Newton's method, the share of it that may be taken, and the norm of the residual before.
+
+    Raises
+    ------
+    ConvergenceError : a residual or a step is not finite
+    """
+    with np.errstate(all="ignore"):
+        residual, slopes = problem.system.assemble(u)
+        if storage is not None:
+            residual = storage.add(u, residual, slopes)
+        norm = measure(problem, residual)
+        if not np.isfinite(norm):
+            raise ConvergenceError("a rate or property is not finite", report.history, u)
+        report.history.append(norm)
+        du = slopes.factors(problem.flux_sizes, problem.sizes).solve(-residual)
+        share = limited(problem, u, du)
+    if not np.isfinite(du).all():
+        raise ConvergenceError("a step of Newton's method is not finite", report.history, u)
+    return du, share, norm
+
+
 def newton(problem: Problem, u: Array, report: Report, storage: Storage | None = None, most: int = 0) -> Array:
     """Return the solution of the steady equations, or of a step in time where `storage` adds to them.
 
@@ -83,24 +107,12 @@ def newton(problem: Problem, u: Array, report: Report, storage: Storage | None =
     ConvergenceError : it does not converge; the error carries the last state
     """
     options = problem.scene.solver
-    tolerance = options.newton_tolerance
-    system, iterations = problem.system, most or options.newton_iterations
+    tolerance, iterations = options.newton_tolerance, most or options.newton_iterations
     scale = problem.sizes[:, None, None]
     best, norm, since = np.inf, np.inf, 0
     for _ in range(iterations):
-        with np.errstate(all="ignore"):
-            residual, slopes = system.assemble(u)
-            if storage is not None:
-                residual = storage.add(u, residual, slopes)
-            norm = measure(problem, residual)
-            if not np.isfinite(norm):
-                raise ConvergenceError("a rate or property is not finite", report.history, u)
-            report.history.append(norm)
-            du = slopes.factors(problem.flux_sizes, problem.sizes).solve(-residual)
-            share = limited(problem, u, du)
-            change = float(np.abs(du / scale).max())
-        if not np.isfinite(change):
-            raise ConvergenceError("a step of Newton's method is not finite", report.history, u)
+        du, share, norm = step(problem, u, report, storage)
+        change = float(np.abs(du / scale).max())
         if share < SHORTEST:
             raise ConvergenceError("Newton's method takes ever smaller steps", report.history, u)
         best, since = (norm, 0) if norm < PROGRESS * best else (best, since + 1)

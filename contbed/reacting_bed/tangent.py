@@ -8,6 +8,7 @@ ends move with the length of the bed.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -73,7 +74,7 @@ class Tangent:
         made = made.with_strength(base.bed.strength).with_small(base.bed.small)
         if made.layout != base.layout or len(made.reactions) != len(base.reactions):
             raise UnlikeError(OTHER)
-        return made
+        return replace(made, damping=base.damping)
 
 
 def of(result: Result) -> Tangent | None:

@@ -24,6 +24,7 @@ from contbed.materials.composition import mole_fractions
 from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
 from contbed.reacting_bed import scene as s
+from contbed.reacting_bed.amounts import least
 from contbed.reacting_bed.equations.bed import conserved
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.inlet_series import constant
@@ -279,6 +280,7 @@ def _passed(
             carried += step * weight * results.heat_carried(problem, u)
     row = outlet(problems[1], states[1], fluxes, end)
     pellets = problems[1].pellets.items()
+    low = min(history.least, least(problems[1], states[1], end), key=lambda each: each.value)
     return replace(
         history,
         u=states[1],
@@ -290,6 +292,7 @@ def _passed(
         carried=carried,
         columns=tuple(row),
         outlet=(*history.outlet, tuple(row.values())),
+        least=low,
         extents={(count, kind or ""): xi for kind, each in pellets for count, xi in each.known.items()},
     )
 

@@ -23,7 +23,7 @@ def fill(at: Callable[[float], Problem], history: History, result: Result) -> No
     `at` gives the bed with the streams of a time.
     """
     problem = at(history.time)
-    results.fill(problem, history.u, result, transient=True)
+    results.fill(problem, history.u, result, history.least)
     kept = history.kept or {history.time: history.u}
     tables = [(t, results.profiles(at(t), u)) for t, u in kept.items()]
     result.profiles = {"t [s]": np.concatenate([np.full(len(c["x [m]"]), t) for t, c in tables])}

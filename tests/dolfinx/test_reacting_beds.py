@@ -7,6 +7,7 @@ jumps of a millionth of a field, which rounding changes by some 1e-10 of themsel
 """
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from dolfinx_reacting_scenes import LONG, ROOT, SCENES, burning, warming
 from contbed.fem.dolfinx import on_dolfinx
 from contbed.loading import from_dict
 from contbed.models import plan as make_plan
+from contbed.reacting_bed.amounts import carried
 from contbed.reacting_bed.solve import Storage
 from contbed.reacting_bed.transient import Course
 from contbed.runner import run
@@ -29,7 +31,8 @@ FORMS, TOLERANCE = 1e-12, 1e-10
 SOLVED = 1e-11  # of the largest right-hand side, what MUMPS leaves of it
 ROUNDING = 1e-12  # of conversions of what does not react, and of what is left of solids used up, which are differences
 RUNS = {1: tuple(SCENES), 2: tuple(name for name in SCENES if name not in LONG)}
-STATES = SCENES | {"stored": warming("stored"), "one_cell": burning() | {"mesh": burning()["mesh"] | {"cells": 1}}}
+STATES = SCENES | {"damped": burning(), "stored": warming("stored")}
+STATES["one_cell"] = burning() | {"mesh": burning()["mesh"] | {"cells": 1}}
 
 
 def problems(name: str):
@@ -51,6 +54,9 @@ def test_residual_and_jacobian(name: str) -> None:
     one, other = problems(name)
     assert other.line.engine == "dolfinx" and type(one.system) is not type(other.system)
     random, m = np.random.default_rng(5), len(one.names)
+    if name == "damped":
+        damping = random.uniform(0.0, 2.0, (m, one.line.cells)) * (carried(one) > 0.0)[:, None]
+        one, other = (replace(problem, damping=damping) for problem in (one, other))
     u = one.start() * random.uniform(0.97, 1.03, (m, *one.line.points.shape)) + 1e-3 * one.sizes[:, None, None]
     x = random.uniform(-1.0, 1.0, u.shape) * one.sizes[:, None, None]
     found = []
