@@ -178,6 +178,12 @@ class Storage:
         found: Array = (self.content(u, False)[0] - self.held) * weight
         return found
 
+    def rounding(self) -> Array:
+        """Return what one rounding of all terms is in the residuals: of what is held, over the step, and of fluxes."""
+        line, sizes = self.problem.line, self.problem.flux_sizes[:, None, None]
+        found: Array = np.finfo(float).eps * (np.abs(self.held) * line.weights * line.h[:, None] / self.dt + sizes)
+        return found
+
     def add(self, u: Array, residual: Array, slopes: Any) -> Array:
         """Return the residuals with what storage adds, and add its derivatives to theirs."""
         line = self.problem.line

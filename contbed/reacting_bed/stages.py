@@ -8,7 +8,7 @@ is stored is exactly what has passed:
 
 Both have the same matrix C'/(gamma dt) + R' but for the change of the state: it is computed and factorised once for a
 step and again only where corrections do not fall fast. The error of a step is the difference to a method of order 1,
-filtered by this matrix.
+filtered by the first matrix of the step: whether another is needed may hang on rounding, and the steps then as well.
 
 Source: Alexander 1977, SIAM J. Numer. Anal. 14, 1006-1021, doi:10.1137/0714068.
 """
@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 GAMMA = 1.0 - 0.5**0.5
 SLOWEST = 0.2  # factor by which a correction with an older matrix has to fall
 CORRECTIONS = 12  # at most, with an older matrix
+ROUNDINGS = 1e3  # of the terms of a residual, below which no other matrix makes it smaller
 ROUNDING = 1e-14  # of typical sizes, below which what is left of an error does not open balances
 
 
@@ -49,15 +50,17 @@ def stages(
     """
     before = solve.Storage(problems[0], np.zeros_like(u), GAMMA * dt).content(u, False)[0]
     one = solve.Storage(problems[0], before, GAMMA * dt, loose=False)
-    first, factors = _solved(problems[0], guess, report, one, None)
+    with np.errstate(all="ignore"):
+        matrix = _matrix(problems[0], guess, one)
+    first, factors = _solved(problems[0], guess, report, one, matrix, own=True)
     slope = (one.content(first, False)[0] - before) / (GAMMA * dt)
     target = before + (1.0 - GAMMA) * dt * slope
     two = solve.Storage(problems[1], target, GAMMA * dt, loose=False)
-    last, factors = _solved(problems[1], first, report, two, factors)
+    last, _ = _solved(problems[1], first, report, two, factors, own=False)
     change = slope - (two.content(last, False)[0] - target) / (GAMMA * dt)
     line = problems[1].line
     difference = (0.5 - GAMMA) / GAMMA * change * line.weights * line.h[:, None]
-    filtered = factors.solve(difference) / sizes[:, None, None]
+    filtered = matrix.solve(difference) / sizes[:, None, None]
     return first, last, float(np.abs(filtered).max())
 
 
@@ -68,18 +71,21 @@ def _matrix(problem: Problem, u: Array, storage: solve.Storage) -> Any:
 
 
 def _solved(
-    problem: Problem, guess: Array, report: solve.Report, storage: solve.Storage, factors: Any
+    problem: Problem, guess: Array, report: solve.Report, storage: solve.Storage, factors: Any, own: bool
 ) -> tuple[Array, Any]:
-    """Return the solution of a stage, and the last matrix; that of the former stage is used as long as it serves."""
+    """Return the solution of a stage, and the last matrix; that which is given is used as long as it serves.
+
+    `own` tells whether it is that of the guess, so that another one of it would be the same.
+    """
     with np.errstate(all="ignore"):
-        for known in (factors, None):
-            if known is None:
-                known = _matrix(problem, guess, storage)
-            found = _corrected(problem, guess, report, storage, known)
-            if found is not None:
-                return found, known
-        found = solve.newton(problem, guess, report, storage, most=solve.FIRST_ITERATIONS)
-        return found, _matrix(problem, found, storage)
+        found = _corrected(problem, guess, report, storage, factors)
+        if found is None and not own:
+            factors = _matrix(problem, guess, storage)
+            found = _corrected(problem, guess, report, storage, factors)
+        if found is None:
+            found = solve.newton(problem, guess, report, storage, most=solve.FIRST_ITERATIONS)
+            factors = _matrix(problem, found, storage)
+        return found, factors
 
 
 def _corrected(problem: Problem, u: Array, report: solve.Report, storage: solve.Storage, factors: Any) -> Array | None:
@@ -92,7 +98,8 @@ def _corrected(problem: Problem, u: Array, report: solve.Report, storage: solve.
         du = factors.solve(-residual)
         change = float(np.abs(du / scale).max())
         if not change < SLOWEST * before or solve.limited(problem, u, du) < 1.0:
-            return u if change < ROUNDING else None
+            rounded = np.all(np.abs(residual) < ROUNDINGS * storage.rounding())
+            return u if change < ROUNDING or rounded else None
         u = u + du
         rate = change / before if np.isfinite(before) else SLOWEST
         if change * rate < ROUNDING:

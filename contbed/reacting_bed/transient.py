@@ -9,6 +9,7 @@ ends there.
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -41,6 +42,7 @@ SMOOTH = 1e-5  # share of a solid that is left, below which its powers are strai
 FIRST_STEP = 1e-5  # of the whole time, at the start and after a jump
 SHORTEST_STEP = 1e-12  # of the whole time, below which a run is given up
 SAFETY, MOST_GROWTH, LEAST_GROWTH = 0.8, 2.5, 0.2
+DIGITS = 2**10  # steps between two powers of 2: a thousandth, of estimates that rounding changes by 1e-9
 SHORTER = 0.25  # of a step that does not converge
 LEAST_RANGE = 1.0  # [K] of the temperatures of a run, where those of the scene and of the bed differ by less
 
@@ -258,12 +260,18 @@ def advanced(course: Course, history: History, stop: float, report: solve.Report
             continue
         growth = SAFETY * (time.tolerance / max(error, 1e-300)) ** 0.5
         if error > time.tolerance and growth < 1.0:
-            dt = step * max(growth, LEAST_GROWTH)
+            dt = with_few_digits(step * max(growth, LEAST_GROWTH))
             continue
-        later = dt * min(max(growth, LEAST_GROWTH), MOST_GROWTH) if step == dt else dt
+        later = with_few_digits(dt * min(max(growth, LEAST_GROWTH), MOST_GROWTH)) if step == dt else dt
         end = history.time + step
         end = stop if end >= stop * (1.0 - SAME) else end
         return _passed(history, problems, (first, last), step, end, later)
+
+
+def with_few_digits(dt: float) -> float:
+    """Return the next shorter step of so few digits that rounding in the estimates of errors does not decide them."""
+    mantissa, exponent = math.frexp(dt)
+    return math.ldexp(math.floor(mantissa * DIGITS), exponent) / DIGITS
 
 
 def _passed(

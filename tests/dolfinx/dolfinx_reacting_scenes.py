@@ -111,6 +111,22 @@ def warming(gas: str) -> dict[str, Any]:
     return scene
 
 
+def warming_finely() -> dict[str, Any]:
+    """The same with stored gas and steps so short that stages end where rounding decides."""
+    scene = warming("stored")
+    scene["time"]["tolerance"] = 1e-3
+    return scene
+
+
+def kinds_stored() -> dict[str, Any]:
+    """Two sizes in rings whose wall cools, in a hot gas that is stored: its matrix is often computed anew."""
+    scene = kinds_across()
+    scene["time"] = {"end": 400.0, "gas": "stored", "tolerance": 1e-2, "initial_temperature": 500.0}
+    for kind in scene["solids"].values():
+        kind |= {"density": 2000.0, "heat_capacity": 800.0}
+    return scene
+
+
 SCENES: dict[str, dict[str, Any]] = {
     "first_order": danckwerts(5.0, 2.0),
     "first_order_to_the_left": to_the_left(danckwerts(5.0, 2.0)),
@@ -125,11 +141,13 @@ SCENES: dict[str, dict[str, Any]] = {
     "kinds_of_pellets": kinds_of_pellets(),
     "kinds_across": kinds_across(),
     "warming": warming("quasi_steady"),
+    "warming_stored": warming_finely(),
+    "kinds_stored": kinds_stored(),
     "reformer_tube": study("reformer_tube/tube_U300.toml"),
     "clc_moving_bed": study("clc_moving_bed/iron_oxide.toml"),
     "branch": study("ignition_front/adiabatic_bed.toml", cells=6),
 }
-LONG = ("adsorption", "branch")  # hundreds of linear systems: solved on one rank alone
+LONG = ("adsorption", "branch", "kinds_stored")  # hundreds of linear systems: solved on one rank alone
 SCENES["branch"]["continuation"] |= {"to": 0.1, "points": 6}
 for _scene in SCENES.values():
     _scene["output"] = _scene.get("output", {}) | {"plots": False}
