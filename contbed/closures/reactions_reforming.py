@@ -20,6 +20,7 @@ import numpy as np
 
 from contbed.closures.reactions import R_GAS, product
 
+GASES = ("CH4", "H2O", "H2", "CO", "CO2")
 REACTIONS: dict[str, str] = {
     "xu_froment_reforming": "CH4 + H2O <-> CO + 3 H2",
     "xu_froment_shift": "CO + H2O <-> CO2 + H2",

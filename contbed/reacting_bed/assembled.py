@@ -43,7 +43,7 @@ def temperatures_of(scene: s.ReactingScene) -> tuple[str, ...]:
 
 
 def films_of(scene: s.ReactingScene, species: Substances, reactions: Sequence[Reaction]) -> tuple[str, ...]:
-    """Return the gases whose films around particles are resolved."""
+    """Return the gases whose films around particles are resolved, but for those that are adsorbed, see `inside`."""
     if scene.mass is None or scene.mass.sherwood is None:
         return ()
     through = [r for r in reactions if r.site != "gas" and not r.own_film]
@@ -53,7 +53,7 @@ def films_of(scene: s.ReactingScene, species: Substances, reactions: Sequence[Re
         if any(r.key == key for r in through)
         for name in table.orders or {}
     }
-    return tuple(name for name in species.gases if name in wanted)
+    return tuple(name for name in species.gases if name in wanted and name not in scene.adsorption)
 
 
 def inert_of(

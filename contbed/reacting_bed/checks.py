@@ -15,7 +15,7 @@ from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import SUM, CompositionSeries, constant
 from contbed.reacting_bed.inside_checks import (
     adsorbed_gases_are_there,
-    adsorbed_gases_do_not_react_there,
+    adsorbed_gases_react_by_their_concentrations,
     kinds_have_diffusivities,
     particles_can_adsorb,
     pellets_have_diffusivities,
@@ -365,7 +365,7 @@ CHECKS: tuple[Check, ...] = (
     sections_can_be_resolved,
     in_each_kind(adsorbed_gases_are_there),
     in_each_kind(particles_can_adsorb),
-    in_each_kind(adsorbed_gases_do_not_react_there),
+    in_each_kind(adsorbed_gases_react_by_their_concentrations),
     of_one_kind(pellets_have_diffusivities),
     kinds_have_diffusivities,
     in_each_kind(uptake_has_a_meaning),

@@ -32,6 +32,7 @@ class Choice:
     biot : k_f R/D; units : k_f a L/u; fourier : D L/(K v R^2) of moving particles, None at rest, with K what is held
     per volume of particles over the concentration of the gas
     error : of each cheaper level in what leaves, over its step
+    reacts : whether gases react inside, which these errors do not know
     """
 
     level: str
@@ -40,6 +41,7 @@ class Choice:
     units: float
     fourier: float | None
     error: dict[str, float]
+    reacts: bool = False
 
     def __str__(self) -> str:
         which = {
@@ -48,10 +50,11 @@ class Choice:
             "interior": "points inside of the particles",
         }[self.level]
         stay = "" if self.fourier is None else f", Fo = {self.fourier:.3g}"
+        reacts = "; gases that are adsorbed react, for which points are resolved" if self.reacts else ""
         errors = ", ".join(f"{name} {self.error[name]:.1e}" for name in self.error)
         return (
             f"{which}: for {self.gas} Bi = {self.biot:.3g}{stay}, {self.units:.3g} transfer units; error of what "
-            f"leaves over its step, isotherms taken as straight: {errors}"
+            f"leaves over its step, isotherms taken as straight: {errors}{reacts}"
         )
 
 
@@ -160,6 +163,8 @@ def _chosen(scene: s.ReactingScene, bed: Bed, inside: Inside, entering: State, a
     worst = max(found, key=lambda each: each.error["linear_driving_force"])
     if worst.level != "auto":
         return worst
+    if replace(bed, inside=inside).reacts_inside:
+        return replace(worst, level="interior", reacts=True)
     for level in ("film", "linear_driving_force"):
         if all(each.error[level] <= accuracy for each in found):
             return replace(worst, level=level)

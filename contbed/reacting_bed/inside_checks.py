@@ -1,4 +1,4 @@
-"""Checks of what happens inside of particles: gases that are adsorbed, reactions in pellets that are resolved."""
+"""Checks of what happens inside of particles: gases that are adsorbed and react, pellets that are resolved."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from contbed.materials.composition import names_in
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import CompositionSeries, constant
 from contbed.reacting_bed.kinds import kinds_named
+from contbed.reacting_bed.laws import STAGED
 from contbed.reacting_bed.schedule import series_of
 from contbed.reacting_bed.substances import equations_of
 from contbed.scene.checking import Mistakes, See
@@ -22,8 +23,10 @@ Adsorptions = dict[str, s.Adsorption]
 PARTICLES_REACT = "resolves catalytic reactions of gases; particles that react have shrinking_core or three_interfaces"
 
 
-def adsorbed_gases_are_there(adsorption: Adsorptions, fluid: s.Gas, time: s.Time | None) -> Mistakes:
-    """Check that the gases that are adsorbed enter the bed or fill it at the start."""
+def adsorbed_gases_are_there(
+    adsorption: Adsorptions, reactions: Reactions, fluid: s.Gas, time: s.Time | None
+) -> Mistakes:
+    """Check that the gases that are adsorbed enter the bed, fill it at the start or are made in it."""
     texts = [] if time is None or time.initial_composition is None else [time.initial_composition]
     if isinstance(fluid.composition, CompositionSeries):
         if fluid.composition.file is not None:
@@ -33,11 +36,16 @@ def adsorbed_gases_are_there(adsorption: Adsorptions, fluid: s.Gas, time: s.Time
         texts.append(fluid.composition)
     try:
         there = {name for text in texts for name in names_in(text)}
+        for name, table in reactions.items():
+            there |= {key for equation in equations_of(name, table).values() for key in equation.stoichiometry}
     except SceneError:
         return  # other checks say so
     for name in adsorption:
         if name not in there:
-            yield ("adsorption", name), f"no gas of this name enters or fills the bed; {nearest(name, sorted(there))}"
+            yield (
+                ("adsorption", name),
+                f"no gas of this name enters, fills the bed or reacts; {nearest(name, sorted(there))}",
+            )
 
 
 def particles_can_adsorb(adsorption: Adsorptions, mass: s.Mass | None, solid: s.Solids | None) -> Mistakes:
@@ -70,17 +78,37 @@ def _species_in_particles(reactions: Reactions, solid: s.Solids | None) -> dict[
     }
 
 
-def adsorbed_gases_do_not_react_there(
-    adsorption: Adsorptions, reactions: Reactions, solid: s.Solids | None
+def adsorbed_gases_react_by_their_concentrations(
+    adsorption: Adsorptions, reactions: Reactions, solid: s.Solids | None, particle: s.Particle
 ) -> Mistakes:
-    """Check that no gas is both adsorbed and made or taken by particles, whose film is one."""
+    """Check that pores are modelled once where gases are adsorbed in the particles in which they react."""
+    resolved = particle.mass != "none" and (particle.diffusivity or getattr(solid, "diffusivity", {}))
     for name, species in _species_in_particles(reactions, solid).items():
-        for gas in sorted(species & set(adsorption)):
+        both = sorted(species & set(adsorption))
+        if not both:
+            continue
+        law, path = reactions[name].law or "power", ("reactions", name)
+        if law == "shrinking_core" or law in STAGED:
             yield (
-                ("reactions", name),
-                f"{gas} is adsorbed by the particles in which it reacts: its film and pores are modelled for one of "
-                f"the two; remove one, or name kinds: reactions.{name}.solid, solids.NAME.adsorption.{gas}",
+                path,
+                f"{both[0]} is adsorbed by the particles in which it reacts, and {law} has a film and a layer of its "
+                f"own; give a rate by concentrations, or name kinds: reactions.{name}.solid, "
+                f"solids.NAME.adsorption.{both[0]}",
             )
+        elif (
+            resolved
+            or particle.mass == "interior"
+            or (particle.mass == "effectiveness" and reactions[name].diffusivity)
+        ):
+            yield (
+                path,
+                f"{both[0]} is adsorbed by the particles in which it reacts: it diffuses to the points of "
+                f"adsorption.{both[0]}, where it reacts; remove particle.mass and the diffusivities of pellets",
+            )
+
+
+def _react_where_adsorbed(adsorption: Adsorptions, reactions: Reactions, solid: s.Solids | None) -> bool:
+    return any(species & set(adsorption) for species in _species_in_particles(reactions, solid).values())
 
 
 def pellets_have_diffusivities(particle: s.Particle, reactions: Reactions, solid: s.Solids | None) -> Mistakes:
@@ -129,10 +157,17 @@ def kinds_have_diffusivities(particle: s.Particle, reactions: Reactions, solids:
 
 
 def uptake_has_a_meaning(
-    adsorption: Adsorptions, flow: s.Flow, fluid: s.Gas, boundary: dict[str, s.Boundary], time: s.Time | None, see: See
+    adsorption: Adsorptions,
+    reactions: Reactions,
+    solid: s.Solids | None,
+    flow: s.Flow,
+    fluid: s.Gas,
+    boundary: dict[str, s.Boundary],
+    time: s.Time | None,
+    see: See,
 ) -> Mistakes:
     """Check that a bed that adsorbs is not one in which nothing is taken up."""
-    if not adsorption:
+    if not adsorption or _react_where_adsorbed(adsorption, reactions, solid):
         return
     if time is None:
         if not isinstance(flow.velocity_solid, Series) and not constant(flow.velocity_solid):

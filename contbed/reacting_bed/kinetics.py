@@ -64,6 +64,7 @@ class Reaction:
     step: int | None = None
     kind: str | None = None  # of the particles in which it runs, where there are several
     alone: str | None = None  # name without the kind, where it runs in several
+    gases: frozenset[str] = frozenset()  # of its equation and of its rate
 
     @property
     def key(self) -> str:
@@ -121,7 +122,17 @@ def _one(name: str, table: s.Reaction, equation: Equation, scene: s.ReactingScen
     if scene.particle.mass == "effectiveness" and table.diffusivity and not own_film and site == "particle":
         rate = _slowed(rate, table, equation, species, basis)
     scaled = _per_bed(rate, basis, table.factor)
-    return Reaction(name, equation, scaled, site, own_film)
+    return Reaction(name, equation, scaled, site, own_film, gases=_gases_of(table, used, gases))
+
+
+def _gases_of(table: s.Reaction, used: Mapping[str, float], gases: frozenset[str]) -> frozenset[str]:
+    """Return the gases of an equation, of its orders and of its rate."""
+    found = set(used)
+    if table.law in reforming.REACTIONS:
+        found |= set(reforming.GASES)
+    if table.rate is not None:
+        found |= {name.partition("_")[2] for name in parse_formula(table.rate).names if name[:2] in ("c_", "p_", "x_")}
+    return gases & found
 
 
 def _per_bed(rate: Rate, basis: str, factor: float) -> Rate:
@@ -200,7 +211,7 @@ def _named(name: str, table: s.Reaction, equation: Equation, equilibrium: Equili
 
 def _reforming(name: str, equilibrium: Equilibrium) -> Rate:
     def rate(at: Local) -> Any:
-        p = {key: at.x[key] * at.p / BAR for key in ("CH4", "H2O", "H2", "CO", "CO2")}
+        p = {key: at.x[key] * at.p / BAR for key in reforming.GASES}
         return reforming.rate(name, at.T, p, np.exp(equilibrium.ln_K(at.T)))
 
     return rate

@@ -223,10 +223,19 @@ class Medium:
         speed = np.abs(U) if not hasattr(U, "tangents") else (U * U + SLOW**2) ** 0.5
         return needs.viscosity * U / K + c_F * state.rho * speed * U / K**0.5
 
-    def local(self, state: State, transport: Transport, reaction: Any, small: float | None = None) -> Local:
-        """Return the state as a reaction sees it."""
+    def local(
+        self,
+        state: State,
+        transport: Transport,
+        reaction: Any,
+        small: float | None = None,
+        inner: Mapping[str, Any] | None = None,
+    ) -> Local:
+        """Return the state as a reaction sees it, with concentrations `inner` of gases inside of particles."""
         particle = reaction.site != "gas"
         c = {**state.c, **state.films} if particle and state.films and not reaction.own_film else state.c
+        if inner:
+            c = {**c, **inner}
         x = state.x
         if c is not state.c:
             total = state.p / (R_GAS * np.maximum(state.T_fluid, LEAST_T))

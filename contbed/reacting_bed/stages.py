@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from contbed.reacting_bed import solve
 from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.storage import Storage
 
 Array = NDArray[np.float64]
 GAMMA = 1.0 - 0.5**0.5
@@ -48,14 +49,14 @@ def stages(
     ------
     ConvergenceError : a stage is not found
     """
-    before = solve.Storage(problems[0], np.zeros_like(u), GAMMA * dt).content(u, False)[0]
-    one = solve.Storage(problems[0], before, GAMMA * dt, loose=False)
+    before = Storage(problems[0], np.zeros_like(u), GAMMA * dt).content(u, False)[0]
+    one = Storage(problems[0], before, GAMMA * dt, loose=False)
     with np.errstate(all="ignore"):
         matrix = _matrix(problems[0], guess, one)
     first, factors = _solved(problems[0], guess, report, one, matrix, own=True)
     slope = (one.content(first, False)[0] - before) / (GAMMA * dt)
     target = before + (1.0 - GAMMA) * dt * slope
-    two = solve.Storage(problems[1], target, GAMMA * dt, loose=False)
+    two = Storage(problems[1], target, GAMMA * dt, loose=False)
     last, _ = _solved(problems[1], first, report, two, factors, own=False)
     change = slope - (two.content(last, False)[0] - target) / (GAMMA * dt)
     line = problems[1].line
@@ -64,14 +65,14 @@ def stages(
     return first, last, float(np.abs(filtered).max())
 
 
-def _matrix(problem: Problem, u: Array, storage: solve.Storage) -> Any:
+def _matrix(problem: Problem, u: Array, storage: Storage) -> Any:
     residual, slopes = problem.system.assemble(u)
     storage.add(u, residual, slopes)
     return slopes.factors(problem.flux_sizes, problem.sizes)
 
 
 def _solved(
-    problem: Problem, guess: Array, report: solve.Report, storage: solve.Storage, factors: Any, own: bool
+    problem: Problem, guess: Array, report: solve.Report, storage: Storage, factors: Any, own: bool
 ) -> tuple[Array, Any]:
     """Return the solution of a stage, and the last matrix; that which is given is used as long as it serves.
 
@@ -88,7 +89,7 @@ def _solved(
         return found, factors
 
 
-def _corrected(problem: Problem, u: Array, report: solve.Report, storage: solve.Storage, factors: Any) -> Array | None:
+def _corrected(problem: Problem, u: Array, report: solve.Report, storage: Storage, factors: Any) -> Array | None:
     """Return the solution by corrections with one matrix; None where they do not fall fast."""
     scale = problem.sizes[:, None, None]
     before = np.inf

@@ -32,6 +32,7 @@ from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import Schedule
 from contbed.reacting_bed.stages import GAMMA, stages
+from contbed.reacting_bed.storage import Storage
 from contbed.reacting_bed.transient_results import contents, fill
 from contbed.result import Result
 from contbed.scene.identity import identity
@@ -75,7 +76,7 @@ class Course:
         pressure: Any = problem.bed.p_in
         if problem.layout.pressure:
             u = course.start()
-            storage = solve.Storage.after(course.problem, u, FIRST_STEP * course.time.end)
+            storage = Storage.after(course.problem, u, FIRST_STEP * course.time.end)
             at_once = solve.newton(course.problem, u, solve.Report(), storage, most=solve.FIRST_ITERATIONS)
             pressure = problem.at_all_points(at_once)[problem.layout.names.index("p")]
         return replace(course, problem=course.problem.with_gas_stored(pressure))

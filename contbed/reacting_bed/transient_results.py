@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.balance import Balance
-from contbed.reacting_bed import results, solve
+from contbed.reacting_bed import results
 from contbed.reacting_bed.equations.bed import conserved
 from contbed.reacting_bed.history import History
 from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.storage import Storage
 from contbed.result import Result
 
 Array = NDArray[np.float64]
@@ -35,7 +36,7 @@ def fill(at: Callable[[float], Problem], history: History, result: Result) -> No
 
 def contents(problem: Problem, u: Array) -> Array:
     """Return what the bed holds by equation, per area, means over the section by name of the layout (m,)."""
-    held = solve.Storage(problem, np.zeros_like(u), 1.0).content(u, False)[0]
+    held = Storage(problem, np.zeros_like(u), 1.0).content(u, False)[0]
     line = problem.line
     return problem.mean(np.einsum("ecj,j,c->e", held, line.weights, line.h))
 

@@ -77,6 +77,17 @@ def front() -> dict[str, Any]:
     return scene
 
 
+def sorbent_that_reacts() -> dict[str, Any]:
+    """A -> B in particles at rest that adsorb A, with points inside, over a time in which they fill."""
+    scene, unit = adsorber(K=200.0, units=5.0, biot=5.0)
+    scene["fluid"]["species"]["B"] = scene["fluid"]["species"]["A"]
+    scene["reactions"] = {"r": {"equation": "A -> B", "A": 80.0 / unit, "E": 0.0, "basis": "particle"}}
+    scene["time"] |= {"end": 2.0 * unit, "tolerance": 1e-2}
+    scene["mesh"]["cells"] = 4
+    scene["output"]["positions"] = [0.1, 0.2, 0.5, 1.0]
+    return scene
+
+
 def kinds_that_adsorb() -> dict[str, Any]:
     """Two sizes that move at unlike speeds against a gas that they take up, with points inside."""
     scene, _ = adsorber(K=200.0, units=10.0, biot=10.0)
@@ -137,6 +148,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "pellets": pellets(),
     "pellets_across": pellets_across(),
     "adsorption": front(),
+    "sorbent_that_reacts": sorbent_that_reacts(),
     "kinds_that_adsorb": kinds_that_adsorb(),
     "kinds_of_pellets": kinds_of_pellets(),
     "kinds_across": kinds_across(),

@@ -23,7 +23,7 @@ from contbed.fem.dolfinx import on_dolfinx
 from contbed.loading import from_dict
 from contbed.models import plan as make_plan
 from contbed.reacting_bed.amounts import carried
-from contbed.reacting_bed.solve import Storage
+from contbed.reacting_bed.storage import Storage
 from contbed.reacting_bed.transient import Course
 from contbed.runner import run
 

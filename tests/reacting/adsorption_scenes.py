@@ -11,6 +11,7 @@ TRACE = 1e-6  # mole fraction: what is adsorbed changes the flow of the gas by t
 EPS, DIAMETER, DENSITY, SPEED = 0.4, 3e-3, 1000.0, 0.5  # of `isothermal`; density of the particles [kg/m3]
 AREA = 6.0 * (1.0 - EPS) / DIAMETER  # [1/m]
 GAS_DIFFUSIVITY = 1e-5  # [m2/s]
+CORE = {"law": "shrinking_core", "A": 1.0, "E": 0.0, "diffusivity": 1e-6}  # of a reaction of particles
 
 
 def adsorber(K: float, units: float, biot: float, capacity: float | None = None) -> tuple[dict[str, Any], float]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from adsorption_scenes import SPEED, TRACE, adsorber, constant_pattern
-from reacting_bed_scenes import P, T
+from adsorption_scenes import CORE, SPEED, TRACE, adsorber, constant_pattern
+from reacting_bed_scenes import P, T, solids
 
 import contbed
 from contbed.errors import SceneError
@@ -149,7 +149,10 @@ def test_the_plan_chooses_the_cheapest_level(biot, units, level):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"adsorption": {"B": {"henry": 1e-5, "diffusivity": 1e-6}}}, "no gas of this name enters or fills the bed"),
+        (
+            {"adsorption": {"B": {"henry": 1e-5, "diffusivity": 1e-6}}},
+            "no gas of this name enters, fills the bed or reacts",
+        ),
         ({"mass": None}, "mass.sherwood: missing; the film around particles"),
         ({"solid": None}, "solid: missing; loadings are per mass"),
         ({"time": None}, "particles at rest take up nothing in a steady state"),
@@ -157,8 +160,8 @@ def test_the_plan_chooses_the_cheapest_level(biot, units, level):
         ({"adsorption": {"A": {"capacity": 1.0, "diffusivity": 1e-6}}}, "capacity and affinity belong together"),
         ({"adsorption": {"A": {"diffusivity": 1e-6}}}, "give henry, or capacity and affinity"),
         (
-            {"reactions": {"r": {"equation": "A -> A2", "A": 1.0, "E": 0.0, "basis": "particle"}}},
-            "A is adsorbed by the particles in which it reacts",
+            {"solid": solids(), "reactions": {"r": {"equation": "A + S -> A2 + P", **CORE}}},
+            "A is adsorbed by the particles in which it reacts, and shrinking_core has a film and a layer of its own",
         ),
     ],
 )

@@ -6,8 +6,8 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from adsorption_scenes import DENSITY, EPS, GAS_DIFFUSIVITY, SPEED, TRACE, adsorber
-from reacting_bed_scenes import MOLAR, P, T
+from adsorption_scenes import CORE, DENSITY, EPS, GAS_DIFFUSIVITY, SPEED, TRACE, adsorber
+from reacting_bed_scenes import MOLAR, P, T, solids
 from scipy.linalg import expm
 from several_solids import SHARES, split_adsorbing
 from solving import solved, stepped
@@ -253,10 +253,11 @@ def test_the_plan_chooses_for_each_kind():
         (lambda s: s["time"].pop("initial_composition"), r"time\.initial_composition: missing"),
         (lambda s: s["solids"]["fine"]["adsorption"]["A"].pop("henry"), "give henry, or capacity and affinity"),
         (
-            lambda s: s.update(
-                reactions={"r": {"equation": "A -> A2", "A": 1.0, "E": 0.0, "basis": "particle", "solid": "fine"}}
+            lambda s: (
+                s["solids"]["fine"].update(solids()),
+                s.update(reactions={"r": {"equation": "A + S -> A2 + P", "solid": "fine", **CORE}}),
             ),
-            r"reactions\.r: A is adsorbed by the particles in which it reacts",
+            r"reactions\.r: A is adsorbed by the particles in which it reacts, and shrinking_core has a film",
         ),
     ],
 )

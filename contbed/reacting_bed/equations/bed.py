@@ -210,8 +210,8 @@ class Bed:
         return out + [0.0] * (len(self.layout.names) - len(out))
 
     def _sources(self, state: State, transport: Any, h: Mapping[str, Any]) -> list[Any]:
-        made, by_particles = self.made(state, transport)
-        gains = self._taken_up(state, transport, made, by_particles)
+        made, by_particles, inside = self.made(state, transport)
+        gains = self._taken_up(state, transport, made, by_particles, inside)
         out = [made.get(name, 0.0) for name in (*state.g, *state.n)]
         temperatures = self.layout.temperatures
         if len(temperatures) == 1:
@@ -230,15 +230,23 @@ class Bed:
             out.append(through + by_particles.get(name, 0.0))
         return out + gains
 
-    def _taken_up(self, state: State, transport: Any, made: dict[str, Any], by_particles: dict[str, Any]) -> list[Any]:
-        """Return what points of particles gain through films, that at the surface alone, and take it from the gas."""
+    def _taken_up(
+        self,
+        state: State,
+        transport: Any,
+        made: dict[str, Any],
+        by_particles: dict[str, Any],
+        inside: Mapping[str, Sequence[Any]],
+    ) -> list[Any]:
+        """Return what points of particles gain by reactions and, at the surface, through films from the gas."""
         if self.inside is None:
             return []
         gains: list[Any] = []
         for name, moles in self.inside.taken(state.inner, state.c, transport.films).items():
             made[name] = made.get(name, 0.0) - moles
             by_particles[name] = by_particles.get(name, 0.0) - moles
-            gains += [*(0.0 for _ in range(self.layout.points - 1)), moles]
+            at_points = list(inside.get(name, [0.0] * self.layout.points))
+            gains += [*at_points[:-1], at_points[-1] + moles]
         return gains
 
     def coupling(self) -> NDArray[np.float64] | None:
@@ -268,29 +276,71 @@ class Bed:
         hold = self.medium.porosity * state.rho
         return {name: -hold * (D[name] * dw[name] - w[name] * common) / self.masses[name] for name in w}
 
-    def made(self, state: State, transport: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return what all reactions make of each species, and what particles make of each gas [mol/m3 bed/s]."""
+    def made(self, state: State, transport: Any) -> tuple[dict[str, Any], dict[str, Any], dict[str, list[Any]]]:
+        """Return what all reactions make of each species, and what particles make of each gas [mol/m3 bed/s].
+
+        Of gases that are adsorbed reactions in particles make nothing of the gas between them, but what points inside
+        gain, the last return value.
+        """
         made: dict[str, Any] = {}
         particles: dict[str, Any] = {}
-        for reaction, rate in zip(self.reactions, self.rates(state, transport), strict=True):
+        inside: dict[str, list[Any]] = {}
+        for reaction, rates in zip(self.reactions, self._rates_at_points(state, transport), strict=True):
+            rate = sum(rates[1:], rates[0])
+            held = self._adsorbed(reaction)
             for name, count in reaction.stoichiometry.items():
+                if name in held:
+                    before = inside.get(name, [0.0] * len(rates))
+                    inside[name] = [a + count * b for a, b in zip(before, rates, strict=True)]
+                    continue
                 made[name] = made[name] + count * rate if name in made else count * rate
                 if reaction.site != "gas" and name in state.g:
                     particles[name] = particles[name] + count * rate if name in particles else count * rate
-        return made, particles
+        return made, particles, inside
+
+    def _adsorbed(self, reaction: Any) -> frozenset[str]:
+        """Return the gases that a reaction finds inside of the particles, which adsorb them; none elsewhere."""
+        if self.inside is None or reaction.site == "gas" or reaction.own_film:
+            return frozenset()
+        return reaction.gases & frozenset(self.inside.gases)
+
+    @property
+    def reacts_inside(self) -> bool:
+        """Whether gases react in the particles that adsorb them."""
+        return any(self._adsorbed(reaction) for reaction in self.reactions)
 
     def rates(self, state: State, transport: Any) -> list[Any]:
         """Return the rates of all reactions [mol/m3 bed/s]."""
+        return [sum(rates[1:], rates[0]) for rates in self._rates_at_points(state, transport)]
+
+    def _rates_at_points(self, state: State, transport: Any) -> list[list[Any]]:
+        """Return the rates of all reactions [mol/m3 bed/s], the parts of the points of particles where these adsorb."""
         found, steps = [], {}
         for reaction in self.reactions:
+            if gases := self._adsorbed(reaction):
+                found.append(self._rates_inside(state, transport, reaction, gases))
+                continue
             if reaction.step is None:
                 rate = reaction.rate(self.medium.local(state, transport, reaction, self.small))
             else:  # all steps of a law are found together
                 if reaction.rate not in steps:
                     steps[reaction.rate] = reaction.rate(self.medium.local(state, transport, reaction, self.small))
                 rate = steps[reaction.rate][reaction.step]
-            found.append(self.strength * rate)
+            found.append([self.strength * rate])
         return found
+
+    def _rates_inside(self, state: State, transport: Any, reaction: Any, gases: frozenset[str]) -> list[Any]:
+        """Return the parts of a rate at the points of particles, where adsorbed gases have their concentrations.
+
+        Other gases are there as around the particles.
+        """
+        assert self.inside is not None
+        parts = []
+        for i, weight in enumerate(self.inside.weights):
+            inner = {name: state.inner[name][i] for name in gases}
+            local = self.medium.local(state, transport, reaction, self.small, inner)
+            parts.append(self.strength * float(weight) * reaction.rate(local))
+        return parts
 
     def held_by_solids(self, state: State) -> Any:
         """Return the enthalpy of the solids [J/m3 bed]."""

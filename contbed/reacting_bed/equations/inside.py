@@ -1,4 +1,4 @@
-"""Gas inside of the particles of a bed: it diffuses in their pores and is adsorbed.
+"""Gas inside of the particles of a bed: it diffuses in their pores, is adsorbed and reacts.
 
     dm/dt = r^-s d/dr( r^s D dc/dr ),   m = eps_p c + rho_p q(p, T_s)     per volume of particles [mol/m3]
     D dc/dr = k_f (c_bulk - c)          at the surface, r = R;  s = 2 of a sphere, 1 of a long cylinder
@@ -12,6 +12,9 @@ force of Glueckauf. With the film alone nothing resists inside. Isotherms, p_k =
 
     linear      q = H p                       H, b = their values at T_0 times exp(-dH/R (1/T_s - 1/T_0))
     Langmuir    q_k = q_s b_k p_k/(1 + sum_j b_j p_j)
+
+Reactions in the particles run at the concentrations of their points, and add sum_j nu_kj r_j(c_i, T_s) to dm_i/dt;
+gases that are not adsorbed are there as around the particles.
 
 Gases of Langmuir isotherms compete for the same sites. Below 0, within an iteration or behind a front that undershoots,
 an isotherm is a straight line.

@@ -1,0 +1,81 @@
+"""What a reacting bed holds in time, added to the residuals of its steady equations: implicit Euler steps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.fem.dual import Dual
+from contbed.reacting_bed.problem import Problem
+
+Array = NDArray[np.float64]
+NO_DATA = 1e6  # [J/m3/K], heat capacity of a bed in marches whose particles have no data
+
+
+class Storage:
+    """What particles, and where asked for the gas, hold: implicit Euler steps for marches to a steady state."""
+
+    def __init__(self, problem: Problem, held: Array, dt: float, loose: bool = True):
+        self.problem, self.dt, self.held, self.loose = problem, dt, held, loose
+
+    @classmethod
+    def after(cls, problem: Problem, before: Array, dt: float) -> Storage:
+        """Return the storage of an implicit Euler step from a state."""
+        return cls(problem, cls(problem, before, dt).content(before, False)[0], dt)
+
+    def content(self, u: Array, jacobian: bool) -> tuple[Array, Any]:
+        """Return what is held per volume of bed by equation at the nodes, and its derivatives."""
+        flat, section = u.reshape(len(u), -1), self.problem.section
+        one = np.ones(flat.shape[1])
+        values: list[Any] = [Dual(x, {("u", k): one}) for k, x in enumerate(flat)] if jacobian else list(flat)
+        parts = self._of_bed(values) if section is None else section.held(values, self._of_bed)
+        table = np.empty_like(flat)
+        for row, part in zip(table, parts, strict=True):
+            row[:] = getattr(part, "value", part)
+        return table.reshape(u.shape), parts
+
+    def _of_bed(self, values: list[Any]) -> list[Any]:
+        """Return what is held by equation of the layout at points."""
+        problem, names = self.problem, self.problem.layout.names
+        state = problem.bed.state(values)
+        parts: list[Any] = [0.0] * len(names)
+        gas, heat = problem.bed.held_by_gas(state) if problem.bed.gas_pressure is not None else ({}, 0.0)
+        inside = iter(problem.bed.held_inside(state))
+        for k, name in enumerate(names):
+            if name.startswith("n_"):
+                parts[k] = values[k]
+            elif name.startswith("g_") and gas:
+                parts[k] = gas[name[2:]]
+            elif name.startswith("a_"):
+                parts[k] = next(inside)
+            elif name == "T_fluid":
+                parts[k] = heat
+            elif name == "T" or name.startswith("T_solid"):
+                parts[k] = problem.bed.heat_held(state, name) + (heat if name == "T" else 0.0)
+                if not problem.bed.knows_heat(name):
+                    parts[k] = NO_DATA * values[k]
+        return parts
+
+    def residual(self, u: Array) -> Array:
+        """Return what storage adds to the residuals."""
+        weight = self.problem.line.weights * self.problem.line.h[:, None] / self.dt
+        found: Array = (self.content(u, False)[0] - self.held) * weight
+        return found
+
+    def rounding(self) -> Array:
+        """Return what one rounding of all terms is in the residuals: of what is held, over the step, and of fluxes."""
+        line, sizes = self.problem.line, self.problem.flux_sizes[:, None, None]
+        found: Array = np.finfo(float).eps * (np.abs(self.held) * line.weights * line.h[:, None] / self.dt + sizes)
+        return found
+
+    def add(self, u: Array, residual: Array, slopes: Any) -> Array:
+        """Return the residuals with what storage adds, and add its derivatives to theirs."""
+        line = self.problem.line
+        _, N, n = u.shape
+        held, parts = self.content(u, True)
+        for e, part in enumerate(parts):
+            for (_, f), tangent in getattr(part, "tangents", {}).items():
+                slopes.add_source(e, f, "u", np.broadcast_to(-tangent / self.dt, (N * n,)).reshape(N, n))
+        return residual + (held - self.held) * (line.weights * line.h[:, None] / self.dt)
