@@ -184,6 +184,7 @@ MODELS: dict[str, Model] = {
             "gas_inside_particles": "equations.inside",
             "reacting_section": "equations.section",
             "several_solids": "equations.kinds",
+            "amounts_above_zero": "limited",
         },
     ),
     "packed_bed": Model(

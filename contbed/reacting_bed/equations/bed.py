@@ -7,7 +7,8 @@
     pressure      d/dx p = -mu U/K - c_F rho |U| U/sqrt(K)
     film          0 = k_f,k a (c_k - c_s,k) + S_k,s
     inside        d/dx [ v_s m_k,i ] = what point i of the particles gains of gas k, see `equations.inside`; what it
-                  gains from other points is linear and constant, and stands in `Bed.coupling`
+                  gains from other points is linear and constant, and stands in `Bed.coupling`; reactions there add
+                  w_i S_k(c_i)
 
 Superficial fluxes: G = sum M_k g_k, u = G/rho, U = u - eps u_s/(1 - eps) relative to the particles, v_s = u_s/(1-eps).
 Enthalpies contain heats of formation, so that no heat of reaction appears anywhere. What particles make leaves them at
@@ -19,7 +20,8 @@ T_s, what they take comes at T_f:
 
 The correction makes the J_k sum to zero. The weighted sum of all species equations is that of G. With one temperature
 both energy equations are added. Where species are no unknowns of a film the gas at the particle is that of the stream.
-Several kinds of particles each have equations of their own, see `equations.kinds`.
+Several kinds of particles each have equations of their own, see `equations.kinds`; how amounts stay above zero tells
+`limited`.
 
 Source: Wakao, Kaguei 1982, Heat and Mass Transfer in Packed Beds; Bird, Stewart, Lightfoot 2002, ch. 19.
 """
