@@ -141,7 +141,7 @@ def _gas_storage(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -
         return False, ""
     moments = schedule.moments() or [0.0]
     delay = max(problem.within(schedule.frozen(scene, moment)).gas_residence for moment in moments)
-    shortest = schedule.shortest(time.end)
+    shortest = schedule.shortest(time.end, together=SHORT_RESIDENCE * delay)
     what = "the run" if len(schedule.cuts(time.end)) == 2 else "the shortest time between changes of the streams"
     size = f"the gas stays for {delay:.3g} s, {delay / shortest:.2g} of {what}"
     if time.gas != "auto":

@@ -308,7 +308,7 @@ class Time(Table):
     gas: Literal["auto", "quasi_steady", "stored"] = Field(
         "auto",
         description="storage in the gas between particles; auto leaves it out where its residence time is below 1 % of "
-        "the times in which streams change and of the run",
+        "the times in which streams change and of the run; changes within 1 % of that time count as one",
     )
     tolerance: Fraction = Field(1e-4, description="local error over typical sizes of the fields, of an order below")
     checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")

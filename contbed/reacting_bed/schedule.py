@@ -59,28 +59,32 @@ class Schedule(SeriesByKey):
         names = {path: item.fractions(base)[0] for path, item in found.items() if isinstance(item, CompositionSeries)}
         return cls({path: item.samples(base) for path, item in found.items()}, names)
 
-    def at(self, tables: Mapping[str, Any], time: float, before: bool = False) -> dict[str, Any]:
-        """Return the tables with the values at a time, just after or `before` a jump."""
+    def at(self, tables: Mapping[str, Any], time: float, before: bool = False, since: float = 0.0) -> dict[str, Any]:
+        """Return the tables with the values at a time, just after or `before` a jump, `since` an earlier one."""
         found: Any = dict(tables)
         for path, samples in self.samples.items():
-            value = samples.at(time, before)
+            value = samples.at(time, before, since)
             names = self.species.get(path)
             found = with_value(found, path, float(value) if names is None else _text(names, value))
         return dict(found)
 
-    def frozen(self, scene: s.ReactingScene, time: float, before: bool = False) -> s.ReactingScene:
-        """Return the scene with the values at a time, just after or `before` a jump."""
+    def frozen(self, scene: s.ReactingScene, time: float, before: bool = False, since: float = 0.0) -> s.ReactingScene:
+        """Return the scene with the values at a time, just after or `before` a jump, `since` an earlier one."""
         if not self:
             return scene
-        return scene.model_copy(update=self.at(tables_of(scene), time, before))
+        return scene.model_copy(update=self.at(tables_of(scene), time, before, since))
 
     def moments(self) -> list[float]:
         """Return all times of the series [s]."""
         return sorted({float(t) for samples in self.samples.values() for t in samples.times})
 
-    def shortest(self, end: float) -> float:
-        """Return the shortest time between two cuts of a run to `end` [s]."""
-        return min(b - a for a, b in pairwise(self.cuts(end)))
+    def shortest(self, end: float, together: float) -> float:
+        """Return the shortest time between changes in a run to `end`; those that lie `together` count as one [s]."""
+        apart = [0.0]
+        for cut in self.cuts(end):
+            if cut - apart[-1] > together:
+                apart.append(cut)
+        return min((b - a for a, b in pairwise(apart)), default=end)
 
 
 def _text(names: tuple[str, ...], fractions: Any) -> str:

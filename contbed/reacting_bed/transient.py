@@ -11,8 +11,10 @@ from __future__ import annotations
 
 import math
 import time as clock
+from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -87,11 +89,20 @@ class Course:
         assert self.scene.time is not None
         return self.scene.time
 
-    def at(self, time: float, before: bool = True) -> Problem:
-        """Return the problem at a time [s], at a jump that `before` it or just after it."""
+    @cached_property
+    def cuts(self) -> list[float]:
+        """Jumps and kinks of the series, with the start and the end of the run [s]."""
+        return self.schedule.cuts(self.time.end)
+
+    def since(self, time: float) -> float:
+        """Return the last jump or kink up to a time [s]."""
+        return self.cuts[bisect_right(self.cuts, time * (1.0 + SAME)) - 1]
+
+    def at(self, time: float, before: bool = True, since: float = 0.0) -> Problem:
+        """Return the problem at a time [s], at a jump that `before` it, `since` an earlier one, or just after it."""
         if not self.schedule:
             return self.problem
-        return self.problem.within(self.schedule.frozen(self.scene, time, before))
+        return self.problem.within(self.schedule.frozen(self.scene, time, before, since))
 
     def start(self) -> Array:
         """Return the state at the start (m, N, p + 1)."""
@@ -124,7 +135,7 @@ class Course:
         """Return the times at which a step ends: output times, and jumps and kinks of the series [s]."""
         time = self.time
         found: list[float] = []
-        for stop in sorted({*output_times(time), *self.schedule.cuts(time.end)} - {0.0}):
+        for stop in sorted({*output_times(time), *self.cuts} - {0.0}):
             if not found or stop - found[-1] > SAME * stop:
                 found.append(stop)
         return found
@@ -243,7 +254,7 @@ def advanced(course: Course, history: History, stop: float, report: solve.Report
     """
     time = course.time
     shortest = SHORTEST_STEP * time.end
-    dt, u = history.dt, history.u
+    dt, u, since = history.dt, history.u, course.since(history.time)
     if course.schedule and history.time > 0.0 and course.schedule.jumps(history.time):
         dt = min(dt, FIRST_STEP * time.end)
         u = turned(course.at(history.time, before=False), u)
@@ -251,7 +262,7 @@ def advanced(course: Course, history: History, stop: float, report: solve.Report
         step = min(dt, stop - history.time)
         if step < shortest and stop - history.time > 2.0 * step:
             raise ConvergenceError("steps in time become ever smaller")
-        problems = (course.at(history.time + GAMMA * step), course.at(history.time + step))
+        problems = (course.at(history.time + GAMMA * step, since=since), course.at(history.time + step, since=since))
         try:
             first, last, error = stages(problems, history.u, u, step, report, course.sizes(u))
         except ConvergenceError:

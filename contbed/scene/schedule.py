@@ -26,10 +26,13 @@ class SeriesByKey:
         times = sorted({0.0, end, *(t for values in self.samples.values() for t in values.breaks(end))})
         return [a for a, b in pairwise([*times, 2.0 * end]) if b - a > MERGED * SAME * b]
 
-    def jumps(self, time: float, among: str = "") -> bool:
-        """Return whether a value jumps at a time; `among` names the table that is looked at, empty for all."""
+    def jumps(self, time: float, among: str = "", since: float = 0.0) -> bool:
+        """Return whether a value jumps at a time; `among` names the table that is looked at, empty for all.
+
+        `since` is the last cut before it [s].
+        """
         return any(
-            (values.at(time) != values.at(time, before=True)).any()
+            (values.at(time) != values.at(time, before=True, since=since)).any()
             for path, values in self.samples.items()
             if not among or path[0] == among
         )

@@ -119,15 +119,15 @@ class Samples:
     form: str
     period: float | None
 
-    def at(self, time: float, before: bool = False) -> Any:
-        """Return the value at a time, at a jump that after it, or `before` it and those that are one with it."""
-        share = -SAME if before else TINY
-        turns = 0.0
-        if self.period is not None:
-            turns = np.floor(time / self.period * (1.0 + share))
-        local = max(time - turns * (self.period or 0.0), 0.0)
-        slack = share * max(time, local)
-        k = max(int(np.searchsorted(self.times, local + slack, side="right")) - 1, 0)
+    def at(self, time: float, before: bool = False, since: float = 0.0) -> Any:
+        """Return the value at a time, at a jump that after it, or `before` it and those that are one with it.
+
+        What holds before a time holds `since` an earlier jump [s], which may be as near as those that are one.
+        """
+        moment = max(time * (1.0 - SAME), since * (1.0 + TINY)) if before else time * (1.0 + TINY)
+        start = 0.0 if self.period is None else np.floor(moment / self.period) * self.period
+        local = max(time - start, 0.0)
+        k = max(int(np.searchsorted(self.times, moment - start, side="right")) - 1, 0)
         if self.form == "step":
             return self.values[k]
         if k + 1 < len(self.times):

@@ -11,6 +11,8 @@ import contbed
 from contbed import models, trial
 from contbed.errors import SceneError
 from contbed.loading import from_dict
+from contbed.scene.schedule import SeriesByKey
+from contbed.scene.series import Samples
 
 STEPS = 1e-4  # of the span: steps to a local tolerance of 1e-4; the largest error found is 4e-5
 CLOSED = 1e-12
@@ -34,9 +36,12 @@ def test_steps_of_the_inlet_temperature_superpose():
     closes(result)
 
 
-@pytest.mark.parametrize("later", [1e-12, 1e-10, 4e-10], ids=str)
+@pytest.mark.parametrize("later", [1e-12, 1e-10, 4e-10, 6e-10, 1e-9, 1e-8, 1e-6, 1e-5], ids=str)
 def test_jumps_at_all_but_the_same_time_are_one(later):
-    """The gas turns, and what enters has another temperature, as two files with other digits say it."""
+    """The gas turns, and what enters has another temperature, as two files with other digits say it.
+
+    Where both are cuts, what lies between them is no reason to store the gas, which stays a thousand times as long.
+    """
     found = []
     for share in (0.0, later):
         scene, eta_per_s = heated(4.0)
@@ -47,8 +52,21 @@ def test_jumps_at_all_but_the_same_time_are_one(later):
         scene["boundary"] = {end_: {"fluid": {"inflow": colder}} for end_ in ("left", "right")}
         scene["time"]["end"] = end
         found.append(contbed.run(from_dict(scene)).qoi["T_fluid_out_K"])
-    # the same steps, each longer or shorter by that share
-    assert found[1] == pytest.approx(found[0], rel=1e-8)
+    # the same steps, each longer or shorter by that share, of a temperature that changes by some 200 K in the run
+    assert found[1] == pytest.approx(found[0], rel=1e-8, abs=200.0 * later)
+
+
+@pytest.mark.parametrize("later", [6e-10, 1e-9, 1.01e-9, 1e-8], ids=str)
+@pytest.mark.parametrize("period", [None, 4.0], ids=["once", "periodic"])
+def test_between_two_near_jumps_there_is_what_holds_since_the_first(later, period):
+    samples = Samples(np.array([0.0, 1.0, 1.0 + later]), np.array([1.0, 2.0, 3.0]), "step", period)
+    schedule = SeriesByKey({("flow", "velocity"): samples})
+    first, second = schedule.cuts(3.0)[1:3]
+    for share in (0.3, 1.0):  # the stages of a step
+        assert samples.at(first + share * (second - first), before=True, since=first) == 2.0
+    assert samples.at(second) == 3.0
+    assert samples.at(first, before=True) == 1.0
+    assert schedule.jumps(second, since=first)
 
 
 def test_the_plan_counts_the_steps_of_small_errors(monkeypatch):
