@@ -70,7 +70,8 @@ def predicted_time(plan: Plan) -> str:
         return _text_of_search(plan)
     if getattr(plan, "balanced", False):
         return _text_of_last_mesh(plan)
-    if not (plan.steps or getattr(plan, "fronts", False)):  # fronts take steps that no checkpoint goes on from
+    # fronts and one particle take steps that no checkpoint goes on from
+    if not plan.steps and getattr(plan.scene, "time", None) is None:
         return ""
     before = clock.process_time()
     seconds, steps = _predict(plan, plan.scene.time.end)

@@ -15,7 +15,7 @@ from contbed.packed_bed.scene import Time
 from contbed.packed_bed.streams import Outlets
 from contbed.scene.toml_lines import Origin
 from contbed.solvers.linear import Policy
-from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, march
+from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, level_of, march
 
 ONE_KELVIN = 1.0  # [K] scale of the errors of a bed that only fluxes or sources drive from one temperature
 
@@ -130,7 +130,7 @@ class History:
             return
         self.origin, self.end, self.tick, self.level = self.time, end, 0, None
         if size is not None:
-            self.level = max(0, min(LEVELS, int(np.floor(LEVELS + np.log2(size / (end - self.time))))))
+            self.level = level_of(size, end - self.time)
 
 
 def run_transient(

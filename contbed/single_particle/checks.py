@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from contbed.errors import SceneError
-from contbed.scene.checking import Mistakes
+from contbed.scene.checking import Mistakes, See
 from contbed.scene.names import nearest
 from contbed.scene.series import Series
+from contbed.scene.series_checks import series_is_usable
 from contbed.scene.toml_lines import Origin
 from contbed.single_particle import scene as p
 
@@ -33,20 +33,13 @@ def reactions_name_constituents(constituent: dict[str, p.Constituent], reactions
             yield ("reactions", name, "yields", reaction.of), "what reacts is among what is made; leave it out"
 
 
-def series_last(surroundings: p.Surroundings, time: p.Time, origin: Origin) -> Mistakes:
+def series_are_usable(surroundings: p.Surroundings, time: p.Time, see: See, origin: Origin) -> Mistakes:
     """Check that series can be read and last as long as the run."""
     for key in ("surface", "temperature"):
         series = getattr(surroundings, key)
-        if not isinstance(series, Series):
-            continue
-        try:
-            samples = series.samples(origin.base)
-        except SceneError as error:
-            yield ("surroundings", key), str(error)
-            continue
-        if not samples.reaches(time.end):
-            yield ("surroundings", key), f"ends at {samples.times[-1]:g} s, before the run; give a later value"
+        if isinstance(series, Series):
+            yield from series_is_usable(("surroundings", key), series, time, see, origin)
 
 
-CHECKS = (masses_add_up, reactions_name_constituents, series_last)
+CHECKS = (masses_add_up, reactions_name_constituents, series_are_usable)
 WARNINGS = ()

@@ -109,14 +109,21 @@ class Sphere:
         T, masses, *_ = self._fields(state)
         gas = -sum(rate.value for rate in self._made(T, self._rates(T, masses)))
         state[(self.count + 1) * n : -1] = np.cumsum(self.volume * gas)
-        state[-1] = m.start
-        low, high = sorted((m.start, self.surface.furnace(0.0)))
+        return self.with_surface(state)
+
+    def with_surface(self, before: Array) -> Array:
+        """Return a state whose surface is as hot as the surroundings of the present time make it."""
+        state = before.copy()
+        if self.surface.given is not None:
+            state[-1] = self.surface.given(self.time)
+            return state
+        low, high = sorted((state[self.shells - 1], self.surface.furnace(self.time)))
 
         def unbalanced(T: float) -> float:
             state[-1] = T
             return float(self.steady(state, False)[0][-1])
 
-        state[-1] = self.surface.given(0.0) if self.surface.given else brentq(unbalanced, low - 1.0, high + 1.0)
+        state[-1] = brentq(unbalanced, low - 1.0, high + 1.0)
         return state
 
     def masses(self, state: Array) -> Array:

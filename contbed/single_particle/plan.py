@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from contbed.models import described
 from contbed.single_particle.scene import SingleParticleScene
-from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
 
@@ -31,7 +30,7 @@ class Plan:
         return {"particle": (len(self.scene.constituent) + 2) * self.scene.particle.cells + 1}
 
     def __str__(self) -> str:
-        return described(self, advice(self.unknowns(), self.policy))
+        return described(self)
 
 
 def plan(scene: SingleParticleScene) -> Plan:

@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
 
 from contbed.balance import Balance
 from contbed.errors import ConvergenceError
 from contbed.fields import header
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
+from contbed.scene.schedule import SeriesByKey
 from contbed.scene.series import Series
 from contbed.scene.toml_lines import Origin
 from contbed.single_particle.equations import SCALE_HEAT, Material, Sphere, Surface
 from contbed.single_particle.plan import Plan
 from contbed.single_particle.scene import SingleParticleScene
-from contbed.solvers.timestep import STAGES, WEIGHTS, Step, march
+from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, level_of, march
 
 ROWS = 100  # output times where none are given
+LEAST_LOSS = 1e-9  # of the mass, below which none is lost, and no time in which half of it is
 
 
 def material_of(scene: SingleParticleScene) -> Material:
@@ -45,20 +51,55 @@ def material_of(scene: SingleParticleScene) -> Material:
     )
 
 
-def surface_of(scene: SingleParticleScene) -> Surface:
-    """Return the condition at the surface of a scene."""
-    table, base = scene.surroundings, scene.origin.base
+def series_of(scene: SingleParticleScene) -> SeriesByKey:
+    """Return the series of a scene, by key."""
+    table = scene.surroundings
+    given = {key: getattr(table, key) for key in ("surface", "temperature")}
+    found = {key: value.samples(scene.origin.base) for key, value in given.items() if isinstance(value, Series)}
+    return SeriesByKey({("surroundings", key): samples for key, samples in found.items()})
 
-    def function(value: Any) -> Callable[[float], float]:
-        if isinstance(value, Series):
-            samples = value.samples(base)
-            return lambda t: float(samples.at(t))
-        return lambda t: float(value)
+
+def surface_of(scene: SingleParticleScene, series: SeriesByKey, since: float = 0.0) -> Surface:
+    """Return the condition at the surface from a jump or kink of the series to the next, `since` the former [s]."""
+    table = scene.surroundings
+
+    def function(key: str) -> Callable[[float], float]:
+        samples = series.samples.get(("surroundings", key))
+        if samples is None:
+            value = float(getattr(table, key))
+            return lambda t: value
+        return lambda t: float(samples.at(t, before=True, since=since))
 
     if table.surface is not None:
-        given = function(table.surface)
+        given = function("surface")
         return Surface(given, given, 0.0, 0.0)
-    return Surface(None, function(table.temperature), table.coefficient, table.emissivity or 0.0)
+    return Surface(None, function("temperature"), table.coefficient, table.emissivity or 0.0)
+
+
+def _pieces(problem: Sphere, state: Any, plan: Plan, series: SeriesByKey, span: float) -> Iterator[Step]:
+    """Yield the time steps, none of which crosses a jump or kink of the surroundings."""
+    scene, size = plan.scene, 0.0
+    options = {"tolerance": scene.solver.newton_tolerance, "iterations": scene.solver.newton_iterations}
+    for start, end in pairwise(series.cuts(scene.time.end)):
+        problem.surface = surface_of(scene, series, start)
+        if start > 0.0:
+            problem.at(start)
+            state = problem.with_surface(state)
+        level = level_of(size, end - start) if size and not series.jumps(start) else None
+        tolerance = scene.time.tolerance
+        for step in march(
+            problem,
+            state,
+            end,
+            plan.policy,
+            tolerance=tolerance,
+            span=span,
+            start=start,
+            level=level,
+            newton_options=options,
+        ):
+            yield step
+            state, size = step.states[-1], (end - start) * 2.0 ** (step.next_level - LEVELS)
 
 
 @timed("particle")
@@ -70,20 +111,20 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     ConvergenceError : a time step fails
     """
     scene = plan.scene
-    material, surface = material_of(scene), surface_of(scene)
-    end = scene.time.end
+    material, series = material_of(scene), series_of(scene)
+    surface, end = surface_of(scene, series), scene.time.end
     moments = sorted({*(scene.time.times or np.linspace(0.0, end, ROWS + 1).tolist()), end})
-    samples = [surface.furnace(t) for t in np.linspace(0.0, end, ROWS + 1)]
-    span = max(max(samples) - material.start, material.start - min(samples), 1.0)
+    values = [v for samples in series.samples.values() for v in samples.values] or [surface.furnace(0.0)]
+    span = max(max(values) - material.start, material.start - min(values), 1.0)
     problem = Sphere(material, surface, scene.particle.cells, span)
     state = problem.initial()
     kept = [state] if moments[0] == 0.0 else []
-    sums = np.zeros(4)  # heat conducted in, carried out, released [J/kg]; gas that left
+    sums, exchanged = np.zeros(4), 0.0  # heat conducted in, carried out, released [J/kg], gas that left; heat both ways
+    passed = [(0.0, _mass(problem, state), problem.centre(state))]
     before = problem.content(state, False)[0]
-    mass0 = float(problem.volume @ problem.masses(state).sum(axis=0))
-    options = {"tolerance": scene.solver.newton_tolerance, "iterations": scene.solver.newton_iterations}
+    mass0 = _mass(problem, state)
     gas = (problem.count + 2) * problem.shells - 1
-    steps = march(problem, state, end, plan.policy, tolerance=scene.time.tolerance, span=span, newton_options=options)
+    steps = _pieces(problem, state, plan, series, span)
     with Progress(end, "s", quiet) as progress:
         for step in _told(steps, scene.origin):
             for moment in moments[len(kept) :]:
@@ -91,7 +132,11 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
                     kept.append(step.states[-1] if moment >= step.end else step.at(moment))
             for weight, share, stage in zip(WEIGHTS, STAGES, step.states, strict=True):
                 problem.at(step.start + share * step.size)
-                sums += weight * step.size * np.array([*problem.heat_in(stage), stage[gas]])
+                rates = np.array([*problem.heat_in(stage), stage[gas]])
+                sums += weight * step.size * rates
+                exchanged += weight * step.size * abs(rates[0])
+                if share:
+                    passed.append((step.start + share * step.size, _mass(problem, stage), problem.centre(stage)))
             state = step.states[-1]
             progress.advance_to(step.end)
     whole = material.density * np.pi / 6.0 * (2.0 * material.radius) ** 3
@@ -101,11 +146,17 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     held = SCALE_HEAT * float(np.abs(problem.content(state, False)[0][:n]).sum())
     parts = [conducted * whole, -carried * whole]
     result.balances["energy"] = Balance.of_fluxes(
-        parts, "J", released * whole, stored * whole, floor=held * whole
+        parts, "J", released * whole, stored * whole, floor=max(held, exchanged) * whole
     ).as_dict()
-    mass = float(problem.volume @ problem.masses(state).sum(axis=0))
+    mass = _mass(problem, state)
     result.balances["mass"] = Balance.of_fluxes([-left * whole], "kg", 0.0, (mass - mass0) * whole, whole).as_dict()
-    _findings(plan, problem, moments, kept, result)
+    _profiles(plan, problem, moments, kept, result)
+    _findings(np.array(passed), result)
+
+
+def _mass(problem: Sphere, state: Any) -> float:
+    """Return the mass that is left over that of the fresh particle."""
+    return float(problem.volume @ problem.masses(state).sum(axis=0))
 
 
 def _told(steps: Iterator[Step], origin: Origin) -> Iterator[Step]:
@@ -121,8 +172,8 @@ def _told(steps: Iterator[Step], origin: Origin) -> Iterator[Step]:
         raise ConvergenceError(f"{text}: {advice}", error.history, error.state) from None
 
 
-def _findings(plan: Plan, problem: Sphere, moments: list[float], kept: list[Any], result: Result) -> None:
-    """Fill in what is left and temperatures over the time."""
+def _profiles(plan: Plan, problem: Sphere, moments: list[float], kept: list[Any], result: Result) -> None:
+    """Fill in what is left and temperatures at the output times."""
     n, volume = problem.shells, problem.volume
     masses = np.array([problem.masses(state) @ volume for state in kept])
     result.profiles = {
@@ -134,12 +185,18 @@ def _findings(plan: Plan, problem: Sphere, moments: list[float], kept: list[Any]
     }
     for k, name in enumerate(plan.scene.constituent):
         result.profiles[f"mass_fraction.{name} [1]"] = masses[:, k]
-    hottest = int(np.argmax(result.profiles[header("T_centre")]))
-    half = masses.sum(axis=1)
-    middle = 0.5 * (half[0] + half[-1])
+
+
+def _findings(passed: NDArray[np.float64], result: Result) -> None:
+    """Fill in numbers of the whole run; `passed` (n, 3) are times, masses and centre temperatures of all steps."""
+    times, mass, centre = passed.T
+    hottest = int(np.argmax(centre))
     result.qoi |= {
-        "mass_fraction_end": float(half[-1]),
-        "T_centre_max_K": float(result.profiles[header("T_centre")][hottest]),
-        "time_of_T_centre_max_s": moments[hottest],
-        "half_time_s": float(np.interp(-middle, -half, moments)),
+        "mass_fraction_end": float(mass[-1]),
+        "T_centre_max_K": float(centre[hottest]),
+        "time_of_T_centre_max_s": float(times[hottest]),
     }
+    if mass[0] - mass[-1] > LEAST_LOSS:
+        left, middle = PchipInterpolator(times, mass), 0.5 * (mass[0] + mass[-1])
+        k = int(np.argmax(mass <= middle))
+        result.qoi["half_time_s"] = float(brentq(lambda t: left(t) - middle, times[k - 1], times[k]))

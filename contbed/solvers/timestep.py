@@ -107,6 +107,11 @@ class Step:
         return la * self.states[0] + lb * self.states[1] + lc * self.states[2]
 
 
+def level_of(size: float, span: float) -> int:
+    """Return the level of the longest step that is not longer than `size` [s] in a time of `span` [s]."""
+    return max(0, min(LEVELS, int(np.floor(LEVELS + np.log2(size / span)))))
+
+
 def march(
     problem: TransientProblem,
     state: Any,

@@ -8,8 +8,9 @@ from scipy.optimize import brentq
 
 from contbed.errors import ConvergenceError, SceneError
 from contbed.loading import load
-from contbed.models import MODELS
+from contbed.models import MODELS, plan
 from contbed.runner import run
+from contbed.trial import predicted_time
 from tests.particle.tables import rows
 
 SPHERE = MODELS["single_particle"].template.read_text(encoding="utf-8").split("[surroundings]")[0]
@@ -100,6 +101,65 @@ def test_uniform_reaction_is_exponential(tmp_path):
     found = run(load(path))
     assert found.profiles["mass_fraction [1]"][-1] == pytest.approx(np.exp(-2.0), rel=1e-3)
     assert found.qoi["T_centre_max_K"] == pytest.approx(300.0, abs=1e-6)
+
+
+TANK = """
+[particle]
+diameter = 0.01
+density = 2000.0
+temperature = 300.0
+conductivity = 400.0
+cells = 4
+[constituent.copper]
+mass_fraction = 1.0
+heat_capacity = 800.0
+[surroundings]
+coefficient = 100.0
+temperature = {series}
+[time]
+end = 3600.0
+times = {times}
+"""
+RATE = 100.0 * 6.0 / (0.01 * 2000.0 * 800.0)  # [1/s] of a sphere that is as hot inside as outside
+
+
+@pytest.mark.parametrize("form", ["step", "linear"])
+@pytest.mark.parametrize("width", [1.0, 60.0], ids=str)
+def test_a_short_pulse_of_the_furnace_is_not_stepped_over(tmp_path, width, form):
+    """Nothing happens for 3000 s, so that steps are long; then the furnace is hot, or warms and cools, for `width`."""
+    begin, end = 3000.0, 3000.0 + width
+    times, values = [0.0, begin, end], [300.0, 1000.0, 300.0]
+    risen, after = 700.0 * (1.0 - np.exp(-RATE * width)), 10.0
+    if form == "linear":  # a triangle
+        times, values = [0.0, begin, begin + 0.5 * width, end, 3600.0], [300.0, 300.0, 1000.0, 300.0, 300.0]
+        risen = 1400.0 / (RATE * width) * (1.0 - np.exp(-0.5 * RATE * width)) ** 2
+    path = tmp_path / "pulse.toml"
+    series = f'{{ times = {times}, values = {values}, form = "{form}" }}'
+    path.write_text(TANK.format(series=series, times=[end, end + after]))
+    found = run(load(path))
+    # local errors of 1e-4 of 700 K; h R/(3 k) = 4e-4 of the rise, and of its delay
+    expected = 300.0 + risen * np.array([1.0, np.exp(-RATE * after), np.exp(-RATE * (3600.0 - end))])
+    assert found.profiles["T_mean [K]"] == pytest.approx(expected, abs=0.7)
+    assert abs(found.balances["energy"]["relative_residual"]) < 1e-10  # rounding of 300 K over the few of a pulse
+
+
+def test_numbers_of_the_run_do_not_depend_on_output_times(tmp_path):
+    text = inert(6, 100.0, 1.0).replace("temperature = 400.0", "temperature = 300.0")
+    path = tmp_path / "reacts.toml"
+    path.write_text(text + '[reactions.gas]\nof = "stone"\nA = 0.02\nactivation_temperature = 1e-6\nyields = {}\n')
+    # of a loss of 1 - exp(-2) half is gone at -ln((1 + exp(-2))/2)/0.02
+    assert run(load(path)).qoi["half_time_s"] == pytest.approx(-50.0 * np.log(0.5 * (1.0 + np.exp(-2.0))), rel=1e-4)
+    series = '{ times = [0, 1000, 1030], values = [300, 1000, 300], form = "step" }'
+    path.write_text(TANK.format(series=series, times=[3600.0]))
+    found = run(load(path)).qoi
+    assert found["T_centre_max_K"] == pytest.approx(300.0 + 700.0 * (1.0 - np.exp(-30.0 * RATE)), abs=0.7)
+    assert found["time_of_T_centre_max_s"] == pytest.approx(1030.0, abs=0.5)
+    assert "half_time_s" not in found  # nothing is lost
+
+
+def test_the_plan_tells_the_time_of_the_steps():
+    assert predicted_time(plan(load(MODELS["single_particle"].template))).startswith("time: about")
+    assert "steady" not in str(plan(load(MODELS["single_particle"].template)))
 
 
 def test_a_reaction_too_fast_for_any_step_is_told():
