@@ -16,7 +16,7 @@ from contbed.scene.toml_lines import Origin
 
 Array = NDArray[np.float64]
 SAME = 1e-12  # relative distance below which two times are the same
-ARRAYS = ("u", "held", "passed", "sources")
+ARRAYS = ("u", "held", "passed", "both_ways", "sources")
 NUMBERS = ("time", "dt", "steps", "carried")
 EXTENTS = "extents_"  # begins names of arrays of a checkpoint
 
@@ -28,6 +28,7 @@ class History:
     u : (unknowns, N, p + 1), those of a section ring by ring; dt : length of the next step [s]
     held : (m,) what the bed held at the start, means over the section as all integrals are
     passed : (m, 2) integrals of the fluxes through both ends, along x
+    both_ways : (m, 2) integrals of their magnitudes, which a flow that turns does not cancel
     sources : (m,) integrals of the sources; carried : integral of the heat of all streams above 298.15 K [J/m2]
     outlet : (steps, columns) of the outlet over time, `columns` their names
     kept : states at output times
@@ -39,6 +40,7 @@ class History:
     dt: float
     held: Array
     passed: Array
+    both_ways: Array
     sources: Array
     carried: float = 0.0
     time: float = 0.0

@@ -18,6 +18,7 @@ from contbed.scene.toml_lines import Origin
 Boundaries = dict[str, s.Boundary]
 FLOWS = ("mass_flux", "molar_flux", "velocity")
 SOLID_FLOW = "velocity_solid"
+LEAST_FLOW = 1e-7  # of the largest, below which fluxes of species tell no composition
 
 
 def series_are_usable(
@@ -40,12 +41,14 @@ def series_are_usable(
 
 def _flow_keeps_its_sign(path: Any, samples: Any) -> Mistakes:
     values = [float(value) for value in samples.values]
-    if path[-1] in FLOWS and 0.0 in values:
-        moment = samples.times[values.index(0.0)]
+    slowest = min(values, key=abs)
+    if path[-1] in FLOWS and abs(slowest) <= LEAST_FLOW * max(map(abs, values)):
+        moment = samples.times[values.index(slowest)]
+        flows = f"no gas flows at {moment:g} s" if slowest == 0.0 else f"next to no gas flows at {moment:g} s"
         yield (
             path,
-            f"no gas flows at {moment:g} s; composition is that of the fluxes of species, which a gas at rest does not "
-            "have: give a small flow, such as 1 % of the usual one",
+            f"{flows}; composition is that of the fluxes of species, which a gas at rest does not have: give a small "
+            "flow, such as 1 % of the usual one",
         )
     if samples.form == "linear":
         for k, (a, b) in enumerate(pairwise(values)):

@@ -205,17 +205,45 @@ def run_transient(
 
 def _advice(course: Course, history: History) -> str:
     """Return what to try where steps fail at a state."""
-    problem = course.at(history.time, before=False)
+    problem, stops = course.at(history.time, before=False), "it would flow back from the other end"
     gases = [k for k, name in enumerate(problem.layout.names) if name.startswith("g_")]
     enters = abs(sum(problem.streams.gas.values()))
-    taken = -float(problem.mean(problem.system.sources(history.u))[gases].sum())
+    u = turned(problem, history.u)
+    taken = -float(problem.mean(problem.system.sources(u))[gases].sum())
+    cooled = _contraction(problem, u)
     if problem.bed.gas_pressure is not None and taken >= enters:
         return (
-            f"reactions take {taken:.3g} mol/m2/s of the gas that fills the bed and {enters:.3g} enter: it would "
-            "flow back from the other end. Begin with time.initial_composition of gas that has reacted, or give "
-            'time.gas = "quasi_steady"'
+            f"reactions take {taken:.3g} mol/m2/s of the gas that fills the bed and {enters:.3g} enter: {stops}. "
+            'Begin with time.initial_composition of gas that has reacted, or give time.gas = "quasi_steady"'
+        )
+    if problem.bed.gas_pressure is not None and taken + cooled >= enters:
+        return (
+            f"the particles cool the gas that fills the bed, which makes room for {cooled:.3g} mol/m2/s, and "
+            f'{enters:.3g} enter: {stops}. Give time.gas = "quasi_steady"'
         )
     return "use more mesh.cells, or smooth a rate whose slope is infinite where nothing is left"
+
+
+def _contraction(problem: Problem, u: Array) -> float:
+    """Return the room for gas that falls of its temperature make, where the particles have one of their own [mol/m2/s].
+
+    At constant pressure n/T dT/dt of the gas in the pores, whose heat n c dT/dt is what the equations miss at `u`.
+    """
+    layout, residual = problem.layout, problem.system.assemble(u, False)[0]
+    room = np.zeros(len(u))
+    for k, name in enumerate(problem.names):
+        if name != "T_fluid":
+            continue
+        first = k - k % len(layout.names)
+        rows = [first + layout.names.index(f"g_{gas}") for gas in layout.gases]
+        T, total = u[k], u[rows].sum(axis=0)
+        lost, capacity = residual[k].copy(), np.zeros_like(T)
+        for row, gas in zip(rows, layout.gases, strict=True):
+            h = problem.bed.enthalpies[gas]
+            lost -= residual[row] * h(T)
+            capacity += u[row] / total * (h(T + 0.5) - h(T - 0.5))
+        room[k] = float((lost / (capacity * T)).sum())
+    return float(problem.mean(room).sum())
 
 
 def begin(course: Course) -> History:
@@ -223,7 +251,7 @@ def begin(course: Course) -> History:
     u = course.start()
     held = contents(course.problem, u)
     m = len(held)
-    return History(u, FIRST_STEP * course.time.end, held, np.zeros((m, 2)), np.zeros(m))
+    return History(u, FIRST_STEP * course.time.end, held, np.zeros((m, 2)), np.zeros((m, 2)), np.zeros(m))
 
 
 def march(course: Course, history: History, report: solve.Report) -> Iterator[History]:
@@ -290,11 +318,12 @@ def _passed(
     history: History, problems: tuple[Problem, Problem], states: tuple[Array, Array], step: float, end: float, dt: float
 ) -> History:
     """Return the history after a step; its weights are those of the stages, so that totals close to rounding."""
-    passed, sources, carried = history.passed, history.sources, history.carried
-    fluxes = history.passed
+    passed, both_ways, sources, carried = history.passed, history.both_ways, history.sources, history.carried
+    fluxes = passed
     for problem, u, weight in zip(problems, states, (1.0 - GAMMA, GAMMA), strict=True):
         fluxes = problem.mean(problem.system.fluxes(u)[:, [0, -1]])
         passed = passed + step * weight * fluxes
+        both_ways = both_ways + step * weight * np.abs(fluxes)
         sources = sources + step * weight * problem.mean(problem.system.sources(u))
         if problem.layout.temperatures:
             carried += step * weight * results.heat_carried(problem, u)
@@ -308,6 +337,7 @@ def _passed(
         dt=dt,
         steps=history.steps + 1,
         passed=passed,
+        both_ways=both_ways,
         sources=sources,
         carried=carried,
         columns=tuple(row),

@@ -54,7 +54,8 @@ def _balances(problem: Problem, history: History, result: Result) -> None:
         parts = (inward * atoms[:, None]).ravel()
         entering, leaving = parts[parts > 0].sum(), -parts[parts < 0].sum()
         stored = float(gain @ atoms)
-        scale = max(entering, float(np.abs(gain * atoms).max()))
+        through = 0.5 * float(np.abs(history.both_ways * atoms[:, None]).sum())
+        scale = max(entering, through, float(np.abs(gain * atoms).max()))
         if scale > 0.0:
             result.balances[element] = Balance(
                 float(entering), float(leaving), "mol/m2", stored=stored, scale=float(scale)

@@ -199,6 +199,26 @@ def test_transient_heat_needs_particles():
         from_dict(scene)
 
 
+@pytest.mark.parametrize("share", [-0.2, 1e-3])
+def test_gas_that_cools_faster_than_it_enters_is_told(share):
+    """Where the flow falls, gas in the pores takes the temperature of colder particles, and needs less room.
+
+    With the lag dT of the gas behind the particles, n c dT/dt = h a dT holds before the jump: n/T dT/dt of the gas is
+    g ln(T_in/T_out) of the former flow g, of 500 K where it enters and T_out, less the same of the flow that is left.
+    """
+    scene, eta_per_s = heated(4.0)
+    end = 1.02 / eta_per_s
+    scene["flow"]["mass_flux"] = {"times": [0.0, 1.0 / eta_per_s], "values": [0.5, 0.5 * share], "form": "step"}
+    scene["boundary"] = {side: {"fluid": {"inflow": 500.0}} for side in ("left", "right")}
+    scene["time"] |= {"end": end, "gas": "stored"}
+    scene["mesh"]["cells"] = 5
+    with pytest.raises(ConvergenceError, match=r"the particles cool the gas .* it would flow back") as told:
+        contbed.run(from_dict(scene))
+    room = float(str(told.value).split("makes room for ")[1].split()[0])
+    before = 0.5 / 0.028 * np.log(500.0 / (300.0 + 200.0 * schumann(4.0, 1.0)))
+    assert room == pytest.approx(before * (1.0 - share if share > 0.0 else 1.0), rel=0.1)
+
+
 def test_gas_that_is_used_up_faster_than_it_enters_is_told():
     """A bed full of A, 2 A -> B: k c L/2 of the moles vanish, more than enter; no step and no mesh helps."""
     scene = isothermal("A:1", species(A=0.014, B=0.028), time={"end": 10.0, "gas": "stored"})
