@@ -3,7 +3,8 @@
 Time steps: the trial runs the scene itself for `BUDGET` seconds of processor time and reads what a step costs here. How
 many steps are to come follows from the pace of its second half; in a packed bed, whose steps grow or shrink over the
 whole run, from a run on a coarse mesh instead, as the steps follow the temperatures and hardly the mesh; in a reacting
-bed from one with a larger error of a step, by the order of that error. Searches for a steady state: most end within
+bed from one with a larger error of a step, by the order of that error. Compiling, which the run finds done, does not
+count. Searches for a steady state: most end within
 `SEARCH_BUDGET`; the others tell which share of their way they have gone by then. Steady planes and volumes whose meshes
 are chosen by their errors: the first of these meshes tell the last one.
 """
@@ -12,13 +13,14 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from contbed import models
+from contbed.compiled_cache import compile_clock
 from contbed.models import FewerSteps, Plan
 from contbed.output.progress import Progress
 from contbed.result import Result
@@ -127,17 +129,15 @@ def _predict(plan: Plan, end: float) -> tuple[float, float]:
     fine = _tried(plan, BUDGET)
     if len(fine.spent) < FEWEST:
         return 0.0, 0.0
-    # the first step of compiled loops may have compiled them
-    setup = 0.0 if models.model_of(plan.scene).compiles else fine.spent[0]
     if fine.ended:
-        return before + setup + fine.spent[-1] - fine.spent[0], len(fine.spent)
+        return before + fine.spent[-1], len(fine.spent)
     steps = fine.steps_to(end)
     if (fewer := _with_fewer_steps(plan)) is not None:
         counted = _tried(fewer.plan, COUNT_BUDGET)
         if len(counted.spent) >= FEWEST:
             steps = fewer.steps(len(counted.spent) if counted.ended else counted.steps_to(end))
     steps = max(steps, len(fine.spent))
-    return before + setup + fine.cost_of_a_step() * steps, steps
+    return before + fine.spent[0] + fine.cost_of_a_step() * steps, steps
 
 
 def _tried(plan: Plan, budget: float) -> Trial:
@@ -152,12 +152,13 @@ def _tried(plan: Plan, budget: float) -> Trial:
             base, owner = base + last, progress
         last = value
         trial.reached.append(base + value)
-        trial.spent.append(clock.process_time() - start)
+        trial.spent.append(clock.process_time() - start - compiling())
         if trial.spent[-1] - trial.spent[0] >= budget and len(trial.spent) >= FEWEST:
             raise _Enough
 
     run = models.solver_of(plan.scene)
-    with Progress.watched(watch), suppress(Exception):  # a run that fails is told by the run
+    clocked = compile_clock() if models.model_of(plan.scene).compiles else nullcontext(lambda: 0.0)
+    with clocked as compiling, Progress.watched(watch), suppress(Exception):  # a run that fails is told by the run
         run(plan, Result(plan), None, True, None)
         trial.ended = True
     return trial

@@ -1,9 +1,11 @@
 """Processor time that a plan predicts for runs with time steps: how it follows from a trial, and that it is right."""
 
 import time
+from contextlib import ExitStack
 from types import SimpleNamespace
 
 import pytest
+from numba.core import event
 from small_scenes import STEADY
 
 import contbed as cb
@@ -36,6 +38,32 @@ def test_bars_are_watched_only_inside_of_the_block():
             bar.advance_to(1.0)
         bar.advance_to(1.5)
     assert seen == [1.0]
+
+
+def _busy(seconds):
+    start = time.process_time()
+    while time.process_time() - start < seconds:
+        pass
+
+
+def test_compiling_is_no_part_of_what_a_run_is_predicted_to_take(monkeypatch):
+    """Steps of 10 ms, of which two compile for 100 and 200 ms, the second a kernel that calls another one."""
+
+    def run(plan, result, folder, quiet, start):
+        with Progress(5.0, quiet=True) as bar:
+            for step in range(5):
+                with ExitStack() as stack:
+                    for _ in range((1, 0, 2, 0, 0)[step]):
+                        stack.enter_context(event.trigger_event("numba:compile"))
+                        _busy(0.1)
+                _busy(0.01)
+                bar.advance_to(step + 1.0)
+
+    monkeypatch.setattr(models, "solver_of", lambda scene: run)
+    monkeypatch.setattr(models, "model_of", lambda scene: SimpleNamespace(compiles=True))
+    seconds, steps = trial._predict(SimpleNamespace(scene=None), 5.0)
+    assert steps == 5
+    assert 0.05 <= seconds < 0.15
 
 
 def test_a_steady_scene_has_no_line():
