@@ -160,13 +160,20 @@ def check(
 
 
 @app.command()
-def plan(scene: SceneFile, settings: Settings = None, trust: Trust = False, allow_large: AllowLarge = False) -> None:
+def plan(
+    scene: SceneFile,
+    quiet: Annotated[bool, Option("--quiet", help="nothing besides the plan, such as that loops are compiled")] = False,
+    settings: Settings = None,
+    trust: Trust = False,
+    allow_large: AllowLarge = False,
+) -> None:
     """Show what a scene builds and what it leaves out, with unknowns and memory."""
     loaded = load_scene(scene, settings, trust, allow_large)
     from contbed.models import plan as make
     from contbed.trial import predicted_time
 
-    _tell_when_compiling(loaded)
+    if not quiet:
+        _tell_when_compiling(loaded)
     planned = make(loaded)
     print(planned, flush=True)
     if time := predicted_time(planned):

@@ -4,6 +4,7 @@
     { from = "3 mm", to = "12 mm", count = 4 }                  even steps, both ends exact
     { from = 0.01, to = 100, count = 5, spacing = "log" }       even ratios, both ends exact; ends of one sign
     { distribution = "uniform", from = 0.36, to = 0.44 }        in a sample; also "log_uniform"
+    { from = 10, to = 20, integer = true }                      whole numbers, each as likely as the others
     { distribution = "normal", mean = "6 mm", deviation = "0.2 mm" }
     { distribution = "log_normal", median = "5 W/m/K", factor = 1.3 }   two of three are within 5/1.3 to 5*1.3
 
@@ -96,8 +97,8 @@ def values(entry: Any, unit: str | None, say: Say) -> list[Any] | None:
     return [ends[0], *map(tidy, found[1:-1]), ends[1]]
 
 
-def distribution(entry: Any, unit: str | None, say: Say) -> Distribution | None:
-    """Return the map from (0, 1) to the values of a distribution."""
+def distribution(entry: Any, unit: str | None, say: Say, counts: bool = False) -> Distribution | None:
+    """Return the map from (0, 1) to the values of a distribution, which may be whole numbers of keys that `counts`."""
     if not isinstance(entry, Mapping):
         say((), "expected a distribution: { from, to }, { mean, deviation } or { median, factor }")
         return None
@@ -105,7 +106,11 @@ def distribution(entry: Any, unit: str | None, say: Say) -> Distribution | None:
     name = choice(entry, "distribution", tuple(DISTRIBUTIONS), say, usual)
     if name is None:
         return None
-    _only(entry, ("distribution", *DISTRIBUTIONS[name]), say)
+    whole_numbers = entry.get("integer", False) if counts and name == "uniform" else False
+    _only(entry, ("distribution", *DISTRIBUTIONS[name], *(("integer",) if counts and name == "uniform" else ())), say)
+    if not isinstance(whole_numbers, bool):
+        say(("integer",), "integer: expected true or false")
+        return None
     if name == "normal":
         return _normal(entry, unit, say)
     if name == "log_normal":
@@ -113,7 +118,10 @@ def distribution(entry: Any, unit: str | None, say: Say) -> Distribution | None:
     ends = _ends(entry, unit, name == "log_uniform", say)
     if ends is None:
         return None
-    return Distribution(*ends, even=True, logarithmic=name == "log_uniform")
+    if whole_numbers and not (ends[0] < ends[1] and ends[0].is_integer() and ends[1].is_integer()):
+        say((), f"whole numbers from {ends[0]:g} to {ends[1]:g}; give whole numbers, the lower one first")
+        return None
+    return Distribution(*ends, even=True, logarithmic=name == "log_uniform", whole=whole_numbers)
 
 
 def tidy(value: float) -> float:

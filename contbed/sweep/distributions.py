@@ -25,15 +25,19 @@ class Distribution:
     low, high : ends of an even distribution; of a normal one, the value at z = 0 and that at z = 1
     even : even between the ends and nothing outside, or normal
     logarithmic : the logarithm of the value is distributed so
+    whole : whole numbers from the low to the high end alone, each as likely as the others
     """
 
     low: float
     high: float
     even: bool
     logarithmic: bool = False
+    whole: bool = False
 
     def __call__(self, u: Array) -> Array:
         """Return the values below which a share `u` of the distribution lies, of the shape of `u`."""
+        if self.whole:
+            return np.minimum(self.low + np.floor(u * (self.high - self.low + 1.0)), self.high)
         if self.even and not self.logarithmic:
             return self.low + u * (self.high - self.low)
         if self.even:
@@ -82,6 +86,8 @@ class Distribution:
     @property
     def deviation(self) -> float:
         """Standard deviation of the values."""
+        if self.whole:
+            return math.sqrt(((self.high - self.low + 1.0) ** 2 - 1.0) / 12.0)
         if not self.logarithmic:
             return abs(self.high - self.low) / (2.0 * HALF_WIDTH if self.even else 1.0)
         width = math.log(self.high / self.low)
@@ -92,6 +98,8 @@ class Distribution:
     def __str__(self) -> str:
         """Return the distribution in words, numbers in SI."""
         logarithm = " in its logarithm" if self.logarithmic else ""
+        if self.whole:
+            return f"whole numbers from {self.low:.6g} to {self.high:.6g}"
         if self.even:
             return f"even{logarithm} from {self.low:.6g} to {self.high:.6g}"
         if self.logarithmic:

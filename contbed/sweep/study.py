@@ -47,7 +47,7 @@ from contbed.sweep.distributions import Distribution
 
 _KEYS = ("title", "scene", "qoi", "parameters", "zipped", "sample")
 _VALUES = (design.is_values, design.values)
-_DISTRIBUTIONS = (design.is_distribution, design.distribution)
+_DISTRIBUTIONS = (design.is_distribution, partial(design.distribution, counts=True))
 _SAMPLE_KEYS = ("method", "count", "seed", "gradients", "parameters")
 
 
@@ -225,8 +225,11 @@ class _Reader:
                 [design.within_tails(points[:, k], spread) for k, (_, spread) in enumerate(entries)]
             )
         self.design = Sample(method, dict(entries), points, gradients)
-        columns = {name: spread(points[:, k]) for k, (name, spread) in enumerate(entries)}
-        yield [{name: design.tidy(column[k]) for name, column in columns.items()} for k in range(len(points))]
+        columns = {
+            name: spread(points[:, k]).astype(int).tolist() if spread.whole else map(design.tidy, spread(points[:, k]))
+            for k, (name, spread) in enumerate(entries)
+        }
+        yield [dict(zip(columns, point, strict=True)) for point in zip(*columns.values(), strict=True)]
 
     def entries(
         self, at: KeyPath, table: Any, is_entry: Callable[[Any], bool], read_entry: Callable[..., Any]

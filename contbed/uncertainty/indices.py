@@ -16,10 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.sweep.design import LEVELS
+from contbed.uncertainty.propagate import of_size_one
 
 Array = NDArray[np.float64]
 CONFIDENCE = 0.90  # of the half widths of indices
 RESAMPLES = 200  # of the groups, for their confidence
+VARIES = 1e-9  # range of a result over its size above which it varies, and by more than by rounding
 LEAST_GROUPS = 4  # with which indices say something
 SEED = 1  # of the resampling; SALib takes 0 for none
 
@@ -55,7 +57,8 @@ def indices(method: str, points: Array, values: Array) -> Indices | None:
     usable = np.isfinite(values.reshape(-1, size)).all(axis=1)
     rows = np.repeat(usable, size)
     groups, kept = int(usable.sum()), values[rows]
-    if groups < LEAST_GROUPS or np.ptp(kept) == 0.0:
+    kept, exponent = of_size_one(kept)
+    if groups < LEAST_GROUPS or np.ptp(kept) <= VARIES:
         return None
     problem: dict[str, Any] = {
         "num_vars": parameters,
@@ -84,4 +87,5 @@ def indices(method: str, points: Array, values: Array) -> Indices | None:
                 seed=SEED,
             )
             columns = MORRIS_COLUMNS
-    return Indices({name: np.asarray(found[key], dtype=float) for name, key in columns.items()}, groups)
+    scale = exponent if method == "morris" else 0  # effects are in the unit of the result, indices are shares
+    return Indices({name: np.ldexp(np.asarray(found[key], float), scale) for name, key in columns.items()}, groups)

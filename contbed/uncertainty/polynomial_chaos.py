@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.sweep.distributions import Distribution
-from contbed.uncertainty.indices import SOBOL_COLUMNS, Indices
+from contbed.uncertainty.indices import SOBOL_COLUMNS, VARIES, Indices
 from contbed.uncertainty.propagate import COVERAGE, Spread, of_size_one
 
 Array = NDArray[np.float64]
@@ -75,7 +75,7 @@ def expansion(points: Array, values: Array, distributions: Sequence[Distribution
     kept = np.isfinite(values) & ((points > 0.0) & (points < 1.0)).all(axis=1)
     y, exponent = of_size_one(values[kept])
     most = min(len(y) * (FOLDS - 1) // (FOLDS * RUNS_PER_TERM), MOST_TAKEN)
-    if most < 2 + len(distributions) or np.ptp(y) == 0.0:
+    if most < 2 + len(distributions) or np.ptp(y) <= VARIES:
         return None
     degrees = _degrees(len(distributions))
     basis = _basis(points[kept], degrees, distributions)

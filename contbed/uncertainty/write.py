@@ -22,14 +22,13 @@ from contbed.scene.identity import scene_hash
 from contbed.sweep.design import BY_THEMSELVES
 from contbed.sweep.study import Sample, Study
 from contbed.sweep.table import Quantity, Row, columns
-from contbed.uncertainty.indices import Indices, indices
+from contbed.uncertainty.indices import VARIES, Indices, indices
 from contbed.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
-from contbed.uncertainty.propagate import Spread, contributions, first_order, independent, of_sample
+from contbed.uncertainty.propagate import Spread, contributions, first_order, independent, of_sample, of_size_one
 
 Array = NDArray[np.float64]
 FILE = "uncertainty.json"
 SLOPES = "gradient.json"  # what was found of it before
-VARIES = 1e-9  # relative range above which a result varies
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ def write(study: Study, rows: Sequence[Row], out: Path) -> Report | None:
         if quantity.key in slopes:
             value, slope, runs = slopes[quantity.key]
             spreads.append(first_order(value, slope, sample.distributions, runs))
-            parts = contributions(slope, sample.distributions) ** 2
+            parts = of_size_one(contributions(slope, sample.distributions))[0] ** 2
             shares = parts / parts.sum() if parts.sum() > 0.0 else None
         index = None
         if sample.method in BY_THEMSELVES:

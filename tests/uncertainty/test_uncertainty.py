@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from contbed import cli
-from contbed.errors import ContbedError
+from contbed.errors import ContbedError, SceneError
 from contbed.sweep import design
+from contbed.sweep.design import sample
 from contbed.sweep.distributions import Distribution
+from contbed.sweep.study import read_study
 from contbed.uncertainty.indices import indices
 from contbed.uncertainty.polynomial_chaos import chaos_indices, chaos_spread, expansion
 from contbed.uncertainty.propagate import first_order, independent, of_sample
@@ -86,6 +88,59 @@ def test_morris_effects_of_a_linear_model_are_its_slopes():
     np.testing.assert_allclose(found.columns["mean effect"], [3.0, -2.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(found.columns["mean magnitude"], [3.0, 2.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(found.columns["scatter"], 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["sobol_indices", "morris"])
+@pytest.mark.parametrize("unit", [-1000, -600, 600, 1000], ids=str)
+def test_indices_do_not_depend_on_the_size_of_a_result(method, unit):
+    """Powers of 2 change no digit; the squares of the results are no numbers of a computer."""
+    points = sample(method, 16, seed=1, dimensions=2)
+    values = points[:, 0] + 2.0 * points[:, 0] * points[:, 1]
+    one, other = indices(method, points, values), indices(method, points, np.ldexp(values, unit))
+    for name, column in one.columns.items():
+        scaled = np.ldexp(column, unit) if method == "morris" else column
+        np.testing.assert_array_equal(other.columns[name], scaled)
+
+
+@pytest.mark.parametrize("method", ["sobol_indices", "morris"])
+def test_what_varies_by_rounding_alone_has_no_indices(method):
+    points = sample(method, 16, seed=1, dimensions=2)
+    assert indices(method, points, 300.0 + 1e-12 * points[:, 0]) is None
+    assert indices(method, points, np.zeros(len(points))) is None
+    flat = [Distribution(0.0, 1.0, even=True)] * 2
+    assert expansion(sample("sobol", 64, 1, 2), 300.0 + 1e-12 * sample("sobol", 64, 1, 2)[:, 0], flat) is None
+
+
+@pytest.mark.parametrize("method", ["sobol", "latin_hypercube", "morris"])
+def test_whole_numbers_are_sampled_evenly(folder, method):
+    head = STUDY.split("gradients")[0].replace('"sobol_indices"', f'"{method}"')
+    (folder / "study.toml").write_text(
+        f"{head}[sample.parameters]\nmesh.cells = {{ from = 4, to = 7, integer = true }}\n"
+    )
+    study = read_study(folder / "study.toml")
+    cells = [case.parameters["mesh.cells"] for case in study.cases]
+    assert all(isinstance(each, int) for each in cells) and set(cells) <= {4, 5, 6, 7}
+    spread = study.sample.distributions["mesh.cells"]
+    drawn = spread((np.arange(400) + 0.5) / 400)
+    assert [int((drawn == k).sum()) for k in range(3, 9)] == [0, 100, 100, 100, 100, 0]
+    assert (spread.mean, spread.deviation) == (5.5, pytest.approx(float(np.std(drawn))))
+    assert spread(np.array([0.0, 1.0])).tolist() == [4.0, 7.0]
+
+
+@pytest.mark.parametrize(
+    ("entry", "told"),
+    [
+        ("{ from = 4.5, to = 7, integer = true }", "give whole numbers"),
+        ("{ from = 7, to = 4, integer = true }", "the lower one first"),
+        ("{ from = 4, to = 7, integer = 1 }", "expected true or false"),
+        ("{ mean = 4, deviation = 1, integer = true }", "integer: unknown key"),
+    ],
+)
+def test_mistakes_in_whole_numbers_are_told(folder, entry, told):
+    head = STUDY.split("gradients")[0].replace('"sobol_indices"', '"sobol"')
+    (folder / "study.toml").write_text(f"{head}[sample.parameters]\nmesh.cells = {entry}\n")
+    with pytest.raises(SceneError, match=told):
+        read_study(folder / "study.toml")
 
 
 def test_groups_with_a_failed_run_are_left_out():

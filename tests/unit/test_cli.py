@@ -142,6 +142,14 @@ def test_usage_errors_end_with_2(scene, capsys, arguments):
     assert 1 <= len(err.splitlines()) <= 2
 
 
+def test_a_quiet_plan_does_not_tell_that_it_compiles(scene, capsys, monkeypatch):
+    told = []
+    monkeypatch.setattr(cli, "_tell_when_compiling", told.append)
+    assert cli.main(["plan", str(scene), "--quiet"]) == 0
+    assert "BUILT" in capsys.readouterr().out and not told
+    assert cli.main(["plan", str(scene)]) == 0 and len(told) == 1
+
+
 def test_version_and_help(capsys):
     assert cli.main(["--version"]) == 0
     assert capsys.readouterr().out.startswith("contbed ")
