@@ -7,6 +7,7 @@ import types
 from pathlib import Path
 
 import pytest
+from small_scenes import STEADY
 
 import contbed
 from contbed import cli
@@ -142,8 +143,9 @@ def test_usage_errors_end_with_2(scene, capsys, arguments):
     assert 1 <= len(err.splitlines()) <= 2
 
 
-def test_a_quiet_plan_does_not_tell_that_it_compiles(scene, capsys, monkeypatch):
-    told = []
+def test_a_quiet_plan_does_not_tell_that_it_compiles(tmp_path, capsys, monkeypatch):
+    scene, told = tmp_path / "scene.toml", []
+    scene.write_text(STEADY)
     monkeypatch.setattr(cli, "_tell_when_compiling", told.append)
     assert cli.main(["plan", str(scene), "--quiet"]) == 0
     assert "BUILT" in capsys.readouterr().out and not told
