@@ -14,6 +14,11 @@ _ERGUN = "Ergun 1952, Chem. Eng. Prog. 48, 89-94"
 _GRACE = "Grace 1982, in Hetsroni (ed.), Handbook of Multiphase Systems, chapter 8, Hemisphere, Washington"
 
 
+def _reynolds(C1: Value, C2_Ar: Value) -> Value:
+    """Return sqrt(C1^2 + C2 Ar) - C1 without the difference, which loses all digits of fine particles."""
+    return C2_Ar / ((C1**2 + C2_Ar) ** 0.5 + C1)
+
+
 @closure(kind="minimum_fluidization", unit="-", ranges={"Ar": (0, _INF)}, source=_CHITESTER)
 def minimum_fluidization_chitester(Ar: Value) -> Value:
     """Chitester et al. (1984): Reynolds number at minimum fluidization.
@@ -27,7 +32,7 @@ def minimum_fluidization_chitester(Ar: Value) -> Value:
     >>> round(float(minimum_fluidization_chitester(Ar=1e4)), 6)
     7.6
     """
-    return (28.7**2 + 0.0494 * Ar) ** 0.5 - 28.7
+    return _reynolds(28.7, 0.0494 * Ar)
 
 
 @closure(kind="minimum_fluidization", unit="-", ranges={"Ar": (0, _INF)}, source=_GRACE)
@@ -43,7 +48,7 @@ def minimum_fluidization_grace(Ar: Value) -> Value:
     >>> round(float(minimum_fluidization_grace(Ar=1e4)), 6)
     6.679787
     """
-    return (27.2**2 + 0.0408 * Ar) ** 0.5 - 27.2
+    return _reynolds(27.2, 0.0408 * Ar)
 
 
 @closure(kind="minimum_fluidization", unit="-", ranges={"Ar": (1.65, 3.99e8)}, source=_WEN_YU)
@@ -60,7 +65,7 @@ def minimum_fluidization_wen_yu(Ar: Value) -> Value:
     >>> round(float(minimum_fluidization_wen_yu(Ar=1e4)), 6)
     5.589821
     """
-    return (33.7**2 + 0.0408 * Ar) ** 0.5 - 33.7
+    return _reynolds(33.7, 0.0408 * Ar)
 
 
 @closure(kind="minimum_fluidization", unit="-", ranges={"Ar": (0, _INF)}, source=_RICHARDSON)
@@ -76,7 +81,7 @@ def minimum_fluidization_richardson(Ar: Value) -> Value:
     >>> round(float(minimum_fluidization_richardson(Ar=1e4)), 6)
     6.323273
     """
-    return (25.7**2 + 0.0365 * Ar) ** 0.5 - 25.7
+    return _reynolds(25.7, 0.0365 * Ar)
 
 
 @closure(kind="minimum_fluidization", unit="-", ranges={"Ar": (0, _INF)}, source=_SAXENA)
@@ -92,7 +97,7 @@ def minimum_fluidization_saxena_vogel(Ar: Value) -> Value:
     >>> round(float(minimum_fluidization_saxena_vogel(Ar=1e4)), 6)
     9.500718
     """
-    return (25.3**2 + 0.0571 * Ar) ** 0.5 - 25.3
+    return _reynolds(25.3, 0.0571 * Ar)
 
 
 @closure(kind="minimum_fluidization", unit="-", ranges={"Ar": (0, _INF)}, source=_BABU)
@@ -108,7 +113,7 @@ def minimum_fluidization_babu(Ar: Value) -> Value:
     >>> round(float(minimum_fluidization_babu(Ar=1e4)), 6)
     10.631741
     """
-    return (25.3**2 + 0.0651 * Ar) ** 0.5 - 25.3
+    return _reynolds(25.3, 0.0651 * Ar)
 
 
 @closure(
@@ -131,5 +136,4 @@ def minimum_fluidization_ergun(Ar: Value, eps_mf: Value, sphericity: Value) -> V
     """
     K1 = 1.75 / (sphericity * eps_mf**3)
     K2 = 150.0 * (1.0 - eps_mf) / (sphericity**2 * eps_mf**3)
-    half = 0.5 * K2 / K1
-    return (half**2 + Ar / K1) ** 0.5 - half
+    return _reynolds(0.5 * K2 / K1, Ar / K1)

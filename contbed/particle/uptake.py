@@ -34,6 +34,7 @@ LEAST_GROWTH = 1e-9  # over the largest possible; flows of heat that differ by l
 # of the mean breakthrough, at which levels are compared: short beds differ most when the gas arrives
 TIMES = np.concatenate([np.geomspace(1e-5, 0.02, 40)[:-1], np.arange(1, 151) * 0.02])
 SMALL = 0.01  # size of p below which a sphere's difference of all but equal numbers is a series, exact to 1e-12
+MOST_UNITS = 80.0  # with which errors of a breakthrough are up to 2e-7; those of 100 are 0.03
 LONGEST = 50.0  # transfer units beyond which a breakthrough is compared at this many: differences fall with more
 
 
@@ -84,7 +85,14 @@ def invert(transform: Callable[[Any], Any], times: NDArray[np.float64]) -> NDArr
 def breakthrough(
     xi: float, eta: NDArray[np.float64], biot: float, level: Level = "interior", shape: str = "sphere"
 ) -> NDArray[np.float64]:
-    """Return the temperature of the gas after a step at the inlet, eta = h a t/C_solid (n,) > 0 after it."""
+    """Return the temperature of the gas after a step at the inlet, eta = h a t/C_solid (n,) > 0 after it.
+
+    Raises
+    ------
+    ValueError : more than `MOST_UNITS` transfer units xi, for which rounding on the contour is larger than the result
+    """
+    if xi > MOST_UNITS:
+        raise ValueError(f"xi = {xi:g} transfer units; a breakthrough is inverted up to {MOST_UNITS:g}")
     fourier = eta / (SURFACE_OVER_VOLUME[shape] * biot)
     return invert(lambda p: np.exp(-xi * uptake(p, biot, level, shape)) / p, fourier)
 

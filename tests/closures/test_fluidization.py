@@ -9,6 +9,9 @@ MINIMUM = {
     closures.minimum_fluidization_wen_yu: (33.7, 0.0408),
     closures.minimum_fluidization_grace: (27.2, 0.0408),
     closures.minimum_fluidization_chitester: (28.7, 0.0494),
+    closures.minimum_fluidization_richardson: (25.7, 0.0365),
+    closures.minimum_fluidization_saxena_vogel: (25.3, 0.0571),
+    closures.minimum_fluidization_babu: (25.3, 0.0651),
 }
 
 
@@ -18,8 +21,7 @@ def test_minimum_fluidization_solves_its_quadratic(function):
     c1, c2 = MINIMUM[function]
     Ar = np.logspace(0.5, 8, 30)
     Re = function(Ar)
-    # small Re is a difference of numbers of 30: 1e-15 of 1e3 over the smallest Ar
-    assert (Re**2 + 2 * c1 * Re) / c2 == pytest.approx(Ar, rel=1e-11)
+    assert (Re**2 + 2 * c1 * Re) / c2 == pytest.approx(Ar, rel=1e-14)
 
 
 def test_minimum_fluidization_of_sand():
@@ -57,3 +59,17 @@ def test_heat_is_gas_exchange_where_lewis_is_one():
     bubble_cloud = closures.gas_exchange_kunii_levenspiel(d_b, u_mf, k / (rho * cp), 1e30)
     heat = closures.bubble_heat_kunii_levenspiel(d_b, u_mf, rho, cp, k)
     assert heat == pytest.approx(rho * cp * bubble_cloud, rel=1e-12)
+
+
+@pytest.mark.parametrize("Ar", [1e-15, 1e-6])
+@pytest.mark.parametrize("function", MINIMUM)
+def test_minimum_fluidization_of_fine_particles_is_creeping(function, Ar):
+    """The next term of the series is C2 Ar/(4 C1^2) of the first; nothing else is lost."""
+    C1, C2 = MINIMUM[function]
+    assert function(Ar) == pytest.approx(0.5 * C2 * Ar / C1, rel=C2 * Ar / C1**2 + 1e-14)
+
+
+def test_minimum_fluidization_by_ergun_of_fine_particles_is_that_of_carman():
+    eps, shape = 0.45, 0.9
+    K2 = 150.0 * (1.0 - eps) / (shape**2 * eps**3)
+    assert closures.minimum_fluidization_ergun(1e-12, eps, shape) == pytest.approx(1e-12 / K2, rel=1e-11)

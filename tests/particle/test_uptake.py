@@ -10,6 +10,7 @@ from scipy.special import jn_zeros
 
 from contbed.particle import uptake
 from contbed.particle.interior import interior
+from contbed.verify.exact_packed_bed import schumann
 from tests.particle.tables import rows
 
 
@@ -134,3 +135,16 @@ def test_gas_in_a_steady_bed_misses_by_the_coefficient():
     assert uptake.steady_error(50.0, 4.0, "lumped") == pytest.approx((np.exp(-x / c) - np.exp(-x)).max(), rel=1e-8)
     assert uptake.steady_error(0.1, 4.0, "lumped") == pytest.approx(np.exp(-0.1 / c) - np.exp(-0.1), rel=1e-12)
     assert uptake.steady_error(50.0, 4.0, "effective") == 0.0
+
+
+@pytest.mark.parametrize("xi", [0.01, 1.0, 50.0, uptake.MOST_UNITS])
+def test_breakthrough_of_particles_of_one_temperature_is_that_of_schumann(xi):
+    eta = np.linspace(0.2, 2.0, 10) * xi
+    exact = schumann(xi, xi + eta, 1.0, 1.0, 1.0)[0]
+    # rounding on the contour grows with the length of the bed
+    np.testing.assert_allclose(uptake.breakthrough(xi, eta, 1.0, "lumped"), exact, rtol=0, atol=3e-7)
+
+
+def test_a_bed_too_long_for_the_contour_is_refused():
+    with pytest.raises(ValueError, match=r"100 transfer units; .* up to 80"):
+        uptake.breakthrough(100.0, np.array([100.0]), 1.0)
