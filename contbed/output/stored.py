@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +13,24 @@ from numpy.typing import NDArray
 
 from contbed.errors import ContbedError
 
+_DAMAGE = (OSError, ValueError, KeyError, ElementTree.ParseError)  # of files that are not as they were written
 SAME = 1e-9  # distance of nodes of two pieces that are one and the same, over the extent: rounding
 
 
 def read_series(path: Path) -> list[tuple[float, Path]]:
-    """Return the times [s] and files that a .pvd lists, of those that are there."""
-    listed = [
-        (float(entry.attrib["timestep"]), path.parent / entry.attrib["file"])
-        for entry in ElementTree.parse(path).iter("DataSet")
-    ]
+    """Return the times [s] and files that a .pvd lists, of those that are there.
+
+    Raises
+    ------
+    ContbedError : it is damaged
+    """
+    try:
+        listed = [
+            (float(entry.attrib["timestep"]), path.parent / entry.attrib["file"])
+            for entry in ElementTree.parse(path).iter("DataSet")
+        ]
+    except _DAMAGE as error:
+        raise _damaged(path, error) from error
     return [(time, file) for time, file in listed if file.is_file()]
 
 
@@ -28,16 +39,19 @@ def read_fields(path: Path) -> Any:
 
     Raises
     ------
-    ContbedError : a piece is not there
+    ContbedError : a piece is not there, or a file is damaged
     """
     import meshio
 
     if path.suffix != ".pvtu":
-        return meshio.read(path)
-    files = [path.with_name(item.attrib["Source"]) for item in ElementTree.parse(path).getroot().iter("Piece")]
+        return _read(path)
+    try:
+        files = [path.with_name(item.attrib["Source"]) for item in ElementTree.parse(path).getroot().iter("Piece")]
+    except _DAMAGE as error:
+        raise _damaged(path, error) from error
     if lost := [file.name for file in files if not file.is_file()]:
         raise ContbedError(f"{path}: {', '.join(lost)} not found; a .pvtu needs its pieces beside it")
-    pieces = [meshio.read(file) for file in files]
+    pieces = [_read(file) for file in files]
     points = np.concatenate([piece.points for piece in pieces])
     first, number = _joined(points)
     starts = np.cumsum([0, *(len(piece.points) for piece in pieces)])
@@ -49,6 +63,23 @@ def read_fields(path: Path) -> Any:
         {name: np.concatenate([piece.point_data[name] for piece in pieces])[first] for name in one.point_data},
         {name: [np.concatenate([piece.cell_data[name][0] for piece in pieces])] for name in one.cell_data},
     )
+
+
+def _read(path: Path) -> Any:
+    """Read a .vtu; meshio lets any error of its parser through, or prints it and ends the process."""
+    import meshio
+
+    try:
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+            return meshio.read(path)
+    except (Exception, SystemExit) as error:
+        raise _damaged(path, error) from error
+
+
+def _damaged(path: Path, error: BaseException) -> ContbedError:
+    reason = " ".join(str(error).split())
+    why = f" ({reason})" if reason and not isinstance(error, SystemExit) else ""
+    return ContbedError(f"{path}: a damaged file of fields{why}; remove it, or run the scene again")
 
 
 def _joined(points: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

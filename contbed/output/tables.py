@@ -33,10 +33,13 @@ def read_table(path: Path | str) -> dict[str, NDArray[np.float64]]:
     """
     try:
         with open(path, encoding="utf-8", newline="") as file:
-            headers, *rows = csv.reader(file)
+            headers, *rows = [*csv.reader(file)] or [[]]
+        if not headers or len(set(headers)) != len(headers):
+            raise ValueError("it has no header, or the same one twice")
+        for line, row in enumerate(rows, start=2):
+            if len(row) != len(headers):
+                raise ValueError(f"line {line} has {len(row)} values under {len(headers)} headers")
         data = np.array([[float(item) for item in row] for row in rows]).reshape(-1, len(headers))
-        if len(data) != len(rows) or len(set(headers)) != len(headers):
-            raise ValueError("columns do not fit the header")
     except OSError as error:
         raise ContbedError(f"cannot read {path}: {error.strerror}") from error
     except (ValueError, csv.Error) as error:

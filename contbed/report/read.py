@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from contbed.errors import ContbedError
 from contbed.models import MODELS, kind_of
-from contbed.output.folder import read_summary
+from contbed.output.folder import SUMMARY, read_summary
 from contbed.output.stored import read_series
 from contbed.output.tables import read_table
 from contbed.scene import schema
@@ -75,6 +75,8 @@ def read_run(folder: Path, name: str) -> Run:
     """
     summary = read_summary(folder)
     if not summary:
+        if (folder / SUMMARY).is_file():
+            raise ContbedError(f"{folder / SUMMARY}: damaged; run the scene again")
         raise ContbedError(f"{folder}: no summary.json of a run; give the folder of `contbed run --out`")
     if summary.get("status") == "running":
         raise ContbedError(f"{folder}: the run has not ended; wait for it, or run the scene again if it was stopped")

@@ -631,3 +631,17 @@ def test_imports_are_lazy(tmp_path):
     command = [sys.executable, "-c", program, str(tmp_path / "a.png")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
     assert done.stdout.split("\n")[:2] == ["[]", "False"]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "no header"),
+        ("a [1],a [1]\n1,2\n", "the same one twice"),
+        ("a [1],b [1]\n1,2\n3\n", "line 3 has 1 values under 2 headers"),
+    ],
+)
+def test_damaged_tables_are_told(tmp_path, text, told):
+    (tmp_path / "t.csv").write_text(text)
+    with pytest.raises(ContbedError, match=told):
+        read_table(tmp_path / "t.csv")

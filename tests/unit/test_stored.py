@@ -39,6 +39,28 @@ def test_a_piece_that_is_lost_is_named(header: Path) -> None:
         read_fields(header)
 
 
+@pytest.mark.parametrize("name", ["fields_p00001.vtu", "fields.pvtu"])
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.7])
+def test_a_damaged_file_is_named(header: Path, name: str, share: float, capsys: pytest.CaptureFixture[str]) -> None:
+    """For some faults meshio prints an error and ends the process."""
+    file = header.with_name(name)
+    content = file.read_bytes()
+    file.write_bytes(content[: int(share * len(content))])
+    with pytest.raises(ContbedError, match=rf"{name}: a damaged file of fields"):
+        read_fields(header)
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_a_damaged_series_is_named(header: Path, share: float) -> None:
+    series = header.with_suffix(".pvd")
+    write_series(series, [(0.5, header.name), (1.0, header.name)])
+    content = series.read_bytes()
+    series.write_bytes(content[: int(share * len(content))])
+    with pytest.raises(ContbedError, match=r"fields\.pvd: a damaged file"):
+        read_series(series)
+
+
 def test_a_series_lists_the_files_that_are_there(header: Path) -> None:
     series = header.with_suffix(".pvd")
     write_series(series, [(0.5, header.name), (1.0, "lost.pvtu")])
