@@ -34,12 +34,22 @@ _UNIT = re.compile(rf"[{_LETTERS}][{_LETTERS}0-9_ .*/^()+-]{{0,60}}")
 # Powers of numbers and long exponents could keep the parser busy for hours.
 _LARGE_POWER = re.compile(r"\d\s*(?:\*\*|\^)|\d{3}|\)\s*(?:\*\*|\^)")
 
+_GAUGE, _ABSOLUTE = "; pressures are absolute: add that of the air and write {}", "; pressures are absolute: write {}"
+_HINTS = {
+    "barg": _GAUGE.format("bar"),
+    "psig": _GAUGE.format("psi"),
+    "bara": _ABSOLUTE.format("bar"),
+    "psia": _ABSOLUTE.format("psi"),
+}
+
 
 def to_si(text: str, unit: str) -> float:
     """Convert `text`, a quantity like "3 mm", to the SI unit `unit`; ValueError says what is wrong.
 
     >>> to_si("100 degC", "K")
     373.15
+    >>> to_si("90 1/min", "1/s"), to_si("90/min", "1/s")
+    (1.5, 1.5)
     """
     expected = f"expected a {QUANTITIES.get(unit, 'quantity')}"
     if unit != "1":
@@ -54,11 +64,11 @@ def to_si(text: str, unit: str) -> float:
         if unit == "1":
             return number
         raise ValueError(f"{expected}, found '{shown}' without a unit; write {match[1]} for SI, or '{match[1]} {unit}'")
-    if not _UNIT.fullmatch(name) or _LARGE_POWER.search(name):
-        raise ValueError(f"unknown unit '{name[:60]}'; {expected}")
-    found = _parse(name)
+    name = f"1{name}" if name.startswith("/") else name
+    readable = _UNIT.fullmatch(name.removeprefix("1/")) and not _LARGE_POWER.search(name)
+    found = _parse(name) if readable else None
     if found is None:
-        raise ValueError(f"unknown unit '{name}'; {expected}")
+        raise ValueError(f"unknown unit '{name[:60]}'{_HINTS.get(name, '')}; {expected}")
     registry = _registry()
     wanted = registry.parse_units("" if unit == "1" else unit)
     if found.dimensionality != wanted.dimensionality:

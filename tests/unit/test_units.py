@@ -37,6 +37,10 @@ from contbed.scene.units import QUANTITIES, to_si
         ("1e-9 m^2", "m**2", 1e-9),
         ("40 %", "1", 0.4),
         ("0.4", "1", 0.4),
+        ("90 1/min", "1/s", 1.5),
+        ("90/min", "1/s", 1.5),
+        ("90 min^-1", "1/s", 1.5),
+        ("3 1/cm", "1/m", 300.0),
     ],
 )
 def test_quantities(text, unit, value):
@@ -55,6 +59,10 @@ def test_quantities(text, unit, value):
         ("3,5 mm", "m", "the decimal sign is a point"),
         ("100 C", "K", "degrees Celsius are 'degC'"),
         ("3 quux", "m", "unknown unit 'quux'"),
+        ("3 1/quux", "1/s", "unknown unit '1/quux'"),
+        ("3 1/1/s", "1/s", "unknown unit '1/1/s'"),
+        ("3 barg", "Pa", "pressures are absolute: add that of the air and write bar"),
+        ("3 psia", "Pa", "pressures are absolute: write psi"),
         ("3 m", "1", "expected a plain number, found '3 m'"),
         ("3 __import__('os').getcwd()", "m", "unknown unit"),
         ("3 m**9**9**9**9", "m", "unknown unit"),
