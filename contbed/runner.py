@@ -236,7 +236,8 @@ def _checkpoint(scene: SceneBase, plan: Any, folder: Path) -> tuple[Any, Any]:
     from contbed.output import checkpoint
 
     if not plan.steps:
-        raise SceneError(f"{scene.origin.name}: nothing to restart, the scene takes no time steps; leave out --restart")
+        why = "the scene takes no time steps" if getattr(scene, "time", None) is None else "its runs keep no checkpoint"
+        raise SceneError(f"{scene.origin.name}: nothing to restart, {why}; leave out --restart")
     arrays, meta = checkpoint.load(folder)
     origin, may_change = scene.origin, models.model_of(scene).find("run", "RESTART_MAY_CHANGE")
     checkpoint.require_same(meta, identity(scene), may_change, lambda key: origin.at(tuple(key.split("."))))
