@@ -29,21 +29,59 @@ import resource
 import statistics
 import subprocess
 import sys
-import tomllib
 from dataclasses import dataclass
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
+from pydantic import Field
 
 from contbed.errors import ContbedError, SceneError
+from contbed.loading import table_of
 from contbed.output.files import atomic
+from contbed.scene.quantities import Positive, Table, Whole
+from contbed.scene.toml_lines import read
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 HEADERS = ("part", "case", "unknowns", "error", "user_s", "ratio")
 Row = tuple[str, str, Any, Any, float, Any]
+POINT = ("unknowns", "error", "seconds")  # what a program of a curve prints of each point
+
+
+class Case(Table):
+    """One program."""
+
+    name: str
+    command: tuple[str, ...] = Field(min_length=1, description="arguments of this Python, run in the study's folder")
+    needs: str | None = Field(None, description="module without which the case is skipped")
+
+
+class Curves(Table):
+    """Points of run time against error, one program a curve."""
+
+    title: str
+    error: Positive = Field(description="where the curves are compared")
+    case: tuple[Case, ...] = Field(min_length=1)
+
+
+class Race(Table):
+    """Whole processes with the same result, in turn."""
+
+    title: str
+    case: tuple[Case, ...] = Field(min_length=1)
+
+
+class Settings(Table):
+    """bench.toml."""
+
+    kind: ClassVar[str] = "bench"
+
+    title: str = ""
+    repeats: Whole = Field(3, ge=1, description="runs of each case of a race")
+    curves: Curves | None = None
+    race: tuple[Race, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -77,7 +115,7 @@ def bench(study: str | Path, out: str | Path, trust: bool = False) -> Bench:
 
     Raises
     ------
-    SceneError : the study is not trusted
+    SceneError : mistakes in bench.toml, or the study is not trusted
     ContbedError : the study has no bench.toml, or one of its programs fails
     """
     study, out = Path(study).resolve(), Path(out).resolve()
@@ -87,10 +125,10 @@ def bench(study: str | Path, out: str | Path, trust: bool = False) -> Bench:
     out.mkdir(parents=True, exist_ok=True)
     skipped: list[str] = []
     rows: list[Row] = []
-    if "curves" in plan:
-        rows += _curves(plan["curves"], study, out, skipped)
-    for race in plan.get("race", ()):
-        rows += _race(race, plan.get("repeats", 3), study, out, skipped)
+    if plan.curves is not None:
+        rows += _curves(plan.curves, study, out, skipped)
+    for race in plan.race:
+        rows += _race(race, plan.repeats, study, out, skipped)
     found = Bench(tuple(rows), tuple(skipped), machine())
     with atomic(out / "bench.txt") as temporary:
         temporary.write_text(f"{found}\n", encoding="utf-8")
@@ -117,29 +155,31 @@ def machine() -> str:
     return f"{model}, {os.cpu_count()} cores, one thread; Python {platform.python_version()}, {', '.join(parts)}"
 
 
-def _read(file: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ContbedError(f"{file}: {error.strerror}; a study to measure lists its programs there") from error
-    except tomllib.TOMLDecodeError as error:
-        raise ContbedError(f"{file}: {error}") from error
+def _read(file: Path) -> Settings:
+    if not file.is_file():
+        raise ContbedError(f"{file}: no such file; a study to measure lists its programs there")
+    values, origin = read(file)
+    found = table_of(Settings, values, origin)
+    if found.curves is None and not found.race:
+        raise SceneError(f"{file}:1: nothing to measure; give [curves], or [[race]] tables")
+    return found
 
 
-def _refusal(file: Path, plan: dict[str, Any]) -> str:
+def _refusal(file: Path, plan: Settings) -> str:
     """Return what to say about programs that are not trusted."""
-    cases = [*plan.get("curves", {}).get("case", ()), *(case for race in plan.get("race", ()) for case in race["case"])]
-    programs = ", ".join(dict.fromkeys(" ".join(case["command"]) for case in cases))
+    curves = () if plan.curves is None else plan.curves.case
+    cases = [*curves, *(case for race in plan.race for case in race.case)]
+    programs = ", ".join(dict.fromkeys(" ".join(case.command) for case in cases))
     return f"{file}: runs programs: {programs}; look at them, then add --trust, in Python bench(..., trust=True)"
 
 
-def _present(cases: list[dict[str, Any]], skipped: list[str]) -> list[dict[str, Any]]:
-    missing = [case for case in cases if "needs" in case and find_spec(case["needs"]) is None]
-    skipped += [f"skipped: {case['name']}: {case['needs']} is not installed" for case in missing]
+def _present(cases: tuple[Case, ...], skipped: list[str]) -> list[Case]:
+    missing = [case for case in cases if case.needs is not None and find_spec(case.needs) is None]
+    skipped += [f"skipped: {case.name}: {case.needs} is not installed" for case in missing]
     return [case for case in cases if case not in missing]
 
 
-def _run(command: list[str], study: Path, out: Path) -> tuple[str, float]:
+def _run(command: tuple[str, ...], study: Path, out: Path) -> tuple[str, float]:
     """Return what a program prints, and the user time [s] of its process."""
     parent = str(Path(__file__).parents[2])
     path = os.pathsep.join(filter(None, (parent, os.environ.get("PYTHONPATH"))))
@@ -153,18 +193,33 @@ def _run(command: list[str], study: Path, out: Path) -> tuple[str, float]:
     return done.stdout, used
 
 
-def _curves(plan: dict[str, Any], study: Path, out: Path, skipped: list[str]) -> list[Row]:
+def _points(case: Case, study: Path, out: Path) -> list[dict[str, Any]]:
+    """Return the points that a program of a curve prints, a line of JSON each."""
+    points: list[dict[str, Any]] = []
+    for line in _run(case.command, study, out)[0].splitlines():
+        try:
+            point = json.loads(line)
+            points.append({key: point[key] + 0 for key in POINT})
+        except (ValueError, TypeError, KeyError):
+            what = "a line {" + ", ".join(f'"{key}": ...' for key in POINT) + "} for each point"
+            raise ContbedError(f"{' '.join(case.command)} printed {line[:60]!r}; expected {what}") from None
+    if not points:
+        raise ContbedError(f"{' '.join(case.command)} printed no point of its curve")
+    return points
+
+
+def _curves(plan: Curves, study: Path, out: Path, skipped: list[str]) -> list[Row]:
     """All points, then the time of each curve at the common error."""
     from contbed.output.plots import error_plot
 
     curves = {}
     rows: list[Row] = []
-    for case in _present(plan["case"], skipped):
-        points = [json.loads(line) for line in _run(case["command"], study, out)[0].splitlines()]
-        curves[case["name"]] = ([p["seconds"] for p in points], [p["error"] for p in points])
-        rows += [(plan["title"], case["name"], p["unknowns"], p["error"], p["seconds"], "") for p in points]
-    error_plot(out / "bench.png", curves, "user time [s]", "largest error", plan["title"])
-    wanted, first = plan["error"], None
+    for case in _present(plan.case, skipped):
+        points = _points(case, study, out)
+        curves[case.name] = ([p["seconds"] for p in points], [p["error"] for p in points])
+        rows += [(plan.title, case.name, p["unknowns"], p["error"], p["seconds"], "") for p in points]
+    error_plot(out / "bench.png", curves, "user time [s]", "largest error", plan.title)
+    wanted, first = plan.error, None
     for name, (seconds, errors) in curves.items():
         time, how = time_at(wanted, seconds, errors)
         first = first or time
@@ -183,15 +238,15 @@ def time_at(wanted: float, seconds: list[float], errors: list[float]) -> tuple[f
     return seconds[-1], f" (not reached: {errors[-1]:.1e})"
 
 
-def _race(plan: dict[str, Any], repeats: int, study: Path, out: Path, skipped: list[str]) -> list[Row]:
-    cases = _present(plan["case"], skipped)
-    times: dict[str, list[float]] = {case["name"]: [] for case in cases}
+def _race(plan: Race, repeats: int, study: Path, out: Path, skipped: list[str]) -> list[Row]:
+    cases = _present(plan.case, skipped)
+    times: dict[str, list[float]] = {case.name: [] for case in cases}
     for _ in range(repeats):
         for case in cases:
-            times[case["name"]].append(_run(case["command"], study, out)[1])
+            times[case.name].append(_run(case.command, study, out)[1])
     medians = {name: statistics.median(found) for name, found in times.items()}
     first = next(iter(medians.values()), 0.0) or float("nan")  # shorter than the clock tells
-    return [(plan["title"], name, "", "", time, time / first) for name, time in medians.items()]
+    return [(plan.title, name, "", "", time, time / first) for name, time in medians.items()]
 
 
 def _text(value: Any, form: str) -> str:

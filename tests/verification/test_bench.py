@@ -57,6 +57,39 @@ def test_a_failing_program_is_named(tmp_path: Path) -> None:
         bench(broken, tmp_path / "out", trust=True)
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("repeats = 1", "repeats = 0", "bench.toml:2: repeats = 0: "),
+        ("error = 0.25\n", "", "curves.error: missing"),
+        ('name = "first"\ncommand = ["points.py"]', 'name = "first"\ncommand = "points.py"', "bench.toml:8: .*command"),
+        ("needs =", "need =", "unknown key"),
+    ],
+)
+def test_mistakes_in_the_list_of_programs_are_told(tmp_path: Path, old: str, new: str, told: str) -> None:
+    with pytest.raises(SceneError, match=told):
+        bench(study(tmp_path, PLAN.replace(old, new)), tmp_path / "out", trust=True)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("printed", ["hello", "[1]", '{"unknowns": 1}', '{"unknowns": 1, "error": "a", "seconds": 1}'])
+def test_what_is_no_point_of_a_curve_is_told(tmp_path: Path, printed: str) -> None:
+    folder = study(tmp_path)
+    (folder / "points.py").write_text(f"print({printed!r})", encoding="utf-8")
+    with pytest.raises(ContbedError, match=r"points\.py printed .*; expected a line"):
+        bench(folder, tmp_path / "out", trust=True)
+
+
+def test_a_program_without_points_and_a_list_without_programs_are_told(tmp_path: Path) -> None:
+    folder = study(tmp_path)
+    (folder / "points.py").write_text("", encoding="utf-8")
+    with pytest.raises(ContbedError, match="printed no point of its curve"):
+        bench(folder, tmp_path / "out", trust=True)
+    (folder / "bench" / "bench.toml").write_text('title = "nothing"\n', encoding="utf-8")
+    with pytest.raises(SceneError, match="nothing to measure"):
+        bench(folder, tmp_path / "out", trust=True)
+
+
 def test_a_study_without_programs(tmp_path: Path) -> None:
     with pytest.raises(ContbedError, match=r"bench\.toml"):
         bench(tmp_path, tmp_path / "out")
