@@ -225,9 +225,10 @@ def _advice(course: Course, history: History) -> str:
 
 
 def _contraction(problem: Problem, u: Array) -> float:
-    """Return the room for gas that falls of its temperature make, where the particles have one of their own [mol/m2/s].
+    """Return the moles that the gas in the pores makes room for as it cools to the particles [mol/m2/s].
 
-    At constant pressure n/T dT/dt of the gas in the pores, whose heat n c dT/dt is what the equations miss at `u`.
+    At constant pressure these are -n/T dT/dt, and the heat n c dT/dt is what the equations of the gas leave at `u`;
+    none where gas and particles have one temperature.
     """
     layout, residual = problem.layout, problem.system.assemble(u, False)[0]
     room = np.zeros(len(u))
