@@ -77,8 +77,8 @@ def test_samples_of_a_linear_problem_have_its_mean_and_covariance():
     found = fit(model, measured, PRIORS)
     samples = posterior.sample(model, measured, PRIORS, found, Posterior(walkers=40, steps=4500, seed=3))
     spread = np.sqrt(np.diag(found.covariance))
-    # 135,000 samples of which one in some 40 is independent: 1.7 % of a mean in its deviation; nearly five times that is
-    # allowed, as which samples are drawn depends on the last digits of the libraries
+    # 135,000 samples of which one in some 40 is independent: 1.7 % of a mean in its deviation; nearly five times that
+    # is allowed, as which samples are drawn depends on the last digits of the libraries
     np.testing.assert_allclose((samples.z.mean(axis=0) - found.z) / spread, 0.0, atol=0.08)
     np.testing.assert_allclose(
         np.cov(samples.z.T) / np.outer(spread, spread), found.covariance / np.outer(spread, spread), atol=0.1
