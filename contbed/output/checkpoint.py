@@ -95,7 +95,24 @@ class Keeper:
         self._write()
 
 
-def load(folder: Path | str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+class Parts(dict[str, Any]):
+    """Arrays or values of the checkpoint `path` by name."""
+
+    def __init__(self, path: Path, parts: Mapping[str, Any]):
+        super().__init__(parts)
+        self._path = path
+
+    def __missing__(self, name: str) -> Any:
+        """Refuse what another version of contbed has not written.
+
+        Raises
+        ------
+        SceneError : always
+        """
+        raise SceneError(f"{self._path}: it lacks {name!r}, as of another version; run the scene without --restart")
+
+
+def load(folder: Path | str) -> tuple[Parts, Parts]:
     """Read the arrays and meta data of the checkpoint in a folder.
 
     Raises
@@ -110,7 +127,7 @@ def load(folder: Path | str) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
             text, checksum = str(file["meta"]), str(file["checksum"])
         if checksum != _checksum(arrays, text):
             raise ValueError("its checksum differs from its content")
-        return arrays, json.loads(text)
+        return Parts(path, arrays), Parts(path, json.loads(text))
     except PermissionError as error:
         raise SceneError(f"cannot read {path}: {error.strerror}") from error
     except _DAMAGE as error:

@@ -22,6 +22,7 @@ import contbed as cb
 from contbed import cli
 from contbed.errors import SceneError
 from contbed.loading import loads
+from contbed.output import checkpoint
 from contbed.output.tables import read_table
 
 SCENE = """\
@@ -327,6 +328,17 @@ def test_damaged_checkpoint(whole, tmp_path):
         (tmp_path / "checkpoint.npz").write_bytes(damaged)
         with pytest.raises(SceneError, match=r"damaged checkpoint .*run the scene without --restart"):
             cb.run(loads(SCENE), restart=tmp_path)
+
+
+def test_checkpoint_of_another_version(scene, whole, tmp_path):
+    """Of one that has the same number but kept other arrays or values."""
+    for part in (0, 1):
+        parts = checkpoint.load(whole)
+        name = next(key for key in parts[part] if key != "identity")
+        del parts[part][name]
+        checkpoint.save(tmp_path, *parts)
+        with pytest.raises(SceneError, match=f"it lacks '{name}', as of another version; run the scene without"):
+            cb.run(cb.load(scene), out=tmp_path, restart=tmp_path)
 
 
 def test_a_steady_scene_has_nothing_to_restart(whole):
