@@ -161,12 +161,10 @@ def sums(kernel: Callable[..., Any], n: int, *arguments: Any, part: int = PART) 
     starts = range(0, max(n, 1), part)
     found: list[Any] = [None] * len(starts)
 
-    def some(first: int, step: int) -> None:
-        for k in range(first, len(starts), step):
-            found[k] = kernel(starts[k], min(starts[k] + part, n), *arguments)
+    def add(k: int) -> None:
+        found[k] = kernel(starts[k], min(starts[k] + part, n), *arguments)
 
-    number = min(count(n), len(starts))
-    together([(some, (first, number)) for first in range(number)])
+    _each(add, len(starts), count(n))
     return np.sum(np.array(found, dtype=np.float64), axis=0)
 
 
@@ -192,13 +190,19 @@ def scattered(kernel: Callable[..., Any], n: int, shape: tuple[int, ...], *argum
     parts = max(1, min(SCATTERED, n // least))
     out, bounds = np.zeros((parts, *shape)), [n * k // parts for k in range(parts + 1)]
 
-    def some(first: int, step: int) -> None:
-        for k in range(first, parts, step):
-            kernel(bounds[k], bounds[k + 1], *arguments, out[k])
-
-    number = min(count(n, least), parts)
-    together([(some, (first, number)) for first in range(number)])
+    _each(lambda k: kernel(bounds[k], bounds[k + 1], *arguments, out[k]), parts, count(n, least))
     return out[0] if parts == 1 else out.sum(axis=0)
+
+
+def _each(call: Callable[[int], Any], parts: int, most: int) -> None:
+    """Call `call(k)` for each part, in turn by at most so many threads."""
+    number = min(most, parts)
+
+    def some(first: int) -> None:
+        for k in range(first, parts, number):
+            call(k)
+
+    together([(some, (first,)) for first in range(number)])
 
 
 def together(calls: list[tuple[Callable[..., Any], tuple[Any, ...]]]) -> list[Any]:

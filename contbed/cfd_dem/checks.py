@@ -7,10 +7,10 @@ from math import pi
 from contbed.cfd_dem import scene as g
 from contbed.cfd_dem.closures import GIVES
 from contbed.closures.binding import bind
-from contbed.dem.contact import DENSER, denser_by_weight
 from contbed.dem.particle_files import read_particles, tells_radii
 from contbed.dem.particles import Material
 from contbed.dem.scene import SOLID_SHARE
+from contbed.dem.softness import DENSER, too_soft
 from contbed.errors import SceneError
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.tables import FluidCantera, FluidConstant
@@ -151,20 +151,20 @@ def cells_lie_inside_of_the_bed(particles: g.GasParticles, gas: g.GasFlow, origi
             )
 
 
-def spheres_bear_the_bed(particles: g.GasParticles, gas: g.GasFlow, origin: Origin) -> Mistakes:
+def spheres_bear_the_bed(particles: g.GasParticles, gas: g.GasFlow) -> Mistakes:
     """Look for spheres so soft that the bed packs denser under its weight, and lets less gas through."""
     radius, count = particles.radius, particles.count
     if particles.fixed or not gas.gravity or radius is None or count is None:
         return
     height = count * 4.0 / 3.0 * pi * radius**3 / (SOLID_SHARE * particles.width[0] * particles.width[1])
     material = Material(particles.density, particles.modulus, particles.poisson_ratio)
-    denser = denser_by_weight(height, radius, material)
-    if denser > DENSER:
+    if found := too_soft(height, radius, material):
+        denser, enough = found
         yield (
             ("particles", "modulus"),
             f"so soft that a bed about {height:.2g} m high packs {denser:.1%} denser under its weight: less gas "
             "passes through particles at rest and more through jets and bubbles; "
-            f"{particles.modulus * (denser / DENSER) ** 1.5:.2g} Pa keep that to {DENSER:.0%}",
+            f"{enough:.2g} Pa keep that to {DENSER:.0%}",
         )
 
 

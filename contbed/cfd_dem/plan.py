@@ -191,8 +191,7 @@ def _largest_overlap(table: GasParticles, particles: Particles) -> float:
     """
     radius, material = float(particles.radius.min()), material_of(table)
     mass = 4.0 / 3.0 * np.pi * radius**3 * material.density
-    modulus = material.youngs_modulus / (2.0 * (1.0 - material.poisson_ratio**2))
-    deep = hertz_impact(mass / 2.0, radius / 2.0, modulus, SPEED_OF_FILES)[1] / radius
+    deep = hertz_impact(mass / 2.0, radius / 2.0, material.contact_modulus, SPEED_OF_FILES)[1] / radius
     return float(np.clip(deep, LARGEST_OVERLAP, SETTLED_OVERLAP))
 
 

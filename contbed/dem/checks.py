@@ -6,12 +6,12 @@ import numpy as np
 
 from contbed.dem import dumps
 from contbed.dem import scene as p
-from contbed.dem.contact import DENSER, denser_by_weight
 from contbed.dem.heat import VORONOI
 from contbed.dem.particle_files import FileParticles, missing_step, read_particles, tells_radii
 from contbed.dem.particles import Material
 from contbed.dem.plan import porosity_of
 from contbed.dem.sizes import CUT
+from contbed.dem.softness import DENSER, too_soft
 from contbed.dem.walls import SKIN
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.toml_lines import Origin
@@ -214,13 +214,12 @@ def packing_bears_itself(packing: p.Packing | None) -> Mistakes:
     if packing is None or not packing.number:
         return
     material = Material(packing.density, packing.modulus, packing.poisson_ratio)
-    denser = denser_by_weight(packing.expected_height, packing.radius, material)
-    if denser > DENSER:
+    if found := too_soft(packing.expected_height, packing.radius, material):
+        denser, enough = found
         yield (
             ("packing", "modulus"),
             f"so soft that a packing about {packing.expected_height:.2g} m high is {denser:.1%} denser by its weight, "
-            "with more and larger contacts; "
-            f"{packing.modulus * (denser / DENSER) ** 1.5:.2g} Pa keep that to {DENSER:.0%}",
+            f"with more and larger contacts; {enough:.2g} Pa keep that to {DENSER:.0%}",
         )
 
 

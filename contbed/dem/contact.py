@@ -31,8 +31,6 @@ FAST = frozenset(("contract", "arcp", "nsz", "reassoc"))  # not nnan: a NaN must
 ROLLING_STEPS = 8.0
 RAYLEIGH_SHARE = 0.2  # of the time that a surface wave needs around the smallest particle
 STEPS_PER_IMPACT = 20.0  # up to 2.3e-3 error of the largest overlap
-SOLIDS, TOUCHING = 0.6, 6.0  # solids volume fraction and contacts of a sphere in a loose random bed with friction
-DENSER = 0.02  # share by which the weight of a bed may pack it denser: a tenth more resistance to gas at 0.4 of voids
 DURATION = 2.868265699195  # t_c of a Hertz impact in units of (m*^2 / (R* E*^2 v))^(1/5)
 
 
@@ -136,33 +134,6 @@ def hertz_impact(mass: float, radius: float, modulus: float, speed: float) -> tu
     return duration, (15.0 * mass * speed**2 / (16.0 * modulus * np.sqrt(radius))) ** 0.4
 
 
-def overlap_by_pressure(
-    pressure: float, radius: float, material: Material, solids: float = SOLIDS, coordination: float = TOUCHING
-) -> float:
-    """Find the overlap [m] of equal spheres of `radius` [m] whose random packing bears an isotropic pressure [Pa].
-
-    F = 4 pi R^2 p/(phi Z), delta = (9 F^2/(8 R E*^2))^(1/3); exact for a simple cubic lattice, phi = pi/6 and Z = 6.
-
-    Parameters
-    ----------
-    solids, coordination : solids volume fraction phi, contacts Z of a sphere
-
-    Source: Walton (1987), J. Mech. Phys. Solids 35, 213-226, doi:10.1016/0022-5096(87)90036-6.
-    """
-    force = 4.0 * np.pi * radius**2 * pressure / (solids * coordination)
-    modulus = material.youngs_modulus / (2.0 * (1.0 - material.poisson_ratio**2))
-    return float((9.0 * force**2 / (8.0 * radius * modulus**2)) ** (1.0 / 3.0))
-
-
-def denser_by_weight(height: float, radius: float, material: Material, gravity: float = 9.81) -> float:
-    """Estimate by what share the own weight makes a bed at rest denser than one of hard spheres.
-
-    Distances between centres shrink by the overlap, in every direction; taken at half of the `height` [m].
-    """
-    pressure = SOLIDS * material.density * gravity * 0.5 * height
-    return 1.5 * overlap_by_pressure(pressure, radius, material) / radius
-
-
 def rayleigh_time(radius: float, material: Material) -> float:
     """Find the time that a Rayleigh wave needs for half the circumference [s].
 
@@ -184,9 +155,10 @@ def largest_safe_step(particles: Particles, materials: Sequence[Material], impac
         material = materials[index]
         radius = float(particles.radius[particles.material == index].min())
         mass = 4.0 / 3.0 * np.pi * radius**3 * material.density
-        modulus = material.youngs_modulus / (2.0 * (1.0 - material.poisson_ratio**2))
         steps.append(RAYLEIGH_SHARE * rayleigh_time(radius, material))
-        steps.append(hertz_impact(mass / 2.0, radius / 2.0, modulus, impact_speed)[0] / STEPS_PER_IMPACT)
+        steps.append(
+            hertz_impact(mass / 2.0, radius / 2.0, material.contact_modulus, impact_speed)[0] / STEPS_PER_IMPACT
+        )
     return min(steps)
 
 

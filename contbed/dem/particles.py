@@ -54,6 +54,11 @@ class Material:
         """G = E / (2 (1 + nu)) [Pa]."""
         return self.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
 
+    @property
+    def contact_modulus(self) -> float:
+        """E* = E / (2 (1 - nu^2)) [Pa] of two of this material."""
+        return self.youngs_modulus / (2.0 * (1.0 - self.poisson_ratio**2))
+
 
 def damping_ratio(restitution: ArrayLike) -> NDArray[np.float64]:
     """Find the share b of critical damping of a Hertz contact from e = exp(-pi b / sqrt(1 - b^2)).

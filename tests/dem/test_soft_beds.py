@@ -6,15 +6,17 @@ all it is good for.
 """
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.dem.contact import denser_by_weight, overlap_by_pressure
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material
+from contbed.dem.softness import denser_by_weight, overlap_by_pressure
 from contbed.loading import loads
 
 RADIUS = 1e-3
@@ -61,3 +63,11 @@ def test_scenes_of_soft_beds_are_told_the_modulus_that_is_enough(text, key):
     (warning,) = told(1e4)
     enough = float(re.search(r"(\S+) Pa keep", warning)[1])
     assert 1e4 < enough < 1e7 and told(0.9 * enough) and not told(1.1 * enough)
+
+
+@pytest.mark.parametrize("folder", ["dem", "cfd_dem"])
+def test_checks_load_no_compiled_code(folder):
+    """What only compares numbers of a scene does not wait for numba."""
+    program = f"import sys, contbed.{folder}.checks; print('numba' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
