@@ -83,6 +83,17 @@ class Policy:
         return self.limit_GB if self.limit_GB is not None else 0.6 * free_memory_GB()
 
 
+@dataclass(frozen=True)
+class Unfactored:
+    """In place of a `Policy` where no matrix is factored: a run takes so many bytes for each unknown."""
+
+    bytes_each: float
+
+    def predicted_GB(self, size: int) -> float:
+        """Predict the memory of a run [GB]."""
+        return 1e-9 * self.bytes_each * size
+
+
 def free_memory_GB() -> float:
     """Return the memory that the system can still give [GB]; infinite where it does not say."""
     try:
@@ -108,7 +119,9 @@ class Solver:
         if not np.isfinite(matrix.data).all():
             raise ConvergenceError("the matrix holds values that are not finite: check closures and initial values")
         if policy.direct(matrix.shape[0]):
-            self._apply = _factor(matrix, policy.order) or self._pivoted()
+            on_diagonal = policy.dimension == 1 and matrix.diagonal().all()
+            threshold = 0.0 if on_diagonal else PIVOT_THRESHOLD
+            self._apply = _factor(matrix, policy.order, threshold) or self._pivoted()
         else:
             self._apply = _krylov(matrix, policy)
 
@@ -140,16 +153,24 @@ class Solver:
         """Apply the factors once, without refinement, for use with another matrix."""
         return self._apply(rhs)
 
-    def __call__(self, rhs: Any) -> Any:
-        """Solve, refine once if that helps, check the residual."""
-        scale = float(np.linalg.norm(rhs))
-        if scale == 0.0:
-            return np.zeros_like(rhs)
+    def _refined(self, rhs: Any) -> tuple[Any, Any]:
+        """Return the solution and its residual, refined once by factors.
+
+        Rows that are small beside others, as those of phases that hardly flow, are solved only then.
+        """
         x = self._apply(rhs)
         residual = rhs - self.matrix @ x
         if self.policy.direct(len(rhs)):
             x = x + self._apply(residual)
             residual = rhs - self.matrix @ x
+        return x, residual
+
+    def __call__(self, rhs: Any) -> Any:
+        """Solve, refine once if that helps, check the residual."""
+        scale = float(np.linalg.norm(rhs))
+        if scale == 0.0:
+            return np.zeros_like(rhs)
+        x, residual = self._refined(rhs)
         if not (np.linalg.norm(residual) <= RESIDUAL * scale or self._is_rounding(residual, x, scale)):
             if sp.issparse(self.matrix) and not self.policy.direct(len(rhs)):
                 error = np.linalg.norm(residual) / scale
@@ -158,22 +179,28 @@ class Solver:
                     "factorisation; coarsen the mesh or use the engine dolfinx"
                 )
             self._apply = self._pivoted()
-            x = self._apply(rhs)
-            residual = rhs - self.matrix @ x
+            x, residual = self._refined(rhs)
             if not (np.linalg.norm(residual) <= 1e3 * RESIDUAL * scale or self._is_rounding(residual, x, scale)):
                 error = np.linalg.norm(residual) / scale
                 raise ConvergenceError(f"the linear solver left a relative residual of {error:.2g}")
         return x
 
 
-def _factor(matrix: sp.csc_matrix, order: Any, pivoting: bool = False) -> Callable[[Any], Any] | None:
-    """Factor the symmetrically scaled matrix by SuperLU; None where it meets a zero pivot."""
+def _factor(
+    matrix: sp.csc_matrix, order: Any, threshold: float = PIVOT_THRESHOLD, pivoting: bool = False
+) -> Callable[[Any], Any] | None:
+    """Factor the symmetrically scaled matrix by SuperLU; None where it meets a zero pivot.
+
+    Diagonal entries down to the `threshold` of their column are pivots. On a line all of them are where none is zero:
+    a phase that hardly flows has a diagonal of 1e-8 of what it takes from others, and another pivot there would give
+    its flow the rounding of theirs.
+    """
     columns = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
     largest = np.zeros(matrix.shape[1])
     np.maximum.at(largest, columns, np.abs(matrix.data))
     scale = 1.0 / np.sqrt(np.where(largest > 0, largest, 1.0))
     scaled = sp.csc_matrix((matrix.data * scale[matrix.indices] * scale[columns], matrix.indices, matrix.indptr))
-    options: dict[str, Any] = {"diag_pivot_thresh": PIVOT_THRESHOLD, "options": {"SymmetricMode": True}}
+    options: dict[str, Any] = {"diag_pivot_thresh": threshold, "options": {"SymmetricMode": True}}
     if pivoting:
         options = {"permc_spec": "COLAMD"}
     elif order is None:
