@@ -240,6 +240,6 @@ def described(plan: Plan, *more: str) -> str:
     rows += [("SKIPPED", what, why) for what, why in plan.skipped]
     width = max(len(what) for _, what, _ in rows)
     lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
-    for part, size in plan.unknowns().items():
+    for part, size in ((part, size) for part, size in plan.unknowns().items() if size):
         lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * plan.policy.predicted_GB(size)):.0f} MB")
     return "\n".join([*lines, *more, *(f"WARNING {text}" for text in plan.scene.warnings)])

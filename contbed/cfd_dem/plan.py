@@ -31,6 +31,7 @@ from contbed.scene.toml_lines import Origin
 GRAVITY = 9.81  # m/s2
 SKIN = 0.4  # of the radius; fluidized beds need new lists a third as often as at the 0.1 of packings, 30 % less time
 IMPACT_SPEED = 0.3  # m/s, of which the time step of the particles resolves impacts
+BYTES = 400.0  # of memory for each unknown; six of a particle, with its neighbours: 300 in a bed of 175 800
 MOST_HALVINGS = 2  # of that step, where a stray particle is too fast for it: four times the speed, and the work
 MOST_TRIED = 5000  # particles that a trial settles, in half a minute
 # s of processor to settle a particle, by the steps in which it would fall from the height of the loose bed: in the
@@ -55,10 +56,10 @@ class GasPlan:
 
     @property
     def policy(self) -> Any:
-        """How linear systems are solved."""
-        from contbed.solvers.linear import Policy
+        """Memory of a run, which factors no matrix."""
+        from contbed.solvers.linear import Unfactored
 
-        return Policy(3, None)
+        return Unfactored(BYTES)
 
     @property
     def number(self) -> int:

@@ -24,6 +24,7 @@ from contbed.two_fluid.simulation import Simulation
 if TYPE_CHECKING:
     from contbed.two_fluid.distributed.grid import SharedGrid
 
+BYTES = 400.0  # of memory for each unknown: 200 in 800 000 of a plane, up to 600 in 140 000 of a volume
 # s of CPU per cell and step in 1-D, 2-D and 3-D, of beds of some 10 000 cells, on rectangular grids and on any mesh
 STEP_COST_IN_ROWS, STEP_COST = (5e-7, 9e-7, 1.3e-6), (5e-7, 1.2e-6, 3e-6)
 
@@ -45,10 +46,10 @@ class TwoFluidPlan:
 
     @property
     def policy(self) -> Any:
-        """How linear systems are solved."""
-        from contbed.solvers.linear import Policy
+        """Memory of a run, which factors no matrix."""
+        from contbed.solvers.linear import Unfactored
 
-        return Policy(self.grid.dimension, None)
+        return Unfactored(BYTES)
 
     def unknowns(self) -> dict[str, int]:
         """Count unknowns: fraction, pressure, granular temperature and two velocities in each cell."""

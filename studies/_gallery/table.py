@@ -92,7 +92,12 @@ class Table:
         return {column: float(value) for column, value in zip(self.columns[1:], found[1:], strict=True) if value}
 
     def updated(self, new: Table, by: Sequence[str]) -> Table:
-        """This table with the rows of `new` in place of those with equal values in the columns `by`, or at its end."""
+        """This table with the rows of `new` in place of those with equal values in the columns `by`, or at its end.
+
+        A new table with other columns takes its place.
+        """
+        if new.columns != self.columns:
+            return new
         keys = [self.columns.index(name) for name in by]
         fresh: dict[tuple[str, ...], list[Any]] = {}
         for row in new.rows:

@@ -5,25 +5,35 @@ from __future__ import annotations
 import resource
 import tempfile
 import time
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from contbed import threads
+from contbed.cfd_dem.coupling import Bed
+from contbed.cfd_dem.gas import Gas
+from contbed.cfd_dem.grid import Grid
+from contbed.closures import drag_di_felice
 from contbed.dem import heat, heat_pair, network
 from contbed.dem.contact import hertz_impact
+from contbed.dem.contact_heat import ContactHeat
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain, box
+from contbed.materials import ConstantFluid
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables, particle_codes
 
 HERE = Path(__file__).parent
 D, STEP, REPEATS = 2e-3, 1e-5, 3
-STEPS = {2500: 12000, 16000: 3000}
-BEDS = {2500: (13, 1000.0), 16000: (24, 2500.0)}  # width in diameters, density
+AIR, U_MF = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026), 1.1  # [m/s], of 2 mm and 2500 kg/m3 by Wen and Yu
+STEPS = {2500: 6000, 16000: 1200, 100_000: 150}
+BEDS = {2500: (13, 1, 1000.0), 16000: (24, 1, 2500.0), 100_000: (10, 10, 2500.0)}  # width of a tile [d], tiles, density
+ORDERS = ("packed", "random")  # of the particles in the file
+HEATS = ("none", "contacts")
 DECKS = {"LIGGGHTS": "liggghts.in", "LAMMPS": "lammps.in"}
 OWN = "contbed"
 NOT_COMPARED = (
@@ -34,43 +44,78 @@ SKINS = (5e-4, 1e-4)  # of the shared decks, and the default of contbed
 
 
 def own_seconds(simulation: Simulation, steps: int) -> float:
-    """CPU time of some steps [s], the best of several."""
+    """CPU time of some steps [s]."""
+    return float(gallery.cpu(lambda: simulation.run(steps), samples=1).seconds)
+
+
+def least(simulation: Simulation, steps: int) -> float:
+    """The least of several."""
     simulation.run(200)
-    return min(gallery.cpu(lambda: simulation.run(steps), samples=1).seconds for _ in range(REPEATS))
+    return min(own_seconds(simulation, steps) for _ in range(REPEATS))
 
 
-def reference(code: str, position: Any, width: float, density: float, skin: float, steps: int) -> float:
-    """The same of a peer."""
+def reference(code: str, position: Any, width: float, density: float, steps: int, **variables: Any) -> float:
+    """CPU time of some steps of a peer [s], with variables of its deck."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         particle_codes.write_bed(folder / "bed.data", position, D, width, density)
-        variables = {"data": "bed.data", "L": repr(width), "skin": repr(skin)}
-        return particle_codes.seconds(code, HERE / DECKS[code], folder, variables, steps, REPEATS)
+        variables = {"data": "bed.data", "L": repr(width)} | variables
+        return particle_codes.seconds(code, HERE / DECKS[code], folder, variables, steps, 1)
+
+
+def bed_of(count: int) -> tuple[Any, float, Material]:
+    """A settled bed between walls, or tiles of it side by side; centres, width and material."""
+    width, tiles, density = BEDS[count]
+    material = Material(density)
+    number = count // tiles**2
+    cost, bed = gallery.cpu(lambda: pack((width * D, width * D), count=number, material=material), samples=1)
+    print(f"packing of {number}: {cost:.1f} CPU s, {bed.statistics}")
+    return _tiled(bed.position, width * D, tiles, tiles), tiles * width * D, material
 
 
 def speed() -> Table:
-    """Particle-steps per CPU second in the same settled bed, all codes with the same skins of their neighbour lists."""
+    """Particle-steps per CPU second in the same settled bed, all codes with the same skins of their neighbour lists.
+
+    The codes run in turn, several times, so that what else the machine does slows all of them.
+    """
     rows = []
     pack((6 * D, 6 * D), count=50)  # compiles
-    for count, (width, density) in BEDS.items():
-        side, material, steps = width * D, Material(density), STEPS[count]
-        cost, bed = gallery.cpu(lambda s=side, n=count, m=material: pack((s, s), count=n, material=m), samples=1)
-        print(f"packing of {count}: {cost:.1f} CPU s, {bed.statistics}")
+    for count, steps in STEPS.items():
+        packed, side, material = bed_of(count)
+        orders = dict(zip(ORDERS, (packed, np.random.default_rng(0).permutation(packed)), strict=True))
         domain = Domain((0, 0, 0), (side, side, np.inf))
-        spheres = Particles(bed.position, bed.radius)
-        for skin in SKINS:
+        for (order, position), heated, skin in product(orders.items(), HEATS, SKINS):
             simulation = Simulation(
-                spheres, [material], box(domain), domain, time_step=STEP, skin=skin, largest_overlap=0.1
+                Particles(position, D / 2),
+                [material],
+                box(domain),
+                domain,
+                time_step=STEP,
+                skin=skin,
+                largest_overlap=0.1,
+                **({"heat": ContactHeat(26.0), "T": _warm(position)} if heated == "contacts" else {}),
             )
-            seconds = {OWN: own_seconds(simulation, steps)}
-            for code in DECKS:
-                if particle_codes.available(code):
-                    seconds[code] = reference(code, bed.position, side, density, skin, steps)
+            simulation.run(200)
+            plain = order == "packed" and heated == "none"
+            peers = [code for code in (DECKS if plain else ("LIGGGHTS",)) if particle_codes.available(code)]
+            taken: dict[str, list[float]] = {code: [] for code in (OWN, *peers)}
+            for _ in range(REPEATS):
+                taken[OWN].append(own_seconds(simulation, steps))
+                for code in peers:
+                    switch = {"heat": int(heated == "contacts")} if code == "LIGGGHTS" else {}
+                    bed = (position, side, material.density)
+                    taken[code].append(reference(code, *bed, steps, skin=repr(skin), **switch))
+            seconds = {name: min(values) for name, values in taken.items()}
             for name, value in seconds.items():
                 ratio = f"{seconds['LIGGGHTS'] / value:.2f}" if "LIGGGHTS" in seconds else None
-                rows.append((name, count, 1e3 * skin, count * steps / value, ratio))
-    names = ("code", "particles", "skin_mm", "particle_steps_per_cpu_s", "times_LIGGGHTS")
-    return Table(dict.fromkeys(names, "g") | {names[3]: ".3g"}, rows)
+                rows.append((name, count, order, heated, 1e3 * skin, count * steps / value, ratio))
+    names = ("code", "particles", "order", "heat", "skin_mm", "particle_steps_per_cpu_s", "times_LIGGGHTS")
+    return Table(dict.fromkeys(names, "g") | dict.fromkeys(("code", "order", "heat"), "") | {names[5]: ".3g"}, rows)
+
+
+def _warm(position: Any) -> Any:
+    """Temperatures that fall along x [K]."""
+    return 400.0 - 100.0 * position[:, 0] / position[:, 0].max()
 
 
 def conduction() -> Table:
@@ -79,7 +124,8 @@ def conduction() -> Table:
     LIGGGHTS 3.8 takes G = 2 k sqrt(pi) a with the radius a of the circle in which the spheres intersect. The heat
     capacity is the smallest of a few at which its steps are stable.
     """
-    width, density = BEDS[2500][0] * D, BEDS[2500][1]
+    width, _, density = BEDS[2500]
+    width *= D
     bed = pack((width, width), count=2500, material=Material(density))
     low, high, k, steps = 2e-3, 24.7e-3, 26.0, 20000
     z = bed.position[:, 2]
@@ -142,80 +188,110 @@ def scaling() -> Table:
     """A settled bed with periodic sides, repeated."""
     rows, width = [], 10 * D
     bed = pack((width, width), count=1000, periodic=(True, True))
-    for times in (1, 2, 4, 7, 10):
-        cells = np.stack(np.meshgrid(range(times), range(times), [0], indexing="ij"), axis=-1).reshape(-1, 1, 3)
-        position = (cells * width + bed.position).reshape(-1, 3)
+    for times in (1, 2, 4, 7, 10, 32):
+        position = _tiled(bed.position, width, times, times)
         domain = Domain((0, 0, 0), (times * width, times * width, np.inf), (True, True, False))
         simulation = Simulation(
             Particles(position, D / 2), [bed.material], box(domain), domain, time_step=STEP, largest_overlap=0.1
         )
         steps = max(100, 4_000_000 // len(position))
-        value = own_seconds(simulation, steps) / steps
+        value = least(simulation, steps) / steps
         rows.append((len(position), value, len(position) / value))
     return Table({"particles": "d", "cpu_s_per_step": ".3g", "particle_steps_per_cpu_s": ".3g"}, rows)
 
 
 def several_threads() -> Table:
-    """A bed of 50 000 particles in random order on one and two threads, in turn; the least of several.
+    """Two beds of 50 000 particles in random order on one and two threads, in turn; the least of several.
 
-    `times_faster` compares times on the clock and needs two quiet cores. `times_by_cpu` is the number of threads times
-    the CPU of one over that of all, with their waiting for each other: what cores that are free would give.
+    One alone, one in gas, as it is fluidized. `times_faster` compares times on the clock and needs two quiet cores.
+    `times_by_cpu` is the number of threads times the CPU of one over that of all, with their waiting for each other:
+    what cores that are free would give.
     """
-    position, material, domain = _repeated(10, 5)
-    position = position[np.random.default_rng(0).permutation(len(position))]
-    spheres = Particles(position, D / 2)
-    simulation = Simulation(spheres, [material], box(domain), domain, time_step=STEP, largest_overlap=0.1)
-    clock: dict[int, list[float]] = {1: [], 2: []}
-    cpu: dict[int, list[float]] = {1: [], 2: []}
-    for _ in range(2 * REPEATS):
-        for number in clock:
-            before, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
-            with threads.using(number):
-                simulation.run(40)
-            clock[number].append((time.perf_counter() - start) / 40)
-            after = resource.getrusage(resource.RUSAGE_SELF)
-            cpu[number].append((after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime) / 40)
-    rows = [
-        (len(position), number, min(clock[number]), min(cpu[number]), min(clock[1]) / min(clock[number]),
-         number * min(cpu[1]) / min(cpu[number]))
-        for number in clock
-    ]  # fmt: skip
+    alone, gas = _bed_alone(), _bed_in_gas()
+    runs = {
+        "alone": (lambda: alone.run(40), 40),
+        "in gas": (lambda: gas.run(4e-3), round(4e-3 / gas.simulation.time_step)),
+    }
+    rows: list[tuple[Any, ...]] = []
+    for bed, (run, steps) in runs.items():
+        with threads.using(1):
+            run()
+        clock: dict[int, list[float]] = {1: [], 2: []}
+        cpu: dict[int, list[float]] = {1: [], 2: []}
+        for _ in range(2 * REPEATS):
+            for number in clock:
+                before, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
+                with threads.using(number):
+                    run()
+                clock[number].append((time.perf_counter() - start) / steps)
+                after = resource.getrusage(resource.RUSAGE_SELF)
+                cpu[number].append((after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime) / steps)
+        rows += [
+            (bed, 50_000, number, min(clock[number]), min(cpu[number]), min(clock[1]) / min(clock[number]),
+             number * min(cpu[1]) / min(cpu[number]))
+            for number in clock
+        ]  # fmt: skip
     return Table(
-        {"particles": "d", "threads": "d"}
+        {"bed": "", "particles": "d", "threads": "d"}
         | dict.fromkeys(("wall_s_per_step", "cpu_s_per_step_of_all"), ".3g")
         | dict.fromkeys(("times_faster", "times_by_cpu"), ".2f"),
         rows,
     )
 
 
-def _repeated(x: int, y: int) -> tuple[Any, Material, Domain]:
-    """A settled bed of 1000 with periodic sides, repeated along x and y; centres, material and domain."""
+def _bed_alone() -> Simulation:
+    """A settled bed of 50 000 particles in random order."""
     width = 10 * D
     bed = pack((width, width), count=1000, periodic=(True, True))
+    position = np.random.default_rng(0).permutation(_tiled(bed.position, width, 10, 5))
+    domain = Domain((0, 0, 0), (10 * width, 5 * width, np.inf), (True, True, False))
+    spheres = Particles(position, D / 2)
+    return Simulation(spheres, [bed.material], box(domain), domain, time_step=STEP, largest_overlap=0.1)
+
+
+def _bed_in_gas() -> Bed:
+    """A bed of 50 000 particles in random order, in air at three times the speed at which they begin to lift."""
+    pitch, count = 1.02 * D, (50, 25, 40)
+    places = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in count), indexing="ij"), -1).reshape(-1, 3) * pitch
+    rng = np.random.default_rng(0)
+    places = rng.permutation(places) + rng.uniform(-0.005, 0.005, places.shape) * D
+    sides = pitch * np.array(count[:2])
+    domain = Domain((0, 0, 0), (*sides, np.inf))
+    material = Material(2500.0, 1e6, restitution=0.9, sliding_friction=0.3)
+    simulation = Simulation(Particles(places, D / 2), [material], box(domain), domain, impact_speed=0.3)
+    cells = (17, 8, 40)
+    size = np.array([*sides, 3 * count[2] * pitch]) / cells
+    gas = Gas(Grid(np.zeros(3), size, cells, (False, False)), AIR, drag_di_felice)
+    gas.inlet(3.0 * U_MF, 300.0)
+    return Bed(simulation, gas, 5e-4)
+
+
+def _tiled(position: Any, width: float, x: int, y: int) -> Any:
+    """Centres of a bed that is repeated along x and y."""
     cells = np.stack(np.meshgrid(range(x), range(y), [0], indexing="ij"), axis=-1).reshape(-1, 1, 3)
-    domain = Domain((0, 0, 0), (x * width, y * width, np.inf), (True, True, False))
-    return (cells * width + bed.position).reshape(-1, 3), bed.material, domain
+    return (cells * width + position).reshape(-1, 3)
 
 
 def compute() -> Tables:
     """Speed, conduction, accuracy and scaling; the committed rows of peers are kept where they are not installed."""
-    kept = {"speed": ("code", "particles", "skin_mm"), "conduction": ("code", "steps")}
+    kept = {"speed": ("code", "particles", "order", "heat", "skin_mm"), "conduction": ("code",)}
     found = {"speed": speed(), "conduction": conduction(), "accuracy": accuracy(), "scaling": scaling()}
     found["threads"] = several_threads()
     return gallery.updated(HERE, found, kept)
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """Speed of all codes, error of an impact, CPU over the number of particles."""
+    """Speed over that of LIGGGHTS, error of an impact, CPU over the number of particles."""
     figure, (left, middle, right) = gallery.figure(1, 3)
     fast, error, size = tables["speed"], tables["accuracy"], tables["scaling"]
-    for k, name in enumerate(fast.values("code")):
-        found = fast.where({"code": name})
-        values = found["particle_steps_per_cpu_s"] / 1e6
-        left.bar(np.arange(len(values)) + 0.25 * (k - 1), values, 0.23, label=name)
-    groups = [f"{row['particles']}\n{row['skin_mm']} mm" for row in fast.where({"code": OWN})]
-    left.set_xticks(range(len(groups)), groups)
-    left.set(ylabel="million particle-steps per CPU second", title="settled bed, one core, by number and skin")
+    for (order, heated), style in zip(product(ORDERS, HEATS), ("o-", "o--", "s-", "s--"), strict=True):
+        row = {"code": OWN, "order": order, "heat": heated, "skin_mm": f"{1e3 * SKINS[0]:g}"}
+        found = fast.where(row)
+        text = "as packed" if order == "packed" else "random order"
+        label = text + (", heat" if heated == "contacts" else "")
+        left.semilogx(found["particles"], found["times_LIGGGHTS"], style, label=label)
+    left.axhline(1.0, color="k", lw=0.8)
+    left.set(xlabel="particles", ylabel="speed over that of LIGGGHTS", ylim=(0.0, None), title="settled bed, one core")
     for key, text in (
         ("overlap_error", "largest overlap, e = 1"),
         ("speed_error_e_1", "speed after, e = 1"),

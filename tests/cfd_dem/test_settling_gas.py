@@ -25,6 +25,7 @@ def test_a_plan_does_not_settle(never):
     plan = cb.plan(loads(SCENE))
     assert plan.particles is None and plan.unknowns()["particles"] == 360
     assert "60, settled from a random start, moving" in str(plan)
+    assert "particles: 360 unknowns, about 1 MB" in str(plan) and "heat:" not in str(plan)
 
 
 def test_a_restart_does_not_settle_again(tmp_path, monkeypatch):
