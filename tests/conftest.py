@@ -1,5 +1,6 @@
 """One thread for each worker, as BLAS threads on shared cores slow small problems down many times; and every quantity
-that a run of a test reports must have an entry in `contbed.fields`.
+that a run of a test reports must have an entry in `contbed.fields`. Generated cases have no deadline and may be slow to
+draw, as a machine under load must not fail a test.
 """
 
 import os
@@ -8,6 +9,14 @@ import pytest
 
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
+
+try:
+    from hypothesis import HealthCheck, settings
+except ImportError:  # the tests that draw cases say so themselves
+    pass
+else:
+    settings.register_profile("contbed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+    settings.load_profile("contbed")
 
 
 @pytest.fixture(autouse=True)

@@ -1,6 +1,5 @@
 """Reference numbers, limits and bounds of the closures.
 
-A machine under load must not fail a test, hence no deadline on the generated cases.
 Tolerances: 1e-7 where the reference is given with 8 digits, 1e-12 where two ways to the same number differ by round-off
 only (some are differences of larger terms, hence not 1e-15).
 """
@@ -11,7 +10,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from contbed import closures
@@ -78,7 +77,6 @@ def test_hsu_reproduces_table_1_of_pivem():
     assert closures.tortuosity_hsu(1.0, 40.0, 0.4) == pytest.approx(-0.01321964, abs=5e-9)
 
 
-@settings(deadline=None)
 @given(ratio=ratios.filter(lambda ratio: abs(ratio - 1) > 0.1), eps=st.floats(0.01, 0.99))
 def test_tortuosity_is_the_printed_quotient(ratio, eps):
     printed = (closures.conductivity_hsu(1.0, ratio, eps) - eps - (1 - eps) * ratio) / (ratio - 1) ** 2
@@ -88,7 +86,6 @@ def test_tortuosity_is_the_printed_quotient(ratio, eps):
     )
 
 
-@settings(deadline=None)
 @given(ratio=ratios, eps=porosities)
 def test_exact_bounds_are_ordered(ratio, eps):
     series, lower, upper, parallel = (
@@ -106,7 +103,6 @@ def test_exact_bounds_are_ordered(ratio, eps):
     assert upper <= parallel * slack
 
 
-@settings(deadline=None)
 @given(ratio=ratios, eps=porosities)
 def test_hsu_and_maxwell_respect_the_bounds(ratio, eps):
     low = closures.conductivity_series(1.0, ratio, eps) * (1 - 1e-12)
@@ -118,7 +114,6 @@ def test_hsu_and_maxwell_respect_the_bounds(ratio, eps):
 
 
 @pytest.mark.parametrize("function", BEDS)
-@settings(deadline=None)
 @given(share=st.tuples(st.floats(0, 1), st.floats(0, 1)))
 def test_bed_models_lie_between_series_and_parallel_in_their_range(function, share):
     low, high = function.sheet.ranges["eps"]
@@ -131,7 +126,6 @@ def test_bed_models_lie_between_series_and_parallel_in_their_range(function, sha
 
 
 @pytest.mark.parametrize("function", [*EXACT, *BEDS])
-@settings(deadline=None)
 @given(k=st.floats(1e-3, 1e3), eps=st.floats(0.05, 0.95))
 def test_equal_phases_conduct_like_one(function, k, eps):
     assert function(k, k, eps) == pytest.approx(k, rel=1e-12)
@@ -236,7 +230,6 @@ def test_vdi_transverse_in_a_wide_tube_is_one_seventh():
     assert wide == pytest.approx(10.0, rel=1e-8)
 
 
-@settings(deadline=None)
 @given(u=st.floats(-3, 3), eps=st.floats(0.3, 0.6))
 def test_ergun_gradient_is_darcy_plus_forchheimer(u, eps):
     d_p, mu, rho = 2e-3, 1.8e-5, 1.2

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from contbed.closures import enclosure
@@ -55,21 +55,18 @@ def hot_bed():
     return bed.absorption + bed.scattering, EMISSIVITIES, HOT
 
 
-@settings(deadline=None)
 @given(mixtures(1, 6))
 def test_what_some_lose_the_others_gain(mixture):
     for lost in all_three(*mixture):
         assert abs(lost.sum()) <= ROUND_OFF * emission(*mixture)
 
 
-@settings(deadline=None)
 @given(mixtures(2, 6))
 def test_equilibrium_is_the_enclosure_for_any_number_of_species(mixture):
     equilibrium, _, surfaces = all_three(*mixture)
     assert equilibrium == pytest.approx(surfaces, rel=0, abs=ROUND_OFF * emission(*mixture))
 
 
-@settings(deadline=None)
 @given(mixtures(2, 6))
 def test_enclosure_solves_for_the_radiosities(mixture):
     # The system is singular as all emissivities vanish: at 0.01 its condition number is about 100.
@@ -77,14 +74,12 @@ def test_enclosure_solves_for_the_radiosities(mixture):
     assert found == pytest.approx(radiosities(*mixture), rel=0, abs=1e-11 * emission(*mixture))
 
 
-@settings(deadline=None)
 @given(mixtures(2, 2))
 def test_pairs_are_exact_for_two_species(mixture):
     equilibrium, pairs, _ = all_three(*mixture)
     assert pairs == pytest.approx(equilibrium, rel=0, abs=ROUND_OFF * emission(*mixture))
 
 
-@settings(deadline=None)
 @given(mixtures(3, 6))
 def test_pairs_are_exact_for_black_species(mixture):
     extinction, emissivity, T = mixture

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from contbed.closures import optics
@@ -42,7 +42,6 @@ def test_sauter_mean_of_one_size_is_that_size():
     assert SizeDistribution((2e-3,), (1.0,)).d_32 == pytest.approx(2e-3, rel=ROUND_OFF)
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.floats(1e-5, 1e-2), st.floats(0.01, 1)), min_size=1, max_size=8))
 def test_extinction_of_classes_is_that_of_their_sauter_mean(classes):
     diameters, weights = np.array(classes).T

@@ -5,7 +5,7 @@ import string
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import contbed
@@ -494,7 +494,7 @@ KEYS += ["time", "time.end", "time.times", "solver.degree", "region.bed", "outpu
 KEYS += ["fluid.model", "boundary.wall.type", "heat.conductivity_solid", "heat.tortuosity", "mesh.file", "mesh.refine"]
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=300)
 @given(st.dictionaries(st.sampled_from(sorted(set(KEYS))), VALUES, min_size=1, max_size=4))
 def test_any_values_give_a_scene_or_clear_lines(overrides):
     try:
@@ -508,7 +508,7 @@ def test_any_values_give_a_scene_or_clear_lines(overrides):
         assert math.isfinite(scene.mesh.model_dump().get("length", 0.0))
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.integers(0, len(GOOD)), st.integers(0, 12), st.text(string.printable + "\u00e9\u2028", max_size=6))
 def test_any_damage_to_the_text_gives_a_scene_or_clear_lines(start, length, insert):
     try:

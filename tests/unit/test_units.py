@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import contbed
@@ -78,7 +78,7 @@ def test_what_is_no_quantity(text, unit, message):
     assert len(str(error.value)) < 250
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.text("0123456789.eE+-*/^() mKPasgWJdC%_,", max_size=20), st.sampled_from(sorted(QUANTITIES)))
 def test_any_text_gives_a_number_or_a_value_error(text, unit):
     try:
@@ -93,3 +93,9 @@ def test_pint_is_imported_by_the_first_unit_only():
     environment = {**os.environ, "PYTHONPATH": str(Path(contbed.__file__).parents[1])}
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False", "True"]
+
+
+def test_a_machine_under_load_fails_no_generated_case():
+    """The profile of the suite, which each case starts from."""
+    assert settings.default.deadline is None
+    assert HealthCheck.too_slow in settings.default.suppress_health_check
