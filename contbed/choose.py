@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from contbed.closures import registry
-from contbed.closures.arguments import ARGUMENTS, argument
+from contbed.closures.arguments import ARGUMENTS, Argument, argument
+from contbed.closures.sheet import Interval
 from contbed.errors import SceneError
 from contbed.places import places
 from contbed.scene.names import nearest
@@ -21,6 +22,7 @@ AMBIENT = 101325.0  # [Pa]
 AIR = "N2:0.79, O2:0.21"
 ALIASES = {"rho_s": "rho_solid", "rho_p": "rho_solid", "rho_g": "rho_gas", "k_s": "k_solid", "k_f": "k_fluid"}
 SAME = (("rho", "rho_gas"), ("k_fluid", "k_gas"))  # one quantity under two names
+ROUNDED = 1e-3  # relative difference of two values of one quantity that is no more than rounding of what is written
 _PAIR = re.compile(r"\s*([A-Za-z_]\w*)\s*=\s*(.+?)\s*")
 
 
@@ -49,9 +51,10 @@ def conditions(text: str) -> dict[str, float]:
 
     Raises
     ------
-    SceneError : a part is no NAME=VALUE, a name or a unit is not known
+    SceneError : a part is no NAME=VALUE, a name or a unit is not known, a value is out of the bounds of its argument,
+        or two values contradict each other
     """
-    found = {}
+    found: dict[str, float] = {}
     for part in re.split(r"[,;]\s*(?=[A-Za-z_]\w*\s*=)", text.strip()):
         match = _PAIR.fullmatch(part)
         if match is None:
@@ -59,8 +62,22 @@ def conditions(text: str) -> dict[str, float]:
         name = ALIASES.get(match[1], match[1])
         if name not in ARGUMENTS:
             raise SceneError(f"--at: {match[1]!r} is no argument of a closure; {nearest(name, sorted(ARGUMENTS))}")
+        if name in found:
+            raise SceneError(f"--at: {name} is given twice; give it once")
         found[name] = _in_si(name, match[2])
+    _contradictions(found)
     return found
+
+
+def _contradictions(found: Mapping[str, float]) -> None:
+    """Raise SceneError where one quantity has two values."""
+    if {"eps", "eps_s"} <= found.keys() and not math.isclose(found["eps"] + found["eps_s"], 1.0, rel_tol=ROUNDED):
+        told = f"eps = {found['eps']:g} and eps_s = {found['eps_s']:g}"
+        raise SceneError(f"--at: {told} must sum to 1; give one of them")
+    for pair in SAME:
+        if set(pair) <= found.keys() and not math.isclose(*(found[name] for name in pair), rel_tol=ROUNDED):
+            told = " and ".join(f"{name} = {found[name]:g}" for name in reversed(pair))
+            raise SceneError(f"--at: {told} are one quantity; give one of them")
 
 
 def derived(given: Mapping[str, float]) -> tuple[dict[str, float], str]:
@@ -99,7 +116,8 @@ def derived(given: Mapping[str, float]) -> tuple[dict[str, float], str]:
         known.setdefault("Pe", known["Re"] * known["Pr"])
     if {"d_p", "rho_solid", "rho", "mu"} <= known.keys():
         buoyant = known["rho"] * (known["rho_solid"] - known["rho"]) * GRAVITY
-        known.setdefault("Ar", known["d_p"] ** 3 * buoyant / known["mu"] ** 2)
+        if buoyant > 0.0:  # what floats has none
+            known.setdefault("Ar", known["d_p"] ** 3 * buoyant / known["mu"] ** 2)
     if "eps" in known:
         known.setdefault("eps_s", 1.0 - known["eps"])
     elif "eps_s" in known:
@@ -229,9 +247,20 @@ def _with_range(name: str, key: str, spans: Spans) -> str:
 
 
 def _in_si(name: str, text: str) -> float:
-    """Return a value in the SI unit of an argument."""
+    """Return a value in the SI unit of an argument, within its bounds."""
     known = argument(name, "")
     assert known is not None
+    value = _converted(name, text, known)
+    if known.bounds and value not in Interval.read(known.bounds):
+        shown = f"{value:g}" if known.unit == "-" else f"{value:g} {known.unit}"
+        raise SceneError(f"--at: {name} = {text}: {shown}; {known.meaning} must be in {known.bounds}")
+    if not math.isfinite(value):
+        raise SceneError(f"--at: {name} = {text}: {known.meaning} must be a finite number")
+    return value
+
+
+def _converted(name: str, text: str, known: Argument) -> float:
+    """Return a value in SI as it is written."""
     unit = "1" if known.unit == "-" else re.sub(r"([A-Za-z])(\d)", r"\1**\2", known.unit.replace(" ", "*"))
     try:
         return float(text)

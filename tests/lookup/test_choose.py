@@ -21,7 +21,20 @@ def test_conditions_are_in_si():
 
 @pytest.mark.parametrize(
     ("text", "part"),
-    [("d_p", "no NAME=VALUE"), ("dp=1 mm", "no argument of a closure"), ("d_p=1 kg", "expected a length")],
+    [
+        ("d_p", "no NAME=VALUE"),
+        ("dp=1 mm", "no argument of a closure"),
+        ("d_p=1 kg", "expected a length"),
+        ("d_p=-3 um", r"d_p = -3 um: -3e-06 m; particle diameter must be in \(0, inf\)"),
+        ("d_p=0", r"d_p = 0: 0 m; .* must be in \(0, inf\)"),
+        ("T=-300 degC", r"-26.85 K; temperature must be in \(0, inf\)"),
+        ("eps=1.2", r"eps = 1.2: 1.2; porosity must be in \(0, 1\]"),
+        ("d_p=inf", "particle diameter must be in"),
+        ("u=nan", "u = nan: superficial velocity must be a finite number"),
+        ("d_p=1 mm, d_p=2 mm", "d_p is given twice"),
+        ("eps=0.4, eps_s=0.5", "eps = 0.4 and eps_s = 0.5 must sum to 1; give one of them"),
+        ("rho_g=1.2, rho=2", "rho_gas = 1.2 and rho = 2 are one quantity; give one of them"),
+    ],
 )
 def test_bad_conditions_say_what_is_wrong(text, part):
     with pytest.raises(SceneError, match=part):
@@ -56,6 +69,11 @@ def test_a_fluidized_bed_spans_reynolds_numbers():
     outside = {choice.name for choice in ranked("drag", known, spans) if choice.outside}
     assert outside == {"drag_beetstra", "drag_igci", "drag_milioli"}  # porosities up to 0.95, from 0.41
     assert fluidized({"d_p": 1e-3}) == {}
+
+
+def test_particles_that_float_have_no_archimedes_number():
+    known, _ = derived(conditions("d_p=300 um, rho_s=0.5, T=300"))
+    assert "Ar" not in known and fluidized(known) == {}
 
 
 def test_a_ratio_of_spans_is_as_wide_as_it_can_be():
