@@ -141,7 +141,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
     """Read summary.json; empty if there is none that can be read."""
     try:
         content = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return content if isinstance(content, dict) else {}
 

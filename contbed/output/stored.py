@@ -71,9 +71,13 @@ def _read(path: Path) -> Any:
 
     try:
         with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-            return meshio.read(path)
+            mesh = meshio.read(path)
+        largest = max((int(block.data.max(initial=-1)) for block in mesh.cells), default=-1)
+        if largest >= len(mesh.points):
+            raise ValueError(f"a cell names point {largest} of {len(mesh.points)}")
     except (Exception, SystemExit) as error:
         raise _damaged(path, error) from error
+    return mesh
 
 
 def _damaged(path: Path, error: BaseException) -> ContbedError:

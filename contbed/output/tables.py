@@ -34,14 +34,30 @@ def read_table(path: Path | str) -> dict[str, NDArray[np.float64]]:
     try:
         with open(path, encoding="utf-8", newline="") as file:
             headers, *rows = [*csv.reader(file)] or [[]]
-        if not headers or len(set(headers)) != len(headers):
-            raise ValueError("it has no header, or the same one twice")
-        for line, row in enumerate(rows, start=2):
-            if len(row) != len(headers):
-                raise ValueError(f"line {line} has {len(row)} values under {len(headers)} headers")
-        data = np.array([[float(item) for item in row] for row in rows]).reshape(-1, len(headers))
     except OSError as error:
         raise ContbedError(f"cannot read {path}: {error.strerror}") from error
     except (ValueError, csv.Error) as error:
-        raise ContbedError(f"{path}: not a table of numbers with one header line: {error}") from error
+        raise _damaged(path, str(error)) from error
+    if not headers or len(set(headers)) != len(headers):
+        raise _damaged(path, "it has no header, or the same one twice")
+    for line, row in enumerate(rows, start=2):
+        if len(row) != len(headers):
+            raise _damaged(f"{path}:{line}", f"{len(row)} values under {len(headers)} headers")
+        for header, item in zip(headers, row, strict=True):
+            if not is_number(item):
+                raise _damaged(f"{path}:{line}", f"{header} is {item!r}")
+    data = np.array([[float(item) for item in row] for row in rows]).reshape(-1, len(headers))
     return dict(zip(headers, data.T.copy(), strict=True))
+
+
+def is_number(cell: str) -> bool:
+    """Return whether a cell of a table is a number."""
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _damaged(place: Path | str, why: str) -> ContbedError:
+    return ContbedError(f"{place}: not a table of numbers with one header line: {why}; run what wrote it again")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from base64 import b64encode
 from collections.abc import Mapping
@@ -10,15 +9,78 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from pydantic import Field
+
 from contbed.errors import ContbedError
 from contbed.output.folder import SUMMARY, read_summary
+from contbed.output.shapes import Number, Shape, fitting, read_json
 from contbed.report import page
 from contbed.report.charts import COLOURS
-from contbed.report.linked import Column, Linked, linked, read_columns
+from contbed.report.linked import Column, Linked, linked, read_columns, require_numbers
 
 PICTURES = {"fit": "Measured and predicted", "residuals": "Residuals", "keys": "Keys"}
 ENDS = ("low", "high", "low of profile", "high of profile", "low of posterior", "high of posterior")
 MOST_SAMPLES = 2000  # of a posterior in linked plots, which more make slow
+NUMBERS = ("t", "x", "measured", "predicted", "low", "high", "deviation over error")  # columns of points.csv
+TEXTS = ("experiment", "line", "quantity", "unit", "fitted")
+REMEDY = "run contbed calibrate again"
+
+
+class Key(Shape):
+    """A fitted key."""
+
+    unit: str
+    prior: str
+    fitted: Number
+    error: Number = Field(alias="standard error")
+
+
+class Covariance(Shape):
+    """Covariance of the keys in their units."""
+
+    keys: list[str]
+    matrix: list[list[Number]]
+
+
+class Combination(Shape):
+    """A combination of keys, and how well the data see it."""
+
+    combination: str
+    singular: Number = Field(alias="singular value")
+    seen: bool
+
+
+class Data(Shape):
+    """What was fitted."""
+
+    fitted: int
+    chi_square: Number
+    freedom: Number = Field(alias="degrees of freedom")
+    kept: int = Field(alias="kept back")
+    inside: int = Field(alias="kept back inside of the band")
+
+
+class Runs(Shape):
+    """Numbers of runs."""
+
+    kept: int
+    failed: int
+
+
+class CalibrationSummary(Shape):
+    """summary.json of a calibration."""
+
+    calibration: str
+    title: str | None
+    versions: dict[str, Any]
+    warnings: list[str]
+    keys: dict[str, Key]
+    covariance: Covariance
+    correlation: list[list[Number]]
+    combinations: list[Combination]
+    data: Data
+    posterior: dict[str, Any] | None
+    runs: Runs
 
 
 def is_calibration(folder: Path) -> bool:
@@ -33,7 +95,15 @@ def of_calibration(folder: Path) -> str:
     ------
     ContbedError : a file of it is missing
     """
-    found = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+    what = "the summary of a calibration"
+    found = read_json(folder / SUMMARY, CalibrationSummary, what, REMEDY)
+    points = read_columns(folder / "points.csv", (*TEXTS, *NUMBERS))
+    require_numbers(folder / "points.csv", points, NUMBERS)
+    with fitting(folder / SUMMARY, what, REMEDY):
+        return _page(folder, found, points)
+
+
+def _page(folder: Path, found: Mapping[str, Any], points: Mapping[str, Column]) -> str:
     title = str(found["title"] or f"Calibration {Path(found['calibration']).stem}")
     data = found["data"]
     text = (
@@ -44,7 +114,6 @@ def of_calibration(folder: Path) -> str:
     if data["kept back"]:
         text += f"; {data['kept back inside of the band']} of {data['kept back']} values kept back are in the band"
     made = page.Charts()
-    points = read_columns(folder / "points.csv")
     parts = [
         page.header(title, text),
         page.warnings(found["warnings"]),
@@ -81,10 +150,11 @@ def _parity(points: Mapping[str, Column]) -> list[dict[str, Any]]:
     kinds = zip(points["quantity"].values, points["unit"].values, strict=True)
     for quantity, unit in dict.fromkeys(kinds):
         here = [k for k, name in enumerate(points["quantity"].values) if name == quantity]
-        here = [k for k in here if points["measured"].values[k] is not None]
+        shown = ("measured", "predicted", "low", "high")
+        here = [k for k in here if all(points[name].values[k] is not None for name in shown)]
         if not here:
             continue
-        take = {name: [points[name].values[k] for k in here] for name in ("measured", "predicted", "low", "high")}
+        take = {name: [points[name].values[k] for k in here] for name in shown}
         measured = take["measured"]
         bars = {
             "type": "data",

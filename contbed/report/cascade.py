@@ -2,19 +2,77 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from contbed.design.cascade.band import BAND
 from contbed.fields import unit_of
 from contbed.output.folder import SUMMARY, read_summary
+from contbed.output.shapes import Number, Pair, Shape, fitting, read_json
 from contbed.report import page
 from contbed.report.charts import COLOURS
-from contbed.report.linked import Column, linked, read_columns
+from contbed.report.linked import Column, linked, read_columns, require_numbers
 from contbed.sweep.table import result
+
+REMEDY = "run contbed cascade again"
+POINTS = ("t", "position", "measured", "best", "low", "high")  # columns of measured.csv
+
+
+class Band(Shape):
+    """Band of a result and its moments."""
+
+    probability: float
+    low: Number
+    high: Number
+    mean: Number
+    standard_deviation: Number
+
+
+class Part(Shape):
+    """A part of the uncertainty: the standard deviation of each result by it."""
+
+    name: str
+    standard_deviation: dict[str, float]
+
+
+class Measured(Shape):
+    """Measured points and what of them lies in the bands."""
+
+    case: str
+    quantity: str
+    unit: str
+    uncertainty: Number
+    points: int
+    inside: float = Field(alias="share in the band")
+    inside_measured: float = Field(alias="share in the band of a measurement")
+    shares: dict[str, float] = Field(alias="shares of the parts")
+
+
+class Runs(Shape):
+    """Numbers of runs."""
+
+    asked: int
+
+
+class CascadeSummary(Shape):
+    """summary.json of a cascade."""
+
+    cascade: str
+    title: str | None = None
+    versions: dict[str, Any]
+    qoi: dict[str, Number]
+    band: dict[str, Band]
+    parts: list[Part]
+    measured: Measured | None = None
+    visited: dict[str, Pair]
+    porosities: Annotated[list[float], Field(min_length=1)]
+    laws: str
+    runs: Runs
+    warnings: list[str]
 
 
 def is_cascade(folder: Path) -> bool:
@@ -29,8 +87,16 @@ def of_cascade(folder: Path) -> str:
     ------
     ContbedError : a file of it is missing or damaged
     """
-    found = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    samples = read_columns(folder / "samples.csv")
+    what = "the summary of a cascade"
+    found = read_json(folder / SUMMARY, CascadeSummary, what, REMEDY)
+    names = [result(name).name for name in found["qoi"]]
+    samples = read_columns(folder / "samples.csv", names)
+    require_numbers(folder / "samples.csv", samples, names)
+    with fitting(folder / SUMMARY, what, REMEDY):
+        return _page(folder, found, samples)
+
+
+def _page(folder: Path, found: Mapping[str, Any], samples: Mapping[str, Column]) -> str:
     title = str(found.get("title") or f"Cascade of {found['cascade']}")
     count = len(next(iter(samples.values())).values)
     text = (
@@ -114,11 +180,13 @@ def _points(folder: Path, found: Mapping[str, Any]) -> list[dict[str, Any]]:
     about = found.get("measured")
     if not about:
         return []
-    columns = read_columns(folder / "measured.csv")
+    columns = read_columns(folder / "measured.csv", POINTS)
+    require_numbers(folder / "measured.csv", columns, POINTS)
     t, x = columns["t"].values, columns["position"].values
     charts = []
-    for place in sorted(set(x)):
-        here = sorted((k for k, value in enumerate(x) if value == place), key=lambda k: t[k])
+    for place in sorted({value for value in x if value is not None}):
+        here = [k for k, value in enumerate(x) if value == place and t[k] is not None]
+        here.sort(key=lambda k: t[k])
         take = {name: [columns[name].values[k] for k in here] for name in columns}
         line = {"type": "scatter", "x": take["t"]}
         traces = [

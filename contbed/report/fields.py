@@ -5,12 +5,14 @@ Cells of first and second order become triangles, on which values at nodes are l
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.errors import ContbedError
 from contbed.output.nearest import Nearest
 from contbed.output.stored import read_fields
 from contbed.report.read import Run, Snapshot
@@ -63,11 +65,17 @@ class Cloud:
 
 
 def pictures(run: Run, most: int = MAX_FRAMES) -> list[Pictures | Cloud]:
-    """Return the pictures of all fields of a run at `most` times at most; none without fields or on a line."""
+    """Return the pictures of all fields of a run at `most` times at most; none without fields or on a line.
+
+    Raises
+    ------
+    ContbedError : a file is damaged, or has other fields than the others
+    """
     chosen = _chosen(run.snapshots, most)
     if not chosen:
         return []
     meshes = [read_fields(snapshot.file) for snapshot in chosen]
+    _require_alike(meshes, chosen)
     times = tuple(snapshot.time for snapshot in chosen if snapshot.time is not None)
     kinds = {block.type for block in meshes[0].cells}
     if kinds == {"vertex"}:
@@ -87,6 +95,24 @@ def _chosen(snapshots: tuple[Snapshot, ...], most: int) -> list[Snapshot]:
         return list(snapshots)
     numbers = np.unique(np.linspace(0, len(snapshots) - 1, most).round().astype(int))
     return [snapshots[k] for k in numbers]
+
+
+def _require_alike(meshes: Sequence[Any], chosen: Sequence[Snapshot]) -> None:
+    """Raise ContbedError where a file has other cells or fields than the first one, or particles without a size."""
+    first = _contents(meshes[0])
+    for mesh, snapshot in zip(meshes, chosen, strict=True):
+        kinds, names = _contents(mesh)
+        advice = "remove it, or run the scene again"
+        if (kinds, names) != first:
+            one = min((kinds ^ first[0]) or (names ^ first[1]))
+            raise ContbedError(f"{snapshot.file}: its fields are not those of {chosen[0].file.name} ({one}); {advice}")
+        if kinds == {"vertex"} and "radius" not in names:
+            raise ContbedError(f"{snapshot.file}: particles without their radius; {advice}")
+
+
+def _contents(mesh: Any) -> tuple[set[str], set[str]]:
+    """Return the types of the cells and the names of the fields."""
+    return {block.type for block in mesh.cells}, set(_scalars(mesh))
 
 
 def _scalars(mesh: Any) -> dict[str, tuple[Array, bool]]:

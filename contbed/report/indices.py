@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from html import escape
 from pathlib import Path
 from typing import Any
 
+from pydantic import Field
+
+from contbed.output.shapes import Number, Shape, read_json
 from contbed.report import page
 
 FILE = "uncertainty.json"
@@ -14,12 +16,43 @@ SPREAD = ("estimator", "runs", "mean", "mean_error", "deviation", "low", "high")
 HEADS = ("estimator", "runs", "mean", "standard error of the mean", "standard deviation", "5 %", "95 %")
 
 
+class Spread(Shape):
+    """Mean, deviation and band of a result by one estimator."""
+
+    estimator: str
+    runs: int
+    mean: Number
+    mean_error: Number
+    deviation: Number
+    low: Number
+    high: Number
+
+
+class OfResult(Shape):
+    """What is known of one result."""
+
+    unit: str | None
+    spreads: list[Spread]
+    shares: dict[str, Number] | None = Field(alias="shares by gradients")
+    indices: dict[str, Any] | None
+
+
+class UncertaintyFile(Shape):
+    """uncertainty.json of a sweep."""
+
+    results: dict[str, OfResult]
+
+
 def uncertainty(folder: Path) -> str:
-    """Return the tables of spreads and of indices; nothing where the sweep has none."""
-    try:
-        found = json.loads((folder / FILE).read_text(encoding="utf-8"))["results"]
-    except (OSError, ValueError, KeyError):
+    """Return the tables of spreads and of indices; nothing where the sweep has none.
+
+    Raises
+    ------
+    ContbedError : the file is damaged
+    """
+    if not (folder / FILE).is_file():
         return ""
+    found = read_json(folder / FILE, UncertaintyFile, "the uncertainty of a sweep", "run the sweep again")["results"]
     spreads = [
         [escape(name), escape(about["unit"] or ""), *(page.number(each[key]) for key in SPREAD)]
         for name, about in found.items()

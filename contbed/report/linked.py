@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import Any
 
 from contbed.errors import ContbedError
+from contbed.output.tables import is_number
 from contbed.report import page
 
 Chart = dict[str, Any]
@@ -205,29 +206,49 @@ def _broken(label: str) -> str:
     return label.replace(".", "<br>", 1).replace(" [", "<br>[") if len(label) > 18 else label
 
 
-def read_columns(file: Path) -> dict[str, Column]:
+REMEDY = "run the command that wrote it again"
+
+
+def read_columns(file: Path, needed: Sequence[str] = ()) -> dict[str, Column]:
     """Read a table of numbers and texts by the names in its header; an empty cell or nan is no value.
 
     Raises
     ------
-    ContbedError : the file cannot be read or its rows do not fit the header
+    ContbedError : the file cannot be read, its rows do not fit the header, or one of the columns `needed` is not there
     """
     try:
         with open(file, encoding="utf-8", newline="") as opened:
-            head, *rows = csv.reader(opened)
+            head, *rows = [*csv.reader(opened)] or [[]]
     except OSError as error:
-        raise ContbedError(f"{file}: cannot be read: {error.strerror}; run the command that wrote it again") from error
+        raise ContbedError(f"{file}: cannot be read: {error.strerror}; {REMEDY}") from error
     except (ValueError, csv.Error) as error:
-        raise ContbedError(f"{file}: is no table: {error}; run the command that wrote it again") from error
+        raise ContbedError(f"{file}: is no table: {error}; {REMEDY}") from error
+    if not head:
+        raise ContbedError(f"{file}: has no header; {REMEDY}")
     for line, row in enumerate(rows, 2):
         if len(row) != len(head):
             why = f"{len(row)} cells under {len(head)} headers"
-            raise ContbedError(f"{file}:{line}: {why}; run the command that wrote it again")
+            raise ContbedError(f"{file}:{line}: {why}; {REMEDY}")
     found = {}
     for k, header in enumerate(head):
         name, _, unit = header.rpartition(" [") if header.endswith("]") else (header, "", "")
         found[name] = Column(name, unit.rstrip("]"), _values([row[k] for row in rows]))
+    if missing := [name for name in needed if name not in found]:
+        raise ContbedError(f"{file}: has no column {missing[0]!r}; {REMEDY}")
     return found
+
+
+def require_numbers(file: Path, columns: Mapping[str, Column], names: Iterable[str]) -> None:
+    """Look for texts in columns of numbers.
+
+    Raises
+    ------
+    ContbedError : a cell of one of the columns `names` is neither empty nor a number
+    """
+    for name in names:
+        for line, value in enumerate(columns[name].values, 2):
+            if isinstance(value, str) and not is_number(value):
+                raise ContbedError(f"{file}:{line}: {name} is {value!r}, which is no number; {REMEDY}")
 
 
 def _values(cells: Sequence[str]) -> tuple[Any, ...]:

@@ -2,19 +2,83 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
 
+from pydantic import Field
+
 from contbed.design.sqp import FEASIBLE
 from contbed.output.folder import SUMMARY, read_summary
+from contbed.output.shapes import Number, Shape, fitting, read_json
 from contbed.report import page
 from contbed.report.charts import COLOURS
-from contbed.report.linked import Column, linked, read_columns
+from contbed.report.linked import Column, linked, read_columns, require_numbers
 
 OBJECTIVE, MISSED = ": objective", ": missed by"  # endings of headers of table.csv
+TEXTS = ("run", "problem", "gradient")  # columns of table.csv
+REMEDY = "run contbed optimise again"
+
+
+class Objective(Shape):
+    """What was sought."""
+
+    formula: str
+    aim: str
+    value: Number
+    unit: str
+    gradient: dict[str, Number] | None
+
+
+class Key(Shape):
+    """A key at the point that was found."""
+
+    value: Number
+    unit: str
+    low: Number = Field(alias="from")
+    high: Number = Field(alias="to")
+    price_of_bound: Number
+
+
+class Constraint(Shape):
+    """A constraint at the point."""
+
+    constraint: str
+    value: Number
+    bound: Number
+    unit: str
+    missed_by: Number
+    active: bool
+    price: Number
+    price_unit: str
+    gradient: dict[str, Number] | None
+
+
+class Runs(Shape):
+    """Numbers of runs."""
+
+    evaluated: int
+    failed: int
+
+
+class OptimumSummary(Shape):
+    """summary.json of a search."""
+
+    status: str
+    verdict: str
+    versions: dict[str, Any]
+    title: str | None = None
+    design: str
+    objective: Objective
+    keys: dict[str, Key]
+    constraints: list[Constraint]
+    costs: list[str]
+    qoi: dict[str, Any]
+    gradients: str
+    surrogate: dict[str, Any] | None
+    runs: Runs
+    warnings: list[str]
 
 
 def is_optimum(folder: Path) -> bool:
@@ -29,8 +93,16 @@ def of_optimum(folder: Path) -> str:
     ------
     ContbedError : a file of it is missing or damaged
     """
-    found = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    columns = read_columns(folder / "table.csv")
+    what = "the summary of a search for an optimum"
+    found = read_json(folder / SUMMARY, OptimumSummary, what, REMEDY)
+    file = folder / "table.csv"
+    columns = read_columns(file, ("number", "exit code", *TEXTS))
+    require_numbers(file, columns, [name for name in columns if name not in TEXTS])
+    with fitting(folder / SUMMARY, what, REMEDY):
+        return _page(found, columns)
+
+
+def _page(found: Mapping[str, Any], columns: Mapping[str, Column]) -> str:
     runs, made = found["runs"], page.Charts()
     title = str(found.get("title") or f"Optimum of {found['design']}")
     text = (
@@ -151,10 +223,14 @@ def _best(maximise: bool, objective: Column, excess: Sequence[Column]) -> list[f
     allowed = [FEASIBLE * max((abs(v) for v in values if v is not None), default=0.0) for values in by]
     best: list[float | None] = []
     for k, value in enumerate(objective.values):
-        held = value is not None and all(values[k] <= most for values, most in zip(by, allowed, strict=True))
+        held = value is not None and all(_is_held(values[k], most) for values, most in zip(by, allowed, strict=True))
         former = best[-1] if best else None
         best.append(value if held and former is None else better(value, former) if held else former)
     return best
+
+
+def _is_held(missed: float | None, most: float) -> bool:
+    return missed is not None and missed <= most
 
 
 def _chart(title: str, traces: Sequence[dict[str, Any]], column: Column) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,15 +9,45 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from contbed.errors import ContbedError
 from contbed.models import MODELS, kind_of
-from contbed.output.folder import SUMMARY, read_summary
+from contbed.output.folder import SUMMARY
+from contbed.output.shapes import RunSummary, Shape, read_json
 from contbed.output.stored import read_series
 from contbed.output.tables import read_table
 from contbed.scene import schema
 
 Array = NDArray[np.float64]
+AGAIN = "run the scene again"
+
+
+class Unit(Shape):
+    """About a parameter or result of a sweep."""
+
+    unit: str | None = None
+
+
+class SweptRun(Shape):
+    """A run of a sweep."""
+
+    run: str
+    exit_code: int
+    problem: str
+    parameters: dict[str, Any]
+    qoi: dict[str, Any]
+
+
+class SweepTable(Shape):
+    """table.json of a sweep."""
+
+    cases: int
+    ended: int
+    warnings: list[str] = Field(default_factory=list)
+    parameters: dict[str, Unit]
+    qoi: dict[str, Unit]
+    runs: list[SweptRun]
 
 
 @dataclass(frozen=True)
@@ -71,14 +100,12 @@ def read_run(folder: Path, name: str) -> Run:
 
     Raises
     ------
-    ContbedError : there is no run in it, or it has not ended
+    ContbedError : there is no run in it, it has not ended, or a file of it is damaged
     """
-    summary = read_summary(folder)
-    if not summary:
-        if (folder / SUMMARY).is_file():
-            raise ContbedError(f"{folder / SUMMARY}: damaged; run the scene again")
+    if not (folder / SUMMARY).is_file():
         raise ContbedError(f"{folder}: no summary.json of a run; give the folder of `contbed run --out`")
-    if summary.get("status") == "running":
+    summary = read_json(folder / SUMMARY, RunSummary, "the summary of a run", AGAIN)
+    if summary["status"] == "running":
         raise ContbedError(f"{folder}: the run has not ended; wait for it, or run the scene again if it was stopped")
     tables = {}
     for file in sorted(folder.glob("*.csv"), key=lambda file: (file.stem != "profiles", file.stem)):
@@ -94,13 +121,7 @@ def read_sweep(folder: Path) -> dict[str, Any]:
     ------
     ContbedError : it cannot be read
     """
-    try:
-        content = json.loads((folder / "table.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise ContbedError(f"{folder / 'table.json'}: cannot be read: {error}; run the sweep again") from error
-    if not isinstance(content, dict) or "runs" not in content:
-        raise ContbedError(f"{folder / 'table.json'}: is not the table of a sweep; run the sweep again")
-    return content
+    return read_json(folder / "table.json", SweepTable, "the table of a sweep", "run the sweep again")
 
 
 def _keys(root: schema.Node, values: Any, path: tuple[str, ...]) -> list[Key]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -10,13 +9,34 @@ from pathlib import Path
 from typing import Any
 
 from contbed.design.sensitivities import FILE, HOW, MOST_BARS, quotient
-from contbed.errors import ContbedError
 from contbed.output.folder import SUMMARY
+from contbed.output.shapes import Number, Shape, fitting, read_json
 from contbed.report import page
 from contbed.report.charts import COLOURS
 
 ROW = 24  # height of a bar [pixels]
 AXIS = 100  # height of axis and title [pixels]
+
+
+class Valued(Shape):
+    """A result or key: its value and unit."""
+
+    value: Number
+    unit: str
+
+
+class Derivatives(Shape):
+    """sensitivities.json."""
+
+    title: str | None
+    method: str
+    versions: dict[str, Any]
+    notes: list[str]
+    qoi: dict[str, Valued]
+    keys: dict[str, Valued]
+    derivatives: list[list[Number]]
+    relative: list[list[Number]]
+    standard_errors: list[list[Number]] | None
 
 
 def is_sensitivities(folder: Path) -> bool:
@@ -32,8 +52,9 @@ def of_sensitivities(folder: Path) -> str:
     ContbedError : their file is damaged
     """
     file = folder / f"{FILE}.json"
-    try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+    what, remedy = "a table of derivatives", "run contbed sensitivities again"
+    found = read_json(file, Derivatives, what, remedy)
+    with fitting(file, what, remedy):
         title, made = str(found["title"] or f"Derivatives of {', '.join(found['qoi'])}"), page.Charts()
         text = f"derivatives {HOW[found['method']]}; contbed {found['versions'].get('contbed', '?')}"
         bars = [_bars(found, i) for i in range(len(found["qoi"]))]
@@ -44,8 +65,6 @@ def of_sensitivities(folder: Path) -> str:
             page.section("Percent of the result for one percent of the key", made.grid(bars), "bars"),
             page.section("All derivatives", _table(found), "derivatives"),
         ]
-    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
-        raise ContbedError(f"{file}: cannot be read: {error}; run contbed sensitivities again") from error
     return page.page(title, parts, made)
 
 
@@ -74,7 +93,7 @@ def _relative_error(found: Mapping[str, Any], i: int, k: int) -> float | None:
     """Return the standard error of a relative derivative."""
     result, key = (list(found[group].values())[at]["value"] for group, at in (("qoi", i), ("keys", k)))
     error = found["standard_errors"][i][k]
-    return None if error is None else math.fabs(error * key / result)
+    return None if error is None or key is None else math.fabs(error * key / result)
 
 
 def _table(found: Mapping[str, Any]) -> str:

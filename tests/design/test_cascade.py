@@ -3,6 +3,7 @@
 import csv
 import json
 from statistics import NormalDist
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from contbed.dem import extract
 from contbed.design.cascade import band, measured, particles
 from contbed.design.cascade.run import cascade
 from contbed.design.gradients import gradient
-from contbed.errors import SceneError
+from contbed.errors import ContbedError, SceneError
 from contbed.loading import load
 from contbed.materials import gas_mixture
 from contbed.runner import run
@@ -436,3 +437,15 @@ def test_a_cascade_beside_measured_points(tmp_path, capsys):
     report = (tmp_path / "out/report.html").read_text()
     assert "75.0% are in the band of 90%" in report
     assert next(chart["title"] for chart in charts_of(report)) == "at 0.02 m"
+
+
+def test_damaged_runs_of_the_bed_are_told(tmp_path):
+    """Their outcome is there, but summary or profiles were changed since: removed, they are computed again."""
+    bed = Mock()
+    bed.settings.quantity = "T_solid"
+    (tmp_path / "summary.json").write_text('{"status": "ok", "qoi": {}}')
+    with pytest.raises(ContbedError, match=r"summary\.json: .*closures is missing; remove .*, and the same command"):
+        band.Runs(bed, tmp_path, lambda: None).summary(tmp_path)
+    (tmp_path / "profiles.csv").write_text("t [s],x [m]\n1,2\n")
+    with pytest.raises(ContbedError, match=r"profiles\.csv: has no column 'T_solid \[K\]'; remove .*, and the same"):
+        measured.predicted(bed, tmp_path)

@@ -14,7 +14,6 @@ The band is that of runs with all of them at random at once, the mesh excepted.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -33,6 +32,8 @@ from contbed.design.cascade.particles import DEGREE, Ensemble
 from contbed.design.cascade.reactor import CONDUCTIVITY, NUSSELT
 from contbed.errors import ContbedError, ConvergenceError, SceneError
 from contbed.loading import load
+from contbed.output.folder import SUMMARY
+from contbed.output.shapes import Shape, Use, read_json
 from contbed.scene.identity import scene_hash
 from contbed.scene.mesh import MeshFile
 from contbed.scene.names import nearest_of
@@ -58,6 +59,21 @@ class Part:
 
     name: str
     deviation: Mapping[str, float]
+
+
+class BedClosure(Shape):
+    """A closure of a run of the bed."""
+
+    name: str
+    share_outside: float
+    ranges: dict[str, Use]
+
+
+class BedSummary(Shape):
+    """What is used of summary.json of a run of the bed."""
+
+    closures: list[BedClosure]
+    qoi: dict[str, Any]
 
 
 @dataclass
@@ -93,8 +109,10 @@ class Runs:
         Raises
         ------
         SceneError : it lacks one
+        ContbedError : it is damaged
         """
-        summary: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        remedy = f"remove {folder}, and the same command computes it again"
+        summary = read_json(folder / SUMMARY, BedSummary, "the summary of a run", remedy)
         qoi = summary["qoi"]
         missing = [name for name in self.cascade.settings.qoi if not isinstance(qoi.get(name), int | float)]
         if missing:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.errors import ContbedError
 from contbed.fields import header
 from contbed.output.tables import read_table
 from contbed.validation.case import Case, Points
@@ -63,8 +64,16 @@ def names(case: Case) -> list[str]:
 
 
 def predicted(case: Case, folder: Path) -> dict[str, float]:
-    """Return what a run in a folder predicts at each point, by its name."""
+    """Return what a run in a folder predicts at each point, by its name.
+
+    Raises
+    ------
+    ContbedError : its profiles are damaged
+    """
     profiles = read_table(folder / "profiles.csv")
+    if missing := [name for name in (header("t"), header(case.settings.quantity)) if name not in profiles]:
+        text = f"has no column {missing[0]!r}; remove {folder}, and the same command computes it again"
+        raise ContbedError(f"{folder / 'profiles.csv'}: {text}")
     axis = next(column for column in profiles if column != header("t"))
     values, times = profiles[header(case.settings.quantity)], profiles[header("t")]
     found = looked_up(values, times, profiles[axis], case.points.t, case.points.x)

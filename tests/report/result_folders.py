@@ -1,0 +1,126 @@
+"""Small folders as the commands leave them, for reports; written by hand where a command takes too long for a test."""
+
+import json
+
+from contbed import editor, load, run
+from contbed.design import sensitivities as design
+from contbed.design.optimise import optimise
+
+VERSIONS = {"contbed": "0.1.0"}
+
+
+def of_run(folder):
+    run(load(_bed(folder), {"output.plots": False, "output.fields": False}), out=folder / "run")
+    profiles = folder / "run" / "profiles.csv"
+    lines = profiles.read_text().splitlines(keepends=True)
+    profiles.write_text("".join([lines[0], *lines[-3:]]))
+    return folder / "run", "summary.json"
+
+
+def of_sweep(folder):
+    run = {"run": "0" * 16, "exit_code": 0, "problem": "", "parameters": {"flow.velocity": 0.1}, "qoi": {"x": 1.0}}
+    failed = {"run": "1" * 16, "exit_code": 3, "problem": "no", "parameters": {"flow.velocity": 0.2}, "qoi": {}}
+    about = {"parameters": {"flow.velocity": {"unit": "m/s"}}, "qoi": {"x": {"unit": None}}}
+    content = {
+        "study": "s.toml",
+        "cases": 2,
+        "ended": 2,
+        "failed": 1,
+        "warnings": ["w"],
+        **about,
+        "runs": [run, failed],
+    }
+    (folder / "table.json").write_text(json.dumps(content))
+    return folder, "table.json"
+
+
+def of_uncertainty(folder):
+    of_sweep(folder)
+    spread = dict.fromkeys(("mean", "mean_error", "deviation", "low", "high"), 1.0) | {
+        "estimator": "samples",
+        "runs": 2,
+    }
+    result = {"unit": "K", "spreads": [spread], "shares by gradients": {"flow.velocity": 1.0}}
+    result |= {"indices": {"total": {"flow.velocity": 1.0}, "groups": 2}}
+    (folder / "uncertainty.json").write_text(json.dumps({"method": "sobol", "results": {"x": result}}))
+    return folder, "uncertainty.json"
+
+
+def of_sensitivities(folder):
+    scene = load(_bed(folder))
+    found, about = design.sensitivities(scene, ["T_fluid_out_K"], ["bed.porosity", "flow.velocity"])
+    design.write(found, about, folder / "derivatives", "")
+    return folder / "derivatives", "sensitivities.json"
+
+
+def of_optimum(folder):
+    _bed(folder)
+    (folder / "design.toml").write_text(
+        'scene = "bed.toml"\nmaximise = "T_fluid_out_K"\nconstraints = ["pressure_drop_Pa <= 1.5 kPa"]\n'
+        "[keys]\nflow.velocity = { from = 0.49, to = 0.51 }\n"
+    )
+    optimise(folder / "design.toml", folder / "optimum")
+    return folder / "optimum", "summary.json"
+
+
+def of_calibration(folder):
+    ends = ("low", "high", "low of profile", "high of profile", "low of posterior", "high of posterior")
+    key = {"unit": "m", "prior": "even", "fitted": 1.0, "standard error": 0.1} | dict.fromkeys(ends)
+    data = {
+        "fitted": 1,
+        "chi_square": 1.0,
+        "degrees of freedom": 1.0,
+        "kept back": 0,
+        "kept back inside of the band": 0,
+    }
+    content = {
+        "status": "ok", "versions": VERSIONS, "calibration": "c.toml", "title": "", "warnings": [],
+        "keys": {"mesh.length": key}, "covariance": {"keys": ["mesh.length"], "matrix": [[0.01]]},
+        "correlation": [[1.0]], "combinations": [{"singular value": 3.0, "seen": True, "combination": "mesh.length"}],
+        "data": data, "posterior": None, "runs": {"kept": 3, "before": 0, "failed": 0},
+    }  # fmt: skip
+    (folder / "summary.json").write_text(json.dumps(content))
+    (folder / "points.csv").write_text(
+        "experiment,line,quantity,unit,t [s],x [m],fitted,measured,predicted,low,high,deviation over error\n"
+        "a,a.csv:2,T,K,1,,yes,300,301,299,303,1\na,a.csv:3,T,K,2,,yes,310,311,309,313,1\n"
+    )
+    for name in ("fit", "residuals", "keys"):
+        (folder / f"{name}.png").write_bytes(b"a picture")
+    return folder, "summary.json"
+
+
+def of_cascade(folder):
+    band = {"probability": 0.9, "low": 890.0, "high": 910.0, "mean": 900.0, "standard_deviation": 5.0}
+    measured = {
+        "case": "c", "quantity": "T_solid", "unit": "K", "uncertainty": 0.5, "points": 2, "share in the band": 0.5,
+        "share in the band of a measurement": 1.0, "shares of the parts": {"packing": 1.0},
+    }  # fmt: skip
+    content = {
+        "status": "ok", "versions": VERSIONS, "title": "", "cascade": "c.toml", "qoi": {"T_fluid_out_K": 900.0},
+        "band": {"T_fluid_out_K": band}, "parts": [{"name": "packing", "standard_deviation": {"T_fluid_out_K": 5.0}}],
+        "measured": measured, "visited": {"Re": [1.0, 2.0]}, "porosities": [0.4, 0.41], "laws": "equally probable",
+        "runs": {"asked": 3, "before": 0}, "warnings": [],
+    }  # fmt: skip
+    (folder / "summary.json").write_text(json.dumps(content))
+    (folder / "samples.csv").write_text("packing,T_fluid_out [K]\n1,895\n2,905\n")
+    (folder / "measured.csv").write_text(
+        "t [s],position [m],measured,best,low,high\n1,0.1,300,301,299,303\n2,0.1,310,311,309,313\n"
+    )
+    return folder, "summary.json"
+
+
+def _bed(folder):
+    (folder / "bed.toml").write_text(editor.template("packed_bed"))
+    return folder / "bed.toml"
+
+
+KINDS = {
+    "run": of_run,
+    "sweep": of_sweep,
+    "uncertainty": of_uncertainty,
+    "derivatives": of_sensitivities,
+    "optimum": of_optimum,
+    "calibration": of_calibration,
+    "cascade": of_cascade,
+}
+"""What writes a folder of each kind, and returns it with the name of its JSON file."""
