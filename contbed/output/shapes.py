@@ -15,7 +15,6 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from contbed.errors import ContbedError
-from contbed.scene.toml_lines import dotted
 
 Number = float | None  # None stands for nan, which JSON lacks
 Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
@@ -130,7 +129,7 @@ def fitting(path: Path, what: str, remedy: str) -> Iterator[None]:
 def _difference(error: ValidationError) -> str:
     """Return the first place that differs, with what was expected there."""
     first: Mapping[str, Any] = error.errors()[0]
-    place = dotted(first["loc"])
+    place = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in first["loc"]).removeprefix(".")
     if first["type"] == "missing":
         return f"{place} is missing"
     expected = _EXPECTED.get(first["type"])
