@@ -1,15 +1,24 @@
-"""The time series of a scene together: when they jump or bend, so that no time step crosses such a moment."""
+"""The time series of a scene together: when they jump or bend, so that no time step crosses such a moment.
+
+A kink that is small beside the error that a step may make need not be met: a step passes it that looks at the series
+closely enough, so that what lies between its stages is as small (`sees`).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
+
+import numpy as np
 
 from contbed.scene.series import SAME, Samples
 from contbed.scene.toml_lines import KeyPath
 
 # distance of two cuts below which they are one, over that of jumps; a value before a cut is so before both
 MERGED = 0.5
+ROUNDED = 1e-6  # of the range of a series, below which a change at a moment is that of times that are one
 
 
 @dataclass(frozen=True)
@@ -21,18 +30,40 @@ class SeriesByKey:
     def __bool__(self) -> bool:
         return bool(self.samples)
 
-    def cuts(self, end: float) -> list[float]:
-        """Return the times from 0 to `end` between which all is linear in time; of jumps that are one the last [s]."""
-        times = sorted({0.0, end, *(t for values in self.samples.values() for t in values.breaks(end))})
+    def cuts(self, end: float, small: Mapping[KeyPath, Any] | None = None) -> list[float]:
+        """Return the times from 0 to `end` between which all is linear in time; of jumps that are one the last [s].
+
+        `small` are sizes of kinks of the series by key; kinks that are not larger are passed.
+        """
+        times = sorted(
+            {
+                *(0.0, end),
+                *(
+                    time
+                    for path, values in self.samples.items()
+                    for time in values.breaks(end)
+                    if small is None or np.any(values.kink(time) > small[path])
+                ),
+            }
+        )
         return [a for a, b in pairwise([*times, 2.0 * end]) if b - a > MERGED * SAME * b]
+
+    def sees(self, start: float, end: float, stages: Sequence[float], small: Mapping[KeyPath, Any]) -> bool:
+        """Return whether a step between two cuts [s], which looks at its `stages`, misses less than is `small`."""
+        return not any(np.any(values.unseen(start, end, stages) > small[path]) for path, values in self.samples.items())
 
     def jumps(self, time: float, among: str = "", since: float = 0.0) -> bool:
         """Return whether a value jumps at a time; `among` names the table that is looked at, empty for all.
 
-        `since` is the last cut before it [s].
+        `since` is the last cut before it [s]. Values on both sides of a kink may differ by rounding.
         """
         return any(
-            (values.at(time) != values.at(time, before=True, since=since)).any()
+            np.any(np.abs(values.at(time) - values.at(time, True, since)) > _rounding(values))
             for path, values in self.samples.items()
             if not among or path[0] == among
         )
+
+
+def _rounding(values: Samples) -> float:
+    """Return by how much both sides of a moment without a jump may differ."""
+    return 0.0 if values.form == "step" else ROUNDED * float(np.ptp(values.values))

@@ -7,7 +7,7 @@ initial_solid = {file = "results/charge/profiles.csv"}
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -149,6 +149,33 @@ class Samples:
             if self.period is None:
                 return
             start += self.period
+
+    def kink(self, time: float) -> Any:
+        """Return how far the value at a break lies off the line between its neighbours; inf where it may jump."""
+        start = 0.0 if self.period is None else np.floor(time * (1.0 + TINY) / self.period) * self.period
+        k = int(np.abs(self.times - (time - start)).argmin())
+        if self.form == "step" or not 0 < k < len(self.times) - 1:
+            return np.full_like(self.values[0], np.inf)
+        share = (self.times[k] - self.times[k - 1]) / (self.times[k + 1] - self.times[k - 1])
+        return np.abs(self.values[k] - self.values[k - 1] - share * (self.values[k + 1] - self.values[k - 1]))
+
+    def unseen(self, start: float, end: float, stages: Sequence[float]) -> Any:
+        """Return how far values between two times without a jump lie off the polynomial through those at stages.
+
+        Parameters
+        ----------
+        start, end : of a time step [s]
+        stages : where a step looks at the series, shares of its length
+        """
+        offset = 0.0 if self.period is None else np.floor(start * (1.0 + TINY) / self.period) * self.period
+        first = int(np.searchsorted(self.times, start - offset, side="right"))
+        last = int(np.searchsorted(self.times, end - offset, side="left"))
+        if first >= last:
+            return np.zeros_like(self.values[0])
+        shares, nodes = (self.times[first:last] + offset - start) / (end - start), np.array(stages)
+        known = np.array([self.at(start + share * (end - start), True, start) for share in stages])
+        basis = [np.prod([(shares - b) / (a - b) for b in nodes if b != a], axis=0) for a in nodes]
+        return np.abs(self.values[first:last] - np.tensordot(np.array(basis), known, (0, 0))).max(axis=0)
 
     def reaches(self, end: float) -> bool:
         """Return whether the series says what holds until `end`; the last step holds for ever."""

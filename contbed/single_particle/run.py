@@ -26,6 +26,8 @@ from contbed.single_particle.scene import SingleParticleScene
 from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, level_of, march
 
 ROWS = 100  # output times where none are given
+# kinks of the surroundings that a step may pass, over the error that it may make; what it misses is as small
+PASSED = 0.5
 LEAST_LOSS = 1e-9  # of the mass, below which none is lost, and no time in which half of it is
 
 
@@ -77,16 +79,16 @@ def surface_of(scene: SingleParticleScene, series: SeriesByKey, since: float = 0
 
 
 def _pieces(problem: Sphere, state: Any, plan: Plan, series: SeriesByKey, span: float) -> Iterator[Step]:
-    """Yield the time steps, none of which crosses a jump or kink of the surroundings."""
-    scene, size = plan.scene, 0.0
+    """Yield the time steps, none of which crosses a jump of the surroundings, or a kink beyond its error."""
+    scene, size, tolerance = plan.scene, 0.0, plan.scene.time.tolerance
+    small = dict.fromkeys(series.samples, PASSED * tolerance * span)
     options = {"tolerance": scene.solver.newton_tolerance, "iterations": scene.solver.newton_iterations}
-    for start, end in pairwise(series.cuts(scene.time.end)):
+    for start, end in pairwise(series.cuts(scene.time.end, small)):
         problem.surface = surface_of(scene, series, start)
         if start > 0.0:
             problem.at(start)
             state = problem.with_surface(state)
         level = level_of(size, end - start) if size and not series.jumps(start) else None
-        tolerance = scene.time.tolerance
         for step in march(
             problem,
             state,
@@ -97,6 +99,7 @@ def _pieces(problem: Sphere, state: Any, plan: Plan, series: SeriesByKey, span: 
             start=start,
             level=level,
             newton_options=options,
+            sees=lambda begin, until: series.sees(begin, until, STAGES, small),
         ):
             yield step
             state, size = step.states[-1], (end - start) * 2.0 ** (step.next_level - LEVELS)

@@ -127,10 +127,12 @@ def march(
     level: int | None = None,
     newton_options: dict[str, Any] | None = None,
     levels: Sequence[int] | None = None,
+    sees: Callable[[float, float], bool] | None = None,
 ) -> Iterator[Step]:
     """Yield accepted steps from `tick` (0, or where a checkpoint stopped) to `end`; tick 0 is at `start`.
 
     `levels` are the levels of all steps from the start, of a run that is repeated; they are not judged again.
+    `sees` tells whether a step between two times [s] may be taken at all, of data that it knows at its stages alone.
     `tolerance` is the local error relative to `span`; a constant `step` [s] is rounded down to divide the time.
     Linear problems are measured from the state `origin`, a number or one for each unknown, which loses fewer digits
     than measuring from zero. A step whose error is too large, or in which Newton's method fails, is halved; the
@@ -152,6 +154,9 @@ def march(
         width = 2**level
         dt = unit * width
         moments = start + tick * unit, start + (tick + width) * unit
+        if adaptive and level > 0 and sees is not None and not sees(*moments):
+            level -= 1
+            continue
         try:
             states, rates, gain, error = stage.take(state, moments, dt, level)
         except ConvergenceError:  # too far from the state for Newton's method: a shorter step is nearer

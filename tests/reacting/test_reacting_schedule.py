@@ -82,6 +82,19 @@ def test_between_two_near_jumps_there_is_what_holds_since_the_first(later, perio
     assert schedule.jumps(second, since=first)
 
 
+def test_kinks_of_two_series_whose_times_differ_by_rounding_are_no_jumps():
+    """Times by products and by sums; after a jump steps begin anew, 1e5 times as short as the run."""
+    times, values = 0.1 * np.arange(101), np.sin(np.arange(101.0))
+    summed = np.cumsum(np.append(0.0, np.full(100, 0.1)))
+    schedule = SeriesByKey(
+        {("a",): Samples(times, values, "linear", None), ("b",): Samples(summed, values[::-1], "linear", None)}
+    )
+    cuts = schedule.cuts(10.0)
+    assert len(cuts) == 101 and not any(schedule.jumps(time) for time in cuts[1:-1])
+    step = SeriesByKey({("a",): Samples(times, values, "step", None)})
+    assert all(step.jumps(time) for time in step.cuts(10.0)[1:-1])
+
+
 def test_the_plan_counts_the_steps_of_small_errors(monkeypatch):
     """Within a factor of 2, the promise of the plan, of a run that the budget shows 1 % of."""
     monkeypatch.setattr(trial, "BUDGET", 0.02)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from contbed.errors import ConvergenceError, SceneError
 from contbed.loading import load
 from contbed.models import MODELS, plan
 from contbed.runner import run
+from contbed.single_particle import run as single_particle
+from contbed.solvers.timestep import march
 from contbed.trial import predicted_time
 from tests.particle.tables import rows
 
@@ -141,6 +144,55 @@ def test_a_short_pulse_of_the_furnace_is_not_stepped_over(tmp_path, width, form)
     expected = 300.0 + risen * np.array([1.0, np.exp(-RATE * after), np.exp(-RATE * (3600.0 - end))])
     assert found.profiles["T_mean [K]"] == pytest.approx(expected, abs=0.7)
     assert abs(found.balances["energy"]["relative_residual"]) < 1e-10  # rounding of 300 K over the few of a pulse
+
+
+def followed(times, values, moments):
+    """Temperatures of a sphere as hot inside as outside, dT/dt = RATE (T_furnace - T), at moments, to 1e-8 K."""
+    solved = solve_ivp(
+        lambda t, T: RATE * (np.interp(t, times, values) - T), (0.0, moments[-1]), [300.0], "DOP853",
+        t_eval=moments, rtol=1e-11, atol=1e-9, max_step=times[1] - times[0],
+    )  # fmt: skip
+    return solved.y[0]
+
+
+def steps_of(monkeypatch):
+    """Count the steps of a run from here on."""
+    taken = []
+
+    def counted(*arguments, **options):
+        for step in march(*arguments, **options):
+            taken.append(step)
+            yield step
+
+    monkeypatch.setattr(single_particle, "march", counted)
+    return taken
+
+
+def dense(form, times):
+    """Temperatures of a furnace that rise by 400 K in all, with kinks smaller than the error of a step."""
+    if form == "rises":
+        return 300.0 + 400.0 * (1.0 - np.exp(-times / 900.0))
+    if form == "jitters":
+        return 300.0 + 400.0 * times / 3600.0 + 0.008 * (-1.0) ** np.arange(len(times))
+    wave = np.where((times > 2400.0) & (times < 2600.0), np.sin(np.pi * (times - 2400.0) / 200.0) ** 2, 0.0)
+    return np.where(times < 3600.0, 300.0 + 2.0 * wave, 700.0)  # between the stages of a step from 1800 to 2700 s
+
+
+@pytest.mark.parametrize("form", ["rises", "hump", "jitters"])
+def test_small_kinks_are_passed_within_the_error_of_a_step(tmp_path, monkeypatch, form):
+    """A furnace measured every 5 s; a hump of small kinks after a long rest is not stepped over."""
+    times = np.linspace(0.0, 3600.0, 721)
+    values, moments = dense(form, times), np.linspace(100.0, 3600.0, 36)
+    series = f"{{ times = {times.tolist()}, values = {values.tolist()} }}"
+    (tmp_path / "dense.toml").write_text(TANK.format(series=series, times=moments.tolist()))
+    taken = steps_of(monkeypatch)
+    found = run(load(tmp_path / "dense.toml"))
+    assert len(taken) < 300  # of 720 pieces
+    span = max(values) - 300.0
+    # local errors of 1e-4 of the span over some time constants, as much for what lies between the stages; the sphere
+    # lags a little; 1e-5 to 4e-5 are found
+    assert found.profiles["T_mean [K]"] == pytest.approx(followed(times, values, moments), abs=2e-4 * span)
+    assert abs(found.balances["energy"]["relative_residual"]) < 1e-10
 
 
 def test_numbers_of_the_run_do_not_depend_on_output_times(tmp_path):

@@ -11,6 +11,7 @@ import contbed as cb
 from contbed.errors import SceneError
 from contbed.explain import explain
 from contbed.loading import from_dict
+from contbed.scene.schedule import SeriesByKey
 from contbed.scene.series import Samples
 
 SLAB = {
@@ -188,6 +189,25 @@ def test_cycles_repeat():
     assert samples.at(23.999) == 1.0 and samples.at(24.0) == 2.0
     linear = Samples(np.array([0.0, 4.0]), np.array([1.0, 3.0]), "linear", 8.0)
     assert linear.at(2.0) == 2.0 and linear.at(6.0) == 2.0 and linear.at(14.0) == 2.0
+
+
+@pytest.mark.parametrize("period", [None, 20.0])
+def test_what_a_step_does_not_see_of_a_series(period):
+    """Kinks against the line between neighbours, and values against the polynomial through the stages: by hand."""
+    times = np.linspace(0.0, 10.0, 11)
+    curved = Samples(times, np.column_stack([times**2, 2.0 * times]), "linear", period)
+    assert curved.kink(4.0) == pytest.approx([1.0, 0.0]) and np.all(curved.kink(0.0) == np.inf)
+    # a parabola is seen by three stages at kinks, by two within (t - a)(b - t)
+    assert curved.unseen(1.0, 9.0, (0.0, 0.25, 1.0)) == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert curved.unseen(1.0, 9.0, (0.0, 1.0)) == pytest.approx([16.0, 0.0])
+    assert curved.unseen(1.0, 2.0, (0.0, 1.0)) == pytest.approx([0.0, 0.0])  # no kink between
+    if period is not None:
+        assert curved.kink(24.0) == pytest.approx([1.0, 0.0])
+        assert curved.unseen(21.0, 29.0, (0.0, 1.0)) == pytest.approx([16.0, 0.0])
+    spike = SeriesByKey({("a",): curved, ("b",): Samples(np.array([0.0, 3.0]), np.array([1.0, 2.0]), "step", period)})
+    small = {("a",): np.array([1.5, 1.5]), ("b",): 1e9}
+    assert spike.cuts(6.0, small) == [0.0, 3.0, 6.0]  # jumps stay, whatever their size
+    assert not spike.sees(3.0, 6.0, (0.0, 1.0), small) and spike.sees(3.0, 5.0, (0.0, 1.0), small)
 
 
 def test_initial_profile_of_an_earlier_run(tmp_path):
