@@ -83,7 +83,8 @@ class Plan:
         changes: dict[str, Any] = {"time": time.model_copy(update={"tolerance": tolerance})}
         if section is not None:
             changes["section"] = section.model_copy(update={"rings": FEWEST_RINGS})
-        starts = [t for t in self.schedule.cuts(time.end)[:-1] if t == 0.0 or self.schedule.jumps(t)]
+        cuts = self.schedule.cuts(time.end, self.schedule.small(time))
+        starts = [t for t in cuts[:-1] if t == 0.0 or self.schedule.jumps(t)]
         lengths = [after - t for t, after in pairwise([*starts, time.end])]
         growing = sum(log(max(length / (FIRST_STEP * time.end), 1.0)) / log(MOST_GROWTH) for length in lengths)
         return FewerSteps(plan(self.scene.model_copy(update=changes)), growing, (tolerance / time.tolerance) ** 0.5)
@@ -141,8 +142,12 @@ def _gas_storage(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -
         return False, ""
     moments = schedule.moments() or [0.0]
     delay = max(problem.within(schedule.frozen(scene, moment)).gas_residence for moment in moments)
-    shortest = schedule.shortest(time.end, together=SHORT_RESIDENCE * delay)
-    what = "the run" if len(schedule.cuts(time.end)) == 2 else "the shortest time between changes of the streams"
+    shortest = schedule.shortest(time, together=SHORT_RESIDENCE * delay)
+    what = (
+        "the run"
+        if len(schedule.cuts(time.end, schedule.small(time))) == 2
+        else "the shortest time between changes of the streams"
+    )
     size = f"the gas stays for {delay:.3g} s, {delay / shortest:.2g} of {what}"
     if time.gas != "auto":
         return time.gas == "stored", f'time.gas = "{time.gas}"; {size}'
@@ -254,5 +259,6 @@ def _lists(
     if schedule:
         assert scene.time is not None
         keys = ", ".join(".".join(str(part) for part in path) for path in schedule.samples)
-        built.append(("time series", f"{keys}, in {len(schedule.cuts(scene.time.end)) - 1} pieces"))
+        pieces = len(schedule.cuts(scene.time.end, schedule.small(scene.time))) - 1
+        built.append(("time series", f"{keys}, in {pieces} pieces"))
     return built, skipped

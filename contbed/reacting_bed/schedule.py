@@ -1,8 +1,8 @@
 """What changes in the course of a run of a reacting bed: streams that enter and surroundings of the wall.
 
-A run is cut at every jump and kink of its series, so that no time step crosses one; between two cuts all values are
-linear in time, and each stage of a step takes those of its own time. A scene `frozen` at a time has numbers in place of
-all series.
+A run is cut at every jump of its series and at kinks that are larger than the error of a step allows, so that no time
+step crosses one; each stage of a step takes the values of its own time. A scene `frozen` at a time has numbers in place
+of all series.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.inlet_series import CompositionSeries
 from contbed.scene.quantities import Table
@@ -21,6 +23,7 @@ from contbed.scene.series import Series
 from contbed.scene.toml_lines import KeyPath
 from contbed.scene.values import with_value
 
+PASSED = 0.5  # size of kinks that steps pass, over the error that a step may make
 TABLES = ("fluid", "flow", "boundary", "wall")  # that may hold series
 
 
@@ -43,9 +46,13 @@ def tables_of(scene: s.ReactingScene) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Schedule(SeriesByKey):
-    """The series of a scene. `species` are the columns of the series of compositions by key."""
+    """The series of a scene.
+
+    `species` are the columns of the series of compositions by key, `temperatures` the keys of those of temperatures.
+    """
 
     species: dict[KeyPath, tuple[str, ...]]
+    temperatures: frozenset[KeyPath]
 
     @classmethod
     def of(cls, tables: Mapping[str, Any], base: Path) -> Schedule:
@@ -57,7 +64,23 @@ class Schedule(SeriesByKey):
         """
         found = dict(series_of(tables))
         names = {path: item.fractions(base)[0] for path, item in found.items() if isinstance(item, CompositionSeries)}
-        return cls({path: item.samples(base) for path, item in found.items()}, names)
+        kelvin = frozenset(path for path, item in found.items() if item.quantity == "K")
+        return cls({path: item.samples(base) for path, item in found.items()}, names, kelvin)
+
+    def small(self, time: s.Time) -> dict[KeyPath, float]:
+        """Return the sizes of kinks that a step may pass: of temperatures, mole fractions and flows.
+
+        What errors refer to is here the range of all temperatures that change, with that at the start; one; the
+        largest flow.
+        """
+        known = [self.samples[path].values for path in self.temperatures]
+        if time.initial_temperature is not None:
+            known.append(np.array([time.initial_temperature]))
+        sizes = {path: 1.0 if path in self.species else float(np.abs(self.samples[path].values).max())
+                 for path in self.samples}  # fmt: skip
+        if known:
+            sizes |= dict.fromkeys(self.temperatures, float(np.ptp(np.concatenate(known))))
+        return {path: PASSED * time.tolerance * size for path, size in sizes.items()}
 
     def at(self, tables: Mapping[str, Any], time: float, before: bool = False, since: float = 0.0) -> dict[str, Any]:
         """Return the tables with the values at a time, just after or `before` a jump, `since` an earlier one."""
@@ -78,10 +101,10 @@ class Schedule(SeriesByKey):
         """Return all times of the series [s]."""
         return sorted({float(t) for samples in self.samples.values() for t in samples.times})
 
-    def shortest(self, end: float, together: float) -> float:
-        """Return the shortest time between changes in a run to `end`; those that lie `together` count as one [s]."""
-        apart = [0.0]
-        for cut in self.cuts(end):
+    def shortest(self, time: s.Time, together: float) -> float:
+        """Return the shortest time between changes in a run; those that lie `together` count as one [s]."""
+        apart, end = [0.0], time.end
+        for cut in self.cuts(end, self.small(time)):
             if cut - apart[-1] > together:
                 apart.append(cut)
         return min((b - a for a, b in pairwise(apart)), default=end)

@@ -3,8 +3,8 @@
     d/dt C(u) + R(u, t) = 0,    C what is held per volume of bed, zero for equations of a gas that follows at once
 
 What is stored is exactly what has passed the ends, weighted as the stages of a step are (`stages`). No step crosses a
-jump or kink of a series: streams that enter have at each stage the values of its time, and those before a jump where it
-ends there.
+jump of a series, or a kink that is larger than its error allows: streams that enter have at each stage the values of
+its time, and those before a jump where it ends there.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ from contbed.reacting_bed.storage import Storage
 from contbed.reacting_bed.transient_results import contents, fill
 from contbed.result import Result
 from contbed.scene.identity import identity
+from contbed.scene.toml_lines import KeyPath
 
 Array = NDArray[np.float64]
 Save = Callable[[History], None]
@@ -45,6 +46,7 @@ SMOOTH = 1e-5  # share of a solid that is left, below which its powers are strai
 FIRST_STEP = 1e-5  # of the whole time, at the start and after a jump
 SHORTEST_STEP = 1e-12  # of the whole time, below which a run is given up
 SAFETY, MOST_GROWTH, LEAST_GROWTH = 0.8, 2.5, 0.2
+STAGES = (GAMMA, 1.0)  # times of the stages of a step over its size
 DIGITS = 2**10  # steps between two powers of 2: a thousandth, of estimates that rounding changes by 1e-9
 SHORTER = 0.25  # of a step that does not converge
 LEAST_RANGE = 1.0  # [K] of the temperatures of a run, where those of the scene and of the bed differ by less
@@ -90,9 +92,20 @@ class Course:
         return self.scene.time
 
     @cached_property
+    def small(self) -> dict[KeyPath, float]:
+        """Sizes of kinks of the series that a step may pass."""
+        return self.schedule.small(self.time)
+
+    @cached_property
     def cuts(self) -> list[float]:
         """Jumps and kinks of the series, with the start and the end of the run [s]."""
-        return self.schedule.cuts(self.time.end)
+        return self.schedule.cuts(self.time.end, self.small)
+
+    def seen(self, time: float, step: float) -> float:
+        """Return the longest step [s] from a time, halved until its stages tell what the series do meanwhile."""
+        while step > SHORTEST_STEP * self.time.end and not self.schedule.sees(time, time + step, STAGES, self.small):
+            step *= 0.5
+        return step
 
     def since(self, time: float) -> float:
         """Return the last jump or kink up to a time [s]."""
@@ -288,7 +301,7 @@ def advanced(course: Course, history: History, stop: float, report: solve.Report
         dt = min(dt, FIRST_STEP * time.end)
         u = turned(course.at(history.time, before=False), u)
     while True:
-        step = min(dt, stop - history.time)
+        step = course.seen(history.time, min(dt, stop - history.time))
         if step < shortest and stop - history.time > 2.0 * step:
             raise ConvergenceError("steps in time become ever smaller")
         problems = (course.at(history.time + GAMMA * step, since=since), course.at(history.time + step, since=since))

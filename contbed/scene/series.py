@@ -168,8 +168,8 @@ class Samples:
         stages : where a step looks at the series, shares of its length
         """
         offset = 0.0 if self.period is None else np.floor(start * (1.0 + TINY) / self.period) * self.period
-        first = int(np.searchsorted(self.times, start - offset, side="right"))
-        last = int(np.searchsorted(self.times, end - offset, side="left"))
+        first = int(np.searchsorted(self.times, start * (1.0 + SAME) - offset, side="right"))
+        last = int(np.searchsorted(self.times, end * (1.0 - SAME) - offset, side="left"))
         if first >= last:
             return np.zeros_like(self.values[0])
         shares, nodes = (self.times[first:last] + offset - start) / (end - start), np.array(stages)

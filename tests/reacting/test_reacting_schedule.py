@@ -117,6 +117,31 @@ def test_a_ramp_of_the_inlet_temperature():
     closes(result)
 
 
+@pytest.mark.parametrize("form", ["rises", "hump"])
+def test_small_kinks_are_passed_within_the_error_of_a_step(form):
+    """An inlet measured at 720 times: a rise, and a hump of small kinks after a rest, which is not stepped over."""
+    scene, eta_per_s = heated(4.0)
+    end = 5.0 / eta_per_s
+    times = np.linspace(0.0, end, 721)
+    values = 300.0 + 400.0 * (1.0 - np.exp(-5.0 * times / end))
+    if form == "hump":
+        share = (times / end - 0.6) * 9.0
+        wave = np.where((share > 0.0) & (share < 1.0), 12.0 * np.sin(np.pi * share) ** 2, 0.0)
+        values = np.where(times < 0.97 * end, 300.0 + wave, 700.0)
+    scene["boundary"]["left"]["fluid"]["inflow"] = {"times": times.tolist(), "values": values.tolist()}
+    now = 0.95 * end
+    scene["time"] |= {"end": end, "times": [now]}
+    result = contbed.run(from_dict(scene))
+    middle = 0.5 * (times[1:] + times[:-1])
+    # superposition of the rises; 720 parts miss less than 1e-3 K
+    parts = [d * schumann(4.0, eta_per_s * (now - t)) for d, t in zip(np.diff(values), middle, strict=True) if t < now]
+    outlet = result.tables["outlet"]
+    found = np.interp(now, outlet["t [s]"], outlet["T_fluid [K]"])
+    assert found - 300.0 == pytest.approx(sum(parts), abs=400.0 * STEPS)
+    assert len(outlet["t [s]"]) < 300  # of 720 pieces
+    closes(result)
+
+
 def switched(first: float, end_of_gas: tuple[str, str]):
     """A bed that is used up from one end and then from the other, by gases of two compositions."""
     scene = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 0.8)
