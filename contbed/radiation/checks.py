@@ -80,7 +80,8 @@ def radiation_is_complete(
         yield ("radiation", "temperature"), f"is solved for where it conducts; see {see('radiation.conductivity')}"
     if radiation.temperature is not None and ways["absorption"] and not radiation.absorption:
         yield ("radiation", "temperature"), "a medium that does not absorb does not emit: give radiation.absorption"
-    if heat is None and radiation.temperature is None and not any(b.radiation for b in boundary.values()):
+    known = [radiation.temperature, *(item.temperature for item in radiation.species.values())]
+    if heat is None and not any(known) and not any(b.radiation for b in boundary.values()):
         yield ("boundary",), "no boundary radiates and the medium has no temperature: nothing determines it"
 
 

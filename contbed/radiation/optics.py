@@ -55,7 +55,7 @@ def optics(scene: Radiating) -> Optics:
                 temperature=table.temperature,
             )
         }
-        temperatures = [item.temperature for item in species.values()]
+        temperatures = [item.temperature or table.temperature for item in species.values()]
         particles = [
             closures.Species(name, item.volume_fraction, _size(item), item.emissivity) for name, item in species.items()
         ]

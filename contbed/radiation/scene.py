@@ -42,7 +42,9 @@ class RadiatingSpecies(Table):
     diameter: Length | None = Field(None, description="Sauter mean, or of equal spheres")
     sieves: Sieves | None = Field(None, description="instead of `diameter`")
     emissivity: Emissivity
-    temperature: Temperature | None = Field(None, description="prescribed; absent: the temperature that is solved for")
+    temperature: Temperature | None = Field(
+        None, description="prescribed; absent: that of the medium, given or solved for"
+    )
 
     @model_validator(mode="after")
     def _one_size(self) -> RadiatingSpecies:

@@ -135,6 +135,24 @@ def test_species_of_given_temperature_among_others():
         assert mixed == pytest.approx(run(direct).qoi["heat_left_W"], rel=1e-6)
 
 
+@pytest.mark.parametrize("level", LEVELS)
+def test_species_have_the_temperature_of_the_medium_unless_they_have_their_own(level):
+    """Two species are the particles of the bed, cut in two; between mirrors all is as hot as the only one given."""
+    bed = {"porosity": 0.7, "particle_diameter": 0.1}
+    parts = {name: {"volume_fraction": f, "diameter": 0.1, "emissivity": 0.8} for name, f in (("a", 0.1), ("b", 0.2))}
+    one = slab(level, 1.0, COLD, wall(900.0)) | {"bed": bed}
+    two = slab(level, 1.0, COLD, wall(900.0)) | {"bed": bed}
+    one["radiation"] = {"level": level, "emissivity": 0.8, "temperature": 1200.0}
+    two["radiation"] = {"level": level, "species": parts, "temperature": 1200.0}
+    assert run(two).qoi["heat_left_W"] == pytest.approx(run(one).qoi["heat_left_W"], rel=1e-12)
+    parts["a"]["temperature"] = 1300.0
+    closed = slab(level, 1.0, None, None) | {"bed": bed}
+    closed["radiation"] = {"level": level, "species": parts}
+    found = run(closed).profiles
+    assert found["T_solid [K]"] == pytest.approx(1300.0, rel=1e-9)
+    assert found["G [W/m2]"] == pytest.approx(4.0 * SIGMA * 1300.0**4, rel=1e-9)
+
+
 @pytest.mark.parametrize("level", ["p1", "ordinates"])
 def test_anisotropy_is_the_transport_coefficient(level):
     given = slab(level, 4.0, wall(1000.0), wall(500.0), 0.5, anisotropy=-0.4)
