@@ -24,6 +24,10 @@ from contbed.errors import SceneError
 from contbed.scene.names import nearest
 from contbed.scene.units import QUANTITIES, factor_and_offset
 
+OTHER_MARKS = {
+    ";": "semicolons",
+    "\t": "tabs",
+}  # between columns, as spreadsheets write them where commas are in numbers
 _HEADER = re.compile(r"\s*(.+?)\s*\[(.+)\]\s*")
 
 
@@ -125,8 +129,14 @@ def _read(path: Path, inode: int, changed: int, size: int) -> DataTable:
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        row = tuple(cell.strip() for cell in next(csv.reader([line])))
+        try:
+            row = tuple(cell.strip() for cell in next(csv.reader([line])))
+        except csv.Error as error:
+            raise SceneError(f"{path.name}:{number}: no line of a table: {error}") from None
         if not header_line:
+            if len(row) == 1 and (other := next((mark for mark in OTHER_MARKS if mark in line), "")):
+                advice = "commas between columns and points in numbers are read; export the table so"
+                raise SceneError(f"{path.name}:{number}: columns are separated by {OTHER_MARKS[other]}; {advice}")
             parts = [_HEADER.fullmatch(cell) for cell in row]
             names = tuple(part[1] if part else cell for part, cell in zip(parts, row, strict=True))
             units, header_line = tuple(part[2] if part else "" for part in parts), number

@@ -242,6 +242,9 @@ def test_initial_profile_of_an_earlier_run(tmp_path):
         ("inflow", {"file": "text.csv"}, "text.csv:3: column 'T': expected a number, found 'warm'"),
         ("inflow", {"file": "unit.csv"}, "no column with a temperature"),
         ("inflow", {"file": "short.csv"}, "short.csv:3: 1 cells, the header in line 1 has 2"),
+        ("inflow", {"file": "sheet.csv"}, "sheet.csv:1: columns are separated by semicolons; commas between columns"),
+        ("inflow", {"file": "tabs.csv"}, "tabs.csv:2: columns are separated by tabs"),
+        ("inflow", {"file": "long.csv"}, "long.csv:2: no line of a table: field larger than field limit"),
         ("inflow", {"file": "good.csv", "column": "T_in"}, "no column 'T_in'"),
         ("inflow", {}, "give times and values, or a file"),
         ("velocity", {"times": [0.0, 5.0], "values": [1e-3, -1e-3], "form": "linear"}, "unknown choice"),
@@ -253,6 +256,9 @@ def test_bad_series(tmp_path, table, value, words):
     (tmp_path / "text.csv").write_text("t [s],T [K]\n0,300\n1,warm\n")
     (tmp_path / "unit.csv").write_text("t [s],T [m]\n0,300\n1,310\n")
     (tmp_path / "short.csv").write_text("t [s],T [K]\n0,300\n1\n")
+    (tmp_path / "sheet.csv").write_text("t [s];T [K]\n0;300,5\n1;310,5\n")
+    (tmp_path / "tabs.csv").write_text("# measured\nt [s]\tT [K]\n0\t300\n")
+    (tmp_path / "long.csv").write_text("t [s],T [K]\n0," + 200_000 * "3" + "\n")
     (tmp_path / "good.csv").write_text("t [h],T [degC]\n0,20\n1,30\n")
     scene = changed(STORE, flow={"velocity": 1e-3}, boundary={"left": {"fluid": {"inflow": 400.0}}})
     if table == "inflow":
