@@ -322,8 +322,8 @@ def damp_buoyancy_waves(
         steep = dt * dt * weight * (rho_s - gas) * (s[right] - s[left]) / g.distance[f]
         least = WAVE_RESOLVED * (gas + mean * (rho_s - gas))
         if steep > least:
-            # both phases are slowed alike
-            slower = 1.0 - least / steep
+            # both phases are slowed alike; fractions that come from two cells do not sum to one
+            slower = (1.0 - least / steep) / (fractions.gas[f] + fractions.solid[f])
             flux = slower * (fractions.gas[f] * out.star_gas[f] + fractions.solid[f] * out.star_solid[f])
             mobility = slower * (fractions.gas[f] * out.mobility_gas[f] + fractions.solid[f] * out.mobility_solid[f])
             out.star_gas[f] -= flux
