@@ -7,6 +7,7 @@ are odd about zero, |x|^n with the sign of x, so that what is slightly negative 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -18,6 +19,7 @@ from contbed.scene.names import nearest
 
 TINY = 1e-14  # below which a power that is no whole number is a straight line
 LONGEST = 2000  # characters
+_WITH_UNIT = re.compile(r"(?<![\w.])\d+\.?\d*(?:[eE][+-]?\d+)? *[A-Za-z%]\w*")  # "900 K"
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "exp": np.exp,
     "log": np.log,
@@ -74,6 +76,8 @@ def parse_formula(text: str) -> Formula:
     try:
         tree = ast.parse(text.replace("^", "**").strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError) as error:
+        if found := _WITH_UNIT.search(text):
+            raise SceneError(f"{found[0]!r}: a number in a formula has no unit; write it in SI") from None
         reason = getattr(error, "msg", None) or str(error)
         raise SceneError(f"cannot be read as a formula ({reason}); write it as in k*c_A*(1 - X)**(2/3)") from None
     names: set[str] = set()

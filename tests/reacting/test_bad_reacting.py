@@ -77,6 +77,8 @@ def test_mistakes_of_gas_reactions(old, new, said):
     [
         ('rate = "k*c_CH4"', "'k' is not known in this formula"),
         ('rate = "c_CH4*"', "cannot be read as a formula"),
+        ('rate = "2.5 mol*c_CH4"', "'2.5 mol': a number in a formula has no unit; write it in SI"),
+        ('rate = "1.5e-3 kPa*c_CH4"', "'1.5e-3 kPa': a number in a formula has no unit"),
         ('rate = "__import__(c_CH4)"', "there is no function '__import__'"),
         ('rate = "c_CH4.real"', "only numbers, names"),
         ('rate = "c_CH4"\nunit = "mol/kg/s"', "measures something else than mol/m**3/s"),
