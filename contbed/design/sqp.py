@@ -10,8 +10,9 @@ First-order conditions (Karush 1939; Kuhn and Tucker 1951), at a point with the 
 
     grad f + sum_A lambda grad g = 0,  lambda >= 0  (any sign for h)
 
-are measured by the least residual over all such lambda, in the scaled variables, relative to the gradient of f. The
-lambda are the prices of the constraints: one unit more on the right side of g <= 0 lowers f by lambda.
+are measured by the least residual over all such lambda, in the scaled variables, relative to the gradient of f; where
+no constraint or bound holds f back, so that its gradient vanishes, to that at the start if it is larger. The lambda are
+the prices of the constraints: one unit more on the right side of g <= 0 lowers f by lambda.
 
 Source: Kraft 1988, A software package for sequential quadratic programming, DFVLR-FB 88-28; Nocedal and Wright 2006,
 Numerical Optimization, doi:10.1007/978-0-387-40065-5, chapters 12 and 18.
@@ -29,6 +30,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FIRST_ORDER = 1e-3  # residual of the first-order conditions, of the gradient of f, below which they hold
+FLAT = 1e-4  # change of f over the bounds by its first gradient, of f, which is not scaled up further
 FEASIBLE = 1e-6  # excess of a constraint, of its change over the bounds, up to which it holds
 ACTIVE = 1e-4  # slack of a constraint, of its change over the bounds, up to which it is active
 AT_BOUND = 1e-6  # distance from a bound, of the distance of the bounds, up to which a variable lies on it
@@ -178,8 +180,12 @@ def minimise(functions: Functions, start: Array) -> Optimum:
 
 
 def _sizes(values: Array, derivatives: Array, span: Array) -> Array:
-    """Return the change of each function over the bounds by its first gradient, or its value where that is 0."""
+    """Return the change of each function over the bounds by its first gradient, or its value where that is 0.
+
+    That of f is no smaller than a share of f: a search that begins where f is smallest has a gradient of rounding.
+    """
     change = np.abs(derivatives * span).max(axis=1)
+    change[0] = max(change[0], FLAT * abs(values[0]))
     return np.where(change > 0.0, change, np.where(values != 0.0, np.abs(values), 1.0))
 
 
@@ -290,6 +296,8 @@ def optimum_at(scaled: _Scaled, z: Array) -> Optimum:
     bounds[low] += weights[ends : ends + int(low.sum())]
     bounds[high] -= weights[ends + int(low.sum()) :]
     span, size = functions.high - functions.low, scaled.size
+    if not weights.any():
+        length = max(length, 1.0)
     x = scaled.x(z)
     return Optimum(
         x=x,

@@ -89,6 +89,25 @@ def test_bounds_alone():
     assert (high.x[0], high.bound_prices[0]) == (2.0, pytest.approx(-3.0))
 
 
+@pytest.mark.parametrize("bound", [[], [10.0]], ids=["alone", "far from its constraint"])
+def test_a_smallest_value_inside_of_the_bounds(bound):
+    """The gradient is zero there, so that nothing is left to measure what is left of it by."""
+    row = [[1.0, 1.0]] if bound else []
+    problem = Quadratic([[2, 0], [0, 2]], [-2, -5], row, bound, [0, 0], [10, 10])
+    for start in ([2.0, 0.0], [9.0, 9.0], [1.0, 2.5], [1.0 + 1e-9, 2.5]):
+        found = minimise(problem, np.array(start))
+        np.testing.assert_allclose(found.x, [1.0, 2.5], atol=1e-3)
+        assert found.converged, start
+
+
+def test_a_target_is_met_by_the_square_of_what_is_missed():
+    """(x - 2)^2 falls to zero itself; a search that begins there again says so too."""
+    problem = Quadratic([[2.0]], [-4.0], [], [], [0.5], [3.0])
+    problem.values = lambda x: np.array([(x[0] - 2.0) ** 2])
+    found = minimise(problem, np.array([1.0]))
+    assert found.x[0] == pytest.approx(2.0, abs=1e-3) and found.converged
+
+
 def test_a_failed_point_is_stepped_back_from():
     """The first step leads to (2, 2), where there is no value; the optimum is on this side of it."""
     problem = Quadratic(*EXAMPLE, fails=lambda x: x[1] > 1.75)
