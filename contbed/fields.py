@@ -177,6 +177,8 @@ _RESULTS = (
     Field("reduction", "R", "1", "share of the oxygen of Fe2O3 that is removed from the solids that leave"),
     Field("share_negative", "s", "1", "share of the points at which a fraction lies below -1e-6"),
     Field("cells_damped", "N", "1", "cells in which amounts that would fall below zero are damped"),
+    Field("steps_damped", "N", "1", "steps in time in which cells are damped"),
+    Field("steps_limited", "N", "1", "steps in time in which reactions take all that there is of a solid at rest"),
     Field("cells", "N", "1", "number of cells"),
     # radiation
     Field("optical_thickness", r"\tau", "1", "extinction times the extent of the medium"),

@@ -185,6 +185,7 @@ MODELS: dict[str, Model] = {
             "reacting_section": "equations.section",
             "several_solids": "equations.kinds",
             "amounts_above_zero": "limited",
+            "amounts_above_zero_in_time": "bounded",
         },
     ),
     "packed_bed": Model(

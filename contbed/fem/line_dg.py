@@ -12,6 +12,7 @@ tested with the same polynomials; fluxes of cells meet at the ends of the cells:
 
 Where `damping` d of a field is given, - d du/dxi adds to the flux inside of the cell, xi in [0, 1], and to none at its
 ends: what passes and is held stays the same, and the field is flat where d is large.
+A field that is a flux to the left has d below zero.
 
 Fields that come from the left and from the right share the points, so that what one gains the other loses exactly, and
 the sum of an equation over all cells is flux in = flux out + source to rounding. Fields are of order p + 1. Where D = 0
@@ -109,6 +110,11 @@ class Line:
         """Values of the polynomials at the right end of a cell."""
         found: Array = self.basis(1.0)[0]
         return found
+
+    @cached_property
+    def sampled(self) -> Array:
+        """Values of the polynomials at 13 points of a cell, ends included, (13, p + 1)."""
+        return self.basis(np.linspace(0.0, 1.0, 13))
 
     @cached_property
     def slopes(self) -> Array:
@@ -291,7 +297,8 @@ class System:
 
         F = _values(C, shape, m).reshape(m, N, n) + _values(D, shape, m).reshape(m, N, n)
         if self.damping is not None:
-            F -= self.damping[:, :, None] * (u @ line.slopes.T)
+            beyond = u - (u @ line.weights)[:, :, None]  # of the means, whose rounding large damping would keep
+            F -= self.damping[:, :, None] * (beyond @ line.slopes.T)
         source = _values(S, shape, m).reshape(m, N, n)
         if self.coupling is not None:
             source += np.tensordot(self.coupling, u, axes=1)

@@ -12,7 +12,8 @@ from contbed.reacting_bed.equations.bed import conserved
 from contbed.reacting_bed.problem import Problem
 
 Array = NDArray[np.float64]
-SAMPLES = 13  # points of a cell at which amounts are looked at, ends included, beside the nodes
+FINE = 129  # points of a cell at which what is shown is looked at
+MISSED = 1.002  # of a deviation from the mean that is seen at these points, the largest between them
 
 
 class Least(NamedTuple):
@@ -31,20 +32,47 @@ def carried(problem: Problem) -> Array:
     return np.array([speeds.get(name.split("_")[0], lambda _: 0.0)(name) for name in problem.names])
 
 
+def at_rest(problem: Problem) -> NDArray[np.bool_]:
+    """Return which unknowns are solids at rest, whose amounts at nodes know nothing of each other (m,)."""
+    of = problem.bed.velocity_of
+    return np.array([name.startswith("n_") and not of(name) for name in problem.names])
+
+
 def along(problem: Problem, u: Array) -> Array:
     """Return the unknowns over their sizes, those of gas along its stream (m, N, p + 1)."""
-    gas = 1.0 if problem.streams.ahead else -1.0
-    signs = np.array([gas if name.startswith("g_") else 1.0 for name in problem.names])
-    found: Array = u * (signs / problem.sizes)[:, None, None]
+    found: Array = u * (problem.gas_signs / problem.sizes)[:, None, None]
     return found
 
 
 def lowest(problem: Problem, u: Array) -> Array:
-    """Return the least value of each field in each cell, over its size and along its stream (m, N)."""
+    """Return the least value of each field in each cell, over its size and along its stream (m, N).
+
+    Solids at rest are looked at where they are known, at the nodes.
+    """
     values = along(problem, u)
-    between = values @ problem.line.basis(np.linspace(0.0, 1.0, SAMPLES)).T
-    found: Array = np.minimum(values.min(axis=2), between.min(axis=2))
+    between = values @ problem.line.sampled.T
+    at_nodes = values.min(axis=2)
+    found: Array = np.where(at_rest(problem)[:, None], at_nodes, np.minimum(at_nodes, between.min(axis=2)))
     return found
+
+
+def between_nodes(problem: Problem, u: Array) -> Array:
+    """Return a state as it is shown between nodes: solids at rest not below zero there, with the same in each cell.
+
+    Polynomials through nodes of a front are brought nearer to their means, those of all solids by one share, so that
+    what they hold together stays.
+    """
+    rest = np.flatnonzero(at_rest(problem))
+    low = (u[rest] @ problem.line.basis(np.linspace(0.0, 1.0, FINE)).T).min(axis=2)
+    wrong = low < -problem.scene.solver.newton_tolerance * problem.sizes[rest, None]
+    if not wrong.any():
+        return u
+    mean = u[rest] @ problem.line.weights
+    share = np.clip(mean / np.where(wrong, MISSED * (mean - low), 1.0), 0.0, 1.0)
+    share = np.where(wrong, share, 1.0).min(axis=0)
+    out = u.copy()
+    out[rest] = mean[:, :, None] + share[:, None] * (u[rest] - mean[:, :, None])
+    return out
 
 
 def least(problem: Problem, u: Array, time: float = math.nan) -> Least:

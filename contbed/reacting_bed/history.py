@@ -16,8 +16,8 @@ from contbed.scene.toml_lines import Origin
 
 Array = NDArray[np.float64]
 SAME = 1e-12  # relative distance below which two times are the same
-ARRAYS = ("u", "held", "passed", "both_ways", "sources")
-NUMBERS = ("time", "dt", "steps", "carried")
+ARRAYS = ("u", "held", "passed", "both_ways", "sources", "damping", "damped")
+NUMBERS = ("time", "dt", "steps", "steps_damped", "steps_limited", "unbounded", "carried")
 EXTENTS = "extents_"  # begins names of arrays of a checkpoint
 
 
@@ -29,6 +29,9 @@ class History:
     held : (m,) what the bed held at the start, means over the section as all integrals are
     passed : (m, 2) integrals of the fluxes through both ends, along x
     both_ways : (m, 2) integrals of their magnitudes, which a flow that turns does not cancel
+    damping : (unknowns, N) with which the next step begins, see `bounded`; damped : (N,) cells that were damped
+    steps_damped, steps_limited : steps in which cells were damped, and in which rates took all there was of a solid
+    unbounded : steps with amounts below zero
     sources : (m,) integrals of the sources; carried : integral of the heat of all streams above 298.15 K [J/m2]
     outlet : (steps, columns) of the outlet over time, `columns` their names
     kept : states at output times
@@ -42,9 +45,14 @@ class History:
     passed: Array
     both_ways: Array
     sources: Array
+    damping: Array
+    damped: NDArray[np.bool_]
     carried: float = 0.0
     time: float = 0.0
     steps: int = 0
+    steps_damped: int = 0
+    steps_limited: int = 0
+    unbounded: int = 0
     columns: tuple[str, ...] = ()
     outlet: tuple[tuple[float, ...], ...] = ()
     kept: Mapping[float, Array] = field(default_factory=dict)

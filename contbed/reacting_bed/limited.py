@@ -52,7 +52,7 @@ def damped(problem: Problem, u: Array, report: solve.Report) -> tuple[Problem, A
         wrong &= (damping < FLAT * speeds) | (mean > 0.0)
         try:
             if wrong.any():
-                damping, before = np.where(wrong, _more(damping, low, before, mean, speeds), damping), low
+                damping, before = np.where(wrong, more(damping, low, before, mean, speeds), damping), low
                 trial = replace(problem, damping=damping)
                 du, share, _ = solve.step(trial, state, report)
                 state = state + share * du
@@ -67,7 +67,7 @@ def damped(problem: Problem, u: Array, report: solve.Report) -> tuple[Problem, A
     return problem, u
 
 
-def _more(damping: Array, low: Array, before: Array, mean: Array, speeds: Array) -> Array:
+def more(damping: Array, low: Array, before: Array, mean: Array, speeds: Array) -> Array:
     """Return the next damping (m, N): as far as the last two trials tell by a straight line, at first as a limiter.
 
     That of Zhang and Shu makes a polynomial flat by the share low/mean.

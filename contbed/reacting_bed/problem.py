@@ -113,6 +113,12 @@ class Problem:
         """Return the problem with powers of what is left of a solid made straight below another share."""
         return replace(self, bed=replace(self.bed, small=small))
 
+    def with_most_lost(self, most: Array) -> Problem:
+        """Return the problem in which solids lose at most so much at the nodes (m, N, p + 1) [mol/m3 bed/s]."""
+        at = dict(zip(self.layout.names, self.at_all_points(most), strict=True))
+        found = {name: at[f"n_{name}"] for name in self.layout.solids}
+        return replace(self, bed=replace(self.bed, most_lost=found))
+
     @property
     def layout(self) -> Layout:
         """The unknowns."""
@@ -134,7 +140,14 @@ class Problem:
         if coupling is not None and self.rings is not None:
             coupling = np.asarray(np.kron(np.eye(self.rings.count), coupling), dtype=float)
         exchanged = (self._directions, self._diffuses, point, self._ends, self._local)
-        return line_system(self.line, *exchanged, coupling, self.damping)
+        damping = None if self.damping is None else self.gas_signs[:, None] * self.damping
+        return line_system(self.line, *exchanged, coupling, damping)
+
+    @property
+    def gas_signs(self) -> Array:
+        """Signs by which unknowns of gas count along its stream: its fluxes are negative to the left (m,)."""
+        gas = 1.0 if self.streams.ahead else -1.0
+        return np.array([gas if name.startswith("g_") else 1.0 for name in self.names])
 
     @cached_property
     def section(self) -> Section | None:

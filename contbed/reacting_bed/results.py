@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from contbed.balance import Balance
 from contbed.closures.reactions import R_GAS
 from contbed.materials.thermo import T_STANDARD, Equilibrium
-from contbed.reacting_bed.amounts import Least, below_zero, least
+from contbed.reacting_bed.amounts import Least, below_zero, between_nodes, least
 from contbed.reacting_bed.equations.bed import State, conserved
 from contbed.reacting_bed.equations.kinds import of_kind
 from contbed.reacting_bed.problem import Problem
@@ -35,7 +35,7 @@ def positions(problem: Problem) -> Array:
 
 def values_at(problem: Problem, u: Array, x: Array) -> State:
     """Return the state at positions, means over the section; temperatures and pressure as arrays."""
-    return problem.bed.state([problem.line.at(part, x) for part in problem.mean(u)])
+    return problem.bed.state([problem.line.at(part, x) for part in problem.mean(between_nodes(problem, u))])
 
 
 def profiles(problem: Problem, u: Array) -> dict[str, Array]:

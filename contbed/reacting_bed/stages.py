@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.reacting_bed import solve
+from contbed.reacting_bed.amounts import carried
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage
 
@@ -33,7 +34,13 @@ ROUNDING = 1e-14  # of typical sizes, below which what is left of an error does 
 
 
 def stages(
-    problems: tuple[Problem, Problem], u: Array, guess: Array, dt: float, report: solve.Report, sizes: Array
+    problems: tuple[Problem, Problem],
+    u: Array,
+    guess: Array,
+    dt: float,
+    report: solve.Report,
+    sizes: Array,
+    ended: NDArray[np.bool_] | None = None,
 ) -> tuple[Array, Array, float]:
     """Return both stages of a step from a state, and the estimate of its local error over sizes.
 
@@ -44,25 +51,37 @@ def stages(
     guess : of the first stage
     dt : length of the step [s]
     sizes : (m,) of the unknowns, that the estimate refers to
+    ended : (m, N, p + 1) solids at rest of which neither stage takes more than there is; None for none
 
     Raises
     ------
     ConvergenceError : a stage is not found
     """
     before = Storage(problems[0], np.zeros_like(u), GAMMA * dt).content(u, False)[0]
-    one = Storage(problems[0], before, GAMMA * dt, loose=False)
+    start = problems[0] if ended is None else _limited(problems[0], before, (1.0 - GAMMA) * dt, ended)
+    one = Storage(start, before, GAMMA * dt, loose=False)
     with np.errstate(all="ignore"):
-        matrix = _matrix(problems[0], guess, one)
-    first, factors = _solved(problems[0], guess, report, one, matrix, own=True)
+        matrix = _matrix(start, guess, one)
+    first, factors = _solved(start, guess, report, one, matrix, own=True)
     slope = (one.content(first, False)[0] - before) / (GAMMA * dt)
     target = before + (1.0 - GAMMA) * dt * slope
-    two = Storage(problems[1], target, GAMMA * dt, loose=False)
-    last, _ = _solved(problems[1], first, report, two, factors, own=False)
+    end = problems[1] if ended is None else _limited(problems[1], target, GAMMA * dt, ended)
+    two = Storage(end, target, GAMMA * dt, loose=False)
+    last, _ = _solved(end, first, report, two, factors, own=False)
     change = slope - (two.content(last, False)[0] - target) / (GAMMA * dt)
     line = problems[1].line
     difference = (0.5 - GAMMA) / GAMMA * change * line.weights * line.h[:, None]
     filtered = matrix.solve(difference) / sizes[:, None, None]
+    if problems[1].damping is not None:
+        means = (filtered @ line.weights)[:, :, None]
+        moves = (carried(problems[1])[:, None] > 0.0) & (problems[1].damping > 0.0).any(axis=0)
+        filtered = np.where(moves[:, :, None], means, filtered)
     return first, last, float(np.abs(filtered).max())
+
+
+def _limited(problem: Problem, there: Array, dt: float, ended: NDArray[np.bool_]) -> Problem:
+    """Return the problem that in a time takes no more of some solids at rest than is there."""
+    return problem.with_most_lost(np.where(ended, np.maximum(there, 0.0) / dt, np.inf))
 
 
 def _matrix(problem: Problem, u: Array, storage: Storage) -> Any:

@@ -28,12 +28,13 @@ from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.amounts import least
+from contbed.reacting_bed.bounded import Bounded, bounded
 from contbed.reacting_bed.equations.bed import conserved
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import Schedule
-from contbed.reacting_bed.stages import GAMMA, stages
+from contbed.reacting_bed.stages import GAMMA
 from contbed.reacting_bed.storage import Storage
 from contbed.reacting_bed.transient_results import contents, fill
 from contbed.result import Result
@@ -49,6 +50,8 @@ SAFETY, MOST_GROWTH, LEAST_GROWTH = 0.8, 2.5, 0.2
 STAGES = (GAMMA, 1.0)  # times of the stages of a step over its size
 DIGITS = 2**10  # steps between two powers of 2: a thousandth, of estimates that rounding changes by 1e-9
 SHORTER = 0.25  # of a step that does not converge
+MOST_TRIALS = 4  # of a step whose amounts are below zero, each of a shorter one
+MOST_UNBOUNDED = 10  # steps of a run with amounts below zero, from which on shorter ones are known not to help
 LEAST_RANGE = 1.0  # [K] of the temperatures of a run, where those of the scene and of the bed differ by less
 
 
@@ -264,8 +267,8 @@ def begin(course: Course) -> History:
     """Return the history at the start of a run."""
     u = course.start()
     held = contents(course.problem, u)
-    m = len(held)
-    return History(u, FIRST_STEP * course.time.end, held, np.zeros((m, 2)), np.zeros((m, 2)), np.zeros(m))
+    passed, none = np.zeros((len(held), 2)), np.zeros(u.shape[:2])
+    return History(u, FIRST_STEP * course.time.end, held, passed, passed, passed[:, 0], none, none[0] > 0.0)
 
 
 def march(course: Course, history: History, report: solve.Report) -> Iterator[History]:
@@ -277,8 +280,7 @@ def march(course: Course, history: History, report: solve.Report) -> Iterator[Hi
     """
     time = course.time
     outputs = output_times(time)
-    for kind, pellets in course.problem.pellets.items():
-        pellets.known.update({count: xi for (count, of), xi in history.extents.items() if of == (kind or "")})
+    _guess_inside(course, history)
     for stop in course.stops():
         while history.time < stop * (1.0 - SAME):
             history = advanced(course, history, stop, report)
@@ -288,15 +290,42 @@ def march(course: Course, history: History, report: solve.Report) -> Iterator[Hi
 
 
 def advanced(course: Course, history: History, stop: float, report: solve.Report) -> History:
-    """Return the history after the longest step towards a time that its error allows.
+    """Return the history after the longest step towards a time that its error allows, within bounds where one is found.
 
     Raises
     ------
     ConvergenceError : steps become ever smaller
     """
+    dt, longest = history.dt, None
+    for _ in range(MOST_TRIALS):
+        try:
+            after = _advanced(course, history, stop, report, dt)
+        except ConvergenceError:
+            if longest is None:
+                raise
+            break
+        if after.unbounded == history.unbounded:
+            return after
+        longest = longest or after
+        if history.unbounded >= MOST_UNBOUNDED:
+            break
+        dt = with_few_digits(SHORTER * (after.time - history.time))
+    assert longest is not None
+    _guess_inside(course, longest)
+    return longest
+
+
+def _guess_inside(course: Course, history: History) -> None:
+    """Take the first guesses inside of pellets from a history."""
+    for kind, pellets in course.problem.pellets.items():
+        pellets.known.update({count: xi for (count, of), xi in history.extents.items() if of == (kind or "")})
+
+
+def _advanced(course: Course, history: History, stop: float, report: solve.Report, dt: float) -> History:
+    """Return the history after a step no longer than dt that its error allows."""
     time = course.time
     shortest = SHORTEST_STEP * time.end
-    dt, u, since = history.dt, history.u, course.since(history.time)
+    u, since = history.u, course.since(history.time)
     if course.schedule and history.time > 0.0 and course.schedule.jumps(history.time):
         dt = min(dt, FIRST_STEP * time.end)
         u = turned(course.at(history.time, before=False), u)
@@ -306,20 +335,20 @@ def advanced(course: Course, history: History, stop: float, report: solve.Report
             raise ConvergenceError("steps in time become ever smaller")
         problems = (course.at(history.time + GAMMA * step, since=since), course.at(history.time + step, since=since))
         try:
-            first, last, error = stages(problems, history.u, u, step, report, course.sizes(u))
+            found = bounded(problems, history.u, u, step, report, course.sizes(u), history.damping)
         except ConvergenceError:
             dt = SHORTER * step
             if dt < shortest:
                 raise
             continue
-        growth = SAFETY * (time.tolerance / max(error, 1e-300)) ** 0.5
-        if error > time.tolerance and growth < 1.0:
+        growth = SAFETY * (time.tolerance / max(found.error, 1e-300)) ** 0.5
+        if found.error > time.tolerance and growth < 1.0:
             dt = with_few_digits(step * max(growth, LEAST_GROWTH))
             continue
         later = with_few_digits(dt * min(max(growth, LEAST_GROWTH), MOST_GROWTH)) if step == dt else dt
         end = history.time + step
         end = stop if end >= stop * (1.0 - SAME) else end
-        return _passed(history, problems, (first, last), step, end, later)
+        return _passed(history, found, step, end, later)
 
 
 def with_few_digits(dt: float) -> float:
@@ -328,10 +357,9 @@ def with_few_digits(dt: float) -> float:
     return math.ldexp(math.floor(mantissa * DIGITS), exponent) / DIGITS
 
 
-def _passed(
-    history: History, problems: tuple[Problem, Problem], states: tuple[Array, Array], step: float, end: float, dt: float
-) -> History:
+def _passed(history: History, found: Bounded, step: float, end: float, dt: float) -> History:
     """Return the history after a step; its weights are those of the stages, so that totals close to rounding."""
+    problems, states = found.problems, found.states
     passed, both_ways, sources, carried = history.passed, history.both_ways, history.sources, history.carried
     fluxes = passed
     for problem, u, weight in zip(problems, states, (1.0 - GAMMA, GAMMA), strict=True):
@@ -357,6 +385,11 @@ def _passed(
         columns=tuple(row),
         outlet=(*history.outlet, tuple(row.values())),
         least=low,
+        damping=found.damping,
+        damped=history.damped | found.cells,
+        steps_damped=history.steps_damped + bool(found.cells.any()),
+        steps_limited=history.steps_limited + found.limited,
+        unbounded=history.unbounded + (not found.within),
         extents={(count, kind or ""): xi for kind, each in pellets for count, xi in each.known.items()},
     )
 

@@ -31,6 +31,8 @@ def fill(at: Callable[[float], Problem], history: History, result: Result) -> No
     result.profiles |= {key: np.concatenate([c[key] for _, c in tables]) for key in tables[0][1]}
     result.tables["outlet"] = history.table()
     result.qoi |= {"time_steps": history.steps, "time_reached_s": history.time, "cells": problem.line.cells}
+    result.qoi |= {"cells_damped": int(history.damped.sum()), "steps_damped": history.steps_damped}
+    result.qoi |= {"steps_limited": history.steps_limited}
     _balances(problem, history, result)
 
 

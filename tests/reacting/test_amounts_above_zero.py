@@ -70,6 +70,19 @@ def test_a_core_that_is_used_up_is_as_exact_as_before():
     assert result.qoi["conversion_S"] == pytest.approx(CORE["X_out"], abs=1e-8)
 
 
+def test_gas_from_the_right_is_damped_as_from_the_left():
+    """Mirrored, to what Newton's method leaves; damping of the other sign steepens what it should flatten."""
+    right, left = in_series(4, 8.0), in_series(4, 8.0)
+    right["output"] = left["output"] = {"positions": [0.1, 0.3, 0.45, 0.55, 0.7, 0.9], "plots": False}
+    left["flow"]["velocity"] = -left["flow"]["velocity"]
+    left["boundary"] = {"right": left["boundary"]["left"]}
+    one, other = solved(right), solved(left)
+    assert other.qoi["cells_damped"] == one.qoi["cells_damped"] > 0
+    assert_within_bounds(other)
+    for name in ("x_A [1]", "x_B [1]", "x_C [1]"):
+        np.testing.assert_allclose(other.profiles[name][::-1], one.profiles[name], atol=1e-9)
+
+
 def in_series(cells: int, Da: float):
     """A -> B -> C of first order in plug flow: C = 1 - (1 + Da x/L) exp(-Da x/L) is zero where the gas enters."""
     scene = isothermal("A:1", species(A=0.028, B=0.028, C=0.028))

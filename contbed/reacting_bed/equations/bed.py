@@ -20,8 +20,8 @@ T_s, what they take comes at T_f:
 
 The correction makes the J_k sum to zero. The weighted sum of all species equations is that of G. With one temperature
 both energy equations are added. Where species are no unknowns of a film the gas at the particle is that of the stream.
-Several kinds of particles each have equations of their own, see `equations.kinds`; how amounts stay above zero tells
-`limited`.
+Several kinds of particles each have equations of their own, see `equations.kinds`; how amounts stay above zero tell
+`limited` and `bounded`.
 
 Source: Wakao, Kaguei 1982, Heat and Mass Transfer in Packed Beds; Bird, Stewart, Lightfoot 2002, ch. 19.
 """
@@ -38,6 +38,7 @@ from numpy.typing import NDArray
 
 from contbed.closures.reactions import R_GAS
 from contbed.reacting_bed.equations.inside import Inside
+from contbed.reacting_bed.equations.losses import within
 
 Enthalpy = Callable[[Any], Any]
 LEAST_T = 50.0  # [K] below which properties are evaluated there, for states within an iteration
@@ -137,6 +138,7 @@ class Bed:
     small: float | None = None  # share of a solid below which powers of it are straight lines; None: that of the laws
     gas_pressure: Any = None  # [Pa] at the nodes, at which the gas is stored in time; None: it follows at once
     inside: Inside | None = None  # particles that take up gas
+    most_lost: Mapping[str, Any] = field(default_factory=dict)  # of solids at rest, see `losses` [mol/m3 bed/s]
 
     def state(self, u: Sequence[Any]) -> State:
         """Return the state at points from the unknowns."""
@@ -287,7 +289,8 @@ class Bed:
         made: dict[str, Any] = {}
         particles: dict[str, Any] = {}
         inside: dict[str, list[Any]] = {}
-        for reaction, rates in zip(self.reactions, self._rates_at_points(state, transport), strict=True):
+        found = within(self._rates_at_points(state, transport), self.reactions, self.most_lost)
+        for reaction, rates in zip(self.reactions, found, strict=True):
             rate = sum(rates[1:], rates[0])
             held = self._adsorbed(reaction)
             for name, count in reaction.stoichiometry.items():

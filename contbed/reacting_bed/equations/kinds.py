@@ -71,7 +71,11 @@ class KindsBed(Bed):
     @cached_property
     def beds(self) -> dict[str, Bed]:
         """The equations of each kind with the rates of this bed."""
-        return {kind: replace(part, strength=self.strength, small=self.small) for kind, part in self.parts.items()}
+        found = {}
+        for kind, part in self.parts.items():
+            most = {name: self.most_lost[of_kind(name, kind)] for name in part.layout.solids if self.most_lost}
+            found[kind] = replace(part, strength=self.strength, small=self.small, most_lost=most)
+        return found
 
     @cached_property
     def names_of(self) -> dict[str, tuple[str, ...]]:

@@ -1,0 +1,178 @@
+"""Steps in time in which amounts of gases and solids stay above zero; `limited` tells it of steady states.
+
+Two things take an amount below zero, and a step that does so is taken again with bounds:
+
+    in space    Polynomials of gases that follow at once, and of solids that move, are damped in their cells as in
+                steady states, C_e(u) - C_e(u_upwind) = h ( S_e(u) - dc_e/dt ) where damping is strong. It is measured
+                by what is carried, and by what a stage stores, h/(gamma dt).
+    in time     Solids at rest know nothing of each other: at nodes that would fall below zero reactions take in
+                neither stage more than there is, n/((1 - gamma) dt) and what is left/(gamma dt),
+                see `equations.losses`.
+
+Neither takes anything from a balance, and where no amount falls below zero a step is that without bounds to the last
+bit. Damping stays for the next step, and falls where there is room. A step for which no bounds are found is made
+shorter, and taken as it is if that does not help.
+
+The error of a step is that before damping grows, in damped cells that of the means, and not less than the square of
+what a step without bounds takes of solids at rest beyond what there is: of order 2 as the estimate is.
+
+Source: Zhang, Shu 2010, J. Comput. Phys. 229, 3091-3120, doi:10.1016/j.jcp.2009.12.030.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.errors import ConvergenceError
+from contbed.reacting_bed import solve
+from contbed.reacting_bed.amounts import along, at_rest, carried, lowest
+from contbed.reacting_bed.limited import ENOUGH, FIRST, FLAT, LEAST, MOST, more
+from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.stages import GAMMA, stages
+
+Array = NDArray[np.float64]
+Problems = tuple[Problem, Problem]
+TRIALS = 12
+ROOM = 0.05  # of the mean of a cell, least amounts above which its damping falls
+FALL = 0.9  # from one step to the next: jumps of the damping are errors of a step
+NONE = 1e-4  # of the damping that makes a polynomial flat, below which there is none
+
+
+class Bounded(NamedTuple):
+    """A step in time.
+
+    problems, states : the bed at its stages, and their states
+    damping : of the next step
+    limited : whether reactions take all there is of a solid
+    within : whether no amount is below zero
+    """
+
+    problems: Problems
+    states: tuple[Array, Array]
+    error: float
+    damping: Array
+    limited: bool
+    within: bool
+
+    @property
+    def cells(self) -> NDArray[np.bool_]:
+        """Which cells are damped (N,)."""
+        damping = self.problems[1].damping
+        return np.zeros(self.problems[1].line.cells, dtype=bool) if damping is None else (damping > 0.0).max(axis=0)
+
+
+class _Look(NamedTuple):
+    """Least values and means in cells of both stages over sizes (m, N), and the least at nodes (m, N, p + 1)."""
+
+    low: Array
+    mean: Array
+    nodes: Array
+
+    @classmethod
+    def at(cls, problems: Problems, states: tuple[Array, Array]) -> _Look:
+        """Look at the states of both stages."""
+        pairs = list(zip(problems, states, strict=True))
+        values = [along(problem, u) for problem, u in pairs]
+        low = np.minimum(*(lowest(problem, u) for problem, u in pairs))
+        return cls(low, np.minimum(*(v @ problems[0].line.weights for v in values)), np.minimum(*values))
+
+
+def bounded(
+    problems: Problems, u: Array, guess: Array, dt: float, report: solve.Report, sizes: Array, damping: Array
+) -> Bounded:
+    """Return a step from a state, begun with a damping (m, N); for others see `stages`.
+
+    A step whose error is larger than `time.tolerance` is returned at once.
+
+    Raises
+    ------
+    ConvergenceError : the step without bounds is not found
+    """
+    scene = problems[1].scene
+    assert scene.time is not None
+    below = -scene.solver.newton_tolerance
+    flat, rest = flattening(problems[1], dt), at_rest(problems[1])[:, None, None]
+    ended, before = np.zeros(u.shape, dtype=bool), np.zeros_like(damping)
+    trial = _damped(problems, damping)
+    first, last, error = stages(trial, u, guess, dt, report, sizes)
+    found = Bounded(trial, (first, last), error, damping, False, False)
+    if error > scene.time.tolerance:
+        return found
+    look = _Look.at(trial, found.states)
+    if rest.any():
+        beyond = np.minimum(along(trial[1], u), 0.0) - look.nodes
+        found = found._replace(error=max(error, float(np.where(rest, beyond, 0.0).max()) ** 2))
+        if found.error > scene.time.tolerance:
+            return found
+    for _ in range(TRIALS):
+        wrong = (look.low < below) & (flat > 0.0)
+        empty = rest & (look.nodes < below)
+        if not (wrong.any() or empty.any()):
+            return found._replace(damping=_later(damping, look, flat, -below), within=True)
+        wrong &= (damping < FLAT * flat) | (look.mean > 0.0)
+        if (empty & ~ended).any():  # first, as a solid below zero makes the gas that it reacts with
+            ended = ended | empty
+        elif wrong.any():
+            damping = np.where(wrong, _grown(damping, look, before, flat), damping)
+            before = np.where(wrong, look.low, 0.0)
+        else:
+            break
+        trial = _damped(problems, damping)
+        try:
+            first, last, _ = stages(trial, u, guess, dt, report, sizes, ended if ended.any() else None)
+        except ConvergenceError:
+            break
+        found = Bounded(trial, (first, last), found.error, damping, bool(ended.any()), False)
+        look = _Look.at(trial, found.states)
+    return found
+
+
+def flattening(problem: Problem, dt: float) -> Array:
+    """Return the damping that makes polynomials of a step flat (m, N): what is carried, and stored of it in a stage.
+
+    None of a gas that fills the pores: its moles sum to what has room there, and fluxes that flatten one gas alone push
+    the others along the bed.
+    """
+    speeds, stored = carried(problem), problem.bed.gas_pressure is not None
+    gas = np.array([name.startswith("g_") for name in problem.names])
+    speeds = np.where(gas & stored, 0.0, speeds)[:, None]
+    held = np.where(gas, 0.0, 1.0)[:, None]
+    found: Array = np.where(speeds > 0.0, speeds + held * problem.line.h / (GAMMA * dt), 0.0)
+    return found
+
+
+def _needed(damping: Array, look: _Look, flat: Array) -> Array:
+    """Return the damping by which the least is zero, if deviations of the mean fall as 1/(1 + d/(FIRST flat))."""
+    with np.errstate(all="ignore"):
+        free = (look.mean - look.low) * (1.0 + damping / (FIRST * flat))
+        found: Array = FIRST * flat * (free / look.mean - 1.0)
+    return found
+
+
+def _grown(damping: Array, look: _Look, before: Array, flat: Array) -> Array:
+    """Return a larger damping: by a straight line through two trials, or what is needed by one."""
+    with np.errstate(all="ignore"):
+        largest = np.maximum(flat, MOST * damping)
+        by_one = np.clip(ENOUGH * _needed(damping, look, flat), LEAST * damping, largest)
+        by_one = np.where(look.mean > 0.0, by_one, largest)
+    return np.where(before < 0.0, more(damping, look.low, before, look.mean, flat), by_one)
+
+
+def _later(damping: Array, look: _Look, flat: Array, tolerance: float) -> Array:
+    """Return the damping of the next step."""
+    if not damping.any():
+        return damping
+    room = (look.low > ROOM * look.mean) | (look.mean < tolerance)
+    found: Array = np.where(room, FALL * damping, damping)
+    return np.where(found < NONE * flat, 0.0, found)
+
+
+def _damped(problems: Problems, damping: Array) -> Problems:
+    """Return the bed at both stages with damping."""
+    if not damping.any():
+        return problems
+    return replace(problems[0], damping=damping), replace(problems[1], damping=damping)
