@@ -10,6 +10,7 @@ import ast
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from keyword import iskeyword
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from contbed.scene.names import nearest
 
 TINY = 1e-14  # below which a power that is no whole number is a straight line
 LONGEST = 2000  # characters
-_WITH_UNIT = re.compile(r"(?<![\w.])\d+\.?\d*(?:[eE][+-]?\d+)? *[A-Za-z%]\w*")  # "900 K"
+_WITH_UNIT = re.compile(r"(?<![\w.])\d+\.?\d*(?:[eE][+-]?\d+)? *([A-Za-z_%]\w*)")  # "900 K"
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "exp": np.exp,
     "log": np.log,
@@ -76,7 +77,7 @@ def parse_formula(text: str) -> Formula:
     try:
         tree = ast.parse(text.replace("^", "**").strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError) as error:
-        if found := _WITH_UNIT.search(text):
+        if (found := _WITH_UNIT.search(text)) and not iskeyword(found[1]):
             raise SceneError(f"{found[0]!r}: a number in a formula has no unit; write it in SI") from None
         reason = getattr(error, "msg", None) or str(error)
         raise SceneError(f"cannot be read as a formula ({reason}); write it as in k*c_A*(1 - X)**(2/3)") from None

@@ -19,6 +19,7 @@ import numpy as np
 
 from contbed.closures.formula import FUNCTIONS, Formula, parse_formula
 from contbed.design.dimensions import unit_of_formula
+from contbed.errors import SceneError
 from contbed.fem.dual import Dual
 
 # a name in quotes, or a dotted or plain one; the digits and the letter e of a number are none
@@ -81,7 +82,11 @@ def read_expression(text: str, unit_of: Callable[[str], str], unit: str | None =
             return name
         return names.setdefault(name, f"_{len(names)}")
 
-    formula = parse_formula(_NAME.sub(placed, text))
+    try:
+        formula = parse_formula(_NAME.sub(placed, text))
+    except SceneError as error:  # speaks of the places of names
+        named = {place: name for name, place in names.items()}
+        raise SceneError(re.sub(r"\b_\d+\b", lambda match: named.get(match[0], match[0]), str(error))) from None
     units = {place: unit_of(name) for name, place in names.items()}
     if unit is None:
         unit = (

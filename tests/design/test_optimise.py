@@ -322,6 +322,20 @@ def test_formulas_have_values_units_and_derivatives(text, value, unit):
         assert slope == pytest.approx(difference, rel=1e-8, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("(mesh.length - 900 Pa)**2", "'900 Pa': a number in a formula has no unit; write it in SI"),
+        ("mesh.length pressure_drop_Pa", "cannot be read as a formula"),
+        ("mesh.length(2)", "there is no function 'mesh.length' for formulas"),
+    ],
+)
+def test_what_is_no_formula_is_told_with_its_names(text, told):
+    with pytest.raises(SceneError) as caught:
+        read_expression(text, UNITS.__getitem__)
+    assert str(caught.value).startswith(told)
+
+
 KILLED = """
 import os, signal, sys
 sys.path[:0] = {paths}
