@@ -75,7 +75,8 @@ class Plan:
 
         `cells` has no effect: fronts, which bind the steps of a gas that is stored, are as steep as cells let them.
         """
-        from contbed.reacting_bed.transient import FIRST_STEP, MOST_GROWTH
+        from contbed.reacting_bed.course import FIRST_STEP
+        from contbed.reacting_bed.transient import MOST_GROWTH
 
         time, section = self.scene.time, self.scene.section
         assert time is not None

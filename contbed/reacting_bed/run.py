@@ -28,7 +28,8 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     ConvergenceError : no state is found; the last one is kept, the message names where it fails
     """
     if plan.scene.time is not None:
-        from contbed.reacting_bed.transient import Course, run_transient
+        from contbed.reacting_bed.course import Course
+        from contbed.reacting_bed.transient import run_transient
 
         course = Course.of(plan.scene, plan.problem, plan.schedule, plan.stores_gas)
         run_transient(course, result, folder, quiet, start)

@@ -23,8 +23,8 @@ from contbed.fem.dolfinx import on_dolfinx
 from contbed.loading import from_dict
 from contbed.models import plan as make_plan
 from contbed.reacting_bed.amounts import carried
+from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.storage import Storage
-from contbed.reacting_bed.transient import Course
 from contbed.runner import run
 
 FORMS, TOLERANCE = 1e-12, 1e-10

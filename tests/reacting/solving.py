@@ -9,9 +9,9 @@ import numpy as np
 import contbed
 from contbed.loading import from_dict
 from contbed.models import plan
+from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.stages import stages
-from contbed.reacting_bed.transient import Course
 from contbed.result import Result
 
 CLOSED = 1e-12  # of what enters

@@ -25,10 +25,11 @@ from contbed.loading import from_dict
 from contbed.models import plan
 from contbed.reacting_bed import bounded as module
 from contbed.reacting_bed.amounts import between_nodes, lowest
+from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.equations.losses import within
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.stages import GAMMA, stages
-from contbed.reacting_bed.transient import Course, begin, march
+from contbed.reacting_bed.transient import begin, march
 
 LEFT = 1.1e-10  # below zero, of the size of an amount
 CLOSED = 1e-12

@@ -11,10 +11,10 @@ from contbed.errors import ConvergenceError, SceneError
 from contbed.fem.line_dg import System
 from contbed.loading import from_dict
 from contbed.particle.uptake import invert
+from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.plan import plan
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.stages import GAMMA, stages
-from contbed.reacting_bed.transient import Course
 
 CLOSED = 1e-12
 RESIDENCE = 0.8  # [s] of the gas in `danckwerts`: 0.4 of 1 m at 0.5 m/s

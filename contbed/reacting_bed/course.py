@@ -1,0 +1,151 @@
+"""A reacting bed in the course of a run: what its series say at a time, the state at the start, where steps end."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contbed.closures.reactions import R_GAS
+from contbed.materials.composition import mole_fractions
+from contbed.reacting_bed import scene as s
+from contbed.reacting_bed import solve
+from contbed.reacting_bed.equations.bed import conserved
+from contbed.reacting_bed.history import SAME, output_times
+from contbed.reacting_bed.inlet_series import constant
+from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.schedule import Schedule
+from contbed.reacting_bed.stages import GAMMA
+from contbed.reacting_bed.storage import Storage
+from contbed.scene.toml_lines import KeyPath
+
+Array = NDArray[np.float64]
+SMOOTH = 1e-5  # share of a solid that is left, below which its powers are straight lines
+FIRST_STEP = 1e-5  # of the whole time, at the start and after a jump
+SHORTEST_STEP = 1e-12  # of the whole time, below which a run is given up
+STAGES = (GAMMA, 1.0)  # times of the stages of a step over its size
+LEAST_RANGE = 1.0  # [K] of the temperatures of a run, where those of the scene and of the bed differ by less
+
+
+@dataclass(frozen=True)
+class Course:
+    """The bed of a scene in the course of a run, whose series have the values of a time; `problem` is at the start.
+
+    `temperatures` are the lowest and highest of the scene: of what enters, of the wall and of the start [K].
+    """
+
+    scene: s.ReactingScene
+    problem: Problem
+    schedule: Schedule
+    temperatures: tuple[float, float]
+
+    @classmethod
+    def of(cls, scene: s.ReactingScene, problem: Problem, schedule: Schedule, stores_gas: bool) -> Course:
+        """Return the bed of a plan; a gas that is stored is so at the pressures of the first moment.
+
+        Raises
+        ------
+        ConvergenceError : these are not found
+        """
+        moments = [problem.within(schedule.frozen(scene, moment)) for moment in schedule.moments() or [0.0]]
+        problem = problem.with_small(SMOOTH).with_peaks(_peaks(scene, moments))
+        course = cls(scene, problem, schedule, _temperatures(scene, moments))
+        if not stores_gas:
+            return course
+        pressure: Any = problem.bed.p_in
+        if problem.layout.pressure:
+            u = course.start()
+            storage = Storage.after(course.problem, u, FIRST_STEP * course.time.end)
+            at_once = solve.newton(course.problem, u, solve.Report(), storage, most=solve.FIRST_ITERATIONS)
+            pressure = problem.at_all_points(at_once)[problem.layout.names.index("p")]
+        return replace(course, problem=course.problem.with_gas_stored(pressure))
+
+    @property
+    def time(self) -> s.Time:
+        """The [time] table."""
+        assert self.scene.time is not None
+        return self.scene.time
+
+    @cached_property
+    def small(self) -> dict[KeyPath, float]:
+        """Sizes of kinks of the series that a step may pass."""
+        return self.schedule.small(self.time)
+
+    @cached_property
+    def cuts(self) -> list[float]:
+        """Jumps and kinks of the series, with the start and the end of the run [s]."""
+        return self.schedule.cuts(self.time.end, self.small)
+
+    def seen(self, time: float, step: float) -> float:
+        """Return the longest step [s] from a time, halved until its stages tell what the series do meanwhile."""
+        while step > SHORTEST_STEP * self.time.end and not self.schedule.sees(time, time + step, STAGES, self.small):
+            step *= 0.5
+        return step
+
+    def since(self, time: float) -> float:
+        """Return the last jump or kink up to a time [s]."""
+        return self.cuts[bisect_right(self.cuts, time * (1.0 + SAME)) - 1]
+
+    def at(self, time: float, before: bool = True, since: float = 0.0) -> Problem:
+        """Return the problem at a time [s], at a jump that `before` it, `since` an earlier one, or just after it."""
+        if not self.schedule:
+            return self.problem
+        return self.problem.within(self.schedule.frozen(self.scene, time, before, since))
+
+    def start(self) -> Array:
+        """Return the state at the start (m, N, p + 1)."""
+        problem, time = self.problem, self.time
+        T = time.initial_temperature or problem.streams.T_gas
+        u, moles = problem.start(T), sum(problem.streams.gas.values())
+        if time.initial_composition is not None:
+            fractions = mole_fractions(time.initial_composition)
+            for k, name in enumerate(problem.names):
+                if name.startswith("g_"):
+                    u[k] = fractions.get(name[2:], 0.0) * moles
+        molar, m = problem.streams.pressure / (R_GAS * T), len(problem.layout.names)
+        for k, name in enumerate(problem.names):
+            if name.startswith("a_"):  # particles begin in equilibrium with the gas around them
+                gas = k - k % m + problem.layout.gases.index(str(conserved(name)))
+                u[k] = u[gas] / moles * molar
+        return u
+
+    def sizes(self, u: Array) -> Array:
+        """Return what errors of the unknowns refer to (m,): temperatures to the range of the scene and of a state."""
+        out = self.problem.sizes.copy()
+        rows = [k for k, name in enumerate(self.problem.names) if name in self.problem.layout.temperatures]
+        if rows:
+            low, high = self.temperatures
+            out[rows] = max(high, u[rows].max()) - min(low, u[rows].min())
+            out[rows] = np.maximum(out[rows], LEAST_RANGE)
+        return out
+
+    def stops(self) -> list[float]:
+        """Return the times at which a step ends: output times, and jumps and kinks of the series [s]."""
+        time = self.time
+        found: list[float] = []
+        for stop in sorted({*output_times(time), *self.cuts} - {0.0}):
+            if not found or stop - found[-1] > SAME * stop:
+                found.append(stop)
+        return found
+
+
+def _peaks(scene: s.ReactingScene, moments: list[Problem]) -> dict[str, float]:
+    """Return the largest mole fraction of each gas that enters or fills the bed."""
+    parts = [{name: g / sum(at.streams.gas.values()) for name, g in at.streams.gas.items()} for at in moments]
+    assert scene.time is not None
+    if scene.time.initial_composition is not None:
+        parts.append(mole_fractions(scene.time.initial_composition))
+    return {name: max(part.get(name, 0.0) for part in parts) for part in parts for name in part}
+
+
+def _temperatures(scene: s.ReactingScene, moments: list[Problem]) -> tuple[float, float]:
+    """Return the lowest and highest temperature of what enters, of the wall and of the start [K]."""
+    assert scene.time is not None
+    found: list[Any] = [T for at in moments for T in (at.streams.T_gas, at.streams.T_solid)]
+    found += [at.scene.wall.ambient for at in moments if at.scene.wall is not None]
+    known = [constant(T) for T in (*found, scene.time.initial_temperature) if T is not None]
+    return min(known), max(known)
