@@ -235,12 +235,24 @@ def plan(scene: Any) -> Any:
     return model_of(scene).find("plan", "plan")(scene)
 
 
+@dataclass(frozen=True)
+class Unfactored:
+    """In place of a policy where no matrix is factored: a run takes so many bytes for each unknown."""
+
+    bytes_each: float
+
+    def predicted_GB(self, size: int) -> float:
+        """Predict the memory of a run [GB]."""
+        return 1e-9 * self.bytes_each * size
+
+
 def described(plan: Plan, *more: str) -> str:
     """Describe what a plan builds and leaves out as a table, its unknowns with their memory, and further lines."""
     rows = [("BUILT", what, why) for what, why in plan.built]
     rows += [("SKIPPED", what, why) for what, why in plan.skipped]
     width = max(len(what) for _, what, _ in rows)
     lines = [f"{state:8}{what:{width}}  {why}" for state, what, why in rows]
-    for part, size in ((part, size) for part, size in plan.unknowns().items() if size):
-        lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * plan.policy.predicted_GB(size)):.0f} MB")
+    for part, size in plan.unknowns().items():
+        if size:
+            lines.append(f"{part}: {size} unknowns, about {max(1.0, 1e3 * plan.policy.predicted_GB(size)):.0f} MB")
     return "\n".join([*lines, *more, *(f"WARNING {text}" for text in plan.scene.warnings)])

@@ -25,13 +25,13 @@ from contbed.dem.settling import stages_of
 from contbed.dem.simulation import LARGEST_OVERLAP, Simulation
 from contbed.dem.walls import INFINITE, Domain, box
 from contbed.errors import SceneError
-from contbed.models import described
+from contbed.models import Unfactored, described
 from contbed.scene.toml_lines import Origin
 
 GRAVITY = 9.81  # m/s2
 SKIN = 0.4  # of the radius; fluidized beds need new lists a third as often as at the 0.1 of packings, 30 % less time
 IMPACT_SPEED = 0.3  # m/s, of which the time step of the particles resolves impacts
-BYTES = 400.0  # of memory for each unknown; six of a particle, with its neighbours: 300 in a bed of 175 800
+MEMORY = Unfactored(400.0)  # bytes for each unknown; six of a particle, with its neighbours: 300 in a bed of 175 800
 MOST_HALVINGS = 2  # of that step, where a stray particle is too fast for it: four times the speed, and the work
 MOST_TRIED = 5000  # particles that a trial settles, in half a minute
 # s of processor to settle a particle, by the steps in which it would fall from the height of the loose bed: in the
@@ -51,15 +51,9 @@ class GasPlan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
+    policy: Unfactored = MEMORY
     without_weak_form: str = "scenes of kind particles_gas"
     steps: bool = True
-
-    @property
-    def policy(self) -> Any:
-        """Memory of a run, which factors no matrix."""
-        from contbed.solvers.linear import Unfactored
-
-        return Unfactored(BYTES)
 
     @property
     def number(self) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,14 @@ from contbed.dem.particle_files import read_particles
 from contbed.dem.scene import Lattice, Layers, ParticleScene
 from contbed.dem.sizes import random_radii
 from contbed.errors import EngineError, SceneError
-from contbed.models import Plan, described
+from contbed.models import Plan, Unfactored, described
 
 Array = NDArray[np.float64]
 
 BOTTOM, TOP = 1.0, 2.0  # diameters from the floor and from the surface, where the layers of a packing end
 
-BYTES = 4e3  # of memory for each temperature, with the paths of its particle: 2000 by contacts, 3700 through a fluid
+# bytes for each temperature, with the paths of its particle: 2000 by contacts, 3700 through a fluid
+MEMORY = Unfactored(4e3)
 
 # centres in the unit cell, and the edge of the cell over the radius of spheres that touch
 _CORNERS = {
@@ -47,16 +48,10 @@ class ParticlePlan:
     built: tuple[tuple[str, str], ...]
     skipped: tuple[tuple[str, str], ...]
     mesh: None = None
+    policy: Unfactored = MEMORY
     without_weak_form: str = "scenes of kind particles"
     steps: bool = False
     engine: Literal["contbed", "lammps"] = "contbed"
-
-    @property
-    def policy(self) -> Any:
-        """Memory of a run, which factors no matrix."""
-        from contbed.solvers.linear import Unfactored
-
-        return Unfactored(BYTES)
 
     def unknowns(self) -> dict[str, int]:
         """Count the unknowns: the temperatures."""

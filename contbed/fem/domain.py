@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from skfem.mesh import Mesh as SkfemMesh
 from skfem.quadrature import get_quadrature
 
-from contbed.fem.dual import Components
+from contbed.fem.dual import Components, plain
 from contbed.fem.elements import Space, lagrange
 
 Array = NDArray[np.float64]
@@ -87,7 +87,7 @@ class Domain:
         slopes = [geometry.table(self.X, a) for a in range(self.dim)]
         rate = [sum(direction[k] * self.inverse[a][k] for k in range(self.dim)) for a in range(self.dim)]
         total = sum(
-            np.abs(sum(_plain(rate[a]) * slopes[a][n] for a in range(self.dim))) for n in range(geometry.nvertices)
+            np.abs(sum(plain(rate[a]) * slopes[a][n] for a in range(self.dim))) for n in range(geometry.nvertices)
         )
         length: Array = 2.0 / np.maximum(total, 1e-150)  # where nothing moves a direction may vanish
         return length
@@ -138,10 +138,6 @@ class Domain:
                                 for m in range(self.dim):
                                     add(("g", m), -term * self._curvature[a][b][k] * self.inverse[m][k])
         return out
-
-
-def _plain(value: Any) -> Any:
-    return getattr(value, "value", value)
 
 
 def _facet_quadrature(refdom: Any, facet: int, order: int) -> tuple[Array, Array]:

@@ -164,6 +164,11 @@ class Dual(NDArrayOperatorsMixin):
         )
 
 
+def plain(value: Any) -> Any:
+    """Return the value of a dual number; other values as they are."""
+    return getattr(value, "value", value)
+
+
 class Linear(NDArrayOperatorsMixin):
     """A linear expression in the test functions: the coefficient of each test slot."""
 

@@ -31,7 +31,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.fem.dual import Dual
+from contbed.fem.dual import Dual, plain
 from contbed.fem.line_slopes import Slopes
 
 Array = NDArray[np.float64]
@@ -369,9 +369,5 @@ def _seeded(u: Array, q: Array, diffuses: Any, jacobian: bool) -> tuple[Values, 
 def _values(parts: Values, shape: tuple[int, ...], m: int) -> Array:
     out = np.empty((m, *shape))
     for k, part in enumerate(parts):
-        out[k] = _plain(part)
+        out[k] = plain(part)
     return out
-
-
-def _plain(part: Any) -> Any:
-    return part.value if isinstance(part, Dual) else part

@@ -40,13 +40,15 @@ def read_table(path: Path | str) -> dict[str, NDArray[np.float64]]:
         raise _damaged(path, str(error)) from error
     if not headers or len(set(headers)) != len(headers):
         raise _damaged(path, "it has no header, or the same one twice")
-    for line, row in enumerate(rows, start=2):
+    data = np.empty((len(rows), len(headers)))
+    for line, (row, values) in enumerate(zip(rows, data, strict=True), start=2):
         if len(row) != len(headers):
             raise _damaged(f"{path}:{line}", f"{len(row)} values under {len(headers)} headers")
-        for header, item in zip(headers, row, strict=True):
-            if not is_number(item):
-                raise _damaged(f"{path}:{line}", f"{header} is {item!r}")
-    data = np.array([[float(item) for item in row] for row in rows]).reshape(-1, len(headers))
+        try:
+            values[:] = [float(item) for item in row]
+        except ValueError:
+            header, item = next(pair for pair in zip(headers, row, strict=True) if not is_number(pair[1]))
+            raise _damaged(f"{path}:{line}", f"{header} is {item!r}") from None
     return dict(zip(headers, data.T.copy(), strict=True))
 
 

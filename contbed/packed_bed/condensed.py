@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from contbed.fem.dual import plain
 from contbed.packed_bed.equations import two_energy
-from contbed.packed_bed.heat_coefficients import plain
 from contbed.solvers.condensed import Inside
 
 

@@ -11,11 +11,12 @@ import numpy as np
 from contbed.errors import ConvergenceError
 from contbed.fem import system as make_system
 from contbed.fem.domain import Domain
+from contbed.fem.dual import plain
 from contbed.fem.skfem import Ops
 from contbed.mesh.mesh import Mesh
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.equations import two_energy
-from contbed.packed_bed.heat_coefficients import HeatCoefficients, Motion, plain
+from contbed.packed_bed.heat_coefficients import HeatCoefficients, Motion
 from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.radiation import coupling

@@ -11,7 +11,7 @@ import numpy as np
 
 from contbed.closures.optics import SIGMA
 from contbed.fem.domain import Domain
-from contbed.fem.dual import Components
+from contbed.fem.dual import Components, plain
 from contbed.fem.skfem import Ops, System
 from contbed.fem.stabilisation import tau
 from contbed.mesh.mesh import Mesh
@@ -200,8 +200,3 @@ class HeatCoefficients:
         if condition.ambient is not None:
             options["ambient"] = condition.ambient
         return options
-
-
-def plain(item: Any) -> Any:
-    """Return the value of a dual number; other values as they are."""
-    return getattr(item, "value", item)

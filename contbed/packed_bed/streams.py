@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contbed.fem.dual import plain
 from contbed.fem.skfem import Ops
 from contbed.packed_bed.heat import PHASES
-from contbed.packed_bed.heat_coefficients import plain
 
 Streams = dict[str, tuple[float, float]]
 

@@ -16,7 +16,7 @@ from contbed.output.folder import SUMMARY, read_summary
 from contbed.output.shapes import Number, Shape, fitting, read_json
 from contbed.report import page
 from contbed.report.charts import COLOURS
-from contbed.report.linked import Column, Linked, linked, read_columns, require_numbers
+from contbed.report.linked import Column, Linked, linked, read_columns
 
 PICTURES = {"fit": "Measured and predicted", "residuals": "Residuals", "keys": "Keys"}
 ENDS = ("low", "high", "low of profile", "high of profile", "low of posterior", "high of posterior")
@@ -97,8 +97,7 @@ def of_calibration(folder: Path) -> str:
     """
     what = "the summary of a calibration"
     found = read_json(folder / SUMMARY, CalibrationSummary, what, REMEDY)
-    points = read_columns(folder / "points.csv", (*TEXTS, *NUMBERS))
-    require_numbers(folder / "points.csv", points, NUMBERS)
+    points = read_columns(folder / "points.csv", TEXTS, NUMBERS)
     with fitting(folder / SUMMARY, what, REMEDY):
         return _page(folder, found, points)
 

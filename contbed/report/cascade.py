@@ -15,7 +15,7 @@ from contbed.output.folder import SUMMARY, read_summary
 from contbed.output.shapes import Number, Pair, Shape, fitting, read_json
 from contbed.report import page
 from contbed.report.charts import COLOURS
-from contbed.report.linked import Column, linked, read_columns, require_numbers
+from contbed.report.linked import Column, linked, read_columns
 from contbed.sweep.table import result
 
 REMEDY = "run contbed cascade again"
@@ -90,8 +90,7 @@ def of_cascade(folder: Path) -> str:
     what = "the summary of a cascade"
     found = read_json(folder / SUMMARY, CascadeSummary, what, REMEDY)
     names = [result(name).name for name in found["qoi"]]
-    samples = read_columns(folder / "samples.csv", names)
-    require_numbers(folder / "samples.csv", samples, names)
+    samples = read_columns(folder / "samples.csv", numbers=names)
     with fitting(folder / SUMMARY, what, REMEDY):
         return _page(folder, found, samples)
 
@@ -180,8 +179,7 @@ def _points(folder: Path, found: Mapping[str, Any]) -> list[dict[str, Any]]:
     about = found.get("measured")
     if not about:
         return []
-    columns = read_columns(folder / "measured.csv", POINTS)
-    require_numbers(folder / "measured.csv", columns, POINTS)
+    columns = read_columns(folder / "measured.csv", numbers=POINTS)
     t, x = columns["t"].values, columns["position"].values
     charts = []
     for place in sorted({value for value in x if value is not None}):

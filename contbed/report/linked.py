@@ -209,12 +209,13 @@ def _broken(label: str) -> str:
 REMEDY = "run the command that wrote it again"
 
 
-def read_columns(file: Path, needed: Sequence[str] = ()) -> dict[str, Column]:
+def read_columns(file: Path, texts: Sequence[str] = (), numbers: Sequence[str] = ()) -> dict[str, Column]:
     """Read a table of numbers and texts by the names in its header; an empty cell or nan is no value.
 
     Raises
     ------
-    ContbedError : the file cannot be read, its rows do not fit the header, or one of the columns `needed` is not there
+    ContbedError : the file cannot be read, its rows do not fit the header, one of the columns `texts` and `numbers`
+        is not there, or one of `numbers` holds a text
     """
     try:
         with open(file, encoding="utf-8", newline="") as opened:
@@ -233,8 +234,9 @@ def read_columns(file: Path, needed: Sequence[str] = ()) -> dict[str, Column]:
     for k, header in enumerate(head):
         name, _, unit = header.rpartition(" [") if header.endswith("]") else (header, "", "")
         found[name] = Column(name, unit.rstrip("]"), _values([row[k] for row in rows]))
-    if missing := [name for name in needed if name not in found]:
+    if missing := [name for name in (*texts, *numbers) if name not in found]:
         raise ContbedError(f"{file}: has no column {missing[0]!r}; {REMEDY}")
+    require_numbers(file, found, numbers)
     return found
 
 

@@ -83,17 +83,6 @@ class Policy:
         return self.limit_GB if self.limit_GB is not None else 0.6 * free_memory_GB()
 
 
-@dataclass(frozen=True)
-class Unfactored:
-    """In place of a `Policy` where no matrix is factored: a run takes so many bytes for each unknown."""
-
-    bytes_each: float
-
-    def predicted_GB(self, size: int) -> float:
-        """Predict the memory of a run [GB]."""
-        return 1e-9 * self.bytes_each * size
-
-
 def free_memory_GB() -> float:
     """Return the memory that the system can still give [GB]; infinite where it does not say."""
     try:

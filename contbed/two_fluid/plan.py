@@ -11,7 +11,7 @@ from contbed import threads
 from contbed.errors import SceneError
 from contbed.mesh.build import build
 from contbed.mesh.mesh import Mesh
-from contbed.models import described
+from contbed.models import Unfactored, described
 from contbed.scene.mesh import MeshFile
 from contbed.two_fluid import boundary, closure_kernels, filters, near_walls, probes, warnings
 from contbed.two_fluid import scene as t
@@ -24,7 +24,7 @@ from contbed.two_fluid.simulation import Simulation
 if TYPE_CHECKING:
     from contbed.two_fluid.distributed.grid import SharedGrid
 
-BYTES = 400.0  # of memory for each unknown: 200 in 800 000 of a plane, up to 600 in 140 000 of a volume
+MEMORY = Unfactored(400.0)  # bytes for each unknown: 200 in 800 000 of a plane, up to 600 in 140 000 of a volume
 # s of CPU per cell and step in 1-D, 2-D and 3-D, of beds of some 10 000 cells, on rectangular grids and on any mesh
 STEP_COST_IN_ROWS, STEP_COST = (5e-7, 9e-7, 1.3e-6), (5e-7, 1.2e-6, 3e-6)
 
@@ -41,15 +41,9 @@ class TwoFluidPlan:
     probes: dict[str, int]
     warnings: tuple[str, ...] = ()
     steps: bool = True
+    policy: Unfactored = MEMORY
     without_weak_form: str = ""
     shared_grid: SharedGrid | None = None  # of ranks, which then have the grid; `grid` is its outline
-
-    @property
-    def policy(self) -> Any:
-        """Memory of a run, which factors no matrix."""
-        from contbed.solvers.linear import Unfactored
-
-        return Unfactored(BYTES)
 
     def unknowns(self) -> dict[str, int]:
         """Count unknowns: fraction, pressure, granular temperature and two velocities in each cell."""

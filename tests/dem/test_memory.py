@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from contbed import threads
-from contbed.cfd_dem.plan import BYTES
+from contbed.cfd_dem.plan import MEMORY
 from contbed.dem.contact_heat import ContactHeat
 from contbed.dem.kernel_arrays import BLOCK
 from contbed.dem.ordering import CUBE
@@ -16,7 +16,6 @@ from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain, box
 from contbed.output import checkpoint
-from contbed.solvers.linear import Unfactored
 
 RADIUS = 1e-3
 GLASS = Material(rolling_friction=0.02)
@@ -52,7 +51,7 @@ def alone():
 def test_plans_tell_the_memory_of_particles():
     """Six unknowns each; what a run takes besides its arrays for the gas, and their parts out of use, is within 2."""
     bed = crowd(sizes=False, heat=False)
-    told = 1e9 * Unfactored(BYTES).predicted_GB(6 * len(bed.position))
+    told = 1e9 * MEMORY.predicted_GB(6 * len(bed.position))
     assert 1.0 < told / bed._memory.bytes < 2.0
 
 
