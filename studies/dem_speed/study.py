@@ -54,15 +54,6 @@ def least(simulation: Simulation, steps: int) -> float:
     return min(own_seconds(simulation, steps) for _ in range(REPEATS))
 
 
-def reference(code: str, position: Any, width: float, density: float, steps: int, **variables: Any) -> float:
-    """CPU time of some steps of a peer [s], with variables of its deck."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        particle_codes.write_bed(folder / "bed.data", position, D, width, density)
-        variables = {"data": "bed.data", "L": repr(width)} | variables
-        return particle_codes.seconds(code, HERE / DECKS[code], folder, variables, steps, 1)
-
-
 def bed_of(count: int) -> tuple[Any, float, Material]:
     """A settled bed between walls, or tiles of it side by side; centres, width and material."""
     width, tiles, density = BEDS[count]
@@ -99,12 +90,16 @@ def speed() -> Table:
             plain = order == "packed" and heated == "none"
             peers = [code for code in (DECKS if plain else ("LIGGGHTS",)) if particle_codes.available(code)]
             taken: dict[str, list[float]] = {code: [] for code in (OWN, *peers)}
-            for _ in range(REPEATS):
-                taken[OWN].append(own_seconds(simulation, steps))
-                for code in peers:
-                    switch = {"heat": int(heated == "contacts")} if code == "LIGGGHTS" else {}
-                    bed = (position, side, material.density)
-                    taken[code].append(reference(code, *bed, steps, skin=repr(skin), **switch))
+            variables = {"data": "bed.data", "L": repr(side), "skin": repr(skin), "heat": int(heated == "contacts")}
+            with tempfile.TemporaryDirectory() as name:
+                folder = Path(name)
+                particle_codes.write_bed(folder / "bed.data", position, D, side, material.density)
+                for _ in range(REPEATS):
+                    taken[OWN].append(own_seconds(simulation, steps))
+                    for code in peers:
+                        taken[code].append(
+                            particle_codes.seconds(code, HERE / DECKS[code], folder, variables, steps, 1)
+                        )
             seconds = {name: min(values) for name, values in taken.items()}
             for name, value in seconds.items():
                 ratio = f"{seconds['LIGGGHTS'] / value:.2f}" if "LIGGGHTS" in seconds else None
