@@ -54,6 +54,11 @@ def least(simulation: Simulation, steps: int) -> float:
     return min(own_seconds(simulation, steps) for _ in range(REPEATS))
 
 
+def reference(code: str, folder: Path, steps: int, variables: dict[str, Any]) -> float:
+    """CPU time of some steps of a peer [s], of the bed that is in a folder, with variables of its deck."""
+    return particle_codes.seconds(code, HERE / DECKS[code], folder, variables, steps, repeats=1)
+
+
 def bed_of(count: int) -> tuple[Any, float, Material]:
     """A settled bed between walls, or tiles of it side by side; centres, width and material."""
     width, tiles, density = BEDS[count]
