@@ -108,7 +108,7 @@ class Slopes:
         self.gradients = {f: system.m + k for k, (f, *_) in enumerate(system.diffusing)}
         self.inside: dict[tuple[int, int], Array] = {}
         self.at_vertices: dict[tuple[int, int], Array] = {}
-        self.damping: dict[int, Array] = {}
+        self.damping: dict[tuple[int, int], Array] = {}
 
     def _of(self, e: int, f: int, slot: str) -> tuple[Array, Array]:
         """Return the derivatives of a pair: (2, N, p + 1) of flux and source, (2, N + 1) by traces left and right."""
@@ -131,9 +131,9 @@ class Slopes:
         for e, f in np.argwhere(coupling):
             self.add_source(int(e), int(f), "u", coupling[e, f])
 
-    def add_damping(self, f: int, damping: Array) -> None:
-        """Add the derivative of the residual of a field by its damping in each cell (N,)."""
-        self.damping[f] = np.repeat(damping * self.system.line.h, self.system.line.degree + 1)
+    def add_damping(self, e: int, f: int, t: Array) -> None:
+        """Add the derivative (N, p + 1) of the flux of an equation by the slope of a field over its cell."""
+        self.damping[e, f] = (t * self.system.line.h[:, None]).ravel()
 
     def add_face(self, e: int, f: int, slot: str, t: Array, left_side: bool) -> None:
         """Add d(flux)/d(trace) `t` (N + 1,) of one field, whose trace belongs to the cell on one side of each face.
@@ -166,7 +166,7 @@ class Slopes:
             raise ConvergenceError("the matrix holds values that are not finite")
         on = system.on
         key = on.ranks.new_key()
-        damped = [(f, damping / sizes[f]) for f, damping in self.damping.items()]
+        damped = [(e, f, t / sizes[e]) for (e, f), t in self.damping.items()]
         tables = (pairs, inside, at_vertices, damped, system.diffusing)
         on.ranks.run_on_all(parts.jacobian, on.key, key, system.m, *tables)
         return Matrix(on.ranks, key, on.layout(system.m))

@@ -1,7 +1,7 @@
 """What every rank does on its part of a line: the weak form of `fem.line_dg` in UFL, assembled by DOLFINx.
 
-For each equation, with fluxes F = C + D, less damping inside of cells, and sources S at the Gauss points, fluxes H at
-the vertices, and left and right for the sides of an interior vertex,
+For each equation, with fluxes F = C + D and those of damping, and sources S at the Gauss points, fluxes H at the
+vertices, and left and right for the sides of an interior vertex,
 
     residual    - int (F v' + S v) dx + sum over vertices H (v_left - v_right) + H n v at the ends
     gradient    int q v dx = int u' v dx + sum over vertices (u_right - u_left) v_w + (value - u) n v at an end where a
@@ -97,7 +97,7 @@ def _make_forms(stored: Any, points: Array, weights: Array) -> None:
         "residual": -(flux * v.dx(0) + source * v) * dx + passed(on_left("+"), on_left),
         "jacobian": -(flux * u * v.dx(0) + source * u * v) * dx
         + passed(on_left("+") * left(u) + on_right("+") * right(u), (on_left + on_right) * u),
-        "damping": flux * u.dx(0) * v.dx(0) * dx,
+        "damping": -flux * u.dx(0) * v.dx(0) * dx,
         "gradient": lifted(field, value),
         "gradient_by_field": lifted(u, 0.0),
         "lengths": v * dx,
@@ -169,7 +169,7 @@ def jacobian(
     pairs: list[tuple[int, int]],
     inside: Array,
     at_vertices: Array,
-    damped: list[tuple[int, Array]],
+    damped: list[tuple[int, int, Array]],
     diffusing: Diffusing,
 ) -> None:
     """Store the matrix of derivatives by `fields` unknowns of each node as object `matrix`.
@@ -177,11 +177,11 @@ def jacobian(
     pairs : (equation, unknown), where gradients are unknowns behind the fields
     inside : for each pair, derivatives (2, nodes) of flux and source
     at_vertices : for each pair, derivatives (2, N + 1) of fluxes by traces from the left and the right
-    damped : fields, and at the nodes their damping times the length of the cell
+    damped : (equation, field, derivatives of the flux at the nodes by the gradient of the field within its cell)
     """
     stored = all_ranks.objects[key]
     slopes = len(diffusing)
-    own = [row for row, column in pairs if column < fields] + [f for f, _ in damped]
+    own = [row for row, column in pairs if column < fields] + [row for row, *_ in damped]
     A = _Part(all_ranks, stored, (fields, fields), own)
     by_slope = _Part(all_ranks, stored, (fields, slopes), [row for row, column in pairs if column >= fields])
     of_slope = _Part(all_ranks, stored, (slopes, fields), range(slopes))
@@ -190,9 +190,9 @@ def jacobian(
         stored.left.x.array[:], stored.right.x.array[:] = left[stored.vertices], right[stored.vertices]
         into, k = (A, column) if column < fields else (by_slope, column - fields)
         into.add(row, k, "jacobian")
-    for f, damping in damped:
-        stored.flux.x.array[:] = damping[stored.at_points]
-        A.add(f, f, "damping")
+    for row, column, flux in damped:
+        stored.flux.x.array[:] = flux[stored.at_points]
+        A.add(row, column, "damping")
     for k, (f, ahead, given, value) in enumerate(diffusing):
         _set_ends(stored, ahead, given, value)
         of_slope.add(k, f, "gradient_by_field")

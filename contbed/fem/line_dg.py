@@ -10,9 +10,9 @@ tested with the same polynomials; fluxes of cells meet at the ends of the cells:
     C from the traces upwind, D from the traces on the other side (local discontinuous Galerkin, alternating fluxes),
     u' h = u_xi + (u_upwind - u) phi/w   at the end from which u comes.
 
-Where `damping` d of a field is given, - d du/dxi adds to the flux inside of the cell, xi in [0, 1], and to none at its
-ends: what passes and is held stays the same, and the field is flat where d is large.
-A field that is a flux to the left has d below zero.
+Where `damping` d of a field is given, a flux J = - d du/dxi adds inside of the cell, xi in [0, 1], and none at its
+ends: what passes and is held stays the same, and the field is flat where d is large. What comes with J in other
+equations the point tells. A field that is a flux to the left has d below zero.
 
 Fields that come from the left and from the right share the points, so that what one gains the other loses exactly, and
 the sum of an equation over all cells is flux in = flux out + source to rounding. Fields are of order p + 1. Where D = 0
@@ -49,6 +49,9 @@ class Point(Protocol):
 
     def diffusive(self, u: Values, q: Values) -> Values:
         """Return diffusive fluxes alone."""
+
+    def damped(self, u: Values, J: Values) -> Values:
+        """Return the fluxes of all equations that come with fluxes J by which fields are damped."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,9 +299,9 @@ class System:
         Df = self.point.diffusive(values, grads) if self.diffuses.any() else [0.0] * m
 
         F = _values(C, shape, m).reshape(m, N, n) + _values(D, shape, m).reshape(m, N, n)
-        if self.damping is not None:
-            beyond = u - (u @ line.weights)[:, :, None]  # of the means, whose rounding large damping would keep
-            F -= self.damping[:, :, None] * (beyond @ line.slopes.T)
+        E: Values = [] if self.damping is None else self._damped(u, self.damping, jacobian)
+        if E:
+            F += _values(E, shape, m).reshape(m, N, n)
         source = _values(S, shape, m).reshape(m, N, n)
         if self.coupling is not None:
             source += np.tensordot(self.coupling, u, axes=1)
@@ -309,6 +312,8 @@ class System:
             return residual, None
         slopes = self.no_slopes()
         self._differentiate(C, D, S, slopes)
+        if self.damping is not None:
+            self._differentiate_damping(E, self.damping, slopes)
         self._differentiate_faces(Cf, Df, slopes)
         return residual, slopes
 
@@ -335,9 +340,26 @@ class System:
                     add(e, f, slot, np.broadcast_to(tangent, (shape[0] * shape[1],)).reshape(shape))
         if self.coupling is not None:
             slopes.add_coupling(self.coupling)
-        if self.damping is not None:
-            for f in np.flatnonzero(self.damping.any(axis=1)):
-                slopes.add_damping(int(f), self.damping[f])
+
+    def _damped(self, u: Array, damping: Array, jacobian: bool) -> Values:
+        """Return the fluxes of all equations by damping; slot "J" are those of the fields."""
+        line, m = self.line, self.m
+        beyond = u - (u @ line.weights)[:, :, None]  # of the means, whose rounding large damping would keep
+        J = (-damping[:, :, None] * (beyond @ line.slopes.T)).reshape(m, -1)
+        values, _ = _seeded(u.reshape(m, -1), J, self.diffuses, jacobian)
+        one = np.ones(J.shape[1])
+        return self.point.damped(values, [Dual(x, {("J", f): one}) if jacobian else x for f, x in enumerate(J)])
+
+    def _differentiate_damping(self, E: Values, damping: Array, slopes: Any) -> None:
+        """Add the derivatives of fluxes by damping, by the values and by the slopes of fields within their cells."""
+        shape = self.line.points.shape
+        for e, flux in enumerate(E):
+            for (slot, f), tangent in getattr(flux, "tangents", {}).items():
+                t = np.broadcast_to(tangent, (shape[0] * shape[1],)).reshape(shape)
+                if slot == "u":
+                    slopes.add_flux(e, f, slot, t)
+                elif damping[f].any():
+                    slopes.add_damping(e, f, -t * damping[f][:, None])
 
     def _differentiate_faces(self, Cf: Values, Df: Values, slopes: Any) -> None:
         """Add the derivatives of the fluxes through the vertices."""

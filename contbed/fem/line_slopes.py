@@ -64,10 +64,10 @@ class Slopes:
         """Add derivatives (m, m) of the sources of equations by the values of fields, alike at all nodes."""
         self.blocks.sources[...] += coupling[:, :, None, None]
 
-    def add_damping(self, f: int, damping: Array) -> None:
-        """Add the derivative of the residual of a field by its damping in each cell (N,)."""
+    def add_damping(self, e: int, f: int, t: Array) -> None:
+        """Add the derivative (N, p + 1) of the flux of an equation by the slope of a field over its cell."""
         D = self.line.slopes
-        self.blocks.add_nodes(f, f, "u", damping[:, None, None] * (D.T @ (self.line.weights[:, None] * D)))
+        self.blocks.add_nodes(e, f, "u", -D.T @ ((self.line.weights * t)[:, :, None] * D))
 
     def add_face(self, e: int, f: int, slot: str, t: Array, left_side: bool) -> None:
         """Add d(flux)/d(trace) `t` (N + 1,) of one field, whose trace belongs to the cell on one side of each face."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.reacting_bed.equations.bed import conserved
+from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.problem import Problem
 
 Array = NDArray[np.float64]

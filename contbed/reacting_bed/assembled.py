@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from contbed.materials.thermo import T_STANDARD
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.equations.bed import Bed, Enthalpy, Layout
+from contbed.reacting_bed.equations.bed import Bed, Enthalpy
+from contbed.reacting_bed.equations.unknowns import Layout
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.kinetics import Reaction
 from contbed.reacting_bed.medium import Medium

@@ -2,16 +2,17 @@
 
 Two things take an amount below zero, and a step that does so is taken again with bounds:
 
-    in space    Polynomials of gases that follow at once, and of solids that move, are damped in their cells as in
-                steady states, C_e(u) - C_e(u_upwind) = h ( S_e(u) - dc_e/dt ) where damping is strong. It is measured
-                by what is carried, and by what a stage stores, h/(gamma dt).
+    in space    Polynomials of gases, and of solids that move, are damped in their cells as in steady states,
+                C_e(u) - C_e(u_upwind) = h ( S_e(u) - dc_e/dt ) where damping is strong. It is measured by what is
+                carried, and by what a stage stores, c h/(gamma dt). What damps a gas in the pores displaces the
+                others, see `equations.bed`.
     in time     Solids at rest know nothing of each other: at nodes that would fall below zero reactions take in
                 neither stage more than there is, n/((1 - gamma) dt) and what is left/(gamma dt),
                 see `equations.losses`.
 
 Neither takes anything from a balance, and where no amount falls below zero a step is that without bounds to the last
-bit. Damping stays for the next step, and falls where there is room. A step for which no bounds are found is made
-shorter, and taken as it is if that does not help.
+bit. Damping stays for the next step and falls where there is room, soon that of a gas in the pores. A step for which
+no bounds are found is made shorter, and taken as it is if that does not help.
 
 The error of a step is that before damping grows, in damped cells that of the means, and not less than the square of
 what a step without bounds takes of solids at rest beyond what there is: of order 2 as the estimate is.
@@ -39,6 +40,7 @@ Problems = tuple[Problem, Problem]
 TRIALS = 12
 ROOM = 0.05  # of the mean of a cell, least amounts above which its damping falls
 FALL = 0.9  # from one step to the next: jumps of the damping are errors of a step
+FALL_STORED = 0.2  # of a gas that is stored, whose polynomial stays as it was damped: 0.5 errs six times as much
 NONE = 1e-4  # of the damping that makes a polynomial flat, below which there is none
 
 
@@ -112,7 +114,7 @@ def bounded(
         wrong = (look.low < below) & (flat > 0.0)
         empty = rest & (look.nodes < below)
         if not (wrong.any() or empty.any()):
-            return found._replace(damping=_later(damping, look, flat, -below), within=True)
+            return found._replace(damping=_later(problems[1], damping, look, flat), within=True)
         wrong &= (damping < FLAT * flat) | (look.mean > 0.0)
         if (empty & ~ended).any():  # first, as a solid below zero makes the gas that it reacts with
             ended = ended | empty
@@ -132,17 +134,16 @@ def bounded(
 
 
 def flattening(problem: Problem, dt: float) -> Array:
-    """Return the damping that makes polynomials of a step flat (m, N): what is carried, and stored of it in a stage.
-
-    None of a gas that fills the pores: its moles sum to what has room there, and fluxes that flatten one gas alone push
-    the others along the bed.
-    """
-    speeds, stored = carried(problem), problem.bed.gas_pressure is not None
-    gas = np.array([name.startswith("g_") for name in problem.names])
-    speeds = np.where(gas & stored, 0.0, speeds)[:, None]
-    held = np.where(gas, 0.0, 1.0)[:, None]
+    """Return the damping that makes polynomials of a step flat (m, N): what is carried, and stored of it in a stage."""
+    speeds, stored = carried(problem)[:, None], problem.bed.gas_pressure is not None
+    of_gas = problem.gas_residence / problem.scene.mesh.length if stored else 0.0
+    held = np.where(_gas(problem), of_gas, 1.0)[:, None]
     found: Array = np.where(speeds > 0.0, speeds + held * problem.line.h / (GAMMA * dt), 0.0)
     return found
+
+
+def _gas(problem: Problem) -> NDArray[np.bool_]:
+    return np.array([name.startswith("g_") for name in problem.names])
 
 
 def _needed(damping: Array, look: _Look, flat: Array) -> Array:
@@ -162,12 +163,13 @@ def _grown(damping: Array, look: _Look, before: Array, flat: Array) -> Array:
     return np.where(before < 0.0, more(damping, look.low, before, look.mean, flat), by_one)
 
 
-def _later(damping: Array, look: _Look, flat: Array, tolerance: float) -> Array:
+def _later(problem: Problem, damping: Array, look: _Look, flat: Array) -> Array:
     """Return the damping of the next step."""
     if not damping.any():
         return damping
-    room = (look.low > ROOM * look.mean) | (look.mean < tolerance)
-    found: Array = np.where(room, FALL * damping, damping)
+    room = (look.low > ROOM * look.mean) | (look.mean < problem.scene.solver.newton_tolerance)
+    stored = _gas(problem)[:, None] & (problem.bed.gas_pressure is not None)
+    found = np.where(room, np.where(stored, FALL_STORED, FALL) * damping, damping)
     return np.where(found < NONE * flat, 0.0, found)
 
 

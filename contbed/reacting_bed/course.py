@@ -14,7 +14,7 @@ from contbed.closures.reactions import R_GAS
 from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed import solve
-from contbed.reacting_bed.equations.bed import conserved
+from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.history import SAME, output_times
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.problem import Problem

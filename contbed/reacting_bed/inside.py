@@ -15,9 +15,10 @@ from contbed.closures.reactions import R_GAS
 from contbed.particle.interior import SURFACE_OVER_VOLUME, interior
 from contbed.particle.uptake import Level, breakthrough_error, moving_bed_error
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.equations.bed import Bed, State
+from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.inside import Inside, Isotherm, adsorbed
 from contbed.reacting_bed.equations.kinds import KindsBed, of_kind
+from contbed.reacting_bed.equations.unknowns import State
 from contbed.reacting_bed.kinds import kind_scene
 
 SHAPES = {"spheres": "sphere", "rods": "cylinder"}

@@ -13,8 +13,9 @@ from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.assembled import bed_of, temperatures_of
-from contbed.reacting_bed.equations.bed import Bed, Layout
+from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.kinds import KindsBed, of_kind
+from contbed.reacting_bed.equations.unknowns import Layout
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.kinetics import Reaction, reactions_of, site_of
 from contbed.reacting_bed.medium import Medium

@@ -13,7 +13,7 @@ from contbed.closures.ranges import RangeUse
 from contbed.closures.reactions import R_GAS
 from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.equations.bed import LEAST_T, State
+from contbed.reacting_bed.equations.unknowns import LEAST_T, State
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.kinetics import FINEST, Local
 from contbed.reacting_bed.substances import Substances

@@ -16,9 +16,10 @@ from contbed.fem.line_dg import Ends, Line, System
 from contbed.reacting_bed import kinds
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.assembled import bed_of
-from contbed.reacting_bed.equations.bed import Bed, Layout, State, conserved
+from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.parts import Parts
 from contbed.reacting_bed.equations.section import Section
+from contbed.reacting_bed.equations.unknowns import Layout, State, conserved
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.inside import Choice, with_inside
 from contbed.reacting_bed.kinds import species_of

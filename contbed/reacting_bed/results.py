@@ -12,8 +12,8 @@ from contbed.balance import Balance
 from contbed.closures.reactions import R_GAS
 from contbed.materials.thermo import T_STANDARD, Equilibrium
 from contbed.reacting_bed.amounts import Least, below_zero, between_nodes, least
-from contbed.reacting_bed.equations.bed import State, conserved
 from contbed.reacting_bed.equations.kinds import of_kind
+from contbed.reacting_bed.equations.unknowns import State, conserved
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.results_kinds import fill_kinds, of_iron
 from contbed.result import Result, outside

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from contbed.balance import Balance
 from contbed.reacting_bed import results
-from contbed.reacting_bed.equations.bed import conserved
+from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.history import History
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage

@@ -33,7 +33,7 @@ def vessel(Pe, Da):
 
 def dispersed(Pe, Da, **time):
     scene = danckwerts(Pe, Da)
-    scene["mesh"]["cells"] = 12
+    scene["mesh"]["cells"] = 16
     scene["output"]["positions"] = [1.0]
     scene["time"] = {"end": 2.0 * RESIDENCE, "initial_composition": "B:1"} | time
     return scene

@@ -11,7 +11,7 @@ import time
 import numpy as np
 import pytest
 from adsorption_scenes import adsorber
-from reacting_bed_scenes import fixed_bed, isothermal
+from reacting_bed_scenes import N_SOLID, danckwerts, fixed_bed, isothermal
 from several_solids import split_adsorbing, split_pellets
 
 import contbed
@@ -127,7 +127,24 @@ def kinds_of_pellets():
     return split_pellets(given, coarse={"particle_diameter": 5e-3})
 
 
+def gas_that_is_damped():
+    """A front of a gas in the pores, on cells that do not resolve it."""
+    given = danckwerts(1000.0, 0.0)
+    given["mesh"]["cells"] = 6
+    return given | {"time": {"end": 1.6, "initial_composition": "B:1", "tolerance": 1e-3}}
+
+
+def cores_that_are_damped():
+    """Cores of 0.2 mm at rest, whose rate takes what is left of them."""
+    given = fixed_bed("bohart_adams", 0.0, 0.0, 0.0, 2.0, 1.5)
+    given["reactions"]["r"] |= {"orders": {"A": 1.0}, "A": given["reactions"]["r"]["A"] * N_SOLID}
+    given["mesh"]["cells"] = 20
+    return given
+
+
 BEDS = {
+    "damped": gas_that_is_damped(),
+    "limited": cores_that_are_damped(),
     "heated section": heated_section(),
     "adsorbing section": adsorbing_section(),
     "section of pellets": section_of_pellets(),

@@ -30,7 +30,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -39,82 +38,9 @@ from numpy.typing import NDArray
 from contbed.closures.reactions import R_GAS
 from contbed.reacting_bed.equations.inside import Inside
 from contbed.reacting_bed.equations.losses import within
+from contbed.reacting_bed.equations.unknowns import LEAST_T, Layout, State
 
 Enthalpy = Callable[[Any], Any]
-LEAST_T = 50.0  # [K] below which properties are evaluated there, for states within an iteration
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Which unknowns there are, in their order."""
-
-    gases: tuple[str, ...]
-    solids: tuple[str, ...]
-    temperatures: tuple[str, ...]  # (), ("T",) or ("T_fluid", "T_solid")
-    pressure: bool
-    films: tuple[str, ...] = ()
-    inside: tuple[str, ...] = ()  # gases inside of particles
-    points: int = 0  # of a particle, at which they are known
-    kinds: tuple[str, ...] = ()  # of particles where there are several, whose names end those of solids and films
-    inside_kinds: tuple[str, ...] = ()  # unknowns inside of several kinds of particles
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """Names of all unknowns."""
-        pressure = ("p",) if self.pressure else ()
-        gases, films = (f"g_{name}" for name in self.gases), (f"s_{name}" for name in self.films)
-        solids = (f"n_{name}" for name in self.solids)
-        return (*gases, *solids, *self.temperatures, *pressure, *films, *self.inner, *self.inside_kinds)
-
-    @cached_property
-    def inner(self) -> tuple[str, ...]:
-        """Names of the unknowns inside of particles of one kind."""
-        return tuple(f"a_{name}_{i}" for name in self.inside for i in range(self.points))
-
-    def concentrations(self, values: Mapping[str, Any]) -> dict[str, list[Any]]:
-        """Return the concentrations of each gas at the points of a particle, from unknowns by name."""
-        return {name: [values[f"a_{name}_{i}"] for i in range(self.points)] for name in self.inside}
-
-    def gas_of_film(self, film: str) -> str:
-        """Return the gas of a film, "CO" of that of the kind "ore", "CO_ore"."""
-        return film.rpartition("_")[0] if self.kinds else film
-
-
-def conserved(name: str) -> str | None:
-    """Return the species whose moles an unknown counts; None for temperatures, pressure and films."""
-    kind, _, rest = name.partition("_")
-    if kind == "a":  # a_GAS_POINT, or a_GAS_POINT_KIND
-        gas, _, last = rest.rpartition("_")
-        return gas if last.isdigit() else gas.rpartition("_")[0]
-    return rest if kind in ("g", "n") else None
-
-
-@dataclass(frozen=True)
-class State:
-    """What follows from the unknowns at points."""
-
-    g: Mapping[str, Any]
-    n: Mapping[str, Any]
-    T_fluid: Any
-    T_solid: Any
-    p: Any
-    moles: Any  # molar flux of the gas
-    flux: Any  # mass flux
-    x: Mapping[str, Any]
-    c: Mapping[str, Any]
-    rho: Any
-    films: Mapping[str, Any] = field(default_factory=dict)  # concentrations at the particle [mol/m3]
-    inner: Mapping[str, Sequence[Any]] = field(default_factory=dict)  # in the pores of particles, at their points
-    kinds: Mapping[str, State] = field(default_factory=dict)  # as each of several kinds of particles sees it
-
-    def of(self, kind: str | None) -> State:
-        """Return the state as a kind of particles sees it, None where there is one."""
-        return self if kind is None else self.kinds[kind]
-
-    @property
-    def u(self) -> Any:
-        """Superficial velocity [m/s]."""
-        return self.flux / self.rho
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,6 +103,31 @@ class Bed:
         """Return the diffusive fluxes of all equations at points."""
         state = self.state(u)
         return self._diffusive(state, q, self.medium.at(state), self._gas_enthalpies(state))
+
+    def damped(self, u: Sequence[Any], J: Sequence[Any]) -> list[Any]:
+        """Return the fluxes of all equations that come with those of gases and solids which damp them in their cells.
+
+        They carry their enthalpies. Where the gas fills the pores as many moles go back, of each gas its share.
+        """
+        return self._damped(self.state(u), dict(zip(self.layout.names, J, strict=True)))
+
+    def _damped(self, state: State, J: Mapping[str, Any]) -> list[Any]:
+        gas, heat = self._gas_damped(state, J)
+        solids = {name: J[f"n_{name}"] for name in state.n}
+        out = [*gas.values(), *solids.values()]
+        if self.layout.temperatures:
+            of_solids: Any = sum(flux * self.enthalpies[name](state.T_solid) for name, flux in solids.items())
+            out += [heat + of_solids] if len(self.layout.temperatures) == 1 else [heat, of_solids]
+        return out + [0.0] * (len(self.layout.names) - len(out))
+
+    def _gas_damped(self, state: State, J: Mapping[str, Any]) -> tuple[dict[str, Any], Any]:
+        """Return the fluxes of all gases that come with those which damp them, and of their heat."""
+        fluxes = {name: J[f"g_{name}"] for name in state.g}
+        if self.gas_pressure is not None:
+            total: Any = sum(fluxes.values())
+            fluxes = {name: flux - state.x[name] * total for name, flux in fluxes.items()}
+        h = self._gas_enthalpies(state)
+        return fluxes, sum(flux * h[name] for name, flux in fluxes.items()) if h else 0.0
 
     def _gas_enthalpies(self, state: State) -> dict[str, Any]:
         if not self.layout.temperatures:

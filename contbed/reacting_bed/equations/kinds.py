@@ -27,7 +27,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.reacting_bed.equations.bed import Bed, Layout, State
+from contbed.reacting_bed.equations.bed import Bed
+from contbed.reacting_bed.equations.unknowns import Layout, State
 
 
 def of_kind(name: str, kind: str) -> str:
@@ -147,6 +148,20 @@ class KindsBed(Bed):
             for kind, own in transport.kinds.items():
                 name = of_kind("T_solid", kind)
                 found[name] = -own.conductivity_solid * slopes[name]
+        return self._in_order(found)
+
+    def _damped(self, state: State, J: Mapping[str, Any]) -> list[Any]:
+        gas, heat = self._gas_damped(state, J)
+        found = {f"g_{name}": flux for name, flux in gas.items()}
+        found |= dict.fromkeys(("T", "T_fluid"), heat)
+        for kind, part in self.parts.items():
+            own = {of_kind(f"n_{name}", kind): name for name in part.layout.solids}
+            found |= {name: J[name] for name in own}
+            T = state.kinds[kind].T_solid
+            if self.layout.temperatures:
+                carried: Any = sum(J[name] * part.enthalpies[solid](T) for name, solid in own.items())
+                found["T"] = found["T"] + carried
+                found[of_kind("T_solid", kind)] = carried
         return self._in_order(found)
 
     def _sources(self, state: State, transport: Any, h: Mapping[str, Any]) -> list[Any]:

@@ -25,9 +25,10 @@ from typing import Any
 
 import numpy as np
 
-from contbed.reacting_bed.equations.bed import Bed, State
+from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.kinds import of_kind
 from contbed.reacting_bed.equations.parts import Parts
+from contbed.reacting_bed.equations.unknowns import State
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +57,10 @@ class Section:
     def diffusive(self, u: Sequence[Any], q: Sequence[Any]) -> list[Any]:
         """Return the diffusive fluxes of all equations at points."""
         return self._flat(self._parted(self.bed.diffusive(self._joined(u), self._joined(q))))
+
+    def damped(self, u: Sequence[Any], J: Sequence[Any]) -> list[Any]:
+        """Return the fluxes of all equations that come with those which damp fields in their cells."""
+        return self._flat(self._parted(self.bed.damped(self._joined(u), self._joined(J))))
 
     def _joined(self, u: Sequence[Any]) -> list[Any]:
         """Return the unknowns of one ring at the points of all rings, one after the other.
