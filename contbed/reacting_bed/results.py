@@ -153,10 +153,12 @@ def _gas(problem: Problem, fluxes: Mapping[str, Array], state: State, end: int, 
         name: abs(float(fluxes[f"g_{name}"][end])) * _sign(fluxes[f"g_{name}"][end], problem) for name in streams.gas
     }
     total = sum(leaving.values())
+    takes_part = {name for reaction in problem.reactions for name in reaction.stoichiometry}
+    takes_part |= {str(conserved(name)) for name in problem.layout.names if name.startswith("a_")}
     for name, entering in streams.gas.items():
         qoi[f"out_{name}_mol_m2s"] = leaving[name]
         qoi[f"x_{name}_out"] = leaving[name] / total
-        if entering and abs(leaving[name]) < abs(entering):
+        if name in takes_part and entering and abs(leaving[name]) < abs(entering):
             qoi[f"conversion_{name}"] = 1.0 - leaving[name] / abs(entering)
     water = leaving.get("H2O", 0.0)
     if water:
