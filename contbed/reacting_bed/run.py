@@ -44,14 +44,16 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
             raise ConvergenceError(_sentence(problem, error), report.history, error.state) from None
     result.history += report.history
     result.adaptations = report.rounds
+    smoothed = solve.smoothing_changes(problem, u, report) if report.small > LARGE_SMOOTHING else 0.0
     if report.rounds:
-        result.qoi["estimated_error"] = max(report.estimate, report.damping_changes)
+        result.qoi["estimated_error"] = max(report.estimate, report.damping_changes, smoothed)
     if report.stopped:
         result.warnings.append("the last better cells gave no state: the errors are those of `estimated_error`")
-    if report.small > LARGE_SMOOTHING:
+    if smoothed > plan.scene.solver.tolerance:
         result.warnings.append(
-            f"powers of what is left of a solid are straight lines below {report.small:g} of it: sharper ones give no "
-            "state on these cells"
+            f"powers of what is left of a solid are straight lines below {report.small:g} of it, as sharper ones give "
+            f"no state on these cells; this changes what leaves by {smoothed:.2g} of what enters. A solver.tolerance "
+            "that differs, or mesh.cells, gives other cells"
         )
     if report.damping_changes > limited.LARGE_CHANGE * plan.scene.solver.tolerance:
         result.warnings.append(

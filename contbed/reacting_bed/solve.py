@@ -312,6 +312,15 @@ def sharper(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]
     return trial, u
 
 
+def smoothing_changes(problem: Problem, u: Array, report: Report) -> float:
+    """Return by how much what leaves would change with powers as sharp as those of the laws, over what enters.
+
+    By one step of Newton's method, which tells it where the method itself does not find them.
+    """
+    du, share, _ = step(problem.with_small(None), u, report)
+    return float(np.abs(what_leaves(problem, u + share * du) - what_leaves(problem, u)).max())
+
+
 def grown(problem: Problem, u: Array, report: Report) -> Array:
     """Return the steady state reached with all rates growing from a small share to their own values."""
     strength, step = 0.0, 0.02

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from reacting_bed_scenes import (
     bilinear,
@@ -14,6 +15,8 @@ from reacting_bed_scenes import (
     table,
 )
 from solving import solved
+
+from contbed.reacting_bed import solve
 
 # of what enters: fluxes at the ends converge with order 7; cells follow a tolerance of 1e-6 and reach 1e-8 and better
 DIGITS = 1e-8
@@ -87,3 +90,18 @@ def test_inert_gases_have_no_conversion():
     scene["fluid"]["species"] |= species(N=0.014)
     found = solved(scene).qoi
     assert [name for name in found if name.startswith("conversion_")] == ["conversion_A"]
+
+
+@pytest.mark.parametrize(
+    ("shares", "within"),
+    [((2.0, 1.2, 0.2, 0.5, 0.3), 1e-3), ((1.0, 0.8, 0.2, 0.5, 0.3), 1e-3), ((2.0, 0.8, 0.0, 0.0, 1.0), 0.6)],
+    ids=["film-and-ash", "much-gas", "used-up"],
+)
+def test_what_smooth_powers_change_is_estimated(shares, within):
+    """Straight lines below 1e-3 of a core, by a step of Newton's method; half too much where it ends within the bed."""
+    problem, sharp = solved(shrinking_core(*shares)).solved
+    smooth = problem.with_small(1e-3)
+    u = solve.newton(smooth, sharp, solve.Report())
+    change = np.abs(solve.what_leaves(problem, sharp) - solve.what_leaves(smooth, u)).max()
+    assert change > 1e-8
+    assert solve.smoothing_changes(smooth, u, solve.Report()) == pytest.approx(change, rel=within)
