@@ -11,11 +11,13 @@ Two things take an amount below zero, and a step that does so is taken again wit
                 see `equations.losses`.
 
 Neither takes anything from a balance, and where no amount falls below zero a step is that without bounds to the last
-bit. Damping stays for the next step and falls where there is room, soon that of a gas in the pores. A step for which
-no bounds are found is made shorter, and taken as it is if that does not help.
+bit. A step for which no bounds are found is made shorter, and taken as it is if that does not help.
 
-The error of a step is that before damping grows, in damped cells that of the means, and not less than the square of
-what a step without bounds takes of solids at rest beyond what there is: of order 2 as the estimate is.
+Damping stays for the next step. Where there is room it falls by and by: a jump of it is one of the gas that follows at
+once, and the error of a step is that before damping grows. A gas in the pores stays as it was damped: where there is
+much room its damping ends at once, as it makes fronts wider, and the error of a step is that with the damping that it
+needs. In damped cells errors are those of the means. They are not less than the square of what a step without bounds
+takes of solids at rest beyond what there is: of order 2 as the estimate is.
 
 Source: Zhang, Shu 2010, J. Comput. Phys. 229, 3091-3120, doi:10.1016/j.jcp.2009.12.030.
 """
@@ -39,8 +41,8 @@ Array = NDArray[np.float64]
 Problems = tuple[Problem, Problem]
 TRIALS = 12
 ROOM = 0.05  # of the mean of a cell, least amounts above which its damping falls
+ROOM_STORED = 0.5  # the same of a gas in the pores: less and damping comes and goes, each a jump that takes short steps
 FALL = 0.9  # from one step to the next: jumps of the damping are errors of a step
-FALL_STORED = 0.2  # of a gas that is stored, whose polynomial stays as it was damped: 0.5 errs six times as much
 NONE = 1e-4  # of the damping that makes a polynomial flat, below which there is none
 
 
@@ -88,7 +90,7 @@ def bounded(
 ) -> Bounded:
     """Return a step from a state, begun with a damping (m, N); for others see `stages`.
 
-    A step whose error is larger than `time.tolerance` is returned at once.
+    A step whose error is larger than `time.tolerance`, and that damping will not make smaller, is returned at once.
 
     Raises
     ------
@@ -99,17 +101,17 @@ def bounded(
     below = -scene.solver.newton_tolerance
     flat, rest = flattening(problems[1], dt), at_rest(problems[1])[:, None, None]
     ended, before = np.zeros(u.shape, dtype=bool), np.zeros_like(damping)
+    stored, least = problems[1].bed.gas_pressure is not None, 0.0
     trial = _damped(problems, damping)
     first, last, error = stages(trial, u, guess, dt, report, sizes)
-    found = Bounded(trial, (first, last), error, damping, False, False)
-    if error > scene.time.tolerance:
-        return found
-    look = _Look.at(trial, found.states)
+    look = _Look.at(trial, (first, last))
     if rest.any():
         beyond = np.minimum(along(trial[1], u), 0.0) - look.nodes
-        found = found._replace(error=max(error, float(np.where(rest, beyond, 0.0).max()) ** 2))
-        if found.error > scene.time.tolerance:
-            return found
+        least = float(np.where(rest, beyond, 0.0).max()) ** 2
+    found = Bounded(trial, (first, last), max(error, least), damping, False, False)
+    falls = stored and bool(((look.low < below) & (flat > 0.0)).any())
+    if (least if falls else found.error) > scene.time.tolerance:
+        return found
     for _ in range(TRIALS):
         wrong = (look.low < below) & (flat > 0.0)
         empty = rest & (look.nodes < below)
@@ -125,10 +127,11 @@ def bounded(
             break
         trial = _damped(problems, damping)
         try:
-            first, last, _ = stages(trial, u, guess, dt, report, sizes, ended if ended.any() else None)
+            first, last, again = stages(trial, u, guess, dt, report, sizes, ended if ended.any() else None)
         except ConvergenceError:
             break
-        found = Bounded(trial, (first, last), found.error, damping, bool(ended.any()), False)
+        error = again if stored else error
+        found = Bounded(trial, (first, last), max(error, least), damping, bool(ended.any()), False)
         look = _Look.at(trial, found.states)
     return found
 
@@ -167,9 +170,10 @@ def _later(problem: Problem, damping: Array, look: _Look, flat: Array) -> Array:
     """Return the damping of the next step."""
     if not damping.any():
         return damping
-    room = (look.low > ROOM * look.mean) | (look.mean < problem.scene.solver.newton_tolerance)
     stored = _gas(problem)[:, None] & (problem.bed.gas_pressure is not None)
-    found = np.where(room, np.where(stored, FALL_STORED, FALL) * damping, damping)
+    enough = np.where(stored, ROOM_STORED, ROOM) * look.mean
+    room = (look.low > enough) | (look.mean < problem.scene.solver.newton_tolerance)
+    found = np.where(room, np.where(stored, 0.0, FALL) * damping, damping)
     return np.where(found < NONE * flat, 0.0, found)
 
 
