@@ -57,7 +57,7 @@ def steady_findings(
     plan: Plan, line: Line, problem: Any, state: Any, fluxes: Any, reactions: Any, result: Result
 ) -> None:
     """Fill in profiles, outlet temperatures, equilibrium and the length to reach it."""
-    fluid, solid = _profiles(plan, line, problem, [state], None, result)
+    fluid, solid = _profiles([plan], line, problem, [state], None, result)
     span = problem.T_span
     result.nodal |= _nodal(problem, state)
     leaving, entering = streams(problem, state)
@@ -135,52 +135,59 @@ def _inside(problem: Any, state: Any) -> dict[str, Any]:
     }
 
 
-def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], fluid: Any, result: Result) -> None:
+def _stream(plans: list[Plan], line: Line, problem: Any, states: list[Any], fluid: Any, result: Result) -> None:
     """Report velocity, density and pressure of the fluid along the bed; the last state gives the pressure drop.
 
-    `fluid` are its temperatures on the line, one row for each state.
+    `plans` hold the velocity of each state, `fluid` are its temperatures on the line, one row for each state.
     """
+    plan = plans[-1]
     axis, medium = plan.mesh.axis, plan.medium
-    velocity, solid = float(plan.velocity[axis]), float(plan.velocity_solid[axis])
+    velocities = [float(each.velocity[axis]) for each in plans]
     space = problem.system.fields["T_fluid"][0]
-    _tell_if_lifted(plan, np.ravel(fluid), result)
-    if plan.plug and velocity:
+    _tell_if_lifted(plans, fluid, result)
+    if plan.plug and any(velocities):
         # from end to end, also where profiles are wanted at a few positions only
         x = line.positions
         if plan.scene.output.positions:
             whole = line_along(plan.mesh, across=plan.scene.output.across)
             x = whole.positions
             fluid = [whole.probe(space, problem.system.part(state, "T_fluid")) for state in states]
-        streams = [along_bed(medium, x, T, velocity, solid) for T in fluid]
+        streams = [
+            along_bed(each.medium, x, T, velocity, float(each.velocity_solid[axis]))
+            for each, T, velocity in zip(plans, fluid, velocities, strict=True)
+        ]
         for name, column in (("u", "u"), ("rho_fluid", "density"), ("p", "pressure")):
             values = [getattr(stream, column) for stream in streams]
             if x is not line.positions:
                 values = [np.interp(line.positions, x, value) for value in values]
             result.profiles[header(name)] = np.concatenate(values)
         last = streams[-1]
-        result.qoi["pressure_drop_Pa"] = float(abs(last.pressure[-1] - last.pressure[0]))
-        result.qoi["residence_time_s"] = medium.scene.bed.porosity * _integral(1.0 / np.abs(last.u), x)
+        if velocities[-1]:
+            result.qoi["pressure_drop_Pa"] = float(abs(last.pressure[-1] - last.pressure[0]))
+            result.qoi["residence_time_s"] = medium.scene.bed.porosity * _integral(1.0 / np.abs(last.u), x)
     elif problem.motion.flow is not None:
         density = np.broadcast_to(medium.fluid.density(fluid[-1]), fluid[-1].shape)
         if header("u") in result.profiles:
             result.profiles[header("rho_fluid")] = density
 
 
-def _tell_if_lifted(plan: Plan, T: Any, result: Result) -> None:
-    """Warn of a fluid that fluidizes the bed at its temperatures [K]."""
-    if text := lifted(plan, T):
-        result.warnings.append(text)
+def _tell_if_lifted(plans: list[Plan], T: Any, result: Result) -> None:
+    """Warn of a fluid that fluidizes the bed at its temperatures [K], one row for each plan; once for each velocity."""
+    rows: dict[bytes, tuple[Plan, list[Any]]] = {}
+    for plan, row in zip(plans, T, strict=True):
+        rows.setdefault(plan.velocity.tobytes() + plan.velocity_solid.tobytes(), (plan, []))[1].append(row)
+    result.warnings += [text for plan, found in rows.values() if (text := lifted(plan, np.ravel(found)))]
 
 
 def _profiles(
-    plan: Plan, line: Line, problem: Any, states: list[Any], times: list[float] | None, result: Result
+    plans: list[Plan], line: Line, problem: Any, states: list[Any], times: list[float] | None, result: Result
 ) -> Any:
-    positions, probe = line.positions, line.probe
+    plan, positions, probe = plans[-1], line.positions, line.probe
     space = problem.system.fields["T_fluid"][0]
     fluid = np.array([probe(space, problem.system.part(state, "T_fluid")) for state in states])
     solid = np.array([probe(space, problem.system.part(state, "T_solid")) for state in states])
     _columns(plan, positions, fluid, solid, problem.T_span, times, result)
-    _stream(plan, line, problem, states, fluid, result)
+    _stream(plans, line, problem, states, fluid, result)
     if problem.modes:
         inner = [_inside(problem, state) for state in states]
         result.profiles |= {
@@ -223,7 +230,7 @@ def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, resul
         snapshots.append(history.state)
     if not snapshots:
         return
-    _profiles(plan, line, problem, snapshots, times, result)
+    _profiles(plan.at(times), line, problem, snapshots, times, result)
     flow = dict(result.nodal)
     changes = problem.motion.flow is not None and problem.motion.flow.local is not None  # `flow` is that at the end
     result.series = [
@@ -244,7 +251,7 @@ def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Re
         positions = np.linspace(0.0, length, 1001)
     along = length - positions if backwards else positions
     fluid, solid = (np.array(part) for part in zip(*(snapshot.at(along) for snapshot in snapshots), strict=True))
-    _tell_if_lifted(plan, fluid[-1], result)
+    _tell_if_lifted([plan], fluid[-1:], result)
     T = (plan.medium.T_fluid_in, time.initial_fluid, time.initial_solid)
     _columns(plan, positions, fluid, solid, (min(T), max(T)), [snapshot.time for snapshot in snapshots], result)
     result.qoi |= {"T_fluid_out_K": float(fluid[-1, 0 if backwards else -1])}
