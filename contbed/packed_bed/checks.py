@@ -23,6 +23,7 @@ from contbed.radiation.checks import (
     radiation_is_complete,
     species_fill_the_solids,
     tubes_see_radiation,
+    two_flux_scatters_evenly,
 )
 from contbed.radiation.scene import Radiation
 from contbed.scene.checking import Check, Mistakes, See
@@ -357,6 +358,7 @@ def the_balance_can_fail(solver: Solver) -> Mistakes:
 
 WARNINGS: tuple[Check, ...] = (
     species_fill_the_solids,
+    two_flux_scatters_evenly,
     the_bed_has_more_than_one_cell,
     the_balance_can_fail,
     prescribed_temperatures_agree_in_corners,
