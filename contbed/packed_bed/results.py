@@ -153,8 +153,8 @@ def _stream(plans: list[Plan], line: Line, problem: Any, states: list[Any], flui
             x = whole.positions
             fluid = [whole.probe(space, problem.system.part(state, "T_fluid")) for state in states]
         streams = [
-            along_bed(each.medium, x, T, velocity, float(each.velocity_solid[axis]))
-            for each, T, velocity in zip(plans, fluid, velocities, strict=True)
+            along_bed(each.medium, x, T, each.velocity, each.velocity_solid, axis)
+            for each, T in zip(plans, fluid, strict=True)
         ]
         for name, column in (("u", "u"), ("rho_fluid", "density"), ("p", "pressure")):
             values = [getattr(stream, column) for stream in streams]
