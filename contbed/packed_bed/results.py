@@ -164,11 +164,25 @@ def _stream(plans: list[Plan], line: Line, problem: Any, states: list[Any], flui
         last = streams[-1]
         if velocities[-1]:
             result.qoi["pressure_drop_Pa"] = float(abs(last.pressure[-1] - last.pressure[0]))
-            result.qoi["residence_time_s"] = medium.scene.bed.porosity * _integral(1.0 / np.abs(last.u), x)
+            mean = _integral(1.0 / np.abs(last.u), x) if not _crosses(plan) else _mean_stay(medium, problem, states[-1])
+            result.qoi["residence_time_s"] = medium.scene.bed.porosity * mean
     elif problem.motion.flow is not None:
         density = np.broadcast_to(medium.fluid.density(fluid[-1]), fluid[-1].shape)
         if header("u") in result.profiles:
             result.profiles[header("rho_fluid")] = density
+
+
+def _crosses(plan: Plan) -> bool:
+    """Whether the fluid crosses the bed at an angle, so that streams enter through several sides."""
+    return int(np.count_nonzero(plan.velocity)) > 1
+
+
+def _mean_stay(medium: Any, problem: Any, state: Any) -> float:
+    """Return the mass that would fill the bed without particles over the mass flow of all streams that enter [s]."""
+    held = problem.system.integrate(
+        lambda unknowns, o: medium.fluid.density(unknowns.T_fluid), [problem.system.cells], state
+    )
+    return float(held / streams(problem, state)[1]["fluid"][0])
 
 
 def _tell_if_lifted(plans: list[Plan], T: Any, result: Result) -> None:

@@ -59,7 +59,10 @@ def test_the_speed_across_the_bed_counts(solid):
     slip = np.array([0.1, 0.4 if not solid else 0.5])
     speed = np.hypot(*slip)
     wanted = pressure_gradient_ergun(u=speed, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2) * slip[0] / speed
-    assert cb.run(from_dict(values)).qoi["pressure_drop_Pa"] == pytest.approx(wanted, rel=1e-12)
+    result = cb.run(from_dict(values))
+    assert result.qoi["pressure_drop_Pa"] == pytest.approx(wanted, rel=1e-12)
+    # what the pores hold over what enters through both sides: 0.2 m of 0.1 m/s and 1 m of 0.4 m/s
+    assert result.qoi["residence_time_s"] == pytest.approx(EPS * 0.2 / (0.2 * 0.1 + 1.0 * 0.4), rel=1e-12)
 
 
 def test_a_resting_fluid_in_a_moving_bed_has_no_pressure_of_its_own_drag():
