@@ -16,6 +16,7 @@ from contbed.packed_bed.schedule_checks import (
     Boundaries,
     at_each_time,
     initial_profiles_fit_the_bed,
+    initial_profiles_reach_both_ends,
     series_are_usable,
 )
 from contbed.radiation.checks import (
@@ -359,6 +360,7 @@ def the_balance_can_fail(solver: Solver) -> Mistakes:
 WARNINGS: tuple[Check, ...] = (
     species_fill_the_solids,
     two_flux_scatters_evenly,
+    initial_profiles_reach_both_ends,
     the_bed_has_more_than_one_cell,
     the_balance_can_fail,
     prescribed_temperatures_agree_in_corners,

@@ -287,6 +287,16 @@ def test_bad_profiles(tmp_path):
         assert words in str(caught.value)
 
 
+def test_a_profile_of_a_shorter_bed_is_told(tmp_path):
+    """Beyond the ends of its file a bed begins with the nearest temperature: told above 5 % of the length."""
+    for rows, told in (("0,300\n0.5,310\n", True), ("0.3,300\n1,310\n", True), ("0.04,300\n0.96,310\n", False)):
+        (tmp_path / "start.csv").write_text("z [m],T [K]\n" + rows)
+        scene = changed(STORE)
+        scene["time"]["initial_solid"] = {"file": "start.csv"}
+        warned = run(scene, tmp_path).warnings
+        assert any("time.initial_solid: positions from" in text for text in warned) == told, warned
+
+
 def test_a_steady_scene_has_no_series():
     """A series without a [time] table is a mistake, told at its key."""
     scene = changed(STORE)
