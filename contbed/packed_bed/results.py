@@ -65,10 +65,10 @@ def steady_findings(
     _exchanger(plan, problem, entering, fluxes, result)
     heats = {name: value + sum(fluxes[name].values()) for name, value in reactions.items()}
     result.qoi |= {f"heat_{plan.as_written(name)}_W": value for name, value in heats.items()}
-    if "tubes" in fluxes.get(INSIDE, {}):
-        # a boundary may be called tubes as well
-        name = "heat_tubes_W" if "tubes" not in reactions else "heat_immersed_tubes_W"
-        result.qoi[name] = fluxes[INSIDE]["tubes"]
+    for inside, otherwise in (("tubes", "immersed_tubes"), ("species", "radiating_species")):
+        if inside in fluxes.get(INSIDE, {}):
+            # a boundary may be called so as well
+            result.qoi[f"heat_{inside if inside not in reactions else otherwise}_W"] = fluxes[INSIDE][inside]
     result.units |= power_units(result.qoi, plan.scene.mesh)
     if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
         x = result.profiles[header(plan.coordinate)]

@@ -73,6 +73,13 @@ def radiation_is_complete(
                 f"with rosseland the solid has the temperature of a wall: {remedy}, or use p1; "
                 f"see {see('radiation.level')}",
             )
+        for name, item in radiation.species.items():
+            if item.temperature is not None:
+                yield (
+                    ("radiation", "species", name, "temperature"),
+                    "with rosseland all particles have the temperature of the solid: leave it out, or use p1; "
+                    f"see {see('radiation.level')}",
+                )
     for key in ("conductivity", "temperature"):
         if heat is not None and getattr(radiation, key) is not None:
             yield ("radiation", key), f"is for a medium alone; [heat] already has it; see {see('heat')}"

@@ -198,7 +198,10 @@ def test_rings_are_compared_by_their_area():
     round_bed = {"mesh": mesh, "boundary.wall": {"type": "wall"}} | ring
     (text,) = plan(from_dict(scene(round_bed, ("boundary.left", "boundary.right")))).warnings
     assert "reaches from 0.025 to 0.05 m on this mesh: 15 % more area" in text
-    for changes in ({"boundary.jet": JET | {"on": "left", "start": 0.1, "end": 0.2}}, {"initial.layer": [{"end": 0.1}]}):
+    for changes in (
+        {"boundary.jet": JET | {"on": "left", "start": 0.1, "end": 0.2}},
+        {"initial.layer": [{"end": 0.1}]},
+    ):
         assert plan(from_dict(scene(changes))).warnings == ()
 
 
