@@ -51,7 +51,7 @@ def test_constant_properties_give_ergun(velocity):
 
 @pytest.mark.parametrize("solid", [0.0, [0.0, -0.1]])
 def test_the_speed_across_the_bed_counts(solid):
-    """A stream that crosses the bed at an angle meets the inertial drag of its whole speed: Ergun along it, to 1e-12."""
+    """A stream that crosses the bed at an angle has the drag of its whole speed: Ergun along that, to 1e-12."""
     values = bed(CONSTANT, mesh={"type": "rectangle", "length": 1.0, "height": 0.2, "cells": [8, 4]})
     values["flow"] = {"velocity": [0.1, 0.4], "velocity_solid": solid}
     values["boundary"] = {side: {"fluid": {"inflow": 433.0}} for side in ("left", "bottom")}
