@@ -118,10 +118,10 @@ def fluids_make_sense(fluid: Fluid) -> Mistakes:
     if isinstance(fluid, FluidCoolProp) and fluid.T_range[0] >= fluid.T_range[1]:
         yield ("fluid", "T_range"), "the lower temperature comes first"
     if isinstance(fluid, FluidCantera):
-        from contbed.materials.composition import mole_fractions
+        from contbed.materials.composition import require_sum
 
         try:
-            mole_fractions(fluid.composition)
+            require_sum(fluid.composition)
         except SceneError as error:
             yield ("fluid", "composition"), str(error)
 
