@@ -72,6 +72,9 @@ def predicted_time(plan: Plan) -> str:
         return _text_of_search(plan)
     if getattr(plan, "balanced", False):
         return _text_of_last_mesh(plan)
+    if (known := getattr(plan, "seconds", None)) is not None:
+        seconds = known()
+        return "" if seconds is None else f"time: about {_text(clock.process_time() + seconds + OUTPUT)} of processor"
     # fronts and one particle take steps that no checkpoint goes on from
     if not plan.steps and getattr(plan.scene, "time", None) is None:
         return ""

@@ -50,11 +50,18 @@ def cells_fit_into_the_box(particles: g.GasParticles, gas: g.GasFlow, origin: Or
 
 
 def fluid_is_complete(fluid: FluidConstant | FluidCantera) -> Mistakes:
-    """Require heat capacity and conductivity of a fluid of constant properties."""
+    """Require heat capacity and conductivity of constant properties, and fractions of a mixture that sum to one."""
     if isinstance(fluid, FluidConstant):
         for name in ("heat_capacity", "conductivity"):
             if not getattr(fluid, name):
                 yield ("fluid", name), "missing or 0; heat transfer coefficients need it"
+    else:
+        from contbed.materials.composition import require_sum
+
+        try:
+            require_sum(fluid.composition)
+        except SceneError as error:
+            yield ("fluid", "composition"), str(error)
 
 
 def closures_exist(gas: g.GasFlow, origin: Origin) -> Mistakes:

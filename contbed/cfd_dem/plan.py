@@ -21,7 +21,7 @@ from contbed.dem.contact import hertz_impact
 from contbed.dem.packing import AT_REST, SETTLED_OVERLAP, loose_height, pack
 from contbed.dem.particle_files import read_particles
 from contbed.dem.particles import Material, Particles
-from contbed.dem.settling import stages_of
+from contbed.dem.settling import settling_time, stages_of
 from contbed.dem.simulation import LARGEST_OVERLAP, Simulation
 from contbed.dem.walls import INFINITE, Domain, box
 from contbed.errors import SceneError
@@ -34,9 +34,6 @@ IMPACT_SPEED = 0.3  # m/s, of which the time step of the particles resolves impa
 MEMORY = Unfactored(400.0)  # bytes for each unknown; six of a particle, with its neighbours: 300 in a bed of 175 800
 MOST_HALVINGS = 2  # of that step, where a stray particle is too fast for it: four times the speed, and the work
 MOST_TRIED = 5000  # particles that a trial settles, in half a minute
-# s of processor to settle a particle, by the steps in which it would fall from the height of the loose bed: in the
-# first stage, and in later, stiffer ones; within 0.7 to 1.7 of what 6,000 to 175,800 spheres took
-SETTLING = 0.6e-6, 0.13e-6
 APART = 1.001  # diameters between particles of a lattice
 SPEED_OF_FILES = 1.0  # m/s, at which particles of a bubbling bed may meet when their file is written
 
@@ -78,10 +75,9 @@ class GasPlan:
             with compile_clock() as compiling:
                 return settled(self, quiet=True), clock.process_time() - start - compiling()
         lattice = _lattice(table)
-        fall = np.sqrt(2.0 * loose_height(lattice.radius, table.width[0] * table.width[1]) / GRAVITY)
-        first, *later = stages_of(lattice, material_of(table), AT_REST, GRAVITY)
-        steps = SETTLING[0] / first.time_step + sum(SETTLING[1] / stage.time_step for stage in later)
-        return replace(self, particles=lattice), self.number * float(fall) * steps
+        height = loose_height(lattice.radius, table.width[0] * table.width[1])
+        stages = stages_of(lattice, material_of(table), AT_REST, GRAVITY)
+        return replace(self, particles=lattice), settling_time(stages, self.number, height, GRAVITY)
 
     def unknowns(self) -> dict[str, int]:
         """Count the unknowns: coordinates of particles, velocities and pressures of the gas, temperatures."""

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.dem.particle_files import read_particles
-from contbed.dem.scene import Lattice, Layers, ParticleScene
+from contbed.dem.particles import Material, Particles
+from contbed.dem.scene import Lattice, Layers, Packing, ParticleScene
 from contbed.dem.sizes import random_radii
 from contbed.errors import EngineError, SceneError
 from contbed.models import Plan, Unfactored, described
@@ -21,6 +22,8 @@ BOTTOM, TOP = 1.0, 2.0  # diameters from the floor and from the surface, where t
 
 # bytes for each temperature, with the paths of its particle: 2000 by contacts, 3700 through a fluid
 MEMORY = Unfactored(4e3)
+GRAVITY = 9.81  # m/s2, of packings
+NETWORK = 22e-6  # s of processor for each temperature of a network with a fluid, of 1e3 to 1e6 spheres
 
 # centres in the unit cell, and the edge of the cell over the radius of spheres that touch
 _CORNERS = {
@@ -57,6 +60,13 @@ class ParticlePlan:
         """Count the unknowns: the temperatures."""
         packing = self.scene.packing
         return {"heat": len(self.x) if packing is None else packing.number}
+
+    def seconds(self) -> float | None:
+        """Predict the processor time of settling and of the networks [s]; None where LAMMPS settles."""
+        if self.engine != "contbed":
+            return None
+        networks = 1 if self.scene.closure is None else 1 + len(self.scene.closure.ratios)
+        return _settling(self.scene) + NETWORK * self.unknowns()["heat"] * networks
 
     def __str__(self) -> str:
         return described(self)
@@ -106,7 +116,6 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
     ConvergenceError : the bed does not come to rest
     """
     from contbed.dem.packing import pack
-    from contbed.dem.particles import Material
 
     scene, table = plan.scene, plan.scene.packing
     assert table is not None
@@ -114,14 +123,7 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
         table.width,
         cylinder=table.cylinder,
         radius=random_radii(table.radius, table.spread, table.number, table.seed),
-        material=Material(
-            table.density,
-            table.modulus,
-            table.poisson_ratio,
-            table.restitution,
-            table.sliding_friction,
-            table.rolling_friction,
-        ),
+        material=_material(table),
         periodic=(table.periodic, table.periodic),
         seed=table.seed,
         quiet=quiet,
@@ -140,6 +142,30 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
         )
     porosity = scene.conduction.porosity or porosity_of(layers, x, radius, (low, high))
     return replace(plan, x=x, radius=radius, box=(low, high), porosity=porosity, layers=layers)
+
+
+def _material(table: Packing) -> Material:
+    return Material(
+        table.density,
+        table.modulus,
+        table.poisson_ratio,
+        table.restitution,
+        table.sliding_friction,
+        table.rolling_friction,
+    )
+
+
+def _settling(scene: ParticleScene) -> float:
+    """Predict the processor time in which the packing of a scene settles [s]; 0 without one."""
+    from contbed.dem.packing import AT_REST, loose_height
+    from contbed.dem.settling import settling_time, stages_of
+
+    table = scene.packing
+    if table is None:
+        return 0.0
+    radii = np.array(random_radii(table.radius, table.spread, table.number, table.seed))
+    stages = stages_of(Particles(np.zeros((len(radii), 3)), radii), _material(table), AT_REST, GRAVITY)
+    return settling_time(stages, len(radii), loose_height(radii, table.area), GRAVITY)
 
 
 def on_lammps(plan: Plan) -> ParticlePlan:

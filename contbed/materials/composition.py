@@ -8,6 +8,8 @@ from collections.abc import Mapping
 
 from contbed.errors import SceneError
 
+SUM = 1e-3  # by which fractions may miss one, as they are rounded
+
 
 def mole_fractions(composition: str | Mapping[str, float]) -> dict[str, float]:
     """Return mole fractions above zero that sum to one.
@@ -36,6 +38,21 @@ def mole_fractions(composition: str | Mapping[str, float]) -> dict[str, float]:
     if total <= 0.0:
         raise SceneError(f"composition {composition!r} is empty; give at least one species, such as 'N2:0.79, O2:0.21'")
     return {species: amount / total for species, amount in amounts.items() if amount > 0.0}
+
+
+def require_sum(composition: str) -> None:
+    """Check that fractions sum to one; amounts above 1 are in moles and may sum to anything.
+
+    Raises
+    ------
+    SceneError : they do not, or the text cannot be read, see `mole_fractions`
+    """
+    mole_fractions(composition)
+    amounts = [float(amount) for _, amount in _pairs(composition)]
+    if max(amounts) <= 1.0 and abs(sum(amounts) - 1.0) > SUM:
+        raise SceneError(
+            f"composition: fractions sum to {sum(amounts):.6g}, not to 1; correct them, or write amounts in mol above 1"
+        )
 
 
 def names_in(composition: str) -> tuple[str, ...]:

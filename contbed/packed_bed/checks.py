@@ -16,6 +16,7 @@ from contbed.packed_bed.schedule_checks import (
     Boundaries,
     at_each_time,
     initial_profiles_fit_the_bed,
+    initial_profiles_reach_both_ends,
     series_are_usable,
 )
 from contbed.radiation.checks import (
@@ -23,6 +24,7 @@ from contbed.radiation.checks import (
     radiation_is_complete,
     species_fill_the_solids,
     tubes_see_radiation,
+    two_flux_scatters_evenly,
 )
 from contbed.radiation.scene import Radiation
 from contbed.scene.checking import Check, Mistakes, See
@@ -116,10 +118,10 @@ def fluids_make_sense(fluid: Fluid) -> Mistakes:
     if isinstance(fluid, FluidCoolProp) and fluid.T_range[0] >= fluid.T_range[1]:
         yield ("fluid", "T_range"), "the lower temperature comes first"
     if isinstance(fluid, FluidCantera):
-        from contbed.materials.composition import mole_fractions
+        from contbed.materials.composition import require_sum
 
         try:
-            mole_fractions(fluid.composition)
+            require_sum(fluid.composition)
         except SceneError as error:
             yield ("fluid", "composition"), str(error)
 
@@ -357,6 +359,8 @@ def the_balance_can_fail(solver: Solver) -> Mistakes:
 
 WARNINGS: tuple[Check, ...] = (
     species_fill_the_solids,
+    two_flux_scatters_evenly,
+    initial_profiles_reach_both_ends,
     the_bed_has_more_than_one_cell,
     the_balance_can_fail,
     prescribed_temperatures_agree_in_corners,

@@ -8,6 +8,7 @@ A mesh without prescribed cells is graded to the layers that the closed-form rat
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -159,6 +160,15 @@ class Plan:
         return replace(
             self, solved=target, medium=medium, velocity=velocity, velocity_solid=solid, conditions=conditions
         )
+
+    def at(self, times: Sequence[float]) -> list[Plan]:
+        """Return the plan with the velocities at each of these times [s], at a jump with those before it."""
+        pieces, found = self.pieces(), []
+        ends = [piece.end * (1 + 1e-12) for piece in pieces if piece is not None]
+        for time in times:
+            piece = pieces[min(bisect_left(ends, time), len(pieces) - 1)]
+            found.append(self if piece is None else self.within(piece))
+        return found
 
     def _frozen(self, time: float, before: bool = False) -> s.Scene:
         """Return the scene that is solved with the values at a time, just after or `before` a jump."""

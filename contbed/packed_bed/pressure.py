@@ -3,6 +3,7 @@
 The mass flux G is what the scene gives, at the density of the inlet, and is the same all along; so u = G/rho(T), and
 
     dp/dx = -(mu/K + rho c_F/sqrt(K) |w|) w - d(G u/eps^2)/dx,      w = u - u_solid
+    |w|: speed in all directions, of streams that cross the bed as well
 
 with the properties at the local temperature: Darcy and Forchheimer's resistance, and the momentum that a fluid gains
 as it expands. p [Pa] is the pressure of the fluid over that at the outlet.
@@ -35,7 +36,7 @@ class Stream(NamedTuple):
     pressure: Array
 
 
-def along_bed(medium: Medium, x: Array, T: Array, velocity: float, velocity_solid: float) -> Stream:
+def along_bed(medium: Medium, x: Array, T: Array, velocity: Array, velocity_solid: Array, axis: int) -> Stream:
     """Integrate the pressure gradient along a bed.
 
     Parameters
@@ -43,27 +44,31 @@ def along_bed(medium: Medium, x: Array, T: Array, velocity: float, velocity_soli
     medium : closures and properties
     x : coordinate along the bed [m] (n,), increasing
     T : temperature of the fluid there [K] (n,)
-    velocity, velocity_solid : superficial, along x, that of the fluid at the density of the inlet [m/s]
+    velocity, velocity_solid : superficial (dimension,), that of the fluid at the density of the inlet [m/s]
+    axis : component of the velocities that is along the bed
 
     Returns
     -------
     Stream of arrays (n,); the pressure is zero where the fluid leaves. The trapezoidal rule is used between the points.
     """
-    u, density, gradient = _resistance(medium, T, velocity, velocity_solid)
+    u, density, gradient = _resistance(medium, T, velocity, velocity_solid, axis)
     risen = np.concatenate(([0.0], np.cumsum(0.5 * (gradient[1:] + gradient[:-1]) * np.diff(x))))
     pressure = risen - density * u**2 / medium.scene.bed.porosity**2
-    return Stream(u, density, pressure - pressure[-1 if velocity >= 0 else 0])
+    return Stream(u, density, pressure - pressure[-1 if velocity[axis] >= 0 else 0])
 
 
-def _resistance(medium: Medium, T: Array, velocity: float, velocity_solid: float) -> tuple[Array, Array, Array]:
+def _resistance(
+    medium: Medium, T: Array, velocity: Array, velocity_solid: Array, axis: int
+) -> tuple[Array, Array, Array]:
     """Return velocity [m/s], density [kg/m3] and the pressure gradient by drag [Pa/m] at temperatures (n,)."""
     permeability = medium.packing("permeability")
     density = np.broadcast_to(np.asarray(medium.fluid.density(T), dtype=float), T.shape)
     viscosity = np.broadcast_to(np.asarray(medium.fluid.viscosity(T), dtype=float), T.shape)
-    u = medium.mass_flux_scale() * velocity / density
-    w = u - velocity_solid
-    drag = viscosity / permeability + density * medium.packing("forchheimer") / permeability**0.5 * np.abs(w)
-    return u, density, -drag * w
+    u = medium.mass_flux_scale() * velocity[:, None] / density
+    w = u - velocity_solid[:, None]
+    speed = np.sqrt(np.sum(w**2, axis=0))
+    drag = viscosity / permeability + density * medium.packing("forchheimer") / permeability**0.5 * speed
+    return u[axis], density, -drag * w[axis]
 
 
 def lifted(plan: Any, T: Array) -> str:
@@ -79,7 +84,7 @@ def lifted(plan: Any, T: Array) -> str:
     upwards = velocity > 0 if upright else velocity * solid <= 0
     if medium.solid is None or velocity == 0.0 or not upwards:
         return ""
-    _, density, gradient = _resistance(medium, T, velocity, solid)
+    _, density, gradient = _resistance(medium, T, plan.velocity, plan.velocity_solid, axis)
     weight = (1.0 - medium.scene.bed.porosity) * (medium.solid.density(T) - density) * GRAVITY
     k = int(np.argmax(np.abs(gradient) - weight))
     found, held = float(np.abs(gradient)[k]), float(np.broadcast_to(weight, T.shape)[k])

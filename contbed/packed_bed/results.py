@@ -57,7 +57,7 @@ def steady_findings(
     plan: Plan, line: Line, problem: Any, state: Any, fluxes: Any, reactions: Any, result: Result
 ) -> None:
     """Fill in profiles, outlet temperatures, equilibrium and the length to reach it."""
-    fluid, solid = _profiles(plan, line, problem, [state], None, result)
+    fluid, solid = _profiles([plan], line, problem, [state], None, result)
     span = problem.T_span
     result.nodal |= _nodal(problem, state)
     leaving, entering = streams(problem, state)
@@ -65,10 +65,10 @@ def steady_findings(
     _exchanger(plan, problem, entering, fluxes, result)
     heats = {name: value + sum(fluxes[name].values()) for name, value in reactions.items()}
     result.qoi |= {f"heat_{plan.as_written(name)}_W": value for name, value in heats.items()}
-    if "tubes" in fluxes.get(INSIDE, {}):
-        # a boundary may be called tubes as well
-        name = "heat_tubes_W" if "tubes" not in reactions else "heat_immersed_tubes_W"
-        result.qoi[name] = fluxes[INSIDE]["tubes"]
+    for inside, otherwise in (("tubes", "immersed_tubes"), ("species", "radiating_species")):
+        if inside in fluxes.get(INSIDE, {}):
+            # a boundary may be called so as well
+            result.qoi[f"heat_{inside if inside not in reactions else otherwise}_W"] = fluxes[INSIDE][inside]
     result.units |= power_units(result.qoi, plan.scene.mesh)
     if span[1] > span[0] and float(plan.velocity @ plan.velocity_solid) >= 0:
         x = result.profiles[header(plan.coordinate)]
@@ -135,52 +135,73 @@ def _inside(problem: Any, state: Any) -> dict[str, Any]:
     }
 
 
-def _stream(plan: Plan, line: Line, problem: Any, states: list[Any], fluid: Any, result: Result) -> None:
+def _stream(plans: list[Plan], line: Line, problem: Any, states: list[Any], fluid: Any, result: Result) -> None:
     """Report velocity, density and pressure of the fluid along the bed; the last state gives the pressure drop.
 
-    `fluid` are its temperatures on the line, one row for each state.
+    `plans` hold the velocity of each state, `fluid` are its temperatures on the line, one row for each state.
     """
+    plan = plans[-1]
     axis, medium = plan.mesh.axis, plan.medium
-    velocity, solid = float(plan.velocity[axis]), float(plan.velocity_solid[axis])
+    velocities = [float(each.velocity[axis]) for each in plans]
     space = problem.system.fields["T_fluid"][0]
-    _tell_if_lifted(plan, np.ravel(fluid), result)
-    if plan.plug and velocity:
+    _tell_if_lifted(plans, fluid, result)
+    if plan.plug and any(velocities):
         # from end to end, also where profiles are wanted at a few positions only
         x = line.positions
         if plan.scene.output.positions:
             whole = line_along(plan.mesh, across=plan.scene.output.across)
             x = whole.positions
             fluid = [whole.probe(space, problem.system.part(state, "T_fluid")) for state in states]
-        streams = [along_bed(medium, x, T, velocity, solid) for T in fluid]
+        streams = [
+            along_bed(each.medium, x, T, each.velocity, each.velocity_solid, axis)
+            for each, T in zip(plans, fluid, strict=True)
+        ]
         for name, column in (("u", "u"), ("rho_fluid", "density"), ("p", "pressure")):
             values = [getattr(stream, column) for stream in streams]
             if x is not line.positions:
                 values = [np.interp(line.positions, x, value) for value in values]
             result.profiles[header(name)] = np.concatenate(values)
         last = streams[-1]
-        result.qoi["pressure_drop_Pa"] = float(abs(last.pressure[-1] - last.pressure[0]))
-        result.qoi["residence_time_s"] = medium.scene.bed.porosity * _integral(1.0 / np.abs(last.u), x)
+        if velocities[-1]:
+            result.qoi["pressure_drop_Pa"] = float(abs(last.pressure[-1] - last.pressure[0]))
+            mean = _integral(1.0 / np.abs(last.u), x) if not _crosses(plan) else _mean_stay(medium, problem, states[-1])
+            result.qoi["residence_time_s"] = medium.scene.bed.porosity * mean
     elif problem.motion.flow is not None:
         density = np.broadcast_to(medium.fluid.density(fluid[-1]), fluid[-1].shape)
         if header("u") in result.profiles:
             result.profiles[header("rho_fluid")] = density
 
 
-def _tell_if_lifted(plan: Plan, T: Any, result: Result) -> None:
-    """Warn of a fluid that fluidizes the bed at its temperatures [K]."""
-    if text := lifted(plan, T):
-        result.warnings.append(text)
+def _crosses(plan: Plan) -> bool:
+    """Whether the fluid crosses the bed at an angle, so that streams enter through several sides."""
+    return int(np.count_nonzero(plan.velocity)) > 1
+
+
+def _mean_stay(medium: Any, problem: Any, state: Any) -> float:
+    """Return the mass that would fill the bed without particles over the mass flow of all streams that enter [s]."""
+    held = problem.system.integrate(
+        lambda unknowns, o: medium.fluid.density(unknowns.T_fluid), [problem.system.cells], state
+    )
+    return float(held / streams(problem, state)[1]["fluid"][0])
+
+
+def _tell_if_lifted(plans: list[Plan], T: Any, result: Result) -> None:
+    """Warn of a fluid that fluidizes the bed at its temperatures [K], one row for each plan; once for each velocity."""
+    rows: dict[bytes, tuple[Plan, list[Any]]] = {}
+    for plan, row in zip(plans, T, strict=True):
+        rows.setdefault(plan.velocity.tobytes() + plan.velocity_solid.tobytes(), (plan, []))[1].append(row)
+    result.warnings += [text for plan, found in rows.values() if (text := lifted(plan, np.ravel(found)))]
 
 
 def _profiles(
-    plan: Plan, line: Line, problem: Any, states: list[Any], times: list[float] | None, result: Result
+    plans: list[Plan], line: Line, problem: Any, states: list[Any], times: list[float] | None, result: Result
 ) -> Any:
-    positions, probe = line.positions, line.probe
+    plan, positions, probe = plans[-1], line.positions, line.probe
     space = problem.system.fields["T_fluid"][0]
     fluid = np.array([probe(space, problem.system.part(state, "T_fluid")) for state in states])
     solid = np.array([probe(space, problem.system.part(state, "T_solid")) for state in states])
     _columns(plan, positions, fluid, solid, problem.T_span, times, result)
-    _stream(plan, line, problem, states, fluid, result)
+    _stream(plans, line, problem, states, fluid, result)
     if problem.modes:
         inner = [_inside(problem, state) for state in states]
         result.profiles |= {
@@ -223,7 +244,7 @@ def transient_findings(plan: Plan, line: Line, problem: Any, history: Any, resul
         snapshots.append(history.state)
     if not snapshots:
         return
-    _profiles(plan, line, problem, snapshots, times, result)
+    _profiles(plan.at(times), line, problem, snapshots, times, result)
     flow = dict(result.nodal)
     changes = problem.motion.flow is not None and problem.motion.flow.local is not None  # `flow` is that at the end
     result.series = [
@@ -244,7 +265,7 @@ def front_findings(plan: Plan, snapshots: list[Any], backwards: bool, result: Re
         positions = np.linspace(0.0, length, 1001)
     along = length - positions if backwards else positions
     fluid, solid = (np.array(part) for part in zip(*(snapshot.at(along) for snapshot in snapshots), strict=True))
-    _tell_if_lifted(plan, fluid[-1], result)
+    _tell_if_lifted([plan], fluid[-1:], result)
     T = (plan.medium.T_fluid_in, time.initial_fluid, time.initial_solid)
     _columns(plan, positions, fluid, solid, (min(T), max(T)), [snapshot.time for snapshot in snapshots], result)
     result.qoi |= {"T_fluid_out_K": float(fluid[-1, 0 if backwards else -1])}

@@ -18,6 +18,7 @@ from contbed.scene.toml_lines import Origin
 
 Boundaries = dict[str, s.Boundary]
 PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
+MOST_BEYOND = 0.05  # share of the length without initial temperatures at an end, as between a wall and a thermocouple
 LENGTH_SLACK = 1e-6  # share of the length by which positions in a file may lie outside of the bed, for their rounding
 
 
@@ -45,6 +46,23 @@ def initial_profiles_fit_the_bed(time: s.Time | None, mesh: Mesh, see: See, orig
         if positions[0] < -LENGTH_SLACK * mesh.length or positions[-1] > (1.0 + LENGTH_SLACK) * mesh.length:
             text = f"positions from {positions[0]:g} to {positions[-1]:g} m, the bed is {mesh.length:g} m long"
             yield ("time", f"initial_{phase}"), f"{text}; see {see('mesh.length')}"
+
+
+def initial_profiles_reach_both_ends(time: s.Time | None, mesh: Mesh, see: See, origin: Origin) -> Mistakes:
+    """Look for files of initial temperatures that leave much of the bed at the value of their first or last row."""
+    if isinstance(mesh, MeshFile):
+        return
+    for phase in PHASES:
+        given = None if time is None else getattr(time, f"initial_{phase}")
+        if not isinstance(given, ProfileFile):
+            continue
+        positions, _ = given.samples(origin.base, f"T_{phase}")
+        if max(positions[0], mesh.length - positions[-1]) > MOST_BEYOND * mesh.length:
+            yield (
+                ("time", f"initial_{phase}"),
+                f"positions from {positions[0]:g} to {positions[-1]:g} m, the bed is {mesh.length:g} m long: beyond "
+                f"them the bed begins with the temperature of the nearest; see {see('mesh.length')}",
+            )
 
 
 def at_each_time(check: Check) -> Check:

@@ -73,6 +73,13 @@ def radiation_is_complete(
                 f"with rosseland the solid has the temperature of a wall: {remedy}, or use p1; "
                 f"see {see('radiation.level')}",
             )
+        for name, item in radiation.species.items():
+            if item.temperature is not None:
+                yield (
+                    ("radiation", "species", name, "temperature"),
+                    "with rosseland all particles have the temperature of the solid: leave it out, or use p1; "
+                    f"see {see('radiation.level')}",
+                )
     for key in ("conductivity", "temperature"):
         if heat is not None and getattr(radiation, key) is not None:
             yield ("radiation", key), f"is for a medium alone; [heat] already has it; see {see('heat')}"
@@ -125,6 +132,16 @@ def species_fill_the_solids(radiation: Radiation | None, bed: Packing | None, se
         )
 
 
+def two_flux_scatters_evenly(radiation: Radiation | None, see: See) -> Mistakes:
+    """Look for a mean cosine of scattering that the level does not take."""
+    if radiation is not None and radiation.level == "two_flux" and radiation.anisotropy:
+        yield (
+            ("radiation", "anisotropy"),
+            "is ignored: the two-flux method scatters half of the light forward; p1 takes it, and ordinates do; "
+            f"see {see('radiation.level')}",
+        )
+
+
 def walls_without_solid_temperature(heat: Any, boundary: Mapping[str, Any]) -> list[str]:
     """Return the radiating boundaries on which the solid does not have the wall's temperature."""
     found = []
@@ -153,4 +170,4 @@ CHECKS: tuple[Check, ...] = (
     positions_lie_in_the_bed,
     the_line_of_profiles_fits_the_mesh,
 )
-WARNINGS: tuple[Check, ...] = (species_fill_the_solids,)
+WARNINGS: tuple[Check, ...] = (species_fill_the_solids, two_flux_scatters_evenly)

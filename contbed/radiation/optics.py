@@ -16,8 +16,8 @@ from contbed.radiation.scene import Radiating, RadiatingSpecies
 class Optics:
     """Absorption, scattering and diffusion coefficient of a medium.
 
-    `active` is K_a [1/m] of the species at the solid's temperature, `passive` that of species of given temperature,
-    `emission` is 4 sum K_a sigma T^4 of the latter [W/m3], `diffusion` is D [m].
+    `active` is K_a [1/m] of species at the temperature that is solved for, or that emit what they absorb; `passive`
+    that of species of given temperature, `emission` is 4 sum K_a sigma T^4 of these [W/m3], `diffusion` is D [m].
     """
 
     active: float
@@ -60,11 +60,11 @@ def optics(scene: Radiating) -> Optics:
             closures.Species(name, item.volume_fraction, _size(item), item.emissivity) for name, item in species.items()
         ]
         found = closures.optics(particles, table.correction, table.anisotropy)
-    given = [(float(k), T) for k, T in zip(found.absorption, temperatures, strict=True) if T is not None]
-    passive = sum(k for k, _ in given)
+    each = [(float(k), T) for k, T in zip(found.absorption, temperatures, strict=True)]
+    given = [(k, T) for k, T in each if T is not None]
     return Optics(
-        active=float(found.absorption_total) - passive,
-        passive=passive,
+        active=sum(k for k, T in each if T is None),
+        passive=sum(k for k, _ in given),
         emission=sum(k * emitted(T) for k, T in given),
         scattering=float(found.scattering_total),
         diffusion=float(found.diffusion("two_flux" if table.level == "two_flux" else "p1")),

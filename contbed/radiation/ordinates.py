@@ -181,7 +181,7 @@ class OrdinatesProblem:
         """
         if self.conductivity:
             return self._nodal(state)
-        if self.optics.passive:
+        if self.optics.passive and not self.optics.active:
             return np.full(self.space.size, power_temperature(self.optics.emission / (4.0 * self.optics.passive)))
         return power_temperature(self.incident(state) / 4.0)
 

@@ -273,10 +273,10 @@ class RadiationProblem:
         return -self.optics.diffusion * probe.slope(self.space, self.incident(state), self.mesh.axis)
 
     def temperature(self, state: Any) -> Any:
-        """Return nodal temperatures: solved for, or those of a medium that emits what it absorbs."""
+        """Return nodal temperatures: solved for, given, or those of species that emit what they absorb."""
         if self.conductivity:
             return self.system.part(state, "T_solid")
-        if self.optics.passive:
+        if self.optics.passive and not self.optics.active:
             T = power_temperature(self.optics.emission / (4.0 * self.optics.passive))
             return np.full(self.system.fields["G"][0].size, T)
         return power_temperature(self.system.part(state, "G") / 4.0)

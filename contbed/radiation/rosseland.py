@@ -1,6 +1,6 @@
 """Radiation in thick beds as heat conduction: when to choose it, and a conducting medium that radiates by itself.
 
-    -div((k + 16 sigma T^3 D) grad T) = 0,   T = T_w on walls        (species of given temperature take no part)
+    -div((k + 16 sigma T^3 D) grad T) = 0,   T = T_w on walls        (all particles have the temperature T)
 
 What it leaves out is the temperature slip at walls, a resistance of about a mean free path.
 """
@@ -33,6 +33,8 @@ def choose(scene: Scene) -> tuple[Scene, str]:
     conducts = scene.heat is not None or bool(table.conductivity)
     if not conducts or walls_without_solid_temperature(scene.heat, scene.boundary):
         return scene, "Rosseland needs conduction and the solid at the temperature of its walls"
+    if any(item.temperature is not None for item in table.species.values()):
+        return scene, "Rosseland has no species of given temperature"
     if isinstance(scene.mesh, MeshFile):
         return scene, "Rosseland is not estimated on a mesh from a file"
     if scene.heat is not None and np.any(scene.flow.velocity_solid):
@@ -114,5 +116,5 @@ class RosselandProblem(RadiationProblem):
         return dict.fromkeys(self.mesh.boundaries, 0.0)
 
     def released(self, state: Any) -> float:
-        """Return 0: species of given temperature take no part [W]."""
+        """Return 0: no species has a temperature of its own [W]."""
         return 0.0

@@ -97,6 +97,8 @@ class RadiationCondition(Table):
     def _one(self) -> RadiationCondition:
         if (self.temperature is None) == (self.radiosity is None):
             raise ValueError("give one of temperature, radiosity")
+        if self.radiosity is not None and self.emissivity != 1.0:
+            raise ValueError("emissivity is that of a wall at a temperature; all of a radiosity enters: leave one out")
         return self
 
 

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from contbed.two_fluid.fv.grid import Grid
 
 BED_NUSSELT = 10.0  # of particles that some m/s of gas pass [-]
+# shares by which a piece of a boundary and a layer may differ from the scene, as faces and cells are taken as a whole
+MOST_OF_A_PIECE = 0.01
+MOST_OF_A_LAYER = 0.04
 AXIS = 1e-9  # share of the extent from which a mesh counts as off the axis
 
 
@@ -80,9 +83,50 @@ def _of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> Iterator[tup
                 yield ("initial", "layer", k, key), text
     if grid.axisymmetric and (inner := float(mesh.skfem.p[0].min())) > AXIS * float(np.ptp(mesh.skfem.p[0])):
         yield ("mesh",), f"axisymmetric, but no cell touches the axis: an annulus from r = {inner:.4g} m"
+    yield from _pieces_end_between_faces(scene, mesh)
+    if grid.rectangular:
+        yield from _layers_end_within_cells(scene, np.unique(mesh.skfem.p[-1]))
     yield from unlike_the_cells(scene, grid)
     if scene.heat is not None and scene.heat.density == "ideal_gas":
         yield from _gas_expands_at_once(scene, low, high)
+
+
+def _pieces_end_between_faces(scene: t.TwoFluidScene, mesh: Mesh) -> Iterator[tuple[KeyPath, str]]:
+    """Look for pieces of boundaries whose faces, each of which is taken as a whole, have another area."""
+    grid = mesh.skfem
+    for name, part in scene.boundary.items():
+        if isinstance(part, t.Periodic) or part.on is None or part.start is None or part.end is None:
+            continue
+        corners = grid.p[:, grid.facets[:, grid.boundaries[name]]]  # (dim, corners, faces)
+        axis = 0 if np.ptp(corners[-1]) <= AXIS * np.ptp(grid.p[-1]) else -1
+        covered = float(corners[axis].min()), float(corners[axis].max())
+        wanted = max(part.start, float(grid.p[axis].min())), min(part.end, float(grid.p[axis].max()))
+        power = 2 if mesh.axisymmetric and axis == 0 else 1  # rings by their radii
+        more = (covered[1] ** power - covered[0] ** power) / (wanted[1] ** power - wanted[0] ** power) - 1.0
+        if abs(more) > MOST_OF_A_PIECE:
+            yield ("boundary", name), _reach(covered, more, "area, and of what crosses it")
+
+
+def _layers_end_within_cells(scene: t.TwoFluidScene, faces: np.ndarray) -> Iterator[tuple[KeyPath, str]]:
+    """Look for layers of particles whose cells, each of which is filled as a whole, are thicker or thinner.
+
+    `faces` are the positions between the cells [m], increasing.
+    """
+    height = 0.5 * (faces[1:] + faces[:-1])
+    for k, layer in enumerate(scene.initial.layer):
+        if not layer.eps_s:
+            continue
+        inside = (height >= layer.start) & (height < layer.end)
+        covered = float(faces[:-1][inside].min()), float(faces[1:][inside].max())
+        wanted = max(layer.start, float(faces[0])), min(layer.end, float(faces[-1]))
+        more = (covered[1] - covered[0]) / (wanted[1] - wanted[0]) - 1.0
+        if abs(more) > MOST_OF_A_LAYER:
+            yield ("initial", "layer", k), _reach(covered, more, "of the particles")
+
+
+def _reach(covered: tuple[float, float], more: float, what: str) -> str:
+    much = f"{100.0 * abs(more):.2g} % {'more' if more > 0 else 'less'} {what}"
+    return f"reaches from {covered[0]:.6g} to {covered[1]:.6g} m on this mesh: {much}; begin and end between cells"
 
 
 def _gas_expands_at_once(scene: t.TwoFluidScene, low: float, high: float) -> Iterator[tuple[KeyPath, str]]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from contbed.errors import SceneError
+from contbed.loading import from_dict
 from contbed.materials import gas_mixture
 
 PRESSURE = 2.3e5
@@ -149,3 +150,26 @@ def test_share_outside():
     gas = gas_mixture("N2", 1e5, T_range=(300.0, 1000.0))
     assert gas.share_outside(np.array([299.9, 300.0, 1000.0, 1000.1, 1100.0])) == pytest.approx(0.6)
     assert gas.share_outside(500.0) == 0.0
+
+
+@pytest.mark.parametrize(("text", "good"), [
+    ("N2:0.79, O2:0.21", True), ("N2:3.76, O2:1", True), ("N2", True), ("N2:0.7901, O2:0.2101", True),
+    ("N2:0.5, O2:0.6", False), ("N2:0.79, O2:0.12", False),
+])  # fmt: skip
+def test_fractions_sum_to_one(text, good):
+    """Fractions that do not are a mistake of the scene; amounts above 1 are in moles, in any scale."""
+    fluid = {"model": "cantera", "composition": text}
+    scenes = (
+        {"mesh": {"type": "line", "length": 1.0}, "bed": {"porosity": 0.4, "particle_diameter": 0.01}, "fluid": fluid,
+         "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 1.0}, "flow": {"velocity": 0.1},
+         "heat": {"nusselt": 10.0}, "boundary": {"left": {"fluid": {"inflow": 400.0}}}},
+        {"particles": {"count": 60, "radius": 1e-3, "width": [8e-3, 8e-3], "density": 2500.0, "heat_capacity": 840.0,
+         "conductivity": 0.84, "emissivity": 0.9}, "fluid": fluid,
+         "gas": {"velocity": 1.0, "height": 0.06, "nusselt": "gunn"}, "time": {"end": 0.01, "sample": 0.001}},
+    )  # fmt: skip
+    for scene in scenes:
+        if good:
+            assert from_dict(scene)
+        else:
+            with pytest.raises(SceneError, match=r"fluid\.composition.*fractions sum to (1\.1|0\.91), not to 1"):
+                from_dict(scene)

@@ -120,6 +120,11 @@ def test_a_mesh_file_that_is_missing(tmp_path):
         from_dict(scene({"mesh": {"type": "file", "file": "absent.msh"}}), base=tmp_path)
 
 
+BOX = {
+    "mesh": {"type": "box", "length": 0.1, "width": 0.1, "height": 0.4, "cells": [2, 2, 16]},
+    **{f"boundary.{name}": {"type": "wall"} for name in ("left", "right", "front", "back")},
+}
+JET = {"type": "inlet", "velocity": 1.0}
 FEED = {"type": "inlet", "on": "left", "start": 0.1, "end": 0.2, "eps_s": 0.2, "solid_flux": 9.0}
 HEAT = {"heat_capacity_gas": 1000.0, "heat_capacity_solid": 800.0, "conductivity_gas": 0.025}
 HOT = {"initial.T_gas": 300.0, "boundary.bottom.T_gas": 300.0}
@@ -160,6 +165,14 @@ def test_what_cannot_be_meant_is_an_error(changes, without, told):
         ({"time.fields": 0.2}, "time.fields = 0.2: longer than the run of 0.1 s"),
         ({"boundary.jet": {"type": "inlet", "on": "bottom", "start": 0.0, "end": 0.05, "velocity": 1.0, "until": 0.2}},
          "boundary.jet.until = 0.2: not before the end"),
+        ({"boundary.jet": JET | {"on": "bottom", "start": 0.034, "end": 0.067}},
+         "boundary.jet: reaches from 0.025 to 0.075 m on this mesh: 52 % more area, and of what crosses it"),
+        ({"boundary.jet": JET | {"on": "left", "start": 0.15, "end": 0.21}},
+         "boundary.jet: reaches from 0.15 to 0.2 m on this mesh: 17 % less area, and of what crosses it"),
+        ({"initial.layer": [{"end": 0.11, "eps_s": 0.55}]},
+         "initial.layer[0]: reaches from 0 to 0.1 m on this mesh: 9.1 % less of the particles"),
+        ({"initial.layer": [{"end": 0.115, "eps_s": 0.55}], **BOX},
+         "initial.layer[0]: reaches from 0 to 0.125 m on this mesh: 8.7 % more of the particles"),
         ({"solid.particle_diameter": 0.03}, "larger than the smallest cell, 0.025 m"),
         ({"initial.eps_s": 0.0}, "a flow of gas alone"),
         ({"boundary.bottom.velocity": 0.0}, "boundary.bottom.velocity = 0.0: nothing enters"),
@@ -176,6 +189,20 @@ def test_what_may_be_meant_is_a_warning(changes, told):
     found = (*loaded.warnings, *planned.warnings)
     assert any(text.startswith("bed.toml:1: ") and told in text for text in found)
     assert told in str(planned)
+
+
+def test_rings_are_compared_by_their_area():
+    """A piece from 0.026 to 0.048 m covers the faces from 0.025 to 0.05 m: (0.05^2 - 0.025^2)/(0.048^2 - 0.026^2)."""
+    ring = {"boundary.ring": JET | {"on": "bottom", "start": 0.026, "end": 0.048}}
+    mesh = {"type": "axisymmetric", "radius": 0.1, "length": 0.4, "cells": [4, 16]}
+    round_bed = {"mesh": mesh, "boundary.wall": {"type": "wall"}} | ring
+    (text,) = plan(from_dict(scene(round_bed, ("boundary.left", "boundary.right")))).warnings
+    assert "reaches from 0.025 to 0.05 m on this mesh: 15 % more area" in text
+    for changes in (
+        {"boundary.jet": JET | {"on": "left", "start": 0.1, "end": 0.2}},
+        {"initial.layer": [{"end": 0.1}]},
+    ):
+        assert plan(from_dict(scene(changes))).warnings == ()
 
 
 @pytest.mark.parametrize(("inner", "told"), [(0.1, "an annulus from r = 0.1 m"), (-0.1, "2 of 6 nodes have r < 0")])

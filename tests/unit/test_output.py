@@ -29,6 +29,7 @@ from contbed.output.files import atomic
 from contbed.output.progress import Progress
 from contbed.output.tables import read_table, write_table
 from contbed.output.vtu import at_nodes, write_fields, write_series
+from contbed.result import outside
 from contbed.runner import run
 
 LINE, X, Y = np.array([0.0, 0.3, 0.4, 1.0]), np.array([0.0, 0.4, 1.0, 1.1]), np.array([0.0, 0.5, 0.7])
@@ -255,6 +256,17 @@ SUMMARY = {
     ],
     "warnings": ["closure [bold]nusselt_x[/bold] is used outside its range"],
 }  # fmt: skip
+
+
+def test_a_range_that_is_left_is_told_in_few_digits():
+    """One number where both ends are the same, and no end that is not there."""
+    use = {
+        "eps": {"declared": [0.372583728893804, 0.372583728893804], "used": [0.45, 0.45], "share_outside": 1.0},
+        "Re": {"declared": [15.0, None], "used": [3.0, 20.0], "share_outside": 0.5},
+        "Pr": {"declared": [0.0, 1.0], "used": [0.7, 0.7], "share_outside": 0.0},
+    }
+    text = "eps 0.45, declared 0.3726, Re 3 to 20, declared at least 15"
+    assert outside({"name": "x", "ranges": use}) == f"closure x is out of its range: {text}"
 
 
 def test_json_is_strict_and_ordered(tmp_path):

@@ -2,6 +2,7 @@
 
 import time
 from contextlib import ExitStack
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -19,6 +20,12 @@ from contbed.trial import Trial, predicted_time
 WARMING = STEADY.replace("cells = 10", "cells = 200") + (
     "[time]\nend = 2000.0\ninitial_fluid = 400.0\ninitial_solid = 400.0\ntolerance = 1e-5\n"
 )
+
+PACKING = """
+packing = { count = 600, radius = "1 mm", width = ["12 mm", "12 mm"], seed = 1 }
+conduction = { particles = 1.4, fluid = 0.026 }
+closure = { ratios = [2, 5, 10, 20, 50] }
+"""
 
 
 def test_cost_and_number_of_steps_follow_from_the_second_half():
@@ -90,6 +97,18 @@ def test_predicted_steps_and_time_of_a_transient():
     spent = time.process_time() - start
     assert 0.5 < steps / result.qoi["time_steps"] < 2.0
     assert 0.5 < seconds / spent < 2.0
+
+
+def test_predicted_time_of_a_packing():
+    """Within a factor of 2 of what its spheres take to settle, once everything is compiled."""
+    scene = loads(PACKING)
+    cb.run(scene)
+    start = time.process_time()
+    cb.run(scene)
+    assert 0.5 < plan(scene).seconds() / (time.process_time() - start) < 2.0
+    line = predicted_time(plan(scene))
+    assert line.startswith("time: about ") and line.endswith(" s of processor")
+    assert replace(plan(scene), engine="lammps").seconds() is None
 
 
 def test_predicted_steps_of_fronts(monkeypatch):

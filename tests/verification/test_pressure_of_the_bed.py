@@ -49,6 +49,22 @@ def test_constant_properties_give_ergun(velocity):
     assert p[-1 if velocity > 0 else 0] == 0.0 and p.min() >= 0.0
 
 
+@pytest.mark.parametrize("solid", [0.0, [0.0, -0.1]])
+def test_the_speed_across_the_bed_counts(solid):
+    """A stream that crosses the bed at an angle has the drag of its whole speed: Ergun along that, to 1e-12."""
+    values = bed(CONSTANT, mesh={"type": "rectangle", "length": 1.0, "height": 0.2, "cells": [8, 4]})
+    values["flow"] = {"velocity": [0.1, 0.4], "velocity_solid": solid}
+    values["boundary"] = {side: {"fluid": {"inflow": 433.0}} for side in ("left", "bottom")}
+    values["boundary"]["top"] = {"solid": {"inflow": 433.0}} if solid else {}
+    slip = np.array([0.1, 0.4 if not solid else 0.5])
+    speed = np.hypot(*slip)
+    wanted = pressure_gradient_ergun(u=speed, d_p=D, eps=EPS, mu=1.8e-5, rho=1.2) * slip[0] / speed
+    result = cb.run(from_dict(values))
+    assert result.qoi["pressure_drop_Pa"] == pytest.approx(wanted, rel=1e-12)
+    # what the pores hold over what enters through both sides: 0.2 m of 0.1 m/s and 1 m of 0.4 m/s
+    assert result.qoi["residence_time_s"] == pytest.approx(EPS * 0.2 / (0.2 * 0.1 + 1.0 * 0.4), rel=1e-12)
+
+
 def test_a_resting_fluid_in_a_moving_bed_has_no_pressure_of_its_own_drag():
     """The bed moves as fast as the fluid: no relative velocity, no resistance."""
     values = bed(CONSTANT, flow={"velocity": U, "velocity_solid": U})

@@ -12,7 +12,7 @@ from test_balance import scene as bed
 
 import contbed as cb
 from contbed.closures.optics import SIGMA
-from contbed.errors import ConvergenceError
+from contbed.errors import ConvergenceError, SceneError
 from contbed.fem.probe import Probe
 from contbed.loading import from_dict
 from contbed.models import plan
@@ -479,3 +479,44 @@ def test_a_restart_repeats_the_same_numbers(tmp_path):
     resumed = cb.run(scene, tmp_path, restart=tmp_path)
     for name in ("T_fluid", "T_solid", "G"):
         assert np.array_equal(resumed.nodal[name][1], whole.nodal[name][1])
+
+
+def species_bed(level="p1", **radiation):
+    """Gas through ore at the temperature of the bed beside coke at 1173.15 K; the wall at the outlet is 1300 K hot."""
+    kind = {"volume_fraction": 0.3, "diameter": "8 mm", "emissivity": 0.8}
+    return {
+        "mesh": {"type": "line", "length": 0.5},
+        "fluid": {"density": 1.0, "viscosity": 2e-5, "heat_capacity": 1000.0, "conductivity": 0.05},
+        "solid": {"density": 2000.0, "heat_capacity": 800.0, "conductivity": 1.0},
+        "bed": {"porosity": 0.4, "particle_diameter": "8 mm"},
+        "flow": {"velocity": 0.5},
+        "heat": {"nusselt": "wakao_kaguei"},
+        "radiation": {
+            "level": level,
+            "species": {"ore": dict(kind), "coke": kind | {"temperature": "900 degC"}},
+            **radiation,
+        },
+        "boundary": {
+            "left": {"fluid": {"inflow": 573.15}},
+            "right": {"radiation": {"temperature": 1300.0}, "solid": {"fixed": 1300.0}},
+        },
+    }
+
+
+def test_heat_of_species_is_a_result():
+    """What the boundaries and the coke supply adds up to nothing, to the balance of 1e-10."""
+    heats = cb.run(from_dict(species_bed())).qoi
+    found = [heats[f"heat_{name}_W"] for name in ("left", "right", "species")]
+    assert abs(sum(found)) < 1e-9 * max(map(abs, found))
+    assert heats["heat_species_W"] > 1e4  # the gas enters 600 K colder than the coke
+
+
+def test_rosseland_has_no_species_of_its_own_temperature():
+    """It would leave their heat out: a mistake where it is asked for, and never chosen in place of P1."""
+    with pytest.raises(SceneError, match=r"radiation\.species\.coke\.temperature.*the temperature of the solid"):
+        from_dict(species_bed("rosseland"))
+    values = species_bed(allow_rosseland=True)
+    values["radiation"]["species"]["ore"]["diameter"] = values["radiation"]["species"]["coke"]["diameter"] = 1e-4
+    result = cb.run(from_dict(values))
+    assert result.plan.solved.radiation.level == "p1"
+    assert any("Rosseland has no species of given temperature" in text for _, text in result.plan.built)

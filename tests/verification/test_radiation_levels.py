@@ -394,3 +394,34 @@ def test_conducting_ordinates_close_as_far_as_temperatures_have_digits(tau, N, t
     # a part in 100 000 of what is conducted, left out, opens the balance
     problem = OrdinatesProblem(result.plan.solved, result.plan.mesh)
     assert problem.rounding(np.full(len(problem.bed.points), 1000.0)) < 1e-5 * balance["in"]
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_a_species_in_equilibrium_has_its_own_temperature(level):
+    """Where one species of two is held at a temperature, the profile is that of the other, which emits what it absorbs.
+
+    In a thin layer between black walls at T1 and T2, G = 2 sigma (T1^4 + T2^4) at a symmetric place, whatever the held
+    species has, to the share of 1e-4 of the light that it absorbs.
+    """
+    species = {"volume_fraction": 1e-4, "diameter": 1.0, "emissivity": 0.5}
+    scene = slab(level, 1.0, wall(1500.0), wall(1000.0))
+    scene["bed"] = {"porosity": 0.9998, "particle_diameter": 1.0}
+    scene["radiation"] = {"level": level, "species": {"held": species | {"temperature": 300.0}, "free": dict(species)}}
+    result = run(scene)
+    T = result.profiles["T_solid [K]"]
+    assert T[len(T) // 2] == pytest.approx(((1500.0**4 + 1000.0**4) / 2.0) ** 0.25, rel=1e-3)
+    np.testing.assert_allclose(4.0 * SIGMA * T**4, result.profiles["G [W/m2]"], rtol=1e-12)
+
+
+def test_two_flux_tells_that_it_scatters_evenly():
+    """The two-flux method has no mean cosine of scattering: a scene that gives one is told so, with file and line."""
+    scene = slab("two_flux", 4.0, wall(1000.0), wall(500.0), 0.5, anisotropy=-0.4)
+    assert any("radiation.anisotropy" in text and "two-flux" in text for text in run(scene).warnings)
+    for level, given in (("two_flux", 0.0), ("p1", -0.4)):
+        assert not run(slab(level, 4.0, wall(1000.0), wall(500.0), 0.5, anisotropy=given)).warnings
+
+
+def test_an_opening_has_no_emissivity():
+    """What enters through an opening is its radiosity, all of it: an emissivity beside it would be ignored."""
+    with pytest.raises(SceneError, match="emissivity is that of a wall at a temperature"):
+        from_dict(slab("p1", 4.0, {"radiosity": 1e4, "emissivity": 0.3}, wall(500.0)))

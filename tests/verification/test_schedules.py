@@ -287,6 +287,16 @@ def test_bad_profiles(tmp_path):
         assert words in str(caught.value)
 
 
+def test_a_profile_of_a_shorter_bed_is_told(tmp_path):
+    """Beyond the ends of its file a bed begins with the nearest temperature: told above 5 % of the length."""
+    for rows, told in (("0,300\n0.5,310\n", True), ("0.3,300\n1,310\n", True), ("0.04,300\n0.96,310\n", False)):
+        (tmp_path / "start.csv").write_text("z [m],T [K]\n" + rows)
+        scene = changed(STORE)
+        scene["time"]["initial_solid"] = {"file": "start.csv"}
+        warned = run(scene, tmp_path).warnings
+        assert any("time.initial_solid: positions from" in text for text in warned) == told, warned
+
+
 def test_a_steady_scene_has_no_series():
     """A series without a [time] table is a mistake, told at its key."""
     scene = changed(STORE)
@@ -326,3 +336,22 @@ def test_a_key_that_takes_a_number_or_a_series_explains_both():
     text = explain("boundary.NAME.fluid.inflow")
     assert "allowed: a number > 0 K, or a table with times, values" in text
     assert "period: a number > 0 s" in text
+
+
+def test_profiles_have_the_flow_of_their_time(tmp_path):
+    """Velocity and pressure of a profile are those of its time, not of the last part of the run.
+
+    Constant properties: the pressure falls by (mu/K + rho c_F/sqrt(K) |u|) u L, to 1e-9 of it; where the flow stops
+    both are zero. At a jump they are those before it, as at the end of a run. So it is after a restart.
+    """
+    result = cb.run(from_dict(STORE), tmp_path, quiet=True)
+    again = cb.run(from_dict(STORE), tmp_path, quiet=True, restart=tmp_path)
+    d, eps = STORE["bed"]["particle_diameter"], STORE["bed"]["porosity"]
+    K, c_F = d**2 * eps**3 / (150.0 * (1.0 - eps) ** 2), 1.75 / (150.0 * eps**3) ** 0.5
+    drop = (1e-3 / K + 800.0 * c_F / K**0.5 * 1e-3) * 1e-3
+    t = result.profiles["t [s]"]
+    for time, velocity, first, end in ((600.0, 1e-3, drop, 0.0), (900.0, 0.0, 0.0, 0.0), (1500.0, -1e-3, 0.0, drop)):
+        for found in (result, again):
+            np.testing.assert_allclose(found.profiles["u [m/s]"][t == time], velocity, rtol=1e-12)
+            p = found.profiles["p [Pa]"][t == time]
+            np.testing.assert_allclose(p[[0, -1]], [first, end], rtol=0, atol=1e-9 * drop)
