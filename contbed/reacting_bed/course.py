@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.closures.reactions import R_GAS
+from contbed.errors import ConvergenceError
 from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed import solve
@@ -60,7 +61,15 @@ class Course:
         if problem.layout.pressure:
             u = course.start()
             storage = Storage.after(course.problem, u, FIRST_STEP * course.time.end)
-            at_once = solve.newton(course.problem, u, solve.Report(), storage, most=solve.FIRST_ITERATIONS)
+            try:
+                at_once = solve.newton(course.problem, u, solve.Report(), storage, most=solve.FIRST_ITERATIONS)
+            except ConvergenceError as error:
+                raise ConvergenceError(
+                    f"{scene.origin.name}: {error} at t = 0 s, where the pressures of the gas that fills the bed are "
+                    'sought; give flow.pressure_drop = "none", or time.gas = "quasi_steady"',
+                    error.history,
+                    error.state,
+                ) from None
             pressure = problem.at_all_points(at_once)[problem.layout.names.index("p")]
         return replace(course, problem=course.problem.with_gas_stored(pressure))
 

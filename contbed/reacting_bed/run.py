@@ -74,15 +74,8 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
 
 
 def _sentence(problem: Problem, error: ConvergenceError) -> str:
-    """Return what failed, where in the bed, and what to try."""
+    """Return what failed, and what to try."""
     origin = problem.scene.origin.name
-    text = str(error)
-    if error.state is not None and error.state.shape[1:] == problem.line.points.shape:
-        residual, _ = problem.system.assemble(error.state, False)
-        sizes = abs(residual).max(axis=2) / problem.flux_sizes[:, None]
-        k, cell = divmod(int(sizes.argmax()), sizes.shape[1])
-        name = problem.names[k].removeprefix("g_").removeprefix("n_").removeprefix("s_").removeprefix("a_")
-        text += f"; it is worst for {name} at x = {problem.line.vertices[cell]:.4g} m"
     drop = isothermal_drop(problem)
     if problem.layout.pressure and drop is None:
         return (
@@ -91,6 +84,6 @@ def _sentence(problem: Problem, error: ConvergenceError) -> str:
             "the flow or mesh.length, or raise fluid.pressure or bed.particle_diameter"
         )
     return (
-        f"{origin}: no steady state is found: {text}. Give guess.temperature near the state that is meant, slow the "
+        f"{origin}: no steady state is found: {error}. Give guess.temperature near the state that is meant, slow the "
         "fastest reaction by its factor, or add dispersion in [mass] or [heat] where a front is too steep"
     )

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed.cells import MOST_CELLS, halves, moved, next_cells
+from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.kinetics import FINEST
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage
@@ -88,12 +89,12 @@ def step(problem: Problem, u: Array, report: Report, storage: Storage | None = N
             residual = storage.add(u, residual, slopes)
         norm = measure(problem, residual)
         if not np.isfinite(norm):
-            raise ConvergenceError("a rate or property is not finite", report.history, u)
+            raise failed("a rate or property is not finite", problem, u, report, storage)
         report.history.append(norm)
         du = slopes.factors(problem.flux_sizes, problem.sizes).solve(-residual)
         share = limited(problem, u, du)
     if not np.isfinite(du).all():
-        raise ConvergenceError("a step of Newton's method is not finite", report.history, u)
+        raise failed("a step of Newton's method is not finite", problem, u, report, storage)
     return du, share, norm
 
 
@@ -112,7 +113,7 @@ def newton(problem: Problem, u: Array, report: Report, storage: Storage | None =
         du, share, norm = step(problem, u, report, storage)
         change = float(np.abs(du / scale).max())
         if share < SHORTEST:
-            raise ConvergenceError("Newton's method takes ever smaller steps", report.history, u)
+            raise failed("Newton's method takes ever smaller steps", problem, u, report, storage)
         best, since = (norm, 0) if norm < PROGRESS * best else (best, since + 1)
         if since > PATIENCE:
             break
@@ -123,7 +124,20 @@ def newton(problem: Problem, u: Array, report: Report, storage: Storage | None =
             return u
         if share == 1.0 and norm < 1e-12 and change < 1e3 * tolerance:
             return u
-    raise ConvergenceError(f"Newton's method stops at a residual of {norm:.2g}", report.history, u)
+    raise failed(f"Newton's method stops at a residual of {norm:.2g}", problem, u, report, storage)
+
+
+def failed(text: str, problem: Problem, u: Array, report: Report, storage: Storage | None = None) -> ConvergenceError:
+    """Return the error of a state, which tells where in the bed and for what its residuals are largest."""
+    with np.errstate(all="ignore"):
+        residual = problem.system.assemble(u, False)[0]
+        if storage is not None:
+            residual = residual + storage.residual(u)
+        sizes = np.abs(residual).max(axis=2) / problem.flux_sizes[:, None]
+    k, cell = divmod(int(sizes.argmax()), sizes.shape[1])
+    name = problem.names[k]
+    where = f"it is worst for {conserved(name) or name.removeprefix('s_')} at x = {problem.line.vertices[cell]:.4g} m"
+    return ConvergenceError(f"{text}; {where}", report.history, u)
 
 
 def residence_time(problem: Problem) -> float:
@@ -154,11 +168,8 @@ def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
             dt *= SHORTER
             failures += 1
             if failures > MOST_FAILURES:
-                raise ConvergenceError(
-                    f"the longest step in time that converged is {longest:.3g} s",
-                    report.history,
-                    error.state,
-                ) from None
+                text = f"the longest step in time that converged is {longest:.3g} s"
+                raise failed(text, problem, error.state, report) from None
             continue
         change = float(np.abs((found - u) / problem.sizes[:, None, None]).max())
         u, taken, longest = found, taken + 1, max(longest, dt)

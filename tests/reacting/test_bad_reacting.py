@@ -139,3 +139,51 @@ def test_gas_that_cannot_pass_is_told():
     )
     with pytest.raises(ConvergenceError, match=r"the gas cannot pass the bed: by bed\.permeability"):
         contbed.run(loads(text))
+
+
+FAST = GOOD.replace("inflow = 500.0", "inflow = 700.0").replace(
+    'A = 1.0\nE = "50 kJ/mol"', 'A = 1e14\nE = "150 kJ/mol"'
+)
+IN_TIME = """
+[solid]
+density = 1000.0
+heat_capacity = 800.0
+[time]
+end = 3.0
+gas = "stored"
+"""
+
+
+def with_pressure(text):
+    """The scene with a pressure that Ergun's equation takes from the gas."""
+    text = text.replace('O2:0.5"', 'O2:0.5"\nviscosity = 2e-5')
+    return text.replace("velocity = 0.5", 'velocity = 0.5\npressure_drop = "ergun"') + IN_TIME
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        # whose cells are halved before it is given up
+        (FAST + "[heat]\n", r"converged is 0 s; it is worst for T at x = 0 m\. Give guess\.temperature"),
+        (with_pressure(FAST + "[heat]\n"), r"it is worst for \w+ at x = \S+ m at t = 0 s; use more mesh\.cells"),
+    ],
+)
+def test_what_fails_names_its_place(text, said):
+    import contbed
+    from contbed.errors import ConvergenceError
+
+    with pytest.raises(ConvergenceError, match=said):
+        contbed.run(loads(text))
+
+
+def test_pressures_that_are_not_found_are_told(monkeypatch):
+    """Before the first step those of a gas that is stored are sought; here in one iteration."""
+    import contbed
+    from contbed.errors import ConvergenceError
+    from contbed.reacting_bed import solve
+
+    monkeypatch.setattr(solve, "FIRST_ITERATIONS", 1)
+    with pytest.raises(
+        ConvergenceError, match=r'bed\.toml: .* at x = .* are sought; give flow\.pressure_drop = "none"'
+    ):
+        contbed.run(loads(with_pressure(GOOD), "bed.toml"))
