@@ -176,8 +176,8 @@ def plan(
         _tell_when_compiling(loaded)
     planned = make(loaded)
     print(planned, flush=True)
-    if time := predicted_time(planned):
-        print(time)
+    if line := predicted_time(planned, time.process_time()):
+        print(line)
 
 
 @app.command()

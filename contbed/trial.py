@@ -66,27 +66,28 @@ class Trial:
         return len(self.reached) + max(end - self.reached[-1], 0.0) / size
 
 
-def predicted_time(plan: Plan) -> str:
-    """Return a line with the processor time of a run whose cost no formula gives; empty for others, or if it fails."""
+def predicted_time(plan: Plan, before: float = 0.0) -> str:
+    """Return a line with the processor time of a run whose cost no formula gives; empty for others, or if it fails.
+
+    `before` is what a run takes as well to come this far: of a command the processor time since it began [s].
+    """
     if models.model_of(plan.scene).searches:
-        return _text_of_search(plan)
+        return _text_of_search(plan, before)
     if getattr(plan, "balanced", False):
-        return _text_of_last_mesh(plan)
+        return _text_of_last_mesh(plan, before)
     if (known := getattr(plan, "seconds", None)) is not None:
         seconds = known()
-        return "" if seconds is None else f"time: about {_text(clock.process_time() + seconds + OUTPUT)} of processor"
+        return "" if seconds is None else f"time: about {_text(before + seconds + OUTPUT)} of processor"
     # fronts and one particle take steps that no checkpoint goes on from
     if not plan.steps and getattr(plan.scene, "time", None) is None:
         return ""
-    before = clock.process_time()
     seconds, steps = _predict(plan, plan.scene.time.end)
     if not steps:
         return ""
     return f"time: about {_text(before + seconds + OUTPUT)} of processor for some {steps:.2g} steps, by a trial"
 
 
-def _text_of_search(plan: Plan) -> str:
-    before = clock.process_time()
+def _text_of_search(plan: Plan, before: float = 0.0) -> str:
     seconds, ended = _searched(plan)
     if not seconds:
         return ""
@@ -95,8 +96,7 @@ def _text_of_search(plan: Plan) -> str:
     return f"time: about {_text(before + seconds + OUTPUT)} of processor, {how}{BRANCH if branch else ''}"
 
 
-def _text_of_last_mesh(plan: Plan) -> str:
-    before = clock.process_time()
+def _text_of_last_mesh(plan: Plan, before: float) -> str:
     found = models.model_of(plan.scene).find("last_mesh", "last_mesh")(plan)
     if found is None:
         return ""
