@@ -23,12 +23,12 @@ from contbed.dem.particle_files import read_particles
 from contbed.dem.particles import Material, Particles
 from contbed.dem.settling import settling_time, stages_of
 from contbed.dem.simulation import LARGEST_OVERLAP, Simulation
+from contbed.dem.softness import GRAVITY
 from contbed.dem.walls import INFINITE, Domain, box
 from contbed.errors import SceneError
 from contbed.models import Unfactored, described
 from contbed.scene.toml_lines import Origin
 
-GRAVITY = 9.81  # m/s2
 SKIN = 0.4  # of the radius; fluidized beds need new lists a third as often as at the 0.1 of packings, 30 % less time
 IMPACT_SPEED = 0.3  # m/s, of which the time step of the particles resolves impacts
 MEMORY = Unfactored(400.0)  # bytes for each unknown; six of a particle, with its neighbours: 300 in a bed of 175 800
@@ -76,7 +76,7 @@ class GasPlan:
                 return settled(self, quiet=True), clock.process_time() - start - compiling()
         lattice = _lattice(table)
         height = loose_height(lattice.radius, table.width[0] * table.width[1])
-        stages = stages_of(lattice, material_of(table), AT_REST, GRAVITY)
+        stages = stages_of(lattice, Material.of(table), AT_REST, GRAVITY)
         return replace(self, particles=lattice), settling_time(stages, self.number, height, GRAVITY)
 
     def unknowns(self) -> dict[str, int]:
@@ -141,18 +141,6 @@ def settled(plan: GasPlan, quiet: bool, start: Mapping[str, Any] | None = None) 
     return replace(plan, particles=particles)
 
 
-def material_of(table: GasParticles) -> Material:
-    """Return the material of the simulated particles."""
-    return Material(
-        table.density,
-        table.modulus,
-        table.poisson_ratio,
-        table.restitution,
-        table.sliding_friction,
-        table.rolling_friction,
-    )
-
-
 def simulation_of(table: GasParticles, gas: GasFlow, particles: Particles) -> Simulation:
     """Set up the simulation of the particles in their box.
 
@@ -163,7 +151,7 @@ def simulation_of(table: GasParticles, gas: GasFlow, particles: Particles) -> Si
     domain = _domain(table)
     return Simulation(
         particles,
-        [material_of(table)],
+        [Material.of(table)],
         box(domain),
         domain,
         impact_speed=IMPACT_SPEED,
@@ -180,7 +168,7 @@ def _largest_overlap(table: GasParticles, particles: Particles) -> float:
     It is that of an impact at `SPEED_OF_FILES`: soft particles of a bed that runs or has settled overlap as deeply,
     and larger overlaps would throw them apart faster.
     """
-    radius, material = float(particles.radius.min()), material_of(table)
+    radius, material = float(particles.radius.min()), Material.of(table)
     mass = 4.0 / 3.0 * np.pi * radius**3 * material.density
     deep = hertz_impact(mass / 2.0, radius / 2.0, material.contact_modulus, SPEED_OF_FILES)[1] / radius
     return float(np.clip(deep, LARGEST_OVERLAP, SETTLED_OVERLAP))
@@ -218,7 +206,7 @@ def _settle(table: GasParticles, quiet: bool) -> Particles:
         radius=table.radius,
         count=table.count,
         seed=table.seed,
-        material=material_of(table),
+        material=Material.of(table),
         periodic=(table.periodic, table.periodic),
         quiet=quiet,
     )

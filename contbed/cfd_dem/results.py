@@ -11,9 +11,10 @@ from contbed.balance import Balance
 from contbed.cfd_dem.closures import bound
 from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.history import History
-from contbed.cfd_dem.plan import GRAVITY, GasPlan
+from contbed.cfd_dem.plan import GasPlan
 from contbed.dem.failure import STRIDE
 from contbed.dem.simulation import Simulation
+from contbed.dem.softness import GRAVITY
 from contbed.result import Result
 
 PERCENTILES = (5, 50, 95)  # of the coefficients of single particles

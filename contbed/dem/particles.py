@@ -49,6 +49,18 @@ class Material:
         if problems:
             raise SceneError(problems)
 
+    @classmethod
+    def of(cls, table: Any) -> Material:
+        """Return the material that a table of a scene gives to its particles."""
+        return cls(
+            table.density,
+            table.modulus,
+            table.poisson_ratio,
+            table.restitution,
+            table.sliding_friction,
+            table.rolling_friction,
+        )
+
     @property
     def shear_modulus(self) -> float:
         """G = E / (2 (1 + nu)) [Pa]."""

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from contbed.dem.particle_files import read_particles
 from contbed.dem.particles import Material, Particles
-from contbed.dem.scene import Lattice, Layers, Packing, ParticleScene
+from contbed.dem.scene import Lattice, Layers, ParticleScene
 from contbed.dem.sizes import random_radii
+from contbed.dem.softness import GRAVITY
 from contbed.errors import EngineError, SceneError
 from contbed.models import Plan, Unfactored, described
 
@@ -22,7 +23,6 @@ BOTTOM, TOP = 1.0, 2.0  # diameters from the floor and from the surface, where t
 
 # bytes for each temperature, with the paths of its particle: 2000 by contacts, 3700 through a fluid
 MEMORY = Unfactored(4e3)
-GRAVITY = 9.81  # m/s2, of packings
 NETWORK = 22e-6  # s of processor for each temperature of a network with a fluid, of 1e3 to 1e6 spheres
 
 # centres in the unit cell, and the edge of the cell over the radius of spheres that touch
@@ -123,7 +123,7 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
         table.width,
         cylinder=table.cylinder,
         radius=random_radii(table.radius, table.spread, table.number, table.seed),
-        material=_material(table),
+        material=Material.of(table),
         periodic=(table.periodic, table.periodic),
         seed=table.seed,
         quiet=quiet,
@@ -144,17 +144,6 @@ def settled(plan: ParticlePlan, folder: Path | None, quiet: bool) -> ParticlePla
     return replace(plan, x=x, radius=radius, box=(low, high), porosity=porosity, layers=layers)
 
 
-def _material(table: Packing) -> Material:
-    return Material(
-        table.density,
-        table.modulus,
-        table.poisson_ratio,
-        table.restitution,
-        table.sliding_friction,
-        table.rolling_friction,
-    )
-
-
 def _settling(scene: ParticleScene) -> float:
     """Predict the processor time in which the packing of a scene settles [s]; 0 without one."""
     from contbed.dem.packing import AT_REST, loose_height
@@ -164,7 +153,7 @@ def _settling(scene: ParticleScene) -> float:
     if table is None:
         return 0.0
     radii = np.array(random_radii(table.radius, table.spread, table.number, table.seed))
-    stages = stages_of(Particles(np.zeros((len(radii), 3)), radii), _material(table), AT_REST, GRAVITY)
+    stages = stages_of(Particles(np.zeros((len(radii), 3)), radii), Material.of(table), AT_REST, GRAVITY)
     return settling_time(stages, len(radii), loose_height(radii, table.area), GRAVITY)
 
 

@@ -40,8 +40,8 @@ def mole_fractions(composition: str | Mapping[str, float]) -> dict[str, float]:
     return {species: amount / total for species, amount in amounts.items() if amount > 0.0}
 
 
-def require_sum(composition: str) -> None:
-    """Check that fractions sum to one; amounts above 1 are in moles and may sum to anything.
+def require_sum(composition: str, within: float = SUM, in_moles: bool = True) -> None:
+    """Check that fractions sum to one `within` a number; amounts above 1 are `in_moles` and may sum to anything.
 
     Raises
     ------
@@ -49,10 +49,9 @@ def require_sum(composition: str) -> None:
     """
     mole_fractions(composition)
     amounts = [float(amount) for _, amount in _pairs(composition)]
-    if max(amounts) <= 1.0 and abs(sum(amounts) - 1.0) > SUM:
-        raise SceneError(
-            f"composition: fractions sum to {sum(amounts):.6g}, not to 1; correct them, or write amounts in mol above 1"
-        )
+    total, fractions = sum(amounts), max(amounts) <= 1.0 or not in_moles
+    if fractions and abs(total - 1.0) > within:
+        raise SceneError(f"fractions sum to {total:.6g}, not to 1; correct them, or write amounts in mol above 1")
 
 
 def names_in(composition: str) -> tuple[str, ...]:

@@ -24,10 +24,11 @@ from contbed.models import FewerSteps, described
 from contbed.packed_bed import scene as s
 from contbed.packed_bed.adapt import refinable
 from contbed.packed_bed.grading import nodes
+from contbed.packed_bed.heat_parts import parts_of_heat
 from contbed.packed_bed.inside import Inside, inside_of, modes, resolved
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.pressure import lifted
-from contbed.packed_bed.radiation import cheapest, described_level
+from contbed.packed_bed.radiation import cheapest
 from contbed.packed_bed.recognition import (
     bed_diameter,
     inlet_temperature,
@@ -41,8 +42,6 @@ from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
-# Nusselt numbers that hold with the dispersion that the same data were evaluated with: without, fronts are too steep
-TAKEN_TOGETHER = {"nusselt_wakao_kaguei": "dispersion_wakao_kaguei"}
 AUTOMATIC = 4  # adaptive refinements of an automatic line
 AUTOMATIC_TENSOR = 6  # new meshes of a plane or volume at most; two or three bring the error to the tolerance
 AUTOMATIC_CELLS = {2: 30_000, 3: 4_000}  # by dimension: 5 to 10 s of processor for two temperatures
@@ -163,11 +162,16 @@ class Plan:
 
     def at(self, times: Sequence[float]) -> list[Plan]:
         """Return the plan with the velocities at each of these times [s], at a jump with those before it."""
-        pieces, found = self.pieces(), []
-        ends = [piece.end * (1 + 1e-12) for piece in pieces if piece is not None]
+        if not self.schedule.flows:
+            return [self] * len(times)
+        pieces = [piece for piece in self.pieces() if piece is not None]
+        ends, plans = [piece.end * (1 + 1e-12) for piece in pieces], {}
+        found = []
         for time in times:
             piece = pieces[min(bisect_left(ends, time), len(pieces) - 1)]
-            found.append(self if piece is None else self.within(piece))
+            if piece.flow_since not in plans:
+                plans[piece.flow_since] = self.within(piece)
+            found.append(plans[piece.flow_since])
         return found
 
     def _frozen(self, time: float, before: bool = False) -> s.Scene:
@@ -322,25 +326,8 @@ def plan(scene: s.Scene) -> Plan:
     (skipped if plug else built).append(
         ("porous flow", "plug flow: no no-slip wall, uniform inlet" if plug else "Taylor-Hood, Newton")
     )
-    if scene.heat is None:
-        skipped.append(("two-energy", "no [heat] table"))
-    else:
-        built.append(("two-energy", _how_heat(scene, medium, fronts)))
-        if inside is not None:
-            why = "no [particle] table: " if scene.particle is None else ""
-            (skipped if inside.level == "lumped" else built).append(("inside of particles", f"{why}{inside}"))
-        if scene.heat.dispersion is None:
-            skipped.append(("dispersion", _why_no_dispersion(scene.heat)))
-        if scene.heat.tortuosity is None:
-            skipped.append(("cross conduction", "no heat.tortuosity"))
-        if medium.constant:
-            skipped.append(("Newton for temperatures", "constant properties: linear"))
-        if scene.time is None:
-            skipped.append(("time stepping", "no [time] table"))
-        elif schedule:
-            parts = len(schedule.cuts(scene.time.end)) - 1
-            built.append(("schedule", f"{len(schedule.samples)} series, {parts} parts without jump or kink"))
-        (skipped if scene.radiation is None else built).append(described_level(scene, thick))
+    for item, text, is_built in parts_of_heat(scene, medium, schedule, inside, thick, fronts):
+        (built if is_built else skipped).append((item, text))
     return Plan(
         written,
         target,
@@ -391,18 +378,3 @@ def _finest_each(grids: list[list[Any] | None]) -> list[Any] | None:
     if grids[0] is None:
         return None
     return [finest([grid[k] for grid in grids if grid is not None]) for k in range(len(grids[0]))]
-
-
-def _why_no_dispersion(heat: s.Heat) -> str:
-    """Return why there is none, and whether the Nusselt number was taken from data together with one."""
-    name = heat.nusselt if isinstance(heat.nusselt, str) else getattr(heat.nusselt, "name", "")
-    together = TAKEN_TOGETHER.get(f"nusselt_{str(name).removeprefix('nusselt_')}")
-    return "no heat.dispersion" + (f"; {name} was taken from data together with {together}" if together else "")
-
-
-def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
-    if fronts:
-        return "no conduction in a bed at rest: fronts tracked along characteristics"
-    time = "steady" if scene.time is None else "transient, TR-BDF2"
-    form = "linear" if medium.constant else "temperature-dependent"
-    return f"{time}, {form}, degree {scene.solver.degree}{', SUPG' if scene.solver.stabilisation else ''}"

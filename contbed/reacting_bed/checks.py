@@ -8,7 +8,7 @@ from typing import Any
 from contbed.closures.binding import is_phase, named
 from contbed.closures.formula import parse_formula, require_names
 from contbed.errors import SceneError
-from contbed.materials.composition import mole_fractions, names_in
+from contbed.materials.composition import mole_fractions, names_in, require_sum
 from contbed.materials.elements import elements_of
 from contbed.reacting_bed import curve_checks, kind_checks
 from contbed.reacting_bed import scene as s
@@ -52,15 +52,9 @@ def compositions_sum_to_one(fluid: Any, solid: s.Solids | None, time: s.Time | N
         if text is None:
             continue
         try:
-            mole_fractions(text)
+            require_sum(text, SUM, in_moles=path[0] != "solid")
         except SceneError as error:
             yield path, str(error)
-            continue
-        amounts = [float(part.rpartition(":")[2]) for part in text.replace(";", ",").split(",") if ":" in part]
-        total = sum(amounts)
-        fractions = path[0] == "solid" or all(amount <= 1.0 for amount in amounts)
-        if amounts and fractions and abs(total - 1.0) > SUM:
-            yield path, f"fractions sum to {total:.6g}, not to 1; correct them, or write amounts in mol above 1"
 
 
 def equations_balance(reactions: Reactions, fluid: Any, solid: s.Solids | None) -> Mistakes:

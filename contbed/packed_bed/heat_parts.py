@@ -1,0 +1,62 @@
+"""What the plan of a packed bed tells of its heat: what is built, what is left out and why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from contbed.packed_bed import scene as s
+from contbed.packed_bed.inside import Inside
+from contbed.packed_bed.medium import Medium
+from contbed.packed_bed.radiation import described_level
+from contbed.packed_bed.schedule import Schedule
+
+# Nusselt numbers that hold with the dispersion that the same data were evaluated with: without, fronts are too steep
+TAKEN_TOGETHER = {"nusselt_wakao_kaguei": "dispersion_wakao_kaguei"}
+
+
+def parts_of_heat(
+    scene: s.Scene, medium: Medium, schedule: Schedule, inside: Inside | None, thick: str, fronts: bool
+) -> Iterator[tuple[str, str, bool]]:
+    """Yield each part, what is told of it, and whether it is built.
+
+    Parameters
+    ----------
+    scene : as it is solved
+    inside : how the level inside of the particles was chosen, None without heat
+    thick : why the level of radiation was chosen
+    fronts : whether these are tracked
+    """
+    if scene.heat is None:
+        yield "two-energy", "no [heat] table", False
+        return
+    yield "two-energy", _how_heat(scene, medium, fronts), True
+    if inside is not None:
+        why = "no [particle] table: " if scene.particle is None else ""
+        yield "inside of particles", f"{why}{inside}", inside.level != "lumped"
+    if scene.heat.dispersion is None:
+        yield "dispersion", _why_no_dispersion(scene.heat), False
+    if scene.heat.tortuosity is None:
+        yield "cross conduction", "no heat.tortuosity", False
+    if medium.constant:
+        yield "Newton for temperatures", "constant properties: linear", False
+    if scene.time is None:
+        yield "time stepping", "no [time] table", False
+    elif schedule:
+        parts = len(schedule.cuts(scene.time.end)) - 1
+        yield "schedule", f"{len(schedule.samples)} series, {parts} parts without jump or kink", True
+    yield (*described_level(scene, thick), scene.radiation is not None)
+
+
+def _why_no_dispersion(heat: s.Heat) -> str:
+    """Return why there is none, and whether the Nusselt number was taken from data together with one."""
+    name = heat.nusselt if isinstance(heat.nusselt, str) else getattr(heat.nusselt, "name", "")
+    together = TAKEN_TOGETHER.get(f"nusselt_{str(name).removeprefix('nusselt_')}")
+    return "no heat.dispersion" + (f"; {name} was taken from data together with {together}" if together else "")
+
+
+def _how_heat(scene: s.Scene, medium: Medium, fronts: bool) -> str:
+    if fronts:
+        return "no conduction in a bed at rest: fronts tracked along characteristics"
+    time = "steady" if scene.time is None else "transient, TR-BDF2"
+    form = "linear" if medium.constant else "temperature-dependent"
+    return f"{time}, {form}, degree {scene.solver.degree}{', SUPG' if scene.solver.stabilisation else ''}"
