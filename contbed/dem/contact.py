@@ -18,6 +18,7 @@ damping: Tsuji, Tanaka, Ishida (1992), Powder Technology 71, 239.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -87,8 +88,8 @@ def contact_law(
     nx, ny, nz = normal.x, normal.y, normal.z
     vn = velocity.x * nx + velocity.y * ny + velocity.z * nz
     ux, uy, uz = velocity.x - vn * nx, velocity.y - vn * ny, velocity.z - vn * nz
-    a = np.sqrt(contact.radius * overlap)
-    root = np.sqrt(contact.mass * a)
+    a = sqrt(contact.radius * overlap)
+    root = sqrt(contact.mass * a)
     load = 4.0 / 3.0 * contact.youngs_modulus * a * overlap - contact.damping_normal * root * vn
     limit = contact.sliding_friction * max(load, 0.0)
     kt, ct = 8.0 * contact.shear_modulus * a, contact.damping_tangential * root
@@ -96,12 +97,12 @@ def contact_law(
     sx, sy, sz = spring.x - out * nx + dt * ux, spring.y - out * ny + dt * uy, spring.z - out * nz + dt * uz
     spring2 = kt * kt * (sx * sx + sy * sy + sz * sz)
     slips = spring2 > limit * limit
-    shrink = limit / np.sqrt(spring2) if slips else 1.0
+    shrink = limit / sqrt(spring2) if slips else 1.0
     ct = 0.0 if slips else ct
     sx, sy, sz = shrink * sx, shrink * sy, shrink * sz
     tx, ty, tz = -kt * sx - ct * ux, -kt * sy - ct * uy, -kt * sz - ct * uz
     force2 = tx * tx + ty * ty + tz * tz
-    cut = limit / np.sqrt(force2) if force2 > limit * limit else 1.0
+    cut = limit / sqrt(force2) if force2 > limit * limit else 1.0
     force = Vector(load * nx + cut * tx, load * ny + cut * ty, load * nz + cut * tz)
     return ContactForce(force, load, Vector(sx, sy, sz), vn)
 
@@ -117,7 +118,7 @@ def rolling_torque(
     """
     along = spin.x * normal.x + spin.y * normal.y + spin.z * normal.z
     wx, wy, wz = spin.x - along * normal.x, spin.y - along * normal.y, spin.z - along * normal.z
-    rate = np.sqrt(wx * wx + wy * wy + wz * wz)
+    rate = sqrt(wx * wx + wy * wy + wz * wz)
     if rate == 0.0 or normal_force <= 0.0:
         return Vector(0.0, 0.0, 0.0)
     brake = min(friction * radius * normal_force / rate, inertia / (ROLLING_STEPS * dt))

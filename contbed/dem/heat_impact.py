@@ -6,10 +6,12 @@ Equation numbers are those of Zhou, Hou and Yu 2011. Numbers or arrays that broa
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
+from numba.extending import overload, register_jitable
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
@@ -24,6 +26,19 @@ class Impact(NamedTuple):
     overlap: Array
     duration: Array
     radius: Array
+
+
+def _root(x: Any) -> Any:
+    """Evaluate the square root; np.sqrt is not among the functions that numba has for GPUs."""
+    return np.sqrt(x)
+
+
+@overload(_root)
+def _compiled_root(x: Any) -> Callable[[Any], Any]:
+    def root(x: Any) -> Any:
+        return sqrt(x)
+
+    return root
 
 
 def hertz_impact(R: ArrayLike, mass: ArrayLike, modulus: ArrayLike, speed: ArrayLike) -> Impact:
@@ -44,8 +59,8 @@ def hertz_impact(R: ArrayLike, mass: ArrayLike, modulus: ArrayLike, speed: Array
 @register_jitable(error_model="numpy")
 def impact_of(R: Any, mass: Any, modulus: Any, speed: Any) -> Any:
     """Evaluate largest overlap, duration and contact radius as `hertz_impact`."""
-    overlap = (15.0 * mass * speed**2 / (16.0 * modulus * np.sqrt(R))) ** 0.4
-    return overlap, _DURATION * overlap / speed, np.sqrt(R * overlap)
+    overlap = (15.0 * mass * speed**2 / (16.0 * modulus * _root(R))) ** 0.4
+    return overlap, _DURATION * overlap / speed, _root(R * overlap)
 
 
 def impact_factor(fourier: ArrayLike, capacity_ratio: ArrayLike) -> Array:
@@ -69,7 +84,7 @@ def _factor(fourier: Any, s: Any) -> Any:
     C2 = 8.169 * s**2 - 33.770 * s + 24.885
     C3 = -5.758 * s**2 + 24.464 * s - 20.511
     # the smaller root without cancellation: C1 vanishes at s = 0.556
-    return 0.435 * -4.0 * (C3 - fourier) / (np.sqrt(C2**2 - 4.0 * C1 * (C3 - fourier)) + C2)
+    return 0.435 * -4.0 * (C3 - fourier) / (_root(C2**2 - 4.0 * C1 * (C3 - fourier)) + C2)
 
 
 def impact_conductance(
@@ -105,7 +120,7 @@ def conductance_of(duration: Any, radius: Any, diffusivity: Any, ratio: Any, eff
     """Evaluate Eq. 7 uncorrected [W/K]: ratio <= 1, diffusivity of the particle of smaller rho c, both effusivities."""
     # the correction changes t_c and r_c^2 alike, so that Fo is that of the real impact as well
     factor = _factor(diffusivity * duration / radius**2, ratio)
-    return factor * np.pi * radius**2 * effusivity / np.sqrt(duration)
+    return factor * np.pi * radius**2 * effusivity / _root(duration)
 
 
 def colliding(age: ArrayLike, duration: ArrayLike) -> NDArray[np.bool_]:

@@ -6,21 +6,25 @@ histories of closed contacts without the room between them, which checkpoints ho
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from contbed import threads
+from contbed import barrier, threads
+from contbed.dem import loop
 from contbed.dem.kernel_arrays import (
     BLOCK,
     Array,
     Blocks,
     Bodies,
+    Box,
     Crossing,
     Entries,
     Heat,
+    Interval,
+    Laws,
     NearWalls,
     Pairs,
     Room,
@@ -36,6 +40,9 @@ from contbed.dem.ordering import CUBE, MOST_CELLS
 ROOM = (6, 2, 1)  # places for a particle at first: of pairs within its block, across blocks and near walls
 _EACH = ("radius", "mass", "inertia", "material")  # of `Spheres`, one for each particle
 MARGIN = 1.25  # of what was needed when there was too little room
+CHUNK = 2_000_000  # steps times particles of one call of the kernel, about 0.2 s, so that Ctrl-C is heard
+FEWEST = 8  # steps of one call; what goes in and out of it then costs a tenth of them for 1e6 particles, Ctrl-C 1 s
+LEAST = 2000  # particles that a thread must have; a step of them takes 0.1 ms, threads meet twice in it for 5 us
 
 
 class Record(NamedTuple):
@@ -68,20 +75,74 @@ def halved(record: Record) -> Record:
     return record._replace(onset=onset, wall_onset=wall_onset)
 
 
+class Particle(NamedTuple):
+    """One particle as it is in memory: index for the user, position [m], velocity [m/s]."""
+
+    user: int
+    position: Array
+    velocity: Array
+
+
+class Engine(Protocol):
+    """What computes the steps of a simulation, in an order of memory of its own: `Memory` on this machine's cores."""
+
+    longest: int
+
+    def start(self) -> None:
+        """Begin with the order of the user and an empty list."""
+
+    def grow(self) -> None:
+        """Make room for what the last list needed, with a margin. What was held is lost."""
+
+    def load(self, position: Array, velocity: Array, spin: Array, pushed: Array | None) -> None:
+        """Take positions [m], velocities [m/s], spins [rad/s] and external forces [N] in the user's order."""
+
+    def load_heat(self, T: Array, source: Array, capacity: Array) -> None:
+        """Take temperatures [K], heat sources [W] and heat capacities [J/K] in the user's order."""
+
+    def store(self, position: Array, velocity: Array, spin: Array, T: Array) -> None:
+        """Give positions, velocities, spins and temperatures in the user's order."""
+
+    def make_list(self) -> loop.Outcome:
+        """Sort the particles and list pairs and near walls for their present positions."""
+
+    def take_steps(self, interval: Interval) -> loop.Outcome:
+        """Take steps up to the end of an interval, or until the list is too old."""
+
+    def particle(self, place: int) -> Particle:
+        """Return what is at a place of memory."""
+
+    def keep(self) -> Any:
+        """Return what `back_to` goes back to."""
+
+    def back_to(self, kept: Any) -> None:
+        """Go back to a state of `keep`; positions, velocities and temperatures are those of `load`."""
+
+    def read(self) -> Record:
+        """Return what a step depends on, as copies."""
+
+    def write(self, record: Record) -> None:
+        """Take up a state of `read`."""
+
+
 class Memory:
     """Both sides of a simulation and what its threads share.
 
     Parameters
     ----------
     spheres : in the order of the user
-    is_warm : whether particles have temperatures
+    laws : constants of contacts; with a table of heat particles have temperatures
+    box : the domain
+    skin : room of the neighbour list [m]
     """
 
     side: Side
     other: Side
 
-    def __init__(self, spheres: Spheres, is_warm: bool):
-        self._given, self._is_warm, n = spheres, is_warm, len(spheres.radius)
+    def __init__(self, spheres: Spheres, laws: Laws, box: Box, skin: float):
+        self._given, self._laws, self._box, self._skin = spheres, laws, box, skin
+        self._is_warm, n = len(laws.heat) > 0, len(spheres.radius)
+        self.longest = max(FEWEST, CHUNK // n)
         self.blocks = -(-n // BLOCK)
         self._places = tuple(most * min(n, BLOCK) for most in ROOM)
         self._allocate()
@@ -139,6 +200,33 @@ class Memory:
         if self._is_warm:
             T[self.user] = self.side.heat.T
 
+    def make_list(self) -> loop.Outcome:
+        """Sort the particles and make a list for their present positions."""
+        arrays = (self.side, self.other, self._laws.walls, self._box, self._skin, self.room)
+        found: loop.Outcome = barrier.run(loop.make_list, self._threads(), *arrays)
+        if found.status == loop.OK:
+            self.swap()
+        return found
+
+    def take_steps(self, interval: Interval) -> loop.Outcome:
+        """Take steps up to the end of an interval, or until the list is too old."""
+        arrays = (self.side, self._laws, interval, self.sums, self.room.blocks)
+        found: loop.Outcome = barrier.run(loop.take_steps, self._threads(), *arrays)
+        return found
+
+    def particle(self, place: int) -> Particle:
+        """Return what is at a place of memory."""
+        bodies = self.side.bodies
+        return Particle(int(bodies.user[place]), bodies.position[place], bodies.motion[place, :3])
+
+    def keep(self) -> Record:
+        """Return what `back_to` goes back to."""
+        return self.read()
+
+    def back_to(self, kept: Record) -> None:
+        """Go back to a state of `keep`; positions, velocities and temperatures are those of `load`."""
+        self.write(kept)
+
     def read(self) -> Record:
         """Return what a step depends on, as copies."""
         pairs, near = self.side.pairs, self.side.near
@@ -184,6 +272,9 @@ class Memory:
         if not spheres.equal:
             for name in _EACH:
                 getattr(spheres, name)[:] = getattr(self._given, name)[record.user]
+
+    def _threads(self) -> int:
+        return threads.count(len(self._given.radius), LEAST)
 
     def _make_room(self, needed: list[int]) -> None:
         if all(need <= places for need, places in zip(needed, self._places, strict=True)):

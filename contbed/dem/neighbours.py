@@ -10,6 +10,8 @@ Source: Allen and Tildesley (2017), Computer Simulation of Liquids, sections 5.3
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 from numba import njit
 
@@ -224,7 +226,7 @@ def wall_distance(x: float, y: float, z: float, wall: Row) -> tuple[float, float
     if wall.curvature == 0.0:
         return along, wall.unit_x, wall.unit_y, wall.unit_z
     dx, dy, dz = dx - along * wall.unit_x, dy - along * wall.unit_y, dz - along * wall.unit_z
-    off = np.sqrt(dx * dx + dy * dy + dz * dz)
+    off = sqrt(dx * dx + dy * dy + dz * dz)
     if off == 0.0:
         return wall.curvature * wall.radius, 0.0, 0.0, 0.0
     side = -wall.curvature / off

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contbed import barrier, threads
 from contbed.dem import loop
 from contbed.dem.contact import largest_safe_step, require_safe_step
 from contbed.dem.contact_heat import ContactHeat
 from contbed.dem.failure import STRIDE, Failure, not_a_number, of_particle, place
 from contbed.dem.kernel_arrays import HEAT_PAIR, Array, Box, Indices, Interval, Laws, Spheres
-from contbed.dem.memory import Memory, Record, halved
+from contbed.dem.memory import Engine, Memory, Record, halved
 from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, image_shifts, wall_gaps
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.walls import SKIN, Domain, Wall, wall_table
@@ -24,9 +23,6 @@ from contbed.interrupts import deferred_interrupt
 from contbed.output.progress import Progress
 
 LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start
-CHUNK = 2_000_000  # steps times particles of one call of the kernel, about 0.2 s, so that Ctrl-C is heard
-FEWEST = 8  # steps of one call; what goes in and out of it then costs a tenth of them for 1e6 particles, Ctrl-C 1 s
-LEAST = 2000  # particles that a thread must have; a step of them takes 0.1 ms, threads meet twice in it for 5 us
 _STATE = ("position", "velocity", "spin", "force", "T")
 
 
@@ -59,6 +55,7 @@ class Simulation:
     largest_overlap : of the smaller radius, accepted at the start
     most_halvings : how often the time step may be halved, from then on, where a particle is too fast for it
     heat, T [K] : conduction through contacts and temperatures at the start, one or each; None without
+    engine : "cuda" computes on a GPU from NVIDIA, which needs contbed[cuda]
 
     `force` [N] of shape (n, 3) is added to every particle, `heat_source` [W] (n,) to its heat; change them between
     calls of `run`. `T` (n,) has no entries without `heat`.
@@ -66,6 +63,7 @@ class Simulation:
     Raises
     ------
     SceneError : time step too large, overlapping start, particles outside, periodic sides too close
+    EngineError : there is no GPU, or no numba-cuda
     """
 
     def __init__(
@@ -82,6 +80,7 @@ class Simulation:
         most_halvings: int = 0,
         heat: ContactHeat | None = None,
         T: ArrayLike | None = None,
+        engine: Literal["contbed", "cuda"] = "contbed",
     ):
         domain = domain or Domain()
         n = len(particles)
@@ -114,12 +113,12 @@ class Simulation:
         with deferred_interrupt():
             self._laws = Laws(pair_table(materials), heat_pairs, wall_table(walls), image_shifts(self._box))
         spheres = Spheres(self.radius, self.mass, self.inertia, self.kind, self._equal)
-        self._memory = Memory(spheres, heat is not None)
+        self._memory: Engine = _engine(engine)(spheres, self._laws, self._box, self.skin)
         self._moved, self._stale = 0.0, True
         self._require_inside()
         with deferred_interrupt():
             self._load()
-            while self._make_list().status == loop.TOO_SMALL:
+            while self._memory.make_list().status == loop.TOO_SMALL:
                 self._memory.grow()
                 self._memory.start()
                 self._load()
@@ -234,12 +233,12 @@ class Simulation:
         Where a particle is too fast for the time step, the interval is done again with half of it, if that is allowed.
         """
         with deferred_interrupt():
-            before, now = self._memory.read(), (self._moved, self._stale, self.steps_done)
+            before, now = self._memory.keep(), (self._moved, self._stale, self.steps_done)
             start = {name: getattr(self, name).copy() for name in ("position", "velocity", "spin", "T")}
             self._load()
-        end, longest = self.steps_done + steps, max(FEWEST, CHUNK // len(self.position))
+        end = self.steps_done + steps
         while self.steps_done < end:
-            failure = self._take_part(min(longest, end - self.steps_done))
+            failure = self._take_part(min(self._memory.longest, end - self.steps_done))
             if failure is None:
                 continue
             with deferred_interrupt():
@@ -247,15 +246,16 @@ class Simulation:
                     getattr(self, name)[:] = array
                 self._moved, self._stale, self.steps_done = now
                 is_slower = failure.status == loop.TOO_FAST and self.halvings < self._most_halvings
+                if failure.status == loop.TOO_SMALL:
+                    self._memory.grow()
+                self._memory.back_to(before)
                 if is_slower:
-                    before, end, self.time_step = halved(before), 2 * end, 0.5 * self.time_step
+                    self._memory.write(halved(self._memory.read()))
+                    before, end, self.time_step = self._memory.keep(), 2 * end, 0.5 * self.time_step
                     self.steps_done *= 2
                     now = (self._moved, self._stale, self.steps_done)
-                elif failure.status == loop.TOO_SMALL:
-                    self._memory.grow()
-                self._memory.write(before)
-                if not is_slower and failure.status != loop.TOO_SMALL:
-                    raise ConvergenceError(failure.text, state=self._state(before))
+                elif failure.status != loop.TOO_SMALL:
+                    raise ConvergenceError(failure.text, state=self.state())
                 self._load()
 
     @deferred_interrupt()
@@ -265,9 +265,8 @@ class Simulation:
         if found.status == loop.TOO_SMALL:
             return Failure(found.status, "the lists of neighbours need more room")
         if found.status != loop.OK:
-            i, time = found.particle, (self.steps_done + found.done + 1) * self.time_step
-            bodies = memory.side.bodies
-            return of_particle(found.status, memory.user[i], bodies.position[i], bodies.motion[i, :3], time)
+            time = (self.steps_done + found.done + 1) * self.time_step
+            return of_particle(found.status, *memory.particle(found.particle), time)
         memory.store(self.position, self.velocity, self.spin, self.T)
         self.steps_done, self._moved = self.steps_done + steps, found.moved
         if not np.isfinite(self.T).all():
@@ -277,10 +276,10 @@ class Simulation:
     def _take_steps(self, steps: int) -> loop.Outcome:
         """Take steps, with new lists in between; how they ended, with the number of all that were completed."""
         memory, done, moved, begun, is_pushed = self._memory, 0, self._moved, False, bool(self.force.any())
-        size, limit = self._threads(), STRIDE * float(self.radius.min()) / self.time_step
+        limit = STRIDE * float(self.radius.min()) / self.time_step
         while True:
             if self._stale:
-                listed = self._make_list()
+                listed = memory.make_list()
                 if listed.status != loop.OK:
                     return listed._replace(done=done)
                 self._stale, moved = False, 0.0
@@ -295,32 +294,11 @@ class Simulation:
                 limit,
                 is_pushed,
             )
-            arrays = (memory.side, self._laws, interval, memory.sums, memory.room.blocks)
-            found: loop.Outcome = barrier.run(loop.take_steps, size, *arrays)
+            found = memory.take_steps(interval)
             done += found.done
             if found.status != loop.LIST_IS_OLD:
                 return found._replace(done=done)
             self._stale = begun = True
-
-    def _make_list(self) -> loop.Outcome:
-        """Sort the particles and make a list for their present positions."""
-        memory = self._memory
-        found: loop.Outcome = barrier.run(
-            loop.make_list,
-            self._threads(),
-            memory.side,
-            memory.other,
-            self._laws.walls,
-            self._box,
-            self.skin,
-            memory.room,
-        )
-        if found.status == loop.OK:
-            memory.swap()
-        return found
-
-    def _threads(self) -> int:
-        return threads.count(len(self.position), LEAST)
 
     def _load(self) -> None:
         """Copy the user's arrays to the order of memory."""
@@ -372,3 +350,15 @@ class Simulation:
             number, k = divmod(int(gaps.argmin()), len(self.position))
             where = "is beyond" if gaps.min() < 0.0 else "overlaps"
             raise SceneError(f"dem: particle {k} at {place(self.position[k])} {where} wall {number} at the start")
+
+
+def _engine(name: Literal["contbed", "cuda"]) -> Callable[[Spheres, Laws, Box, float], Engine]:
+    """Return what makes an engine; that of GPUs is loaded only where it is asked for."""
+    if name == "contbed":
+        return Memory
+    from contbed.dem.gpu import require_gpu
+
+    require_gpu()
+    from contbed.dem.gpu.memory import GpuMemory
+
+    return GpuMemory
