@@ -94,8 +94,11 @@ def run(
     restart: Annotated[Path | None, Option("--restart", metavar="DIR", help="continue from its checkpoint")] = None,
     settings: Settings = None,
     engine: Annotated[
-        Literal["skfem", "dolfinx", "lammps"] | None,
-        Option("--engine", help="dolfinx: PETSc, the default under mpirun; lammps: settles a [packing]"),
+        Literal["skfem", "dolfinx", "lammps", "cuda"] | None,
+        Option(
+            "--engine",
+            help="dolfinx: PETSc, the default under mpirun; lammps: settles a [packing]; cuda: particles on a GPU",
+        ),
     ] = None,
     threads: Threads = None,
     report: Annotated[bool, Option("--report", help="write report.html into DIR as well")] = False,

@@ -51,7 +51,7 @@ def run(
     quiet : no progress bar
     restart : folder of an earlier run of the same scene whose checkpoint is continued
     engine : "skfem", or "dolfinx" for PETSc under MPI; then only the first rank returns a result, others None;
-        "lammps" settles the packing of a scene of particles with LAMMPS
+        "lammps" settles the packing of a scene of particles with LAMMPS; "cuda" moves particles on a GPU
     threads : cores to compute on; None: all that may be used, where that is faster. The numbers do not depend on it
 
     Raises
@@ -101,6 +101,10 @@ def _found(
             from contbed.dem.plan import on_lammps
 
             plan = on_lammps(plan)
+        elif engine == "cuda":
+            from contbed.dem.gpu import on_gpu
+
+            plan = on_gpu(plan)
         checkpoint = None if restart is None else _checkpoint(scene, plan, Path(restart))
     except Exception as error:
         if place is not None and not goes_on:

@@ -10,7 +10,7 @@ import time as clock
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -51,6 +51,7 @@ class GasPlan:
     policy: Unfactored = MEMORY
     without_weak_form: str = "scenes of kind particles_gas"
     steps: bool = True
+    engine: Literal["contbed", "cuda"] = "contbed"
 
     @property
     def number(self) -> int:
@@ -84,6 +85,11 @@ class GasPlan:
         moving = 0 if self.scene.particles.fixed else 6 * self.number
         heat = self.number + self.grid.cells if self.scene.heat is not None else 0
         return {"particles": moving, "gas": int(self.grid.active.sum()) + self.grid.cells, "heat": heat}
+
+    def on_gpu(self) -> GasPlan:
+        """Return the plan of a run whose particles move on a GPU; the gas is computed on this machine's cores."""
+        built = tuple((what, f"{how} on a GPU" if what == "particles" else how) for what, how in self.built)
+        return replace(self, engine="cuda", built=built)
 
     def __str__(self) -> str:
         return described(self)
@@ -136,17 +142,20 @@ def settled(plan: GasPlan, quiet: bool, start: Mapping[str, Any] | None = None) 
     if start is not None:
         assert table.radius is not None
         return replace(plan, particles=Particles(start["particles_position"], table.radius))
-    particles = _settle(table, quiet)
+    particles = _settle(table, quiet, plan.engine)
     require_room(table, plan.scene.gas, particles, plan.scene.origin)
     return replace(plan, particles=particles)
 
 
-def simulation_of(table: GasParticles, gas: GasFlow, particles: Particles) -> Simulation:
+def simulation_of(
+    table: GasParticles, gas: GasFlow, particles: Particles, engine: Literal["contbed", "cuda"] = "contbed"
+) -> Simulation:
     """Set up the simulation of the particles in their box.
 
     Raises
     ------
     SceneError : they overlap each other or a wall
+    EngineError : there is no GPU for them
     """
     domain = _domain(table)
     return Simulation(
@@ -159,6 +168,7 @@ def simulation_of(table: GasParticles, gas: GasFlow, particles: Particles) -> Si
         gravity=(0.0, 0.0, -GRAVITY if gas.gravity else 0.0),
         largest_overlap=SETTLED_OVERLAP if table.file is None else _largest_overlap(table, particles),
         most_halvings=MOST_HALVINGS,
+        engine=engine,
     )
 
 
@@ -199,7 +209,7 @@ def _lattice(table: GasParticles) -> Particles:
     return Particles((np.column_stack([column, row, layer]) + 0.5) * apart, table.radius)
 
 
-def _settle(table: GasParticles, quiet: bool) -> Particles:
+def _settle(table: GasParticles, quiet: bool, engine: Literal["contbed", "cuda"]) -> Particles:
     assert table.radius is not None
     packing = pack(
         table.width,
@@ -209,6 +219,7 @@ def _settle(table: GasParticles, quiet: bool) -> Particles:
         material=Material.of(table),
         periodic=(table.periodic, table.periodic),
         quiet=quiet,
+        engine=engine,
     )
     return Particles(packing.position, packing.radius)
 

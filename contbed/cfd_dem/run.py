@@ -83,7 +83,7 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
     scene = plan.scene
     assert plan.particles is not None
     table, gas = scene.particles, scene.gas
-    simulation = simulation_of(table, gas, plan.particles)
+    simulation = simulation_of(table, gas, plan.particles, plan.engine)
     solid = Solid(table.conductivity, table.heat_capacity, table.modulus_real, table.exponents)
     T = None if scene.heat is None else scene.heat.T
     closures = bound(scene)

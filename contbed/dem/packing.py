@@ -66,7 +66,7 @@ def pack(
     at_rest: float = AT_REST,
     gravity: float = 9.81,
     quiet: bool = True,
-    engine: Literal["contbed", "lammps"] = "contbed",
+    engine: Literal["contbed", "lammps", "cuda"] = "contbed",
     folder: Path | None = None,
 ) -> Packing:
     """Settle a random loose packing in a box or a cylinder.
@@ -81,13 +81,13 @@ def pack(
     gravity [m/s2], downwards
     quiet : no progress bar
     engine : which program moves the spheres, from the same start; "lammps" needs contbed[lammps], and takes as many
-        ranks of MPI as `threads.using` says, one without it
+        ranks of MPI as `threads.using` says, one without it; "cuda" needs a GPU from NVIDIA and contbed[cuda]
     folder : where the input and the log of LAMMPS are kept
 
     Raises
     ------
     SceneError : both or neither of two alternatives, a bed narrower than a sphere, rolling friction for LAMMPS
-    EngineError : LAMMPS is not installed, or stops with an error
+    EngineError : LAMMPS or the GPU is not there, or LAMMPS stops with an error
     ConvergenceError : the bed does not come to rest
     """
     if (width is None) == (cylinder is None):
@@ -113,7 +113,7 @@ def pack(
         contacts = _at(Particles(final, radii), material, walls, domain).contacts()
     else:
         for stage in stages:
-            simulation = _settled(bed, stage, walls, domain, gravity, quiet)
+            simulation = _settled(bed, stage, walls, domain, gravity, quiet, engine)
             bed = Particles(simulation.position, radii)
         final, contacts, unrest = bed.position, simulation.contacts(), _unrest(simulation, gravity)
     statistics = {
@@ -250,9 +250,16 @@ def _at(bed: Particles, material: Material, walls: list[Wall], domain: Domain, *
 
 
 def _settled(
-    bed: Particles, stage: Stage, walls: list[Wall], domain: Domain, gravity: float, quiet: bool
+    bed: Particles,
+    stage: Stage,
+    walls: list[Wall],
+    domain: Domain,
+    gravity: float,
+    quiet: bool,
+    engine: Literal["contbed", "cuda"],
 ) -> Simulation:
-    simulation = _at(bed, stage.material, walls, domain, gravity=(0.0, 0.0, -gravity), time_step=stage.time_step)
+    down = (0.0, 0.0, -gravity)
+    simulation = _at(bed, stage.material, walls, domain, gravity=down, time_step=stage.time_step, engine=engine)
     ends: Callable[[Simulation], bool] = lambda bed: _unrest(bed, gravity) < stage.at_rest  # noqa: E731
     simulation.run(stage.steps, CHECK_EVERY, ends, quiet)
     if not ends(simulation):

@@ -54,7 +54,7 @@ class ParticlePlan:
     policy: Unfactored = MEMORY
     without_weak_form: str = "scenes of kind particles"
     steps: bool = False
-    engine: Literal["contbed", "lammps"] = "contbed"
+    engine: Literal["contbed", "lammps", "cuda"] = "contbed"
 
     def unknowns(self) -> dict[str, int]:
         """Count the unknowns: the temperatures."""
@@ -62,14 +62,33 @@ class ParticlePlan:
         return {"heat": len(self.x) if packing is None else packing.number}
 
     def seconds(self) -> float | None:
-        """Predict the processor time of settling and of the networks [s]; None where LAMMPS settles."""
+        """Predict the processor time of settling and of the networks [s]; None where LAMMPS or a GPU settles."""
         if self.engine != "contbed":
             return None
         networks = 1 if self.scene.closure is None else 1 + len(self.scene.closure.ratios)
         return _settling(self.scene) + NETWORK * self.unknowns()["heat"] * networks
 
+    def on_gpu(self) -> ParticlePlan:
+        """Return the plan of a packing that settles on a GPU.
+
+        Raises
+        ------
+        EngineError : the scene has no packing
+        """
+        if self.scene.packing is None:
+            raise EngineError(
+                f"{self.scene.origin.name}: --engine cuda settles the [packing] of a scene of particles; "
+                "this scene has none, leave the option out"
+            )
+        return replace(self, engine="cuda", built=_settled_by(self, "on a GPU"))
+
     def __str__(self) -> str:
         return described(self)
+
+
+def _settled_by(plan: ParticlePlan, where: str) -> tuple[tuple[str, str], ...]:
+    """Say of the particles that are built where they settle."""
+    return tuple((what, f"{how} {where}" if what == "particles" else how) for what, how in plan.built)
 
 
 def plan(scene: ParticleScene) -> ParticlePlan:
@@ -179,8 +198,7 @@ def on_lammps(plan: Plan) -> ParticlePlan:
         where = scene.origin.at(("packing", "rolling_friction"))
         raise SceneError(f"{where}: {rolling_refused(table.rolling_friction)}")
     find_program()
-    built = tuple((what, f"{how} by LAMMPS" if what == "particles" else how) for what, how in plan.built)
-    return replace(plan, engine="lammps", built=built)
+    return replace(plan, engine="lammps", built=_settled_by(plan, "by LAMMPS"))
 
 
 def _lattice(table: Lattice) -> tuple[Array, Array, tuple[Array, Array], tuple[bool, ...]]:

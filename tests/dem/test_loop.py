@@ -16,7 +16,7 @@ import pytest
 
 from contbed import threads
 from contbed.dem import neighbours
-from contbed.dem import simulation as simulation_module
+from contbed.dem import memory as memory_module
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Cylinder, Domain, Plane, Tube, box
@@ -319,7 +319,7 @@ def test_an_interrupt_comes_at_once_and_leaves_a_whole_state():
 
 
 def test_a_long_interval_is_cut_so_that_an_interrupt_is_heard(monkeypatch):
-    monkeypatch.setattr(simulation_module, "CHUNK", 64 * 100)
+    monkeypatch.setattr(memory_module, "CHUNK", 64 * 100)
     cut, whole = falling(), falling()
     cut.run(1234, interval=1234)
     monkeypatch.undo()

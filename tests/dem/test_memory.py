@@ -70,7 +70,7 @@ def test_memory_follows_space(alone):
 
 @pytest.mark.parametrize("number", [2, 3])
 def test_the_same_bits_on_several_threads(alone, number, monkeypatch):
-    monkeypatch.setattr("contbed.dem.simulation.LEAST", 1)
+    monkeypatch.setattr("contbed.dem.memory.LEAST", 1)
     with threads.using(number):
         simulation = crowd()
         simulation.force[::3, 2] = 1e-5
@@ -81,7 +81,7 @@ def test_the_same_bits_on_several_threads(alone, number, monkeypatch):
 
 
 def test_the_same_bits_of_equal_spheres_on_two_threads(monkeypatch):
-    monkeypatch.setattr("contbed.dem.simulation.LEAST", 1)
+    monkeypatch.setattr("contbed.dem.memory.LEAST", 1)
     found = []
     for number in (1, 2):
         with threads.using(number):

@@ -2,9 +2,30 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+from typing import Any
+
 from contbed.errors import EngineError
 
 MISSING = "the engine cuda needs numba-cuda, which is not installed; install it with: pip install 'contbed[cuda]'"
+
+
+def on_gpu(plan: Any) -> Any:
+    """Return the plan of a run that moves particles on a GPU.
+
+    Raises
+    ------
+    EngineError : the scene moves no particles, or there is no GPU
+    """
+    move = getattr(plan, "on_gpu", None)
+    if move is None:
+        raise EngineError(
+            f"{plan.scene.origin.name}: --engine cuda moves particles; this scene of kind {plan.scene.kind} has none, "
+            "leave the option out"
+        )
+    moved = move()
+    require_gpu()
+    return moved
 
 
 def require_gpu() -> None:
@@ -14,11 +35,9 @@ def require_gpu() -> None:
     ------
     EngineError : numba-cuda is not installed, or finds no GPU, with its reason
     """
-    from importlib.util import find_spec
-
     if find_spec("numba_cuda") is None:
         raise EngineError(MISSING)
-    from numba import cuda
+    from contbed.dem.gpu.arrays import cuda
 
     try:
         cuda.current_context()

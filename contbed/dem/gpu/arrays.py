@@ -10,7 +10,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-DeviceArray = Any  # of numba-cuda
+import numba.cuda
+
+cuda: Any = numba.cuda  # numba-cuda, where it is installed, takes its place at run time
+DeviceArray = Any
 
 # columns of a row: position [m], radius [m], velocity [m/s], spin [rad/s], mass [kg], temperature [K]
 X, Y, Z, RADIUS, VX, VY, VZ, WX, WY, WZ, MASS, TEMPERATURE = range(12)

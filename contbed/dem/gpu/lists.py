@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from math import floor
 
-from numba import cuda, int64
+from numba import int64
 
 from contbed.dem.gpu.arrays import (
     CULPRIT,
@@ -27,6 +27,7 @@ from contbed.dem.gpu.arrays import (
     X,
     Y,
     Z,
+    cuda,
 )
 from contbed.dem.neighbours import BITS, CLOSED, MASK, wall_distance
 
@@ -64,12 +65,12 @@ def find_corners(row: DeviceArray, corners: DeviceArray) -> None:
 
 
 @cuda.jit(device=True)
-def _place(grid, x, axis):  # type: ignore[no-untyped-def]
+def _place(grid, x, axis):
     return min(int((x - grid.origin[axis]) / grid.size[axis]), grid.along[axis] - 1)
 
 
 @cuda.jit(device=True)
-def _number(grid, x, y, z):  # type: ignore[no-untyped-def]
+def _number(grid, x, y, z):
     return (z * grid.along[1] + y) * grid.along[0] + x
 
 
@@ -205,7 +206,7 @@ def find_neighbours(
 
 
 @cuda.jit(device=True)
-def _inside(grid, place, axis):  # type: ignore[no-untyped-def]
+def _inside(grid, place, axis):
     """Return the place of a cell along an axis and the digit of its image; -1 where there is none."""
     if 0 <= place < grid.along[axis]:
         return place, 0
@@ -281,6 +282,15 @@ def load(row: DeviceArray, user: DeviceArray, position: DeviceArray, velocity: D
     k = user[i]
     for a in range(3):
         row[i, X + a], row[i, VX + a], row[i, WX + a] = position[k, a], velocity[k, a], spin[k, a]
+
+
+@cuda.jit
+def load_pushed(user: DeviceArray, pushed: DeviceArray, given: DeviceArray) -> None:
+    """Copy external forces [N] from the user's order."""
+    i = cuda.grid(1)
+    if i < user.shape[0]:
+        for a in range(3):
+            pushed[i, a] = given[user[i], a]
 
 
 @cuda.jit

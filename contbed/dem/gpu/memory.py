@@ -9,12 +9,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import cuda
 from numpy.typing import NDArray
 
 from contbed.dem import loop
 from contbed.dem.gpu import lists as list_kernels
-from contbed.dem.gpu.arrays import CULPRIT, MASS, NEEDED, NEVER, RADIUS, VX, Bodies, Cells, Grid, Lists, X
+from contbed.dem.gpu.arrays import CULPRIT, MASS, NEEDED, NEVER, RADIUS, VX, Bodies, Cells, Grid, Lists, X, cuda
 from contbed.dem.gpu.step import THREADS, Steps, resident_blocks, take_steps
 from contbed.dem.kernel_arrays import BLOCK, Array, Box, Interval, Laws, Spheres
 from contbed.dem.memory import MARGIN, Particle, Record
@@ -60,7 +59,8 @@ class GpuMemory:
         self._rows = [cuda.to_device(np.zeros((n, 12))), cuda.to_device(np.zeros((n, 12)))]
         self._bodies = [self._make_bodies(), self._make_bodies()]
         most = MOST_CELLS * n + FEW_CELLS + 1
-        self._cells = Cells(*(cuda.device_array(n, np.int32) for _ in range(4)), cuda.device_array(most, np.int32))
+        cell, slot, order, place = (cuda.device_array(n, np.int32) for _ in range(4))
+        self._cells = Cells(cell, slot, order, place, cuda.device_array(most, np.int32))
         self._sums = cuda.device_array(-(-most // list_kernels.SHARE), np.int64)
         parts = -(-n // list_kernels.SHARE)
         self._corners, self._moved2 = cuda.device_array((parts, 6)), cuda.device_array(parts)
@@ -92,7 +92,8 @@ class GpuMemory:
         _upload(self._vectors, (position, velocity, spin))
         list_kernels.load[self._blocks, THREADS](self._rows[0], bodies.user, *self._vectors)
         if pushed is not None:
-            bodies.pushed.copy_to_device(np.ascontiguousarray(pushed[self._user()]))
+            _upload(self._vectors[:1], (pushed,))
+            list_kernels.load_pushed[self._blocks, THREADS](bodies.user, bodies.pushed, self._vectors[0])
 
     def load_heat(self, T: Array, source: Array, capacity: Array) -> None:
         """Take temperatures [K], heat sources [W] and heat capacities [J/K] in the user's order."""
@@ -163,7 +164,7 @@ class GpuMemory:
                     done == 0 and not interval.begun,
                     float(interval.enough) ** 2,
                     float(interval.speed_limit) ** 2,
-                    tuple(float(part) for part in interval.gravity),
+                    (float(interval.gravity[0]), float(interval.gravity[1]), float(interval.gravity[2])),
                     bool(interval.is_pushed),
                     self._is_warm,
                     self._rolls,
@@ -309,8 +310,8 @@ class GpuMemory:
 
     def _make_bodies(self) -> Bodies:
         n = self._n
-        real = (cuda.to_device(np.zeros((n, columns))) for columns in (6, 3, 2))
-        return Bodies(*real, cuda.device_array(n, np.int32), cuda.device_array(n, np.int32))
+        half, pushed, heat = (cuda.to_device(np.zeros((n, columns))) for columns in (6, 3, 2))
+        return Bodies(half, pushed, heat, cuda.device_array(n, np.int32), cuda.device_array(n, np.int32))
 
     def _empty_lists(self) -> Lists:
         """Make lists of no neighbours on the host."""
@@ -341,6 +342,7 @@ def _like(array: Any) -> Any:
 
 
 def _upload(arrays: tuple[Any, ...], given: tuple[Array, ...]) -> None:
+    """Copy arrays of the host to the GPU."""
     for array, values in zip(arrays, given, strict=True):
         array.copy_to_device(np.ascontiguousarray(values, np.float64))
 
