@@ -207,7 +207,7 @@ def several_threads() -> Table:
     `times_by_cpu` is the number of threads times the CPU of one over that of all, with their waiting for each other:
     what cores that are free would give.
     """
-    alone, gas = _bed_alone(), _bed_in_gas()
+    alone, gas = _bed_alone(), bed_in_gas()
     runs = {
         "alone": (lambda: alone.run(40), 40),
         "in gas": (lambda: gas.run(4e-3), round(4e-3 / gas.simulation.time_step)),
@@ -249,7 +249,7 @@ def _bed_alone() -> Simulation:
     return Simulation(spheres, [bed.material], box(domain), domain, time_step=STEP, largest_overlap=0.1)
 
 
-def _bed_in_gas() -> Bed:
+def bed_in_gas(engine: Any = OWN) -> Bed:
     """A bed of 50 000 particles in random order, in air at three times the speed at which they begin to lift."""
     pitch, count = 1.02 * D, (50, 25, 40)
     places = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in count), indexing="ij"), -1).reshape(-1, 3) * pitch
@@ -258,7 +258,7 @@ def _bed_in_gas() -> Bed:
     sides = pitch * np.array(count[:2])
     domain = Domain((0, 0, 0), (*sides, np.inf))
     material = Material(2500.0, 1e6, restitution=0.9, sliding_friction=0.3)
-    simulation = Simulation(Particles(places, D / 2), [material], box(domain), domain, impact_speed=0.3)
+    simulation = Simulation(Particles(places, D / 2), [material], box(domain), domain, impact_speed=0.3, engine=engine)
     cells = (17, 8, 40)
     size = np.array([*sides, 3 * count[2] * pitch]) / cells
     gas = Gas(Grid(np.zeros(3), size, cells, (False, False)), AIR, drag_di_felice)

@@ -47,6 +47,9 @@ def main(folder):
     for bed in (cut, again):
         bed.run(gpu_scenes.STEPS - gpu_scenes.HALF, interval=29)
     found = {"cut": bits(whole, cut), "restart": bits(whole, again)}
+    listed = np.empty_like(whole.position)
+    listed[whole.state()["user"]] = whole.state()["listed"]
+    found["near"] = np.linalg.norm(whole.position - listed, axis=1).max() <= 0.5 * whole.skin
     # goes on from a processor
     with np.load(folder / "of_processor.npz") as state:
         other = gpu_scenes.mixed("cuda")

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from contbed import threads
-from contbed.dem import neighbours
 from contbed.dem import memory as memory_module
+from contbed.dem import neighbours
 from contbed.dem.particles import Material, Particles, pair_table
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Cylinder, Domain, Plane, Tube, box
