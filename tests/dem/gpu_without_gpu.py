@@ -8,6 +8,7 @@ blocks meet, and columns of tables only as attributes of record arrays.
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 from numba import cuda
@@ -17,7 +18,7 @@ cuda.jit = lambda *arguments, max_registers=0, **options: with_registers(*argume
 
 from contbed.dem import gpu, simulation  # noqa: E402
 from contbed.dem.gpu import memory  # noqa: E402
-from contbed.errors import ConvergenceError  # noqa: E402
+from contbed.errors import ConvergenceError, EngineError  # noqa: E402
 from tests.dem import gpu_scenes  # noqa: E402
 
 tabulate = simulation.wall_table
@@ -64,6 +65,23 @@ def main(folder):
     roomy = gpu_scenes.mixed("cuda")
     roomy.run(20)
     found["room"] = bits(tight, roomy) and tight._memory._room > 1
+    # and as little in the middle of a run as there are neighbours
+    full, free = gpu_scenes.mixed("cuda"), gpu_scenes.mixed("cuda")
+    store = full._memory
+    record, least = store.read(), int(store._lists[0].neighbours.copy_to_host().max())
+    store._room = least
+    store._allocate()
+    store.write(record)
+    for bed in (full, free):
+        bed.run(gpu_scenes.STEPS)
+    found["grown"] = bits(full, free) and store._room > least
+    context = cuda.current_context()
+    cuda.current_context = lambda: SimpleNamespace(get_memory_info=lambda: (1e4, 1e4))
+    try:
+        gpu_scenes.mixed("cuda")
+    except EngineError as error:
+        (folder / "memory.txt").write_text(str(error))
+    cuda.current_context = lambda: context
     pair = gpu_scenes.pair("cuda")
     pair.run(10)
     np.savez(folder / "pair.npz", **pair.state(), T_start=gpu_scenes.pair("cuda").T)

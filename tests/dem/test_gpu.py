@@ -88,7 +88,7 @@ def test_a_checkpoint_goes_on_on_a_processor(folder, whole):
     )
 
 
-@pytest.mark.parametrize("what", ["cut", "restart", "room", "kept", "near"])
+@pytest.mark.parametrize("what", ["cut", "restart", "room", "grown", "kept", "near"])
 def test_nothing_depends_on_the_cut(folder, what):
     """Bit for bit: intervals and calls of any length, restarts, more room for lists, the state before a failure.
 
@@ -126,6 +126,11 @@ def test_failures_are_told_alike(folder, name, make):
     with pytest.raises(ConvergenceError) as error:
         make("contbed").run(400)
     assert (folder / f"{name}.txt").read_text() == str(error.value)
+
+
+def test_too_little_memory_is_told(folder):
+    text = (folder / "memory.txt").read_text()
+    assert text.startswith("15 particles take about ") and "GB are free" in text
 
 
 SCENE = """

@@ -19,6 +19,7 @@ from contbed.dem.kernel_arrays import BLOCK, Array, Box, Interval, Laws, Spheres
 from contbed.dem.memory import MARGIN, Particle, Record
 from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, wall_gaps
 from contbed.dem.ordering import MOST_CELLS
+from contbed.errors import EngineError
 
 ROOM = 16  # neighbours of a particle at first; equal spheres have 13 at most within a skin of a tenth of the radius
 CHUNK = 500_000_000  # steps times particles before positions come back, about 0.5 s, so that Ctrl-C is heard
@@ -38,10 +39,16 @@ class Kept(NamedTuple):
 
 
 class GpuMemory:
-    """A simulation on a GPU; arguments and methods are those of `memory.Memory`."""
+    """A simulation on a GPU; arguments and methods are those of `memory.Memory`.
+
+    Raises
+    ------
+    EngineError : the GPU has too little memory left
+    """
 
     def __init__(self, spheres: Spheres, laws: Laws, box: Box, skin: float):
         n = len(spheres.radius)
+        _require_memory(n, len(laws.walls))
         self._given, self._box, self._skin, self._n, self._room = spheres, box, skin, n, min(ROOM, max(n - 1, 1))
         self.longest = max(FEWEST, CHUNK // n)
         self._walls, self._is_warm = laws.walls, len(laws.heat) > 0
@@ -330,6 +337,17 @@ class GpuMemory:
 
     def _allocate(self) -> None:
         self._lists = [Lists(*(cuda.to_device(array) for array in self._empty_lists())) for _ in range(2)]
+
+
+def _require_memory(n: int, walls: int) -> None:
+    """Refuse more particles than the memory of the GPU holds, lists of ROOM neighbours three times among them."""
+    each = 8 * (2 * 12 + 2 * 11 + 6 + 9 + 3) + 4 * (6 + MOST_CELLS) + 3 * (28 + 44 * ROOM + 40 * max(walls, 1))
+    free = cuda.current_context().get_memory_info()[0]
+    if n * each > free:
+        raise EngineError(
+            f"{n} particles take about {1e-9 * n * each:.2g} GB of the GPU's memory, {1e-9 * free:.2g} GB are free; "
+            f"about {int(free / each):.2g} particles fit"
+        )
 
 
 def _blocks(threads: int) -> int:
