@@ -69,6 +69,7 @@ _FIELDS = (
     Field("p", "p", "Pa", "pressure of the fluid over that at the outlet"),
     Field("p_gas", "p", "Pa", "pressure of a gas"),
     Field("w_NAME", r"w_\mathrm{NAME}", "1", "mass fraction of a constituent of the solids, of X_KIND in its kind"),
+    Field("n_NAME", r"n_\mathrm{NAME}", "mol/m3", "moles of a reacting constituent of the solids per volume of bed"),
     Field("p0", "p_0", "Pa", "pressure of a gas of variable density, the same in all of the vessel"),
     Field("G", "G", "W/m2", "incident radiation, the intensity integrated over all directions"),
     Field("q_radiation", r"q_\mathrm{r}", "W/m2", "radiative heat flux along the bed"),

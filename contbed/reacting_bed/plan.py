@@ -131,6 +131,11 @@ def plan(scene: s.ReactingScene) -> Plan:
         built = [(what, f"{text}; {level}" if what == PELLETS else text) for what, text in built]
     elif level is not None:
         skipped.append((PELLETS, str(level)))
+    if scene.time is not None and scene.time.initial is not None:
+        from contbed.reacting_bed.initial import profile_of
+
+        initial = profile_of(scene, problem)
+        built.append(("state at the start", initial.described(problem, stores_gas)))
     if scene.time is not None:
         (built if stores_gas else skipped).append(("storage in the gas", reason))
     return Plan(scene, problem, schedule, stores_gas, tuple(built), tuple(skipped))

@@ -97,6 +97,34 @@ def _of_streams_that_enter(boundary: Boundaries, flow: s.Flow) -> Boundaries:
     return found
 
 
+def initial_profiles_fit_the_bed(mesh: Any, time: s.Time | None, see: See, origin: Origin) -> Mistakes:
+    """Check that the file of the state at the start can be read and lies within the bed; the plan reads its columns."""
+    if time is None or time.initial is None:
+        return
+    from contbed.reacting_bed.initial_rows import KEY, rows_of
+    from contbed.scene.profile import outside_of_the_bed
+
+    try:
+        rows = rows_of(time, origin.base)
+    except SceneError as error:
+        yield KEY, str(error)
+        return
+    assert rows is not None
+    yield from outside_of_the_bed(KEY, rows, mesh.length, see)
+
+
+def initial_profiles_reach_both_ends(mesh: Any, time: s.Time | None, see: See, origin: Origin) -> Mistakes:
+    """Look for a file of the state at the start that leaves much of the bed at its first or last row."""
+    if time is None or time.initial is None:
+        return
+    from contbed.reacting_bed.initial_rows import KEY, rows_of
+    from contbed.scene.profile import short_of_an_end
+
+    rows = rows_of(time, origin.base)
+    assert rows is not None
+    yield from short_of_an_end(KEY, rows, mesh.length, "state", see)
+
+
 def times_are_in_order(
     time: s.Time | None,
     continuation: s.Continuation | None,

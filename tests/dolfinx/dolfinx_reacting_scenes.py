@@ -129,6 +129,14 @@ def warming_finely() -> dict[str, Any]:
     return scene
 
 
+def going_on() -> dict[str, Any]:
+    """The same from profiles of temperatures and fractions."""
+    scene = warming("stored")
+    del scene["time"]["initial_temperature"]
+    scene["time"]["initial"] = {"file": str(ROOT / "tests" / "reacting" / "tables" / "start_of_a_burning_bed.csv")}
+    return scene
+
+
 def kinds_stored() -> dict[str, Any]:
     """Two sizes in rings whose wall cools, in a hot gas that is stored: its matrix is often computed anew."""
     scene = kinds_across()
@@ -154,12 +162,13 @@ SCENES: dict[str, dict[str, Any]] = {
     "kinds_across": kinds_across(),
     "warming": warming("quasi_steady"),
     "warming_stored": warming_finely(),
+    "going_on": going_on(),
     "kinds_stored": kinds_stored(),
     "reformer_tube": study("reformer_tube/tube_U300.toml"),
     "clc_moving_bed": study("clc_moving_bed/iron_oxide.toml"),
     "branch": study("ignition_front/adiabatic_bed.toml", cells=6),
 }
-LONG = ("adsorption", "branch", "kinds_stored")  # hundreds of linear systems: solved on one rank alone
+LONG = ("adsorption", "branch", "going_on", "kinds_stored")  # hundreds of linear systems: solved on one rank alone
 SCENES["branch"]["continuation"] |= {"to": 0.1, "points": 6}
 for _scene in SCENES.values():
     _scene["output"] = _scene.get("output", {}) | {"plots": False}
