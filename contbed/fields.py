@@ -282,6 +282,7 @@ _RESULTS = (
     Field("time_of_T_centre_max_s", "t", "s", "time at which the centre of the particle is hottest"),
     Field("half_time_s", "t_{1/2}", "s", "time at which half of the loss of mass is reached"),
     Field("cycle_periods", "n", "1", "periods computed until the cyclic steady state was found"),
+    Field("cycle_change", r"\Delta y", "1", "largest change over the period of a cycle of what a reacting bed stores"),
     Field("cycle_change_K", r"\Delta T", "K", "largest change of a temperature over the period of a cycle"),
     Field("heat_charged_J", "Q_+", "J", "heat that streams leave in the bed in a period"),
     Field("heat_discharged_J", "Q_-", "J", "heat that streams take out of the bed in a period"),

@@ -26,6 +26,7 @@ from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
 from contbed.reacting_bed.medium import bound, places_of
 from contbed.reacting_bed.schedule_checks import (
+    a_cycle_changes_something,
     at_each_time,
     initial_profiles_fit_the_bed,
     initial_profiles_reach_both_ends,
@@ -345,6 +346,7 @@ def the_parameter_is_a_number(
 CHECKS: tuple[Check, ...] = (
     series_are_usable,
     times_are_in_order,
+    a_cycle_changes_something,
     initial_profiles_fit_the_bed,
     in_each_kind(compositions_sum_to_one),
     *(

@@ -48,6 +48,7 @@ from contbed.scene.quantities import (
 from contbed.scene.series import HeatFluxOrSeries, TemperatureOrSeries
 from contbed.scene.tables import (
     ConductivityOrClosure,
+    CycleSettings,
     NamedOrFile,
     NonNegativeOrClosure,
     Output,
@@ -324,6 +325,9 @@ class Time(Table):
         "the times in which streams change and of the run; changes within 1 % of that time count as one",
     )
     tolerance: Fraction = Field(1e-4, description="local error over typical sizes of the fields, of an order below")
+    cycle: CycleSettings | None = Field(
+        None, description="the cyclic steady state of which the run is one period; the state at the start is a guess"
+    )
     checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
 
 

@@ -12,7 +12,7 @@ from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.schedule import TABLES, Schedule, series_of
 from contbed.reacting_bed.streams import gas_sign
 from contbed.scene.checking import Check, Mistakes, See
-from contbed.scene.series_checks import series_is_usable
+from contbed.scene.series_checks import a_cycle_fits_its_series, series_is_usable
 from contbed.scene.toml_lines import Origin
 
 Boundaries = dict[str, s.Boundary]
@@ -95,6 +95,15 @@ def _of_streams_that_enter(boundary: Boundaries, flow: s.Flow) -> Boundaries:
             idle = {phase: None for phase, sign in signs.items() if sign * into <= 0.0}
             found[end] = found[end].model_copy(update=idle)
     return found
+
+
+def a_cycle_changes_something(
+    fluid: Any, flow: s.Flow, wall: s.Wall | None, boundary: Boundaries, time: s.Time | None, see: See
+) -> Mistakes:
+    """Check that a cycle has series, of which it is a whole number of periods."""
+    tables = {"fluid": fluid, "flow": flow, "boundary": boundary, "wall": wall}
+    what = "a composition, a flow, or a temperature of what enters or of the wall"
+    yield from a_cycle_fits_its_series(series_of(tables), time, what, see)
 
 
 def initial_profiles_fit_the_bed(mesh: Any, time: s.Time | None, see: See, origin: Origin) -> Mistakes:
