@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from adsorption_scenes import adsorber
-from reacting_bed_scenes import MOLAR, heated, isothermal, solids, species
+from reacting_bed_scenes import heated, isothermal, looping, species, switched
 from solving import solved
 
 import contbed
@@ -20,11 +20,6 @@ from contbed.solvers.anderson import Anderson
 from tests.particle.tables import rows
 
 TOLERANCE = 1e-8  # of the change over a period, the default
-
-
-def switched(values, half, form="step"):
-    """A series that takes each value for half of a cycle."""
-    return {"times": [0.0, half], "values": values, "form": form}
 
 
 def regenerator(row):
@@ -51,22 +46,6 @@ def test_a_regenerator():
     assert charged == pytest.approx(row["effectiveness_hot"], abs=2e-4)  # steps to a local error of 1e-4
     assert found.qoi["cycle_change_K"] <= TOLERANCE * 300.0 and found.qoi["cycle_periods"] < 20
     assert found.qoi["cycle_change"] <= TOLERANCE
-
-
-def looping(length=0.3):
-    """Particles at rest that a fuel takes oxygen from and air gives it back to."""
-    scene = isothermal("A:1", species(A=0.028, B=0.028, O=0.032, I=0.032))
-    scene["solid"] = solids()
-    k = 1e-3 / MOLAR
-    at = {"E": 0.0, "basis": "bed"}
-    scene["reactions"] = {
-        "reduction": {"equation": "A + S -> B + P", "A": k, "orders": {"A": 1.0, "S": 1.0}, **at},
-        "oxidation": {"equation": "O + P -> I + S", "A": 2.0 * k, "orders": {"O": 1.0, "P": 1.0}, **at},
-    }
-    scene["fluid"]["composition"] = switched(["A:1", "O:1"], 600.0)
-    scene["time"] = {"end": 1200.0, "gas": "quasi_steady", "times": [600.0], "tolerance": 1e-3, "cycle": {}}
-    scene["mesh"] |= {"length": length, "cells": 4}
-    return scene
 
 
 def test_solids_that_are_reduced_and_oxidised_against_plain_repetition(monkeypatch):
