@@ -16,6 +16,7 @@ from contbed.reacting_bed import cycle
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.transient import begin, march
+from contbed.reacting_bed.transient_results import contents
 from contbed.solvers.anderson import Anderson
 from tests.particle.tables import rows
 
@@ -157,6 +158,20 @@ def test_a_period_that_fails_from_an_extrapolated_state_is_repeated_from_the_bes
     calls[:] = [1, 1]
     with pytest.raises(ConvergenceError, match="ever smaller"):
         list(cycle.periods(course, course.start(), Report(), lambda *_: None))
+
+
+def test_an_extrapolation_that_changes_much_more_is_given_up_for_the_best_period(monkeypatch):
+    course, before, calls = course_of(looping()), Anderson.__call__, []
+
+    def wild(self, state, image):
+        calls.append(1)
+        return image.reshape(2, -1)[::-1].ravel() if len(calls) == 3 else before(self, state, image)
+
+    monkeypatch.setattr(Anderson, "__call__", wild)  # what is left of S is P, and the other way round
+    found = list(cycle.periods(course, course.start(), Report(), lambda *_: None))
+    assert found[3].change > cycle.GROWN * found[2].change
+    assert found[4].history.held == pytest.approx(contents(course.problem, found[2].history.u), rel=1e-12)
+    assert found[-1].closed
 
 
 def test_extrapolated_states_stay_within_their_bounds_node_by_node():
