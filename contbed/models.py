@@ -186,6 +186,7 @@ MODELS: dict[str, Model] = {
             "several_solids": "equations.kinds",
             "amounts_above_zero": "limited",
             "amounts_above_zero_in_time": "bounded",
+            "cyclic_steady_state": "cycle",
         },
     ),
     "packed_bed": Model(

@@ -37,6 +37,7 @@ from contbed.scene.mesh_checks import (
 )
 from contbed.scene.quantities import ClosureFile
 from contbed.scene.series import ProfileFile
+from contbed.scene.series_checks import a_cycle_fits_its_series
 from contbed.scene.tables import Closure, Fluid, FluidCantera, FluidConstant, FluidCoolProp, Solid, Solver
 from contbed.scene.toml_lines import KeyPath, Origin, dotted
 
@@ -279,13 +280,13 @@ def the_inside_of_particles_fits_the_scene(
         )
 
 
-def a_cycle_changes_something(time: s.Time | None, flow: s.Flow | None, boundary: Boundaries, mesh: Mesh) -> Mistakes:
+def a_cycle_changes_something(
+    time: s.Time | None, flow: s.Flow | None, boundary: Boundaries, mesh: Mesh, see: See
+) -> Mistakes:
     """Check that a cycle has series, without which nothing changes in the course of a period."""
     if time is None or time.cycle is None:
         return
-    if not any(True for _ in series_of(flow, boundary)):
-        text = "a cycle needs a velocity or a temperature that changes with time: a table with times and values"
-        yield ("time", "cycle"), text
+    yield from a_cycle_fits_its_series(series_of(flow, boundary), time, "a velocity or a temperature", see)
     if not isinstance(mesh, MeshLine):
         yield ("time", "cycle"), 'the cyclic steady state is found on a line; use mesh.type = "line"'
 

@@ -1,20 +1,13 @@
 """Cyclic steady state: the state that one period of a run gives back, found directly instead of by many periods.
 
 With y the state at the start of a period and Phi(y) that at its end, Phi(y) = y is solved by Anderson's acceleration
-
-    y_new = Phi(y) - sum_j gamma_j (Phi_(j+1) - Phi_j)
-    gamma minimises |F - sum_j gamma_j (F_(j+1) - F_j)|,    F = Phi(y) - y
-
-over the last `DEPTH` periods; for a linear bed this is GMRES. Plain repetition takes hundreds of periods where a period
-is short, as in regenerators. After a few periods the sequence of time steps is kept, so that Phi is smooth.
-
-Source: Anderson, J. ACM 12 (1965) 547, doi:10.1145/321296.321305; Walker, Ni, SIAM J. Numer. Anal. 49 (2011) 1715,
-doi:10.1137/10078356X.
+(`solvers.anderson`). Plain repetition takes hundreds of periods where a period is short, as in regenerators. After a
+few periods the sequence of time steps is kept, so that Phi is smooth.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,9 +15,9 @@ import numpy as np
 
 from contbed.errors import ConvergenceError
 from contbed.packed_bed.transient import History, enter, steps_of
+from contbed.solvers.anderson import Anderson
 from contbed.solvers.linear import Policy
 
-DEPTH = 25  # former periods that are combined
 ADAPTIVE = 4  # periods whose steps are chosen anew; later ones repeat those of the last
 MOST = 60  # periods after which the run gives up
 
@@ -57,7 +50,7 @@ def find_cycle(problems: Sequence[Any], state: Any, policy: Policy, tolerance: f
     """
     low, high = problems[0].T_span
     found = Cycle(state, 0, np.inf)
-    accelerate = _anderson()
+    accelerate = Anderson()
     best = np.inf
     for count in range(1, MOST + 1):
         after = _period(problems, found, policy, fresh=count <= ADAPTIVE)
@@ -88,24 +81,6 @@ def _period(problems: Sequence[Any], cycle: Cycle, policy: Policy, fresh: bool) 
             taken.append(step.level)
         cycle.levels[k] = taken
     return history.state
-
-
-def _anderson() -> Callable[[Any, Any], Any]:
-    """Return a function of a state and its image that gives the next state; it remembers former pairs."""
-    images: list[Any] = []
-    changes: list[Any] = []
-
-    def following(state: Any, image: Any) -> Any:
-        images.append(image)
-        changes.append(image - state)
-        del images[: -DEPTH - 1], changes[: -DEPTH - 1]
-        if len(images) == 1:
-            return image
-        columns = np.diff(np.array(changes), axis=0).T
-        gamma = np.linalg.lstsq(columns, changes[-1], rcond=1e-12)[0]
-        return image - np.diff(np.array(images), axis=0).T @ gamma
-
-    return following
 
 
 def exchanged(net: Sequence[float], most: Sequence[float]) -> dict[str, float]:

@@ -35,6 +35,7 @@ from contbed.scene.series import (
 )
 from contbed.scene.tables import (
     ConductivityOrClosure,
+    CycleSettings,
     Fluid,
     Named,
     NonNegativeOrClosure,
@@ -160,12 +161,6 @@ class Region(Table):
     source_fluid: HeatSource = 0.0
     source_solid: HeatSource = 0.0
     tubes: Tubes | None = Field(None, description="absorb and emit radiation; with [heat] and [radiation]")
-
-
-class CycleSettings(Table):
-    """A run that is one period of a cycle: it begins with the state that it ends with."""
-
-    tolerance: Fraction = Field(1e-8, description="change over one period over the span of temperatures")
 
 
 class Time(Table):

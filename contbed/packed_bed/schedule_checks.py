@@ -12,14 +12,13 @@ from contbed.packed_bed.inlets import enters, velocity_vector
 from contbed.packed_bed.schedule import Schedule, series_of
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh, MeshFile
+from contbed.scene.profile import outside_of_the_bed, short_of_an_end
 from contbed.scene.series import ProfileFile
 from contbed.scene.series_checks import series_is_usable
 from contbed.scene.toml_lines import Origin
 
 Boundaries = dict[str, s.Boundary]
 PHASES = {"fluid": "velocity", "solid": "velocity_solid"}
-MOST_BEYOND = 0.05  # share of the length without initial temperatures at an end, as between a wall and a thermocouple
-LENGTH_SLACK = 1e-6  # share of the length by which positions in a file may lie outside of the bed, for their rounding
 
 
 def series_are_usable(
@@ -37,15 +36,12 @@ def initial_profiles_fit_the_bed(time: s.Time | None, mesh: Mesh, see: See, orig
         if not isinstance(given, ProfileFile):
             continue
         try:
-            positions, _ = given.samples(origin.base, f"T_{phase}")
+            given.samples(origin.base, f"T_{phase}")
         except SceneError as error:
             yield ("time", f"initial_{phase}"), str(error)
             continue
-        if isinstance(mesh, MeshFile):
-            continue
-        if positions[0] < -LENGTH_SLACK * mesh.length or positions[-1] > (1.0 + LENGTH_SLACK) * mesh.length:
-            text = f"positions from {positions[0]:g} to {positions[-1]:g} m, the bed is {mesh.length:g} m long"
-            yield ("time", f"initial_{phase}"), f"{text}; see {see('mesh.length')}"
+        if not isinstance(mesh, MeshFile):
+            yield from outside_of_the_bed(("time", f"initial_{phase}"), given.rows(origin.base), mesh.length, see)
 
 
 def initial_profiles_reach_both_ends(time: s.Time | None, mesh: Mesh, see: See, origin: Origin) -> Mistakes:
@@ -56,13 +52,8 @@ def initial_profiles_reach_both_ends(time: s.Time | None, mesh: Mesh, see: See, 
         given = None if time is None else getattr(time, f"initial_{phase}")
         if not isinstance(given, ProfileFile):
             continue
-        positions, _ = given.samples(origin.base, f"T_{phase}")
-        if max(positions[0], mesh.length - positions[-1]) > MOST_BEYOND * mesh.length:
-            yield (
-                ("time", f"initial_{phase}"),
-                f"positions from {positions[0]:g} to {positions[-1]:g} m, the bed is {mesh.length:g} m long: beyond "
-                f"them the bed begins with the temperature of the nearest; see {see('mesh.length')}",
-            )
+        rows = given.rows(origin.base)
+        yield from short_of_an_end(("time", f"initial_{phase}"), rows, mesh.length, "temperature", see)
 
 
 def at_each_time(check: Check) -> Check:

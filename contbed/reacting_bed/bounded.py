@@ -86,11 +86,19 @@ class _Look(NamedTuple):
 
 
 def bounded(
-    problems: Problems, u: Array, guess: Array, dt: float, report: solve.Report, sizes: Array, damping: Array
+    problems: Problems,
+    u: Array,
+    guess: Array,
+    dt: float,
+    report: solve.Report,
+    sizes: Array,
+    damping: Array,
+    kept: bool = False,
 ) -> Bounded:
     """Return a step from a state, begun with a damping (m, N); for others see `stages`.
 
-    A step whose error is larger than `time.tolerance`, and that damping will not make smaller, is returned at once.
+    A step whose error is larger than `time.tolerance`, and that damping will not make smaller, is returned at once,
+    but where its length is `kept`.
 
     Raises
     ------
@@ -110,7 +118,7 @@ def bounded(
         least = float(np.where(rest, beyond, 0.0).max()) ** 2
     found = Bounded(trial, (first, last), max(error, least), damping, False, False)
     falls = stored and bool(((look.low < below) & (flat > 0.0)).any())
-    if (least if falls else found.error) > scene.time.tolerance:
+    if not kept and (least if falls else found.error) > scene.time.tolerance:
         return found
     for _ in range(TRIALS):
         wrong = (look.low < below) & (flat > 0.0)

@@ -25,7 +25,14 @@ from contbed.reacting_bed.kind_checks import in_each_kind, of_all_kinds, of_one_
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
 from contbed.reacting_bed.medium import bound, places_of
-from contbed.reacting_bed.schedule_checks import at_each_time, series_are_usable, times_are_in_order
+from contbed.reacting_bed.schedule_checks import (
+    a_cycle_changes_something,
+    at_each_time,
+    initial_profiles_fit_the_bed,
+    initial_profiles_reach_both_ends,
+    series_are_usable,
+    times_are_in_order,
+)
 from contbed.reacting_bed.streams import gas_sign
 from contbed.reacting_bed.substances import Equation, equations_of
 from contbed.scene.checking import Check, Mistakes, See
@@ -339,6 +346,8 @@ def the_parameter_is_a_number(
 CHECKS: tuple[Check, ...] = (
     series_are_usable,
     times_are_in_order,
+    a_cycle_changes_something,
+    initial_profiles_fit_the_bed,
     in_each_kind(compositions_sum_to_one),
     *(
         at_each_time(check)
@@ -369,4 +378,4 @@ CHECKS: tuple[Check, ...] = (
 )
 
 
-WARNINGS: tuple[Check, ...] = ()
+WARNINGS: tuple[Check, ...] = (initial_profiles_reach_both_ends,)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from contbed.reacting_bed.stages import GAMMA
 from contbed.reacting_bed.storage import Storage
 from contbed.scene.toml_lines import KeyPath
 
+if TYPE_CHECKING:
+    from contbed.reacting_bed.initial import Profile
+
 Array = NDArray[np.float64]
 SMOOTH = 1e-5  # share of a solid that is left, below which its powers are straight lines
 FIRST_STEP = 1e-5  # of the whole time, at the start and after a jump
@@ -36,13 +39,15 @@ LEAST_RANGE = 1.0  # [K] of the temperatures of a run, where those of the scene 
 class Course:
     """The bed of a scene in the course of a run, whose series have the values of a time; `problem` is at the start.
 
-    `temperatures` are the lowest and highest of the scene: of what enters, of the wall and of the start [K].
+    `temperatures` are the lowest and highest of the scene: of what enters, of the wall and of the start [K]; `initial`
+    is the state of a file at the start.
     """
 
     scene: s.ReactingScene
     problem: Problem
     schedule: Schedule
     temperatures: tuple[float, float]
+    initial: Profile | None = None
 
     @classmethod
     def of(cls, scene: s.ReactingScene, problem: Problem, schedule: Schedule, stores_gas: bool) -> Course:
@@ -53,8 +58,9 @@ class Course:
         ConvergenceError : these are not found
         """
         moments = [problem.within(schedule.frozen(scene, moment)) for moment in schedule.moments() or [0.0]]
-        problem = problem.with_small(SMOOTH).with_peaks(_peaks(scene, moments))
-        course = cls(scene, problem, schedule, _temperatures(scene, moments))
+        initial = initial_of(scene, problem)
+        problem = problem.with_small(SMOOTH).with_peaks(_peaks(scene, moments, initial))
+        course = cls(scene, problem, schedule, _temperatures(scene, moments, initial), initial)
         if not stores_gas:
             return course
         pressure: Any = problem.bed.p_in
@@ -115,11 +121,16 @@ class Course:
             for k, name in enumerate(problem.names):
                 if name.startswith("g_"):
                     u[k] = fractions.get(name[2:], 0.0) * moles
-        molar, m = problem.streams.pressure / (R_GAS * T), len(problem.layout.names)
+        if self.initial is not None:
+            self.initial.fill(problem, u)
+        m = len(problem.layout.names)
         for k, name in enumerate(problem.names):
-            if name.startswith("a_"):  # particles begin in equilibrium with the gas around them
-                gas = k - k % m + problem.layout.gases.index(str(conserved(name)))
-                u[k] = u[gas] / moles * molar
+            # particles begin in equilibrium with the gas around them
+            if name.startswith("a_") and (self.initial is None or self.initial.inside(name, problem.layout) is None):
+                first = k - k % m
+                gas = first + problem.layout.gases.index(str(conserved(name)))
+                at = [first + problem.layout.names.index(T) for T in ("T_fluid", "T") if T in problem.layout.names]
+                u[k] = u[gas] / moles * problem.streams.pressure / (R_GAS * (u[at[0]] if at else T))
         return u
 
     def sizes(self, u: Array) -> Array:
@@ -142,19 +153,37 @@ class Course:
         return found
 
 
-def _peaks(scene: s.ReactingScene, moments: list[Problem]) -> dict[str, float]:
+def initial_of(scene: s.ReactingScene, problem: Problem) -> Profile | None:
+    """Return the state at the start that a scene takes from a file; None without one.
+
+    Raises
+    ------
+    SceneError : the file cannot be used
+    """
+    if scene.time is None or scene.time.initial is None:
+        return None
+    from contbed.reacting_bed.initial import profile_of
+
+    return profile_of(scene, problem)
+
+
+def _peaks(scene: s.ReactingScene, moments: list[Problem], initial: Profile | None) -> dict[str, float]:
     """Return the largest mole fraction of each gas that enters or fills the bed."""
     parts = [{name: g / sum(at.streams.gas.values()) for name, g in at.streams.gas.items()} for at in moments]
     assert scene.time is not None
     if scene.time.initial_composition is not None:
         parts.append(mole_fractions(scene.time.initial_composition))
+    if initial is not None:
+        parts.append({name: float(x.max()) for name, x in initial.fractions.items()})
     return {name: max(part.get(name, 0.0) for part in parts) for part in parts for name in part}
 
 
-def _temperatures(scene: s.ReactingScene, moments: list[Problem]) -> tuple[float, float]:
+def _temperatures(scene: s.ReactingScene, moments: list[Problem], initial: Profile | None) -> tuple[float, float]:
     """Return the lowest and highest temperature of what enters, of the wall and of the start [K]."""
     assert scene.time is not None
     found: list[Any] = [T for at in moments for T in (at.streams.T_gas, at.streams.T_solid)]
     found += [at.scene.wall.ambient for at in moments if at.scene.wall is not None]
     known = [constant(T) for T in (*found, scene.time.initial_temperature) if T is not None]
+    if initial is not None:
+        known += [float(T) for each in initial.temperatures.values() for T in (each.min(), each.max())]
     return min(known), max(known)

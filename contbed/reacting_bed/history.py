@@ -16,7 +16,7 @@ from contbed.scene.toml_lines import Origin
 
 Array = NDArray[np.float64]
 SAME = 1e-12  # relative distance below which two times are the same
-ARRAYS = ("u", "held", "passed", "both_ways", "sources", "damping", "damped")
+ARRAYS = ("u", "held", "passed", "both_ways", "sources", "reacted", "damping", "damped")
 NUMBERS = ("time", "dt", "steps", "steps_damped", "steps_limited", "unbounded", "carried")
 EXTENTS = "extents_"  # begins names of arrays of a checkpoint
 
@@ -32,7 +32,8 @@ class History:
     damping : (unknowns, N) with which the next step begins, see `bounded`; damped : (N,) cells that were damped
     steps_damped, steps_limited : steps in which cells were damped, and in which rates took all there was of a solid
     unbounded : steps with amounts below zero
-    sources : (m,) integrals of the sources; carried : integral of the heat of all streams above 298.15 K [J/m2]
+    sources : (m,) integrals of the sources; reacted : of their magnitudes, which a cycle does not cancel
+    carried : integral of the heat of all streams above 298.15 K [J/m2]
     outlet : (steps, columns) of the outlet over time, `columns` their names
     kept : states at output times
     least : amount of a gas or solid of all steps
@@ -45,6 +46,7 @@ class History:
     passed: Array
     both_ways: Array
     sources: Array
+    reacted: Array
     damping: Array
     damped: NDArray[np.bool_]
     carried: float = 0.0

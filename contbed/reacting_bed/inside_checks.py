@@ -16,7 +16,7 @@ from contbed.reacting_bed.substances import equations_of
 from contbed.scene.checking import Mistakes, See
 from contbed.scene.names import nearest
 from contbed.scene.series import Series
-from contbed.scene.toml_lines import KeyPath
+from contbed.scene.toml_lines import KeyPath, Origin
 
 Reactions = dict[str, s.Reaction]
 Adsorptions = dict[str, s.Adsorption]
@@ -24,7 +24,7 @@ PARTICLES_REACT = "resolves catalytic reactions of gases; particles that react h
 
 
 def adsorbed_gases_are_there(
-    adsorption: Adsorptions, reactions: Reactions, fluid: s.Gas, time: s.Time | None
+    adsorption: Adsorptions, reactions: Reactions, fluid: s.Gas, time: s.Time | None, origin: Origin
 ) -> Mistakes:
     """Check that the gases that are adsorbed enter the bed, fill it at the start or are made in it."""
     texts = [] if time is None or time.initial_composition is None else [time.initial_composition]
@@ -36,6 +36,10 @@ def adsorbed_gases_are_there(
         texts.append(fluid.composition)
     try:
         there = {name for text in texts for name in names_in(text)}
+        if time is not None and time.initial is not None:
+            from contbed.reacting_bed.initial_rows import gases_in
+
+            there |= set(gases_in(time, origin.base))
         for name, table in reactions.items():
             there |= {key for equation in equations_of(name, table).values() for key in equation.stoichiometry}
     except SceneError:
@@ -178,7 +182,7 @@ def uptake_has_a_meaning(
             )
         return
     changes = [path for path, _ in series_of({"fluid": fluid, "boundary": boundary})]
-    if time.initial_composition is None and not changes:
+    if time.initial_composition is None and time.initial is None and not changes:
         yield (
             ("time", "initial_composition"),
             "missing; particles begin in equilibrium with the gas that fills the bed, and without it this is the gas "

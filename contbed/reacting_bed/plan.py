@@ -63,6 +63,14 @@ class Plan:
         """Whether the run takes time steps that it could go on from."""
         return self.scene.time is not None
 
+    def to_try(self) -> tuple[Plan, float]:
+        """Return the plan of a trial, of a cycle that of one period, and the processor time that it took [s]."""
+        time = self.scene.time
+        if time is None or time.cycle is None:
+            return self, 0.0
+        once = self.scene.model_copy(update={"time": time.model_copy(update={"cycle": None})})
+        return replace(self, scene=once), 0.0
+
     @property
     def policy(self) -> Any:
         """Choice of the linear solver, which is that of bands."""
@@ -131,8 +139,20 @@ def plan(scene: s.ReactingScene) -> Plan:
         built = [(what, f"{text}; {level}" if what == PELLETS else text) for what, text in built]
     elif level is not None:
         skipped.append((PELLETS, str(level)))
+    if scene.time is not None and scene.time.initial is not None:
+        from contbed.reacting_bed.initial import profile_of
+
+        initial = profile_of(scene, problem)
+        built.append(("state at the start", initial.described(problem, stores_gas)))
     if scene.time is not None:
         (built if stores_gas else skipped).append(("storage in the gas", reason))
+        if scene.time.cycle is not None:
+            built.append(
+                (
+                    "cyclic steady state",
+                    "periods until one closes, of which the run is the last; the time is that of one",
+                )
+            )
     return Plan(scene, problem, schedule, stores_gas, tuple(built), tuple(skipped))
 
 

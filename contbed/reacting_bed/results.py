@@ -49,6 +49,7 @@ def profiles(problem: Problem, u: Array) -> dict[str, Array]:
     out |= {f"x_{name} [1]": value * ones for name, value in state.x.items()}
     out |= loadings(problem, state, ones)
     if problem.layout.solids:
+        out |= {f"n_{name} [mol/m3]": state.n[name] * ones for name in problem.layout.solids}
         out |= {f"w_{name} [1]": w * ones for name, w in fractions(problem, solids_at(problem, state, ones)).items()}
     return out | ({} if problem.rings is None else across(problem, u, x))
 

@@ -32,7 +32,12 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         from contbed.reacting_bed.transient import run_transient
 
         course = Course.of(plan.scene, plan.problem, plan.schedule, plan.stores_gas)
-        run_transient(course, result, folder, quiet, start)
+        if plan.scene.time.cycle is None:
+            run_transient(course, result, folder, quiet, start)
+        else:
+            from contbed.reacting_bed.cycle import periods
+
+            run_transient(course, result, folder, quiet, start, periods)
         return
     report = solve.Report()
     problem = plan.problem

@@ -48,6 +48,7 @@ from contbed.scene.quantities import (
 from contbed.scene.series import HeatFluxOrSeries, TemperatureOrSeries
 from contbed.scene.tables import (
     ConductivityOrClosure,
+    CycleSettings,
     NamedOrFile,
     NonNegativeOrClosure,
     Output,
@@ -294,11 +295,24 @@ class Continuation(Table):
     points: Annotated[Whole, Field(ge=3, le=10_000)] = Field(400, description="at most")
 
 
+class InitialState(Table):
+    """The state at the start from a CSV file, such as the profiles.csv of an earlier run."""
+
+    file: str = Field(
+        description="CSV file with positions, x [m], and any of T_fluid, T_solid [K], x_GAS [1], n_SOLID [mol/m3] or "
+        "w_SOLID [1], q_GAS [mol/kg], relative to the scene; the rest is uniform"
+    )
+    time: Instant | None = Field(None, description="of the rows, where the file has several; absent: the last")
+
+
 class Time(Table):
     """A transient run; absent means steady."""
 
     end: Seconds
     times: tuple[Instant, ...] = Field((), description="output times; the end is always one")
+    initial: InitialState | None = Field(
+        None, description="profiles at the start; absent, and what they do not say: one state along the bed"
+    )
     initial_temperature: Temperature | None = Field(
         None, description="of gas and particles at the start; absent: that of the gas that enters"
     )
@@ -311,6 +325,9 @@ class Time(Table):
         "the times in which streams change and of the run; changes within 1 % of that time count as one",
     )
     tolerance: Fraction = Field(1e-4, description="local error over typical sizes of the fields, of an order below")
+    cycle: CycleSettings | None = Field(
+        None, description="the cyclic steady state of which the run is one period; the state at the start is a guess"
+    )
     checkpoint_every: Seconds = Field(10.0, description="wall-clock time between checkpoints")
 
 

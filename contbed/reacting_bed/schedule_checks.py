@@ -12,7 +12,7 @@ from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.schedule import TABLES, Schedule, series_of
 from contbed.reacting_bed.streams import gas_sign
 from contbed.scene.checking import Check, Mistakes, See
-from contbed.scene.series_checks import series_is_usable
+from contbed.scene.series_checks import a_cycle_fits_its_series, series_is_usable
 from contbed.scene.toml_lines import Origin
 
 Boundaries = dict[str, s.Boundary]
@@ -95,6 +95,43 @@ def _of_streams_that_enter(boundary: Boundaries, flow: s.Flow) -> Boundaries:
             idle = {phase: None for phase, sign in signs.items() if sign * into <= 0.0}
             found[end] = found[end].model_copy(update=idle)
     return found
+
+
+def a_cycle_changes_something(
+    fluid: Any, flow: s.Flow, wall: s.Wall | None, boundary: Boundaries, time: s.Time | None, see: See
+) -> Mistakes:
+    """Check that a cycle has series, of which it is a whole number of periods."""
+    tables = {"fluid": fluid, "flow": flow, "boundary": boundary, "wall": wall}
+    what = "a composition, a flow, or a temperature of what enters or of the wall"
+    yield from a_cycle_fits_its_series(series_of(tables), time, what, see)
+
+
+def initial_profiles_fit_the_bed(mesh: Any, time: s.Time | None, see: See, origin: Origin) -> Mistakes:
+    """Check that the file of the state at the start can be read and lies within the bed; the plan reads its columns."""
+    if time is None or time.initial is None:
+        return
+    from contbed.reacting_bed.initial_rows import KEY, rows_of
+    from contbed.scene.profile import outside_of_the_bed
+
+    try:
+        rows = rows_of(time, origin.base)
+    except SceneError as error:
+        yield KEY, str(error)
+        return
+    assert rows is not None
+    yield from outside_of_the_bed(KEY, rows, mesh.length, see)
+
+
+def initial_profiles_reach_both_ends(mesh: Any, time: s.Time | None, see: See, origin: Origin) -> Mistakes:
+    """Look for a file of the state at the start that leaves much of the bed at its first or last row."""
+    if time is None or time.initial is None:
+        return
+    from contbed.reacting_bed.initial_rows import KEY, rows_of
+    from contbed.scene.profile import short_of_an_end
+
+    rows = rows_of(time, origin.base)
+    assert rows is not None
+    yield from short_of_an_end(KEY, rows, mesh.length, "state", see)
 
 
 def times_are_in_order(

@@ -106,7 +106,8 @@ def substances(scene: s.ReactingScene) -> Substances:
     gas_names, tables = [], solids_tables(scene)
     at_start = None if scene.time is None else scene.time.initial_composition
     filling = [] if at_start is None else mole_fractions(at_start)
-    for name in [*entering, *filling, *sorted(named)]:
+    columns = _gases_of_file(scene)
+    for name in [*entering, *filling, *columns, *sorted(named)]:
         if name in solids or name in gas_names:
             continue
         if name in fluid.species or (mechanism is not None and name in mechanism.names):
@@ -116,10 +117,15 @@ def substances(scene: s.ReactingScene) -> Substances:
         else:
             there = [*fluid.species, *known_solids, *(mechanism.names if mechanism else ())]
             where = "the mechanism or [fluid.species]" if mechanism else "[fluid.species]"
-            raise SceneError(
+            text = (
                 f"{name} is neither a gas of {where} nor a constituent of the solid{nearest(name, there)}; give its "
                 f"thermodynamics in [fluid.species.{name}] or [solid.constituent.{name}]"
             )
+            if name in columns:
+                from contbed.reacting_bed.initial_rows import located
+
+                raise located(scene, f"{columns[name]}: {text}")
+            raise SceneError(text)
     solids = list(dict.fromkeys(solids))
     needs_heat = scene.heat is not None
     gases = {name: _gas(name, fluid, mechanism, needs_heat) for name in gas_names}
@@ -130,6 +136,18 @@ def substances(scene: s.ReactingScene) -> Substances:
         if solid is not None and (table := solid.constituent.get(name)) is not None and table.density is not None
     }
     return Substances(gases, found, entering, fed, _transport(scene, gases, mechanism), skeletal)
+
+
+def _gases_of_file(scene: s.ReactingScene) -> dict[str, str]:
+    """Return the gases of the file that a run begins with, and where it names them."""
+    if scene.time is None or scene.time.initial is None:
+        return {}
+    from contbed.reacting_bed.initial_rows import gases_in, located
+
+    try:
+        return gases_in(scene.time, scene.origin.base)
+    except SceneError as error:
+        raise located(scene, error) from None
 
 
 def entering_fractions(composition: Any, base: Path) -> dict[str, float]:

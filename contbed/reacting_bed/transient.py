@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -41,9 +41,16 @@ MOST_UNBOUNDED = 10  # steps of a run with amounts below zero, from which on sho
 
 
 def run_transient(
-    course: Course, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None
+    course: Course,
+    result: Result,
+    folder: Path | None,
+    quiet: bool,
+    start: tuple[Any, Any] | None,
+    periods: Callable[..., Iterator[Any]] | None = None,
 ) -> None:
     """Take steps to the end and fill the result; the checkpoint in `folder` always holds an accepted step.
+
+    `periods` are those of a cycle, see `cycle`, of which the last is the run; None for any other run.
 
     Raises
     ------
@@ -52,7 +59,7 @@ def run_transient(
     """
     time, origin = course.time, course.scene.origin
     report = solve.Report()
-    history = begin(course) if start is None else History.unpack(*start).fitted(time, origin)
+    history = begin(course, course.start()) if start is None else History.unpack(*start).fitted(time, origin)
     label = identity(course.scene) if folder is not None else {}
 
     def save() -> None:
@@ -63,8 +70,11 @@ def run_transient(
             checkpoint.save(folder, arrays, meta | {"identity": label})
 
     saved = clock.monotonic()
+    found = None
     try:
         with result.timed("bed"), Progress(time.end, "s", quiet) as progress:
+            for found in () if periods is None else periods(course, history.u, report, progress.advance_to):
+                history = found.history
             for after in march(course, history, report):
                 history = after
                 progress.advance_to(history.time)
@@ -81,7 +91,18 @@ def run_transient(
         result.history += report.history[-50:]
         if history.steps:
             fill(course.at, history, result)
+        if found is not None:
+            result.qoi |= found.qoi()
         save()
+    if found is not None and not found.closed:
+        assert time.cycle is not None
+        raise ConvergenceError(
+            f"{origin.at(('time', 'cycle'))}: time.cycle: after {found.periods} periods the bed still changes by "
+            f"{found.change:.3g} of its typical sizes over one, allowed are {time.cycle.tolerance:.3g}: raise "
+            "time.cycle.tolerance, or begin with the profiles that were written, time.initial",
+            report.history,
+            history.u,
+        )
 
 
 def _advice(course: Course, history: History) -> str:
@@ -128,12 +149,13 @@ def _contraction(problem: Problem, u: Array) -> float:
     return float(problem.mean(room).sum())
 
 
-def begin(course: Course) -> History:
-    """Return the history at the start of a run."""
-    u = course.start()
+def begin(course: Course, u: Array) -> History:
+    """Return the history at the start of a run from a state."""
     held = contents(course.problem, u)
     passed, none = np.zeros((len(held), 2)), np.zeros(u.shape[:2])
-    return History(u, FIRST_STEP * course.time.end, held, passed, passed, passed[:, 0], none, none[0] > 0.0)
+    return History(
+        u, FIRST_STEP * course.time.end, held, passed, passed, passed[:, 0], passed[:, 0], none, none[0] > 0.0
+    )
 
 
 def march(course: Course, history: History, report: solve.Report) -> Iterator[History]:
@@ -190,17 +212,17 @@ def _advanced(course: Course, history: History, stop: float, report: solve.Repor
     """Return the history after a step no longer than dt that its error allows."""
     time = course.time
     shortest = SHORTEST_STEP * time.end
-    u, since = history.u, course.since(history.time)
-    if course.schedule and history.time > 0.0 and course.schedule.jumps(history.time):
+    u = _guess(course, history)
+    if u is not history.u:
         dt = min(dt, FIRST_STEP * time.end)
-        u = turned(course.at(history.time, before=False), u)
     while True:
         step = course.seen(history.time, min(dt, stop - history.time))
         if step < shortest and stop - history.time > 2.0 * step:
             raise ConvergenceError("steps in time become ever smaller")
-        problems = (course.at(history.time + GAMMA * step, since=since), course.at(history.time + step, since=since))
         try:
-            found = bounded(problems, history.u, u, step, report, course.sizes(u), history.damping)
+            found = bounded(
+                _problems(course, history.time, step), history.u, u, step, report, course.sizes(u), history.damping
+            )
         except ConvergenceError:
             dt = SHORTER * step
             if dt < shortest:
@@ -216,6 +238,40 @@ def _advanced(course: Course, history: History, stop: float, report: solve.Repor
         return _passed(history, found, step, end, later)
 
 
+def _guess(course: Course, history: History) -> Array:
+    """Return the first guess of a step: the state, or after a jump another with the flux of the gas that enters."""
+    if course.schedule and history.time > 0.0 and course.schedule.jumps(history.time):
+        return turned(course.at(history.time, before=False), history.u)
+    return history.u
+
+
+def _problems(course: Course, time: float, step: float) -> tuple[Problem, Problem]:
+    """Return the bed at both stages of a step."""
+    since = course.since(time)
+    return course.at(time + GAMMA * step, since=since), course.at(time + step, since=since)
+
+
+def repeated(
+    course: Course, history: History, ends: Sequence[float], report: solve.Report
+) -> Iterator[tuple[History, float]]:
+    """Yield the histories after steps that end at given times [s], whatever their errors, and these.
+
+    Raises
+    ------
+    ConvergenceError : a step is not found
+    """
+    outputs = output_times(course.time)
+    _guess_inside(course, history)
+    for end in ends:
+        step, guess = end - history.time, _guess(course, history)
+        problems, sizes = _problems(course, history.time, step), course.sizes(guess)
+        found = bounded(problems, history.u, guess, step, report, sizes, history.damping, kept=True)
+        history = _passed(history, found, step, end, history.dt)
+        if end in outputs:
+            history = replace(history, kept={**history.kept, end: history.u})
+        yield history, found.error
+
+
 def with_few_digits(dt: float) -> float:
     """Return the next shorter step of so few digits that rounding in the estimates of errors does not decide them."""
     mantissa, exponent = math.frexp(dt)
@@ -226,12 +282,14 @@ def _passed(history: History, found: Bounded, step: float, end: float, dt: float
     """Return the history after a step; its weights are those of the stages, so that totals close to rounding."""
     problems, states = found.problems, found.states
     passed, both_ways, sources, carried = history.passed, history.both_ways, history.sources, history.carried
+    reacted = history.reacted
     fluxes = passed
     for problem, u, weight in zip(problems, states, (1.0 - GAMMA, GAMMA), strict=True):
         fluxes = problem.mean(problem.system.fluxes(u)[:, [0, -1]])
         passed = passed + step * weight * fluxes
         both_ways = both_ways + step * weight * np.abs(fluxes)
-        sources = sources + step * weight * problem.mean(problem.system.sources(u))
+        source = problem.mean(problem.system.sources(u))
+        sources, reacted = sources + step * weight * source, reacted + step * weight * np.abs(source)
         if problem.layout.temperatures:
             carried += step * weight * results.heat_carried(problem, u)
     row = outlet(problems[1], states[1], fluxes, end)
@@ -246,6 +304,7 @@ def _passed(history: History, found: Bounded, step: float, end: float, dt: float
         passed=passed,
         both_ways=both_ways,
         sources=sources,
+        reacted=reacted,
         carried=carried,
         columns=tuple(row),
         outlet=(*history.outlet, tuple(row.values())),

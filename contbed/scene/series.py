@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from contbed.errors import SceneError
 from contbed.scene.quantities import FiniteFloat, HeatFlux, Instant, Seconds, Table, Temperature, Velocity, in_unit
+
+if TYPE_CHECKING:
+    from contbed.scene.profile import Rows
 
 Array = NDArray[np.float64]
 TINY = 1e-12  # of the time, below which two times are the same
@@ -200,23 +203,23 @@ class ProfileFile(Table):
         ------
         SceneError : the file cannot be used, positions that are given twice, a temperature not above 0 K
         """
-        from contbed.scene.data_table import read_table
-
-        table = read_table(base / self.file)
-        chosen = self.column or (name if name in table.names else table.name_in("K"))
-        where, values = table.column(table.name_in("m"), "m"), table.column(chosen, "K")
-        lines = np.array(table.lines)
-        if "t" in table.names:
-            times = table.column("t", "s")
-            last = times == times.max()
-            where, values, lines = where[last], values[last], lines[last]
-        order = np.argsort(where, kind="stable")
-        where, values, lines = where[order], values[order], lines[order]
-        if (twice := np.flatnonzero(np.diff(where) == 0.0)).size:
-            raise table.error(int(lines[twice[0] + 1]), f"the position {where[twice[0]]:g} m is given twice")
+        rows = self.rows(base)
+        chosen = self.column or (name if name in rows.table.names else rows.table.name_in("K"))
+        values = rows.column(chosen, "K")
         if values.min() <= 0.0:
-            raise table.error(int(lines[np.argmin(values)]), f"a temperature of {values.min():g} K; it must be above 0")
-        return where, values
+            raise rows.error(int(np.argmin(values)), f"a temperature of {values.min():g} K; it must be above 0")
+        return rows.where, values
+
+    def rows(self, base: Path) -> Rows:
+        """Return the rows of the file at its last time.
+
+        Raises
+        ------
+        SceneError : the file cannot be used, or positions that are given twice
+        """
+        from contbed.scene.profile import rows_along
+
+        return rows_along(base / self.file)
 
 
 def how_written(value: Any) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from contbed.errors import SceneError
@@ -9,6 +10,7 @@ from contbed.scene.checking import Mistakes, See
 from contbed.scene.series import Series
 from contbed.scene.toml_lines import KeyPath, Origin
 
+WHOLE = 1e-9  # by which the number of periods of a series in a cycle may miss a whole one
 MOST_CUTS = 100_000  # jumps and kinks of one series in a run; each takes some milliseconds
 
 
@@ -27,3 +29,23 @@ def series_is_usable(path: KeyPath, series: Series, time: Any, see: See, origin:
         yield path, f"{last}; see {see('time.end')}"
     if samples.period is not None and time.end / samples.period * len(samples.times) > MOST_CUTS:
         yield path, f"repeats more than {MOST_CUTS / len(samples.times):.0f} times until {see('time.end')}"
+
+
+def a_cycle_fits_its_series(found: Iterable[tuple[KeyPath, Series]], time: Any, what: str, see: See) -> Mistakes:
+    """Check that something changes in the course of a cycle, and that it is a whole number of periods of each series.
+
+    `what` says which values may change.
+    """
+    if time is None or time.cycle is None:
+        return
+    series = list(found)
+    if not series:
+        yield ("time", "cycle"), f"a cycle needs {what} that changes with time: a table with times and values"
+    for path, each in series:
+        count = 1.0 if each.period is None else time.end / each.period
+        if abs(count - max(round(count), 1)) > WHOLE * count:
+            yield (
+                path,
+                f"its period of {each.period:g} s fits {count:.6g} times into the cycle, which is one run; give it a "
+                f"length that is a multiple of the period, see {see('time.end')}",
+            )

@@ -212,6 +212,16 @@ class Solver(Table):
     )
 
 
+class CycleSettings(Table):
+    """A run that is one period of a cycle: it begins with the state that it ends with."""
+
+    tolerance: Fraction = Field(
+        1e-8,
+        description="change over one period over the span of temperatures, in reacting beds also of amounts over those "
+        "that enter",
+    )
+
+
 class Output(Table):
     """What a run writes besides summary.json."""
 

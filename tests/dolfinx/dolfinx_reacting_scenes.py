@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "reacting"))
 
 from adsorption_scenes import adsorber  # noqa: E402
-from reacting_bed_scenes import danckwerts, isothermal, shrinking_core, species  # noqa: E402
+from reacting_bed_scenes import danckwerts, isothermal, looping, shrinking_core, species  # noqa: E402
 from several_solids import split, split_adsorbing, split_pellets  # noqa: E402
 
 KINDS = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0}
@@ -129,6 +129,15 @@ def warming_finely() -> dict[str, Any]:
     return scene
 
 
+def going_on() -> dict[str, Any]:
+    """The same from profiles of temperatures and fractions."""
+    scene = warming("stored")
+    del scene["time"]["initial_temperature"]
+    scene["time"]["end"], scene["mesh"]["cells"] = 4.0, 4
+    scene["time"]["initial"] = {"file": str(ROOT / "tests" / "reacting" / "tables" / "start_of_a_burning_bed.csv")}
+    return scene
+
+
 def kinds_stored() -> dict[str, Any]:
     """Two sizes in rings whose wall cools, in a hot gas that is stored: its matrix is often computed anew."""
     scene = kinds_across()
@@ -154,12 +163,23 @@ SCENES: dict[str, dict[str, Any]] = {
     "kinds_across": kinds_across(),
     "warming": warming("quasi_steady"),
     "warming_stored": warming_finely(),
+    "going_on": going_on(),
+    "cycle": looping(),
     "kinds_stored": kinds_stored(),
     "reformer_tube": study("reformer_tube/tube_U300.toml"),
     "clc_moving_bed": study("clc_moving_bed/iron_oxide.toml"),
     "branch": study("ignition_front/adiabatic_bed.toml", cells=6),
 }
-LONG = ("adsorption", "branch", "kinds_stored")  # hundreds of linear systems: solved on one rank alone
+LONG = (
+    "adsorption",
+    "branch",
+    "cycle",
+    "going_on",
+    "kinds_stored",
+)  # hundreds of linear systems: solved on one rank alone
 SCENES["branch"]["continuation"] |= {"to": 0.1, "points": 6}
+SCENES["cycle"]["mesh"]["cells"] = 2
+SCENES["cycle"]["fluid"]["composition"]["values"] = ["A:0.8, O:0.2", "A:0.2, O:0.8"]  # none of a gas vanishes
+SCENES["cycle"]["time"] |= {"tolerance": 1e-2, "cycle": {"tolerance": 1e-6}}
 for _scene in SCENES.values():
     _scene["output"] = _scene.get("output", {}) | {"plots": False}

@@ -207,3 +207,24 @@ def heated(xi: float) -> tuple[dict[str, Any], float]:
     scene["heat"] = {"nusselt": ha / (6.0 * 0.6 / d) * d / 0.03}
     scene["time"] = {"initial_temperature": 300.0}
     return scene, ha / (0.6 * rho_s * c_s)
+
+
+def switched(values: list[Any], half: float) -> dict[str, Any]:
+    """A series that takes each value for half of a cycle."""
+    return {"times": [0.0, half], "values": values, "form": "step"}
+
+
+def looping() -> dict[str, Any]:
+    """Particles at rest that a fuel takes oxygen from and air gives it back to."""
+    scene = isothermal("A:1", species(A=0.028, B=0.028, O=0.032, I=0.032))
+    scene["solid"] = solids()
+    k = 1e-3 / MOLAR
+    at = {"E": 0.0, "basis": "bed"}
+    scene["reactions"] = {
+        "reduction": {"equation": "A + S -> B + P", "A": k, "orders": {"A": 1.0, "S": 1.0}, **at},
+        "oxidation": {"equation": "O + P -> I + S", "A": 2.0 * k, "orders": {"O": 1.0, "P": 1.0}, **at},
+    }
+    scene["fluid"]["composition"] = switched(["A:1", "O:1"], 600.0)
+    scene["time"] = {"end": 1200.0, "gas": "quasi_steady", "times": [600.0], "tolerance": 1e-3, "cycle": {}}
+    scene["mesh"] |= {"length": 0.3, "cells": 4}
+    return scene

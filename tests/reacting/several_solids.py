@@ -8,6 +8,11 @@ from typing import Any
 SHARES = {"coarse": 0.3, "fine": 0.7}
 
 
+def part_of(name: str, kind: str) -> float:
+    """Share that a kind has of a profile of one kind alone: of moles per volume of bed that of its volume."""
+    return SHARES[kind] if name.startswith("n_") else 1.0
+
+
 def split(scene: dict[str, Any], shares: dict[str, float] = SHARES, **changes: dict[str, Any]) -> dict[str, Any]:
     """The particles of a scene as kinds that differ in nothing but their share, or in `changes` by kind."""
     out = deepcopy(scene)

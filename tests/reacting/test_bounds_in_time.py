@@ -44,7 +44,7 @@ def least_of(scene):
     """The least amount of all steps, at nodes and between them where polynomials are the solution."""
     course = course_of(scene)
     least = 0.0
-    for history in march(course, begin(course), Report()):
+    for history in march(course, begin(course, course.start()), Report()):
         problem = course.at(history.time)
         kept = [k for k, name in enumerate(problem.names) if name.startswith(("g_", "n_"))]
         least = min(least, lowest(problem, history.u)[kept].min())

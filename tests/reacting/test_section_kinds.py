@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from several_solids import SHARES, split, split_adsorbing, split_pellets
+from several_solids import SHARES, part_of, split, split_adsorbing, split_pellets
 from solving import solved, stepped
 from test_kinds_adsorb import warm
 from test_kinds_pellets import reforming
@@ -32,9 +32,9 @@ def same(one, two, kinds=SHARES):
     for key, values in one.profiles.items():
         name, unit = key.split(" ")
         place = next((end for end in ("_axis", "_wall") if name.endswith(end)), "")
-        of_kinds = [f"{name.removesuffix(place)}_{kind}{place} {unit}" for kind in kinds]
-        for column in [key] if key in two.profiles else of_kinds:
-            np.testing.assert_allclose(two.profiles[column], values, rtol=ROUNDING, atol=1e-12, err_msg=column)
+        of_kinds = {f"{name.removesuffix(place)}_{kind}{place} {unit}": part_of(name, kind) for kind in kinds}
+        for column, part in ({key: 1.0} if key in two.profiles else of_kinds).items():
+            np.testing.assert_allclose(two.profiles[column], part * values, rtol=ROUNDING, atol=1e-12, err_msg=column)
 
 
 def along():

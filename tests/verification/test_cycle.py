@@ -7,8 +7,9 @@ import pytest
 
 from contbed.errors import SceneError
 from contbed.loading import load
-from contbed.packed_bed.cycle import _anderson, exchanged
+from contbed.packed_bed.cycle import exchanged
 from contbed.runner import run
+from contbed.solvers.anderson import Anderson
 from tests.particle.tables import rows
 
 EPS, D, FILM, SOLID = 0.4, 0.01, 100.0, 1e6  # -, m, W/m2/K, J/m3/K
@@ -72,7 +73,7 @@ def test_the_end_of_the_period_is_its_start(tmp_path):
 def test_anderson_solves_a_linear_problem_in_as_many_steps_as_it_has_unknowns():
     rng = np.random.default_rng(1)
     matrix = np.diag(np.linspace(0.1, 0.995, 6)) + 0.01 * rng.standard_normal((6, 6))
-    shift, state, accelerate = rng.standard_normal(6), np.zeros(6), _anderson()
+    shift, state, accelerate = rng.standard_normal(6), np.zeros(6), Anderson()
     for _ in range(8):
         state = accelerate(state, matrix @ state + shift)
     assert state == pytest.approx(np.linalg.solve(np.eye(6) - matrix, shift), rel=1e-7)

@@ -34,6 +34,9 @@ from numpy.typing import NDArray
 
 from contbed.closures.reactions import R_GAS
 
+Array = NDArray[np.float64]
+MOST_NEWTON = 100  # iterations, which are few: the error is squared near the root and falls from above
+ROUNDED = 1e-15  # relative change below which it is rounding
 Inner = Mapping[str, Sequence[Any]]  # concentrations [mol/m3 of pores] at the points of a particle, by gas
 
 
@@ -115,6 +118,40 @@ class Inside:
                 if self.isotherms[name].enthalpy:
                     heat = heat + (share * self.density * self.isotherms[name].enthalpy) * q
         return out, heat
+
+    def concentrations(self, loadings: Mapping[str, Array], T: Array) -> dict[str, Array]:
+        """Return the concentrations in the pores at which particles hold so much, the same at all points [mol/m3].
+
+        With S = 1 + sum_j b_j p_j each loading is straight in its concentration, and S the root of a concave function
+        that Newton's method finds from above. NaN where no concentration is enough.
+
+        Parameters
+        ----------
+        loadings : moles in the particles, adsorbed and in their pores, per mass of them [mol/kg] (points,)
+        T : temperature of the particles [K] (points,)
+        """
+        pores = self.porosity / self.density
+        slopes = {name: isotherm.affinity_at(T) * (R_GAS * T) for name, isotherm in self.isotherms.items()}
+        sites = {name: isotherm.capacity for name, isotherm in self.isotherms.items() if isotherm.capacity is not None}
+        S: Array = np.ones_like(T)
+        if sites:
+            filled: Any = sum(loadings[name] / capacity for name, capacity in sites.items())
+            emptier = {name: pores / (slopes[name] * capacity) for name, capacity in sites.items()}
+            with np.errstate(divide="ignore", invalid="ignore"):
+                S = np.where(filled < 1.0, 1.0 / (1.0 - filled), np.inf)
+                if pores:
+                    S = np.minimum(S, 1.0 + sum(loadings[name] * slopes[name] / pores for name in sites))
+                for _ in range(MOST_NEWTON):
+                    parts = {name: loadings[name] / capacity * S / (1.0 + emptier[name] * S)
+                             for name, capacity in sites.items()}  # fmt: skip
+                    off: Any = 1.0 + sum(parts.values()) - S
+                    fall: Any = sum(part / (S * (1.0 + emptier[name] * S)) for name, part in parts.items()) - 1.0
+                    step = off / fall
+                    S = S - step
+                    if not np.any(np.abs(step) > ROUNDED * S):
+                        break
+        bound = {name: slope * sites[name] / S if name in sites else slope for name, slope in slopes.items()}
+        return {name: loadings[name] / (pores + bound[name]) for name in self.gases}
 
     def taken(self, inner: Inner, bulk: Mapping[str, Any], films: Mapping[str, Any]) -> dict[str, Any]:
         """Return what the surface of particles takes of each gas through the film [mol/m3 bed/s].

@@ -1,0 +1,268 @@
+"""Cyclic steady states of reacting beds: against regenerators, against marching many periods, bounds, messages."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from adsorption_scenes import adsorber
+from reacting_bed_scenes import heated, isothermal, looping, species, switched
+from solving import solved
+
+import contbed
+from contbed.errors import ConvergenceError, SceneError
+from contbed.loading import from_dict
+from contbed.models import plan
+from contbed.reacting_bed import cycle
+from contbed.reacting_bed.course import Course
+from contbed.reacting_bed.solve import Report
+from contbed.reacting_bed.transient import begin, march
+from contbed.reacting_bed.transient_results import contents
+from contbed.solvers.anderson import Anderson
+from tests.particle.tables import rows
+
+TOLERANCE = 1e-8  # of the change over a period, the default
+
+
+def regenerator(row):
+    """A bed that stores heat, without reactions, with one blow from either end; the times of both."""
+    scene, eta = heated(row["Lambda_hot"])
+    times = [row[f"Pi_{blow}"] / eta for blow in ("hot", "cold")]
+    scene["flow"]["mass_flux"] = switched([0.5, -0.5 * row["Lambda_hot"] / row["Lambda_cold"]], times[0])
+    scene["boundary"] = {side: {"fluid": {"inflow": T}} for side, T in (("left", 600.0), ("right", 300.0))}
+    scene["time"] = {"end": sum(times), "times": [times[0]], "initial_temperature": 450.0, "gas": "quasi_steady"}
+    scene["time"]["cycle"] = {}
+    scene["mesh"]["cells"] = 20
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    scene["output"]["positions"] = (0.5 * scene["mesh"]["length"] * (1.0 + nodes)).tolist()
+    return scene, 0.5 * weights
+
+
+def test_a_regenerator():
+    """Heat stored by the hot blow over what the gas could leave, of exact tables: (T_mid - T_end)/dT Lambda/Pi."""
+    row = next(row for row in rows("regenerator.csv") if row["Lambda_hot"] == 30 and row["Pi_cold"] == 25)
+    scene, weights = regenerator(row)
+    found = solved(scene)
+    middle, end = found.profiles["T_solid [K]"].reshape(2, -1)
+    charged = float(weights @ (middle - end)) / 300.0 * row["Lambda_hot"] / row["Pi_hot"]
+    assert charged == pytest.approx(row["effectiveness_hot"], abs=2e-4)  # steps to a local error of 1e-4
+    assert found.qoi["cycle_change_K"] <= TOLERANCE * 300.0 and found.qoi["cycle_periods"] < 20
+    assert found.qoi["cycle_change"] <= TOLERANCE
+
+
+def test_solids_that_are_reduced_and_oxidised_against_plain_repetition(monkeypatch):
+    found = solved(looping())
+    monkeypatch.setattr(Anderson, "__call__", lambda self, state, image: image)
+    plain = solved(looping())
+    for key in ("n_S [mol/m3]", "x_A [1]", "x_O [1]"):
+        # the change falls by 0.3 a period: what is left is below 2 of the tolerance, over 0.3 of what reacts
+        size = max(np.abs(plain.profiles[key]).max(), 1.0)
+        assert found.profiles[key] == pytest.approx(plain.profiles[key], abs=1e-6 * size)
+    assert found.qoi["cycle_periods"] < plain.qoi["cycle_periods"]
+    # what is at rest is that of the start, and what one half gives the other takes
+    total = found.profiles["n_S [mol/m3]"] + found.profiles["n_P [mol/m3]"]
+    assert total == pytest.approx(total[0], rel=1e-12)
+    reduced, oxidised = (found.qoi[f"extent_{name}_mol_m2s"] for name in ("reduction", "oxidation"))
+    assert reduced >= 0.0 and oxidised > 0.0
+    fe = found.balances["Fe"]
+    assert abs(fe["in"]) < 1e-12 and abs(fe["stored"]) < 1e-9
+
+
+def test_a_hot_zone_between_two_directions_of_flow():
+    """An exothermic reaction that the turning flow keeps in the bed: repetition falls by 2 % a period near its end."""
+    gas = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0}
+    scene = isothermal("A:0.02, B:0.98", {"A": gas | {"enthalpy": 150e3}, "B": gas | {"enthalpy": 0.0}})
+    scene["solid"] = {"density": 1500.0, "heat_capacity": 800.0}
+    scene["heat"] = {"conductivity_solid": 5.0}
+    scene["mesh"] |= {"length": 0.5, "cells": 8}
+    scene["output"]["positions"] = (0.5 / 16.0 * (np.arange(16) + 0.5)).tolist()  # not where cells meet
+    scene["flow"] = {"mass_flux": switched([0.3, -0.3], 60.0), "pressure_drop": "none"}
+    scene["boundary"] = {side: {"fluid": {"inflow": 350.0}} for side in ("left", "right")}
+    scene["reactions"] = {"r": {"equation": "A -> B", "A": 2e4, "E": 5e4}}
+    scene["time"] = {"end": 120.0, "times": [60.0], "initial_temperature": 600.0, "gas": "quasi_steady"}
+    scene["time"] |= {"tolerance": 1e-3, "cycle": {}}
+    found = solved(scene)
+    assert found.qoi["cycle_periods"] <= 40  # some 1000 by repetition
+    middle, end = found.profiles["T_solid [K]"].reshape(2, -1)
+    assert end.max() > 450.0  # ignited: what enters has 350 K and could rise by 100 K
+    # both halves are mirror images: the first ends as the second from the other side
+    assert middle == pytest.approx(end[::-1], abs=0.3)  # 1e-3 of 300 K by steps
+
+
+def course_of(scene):
+    found = plan(from_dict(scene))
+    return Course.of(found.scene, found.problem, found.schedule, found.stores_gas)
+
+
+def marched(scene, count):
+    """The run that goes through so many periods."""
+    time = {key: value for key, value in scene["time"].items() if key not in ("cycle", "times")}
+    again = scene | {"time": time | {"end": count * time["end"]}}
+    again["fluid"] = scene["fluid"] | {"composition": scene["fluid"]["composition"] | {"period": time["end"]}}
+    return solved(again)
+
+
+@pytest.mark.parametrize("isotherm", ["linear", pytest.param("langmuir", marks=pytest.mark.slow)])
+def test_a_bed_that_adsorbs_and_is_flushed_against_marching(isotherm):
+    scene, unit = adsorber(20.0, 6.0, 0.02, None if isotherm == "linear" else 2.0)
+    scene["fluid"]["composition"] = switched(["A:1e-6, N:0.999999", "N:1"], 2.0 * unit)
+    scene["time"] |= {"end": 4.0 * unit, "tolerance": 1e-3, "cycle": {}}
+    scene["mesh"]["cells"] = 6
+    del scene["output"]["positions"]
+    found, after = solved(scene), marched(scene, 12)
+    key = "q_A [mol/kg]"
+    assert found.profiles[key] == pytest.approx(after.profiles[key], abs=2e-3 * after.profiles[key].max())  # of steps
+    carbon = found.balances["C"]
+    assert abs(carbon["stored"]) < 10.0 * TOLERANCE * carbon["in"]
+    assert carbon["in"] == pytest.approx(carbon["out"], rel=10.0 * TOLERANCE)
+
+
+def test_a_gas_in_the_pores_against_marching():
+    scene = isothermal("A:1", species(A=0.028, B=0.028), mass={"dispersion": 0.1})
+    scene["fluid"]["composition"] = switched(["A:1", "B:1"], 0.4)
+    scene["time"] = {"end": 0.8, "initial_composition": "B:1", "gas": "stored", "tolerance": 1e-3, "cycle": {}}
+    scene["mesh"]["cells"] = 6
+    found, after = solved(scene), marched(scene, 6)
+    assert found.profiles["x_A [1]"] == pytest.approx(after.profiles["x_A [1]"], abs=2e-3)  # of steps
+    assert found.qoi["cycle_periods"] <= 12
+
+
+def test_kept_steps_that_miss_more_than_allowed_are_chosen_anew(monkeypatch):
+    """Steps of the first period alone, that of a bed at one temperature, do not fit the last."""
+    wanted = solved(looping())
+    monkeypatch.setattr(cycle, "ADAPTIVE", 1)
+    found = solved(looping())
+    assert found.profiles["n_S [mol/m3]"] == pytest.approx(wanted.profiles["n_S [mol/m3]"], rel=2e-3, abs=10.0)
+    errors = []
+    monkeypatch.setattr(cycle, "MOST", 8)
+    course = course_of(looping())
+    monkeypatch.setattr(cycle, "OUTDATED", 1e-3)  # of which every step misses more: all periods are chosen anew
+    before = cycle.repeated
+    monkeypatch.setattr(cycle, "repeated", lambda *given: errors.append(1) or before(*given))
+    seen = list(cycle.periods(course, course.start(), Report(), lambda *_: None))
+    assert len(errors) <= (len(seen) + 1) // 2
+
+
+def test_a_period_that_fails_from_an_extrapolated_state_is_repeated_from_the_best(monkeypatch):
+    course, before, calls = course_of(looping()), cycle._steps, []
+
+    def failing(*given):
+        calls.append(1)
+        if len(calls) == 3:
+            raise ConvergenceError("steps in time become ever smaller")
+        return before(*given)
+
+    monkeypatch.setattr(cycle, "_steps", failing)
+    found = list(cycle.periods(course, course.start(), Report(), lambda *_: None))
+    assert found[-1].closed and len(found) == len(calls) - 1
+    monkeypatch.setattr(cycle, "_steps", lambda *_: failing())
+    calls[:] = [1, 1]
+    with pytest.raises(ConvergenceError, match="ever smaller"):
+        list(cycle.periods(course, course.start(), Report(), lambda *_: None))
+
+
+def test_an_extrapolation_that_changes_much_more_is_given_up_for_the_best_period(monkeypatch):
+    course, before, calls = course_of(looping()), Anderson.__call__, []
+
+    def wild(self, state, image):
+        calls.append(1)
+        return image.reshape(2, -1)[::-1].ravel() if len(calls) == 3 else before(self, state, image)
+
+    monkeypatch.setattr(Anderson, "__call__", wild)  # what is left of S is P, and the other way round
+    found = list(cycle.periods(course, course.start(), Report(), lambda *_: None))
+    assert found[3].change > cycle.GROWN * found[2].change
+    assert found[4].history.held == pytest.approx(contents(course.problem, found[2].history.u), rel=1e-12)
+    assert found[-1].closed
+
+
+def test_extrapolated_states_stay_within_their_bounds_node_by_node():
+    course = course_of(looping())
+    problem, u = course.problem, course.start()
+    S, P = (problem.names.index(name) for name in ("n_S", "n_P"))
+    u[P], u[S] = 0.25 * u[S], 0.75 * u[S]
+    stored = cycle.Stored.of(problem, course.sizes(u))
+    wanted = stored.values(u)
+    assert wanted.shape[0] == 2 and wanted.sum(axis=0) == pytest.approx(1.0)
+    wanted[:, 2, 1] = [1.5, -0.5]  # beyond: P would be below zero
+    wanted[:, 3, 0] = [0.1, 0.9]
+    found = stored.values(stored.bounded(wanted, u))
+    assert found[:, 2, 1] == pytest.approx([1.0, 0.0], abs=1e-15)
+    assert found[:, 3, 0] == pytest.approx([0.1, 0.9])
+    assert found.sum(axis=0) == pytest.approx(1.0, abs=1e-15)
+    others = np.ones(found.shape[1:], dtype=bool)
+    others[2, 1] = others[3, 0] = False
+    assert np.array_equal(found[:, others], stored.values(u)[:, others])
+
+
+def test_extrapolated_temperatures_and_fractions_stay_within_their_bounds():
+    scene, _ = heated(4.0)
+    scene["fluid"]["species"]["B"] = scene["fluid"]["species"]["A"]
+    scene["fluid"]["composition"] = "A:0.5, B:0.5"
+    scene["mesh"]["cells"] = 3
+    scene["time"] = {"end": 1.0, "gas": "stored", "initial_temperature": 300.0}
+    course = course_of(scene)
+    u = course.start()
+    stored = cycle.Stored.of(course.problem, course.sizes(u))
+    names = [course.problem.names[k] for k in stored.rows]
+    assert names == ["g_A", "g_B", "T_fluid", "T_solid"]
+    wanted = stored.values(u)
+    wanted[:, 0, 0] = [1.2, -0.2, *wanted[2:, 0, 0]]
+    wanted[2, 1, 0] += 2.0  # of 300 K: further than half of it
+    out = stored.bounded(wanted, u)
+    found = stored.values(out)
+    assert found[:2, 0, 0] == pytest.approx([1.0, 0.0], abs=1e-15)
+    assert found[:2].sum(axis=0) == pytest.approx(1.0, abs=1e-15)
+    assert found[2, 1, 0] == pytest.approx(1.0 + cycle.BEYOND)
+    assert out[:2].sum(axis=0) == pytest.approx(u[:2].sum(axis=0), rel=1e-14)  # the flux of the gas is that it had
+
+
+def test_a_cycle_goes_on_from_its_checkpoint(tmp_path):
+    scene = from_dict(looping())
+    first = contbed.run(scene, out=tmp_path / "one")
+    again = contbed.run(scene, out=tmp_path / "two", restart=tmp_path / "one")
+    assert again.qoi["cycle_change"] <= TOLERANCE and again.qoi["cycle_periods"] <= 3
+    key = "n_S [mol/m3]"
+    assert again.profiles[key] == pytest.approx(first.profiles[key], rel=1e-3)  # of steps that are chosen anew
+
+
+def test_a_cycle_that_is_not_found_keeps_its_last_period(monkeypatch):
+    monkeypatch.setattr(cycle, "MOST", 2)
+    kept = []
+    monkeypatch.setattr("contbed.reacting_bed.transient.fill", lambda at, history, result: kept.append(history.time))
+    with pytest.raises(ConvergenceError, match=r"time\.cycle: after 2 periods the bed still changes by 0\.0"):
+        contbed.run(from_dict(looping()))
+    assert kept == [1200.0]
+
+
+def test_the_plan_tells_the_time_of_one_period():
+    found = plan(from_dict(looping()))
+    assert "cyclic steady state" in str(found)
+    assert found.to_try()[0].scene.time.cycle is None
+
+
+def test_cycles_that_cannot_be_are_told():
+    scene = looping()
+    scene["fluid"]["composition"] = "A:1"
+    with pytest.raises(SceneError, match=r"time\.cycle.*: a cycle needs a composition, a flow, or a temperature"):
+        from_dict(scene)
+    scene = looping()
+    scene["fluid"]["composition"] |= {"period": 900.0}
+    with pytest.raises(SceneError, match=r"its period of 900 s fits 1\.33333 times into the cycle.*multiple"):
+        from_dict(scene)
+    scene["fluid"]["composition"]["period"] = 600.0 + 1e-5
+    scene["fluid"]["composition"]["times"] = [0.0, 300.0]
+    with pytest.raises(SceneError, match="fits 2 times into the cycle"):
+        from_dict(scene)
+    scene["fluid"]["composition"]["period"] = 600.0
+    from_dict(scene)
+    scene["time"]["cycle"] = {"tolerance": 0.0}
+    with pytest.raises(SceneError, match=r"time\.cycle\.tolerance"):
+        from_dict(scene)
+
+
+def test_a_state_that_comes_back_comes_back_by_other_steps():
+    """The state of a cycle by kept steps, marched once by steps that are chosen anew, to their errors."""
+    course = course_of(looping())
+    last = list(cycle.periods(course, course.start(), Report(), lambda *_: None))[-1]
+    *_, after = march(course, begin(course, last.history.u), Report())
+    stored = cycle.Stored.of(course.problem, course.sizes(after.u))
+    assert np.abs(stored.values(after.u) - stored.values(last.history.u)).max() < 1e-3
