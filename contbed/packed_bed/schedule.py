@@ -22,7 +22,6 @@ from contbed.packed_bed import scene as s
 from contbed.scene.schedule import SeriesByKey
 from contbed.scene.series import SAME, ProfileFile, Samples, Series
 from contbed.scene.toml_lines import KeyPath
-from contbed.solvers.timestep import STAGES
 
 Array = NDArray[np.float64]
 
@@ -78,6 +77,8 @@ class Piece:
         """Whether a step between two times [s] misses less than is small; None where all is linear in time."""
         if not self.ways:
             return None
+        from contbed.solvers.timestep import STAGES  # a steady run has no steps
+
         bent = SeriesByKey({path: samples for path, samples, *_ in self.ways})
         return lambda start, end: bent.sees(start, end, STAGES, self.small)
 
