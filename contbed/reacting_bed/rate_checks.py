@@ -6,7 +6,7 @@ Rates r_j take species k where there is none if its amount is not above zero and
 
 with L the length of the bed. Rates that run back, such as those limited by an equilibrium, take a product only where
 there is some. After a run the amount is the mean of a cell, which a polynomial through a steep front leaves above zero.
-Solids at rest have limits of their own, see `equations.losses`.
+Solids at rest have limits of their own, see `equations.losses`; laws that are named end with what they take.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def taken_though_absent(problem: Problem, u: Array) -> str | None:
     """Return what rates take in a state where there is none of it, beyond its errors; None if they do not."""
     tolerance = allowed(problem.scene)
     means = _means(problem, u)
-    for amount in amounts(problem):
+    for amount in amounts(problem) if problem.reactions else ():
         low = means[:, amount.row].ravel()
         if not (low < -tolerance).any():
             continue
@@ -115,7 +115,7 @@ def taken_though_absent(problem: Problem, u: Array) -> str | None:
 def taken_to_the_end(problem: Problem, u: Array) -> str | None:
     """Return what rates would go on taking where hardly any is left of it in a state; None if they end with it."""
     means = _means(problem, u)
-    for amount in amounts(problem):
+    for amount in amounts(problem) if problem.reactions else ():
         low = means[:, amount.row] < HARDLY
         if not low.any():
             continue
@@ -167,11 +167,21 @@ def _value(rate: Any) -> Any:
 
 def _taken(problem: Problem, amount: Amount, made: list[Array], tolerance: float) -> NDArray[np.bool_]:
     """Return where reactions take more of a species than counts."""
-    gained: Any = sum(amount.gained(reaction) * rate for reaction, rate in zip(problem.reactions, made, strict=True))
-    lost: Array = -np.broadcast_to(gained, made[0].shape).ravel()
+    lost, by_written = np.zeros(made[0].size), np.zeros(made[0].size)
+    for reaction, rate in zip(problem.reactions, made, strict=True):
+        lost -= amount.gained(reaction) * rate.ravel()
+        if _is_written(problem, reaction):
+            by_written -= amount.gained(reaction) * rate.ravel()
     # what films pass is measured by the gas as well
     flux = problem.moles if amount.gas else problem.flux_sizes[amount.row]
-    return lost * problem.scene.mesh.length > tolerance * flux
+    found: NDArray[np.bool_] = np.minimum(lost, by_written) * problem.scene.mesh.length > tolerance * flux
+    return found
+
+
+def _is_written(problem: Problem, reaction: Reaction) -> bool:
+    """Return whether a scene writes a rate itself, by a formula or orders; laws with a name end with what they take."""
+    table = problem.scene.reactions.get(reaction.key)
+    return table is not None and (table.rate is not None or table.law in (None, "power"))
 
 
 def _place(problem: Problem, reaction: Reaction) -> str:
@@ -182,13 +192,13 @@ def _place(problem: Problem, reaction: Reaction) -> str:
 
 def _sentence(problem: Problem, amount: Amount, made: list[Array], at: int, what: str) -> str:
     """Return which reaction takes a species that is not there, and the remedy."""
-    changes = [
-        amount.gained(reaction) * rate.ravel()[at] for reaction, rate in zip(problem.reactions, made, strict=True)
+    pairs = [(reaction, rate.ravel()[at]) for reaction, rate in zip(problem.reactions, made, strict=True)]
+    written = [
+        (amount.gained(reaction) * rate, reaction, rate) for reaction, rate in pairs if _is_written(problem, reaction)
     ]
-    k = int(np.argmin(changes))
-    reaction, rate = problem.reactions[k], made[k].ravel()[at]
+    change, reaction, rate = min(written, key=lambda each: each[0])
     text = (
-        f"{_place(problem, reaction)}: takes {-changes[k]:.3g} mol/m3/s of {amount} where there is none, as its rate "
+        f"{_place(problem, reaction)}: takes {-change:.3g} mol/m3/s of {amount} where there is none, as its rate "
         f"is {rate:.3g} mol/m3/s of bed there: {amount.species} {what}. A rate ends with what it takes"
     )
     if rate < 0.0 and not reaction.equation.reversible:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 
+import numpy as np
 import pytest
 from reacting_bed_scenes import MOLAR, T, isothermal, solids, species
 from several_solids import split
@@ -13,6 +14,8 @@ import contbed
 from contbed.errors import ConvergenceError, SceneError
 from contbed.loading import from_dict
 from contbed.models import plan, require_buildable
+from contbed.reacting_bed import rate_checks
+from contbed.reacting_bed.rate_checks import taken_though_absent, taken_to_the_end
 from contbed.reacting_bed.solve import Report, step
 
 CONSUMED = 2.0  # [mol/m3/s]; over 0.4 m of gas it takes 0.8 of the 12 mol/m2/s that enter
@@ -217,3 +220,27 @@ def test_solids_of_several_kinds_go_by_their_own_names():
     }
     with pytest.raises(ConvergenceError, match=r"of S_\w+ where .*n_S/\(abs\(n_S\) \+ "):
         contbed.run(from_dict(split(scene)))
+
+
+def test_beds_without_reactions_have_no_such_rates():
+    problem = plan(from_dict(isothermal("A:1", species(A=0.028), mass={"dispersion": 1e-4}))).problem
+    u = -problem.start()
+    assert taken_though_absent(problem, u) is None and taken_to_the_end(problem, u) is None
+
+
+def test_named_laws_are_not_blamed(monkeypatch):
+    """Whatever their rates are in a state within an iteration: here one where there is no Fe3O4 and no FeO."""
+    gases = {name: {"heat_capacity": 30.0} for name in ("H2", "H2O")}
+    scene = isothermal("H2:0.9, H2O:0.1", gases, flow={"velocity_solid": -1e-4})
+    scene["mesh"]["cells"] = 4
+    scene["solid"] = {"composition": "Fe2O3:1", "density": 4000.0}
+    scene["solid"]["constituent"] = {name: {"heat_capacity": 100.0} for name in ("Fe2O3", "Fe3O4", "FeO", "Fe")}
+    scene["boundary"]["left"]["fluid"]["inflow"] = 1000.0
+    scene["reactions"] = {"reduction": {"law": "three_interfaces_H2"}}
+    scene["fluid"]["diffusivity"] = 1e-4
+    problem = plan(from_dict(scene)).problem
+    u = problem.start()
+    monkeypatch.setattr(
+        rate_checks, "rates_at_all_points", lambda *_: [k * np.ones(u[0].size) for k in (0.0, 1.0, 1.0)]
+    )
+    assert taken_to_the_end(problem, u) is None
