@@ -148,10 +148,13 @@ def check(
     allow_large: AllowLarge = False,
 ) -> None:
     """Say whether scenes are right; all mistakes with file, line and remedy. Nothing is solved or written."""
+    from contbed.models import require_buildable
+
     problems = []
     for scene in scenes:
         try:
             loaded = load_scene(scene, settings, trust, allow_large)
+            require_buildable(loaded)
         except SceneError as error:
             problems += error.problems
         else:

@@ -83,6 +83,7 @@ class Model:
     compiles : whether its loops are compiled at their first use, which takes a while
     scatters : whether its results scatter with the start of the particles, so that small changes cannot be told apart
     searches : whether a steady state is searched in ways whose length only a trial tells, which the run reports
+    refuses_early : whether its plan can say what it would refuse, for `contbed check`
     """
 
     package: str
@@ -92,6 +93,7 @@ class Model:
     compiles: bool = False
     scatters: bool = False
     searches: bool = False
+    refuses_early: bool = False
 
     def find(self, module: str, name: str) -> Any:
         """Import a module of the package and return its attribute `name`."""
@@ -188,6 +190,7 @@ MODELS: dict[str, Model] = {
             "amounts_above_zero_in_time": "bounded",
             "cyclic_steady_state": "cycle",
         },
+        refuses_early=True,
     ),
     "packed_bed": Model(
         "packed_bed",
@@ -224,6 +227,17 @@ def solver_of(scene: Kind) -> Callable[..., None]:
 def kind_of(values: Mapping[str, Any]) -> str:
     """Return the kind of scene that the tables of a file describe."""
     return next(kind for kind, model in MODELS.items() if model.means(values))
+
+
+def require_buildable(scene: Kind) -> None:
+    """Refuse what a plan would refuse, where this is known without solving or meshing anything.
+
+    Raises
+    ------
+    SceneError : data that the scene needs are missing or cannot be used
+    """
+    if model_of(scene).refuses_early:
+        model_of(scene).find("plan", "require_buildable")(scene)
 
 
 def plan(scene: Any) -> Any:

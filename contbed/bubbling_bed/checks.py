@@ -20,6 +20,8 @@ from contbed.scene.toml_lines import KeyPath, Origin
 RESERVED = ("emulsion", "bubble", "distributor", "freeboard", "tubes", "walls", "up", "down")
 SUM = 1e-9  # by which shares may miss one
 SHARES = 1e-6  # by which mole fractions may, which people round
+LEAST_TUBE = 0.0127  # [m] outside, half an inch: smaller ones are not used in beds
+DENSEST = 0.9069  # share of a section that circles fill, pi/(2 sqrt 3)
 Kinds = Mapping[str, b.Species]
 
 
@@ -261,6 +263,20 @@ def the_parameter_is_a_number(
         yield ("continuation", "back_to"), f"lies on the same side of the value in the scene, {found:g}, as `to`"
 
 
+def particles_pass_between_the_tubes(
+    bubbling_bed: b.BubblingBed, species: Kinds, tubes: b.Surface | None, see: See
+) -> Mistakes:
+    """Check that particles are smaller than 2 A/p, the width of slits whose walls have the surface of the tubes."""
+    largest = max((item.diameter for item in species.values() if item.volume_fraction > 0), default=0.0)
+    if tubes is not None and 2.0 * bubbling_bed.section < largest * tubes.perimeter:
+        yield (
+            ("tubes", "perimeter"),
+            f"leaves {2.0 * bubbling_bed.section / tubes.perimeter:.3g} m between surfaces, less than particles of "
+            f"{largest:.3g} m; allowed: below {2.0 * bubbling_bed.section / largest:.4g} m, see "
+            f"{see('bubbling_bed.section')}",
+        )
+
+
 CHECKS: tuple[Callable[..., Mistakes], ...] = (
     shares_sum_to_one,
     names_are_free,
@@ -275,7 +291,26 @@ CHECKS: tuple[Callable[..., Mistakes], ...] = (
     something_fixes_the_plate,
     something_fixes_the_temperatures,
     positions_lie_in_the_bed,
+    particles_pass_between_the_tubes,
     the_parameter_is_a_number,
     *chemistry_checks.CHECKS,
 )
-WARNINGS: tuple[Callable[..., Mistakes], ...] = ()
+
+
+def tubes_fit_in_the_section(
+    bubbling_bed: b.BubblingBed, tubes: b.Surface | None, freeboard: b.Freeboard | None, see: See
+) -> Mistakes:
+    """Look for more surface than tubes have that touch each other, even those of the least diameter."""
+    most = 4.0 * DENSEST / LEAST_TUBE * bubbling_bed.section
+    above = None if freeboard is None else freeboard.tubes
+    given: list[tuple[KeyPath, b.Surface | b.FreeboardSurface | None]] = [(("tubes",), tubes)]
+    for path, table in [*given, (("freeboard", "tubes"), above)]:
+        if table is not None and table.perimeter > most:
+            yield (
+                (*path, "perimeter"),
+                f"tubes of {1e3 * LEAST_TUBE:g} mm that touch each other have {most:.4g} m in "
+                f"{bubbling_bed.section:g} m2; give less, or see {see('bubbling_bed.section')}",
+            )
+
+
+WARNINGS: tuple[Callable[..., Mistakes], ...] = (tubes_fit_in_the_section,)

@@ -34,7 +34,7 @@ _OPERATORS: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Add: lambda a, b: a + b,
     ast.Sub: lambda a, b: a - b,
     ast.Mult: lambda a, b: a * b,
-    ast.Div: lambda a, b: a / b,
+    ast.Div: lambda a, b: _numpy(a) / b,
     ast.Pow: lambda a, b: power(a, b),
 }
 
@@ -44,11 +44,16 @@ def odd_power(x: Any, exponent: float, small: float = TINY) -> Any:
     return x * (x * x + small * small) ** (0.5 * (exponent - 1.0))
 
 
+def _numpy(x: Any) -> Any:
+    """Return a number as one whose quotient by zero is infinite, as that of arrays is."""
+    return np.float64(x) if isinstance(x, int | float) else x
+
+
 def power(x: Any, exponent: Any) -> Any:
     """Return x^n; odd about zero where n is a number that is not whole."""
     if isinstance(exponent, int | float):
         whole = float(exponent).is_integer()
-        return x**exponent if whole or isinstance(x, int | float) else odd_power(x, float(exponent))
+        return _numpy(x) ** exponent if whole or isinstance(x, int | float) else odd_power(x, float(exponent))
     return x**exponent
 
 
@@ -61,8 +66,9 @@ class Formula:
     tree: Any
 
     def __call__(self, values: Mapping[str, Any]) -> Any:
-        """Return the value of the formula."""
-        return _value(self.tree, values)
+        """Return the value of the formula, which is not finite where it divides by zero."""
+        with np.errstate(all="ignore"):
+            return _value(self.tree, values)
 
 
 def parse_formula(text: str) -> Formula:

@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from contbed.errors import ContbedError
 from contbed.output.files import atomic
 
+REMEDY = "run the command that wrote it again"
+
 
 def write_table(path: Path | str, columns: Mapping[str, ArrayLike]) -> None:
     """Write columns of equal length under their headers."""
@@ -24,31 +26,43 @@ def write_table(path: Path | str, columns: Mapping[str, ArrayLike]) -> None:
         np.savetxt(file, np.column_stack(data), fmt="%.12g", delimiter=",")
 
 
-def read_table(path: Path | str) -> dict[str, NDArray[np.float64]]:
-    """Read the columns of a table by header.
+def read_cells(path: Path | str) -> tuple[list[str], list[list[str]]]:
+    """Read the headers of a table, and its rows as texts.
 
     Raises
     ------
-    ContbedError : the file cannot be read or is not a table of numbers
+    ContbedError : the file cannot be read, has no header or the same one twice, or rows that do not fit it
     """
     try:
         with open(path, encoding="utf-8", newline="") as file:
             headers, *rows = [*csv.reader(file)] or [[]]
     except OSError as error:
-        raise ContbedError(f"cannot read {path}: {error.strerror}") from error
+        raise ContbedError(f"cannot read {path}: {error.strerror}; {REMEDY}") from error
     except (ValueError, csv.Error) as error:
         raise _damaged(path, str(error)) from error
     if not headers or len(set(headers)) != len(headers):
         raise _damaged(path, "it has no header, or the same one twice")
-    data = np.empty((len(rows), len(headers)))
-    for line, (row, values) in enumerate(zip(rows, data, strict=True), start=2):
+    for line, row in enumerate(rows, start=2):
         if len(row) != len(headers):
             raise _damaged(f"{path}:{line}", f"{len(row)} values under {len(headers)} headers")
+    return headers, rows
+
+
+def read_table(path: Path | str) -> dict[str, NDArray[np.float64]]:
+    """Read the columns of a table of numbers by header.
+
+    Raises
+    ------
+    ContbedError : the file cannot be read or is not a table of numbers
+    """
+    headers, rows = read_cells(path)
+    data = np.empty((len(rows), len(headers)))
+    for line, (row, values) in enumerate(zip(rows, data, strict=True), start=2):
         try:
             values[:] = [float(item) for item in row]
         except ValueError:
             header, item = next(pair for pair in zip(headers, row, strict=True) if not is_number(pair[1]))
-            raise _damaged(f"{path}:{line}", f"{header} is {item!r}") from None
+            raise _damaged(f"{path}:{line}", f"{header} is {item!r}, which is no number") from None
     return dict(zip(headers, data.T.copy(), strict=True))
 
 
@@ -62,4 +76,4 @@ def is_number(cell: str) -> bool:
 
 
 def _damaged(place: Path | str, why: str) -> ContbedError:
-    return ContbedError(f"{place}: not a table of numbers with one header line: {why}; run what wrote it again")
+    return ContbedError(f"{place}: not a table with one header line: {why}; {REMEDY}")

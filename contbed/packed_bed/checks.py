@@ -358,7 +358,22 @@ def the_balance_can_fail(solver: Solver) -> Mistakes:
         )
 
 
+def the_fluid_conducts_once(heat: s.Heat | None, origin: Origin) -> Mistakes:
+    """Look for a closure of the whole bed at rest beside the conductivity of its fluid."""
+    if heat is None or not named(heat.conductivity_solid) or is_phase(heat.conductivity_solid):
+        return
+    takes = bound(heat.conductivity_solid, "conductivity", origin.base).takes
+    if named(heat.conductivity_fluid) and "k_fluid" in takes:
+        what = "eps k_fluid" if is_phase(heat.conductivity_fluid) else "heat.conductivity_fluid"
+        yield (
+            ("heat", "conductivity_solid"),
+            f"is that of the whole bed at rest, its fluid included, and {what} is added: the fluid conducts twice; "
+            "give heat.conductivity_fluid = 0",
+        )
+
+
 WARNINGS: tuple[Check, ...] = (
+    the_fluid_conducts_once,
     species_fill_the_solids,
     two_flux_scatters_evenly,
     initial_profiles_reach_both_ends,

@@ -49,6 +49,14 @@ class OneMode:
         """Put the temperatures and fluxes of boundaries at a time [s] in place."""
         self._problem.at(time)
 
+    def shares(self, time: float) -> Any:
+        """Return how far the boundaries have come at a time [s] to other values."""
+        return self._problem.shares(time)
+
+    def put(self, shares: Any) -> None:
+        """Put temperatures and fluxes of boundaries in place that have come so far to other values."""
+        self._problem.put(shares)
+
     def steady(self, state: Any, jacobian: bool) -> tuple[Any, Any]:
         """Assemble the residual of the steady balances and its Jacobian."""
         found: tuple[Any, Any] = self._problem.system.assemble(

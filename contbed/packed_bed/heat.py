@@ -107,19 +107,28 @@ class HeatProblem:
 
     def at(self, time: float) -> None:
         """Put the temperatures and fluxes of boundaries at a time [s] in place."""
-        if self.piece is None or not self.piece.changes:
-            return
+        if self.changes:
+            self.put(self.shares(time))
+
+    def shares(self, time: float) -> Any:
+        """Return how far the boundaries have come at a time [s] to other values, see `Piece`."""
+        assert self.piece is not None
+        return self.piece.shares(time)
+
+    def put(self, shares: Any) -> None:
+        """Put temperatures and fluxes of boundaries in place that have come so far to other values."""
+        assert self.piece is not None
         walls = []
         for name, part, wall in self.walls:
             phase = wall.name.removeprefix("T_")
-            condition = self.piece.condition(name, phase, time)
+            condition = self.piece.condition(name, phase, shares)
             if condition is not None:
                 wall = replace(wall, **self.build.given(phase, condition, wall.inflow is not None))
             walls.append((name, part, wall))
         self.walls = walls
         self._boundary = self.crossed()
         for nodes, name, phase in self._prescribed:
-            condition = self.piece.condition(name, phase, time)
+            condition = self.piece.condition(name, phase, shares)
             if condition is not None:
                 self.fixed_values[nodes] = condition.fixed
 

@@ -157,7 +157,7 @@ def _cycle(plan: Plan, pieces: Any, flow: Any, result: Result) -> Any:
 
 def _most(plan: Plan, pieces: Any) -> list[float]:
     """Return the heat that the fluid of each part could leave in the bed between the inlet temperatures [J]."""
-    conditions = [c for piece in pieces for scene in (piece.first, piece.last) for c in scene.boundary.values()]
+    conditions = [c for piece in pieces for scene in (piece.first, *piece.others) for c in scene.boundary.values()]
     inlets = [c.fluid.inflow or c.fluid.fixed for c in conditions if c.fluid is not None]
     entering = [T for T in inlets if T is not None]
     if not entering:

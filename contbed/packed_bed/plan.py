@@ -39,6 +39,7 @@ from contbed.packed_bed.recognition import (
 from contbed.packed_bed.schedule import Piece, Schedule
 from contbed.packed_bed.sides import lines_of, on_a_line
 from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
+from contbed.scene.values import with_value
 from contbed.solvers.cost import advice
 from contbed.solvers.linear import Policy
 
@@ -134,16 +135,32 @@ class Plan:
         return replace(self, mesh=refined(self.mesh, error))
 
     def pieces(self) -> Sequence[Piece | None]:
-        """Return the parts of a transient in which all is linear in time; one None where nothing changes."""
+        """Return the parts of a transient between jumps and kinks that matter; one None where nothing changes."""
         time, schedule = self.scene.time, self.schedule
         if not schedule or time is None:
             return [None]
         temperatures, found, flow_since = tuple(schedule.temperatures()), [], 0.0
-        for start, end in pairwise(schedule.cuts(time.end)):
+        small, every = schedule.small(time, self.scene.origin.base), schedule.cuts(time.end)
+        for start, end in pairwise(every if small is None else schedule.cuts(time.end, small)):
             if schedule.jumps(start, "flow"):
                 flow_since = start
-            first, last = self._frozen(start), self._frozen(end, before=True)
-            found.append(Piece(start, end, first, last, temperatures, schedule.jumps(start), flow_since))
+            first, ways = schedule.frozen(self.scene, start), schedule.ways(start, end, every)
+            others = [with_value(first, path, other) for path, _, _, other in ways] or [
+                schedule.frozen(self.scene, end, before=True)
+            ]
+            found.append(
+                Piece(
+                    start,
+                    end,
+                    self._as_solved(first),
+                    tuple(self._as_solved(other) for other in others),
+                    temperatures,
+                    schedule.jumps(start),
+                    flow_since,
+                    tuple(ways),
+                    small or {},
+                )
+            )
         return found
 
     def within(self, piece: Piece) -> Plan:
@@ -174,9 +191,8 @@ class Plan:
             found.append(plans[piece.flow_since])
         return found
 
-    def _frozen(self, time: float, before: bool = False) -> s.Scene:
-        """Return the scene that is solved with the values at a time, just after or `before` a jump."""
-        frozen = self.schedule.frozen(self.scene, time, before)
+    def _as_solved(self, frozen: s.Scene) -> s.Scene:
+        """Return the scene that is solved for one that is frozen at a time."""
         frozen = frozen.model_copy(update={"radiation": self.solved.radiation, "particle": self.solved.particle})
         line = None if self.solved.mesh is self.scene.mesh else on_a_line(frozen)
         return frozen if line is None else line[0]

@@ -88,7 +88,9 @@ class Heat(Table):
         None, description="fixed Reynolds number for the closures instead of the one from velocities and properties"
     )
     conductivity_fluid: ConductivityOrClosure = Field(
-        "conductivity_phase", description="effective, without dispersion; conductivity_phase is eps k_fluid"
+        "conductivity_phase",
+        description="effective, without dispersion; conductivity_phase is eps k_fluid; 0 where that of the solid is a "
+        "closure of the whole bed",
     )
     conductivity_solid: ConductivityOrClosure = Field(
         "conductivity_phase", description="effective; conductivity_phase is (1-eps) k_solid"

@@ -1,24 +1,33 @@
 """What changes in the course of a run: temperatures and heat fluxes of boundaries, and velocities, as time series.
 
-A run is cut at every jump and kink of its series, so that no time step crosses one. Between two cuts temperatures and
-fluxes change linearly and velocities are constant; a scene `frozen` at a time has numbers in place of all series.
+A run is cut at every jump of its series and at kinks that are larger than the error of a step allows, so that no time
+step crosses one. Between two cuts velocities are constant, and temperatures and fluxes change linearly or with kinks so
+small that steps pass them; a scene `frozen` at a time has numbers in place of all series. Where steps have one given
+length, or one run is a cycle whose parts charge and discharge the bed, it is cut at every kink.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from contbed.packed_bed import scene as s
 from contbed.scene.schedule import SeriesByKey
-from contbed.scene.series import ProfileFile, Series
+from contbed.scene.series import SAME, ProfileFile, Samples, Series
 from contbed.scene.toml_lines import KeyPath
+
+Array = NDArray[np.float64]
 
 VELOCITIES = ("velocity", "velocity_solid")
 VALUES = ("fixed", "inflow", "flux", "ambient")
+KELVIN = ("fixed", "inflow", "ambient")  # those that are temperatures
 PHASES = ("fluid", "solid")
 
 
@@ -37,9 +46,13 @@ def series_of(flow: s.Flow | None, boundary: dict[str, s.Boundary]) -> Iterator[
 
 @dataclass(frozen=True)
 class Piece:
-    """A part of a run in which temperatures and fluxes of boundaries are linear in time, velocities constant.
+    """A part of a run in which velocities are constant.
 
-    start, end : [s]; first, last : the scene frozen just after the start and just before the end
+    start, end : [s]; first : the scene frozen just after the start
+    others : scenes of which `shares` of a time are added to it, as values less those of the first: the scene just
+        before the end where all is linear in time, else for each series that changes the scene with another value of it
+    ways : of each of these series its key, its samples, the value at the start and the other one; none if all is linear
+    small : sizes of kinks that a step may pass by key, where there are some
     temperatures : all that the series of the run hold [K]
     jumps : whether a value jumps at the start; flow_since : when the velocities took their values [s]
     """
@@ -47,29 +60,49 @@ class Piece:
     start: float
     end: float
     first: s.Scene
-    last: s.Scene
+    others: tuple[s.Scene, ...]
     temperatures: tuple[float, ...]
     jumps: bool
     flow_since: float
+    ways: tuple[tuple[KeyPath, Samples, float, float], ...] = ()
+    small: Mapping[KeyPath, float] = field(default_factory=dict)
 
     @property
     def changes(self) -> bool:
         """Whether anything changes between the cuts."""
-        return self.first.boundary != self.last.boundary
+        return any(self.first.boundary != other.boundary for other in self.others)
 
-    def condition(self, boundary: str, phase: str, time: float) -> s.PhaseCondition | None:
-        """Return the thermal condition of one phase on one boundary at a time [s]."""
-        first, last = (getattr(scene.boundary.get(boundary), phase, None) for scene in (self.first, self.last))
-        if first is None or last is None or first == last:
+    @property
+    def sees(self) -> Callable[[float, float], bool] | None:
+        """Whether a step between two times [s] misses less than is small; None where all is linear in time."""
+        if not self.ways:
+            return None
+        from contbed.solvers.timestep import STAGES  # a steady run has no steps
+
+        bent = SeriesByKey({path: samples for path, samples, *_ in self.ways})
+        return lambda start, end: bent.sees(start, end, STAGES, self.small)
+
+    def shares(self, time: float) -> Array:
+        """Return how far values at a time [s] have come from the first to the others (len(others),)."""
+        if not self.ways:
+            return np.array([(time - self.start) / (self.end - self.start)])
+        return np.array(
+            [(samples.at(time, True, self.start) - first) / (other - first) for _, samples, first, other in self.ways]
+        )
+
+    def condition(self, boundary: str, phase: str, shares: Array) -> s.PhaseCondition | None:
+        """Return the thermal condition of one phase on one boundary at shares of the others."""
+        first, *others = (getattr(each.boundary.get(boundary), phase, None) for each in (self.first, *self.others))
+        changed = [(share, other) for share, other in zip(shares, others, strict=True) if other != first]
+        if first is None or not changed:
             return first
-        share = (time - self.start) / (self.end - self.start)
         values = {
-            key: getattr(first, key) + share * (getattr(last, key) - getattr(first, key))
+            key: start + sum(float(share) * (getattr(other, key) - start) for share, other in changed)
             for key in VALUES
-            if getattr(first, key) is not None
+            if (start := getattr(first, key)) is not None
         }
-        changed: s.PhaseCondition = first.model_copy(update=values)
-        return changed
+        found: s.PhaseCondition = first.model_copy(update=values)
+        return found
 
 
 @dataclass(frozen=True)
@@ -85,6 +118,31 @@ class Schedule(SeriesByKey):
         SceneError : a series cannot be used
         """
         return cls({path: series.samples(base) for path, series in series_of(flow, boundary)})
+
+    def small(self, time: s.Time, base: Path) -> dict[KeyPath, float] | None:
+        """Return the sizes of kinks that a step may pass, None for none of them; `base` is the folder of the scene.
+
+        What errors refer to is here the range of the temperatures that change, with those at the start, and the largest
+        heat flux.
+        """
+        if time.step is not None or time.cycle is not None:
+            return None
+        starts = [T for phase in PHASES for T in initial_range(getattr(time, f"initial_{phase}"), phase, base)]
+        span = float(np.ptp([*self.temperatures(), *starts]))
+        sizes = {path: float(np.abs(values.values).max()) for path, values in self.samples.items()}
+        sizes |= {path: span for path in sizes if path[-1] in KELVIN}
+        return self.passed(sizes, time.tolerance)
+
+    def ways(self, start: float, end: float, cuts: Sequence[float]) -> list[tuple[KeyPath, Samples, float, float]]:
+        """Return the series that bend between two cuts, see `Piece`; `cuts` are all jumps and kinks [s]."""
+        inner = cuts[bisect_right(cuts, start * (1.0 + SAME)) : bisect_left(cuts, end * (1.0 - SAME))]
+        found: list[tuple[KeyPath, Samples, float, float]] = []
+        for path, samples in self.samples.items() if inner else ():
+            first = samples.at(start)
+            values = np.array([samples.at(time, True, start) for time in (*inner, end)])
+            if path[0] != "flow" and np.any(values != first):
+                found.append((path, samples, float(first), float(values[np.abs(values - first).argmax()])))
+        return found
 
     @cached_property
     def flows(self) -> bool:
@@ -119,7 +177,7 @@ class Schedule(SeriesByKey):
 
     def temperatures(self) -> list[float]:
         """Return all temperatures of the series [K]."""
-        found = (values.values for path, values in self.samples.items() if path[-1] in ("fixed", "inflow", "ambient"))
+        found = (values.values for path, values in self.samples.items() if path[-1] in KELVIN)
         return [float(T) for values in found for T in values]
 
 

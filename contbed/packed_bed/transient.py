@@ -215,6 +215,7 @@ def steps_of(
             "weights": problem.weights,
         },
         levels=levels,
+        sees=None if problem.piece is None else problem.piece.sees,
     )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.scene import ReactingScene
 
 Array = NDArray[np.float64]
 FINE = 129  # points of a cell at which what is shown is looked at
@@ -84,11 +85,15 @@ def least(problem: Problem, u: Array, time: float = math.nan) -> Least:
     return Least(float(low[row, cell]), float(rows[row]), x, time)
 
 
+def allowed(scene: ReactingScene) -> float:
+    """Return the share of its size to which an amount may err."""
+    return scene.solver.tolerance if scene.time is None else scene.time.tolerance
+
+
 def below_zero(problem: Problem, found: Least) -> str | None:
     """Return what a user is told of the least amount; None where it is within the errors that the scene allows."""
-    time, solver = problem.scene.time, problem.scene.solver
-    allowed = solver.tolerance if time is None else time.tolerance
-    if not found.value < -allowed:
+    time, limit = problem.scene.time, allowed(problem.scene)
+    if not found.value < -limit:
         return None
     name = problem.names[int(found.field)]
     of, when, key = "gas" if name.startswith("g_") else "solids", "", "solver.tolerance"
@@ -96,5 +101,5 @@ def below_zero(problem: Problem, found: Least) -> str | None:
         when, key = f" at t = {found.time:.4g} s", "time.tolerance"
     return (
         f"{conserved(name)} falls to {found.value:.2g} of the {of} at x = {found.x:.4g} m{when}, further below zero "
-        f"than {key} = {allowed:g}: use more mesh.cells, or a smaller {key}"
+        f"than {key} = {limit:g}: use more mesh.cells, or a smaller {key}"
     )

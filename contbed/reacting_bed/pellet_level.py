@@ -55,6 +55,11 @@ def decided(scene: s.ReactingScene, vertices: Array) -> tuple[s.ReactingScene, P
     return _with(scene, "interior" if level.resolved else "none"), level
 
 
+def undecided(scene: s.ReactingScene) -> s.ReactingScene:
+    """Return a scene whose pellets are not resolved where that would have to be decided."""
+    return _with(scene, "none") if scene.particle.mass == "auto" else scene
+
+
 def _with(scene: s.ReactingScene, mass: str) -> s.ReactingScene:
     return scene.model_copy(update={"particle": scene.particle.model_copy(update={"mass": mass})})
 

@@ -135,9 +135,10 @@ class Pellets:
         local = replace(at, T=T, p=p, c=inside, x={name: z / molar for name, z in inside.items()}, films={})
         rates, slopes = np.zeros((len(self.reactions), N, count)), np.zeros((len(self.reactions), inputs, N, count))
         for j, reaction in enumerate(self.reactions):
-            found = reaction.rate(local)
-            rates[j] = np.broadcast_to(found.value, N * count).reshape(N, count)
-            for k, tangent in found.tangents.items():
+            found: Any = reaction.rate(local)
+            value = getattr(found, "value", found)
+            rates[j] = np.broadcast_to(value, N * count).reshape(N, count)
+            for k, tangent in getattr(found, "tangents", {}).items():  # a constant has none
                 slopes[j, k] = np.broadcast_to(tangent, N * count).reshape(N, count)
         return rates / self.solids, slopes / self.solids
 

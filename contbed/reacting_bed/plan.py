@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import log
@@ -16,11 +18,12 @@ from contbed.particle.effectiveness import effectiveness_of
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
 from contbed.reacting_bed.kinds import described_kinds, species_of
-from contbed.reacting_bed.pellet_level import decided
+from contbed.reacting_bed.pellet_level import decided, undecided
 from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.rate_checks import require_rates
 from contbed.reacting_bed.schedule import Schedule, tables_of
 from contbed.reacting_bed.solve import FIRST_CELLS
-from contbed.scene.toml_lines import KeyPath
+from contbed.scene.toml_lines import KeyPath, Origin
 
 TRANSIENT_CELLS = 60  # of one length, through which fronts move
 SHORT_RESIDENCE = 0.01  # of the gas over the times in which something changes, below which it is quasi-steady
@@ -124,15 +127,9 @@ def plan(scene: s.ReactingScene) -> Plan:
     ------
     SceneError : species, reactions or closures cannot be used
     """
-    try:
+    with _at_its_place(scene.origin):
         scene, level = decided(scene, first_vertices(scene))
-        schedule = Schedule.of(tables_of(scene), scene.origin.base)
-        problem = _at_start(scene, schedule)
-        problem.bed(problem.first_point(), [0.0] * len(problem.layout.names), 0.0)
-    except SceneError as error:
-        if any(text.startswith((scene.origin.name, "override")) for text in error.problems):
-            raise
-        raise SceneError([f"{scene.origin.at(_place(text))}: {text}" for text in error.problems]) from None
+        schedule, problem = _built(scene)
     stores_gas, reason = _gas_storage(scene, problem, schedule)
     built, skipped = _lists(scene, problem, schedule)
     if level is not None and level.resolved:
@@ -154,6 +151,38 @@ def plan(scene: s.ReactingScene) -> Plan:
                 )
             )
     return Plan(scene, problem, schedule, stores_gas, tuple(built), tuple(skipped))
+
+
+def require_buildable(scene: s.ReactingScene) -> None:
+    """Refuse what a plan refuses; a bed that a plan would solve to judge its pellets has none inside here.
+
+    Raises
+    ------
+    SceneError : species, reactions or closures cannot be used
+    """
+    with _at_its_place(scene.origin):
+        _built(undecided(scene))
+
+
+@contextmanager
+def _at_its_place(origin: Origin) -> Iterator[None]:
+    """Give mistakes in data the file and line of their table."""
+    try:
+        yield
+    except SceneError as error:
+        if any(text.startswith((origin.name, "override")) for text in error.problems):
+            raise
+        raise SceneError([f"{origin.at(_place(text))}: {text}" for text in error.problems]) from None
+
+
+def _built(scene: s.ReactingScene) -> tuple[Schedule, Problem]:
+    """Return the series and the problem at the start, whose equations have been evaluated as everything enters."""
+    schedule = Schedule.of(tables_of(scene), scene.origin.base)
+    problem = _at_start(scene, schedule)
+    with np.errstate(all="ignore"):
+        problem.bed(problem.first_point(), [0.0] * len(problem.layout.names), 0.0)
+    require_rates(problem)
+    return schedule, problem
 
 
 def _gas_storage(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -> tuple[bool, str]:

@@ -9,6 +9,7 @@ from contbed.errors import ConvergenceError
 from contbed.reacting_bed import limited, results, solve
 from contbed.reacting_bed.plan import Plan
 from contbed.reacting_bed.problem import Problem, isothermal_drop
+from contbed.reacting_bed.rate_checks import taken_though_absent
 from contbed.result import Result
 
 LARGE_SMOOTHING = 1e-5  # share of a solid above which a warning tells what was rounded
@@ -70,6 +71,8 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
     with result.timed("results"):
         results.fill(problem, u, result)
     result.solved = problem, u
+    if (sentence := taken_though_absent(problem, u)) is not None:
+        raise ConvergenceError(f"{sentence}; this is no state that can be", report.history, u)
     result.qoi |= {"cells": problem.line.cells, "cells_damped": report.damped}
     if plan.scene.continuation is not None:
         from contbed.reacting_bed.branch import follow

@@ -23,7 +23,6 @@ from contbed.scene.series import Series
 from contbed.scene.toml_lines import KeyPath
 from contbed.scene.values import with_value
 
-PASSED = 0.5  # size of kinks that steps pass, over the error that a step may make
 TABLES = ("fluid", "flow", "boundary", "wall")  # that may hold series
 
 
@@ -80,7 +79,7 @@ class Schedule(SeriesByKey):
                  for path in self.samples}  # fmt: skip
         if known:
             sizes |= dict.fromkeys(self.temperatures, float(np.ptp(np.concatenate(known))))
-        return {path: PASSED * time.tolerance * size for path, size in sizes.items()}
+        return self.passed(sizes, time.tolerance)
 
     def at(self, tables: Mapping[str, Any], time: float, before: bool = False, since: float = 0.0) -> dict[str, Any]:
         """Return the tables with the values at a time, just after or `before` a jump, `since` an earlier one."""

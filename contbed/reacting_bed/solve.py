@@ -12,6 +12,7 @@ from contbed.reacting_bed.cells import MOST_CELLS, halves, moved, next_cells
 from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.kinetics import FINEST
 from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.rate_checks import rate_without_value, taken_to_the_end
 from contbed.reacting_bed.storage import Storage
 
 Array = NDArray[np.float64]
@@ -89,7 +90,8 @@ def step(problem: Problem, u: Array, report: Report, storage: Storage | None = N
             residual = storage.add(u, residual, slopes)
         norm = measure(problem, residual)
         if not np.isfinite(norm):
-            raise failed("a rate or property is not finite", problem, u, report, storage)
+            what = rate_without_value(problem, u) or "a rate or property is not finite"
+            raise failed(what, problem, u, report, storage)
         report.history.append(norm)
         du = slopes.factors(problem.flux_sizes, problem.sizes).solve(-residual)
         share = limited(problem, u, du)
@@ -137,7 +139,8 @@ def failed(text: str, problem: Problem, u: Array, report: Report, storage: Stora
     k, cell = divmod(int(sizes.argmax()), sizes.shape[1])
     name = problem.names[k]
     where = f"it is worst for {conserved(name) or name.removeprefix('s_')} at x = {problem.line.vertices[cell]:.4g} m"
-    return ConvergenceError(f"{text}; {where}", report.history, u)
+    endless = taken_to_the_end(problem, u)
+    return ConvergenceError("; ".join(filter(None, (text, where, endless))), report.history, u)
 
 
 def residence_time(problem: Problem) -> float:
@@ -169,7 +172,7 @@ def march(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
             failures += 1
             if failures > MOST_FAILURES:
                 text = f"the longest step in time that converged is {longest:.3g} s"
-                raise failed(text, problem, error.state, report) from None
+                raise failed(text, problem, u if error.state is None else error.state, report) from None
             continue
         change = float(np.abs((found - u) / problem.sizes[:, None, None]).max())
         u, taken, longest = found, taken + 1, max(longest, dt)

@@ -27,6 +27,7 @@ from contbed.reacting_bed.bounded import Bounded, bounded
 from contbed.reacting_bed.course import FIRST_STEP, SHORTEST_STEP, Course
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.rate_checks import taken_though_absent
 from contbed.reacting_bed.stages import GAMMA
 from contbed.reacting_bed.transient_results import contents, fill
 from contbed.result import Result
@@ -76,11 +77,15 @@ def run_transient(
             for found in () if periods is None else periods(course, history.u, report, progress.advance_to):
                 history = found.history
             for after in march(course, history, report):
-                history = after
+                unbounded, history = after.unbounded > history.unbounded, after
+                if unbounded:
+                    _require_amounts(course.at(history.time), history, report)
                 progress.advance_to(history.time)
                 if clock.monotonic() - saved >= time.checkpoint_every:
                     save()
                     saved = clock.monotonic()
+    except _Infeasible:
+        raise
     except ConvergenceError as error:
         raise ConvergenceError(
             f"{origin.name}: {error} at t = {history.time:.4g} s; {_advice(course, history)}",
@@ -103,6 +108,15 @@ def run_transient(
             report.history,
             history.u,
         )
+
+
+class _Infeasible(ConvergenceError):
+    """Rates take what is not there, so that no state can be."""
+
+
+def _require_amounts(problem: Problem, history: History, report: solve.Report) -> None:
+    if (sentence := taken_though_absent(problem, history.u)) is not None:
+        raise _Infeasible(f"{sentence}, at t = {history.time:.4g} s", report.history, history.u)
 
 
 def _advice(course: Course, history: History) -> str:

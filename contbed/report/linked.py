@@ -6,7 +6,6 @@ why: `Linked.left_out`.
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from contbed.errors import ContbedError
-from contbed.output.tables import is_number
+from contbed.output.tables import REMEDY, is_number, read_cells
 from contbed.report import page
 
 Chart = dict[str, Any]
@@ -206,9 +205,6 @@ def _broken(label: str) -> str:
     return label.replace(".", "<br>", 1).replace(" [", "<br>[") if len(label) > 18 else label
 
 
-REMEDY = "run the command that wrote it again"
-
-
 def read_columns(file: Path, texts: Sequence[str] = (), numbers: Sequence[str] = ()) -> dict[str, Column]:
     """Read a table of numbers and texts by the names in its header; an empty cell or nan is no value.
 
@@ -217,19 +213,7 @@ def read_columns(file: Path, texts: Sequence[str] = (), numbers: Sequence[str] =
     ContbedError : the file cannot be read, its rows do not fit the header, one of the columns `texts` and `numbers`
         is not there, or one of `numbers` holds a text
     """
-    try:
-        with open(file, encoding="utf-8", newline="") as opened:
-            head, *rows = [*csv.reader(opened)] or [[]]
-    except OSError as error:
-        raise ContbedError(f"{file}: cannot be read: {error.strerror}; {REMEDY}") from error
-    except (ValueError, csv.Error) as error:
-        raise ContbedError(f"{file}: is no table: {error}; {REMEDY}") from error
-    if not head:
-        raise ContbedError(f"{file}: has no header; {REMEDY}")
-    for line, row in enumerate(rows, 2):
-        if len(row) != len(head):
-            why = f"{len(row)} cells under {len(head)} headers"
-            raise ContbedError(f"{file}:{line}: {why}; {REMEDY}")
+    head, rows = read_cells(file)
     found = {}
     for k, header in enumerate(head):
         name, _, unit = header.rpartition(" [") if header.endswith("]") else (header, "", "")

@@ -18,6 +18,8 @@ from contbed.scene.toml_lines import KeyPath
 
 # distance of two cuts below which they are one, over that of jumps; a value before a cut is so before both
 MERGED = 0.5
+# size of kinks that steps pass, and of what they miss between their stages, over the error that they may make
+PASSED = 0.5
 ROUNDED = 1e-6  # of the range of a series, below which a change at a moment is that of times that are one
 
 
@@ -47,6 +49,10 @@ class SeriesByKey:
             }
         )
         return [a for a, b in pairwise([*times, 2.0 * end]) if b - a > MERGED * SAME * b]
+
+    def passed(self, sizes: Mapping[KeyPath, float], tolerance: float) -> dict[KeyPath, float]:
+        """Return the sizes of kinks that a step may pass; `sizes` are what errors of each series refer to."""
+        return {path: PASSED * tolerance * sizes[path] for path in self.samples}
 
     def sees(self, start: float, end: float, stages: Sequence[float], small: Mapping[KeyPath, Any]) -> bool:
         """Return whether a step between two cuts [s], which looks at its `stages`, misses less than is `small`."""

@@ -26,8 +26,6 @@ from contbed.single_particle.scene import SingleParticleScene
 from contbed.solvers.timestep import LEVELS, STAGES, WEIGHTS, Step, level_of, march
 
 ROWS = 100  # output times where none are given
-# kinks of the surroundings that a step may pass, over the error that it may make; what it misses is as small
-PASSED = 0.5
 LEAST_LOSS = 1e-9  # of the mass, below which none is lost, and no time in which half of it is
 
 
@@ -81,7 +79,7 @@ def surface_of(scene: SingleParticleScene, series: SeriesByKey, since: float = 0
 def _pieces(problem: Sphere, state: Any, plan: Plan, series: SeriesByKey, span: float) -> Iterator[Step]:
     """Yield the time steps, none of which crosses a jump of the surroundings, or a kink beyond its error."""
     scene, size, tolerance = plan.scene, 0.0, plan.scene.time.tolerance
-    small = dict.fromkeys(series.samples, PASSED * tolerance * span)
+    small = series.passed(dict.fromkeys(series.samples, span), tolerance)
     options = {"tolerance": scene.solver.newton_tolerance, "iterations": scene.solver.newton_iterations}
     for start, end in pairwise(series.cuts(scene.time.end, small)):
         problem.surface = surface_of(scene, series, start)

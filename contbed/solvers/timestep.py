@@ -61,10 +61,20 @@ class BoundaryProblem(Problem, Protocol):
 
     @property
     def changes(self) -> bool:
-        """Whether boundary values change, linearly in time."""
+        """Whether boundary values change with time."""
 
     def at(self, time: float) -> None:
         """Put the boundary values of a time [s] in place."""
+
+
+class LinearProblem(BoundaryProblem, Protocol):
+    """A linear problem whose boundary values come to others along straight lines."""
+
+    def shares(self, time: float) -> Any:
+        """Return how far boundary values have come at a time [s] to each of the others (n,)."""
+
+    def put(self, shares: Any) -> None:
+        """Put the boundary values in place that have come so far to others."""
 
 
 class TransientProblem(BoundaryProblem, Protocol):
@@ -148,7 +158,7 @@ def march(
     if levels is not None:
         adaptive = False
     repeated = iter(levels or ())
-    stage = _stages(problem, np.full_like(state, origin), (start, end), policy, newton_options or {})
+    stage = _stages(problem, np.full_like(state, origin), start, policy, newton_options or {})
     while tick < total:
         level = level if levels is None else next(repeated)
         width = 2**level
@@ -178,18 +188,17 @@ def march(
         state, tick, level = states[-1], after, wider
 
 
-def _stages(
-    problem: TransientProblem, origin: Any, window: tuple[float, float], policy: Policy, options: dict[str, Any]
-) -> Any:
+def _stages(problem: TransientProblem, origin: Any, start: float, policy: Policy, options: dict[str, Any]) -> Any:
     """Return the cheapest stages that solve a problem: bands, with insides of particles condensed, or general."""
     if not problem.linear:
         return _Stages(problem, policy, options)
+    linear: Any = problem
     if problem.inside is not None:
-        bed, size = _Affine(problem.inside.bed, origin, window), problem.inside.size
+        bed, size = _Affine(problem.inside.bed, origin, start), problem.inside.size
         narrow = Ordering.of((abs(bed.mass) + abs(bed.stiffness))[:size, :size])
         if narrow is not None:
             return CondensedStages(bed, narrow, problem.inside, (GAMMA, D, W, _ERROR))
-    solved = _Affine(problem, origin, window)
+    solved = _Affine(linear, origin, start)
     # matrices of another engine solve by themselves
     narrow = Ordering.of(abs(solved.mass) + abs(solved.stiffness)) if sp.issparse(solved.stiffness) else None
     return _Stages(solved, policy, options) if narrow is None else _LineStages(solved, narrow)
@@ -198,23 +207,26 @@ def _stages(
 class _Affine:
     """A linear problem as two matrices and vectors: a residual costs a product instead of an assembly.
 
-    `window` are two times; boundary values that change are linear in time, and so is the vector of the residual.
+    The vector of the residual is linear in the shares by which boundary values have come to others.
     """
 
     linear, inside = True, None
 
-    def __init__(self, problem: BoundaryProblem, origin: Any, window: tuple[float, float]):
+    def __init__(self, problem: LinearProblem, origin: Any, start: float):
         self.fixed, self.weights, self.origin = problem.fixed, problem.weights, origin
         self.changes = problem.changes
-        self._window = window
-        self._ends: list[tuple[Any, Any]] = []
-        for time in window if problem.changes else window[:1]:
-            problem.at(time)
-            vector, matrix = problem.steady(origin, True)
-            self._ends.append((vector, np.array(problem.fixed_values)))
+        self._others: list[tuple[Any, Any]] = []
+        if problem.changes:
+            self._shares = problem.shares
+            every = np.eye(len(problem.shares(start)))
+            for shares in every:
+                problem.put(shares)
+                self._others.append((problem.steady(origin, False)[0], np.array(problem.fixed_values)))
+            problem.put(np.zeros(len(every)))
+        self._steady = problem.steady(origin, True)
+        self._first = self._steady[0], np.array(problem.fixed_values)
         self._content = problem.content(origin, True)
-        self._steady = vector, matrix
-        self.fixed_values = self._ends[0][1]
+        self.fixed_values = self._first[1]
 
     @property
     def mass(self) -> Any:
@@ -233,9 +245,10 @@ class _Affine:
 
     def at(self, time: float) -> None:
         if self.changes:
-            start, end = self._window
-            share = (time - start) / (end - start)
-            vector, self.fixed_values = (a + share * (b - a) for a, b in zip(*self._ends, strict=True))
+            vector, self.fixed_values = self._first
+            for share, (other, fixed) in zip(self._shares(time), self._others, strict=True):
+                vector = vector + share * (other - self._first[0])
+                self.fixed_values = self.fixed_values + share * (fixed - self._first[1])
             self._steady = vector, self._steady[1]
 
     def content(self, state: Any, jacobian: bool) -> tuple[Any, Any]:

@@ -118,8 +118,11 @@ def distribution(entry: Any, unit: str | None, say: Say, counts: bool = False) -
     ends = _ends(entry, unit, name == "log_uniform", say)
     if ends is None:
         return None
-    if whole_numbers and not (ends[0] < ends[1] and ends[0].is_integer() and ends[1].is_integer()):
-        say((), f"whole numbers from {ends[0]:g} to {ends[1]:g}; give whole numbers, the lower one first")
+    if ends[0] > ends[1] and not (name == "log_uniform" and ends[0] < 0.0):  # by size, as negative logarithms go
+        say((), f"from {ends[0]:g} to {ends[1]:g}; give the lower end first")
+        return None
+    if whole_numbers and not (ends[0].is_integer() and ends[1].is_integer()):
+        say((), f"whole numbers from {ends[0]:g} to {ends[1]:g}; give whole numbers")
         return None
     return Distribution(*ends, even=True, logarithmic=name == "log_uniform", whole=whole_numbers)
 

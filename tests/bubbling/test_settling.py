@@ -78,3 +78,15 @@ def test_sizes_that_cannot_be_balanced_are_refused():
     wrong["species"]["inert"]["sizes"] = {"diameters": [1e-4, 1e-3], "feed": [0.5, 0.4]}
     with pytest.raises(SceneError, match=r"sum to 1; found 0\.9"):
         from_dict(wrong)
+
+
+def test_tubes_that_do_not_fit_are_told():
+    """2 A/p is the width of slits; circles that touch fill pi/(2 sqrt 3) of a section, of 0.0127 m in 1 m2 285.6 m."""
+    with pytest.raises(SceneError, match=r"tubes\.perimeter.*leaves 0\.002 m .* particles of 0\.003 m; .* 666\.7 m"):
+        hot(tubes__perimeter=1000.0)
+    (text,) = hot(tubes__perimeter=300.0).warnings
+    assert "12.7 mm that touch each other have 285.6 m in 1 m2" in text
+    assert not hot(tubes__perimeter=280.0).warnings
+    above = {"height": 2.0, "tubes": {"perimeter": 300.0, "coefficient": 50.0, "temperature": 550.0}}
+    (text,) = hot(freeboard=above).warnings
+    assert "freeboard.tubes.perimeter" in text

@@ -82,7 +82,7 @@ def test_tables_that_are_damaged_are_told_with_their_line(tmp_path):
     assert list(found) == ["k_eff [W/m/K]: objective", "run"]
     assert found["k_eff [W/m/K]: objective"].values == (1.5, None, None) and found["run"].values == ("a", "b", "c")
     file.write_text("a,b\n1,2\n3\n")
-    with pytest.raises(ContbedError, match=r"table.csv:3: 1 cells under 2 headers"):
+    with pytest.raises(ContbedError, match=r"table.csv:3: .*1 values under 2 headers"):
         read_columns(file)
     with pytest.raises(ContbedError, match="run the command that wrote it again"):
         read_columns(tmp_path / "none.csv")

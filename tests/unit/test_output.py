@@ -650,8 +650,11 @@ def test_imports_are_lazy(tmp_path):
     [
         ("", "no header"),
         ("a [1],a [1]\n1,2\n", "the same one twice"),
-        ("a [1],b [1]\n1,2\n3\n", r"t\.csv:3: .*1 values under 2 headers; run what wrote it again"),
-        ("a [1],b [1]\n1,2\n3,4;5\n", r"t\.csv:3: .*b \[1\] is '4;5'; run what wrote it again"),
+        ("a [1],b [1]\n1,2\n3\n", r"t\.csv:3: .*1 values under 2 headers; run the command that wrote it again"),
+        (
+            "a [1],b [1]\n1,2\n3,4;5\n",
+            r"t\.csv:3: .*b \[1\] is '4;5', which is no number; run the command that wrote it again",
+        ),
     ],
 )
 def test_damaged_tables_are_told(tmp_path, text, told):

@@ -127,14 +127,14 @@ def test_a_latin_hypercube_has_one_point_in_each_slice_of_equal_probability(coun
         {"from": 2.0, "to": 3.0},
         {"distribution": "log_uniform", "from": -1e-3, "to": -10.0},
         {"mean": 5.0, "deviation": 0.1},
-        {"from": 1.0, "to": -1.0},
+        {"from": -1.0, "to": 1.0},
     ]
     values = [design.distribution(entry, "1", never)(u[:, k]) for k, entry in enumerate(spread)]
     probabilities = [
         values[0] - 2.0,
         np.log(values[1] / -1e-3) / math.log(1e4),
         ndtr((values[2] - 5.0) / 0.1),
-        (1.0 - values[3]) / 2.0,
+        (values[3] + 1.0) / 2.0,
     ]
     for column in probabilities:
         # exact: a point would have to lie within round-off of an edge to be counted in the wrong slice
@@ -421,6 +421,10 @@ def parameters(text):
         (SAMPLE.replace("log_uniform", "lognormal"), "study.toml:7: flow.velocity: distribution is 'lognormal'"),
         (SAMPLE.replace('"1 cm/s"', "-1"), "study.toml:7: flow.velocity: a logarithmic range from -1 to 1"),
         (SAMPLE.replace("from = 0.3, to", "mean = 0.3, deviation"), "study.toml:8: bed.porosity = "),
+        (
+            SAMPLE.replace("from = 0.3, to = 0.5", "from = 0.46, to = 0.38"),
+            "from 0.46 to 0.38; give the lower end first",
+        ),
         (SAMPLE.replace("from = 0.3, to = 0.5", "mean = 0.3, deviation = 0"), "deviation is 0; allowed: a number > 0"),
         (SAMPLE.replace("{ from = 0.3, to = 0.5 }", "[0.3]"), "study.toml:8: bed.porosity: expected a distribution"),
         (SAMPLE.replace("to = 0.5", "to = '5 mm'"), "bed.porosity: to: expected a plain number, found '5 mm'"),

@@ -113,6 +113,15 @@ def test_a_balance_is_measured_against_what_crosses() -> None:
     assert balance["relative_residual"] == pytest.approx(1e-6)
 
 
+def test_a_closure_of_the_whole_bed_beside_the_fluid_is_told() -> None:
+    """By name both conduct the fluid; a number is what is meant."""
+    whole = {"nusselt": 10.0, "conductivity_solid": "zehner_schluender"}
+    (text,) = bed(0.3, heat=whole).warnings
+    assert "heat.conductivity_solid" in text and text.endswith("twice; give heat.conductivity_fluid = 0")
+    assert not bed(0.3, heat={**whole, "conductivity_fluid": 0.0}).warnings
+    assert not bed(0.3, heat={"nusselt": 10.0, "conductivity_solid": 1.0}).warnings
+
+
 def test_tolerances_and_cells_that_hide_everything_are_told() -> None:
     """A balance that may be open by 1 %, and a bed of one cell."""
     told = bed(0.3, solver={"balance_tolerance": 0.01}, mesh={"type": "line", "length": 0.2, "cells": 1}).warnings

@@ -1,0 +1,246 @@
+"""Rates that take what is not there, or have no value: told before the run where that is sure, else by its result."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+from reacting_bed_scenes import MOLAR, T, isothermal, solids, species
+from several_solids import split
+from typer.testing import CliRunner
+
+import contbed
+from contbed.errors import ConvergenceError, SceneError
+from contbed.loading import from_dict
+from contbed.models import plan, require_buildable
+from contbed.reacting_bed import rate_checks
+from contbed.reacting_bed.rate_checks import taken_though_absent, taken_to_the_end
+from contbed.reacting_bed.solve import Report, step
+
+CONSUMED = 2.0  # [mol/m3/s]; over 0.4 m of gas it takes 0.8 of the 12 mol/m2/s that enter
+
+
+def bed(rate, composition="A:1", **more):
+    """Gas A of 1 m that becomes B by a formula."""
+    scene = isothermal(composition, species(A=0.028, B=0.028))
+    scene["mesh"]["cells"] = 8
+    scene["reactions"] = {"r": {"equation": "A -> B", "rate": rate, **more}}
+    return from_dict(scene)
+
+
+def test_a_negative_rate_takes_what_does_not_enter():
+    with pytest.raises(SceneError, match=r"reactions\.r\.rate: takes .* of B where .*: B does not enter.*its sign"):
+        plan(bed("-1e-2*c_A"))
+
+
+def test_rates_that_run_back_may_be_negative():
+    """B alone enters, and becomes A as by an equilibrium; to the error of 8 cells."""
+    result = contbed.run(bed("c_A - c_B", "B:1"))
+    assert result.status == "ok"
+    assert result.qoi["x_A_out"] == pytest.approx(0.5 * (1.0 - 2.718281828 ** (-2.0 * 0.4 / 0.5)), abs=1e-5)
+
+
+def test_a_rate_that_does_not_end_is_no_state_that_can_be():
+    rate = 0.55 * 0.5 * MOLAR / 0.4  # takes 0.55 of the gas that enters, half of which is A
+    said = r"r\.rate: takes .* of A where .*A falls to -0\..* at x = 0\.\d+ m"
+    with pytest.raises(ConvergenceError, match=said) as found:
+        contbed.run(bed(str(rate), "A:0.5, B:0.5"))
+    assert found.value.exit_code == 3
+    advice = str(found.value).split("such as ")[1].split(";")[0]
+    assert advice == "c_A/(abs(c_A) + 0.1)"
+
+
+def test_an_iteration_that_stops_where_a_gas_ends_names_it():
+    """Newton's method takes no more of the only gas than there is."""
+    with pytest.raises(ConvergenceError, match=r"worst for A .*: takes .* of A .*: A is used up at x = 0\.\d+ m"):
+        contbed.run(bed(str(1.5 * 0.5 * MOLAR / 0.4)))
+
+
+def test_the_advice_ends_the_rate():
+    rate = 1.5 * 0.5 * MOLAR / 0.4
+    scene = bed(f"{rate}*c_A/(abs(c_A) + 0.1)")
+    scene = scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"cells": None})})
+    result = contbed.run(scene)
+    assert result.status == "ok"
+    assert result.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_constant_rate_of_what_is_left_is_exact():
+    """The same rate in half of the bed's gas: A falls by a straight line."""
+    rate = 0.8 * 0.5 * MOLAR / 0.4
+    result = contbed.run(bed(str(rate)))
+    assert result.qoi["conversion_A"] == pytest.approx(0.8, abs=1e-10)
+    assert not result.warnings
+
+
+@pytest.mark.parametrize("gas", ["quasi_steady", "stored"])
+def test_runs_in_time_keep_what_they_passed(gas, tmp_path):
+    scene = isothermal("A:1", species(A=0.028, B=0.028))
+    scene["mesh"]["cells"] = 8
+    scene["reactions"] = {"r": {"equation": "A -> B", "rate": str(1.5 * 0.5 * MOLAR / 0.4)}}
+    scene["time"] = {"end": 2.0, "gas": gas}
+    with pytest.raises(ConvergenceError, match=r"takes .* of A where .* at t = \d"):
+        contbed.run(from_dict(scene), out=tmp_path)
+    assert '"not converged"' in (tmp_path / "summary.json").read_text()
+
+
+def test_films_are_looked_at():
+    """The film lets less pass than the rate takes, although the gas is not used up."""
+    scene = isothermal("A:1", species(A=0.028, B=0.028))
+    scene["mesh"] |= {"length": 0.01, "cells": 2}
+    scene["fluid"] |= {"diffusivity": 1e-6, "viscosity": 2e-5}
+    scene["mass"] = {"sherwood": 2.0}
+    scene["solid"] = {"density": 1000.0}
+    scene["reactions"] = {"r": {"equation": "A -> B", "rate": "100.0", "basis": "particle"}}
+    with pytest.raises(ConvergenceError, match=r"of A at the particles where there is none"):
+        contbed.run(from_dict(scene))
+
+
+def test_solids_that_move_are_looked_at():
+    scene = isothermal("A:1", species(A=0.028, B=0.028), flow={"velocity_solid": -1e-5})
+    scene["mesh"]["cells"] = 8
+    scene["solid"] = solids()
+    scene["reactions"] = {"r": {"equation": "A + S -> B + P", "rate": "0.1*c_A", "basis": "bed"}}
+    with pytest.raises(ConvergenceError, match=r"of S where .*: S .*n_S/\(abs\(n_S\) \+ "):
+        contbed.run(from_dict(scene))
+
+
+@pytest.mark.parametrize(
+    ("rate", "said"),
+    [
+        ("c_A/c_B", r"is inf as gas and solids enter, at 500 K, where there is no B; add a small amount"),
+        ("c_A/(1 + 1/c_B)", r"has a slope that is not finite"),
+        ("log(T - 600)", r"is nan as gas and solids enter, at 500 K; see its limits"),
+    ],
+)
+def test_rates_without_value(rate, said):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(SceneError, match=r"reactions\.r\.rate: " + said):
+            plan(bed(rate))
+
+
+def test_an_infinite_part_of_a_finite_rate_is_silent():
+    """exp(-1/k) is that of k = 0."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        result = contbed.run(bed("0.1*c_A*(1 + exp(-1/k))", parameters={"k": 0.0}))
+    assert result.status == "ok"
+
+
+def test_a_rate_without_value_within_the_bed_names_its_place():
+    """Newton's method meets what no gas that enters has."""
+    scene = bed("c_A*(1 + 0*log(x_A - 0.5))")
+    problem = plan(scene).problem
+    u = problem.start()
+    u[1, 3] = 2.0 * u[0, 3]
+    with pytest.raises(ConvergenceError, match=r"the rate of r is nan at x = 0\.38"):
+        step(problem, u, Report())
+
+
+def test_check_refuses_what_run_refuses(tmp_path):
+    from contbed.cli import app
+
+    file = tmp_path / "bed.toml"
+    file.write_text(
+        """
+[mesh]
+type = "line"
+length = 1.0
+[fluid]
+model = "ideal_gas"
+composition = "CH4:0.5, O2:0.5"
+[fluid.species]
+CH4 = { heat_capacity = 40.0, enthalpy = -74.8e3 }
+O2 = { heat_capacity = 30.0 }
+CO2 = { heat_capacity = 40.0, enthalpy = -393.5e3 }
+[bed]
+porosity = 0.4
+particle_diameter = "3 mm"
+[flow]
+velocity = 0.5
+[boundary.left.fluid]
+inflow = 500.0
+[reactions.burning]
+equation = "CH4 + 2 O2 -> CO2 + 2 H2O"
+rate = "1e-3*c_CH4*c_O2"
+"""
+    )
+    said = {}
+    for command in ("check", "run"):
+        found = CliRunner().invoke(app, [command, str(file)])
+        said[command] = str(found.exception)
+        assert isinstance(found.exception, SceneError)
+    assert said["check"] == said["run"]
+    assert "H2O is neither a gas of [fluid.species]" in said["check"]
+
+
+def test_check_solves_nothing(monkeypatch):
+    """Whether pellets are resolved a plan finds by a steady state."""
+    from contbed.reacting_bed import pellet_level
+
+    scene = isothermal("A:1", species(A=0.028, B=0.028))
+    scene["solid"] = {"density": 1000.0}
+    scene["particle"] = {"mass": "auto", "diffusivity": {"A": 1e-6, "B": 1e-6}}
+    scene["reactions"] = {"r": {"equation": "A -> B", "A": 1.0, "E": 0.0, "basis": "particle"}}
+    monkeypatch.setattr(pellet_level, "steady", lambda *_: pytest.fail("solved"))
+    require_buildable(from_dict(scene))
+
+
+def test_a_constant_rate_in_resolved_pellets():
+    """No diffusion slows it down: what is taken is that of the whole pellets."""
+    scene = isothermal("A:1", species(A=0.028, B=0.028))
+    scene["solid"] = {"density": 1000.0}
+    scene["particle"] = {"mass": "interior", "diffusivity": {"A": 1e-6, "B": 1e-6}}
+    scene["reactions"] = {"r": {"equation": "A -> B", "rate": "1.0", "basis": "particle"}}
+    result = contbed.run(from_dict(scene))
+    assert result.qoi["conversion_A"] == pytest.approx(0.6 / (0.5 * MOLAR), rel=1e-10)
+
+
+def test_sections_are_looked_at_ring_by_ring():
+    scene = isothermal("A:0.5, B:0.5", species(A=0.028, B=0.028))
+    for gas in scene["fluid"]["species"].values():
+        gas["heat_capacity"] = 30.0
+    scene["mesh"]["cells"] = 8
+    scene["heat"] = {}
+    scene["wall"] = {"diameter": 0.1, "coefficient": 50.0, "ambient": T}
+    scene["section"] = {"rings": 2, "conductivity_solid": 1.0}
+    scene["reactions"] = {"r": {"equation": "A -> B", "rate": str(0.55 * 0.5 * MOLAR / 0.4)}}
+    with pytest.raises(ConvergenceError, match=r"takes .* of A where .*A falls to -0\.0\d* of the gas at x = 0\.9"):
+        contbed.run(from_dict(scene))
+
+
+def test_solids_of_several_kinds_go_by_their_own_names():
+    scene = isothermal("A:1", species(A=0.028, B=0.028), flow={"velocity_solid": -1e-5})
+    scene["mesh"]["cells"] = 8
+    scene["solid"] = solids()
+    scene["reactions"] = {
+        "r": {"equation": "A + S -> B + P", "rate": "0.1*c_A", "basis": "particle", "solid": ["coarse", "fine"]}
+    }
+    with pytest.raises(ConvergenceError, match=r"of S_\w+ where .*n_S/\(abs\(n_S\) \+ "):
+        contbed.run(from_dict(split(scene)))
+
+
+def test_beds_without_reactions_have_no_such_rates():
+    problem = plan(from_dict(isothermal("A:1", species(A=0.028), mass={"dispersion": 1e-4}))).problem
+    u = -problem.start()
+    assert taken_though_absent(problem, u) is None and taken_to_the_end(problem, u) is None
+
+
+def test_named_laws_are_not_blamed(monkeypatch):
+    """Whatever their rates are in a state within an iteration: here one where there is no Fe3O4 and no FeO."""
+    gases = {name: {"heat_capacity": 30.0} for name in ("H2", "H2O")}
+    scene = isothermal("H2:0.9, H2O:0.1", gases, flow={"velocity_solid": -1e-4})
+    scene["mesh"]["cells"] = 4
+    scene["solid"] = {"composition": "Fe2O3:1", "density": 4000.0}
+    scene["solid"]["constituent"] = {name: {"heat_capacity": 100.0} for name in ("Fe2O3", "Fe3O4", "FeO", "Fe")}
+    scene["boundary"]["left"]["fluid"]["inflow"] = 1000.0
+    scene["reactions"] = {"reduction": {"law": "three_interfaces_H2"}}
+    scene["fluid"]["diffusivity"] = 1e-4
+    problem = plan(from_dict(scene)).problem
+    u = problem.start()
+    monkeypatch.setattr(
+        rate_checks, "rates_at_all_points", lambda *_: [k * np.ones(u[0].size) for k in (0.0, 1.0, 1.0)]
+    )
+    assert taken_to_the_end(problem, u) is None

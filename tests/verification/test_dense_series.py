@@ -1,0 +1,153 @@
+"""Packed beds whose series have many points: steps pass kinks that are small beside their errors, and no others.
+
+A run that is cut at every kink is the reference; its steps are so short that their errors do not count.
+"""
+
+import numpy as np
+import pytest
+
+import contbed as cb
+from contbed.loading import from_dict
+from contbed.models import plan
+from contbed.packed_bed import transient
+from contbed.packed_bed.schedule import Schedule
+
+END, POINTS = 6000.0, 151
+TIMES = np.linspace(0.0, END, POINTS)
+TOLERANCE = 1e-3
+
+
+def series(values, **more):
+    return {"times": TIMES.tolist(), "values": values.tolist(), **more}
+
+
+def swing(low, high, periods=1.0):
+    """Values that swing from the lower one as a cosine does."""
+    return low + 0.5 * (high - low) * (1.0 - np.cos(2.0 * np.pi * periods * TIMES / END))
+
+
+def bed(**tables):
+    scene = {
+        "mesh": {"type": "line", "length": 0.5, "cells": 30},
+        "fluid": {"density": 1.2, "heat_capacity": 1000.0, "conductivity": 0.03, "viscosity": 2e-5},
+        "solid": {"density": 2000.0, "heat_capacity": 900.0, "conductivity": 2.0},
+        "bed": {"porosity": 0.4, "particle_diameter": 0.005},
+        "flow": {"velocity": 0.3},
+        "heat": {"nusselt": 10.0},
+        "boundary": {"left": {"fluid": {"inflow": series(swing(300.0, 400.0))}}},
+        "time": {"end": END, "initial_fluid": 300.0, "initial_solid": 300.0, "tolerance": TOLERANCE},
+        "output": {"positions": [0.1, 0.5], "plots": False},
+    }
+    scene["time"]["times"] = np.linspace(600.0, END, 10).tolist()
+    return {key: {**scene.get(key, {}), **tables.get(key, {})} for key in {**scene, **tables}}
+
+
+FIXED = {"fixed": series(swing(300.0, 340.0, 1.5))}
+SCENES = {
+    "inflow": bed(),
+    "several": bed(
+        boundary={
+            "left": {"fluid": {"inflow": series(swing(300.0, 400.0))}},
+            "right": {"solid": {"coefficient": 50.0, "ambient": series(swing(300.0, 340.0, 1.5))}},
+        }
+    ),
+    "fixed": bed(
+        boundary={
+            "left": {"fluid": {"inflow": series(swing(300.0, 400.0))}, "solid": FIXED},
+            "right": {"solid": {"flux": series(swing(0.0, 500.0))}},
+        }
+    ),
+    "inside": bed(particle={"heat": "interior"}),
+}
+
+
+def found(scene):
+    result = cb.run(from_dict(scene), quiet=True)
+    assert abs(result.balances["energy"]["relative_residual"]) < 1e-12
+    return result
+
+
+@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
+def test_kinks_that_are_small_are_passed(monkeypatch, scene):
+    """Errors of some steps' tolerance over the span of 100 K, for a tenth of the steps."""
+    passed = found(scene)
+    pieces = plan(from_dict(scene)).pieces()
+    assert len(pieces) == 1 and len(pieces[0].ways) == str(scene["boundary"]).count("times")
+    monkeypatch.setattr(Schedule, "small", lambda *_: None)
+    cut = found(scene)
+    assert passed.qoi["time_steps"] < 0.2 * cut.qoi["time_steps"]
+    for name in ("T_fluid [K]", "T_solid [K]"):
+        off = np.abs(passed.profiles[name] - cut.profiles[name]).max()
+        assert off < 5.0 * TOLERANCE * 100.0, name
+
+
+def test_errors_follow_the_tolerance(monkeypatch):
+    """A tenth of it leaves less than a fourth of the error."""
+    errors = []
+    for tolerance in (1e-2, 1e-3):
+        scene = bed(time={"tolerance": tolerance})
+        errors.append(found(scene).profiles["T_fluid [K]"])
+    monkeypatch.setattr(Schedule, "small", lambda *_: None)
+    exact = found(bed(time={"tolerance": 1e-6})).profiles["T_fluid [K]"]
+    loose, tight = (np.abs(T - exact).max() for T in errors)
+    assert tight < 0.25 * loose
+
+
+def test_a_step_does_not_jump_over_what_it_does_not_see(monkeypatch):
+    """A rise of 40 K for some minutes, long after the bed is hot, when steps are longer than that."""
+    times = np.linspace(0.0, 30000.0, 601)
+    apart = np.clip((times - 20000.0) / 2000.0, 0.0, 1.0)
+    values = 400.0 + 20.0 * (1.0 - np.cos(2.0 * np.pi * apart))
+    inflow = {"times": times.tolist(), "values": values.tolist()}
+    scene = bed(
+        boundary={"left": {"fluid": {"inflow": inflow}}},
+        time={"end": 30000.0, "tolerance": 1e-2, "times": [20800.0, 21200.0, 22000.0, 30000.0]},
+    )
+    assert len(plan(from_dict(scene)).pieces()) == 1
+    passed = found(scene)
+    monkeypatch.setattr(Schedule, "small", lambda *_: None)
+    cut = found(scene)
+    assert np.ptp(cut.profiles["T_fluid [K]"]) > 10.0
+    np.testing.assert_allclose(passed.profiles["T_fluid [K]"], cut.profiles["T_fluid [K]"], rtol=0.0, atol=2.0)
+
+
+def test_no_step_crosses_a_jump_or_a_kink_that_matters():
+    """Steps end where the velocity jumps, and where the temperature stops to rise at once."""
+    rises = np.minimum(300.0 + 100.0 * TIMES / 2000.0, 400.0)
+    scene = bed(
+        flow={"velocity": {"times": [0.0, 3333.0], "values": [0.3, 0.2]}},
+        boundary={"left": {"fluid": {"inflow": series(rises)}}},
+    )
+    pieces = plan(from_dict(scene)).pieces()
+    assert [piece.start for piece in pieces] == [0.0, 2000.0, 3333.0]
+    assert [piece.jumps for piece in pieces[1:]] == [False, True]
+    times = found(scene).tables["outlet"]["t [s]"]
+    for moment in (2000.0, 3333.0):
+        assert np.abs(times - moment).min() < 1e-9
+
+
+@pytest.mark.parametrize("time", [{"step": 50.0}, {"cycle": {}}], ids=["step", "cycle"])
+def test_steps_of_one_length_and_cycles_meet_every_kink(time):
+    """The parts of a cycle tell when the bed is charged and when it is discharged."""
+    scene = bed()
+    del scene["time"]["tolerance"]
+    scene["time"] |= time
+    assert len(plan(from_dict(scene)).pieces()) == POINTS - 1
+
+
+def test_a_run_goes_on_between_kinks(tmp_path, monkeypatch):
+    """A restart repeats the numbers of a run that is not interrupted, to the last bit."""
+    scene, marched = from_dict(SCENES["several"]), transient.march
+    whole = cb.run(scene, quiet=True)
+
+    def stopping(*args, **options):
+        for step in marched(*args, **options):
+            yield step
+            if step.end > 0.4 * END:
+                raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(transient, "march", stopping)
+        cb.run(scene, out=tmp_path, quiet=True)
+    again = cb.run(scene, restart=tmp_path, quiet=True)
+    assert np.array_equal(again.profiles["T_fluid [K]"], whole.profiles["T_fluid [K]"])
