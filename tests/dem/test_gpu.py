@@ -162,7 +162,7 @@ def test_a_driver_that_is_missing_is_told(monkeypatch):
 
     monkeypatch.setattr(gpu, "find_spec", lambda name: name)
     monkeypatch.setattr("contbed.dem.gpu.arrays.cuda", Nothing())
-    with pytest.raises(EngineError, match="finds no GPU that it can use: Error at driver init"):
+    with pytest.raises(EngineError, match="finds no GPU that it can use: Error at driver init; no driver"):
         cb.run(loads(SCENE, "bed.toml"), engine="cuda")
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from contbed.errors import EngineError
 
 MISSING = "the engine cuda needs numba-cuda, which is not installed; install it with: pip install 'contbed[cuda]'"
+REASON = 2  # lines of numba-cuda's message that are told: where it failed, and why
 
 
 def on_gpu(plan: Any) -> Any:
@@ -42,5 +43,6 @@ def require_gpu() -> None:
     try:
         cuda.current_context()
     except Exception as error:  # of numba-cuda's own and of the driver's classes
-        reason = next((line for line in str(error).splitlines() if line.strip(": \n")), type(error).__name__)
-        raise EngineError(f"the engine cuda finds no GPU that it can use: {reason.strip()}") from None
+        lines = [line.strip(" :") for line in str(error).splitlines()]
+        reason = "; ".join([line for line in lines if line][:REASON]) or type(error).__name__
+        raise EngineError(f"the engine cuda finds no GPU that it can use: {reason}") from None
