@@ -71,19 +71,27 @@ def run_transient(
             checkpoint.save(folder, arrays, meta | {"identity": label})
 
     saved = clock.monotonic()
+
+    def save_if_due() -> None:
+        nonlocal saved
+        if clock.monotonic() - saved >= time.checkpoint_every:
+            save()
+            saved = clock.monotonic()
+
     found = None
     try:
         with result.timed("bed"), Progress(time.end, "s", quiet) as progress:
             for found in () if periods is None else periods(course, history.u, report, progress.advance_to):
                 history = found.history
+                save_if_due()
+            if found is not None and found.taken is not None:
+                raise _Infeasible(found.taken, report.history, history.u)
             for after in march(course, history, report):
-                unbounded, history = after.unbounded > history.unbounded, after
-                if unbounded:
-                    _require_amounts(course.at(history.time), history, report)
+                taken, history = taken_in(course, history, after), after
+                if taken is not None:
+                    raise _Infeasible(taken, report.history, history.u)
                 progress.advance_to(history.time)
-                if clock.monotonic() - saved >= time.checkpoint_every:
-                    save()
-                    saved = clock.monotonic()
+                save_if_due()
     except _Infeasible:
         raise
     except ConvergenceError as error:
@@ -114,9 +122,12 @@ class _Infeasible(ConvergenceError):
     """Rates take what is not there, so that no state can be."""
 
 
-def _require_amounts(problem: Problem, history: History, report: solve.Report) -> None:
-    if (sentence := taken_though_absent(problem, history.u)) is not None:
-        raise _Infeasible(f"{sentence}, at t = {history.time:.4g} s", report.history, history.u)
+def taken_in(course: Course, before: History, after: History) -> str | None:
+    """Return what rates take though there is none of it, after a step with amounts below zero; None if they do not."""
+    if after.unbounded == before.unbounded:
+        return None
+    sentence = taken_though_absent(course.at(after.time), after.u)
+    return None if sentence is None else f"{sentence}, at t = {after.time:.4g} s"
 
 
 def _advice(course: Course, history: History) -> str:
