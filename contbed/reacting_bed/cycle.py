@@ -69,7 +69,7 @@ class Cycle:
 
 
 def periods(course: Course, start: Array, report: solve.Report, advance: Advance) -> Iterator[Cycle]:
-    """Yield periods from a first guess of the state at their start to one that closes, or `MOST`.
+    """Yield periods from a first guess of the state at their start to one that closes, or `MOST`, and then the best.
 
     `advance` is told the time that each step has reached [s], and which period it is.
 
@@ -79,7 +79,7 @@ def periods(course: Course, start: Array, report: solve.Report, advance: Advance
     """
     assert course.time.cycle is not None
     accelerate, stored = Anderson(), None
-    history, best, ends = _begun(course, start), None, None
+    history, best, ends, closest = _begun(course, start), None, None, None
     extrapolated = outdated = False
     for count in range(1, MOST + 1):
         begun, after, error, taken = history.u, history, 0.0, None
@@ -104,6 +104,7 @@ def periods(course: Course, start: Array, report: solve.Report, advance: Advance
         yield found
         if closed:
             return
+        closest = found if closest is None or found.change < closest.change else closest
         if outdated:
             accelerate.forget()
         if best is not None and extrapolated and found.change > GROWN * best.change:
@@ -115,6 +116,8 @@ def periods(course: Course, start: Array, report: solve.Report, advance: Advance
         extrapolation = accelerate(before.ravel(), image.ravel())
         extrapolated = len(accelerate) > 1
         history = _begun(course, stored.bounded(extrapolation, after.u), after)
+    if closest is not None:
+        yield replace(closest, periods=MOST)
 
 
 def _begun(course: Course, u: Array, before: History | None = None) -> History:

@@ -110,9 +110,9 @@ def run_transient(
     if found is not None and not found.closed:
         assert time.cycle is not None
         raise ConvergenceError(
-            f"{origin.at(('time', 'cycle'))}: time.cycle: after {found.periods} periods the bed still changes by "
-            f"{found.change:.3g} of its typical sizes over one, allowed are {time.cycle.tolerance:.3g}: raise "
-            "time.cycle.tolerance, or begin with the profiles that were written, time.initial",
+            f"{origin.at(('time', 'cycle'))}: time.cycle: of {found.periods} periods the best changes the bed by "
+            f"{found.change:.3g} of its typical sizes, allowed are {time.cycle.tolerance:.3g}: use more mesh.cells, "
+            "raise time.cycle.tolerance, or begin with the profiles of that period, which were written, time.initial",
             report.history,
             history.u,
         )

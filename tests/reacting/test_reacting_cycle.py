@@ -229,9 +229,22 @@ def test_a_cycle_that_is_not_found_keeps_its_last_period(monkeypatch):
     monkeypatch.setattr(cycle, "MOST", 2)
     kept = []
     monkeypatch.setattr("contbed.reacting_bed.transient.fill", lambda at, history, result: kept.append(history.time))
-    with pytest.raises(ConvergenceError, match=r"time\.cycle: after 2 periods the bed still changes by 0\.0"):
+    with pytest.raises(ConvergenceError, match=r"time\.cycle: of 2 periods the best changes the bed by 0\.0"):
         contbed.run(from_dict(looping()))
     assert kept == [1200.0]
+
+
+def test_a_cycle_that_is_not_found_ends_with_its_best_period(monkeypatch):
+    course, before = course_of(looping()), Anderson.__call__
+
+    def wild(self, state, image):
+        return image.reshape(2, -1)[::-1].ravel() if len(self) == 1 else before(self, state, image)
+
+    monkeypatch.setattr(Anderson, "__call__", wild)  # what is left of S is P, and the other way round
+    monkeypatch.setattr(cycle, "MOST", 3)
+    *found, best = cycle.periods(course, course.start(), Report(), lambda *_: None)
+    assert [each.periods for each in found] == [1, 2, 3] and best.periods == 3
+    assert best.change == min(each.change for each in found) < 0.5 * found[-1].change
 
 
 def test_the_plan_tells_the_time_of_one_period():
