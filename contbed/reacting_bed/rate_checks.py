@@ -236,8 +236,8 @@ def _infinite_order(problem: Problem, reaction: Reaction, state: State) -> str |
         if order < 0.0 and name in there and not _value(there[name]).any():
             formula = f"{'c' if name in state.g else 'n'}_{name} + 1e-6"
             return (
-                f"{_place(problem, reaction)}: is infinite as gas and solids enter, where there is no {name}, of which the "
-                f"order is {order:g}: give a rate in place of A, E and orders, with ({formula})**({order:g})"
+                f"{_place(problem, reaction)}: is infinite as gas and solids enter, where there is no {name}, of which "
+                f"the order is {order:g}: give a rate in place of A, E and orders, with ({formula})**({order:g})"
             )
     return None
 

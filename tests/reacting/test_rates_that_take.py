@@ -127,9 +127,7 @@ def test_a_negative_order_in_what_does_not_enter_is_infinite():
     scene = isothermal("A:1", species(A=0.028, B=0.028))
     scene["mesh"]["cells"] = 8
     scene["reactions"] = {"r": {"equation": "A -> B", "A": 1.0, "E": 0.0, "orders": {"A": 1.0, "B": -0.5}}}
-    said = (
-        r"reactions\.r: is infinite .* there is no B, of which the order is -0\.5: .*with \(c_B \+ 1e-6\)\*\*\(-0\.5\)"
-    )
+    said = r"reactions\.r: is infinite .* there is no B, .* the order is -0\.5: .*\(c_B \+ 1e-6\)\*\*\(-0\.5\)"
     with pytest.raises(SceneError, match=said):
         plan(from_dict(scene))
     scene["reactions"] = {"r": {"equation": "A -> B", "rate": "c_A*(c_B + 1e-6)**(-0.5)"}}
