@@ -23,7 +23,7 @@ from contbed.errors import ConvergenceError
 from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
 from contbed.reacting_bed.amounts import least
-from contbed.reacting_bed.bounded import Bounded, bounded
+from contbed.reacting_bed.bounded import Bounded, bounded, of_next
 from contbed.reacting_bed.course import FIRST_STEP, SHORTEST_STEP, Course
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.problem import Problem
@@ -334,7 +334,7 @@ def _passed(history: History, found: Bounded, step: float, end: float, dt: float
         columns=tuple(row),
         outlet=(*history.outlet, tuple(row.values())),
         least=low,
-        damping=found.damping,
+        damping=of_next(problems[1], found.damping, step, dt),
         damped=history.damped | found.cells,
         steps_damped=history.steps_damped + bool(found.cells.any()),
         steps_limited=history.steps_limited + found.limited,
