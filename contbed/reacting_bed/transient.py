@@ -27,7 +27,7 @@ from contbed.reacting_bed.bounded import Bounded, bounded, of_next
 from contbed.reacting_bed.course import FIRST_STEP, SHORTEST_STEP, Course
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.rate_checks import taken_though_absent
+from contbed.reacting_bed.rate_checks import rate_without_value, taken_though_absent
 from contbed.reacting_bed.stages import GAMMA
 from contbed.reacting_bed.transient_results import contents, fill
 from contbed.result import Result
@@ -133,6 +133,8 @@ def taken_in(course: Course, before: History, after: History) -> str | None:
 def _advice(course: Course, history: History) -> str:
     """Return what to try where steps fail at a state."""
     problem, stops = course.at(history.time, before=False), "it would flow back from the other end"
+    if (without := rate_without_value(problem, history.u)) is not None:
+        return f"{without}: add a small amount to what it divides by, such as c_X + 1e-6"
     gases = [k for k, name in enumerate(problem.layout.names) if name.startswith("g_")]
     enters = abs(sum(problem.streams.gas.values()))
     u = turned(problem, history.u)

@@ -137,6 +137,16 @@ def test_a_negative_order_in_what_does_not_enter_is_infinite():
     assert 0.1 < advised.qoi["conversion_A"] < 1.0
 
 
+def test_a_rate_without_value_at_the_start_of_a_run_in_time_is_told():
+    """The gas that fills the bed has neither A nor B."""
+    scene = isothermal("A:0.5, B:0.5", species(A=0.028, B=0.028, N=0.028))
+    scene["mesh"]["cells"] = 8
+    scene["reactions"] = {"r": {"equation": "A -> B", "rate": "0.5*c_A/c_B"}}
+    scene["time"] = {"end": 1.0, "initial_composition": "N:1", "gas": "stored"}
+    with pytest.raises(ConvergenceError, match=r"at t = 0 s; the rate of r is nan at x = .*: add a small amount"):
+        contbed.run(from_dict(scene))
+
+
 def test_an_infinite_part_of_a_finite_rate_is_silent():
     """exp(-1/k) is that of k = 0."""
     with warnings.catch_warnings():
