@@ -50,10 +50,11 @@ def _numpy(x: Any) -> Any:
 
 
 def power(x: Any, exponent: Any) -> Any:
-    """Return x^n; odd about zero where n is a number that is not whole."""
+    """Return x^n; odd about zero where n is a number that is not whole, and infinite there where it is negative."""
     if isinstance(exponent, int | float):
-        whole = float(exponent).is_integer()
-        return _numpy(x) ** exponent if whole or isinstance(x, int | float) else odd_power(x, float(exponent))
+        if float(exponent).is_integer() or isinstance(x, int | float):
+            return _numpy(x) ** exponent
+        return odd_power(x, float(exponent)) if exponent > 0.0 else 1.0 / odd_power(x, -float(exponent))
     return x**exponent
 
 

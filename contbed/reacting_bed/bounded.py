@@ -13,11 +13,12 @@ Two things take an amount below zero, and a step that does so is taken again wit
 Neither takes anything from a balance, and where no amount falls below zero a step is that without bounds to the last
 bit. A step for which no bounds are found is made shorter, and taken as it is if that does not help.
 
-Damping stays for the next step. Where there is room it falls by and by: a jump of it is one of the gas that follows at
-once, and the error of a step is that before damping grows. A gas in the pores stays as it was damped: where there is
-much room its damping ends at once, as it makes fronts wider, and the error of a step is that with the damping that it
-needs. In damped cells errors are those of the means. They are not less than the square of what a step without bounds
-takes of solids at rest beyond what there is: of order 2 as the estimate is.
+Damping stays for the next step. Of solids that move its share of what makes a polynomial flat does, which falls as
+steps grow: else the damping of the first, short steps makes cells flat. Where there is room it falls by and by: a jump
+of it is one of the gas that follows at once, and the error of a step is that before damping grows. A gas in the pores
+stays as it was damped: where there is much room its damping ends at once, as it makes fronts wider, and the error of a
+step is that with the damping that it needs. In damped cells errors are those of the means. They are not less than the
+square of what a step without bounds takes of solids at rest beyond what there is: of order 2 as the estimate is.
 
 Source: Zhang, Shu 2010, J. Comput. Phys. 229, 3091-3120, doi:10.1016/j.jcp.2009.12.030.
 """
@@ -150,6 +151,16 @@ def flattening(problem: Problem, dt: float) -> Array:
     of_gas = problem.gas_residence / problem.scene.mesh.length if stored else 0.0
     held = np.where(_gas(problem), of_gas, 1.0)[:, None]
     found: Array = np.where(speeds > 0.0, speeds + held * problem.line.h / (GAMMA * dt), 0.0)
+    return found
+
+
+def of_next(problem: Problem, damping: Array, step: float, following: float) -> Array:
+    """Return the damping with which a longer step [s] begins: of solids, the share of what makes polynomials flat."""
+    if not damping.any():
+        return damping
+    with np.errstate(all="ignore"):
+        share = flattening(problem, following) / flattening(problem, step)
+    found: Array = np.where(~_gas(problem)[:, None] & (share < 1.0), share, 1.0) * damping
     return found
 
 

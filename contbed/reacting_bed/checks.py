@@ -284,11 +284,19 @@ def sections_can_be_resolved(section: s.Section | None, wall: s.Wall | None, hea
     if wall is None:
         yield ("section",), "its size is not known; give [wall] with the diameter, and coefficient and ambient, or flux"
     across = (section.conductivity_fluid, section.conductivity_solid, section.dispersion)
-    if heat is not None and all(value is None for value in across):
+    if heat is not None and all(value in (None, 0.0) for value in across):
         yield (
             ("section",),
             "no heat passes between the rings; give conductivity_fluid, conductivity_solid or dispersion [W/m/K], such "
             'as dispersion = "vdi"; or remove [section] for a bed without differences across it',
+        )
+    still = all(value in (None, 0.0) for value in (section.conductivity_fluid, section.dispersion))
+    two = heat is not None and heat.nusselt is not None
+    if two and still and section.conductivity_solid and wall is not None and wall.coefficient is not None:
+        yield (
+            ("section",),
+            "the wall exchanges heat with the gas, which conducts none to it across the bed; give "
+            'section.conductivity_fluid or section.dispersion [W/m/K], such as dispersion = "vdi"',
         )
 
 

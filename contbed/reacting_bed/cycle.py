@@ -33,7 +33,7 @@ from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.equations.unknowns import LEAST_T
 from contbed.reacting_bed.history import History
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.transient import begin, march, repeated, turned
+from contbed.reacting_bed.transient import begin, march, repeated, taken_in, turned
 from contbed.solvers.anderson import Anderson
 
 Array = NDArray[np.float64]
@@ -52,6 +52,7 @@ class Cycle:
     history : of the period from its start; periods : how many were computed
     change : the largest over the period, see the module; change_T : of a temperature [K], None without any
     closed : whether the change is within the tolerance
+    taken : what rates take in it though there is none of it; None if they do not
     """
 
     history: History
@@ -59,6 +60,7 @@ class Cycle:
     change: float
     change_T: float | None
     closed: bool
+    taken: str | None
 
     def qoi(self) -> dict[str, float]:
         """Return named results."""
@@ -67,7 +69,7 @@ class Cycle:
 
 
 def periods(course: Course, start: Array, report: solve.Report, advance: Advance) -> Iterator[Cycle]:
-    """Yield periods from a first guess of the state at their start to one that closes, or `MOST`.
+    """Yield periods from a first guess of the state at their start to one that closes, or `MOST`, and then the best.
 
     `advance` is told the time that each step has reached [s], and which period it is.
 
@@ -77,14 +79,15 @@ def periods(course: Course, start: Array, report: solve.Report, advance: Advance
     """
     assert course.time.cycle is not None
     accelerate, stored = Anderson(), None
-    history, best, ends = _begun(course, start), None, None
+    history, best, ends, closest = _begun(course, start), None, None, None
     extrapolated = outdated = False
     for count in range(1, MOST + 1):
-        begun, after, error = history.u, history, 0.0
+        begun, after, error, taken = history.u, history, 0.0, None
         try:
-            for after, worst in _steps(course, history, None if count <= ADAPTIVE or outdated else ends, report):
+            for following, worst in _steps(course, history, None if count <= ADAPTIVE or outdated else ends, report):
+                taken = taken or taken_in(course, after, following)
+                after, error = following, worst
                 advance(after.time, f"period {count}")
-                error = worst
         except ConvergenceError:
             if best is None or not extrapolated:
                 raise
@@ -95,11 +98,13 @@ def periods(course: Course, start: Array, report: solve.Report, advance: Advance
         before, image = stored.values(begun), stored.values(after.u)
         change = np.abs(image - before)
         outdated = error > OUTDATED * course.time.tolerance
-        closed = bool(change.max() <= course.time.cycle.tolerance) and count > 1 and not outdated
-        found = Cycle(after, count, float(change.max()), stored.in_kelvin(change), closed)
+        largest = float(change.max(initial=0.0))  # of a bed that stores nothing 0 in its first period
+        closed = largest <= course.time.cycle.tolerance and (count > 1 or not change.size) and not outdated
+        found = Cycle(after, count, largest, stored.in_kelvin(change), closed, taken)
         yield found
         if closed:
             return
+        closest = found if closest is None or found.change < closest.change else closest
         if outdated:
             accelerate.forget()
         if best is not None and extrapolated and found.change > GROWN * best.change:
@@ -108,9 +113,11 @@ def periods(course: Course, start: Array, report: solve.Report, advance: Advance
             continue
         best = found if best is None or found.change < best.change else best
         ends = [row[0] for row in after.outlet]
-        following = accelerate(before.ravel(), image.ravel())
+        extrapolation = accelerate(before.ravel(), image.ravel())
         extrapolated = len(accelerate) > 1
-        history = _begun(course, stored.bounded(following, after.u), after)
+        history = _begun(course, stored.bounded(extrapolation, after.u), after)
+    if closest is not None:
+        yield replace(closest, periods=MOST)
 
 
 def _begun(course: Course, u: Array, before: History | None = None) -> History:
@@ -157,7 +164,7 @@ class Stored:
         ]
         gases = np.array([k for k, name in enumerate(problem.layout.names) if name.startswith("g_")])
         gas = tuple(first + gases for first in range(0, len(names), m)) if fills else ()
-        return cls(np.array(rows), sizes, gas, np.array([names[k] in warm for k in rows]))
+        return cls(np.array(rows, dtype=np.intp), sizes, gas, np.array([names[k] in warm for k in rows]))
 
     def values(self, u: Array) -> Array:
         """Return what is stored of a state (m, N, p + 1) over sizes (rows, N, p + 1)."""

@@ -87,6 +87,8 @@ def require_rates(problem: Problem) -> None:
     for reaction, rate in zip(problem.reactions, rates, strict=True):
         if not all(np.isfinite(part).all() for part in (_value(rate), *getattr(rate, "tangents", {}).values())):
             raise SceneError(_without_value(problem, reaction, state, rate))
+        if (sentence := _infinite_order(problem, reaction, state)) is not None:
+            raise SceneError(sentence)
     made = [np.broadcast_to(_value(rate), (1, 1)) for rate in rates]
     tolerance = allowed(problem.scene)
     for amount in amounts(problem):
@@ -224,6 +226,20 @@ def _without_value(problem: Problem, reaction: Reaction, state: State, rate: Any
     because = f", where there is no {', no '.join(absent)}" if absent else ""
     remedy = "; add a small amount to what it divides by, such as c_X + 1e-6" if absent else "; see its limits"
     return f"{_place(problem, reaction)}: {what} as gas and solids enter, at {T:g} K{because}{remedy}"
+
+
+def _infinite_order(problem: Problem, reaction: Reaction, state: State) -> str | None:
+    """Return which negative order is one in a species that does not enter, where powers are straight lines to zero."""
+    table = problem.scene.reactions.get(reaction.key)
+    there = {**state.g, **state.of(reaction.kind).n}
+    for name, order in ((table.orders if table is not None else None) or {}).items():
+        if order < 0.0 and name in there and not _value(there[name]).any():
+            formula = f"{'c' if name in state.g else 'n'}_{name} + 1e-6"
+            return (
+                f"{_place(problem, reaction)}: is infinite as gas and solids enter, where there is no {name}, of which "
+                f"the order is {order:g}: give a rate in place of A, E and orders, with ({formula})**({order:g})"
+            )
+    return None
 
 
 def _species_of(formula: str) -> set[str]:

@@ -23,11 +23,11 @@ from contbed.errors import ConvergenceError
 from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
 from contbed.reacting_bed.amounts import least
-from contbed.reacting_bed.bounded import Bounded, bounded
+from contbed.reacting_bed.bounded import Bounded, bounded, of_next
 from contbed.reacting_bed.course import FIRST_STEP, SHORTEST_STEP, Course
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.problem import Problem
-from contbed.reacting_bed.rate_checks import taken_though_absent
+from contbed.reacting_bed.rate_checks import rate_without_value, taken_though_absent
 from contbed.reacting_bed.stages import GAMMA
 from contbed.reacting_bed.transient_results import contents, fill
 from contbed.result import Result
@@ -71,19 +71,27 @@ def run_transient(
             checkpoint.save(folder, arrays, meta | {"identity": label})
 
     saved = clock.monotonic()
+
+    def save_if_due() -> None:
+        nonlocal saved
+        if clock.monotonic() - saved >= time.checkpoint_every:
+            save()
+            saved = clock.monotonic()
+
     found = None
     try:
         with result.timed("bed"), Progress(time.end, "s", quiet) as progress:
             for found in () if periods is None else periods(course, history.u, report, progress.advance_to):
                 history = found.history
+                save_if_due()
+            if found is not None and found.taken is not None:
+                raise _Infeasible(found.taken, report.history, history.u)
             for after in march(course, history, report):
-                unbounded, history = after.unbounded > history.unbounded, after
-                if unbounded:
-                    _require_amounts(course.at(history.time), history, report)
+                taken, history = taken_in(course, history, after), after
+                if taken is not None:
+                    raise _Infeasible(taken, report.history, history.u)
                 progress.advance_to(history.time)
-                if clock.monotonic() - saved >= time.checkpoint_every:
-                    save()
-                    saved = clock.monotonic()
+                save_if_due()
     except _Infeasible:
         raise
     except ConvergenceError as error:
@@ -102,9 +110,9 @@ def run_transient(
     if found is not None and not found.closed:
         assert time.cycle is not None
         raise ConvergenceError(
-            f"{origin.at(('time', 'cycle'))}: time.cycle: after {found.periods} periods the bed still changes by "
-            f"{found.change:.3g} of its typical sizes over one, allowed are {time.cycle.tolerance:.3g}: raise "
-            "time.cycle.tolerance, or begin with the profiles that were written, time.initial",
+            f"{origin.at(('time', 'cycle'))}: time.cycle: of {found.periods} periods the best changes the bed by "
+            f"{found.change:.3g} of its typical sizes, allowed are {time.cycle.tolerance:.3g}: use more mesh.cells, "
+            "raise time.cycle.tolerance, or begin with the profiles of that period, which were written, time.initial",
             report.history,
             history.u,
         )
@@ -114,14 +122,19 @@ class _Infeasible(ConvergenceError):
     """Rates take what is not there, so that no state can be."""
 
 
-def _require_amounts(problem: Problem, history: History, report: solve.Report) -> None:
-    if (sentence := taken_though_absent(problem, history.u)) is not None:
-        raise _Infeasible(f"{sentence}, at t = {history.time:.4g} s", report.history, history.u)
+def taken_in(course: Course, before: History, after: History) -> str | None:
+    """Return what rates take though there is none of it, after a step with amounts below zero; None if they do not."""
+    if after.unbounded == before.unbounded:
+        return None
+    sentence = taken_though_absent(course.at(after.time), after.u)
+    return None if sentence is None else f"{sentence}, at t = {after.time:.4g} s"
 
 
 def _advice(course: Course, history: History) -> str:
     """Return what to try where steps fail at a state."""
     problem, stops = course.at(history.time, before=False), "it would flow back from the other end"
+    if (without := rate_without_value(problem, history.u)) is not None:
+        return f"{without}: add a small amount to what it divides by, such as c_X + 1e-6"
     gases = [k for k, name in enumerate(problem.layout.names) if name.startswith("g_")]
     enters = abs(sum(problem.streams.gas.values()))
     u = turned(problem, history.u)
@@ -323,7 +336,7 @@ def _passed(history: History, found: Bounded, step: float, end: float, dt: float
         columns=tuple(row),
         outlet=(*history.outlet, tuple(row.values())),
         least=low,
-        damping=found.damping,
+        damping=of_next(problems[1], found.damping, step, dt),
         damped=history.damped | found.cells,
         steps_damped=history.steps_damped + bool(found.cells.any()),
         steps_limited=history.steps_limited + found.limited,

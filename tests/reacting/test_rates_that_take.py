@@ -111,6 +111,7 @@ def test_solids_that_move_are_looked_at():
     [
         ("c_A/c_B", r"is inf as gas and solids enter, at 500 K, where there is no B; add a small amount"),
         ("c_A/(1 + 1/c_B)", r"has a slope that is not finite"),
+        ("c_A*c_B**(-0.5)", r"is inf as gas and solids enter, at 500 K, where there is no B"),
         ("log(T - 600)", r"is nan as gas and solids enter, at 500 K; see its limits"),
     ],
 )
@@ -119,6 +120,31 @@ def test_rates_without_value(rate, said):
         warnings.simplefilter("error")
         with pytest.raises(SceneError, match=r"reactions\.r\.rate: " + said):
             plan(bed(rate))
+
+
+def test_a_negative_order_in_what_does_not_enter_is_infinite():
+    """Powers are straight lines to zero, so that nothing would react."""
+    scene = isothermal("A:1", species(A=0.028, B=0.028))
+    scene["mesh"]["cells"] = 8
+    scene["reactions"] = {"r": {"equation": "A -> B", "A": 1.0, "E": 0.0, "orders": {"A": 1.0, "B": -0.5}}}
+    said = r"reactions\.r: is infinite .* there is no B, .* the order is -0\.5: .*\(c_B \+ 1e-6\)\*\*\(-0\.5\)"
+    with pytest.raises(SceneError, match=said):
+        plan(from_dict(scene))
+    scene["reactions"] = {"r": {"equation": "A -> B", "rate": "c_A*(c_B + 1e-6)**(-0.5)"}}
+    advised = contbed.run(from_dict(scene))
+    scene["reactions"] = {"r": {"equation": "A -> B", "rate": "c_A/sqrt(c_B + 1e-6)"}}
+    assert advised.qoi["conversion_A"] == pytest.approx(contbed.run(from_dict(scene)).qoi["conversion_A"], rel=1e-9)
+    assert 0.1 < advised.qoi["conversion_A"] < 1.0
+
+
+def test_a_rate_without_value_at_the_start_of_a_run_in_time_is_told():
+    """The gas that fills the bed has neither A nor B."""
+    scene = isothermal("A:0.5, B:0.5", species(A=0.028, B=0.028, N=0.028))
+    scene["mesh"]["cells"] = 8
+    scene["reactions"] = {"r": {"equation": "A -> B", "rate": "0.5*c_A/c_B"}}
+    scene["time"] = {"end": 1.0, "initial_composition": "N:1", "gas": "stored"}
+    with pytest.raises(ConvergenceError, match=r"at t = 0 s; the rate of r is nan at x = .*: add a small amount"):
+        contbed.run(from_dict(scene))
 
 
 def test_an_infinite_part_of_a_finite_rate_is_silent():

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from adsorption_scenes import adsorber
-from reacting_bed_scenes import heated, isothermal, looping, species, switched
+from reacting_bed_scenes import MOLAR, heated, isothermal, looping, species, switched
 from solving import solved
 
 import contbed
 from contbed.errors import ConvergenceError, SceneError
 from contbed.loading import from_dict
 from contbed.models import plan
+from contbed.output import checkpoint
 from contbed.reacting_bed import cycle
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.solve import Report
@@ -228,9 +229,22 @@ def test_a_cycle_that_is_not_found_keeps_its_last_period(monkeypatch):
     monkeypatch.setattr(cycle, "MOST", 2)
     kept = []
     monkeypatch.setattr("contbed.reacting_bed.transient.fill", lambda at, history, result: kept.append(history.time))
-    with pytest.raises(ConvergenceError, match=r"time\.cycle: after 2 periods the bed still changes by 0\.0"):
+    with pytest.raises(ConvergenceError, match=r"time\.cycle: of 2 periods the best changes the bed by 0\.0"):
         contbed.run(from_dict(looping()))
     assert kept == [1200.0]
+
+
+def test_a_cycle_that_is_not_found_ends_with_its_best_period(monkeypatch):
+    course, before = course_of(looping()), Anderson.__call__
+
+    def wild(self, state, image):
+        return image.reshape(2, -1)[::-1].ravel() if len(self) == 1 else before(self, state, image)
+
+    monkeypatch.setattr(Anderson, "__call__", wild)  # what is left of S is P, and the other way round
+    monkeypatch.setattr(cycle, "MOST", 3)
+    *found, best = cycle.periods(course, course.start(), Report(), lambda *_: None)
+    assert [each.periods for each in found] == [1, 2, 3] and best.periods == 3
+    assert best.change == min(each.change for each in found) < 0.5 * found[-1].change
 
 
 def test_the_plan_tells_the_time_of_one_period():
@@ -266,3 +280,40 @@ def test_a_state_that_comes_back_comes_back_by_other_steps():
     *_, after = march(course, begin(course, last.history.u), Report())
     stored = cycle.Stored.of(course.problem, course.sizes(after.u))
     assert np.abs(stored.values(after.u) - stored.values(last.history.u)).max() < 1e-3
+
+
+def following(rate):
+    """Gas A that becomes B in a bed that stores nothing, of two compositions in turn."""
+    scene = isothermal("A:1", species(A=0.028, B=0.028))
+    scene["mesh"]["cells"] = 8
+    scene["fluid"]["composition"] = switched(["A:0.5, B:0.5", "A:1"], 1.0)
+    scene["reactions"] = {"r": {"equation": "A -> B", "rate": rate}}
+    scene["time"] = {"end": 2.0, "gas": "quasi_steady", "cycle": {}}
+    return scene
+
+
+def test_a_bed_that_stores_nothing_closes_in_its_first_period():
+    found = solved(following("c_A"))
+    assert found.qoi["cycle_periods"] == 1 and found.qoi["cycle_change"] == 0.0
+    assert found.qoi["x_A_out"] == pytest.approx(np.exp(-0.4 / 0.5), abs=1e-6)  # plug flow, to the error of 8 cells
+
+
+def test_rates_that_take_what_is_not_there_in_a_cycle_are_told():
+    taking = 0.55 * 0.5 * MOLAR / 0.4  # 0.55 of the gas, of which half is A in the first half of the period
+    with pytest.raises(ConvergenceError, match=r"r\.rate: takes .* of A where .*A falls to -0\.05 .* at t = 2e-05 s"):
+        contbed.run(from_dict(following(str(taking))))
+
+
+def test_a_cycle_that_is_killed_goes_on_from_its_last_period(tmp_path, monkeypatch):
+    """What a checkpoint holds while the next period is computed, as after `kill -9`."""
+    scene, before, states = looping(), cycle.periods, []
+    scene["time"]["checkpoint_every"] = 1e-9
+
+    def watched(*given):
+        for found in before(*given):
+            yield found
+            states.append(checkpoint.load(tmp_path)[0]["u"])
+            assert np.array_equal(states[-1], found.history.u)
+
+    monkeypatch.setattr(cycle, "periods", watched)
+    assert contbed.run(from_dict(scene), out=tmp_path).qoi["cycle_periods"] == len(states)

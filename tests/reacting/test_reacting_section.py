@@ -398,6 +398,11 @@ def test_plan_tells_whether_one_dimension_is_enough():
     [
         ({"wall": None}, "its size is not known"),
         ({"section": {"rings": 4}}, "no heat passes between the rings"),
+        ({"section": {"rings": 4, "conductivity_solid": 0.0}}, "no heat passes between the rings"),
+        (
+            {"section": {"rings": 4, "conductivity_solid": 1.0}, "heat": {"nusselt": 10.0}},
+            "the wall exchanges heat with the gas, which conducts none to it",
+        ),
         (
             {"section": None, "wall": {"diameter": 0.1, "coefficient": "martin_nilles", "ambient": T_WALL}},
             r"wall\.coefficient.*which one dimension does not have; add \[section\]",
