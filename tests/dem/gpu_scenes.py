@@ -7,7 +7,7 @@ from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
 from contbed.dem.walls import Domain, Tube, box
 
-STEPS, HALF = 80, 35
+STEPS, HALF = 56, 24
 STEEL = Material(2500.0, 1e6, 0.3, 0.8, 0.3, 0.05)
 GLASS = Material(1500.0, 2e6, 0.3, 0.9, 0.5, 0.02)
 

@@ -23,7 +23,7 @@ from tests.dem import gpu_scenes  # noqa: E402
 
 tabulate = simulation.wall_table
 simulation.wall_table = lambda walls: tabulate(walls).view(np.recarray)
-memory.THREADS, memory.resident_blocks, gpu.require_gpu = 4, lambda: 1, lambda: None
+memory.THREADS, memory.resident_blocks, gpu.require_gpu = 3, lambda: 1, lambda: None
 
 
 def bits(first, second):
@@ -73,7 +73,7 @@ def main(folder):
     store._allocate()
     store.write(record)
     for bed in (full, free):
-        bed.run(gpu_scenes.STEPS)
+        bed.run(gpu_scenes.HALF)
     found["grown"] = bits(full, free) and store._room > least
     context = cuda.current_context()
     cuda.current_context = lambda: SimpleNamespace(get_memory_info=lambda: (1e4, 1e4))

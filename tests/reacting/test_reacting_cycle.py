@@ -68,6 +68,7 @@ def test_solids_that_are_reduced_and_oxidised_against_plain_repetition(monkeypat
     assert abs(fe["in"]) < 1e-12 and abs(fe["stored"]) < 1e-9
 
 
+@pytest.mark.slow
 def test_a_hot_zone_between_two_directions_of_flow():
     """An exothermic reaction that the turning flow keeps in the bed: repetition falls by 2 % a period near its end."""
     gas = {"elements": {"H": 28.0}, "molar_mass": 0.028, "heat_capacity": 30.0}
@@ -117,6 +118,7 @@ def test_a_bed_that_adsorbs_and_is_flushed_against_marching(isotherm):
     assert carbon["in"] == pytest.approx(carbon["out"], rel=10.0 * TOLERANCE)
 
 
+@pytest.mark.slow
 def test_a_gas_in_the_pores_against_marching():
     scene = isothermal("A:1", species(A=0.028, B=0.028), mass={"dispersion": 0.1})
     scene["fluid"]["composition"] = switched(["A:1", "B:1"], 0.4)
@@ -127,6 +129,7 @@ def test_a_gas_in_the_pores_against_marching():
     assert found.qoi["cycle_periods"] <= 12
 
 
+@pytest.mark.slow
 def test_kept_steps_that_miss_more_than_allowed_are_chosen_anew(monkeypatch):
     """Steps of the first period alone, that of a bed at one temperature, do not fit the last."""
     wanted = solved(looping())
@@ -143,6 +146,7 @@ def test_kept_steps_that_miss_more_than_allowed_are_chosen_anew(monkeypatch):
     assert len(errors) <= (len(seen) + 1) // 2
 
 
+@pytest.mark.slow
 def test_a_period_that_fails_from_an_extrapolated_state_is_repeated_from_the_best(monkeypatch):
     course, before, calls = course_of(looping()), cycle._steps, []
 
@@ -161,6 +165,7 @@ def test_a_period_that_fails_from_an_extrapolated_state_is_repeated_from_the_bes
         list(cycle.periods(course, course.start(), Report(), lambda *_: None))
 
 
+@pytest.mark.slow
 def test_an_extrapolation_that_changes_much_more_is_given_up_for_the_best_period(monkeypatch):
     course, before, calls = course_of(looping()), Anderson.__call__, []
 
@@ -273,6 +278,7 @@ def test_cycles_that_cannot_be_are_told():
         from_dict(scene)
 
 
+@pytest.mark.slow
 def test_a_state_that_comes_back_comes_back_by_other_steps():
     """The state of a cycle by kept steps, marched once by steps that are chosen anew, to their errors."""
     course = course_of(looping())
