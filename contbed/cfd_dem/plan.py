@@ -21,6 +21,7 @@ from contbed.dem.contact import hertz_impact
 from contbed.dem.packing import AT_REST, SETTLED_OVERLAP, loose_height, pack
 from contbed.dem.particle_files import read_particles
 from contbed.dem.particles import Material, Particles
+from contbed.dem.plan import particles_by
 from contbed.dem.settling import settling_time, stages_of
 from contbed.dem.simulation import LARGEST_OVERLAP, Simulation
 from contbed.dem.softness import GRAVITY
@@ -88,8 +89,7 @@ class GasPlan:
 
     def on_gpu(self) -> GasPlan:
         """Return the plan of a run whose particles move on a GPU; the gas is computed on this machine's cores."""
-        built = tuple((what, f"{how} on a GPU" if what == "particles" else how) for what, how in self.built)
-        return replace(self, engine="cuda", built=built)
+        return replace(self, engine="cuda", built=particles_by(self.built, "on a GPU"))
 
     def __str__(self) -> str:
         return described(self)

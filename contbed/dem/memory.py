@@ -67,6 +67,13 @@ class Record(NamedTuple):
     wall_onset: Array
 
 
+def nothing_listed(n: int) -> Record:
+    """Return the record of n particles in the order of the user with an empty list."""
+    history = np.zeros((0, 3)), np.zeros((0, 2))
+    order, pairs, near = np.arange(n, dtype=np.int32), np.zeros(0, np.uint32), np.zeros(0, np.int32)
+    return Record(order, np.zeros((n, 6)), np.zeros((n, 3)), pairs, pairs, *history, near, near, *history)
+
+
 def halved(record: Record) -> Record:
     """Return the record for half the time step, in which the steps of first touches count twice as many."""
     onset, wall_onset = record.onset.copy(), record.wall_onset.copy()
@@ -169,10 +176,7 @@ class Memory:
 
     def start(self) -> None:
         """Begin with the order of the user and an empty list."""
-        n = len(self._given.radius)
-        history = np.zeros((0, 3)), np.zeros((0, 2))
-        order, pairs, near = np.arange(n, dtype=np.int32), np.zeros(0, np.uint32), np.zeros(0, np.int32)
-        self.write(Record(order, np.zeros((n, 6)), np.zeros((n, 3)), pairs, pairs, *history, near, near, *history))
+        self.write(nothing_listed(len(self._given.radius)))
 
     def swap(self) -> None:
         """Take the other side as the present one."""

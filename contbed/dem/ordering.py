@@ -9,7 +9,7 @@ Source: Morton (1966), A computer oriented geodetic data base, IBM.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -114,8 +114,8 @@ def number_of(cells: Cells, x: int, y: int, z: int) -> int:
 
 
 @inner(nogil=True)
-def place_of(cells: Cells, position: float, axis: int) -> int:
-    """Return the place of a position [m] along an axis, from 0."""
+def place_of(cells: Any, position: float, axis: int) -> int:
+    """Return the place of a position [m] along an axis, from 0; of `Cells`, or others with origin, size and along."""
     return int(min(int((position - cells.origin[axis]) / cells.size[axis]), cells.along[axis] - 1))
 
 

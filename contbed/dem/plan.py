@@ -80,15 +80,15 @@ class ParticlePlan:
                 f"{self.scene.origin.name}: --engine cuda settles the [packing] of a scene of particles; "
                 "this scene has none, leave the option out"
             )
-        return replace(self, engine="cuda", built=_settled_by(self, "on a GPU"))
+        return replace(self, engine="cuda", built=particles_by(self.built, "on a GPU"))
 
     def __str__(self) -> str:
         return described(self)
 
 
-def _settled_by(plan: ParticlePlan, where: str) -> tuple[tuple[str, str], ...]:
-    """Say of the particles that are built where they settle."""
-    return tuple((what, f"{how} {where}" if what == "particles" else how) for what, how in plan.built)
+def particles_by(built: tuple[tuple[str, str], ...], where: str) -> tuple[tuple[str, str], ...]:
+    """Say of the particles among what is built where they are computed."""
+    return tuple((what, f"{how} {where}" if what == "particles" else how) for what, how in built)
 
 
 def plan(scene: ParticleScene) -> ParticlePlan:
@@ -198,7 +198,7 @@ def on_lammps(plan: Plan) -> ParticlePlan:
         where = scene.origin.at(("packing", "rolling_friction"))
         raise SceneError(f"{where}: {rolling_refused(table.rolling_friction)}")
     find_program()
-    return replace(plan, engine="lammps", built=_settled_by(plan, "by LAMMPS"))
+    return replace(plan, engine="lammps", built=particles_by(plan.built, "by LAMMPS"))
 
 
 def _lattice(table: Lattice) -> tuple[Array, Array, tuple[Array, Array], tuple[bool, ...]]:

@@ -20,8 +20,7 @@ from contbed.packed_bed.heat_coefficients import HeatCoefficients, Motion
 from contbed.packed_bed.inside import modes
 from contbed.packed_bed.medium import Medium
 from contbed.packed_bed.radiation import coupling
-from contbed.packed_bed.schedule import Piece, initial_range
-from contbed.scene.series import ProfileFile
+from contbed.packed_bed.schedule import Piece, initial_range, initial_values
 from contbed.solvers.condensed import Inside
 from contbed.solvers.linear import Policy, Solver, constrain
 from contbed.solvers.newton import newton
@@ -216,19 +215,15 @@ class HeatProblem:
         time, state = self.scene.time, np.zeros(self.system.size)
         low, high = self.T_span
         for phase in PHASES:
-            self.system.part(state, f"T_{phase}")[:] = 0.5 * (low + high) if time is None else self._start(time, phase)
+            name, T = f"T_{phase}", 0.5 * (low + high)
+            if time is not None:
+                given, x = getattr(time, f"initial_{phase}"), self.system.fields[name][0].points[self.mesh.axis]
+                T = initial_values(given, phase, self.scene.origin.base, x)
+            self.system.part(state, name)[:] = T
         state[self.fixed] = self.fixed_values
         if self.radiation is not None:
             self.system.part(state, "G")[:] = self.radiation.emitted(self.system.part(state, "T_solid"))
         return state
-
-    def _start(self, time: s.Time, phase: str) -> Any:
-        """Return the temperature at the start, a number or one for each node by its position along the bed [K]."""
-        given = getattr(time, f"initial_{phase}")
-        if not isinstance(given, ProfileFile):
-            return given
-        positions, T = given.samples(self.scene.origin.base, f"T_{phase}")
-        return np.interp(self.system.fields[f"T_{phase}"][0].points[self.mesh.axis], positions, T)
 
     def begin(self, policy: Policy) -> Any:
         """Return the state at the start of a transient."""

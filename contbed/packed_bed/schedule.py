@@ -191,3 +191,11 @@ def initial_range(value: float | ProfileFile, phase: str, base: Path) -> tuple[f
         return value, value
     T = value.samples(base, f"T_{phase}")[1]
     return float(T.min()), float(T.max())
+
+
+def initial_values(value: float | ProfileFile, phase: str, base: Path, x: Array) -> Any:
+    """Return the initial temperature of a phase, a number or one for each position (n,) [m] along the bed [K]."""
+    if not isinstance(value, ProfileFile):
+        return value
+    positions, T = value.samples(base, f"T_{phase}")
+    return np.interp(x, positions, T)

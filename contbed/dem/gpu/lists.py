@@ -30,6 +30,7 @@ from contbed.dem.gpu.arrays import (
     cuda,
 )
 from contbed.dem.neighbours import BITS, CLOSED, MASK, wall_distance
+from contbed.dem.ordering import place_of
 
 SHARE = 256  # particles, or cells, that one thread goes through where parts are summed up on the host
 
@@ -65,11 +66,6 @@ def find_corners(row: DeviceArray, corners: DeviceArray) -> None:
 
 
 @cuda.jit(device=True)
-def _place(grid, x, axis):
-    return min(int((x - grid.origin[axis]) / grid.size[axis]), grid.along[axis] - 1)
-
-
-@cuda.jit(device=True)
 def _number(grid, x, y, z):
     return (z * grid.along[1] + y) * grid.along[0] + x
 
@@ -88,7 +84,7 @@ def count_cells(row: DeviceArray, grid: Grid, cells: Cells) -> None:
     i = cuda.grid(1)
     if i >= row.shape[0]:
         return
-    c = _number(grid, _place(grid, row[i, X], 0), _place(grid, row[i, Y], 1), _place(grid, row[i, Z], 2))
+    c = _number(grid, place_of(grid, row[i, X], 0), place_of(grid, row[i, Y], 1), place_of(grid, row[i, Z], 2))
     cells.cell[i] = c
     cells.slot[i] = cuda.atomic.add(cells.first, c, 1)
 
@@ -178,7 +174,7 @@ def find_neighbours(
     if i >= row.shape[0]:
         return
     entry, room, count = lists.entry, lists.entry.shape[0], 0
-    x, y, z = _place(grid, row[i, X], 0), _place(grid, row[i, Y], 1), _place(grid, row[i, Z], 2)
+    x, y, z = place_of(grid, row[i, X], 0), place_of(grid, row[i, Y], 1), place_of(grid, row[i, Z], 2)
     for step in range(27):
         px, py, pz = x + step % 3 - 1, y + step // 3 % 3 - 1, z + step // 9 - 1
         px, turn_x = _inside(grid, px, 0)

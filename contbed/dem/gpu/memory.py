@@ -16,7 +16,7 @@ from contbed.dem.gpu import lists as list_kernels
 from contbed.dem.gpu.arrays import CULPRIT, MASS, NEEDED, NEVER, RADIUS, VX, Bodies, Cells, Grid, Lists, X, cuda
 from contbed.dem.gpu.step import THREADS, Steps, resident_blocks, take_steps
 from contbed.dem.kernel_arrays import BLOCK, Array, Box, Interval, Laws, Spheres
-from contbed.dem.memory import MARGIN, Particle, Record
+from contbed.dem.memory import MARGIN, Particle, Record, nothing_listed
 from contbed.dem.neighbours import BITS, CLOSED, IMAGE, MASK, wall_gaps
 from contbed.dem.ordering import MOST_CELLS
 from contbed.errors import EngineError
@@ -83,10 +83,7 @@ class GpuMemory:
 
     def start(self) -> None:
         """Begin with the order of the user and an empty list."""
-        n = self._n
-        history = np.zeros((0, 3)), np.zeros((0, 2))
-        order, pairs, near = np.arange(n, dtype=np.int32), np.zeros(0, np.uint32), np.zeros(0, np.int32)
-        self.write(Record(order, np.zeros((n, 6)), np.zeros((n, 3)), pairs, pairs, *history, near, near, *history))
+        self.write(nothing_listed(self._n))
 
     def grow(self) -> None:
         """Make room for what the last list needed, with a margin. What was held is lost."""
