@@ -12,7 +12,7 @@ from contbed.dem.particles import Material
 from contbed.dem.plan import porosity_of
 from contbed.dem.sizes import CUT
 from contbed.dem.softness import DENSER, too_soft
-from contbed.dem.walls import SKIN
+from contbed.dem.walls import REACHES, SKIN
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.toml_lines import Origin
 
@@ -59,7 +59,7 @@ def packing_is_complete(packing: p.Packing | None, see: See) -> Mistakes:
     key = "width" if packing.width is not None else "cylinder"
     narrow = min(packing.width) if packing.width is not None else 2.0 * (packing.cylinder or 0.0)
     largest = 2.0 * packing.radius * (1.0 + CUT * packing.spread)
-    least = largest * (3.0 + 1.5 * SKIN) if packing.periodic else largest
+    least = REACHES * largest * (1.0 + 0.5 * SKIN) if packing.periodic else largest
     if narrow < least:
         yield (
             ("packing", key),

@@ -70,12 +70,12 @@ def near_pairs(x: Array, reach: float, box: Box | None = None, periodic: tuple[b
         i, j = cKDTree(x).query_pairs(reach, output_type="ndarray").T
         return Pairs(i, j, x[j] - x[i])
     where, owner, shift = _images(x, box, periodic, reach, mirror=False)
-    lists = cKDTree(where).query_ball_point(x, reach)
-    i = np.repeat(np.arange(len(x)), [len(found) for found in lists])
-    image = np.concatenate([np.asarray(found, dtype=np.intp) for found in lists]) if len(x) else i
-    j, vector = owner[image], where[image] - x[i]
-    once = (i < j) | ((i == j) & _positive(shift[image]))
-    return Pairs(i[once], j[once], vector[once])
+    i, image = cKDTree(where).query_pairs(reach, output_type="ndarray").T  # i < image: copies come last
+    order = np.lexsort((image, i))
+    i, image = i[order], image[order]
+    j = owner[image]
+    once = (i < len(x)) & ((i < j) | ((i == j) & _positive(shift[image])))
+    return Pairs(i[once], j[once], (where[image] - where[i])[once])
 
 
 def voronoi_pairs(x: Array, box: Box, periodic: tuple[bool, ...] = CLOSED) -> Pairs:

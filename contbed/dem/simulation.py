@@ -24,6 +24,7 @@ from contbed.output.progress import Progress
 
 LARGEST_OVERLAP = 0.05  # of the smaller radius, at the start
 _STATE = ("position", "velocity", "spin", "force", "T")
+NUMBERS = 6  # of a checkpoint: way since the last list, whether it is old, steps, time step, walls, skin
 
 
 @dataclass(frozen=True)
@@ -186,11 +187,15 @@ class Simulation:
         found, wanted = np.shape(state["position"]), self.position.shape
         if found != wanted:
             raise SceneError(f"dem: checkpoint of another simulation: position has shape {found}, expected {wanted}")
-        moved, stale, steps, time_step, walls = (float(value) for value in state["numbers"])
+        if len(state["numbers"]) != NUMBERS:
+            raise SceneError("dem: the checkpoint is of another version of contbed")
+        moved, stale, steps, time_step, walls, skin = (float(value) for value in state["numbers"])
         if walls != len(self.walls):
             raise SceneError(
                 f"dem: checkpoint of another simulation: it has {walls:.0f} walls, expected {len(self.walls)}"
             )
+        if skin < self.skin:  # its list lacks pairs that are near enough to be listed here
+            raise SceneError(f"dem: the checkpoint has lists with a skin of {skin:g} m, expected {self.skin:g} m")
         if time_step not in self._first_step * 0.5 ** np.arange(self._most_halvings + 1):
             raise SceneError(f"dem: the checkpoint has time step {time_step:g} s, expected {self._first_step:g} s")
         for name in _STATE:
@@ -214,7 +219,7 @@ class Simulation:
 
     def _state(self, record: Record) -> dict[str, NDArray[Any]]:
         arrays: dict[str, NDArray[Any]] = {name: np.array(getattr(self, name)) for name in _STATE}
-        numbers = (self._moved, self._stale, self.steps_done, self.time_step, len(self.walls))
+        numbers = (self._moved, self._stale, self.steps_done, self.time_step, len(self.walls), self.skin)
         return arrays | record._asdict() | {"numbers": np.array(numbers, dtype=np.float64)}
 
     def _listed_pairs(self, record: Record) -> tuple[Indices, Indices, Array, Array]:

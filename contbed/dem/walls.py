@@ -12,6 +12,7 @@ from contbed.errors import SceneError
 
 Vector = tuple[float, float, float]
 INFINITE = float("inf")
+REACHES = 3.0  # of a contact, that periodic sides are at least apart: a pair meets through one side only
 SKIN = 0.1  # of the smallest radius, unless given: room of the neighbour list
 
 
@@ -78,12 +79,12 @@ class Domain:
                 raise SceneError(f"domain: the periodic sides in {name} need finite corners, not {low:g} to {high:g} m")
 
     def require_wide(self, width: float) -> None:
-        """Refuse periodic sides closer than three times `width` [m], the reach of a contact."""
+        """Refuse periodic sides closer than REACHES times `width` [m], the reach of a contact."""
         for axis, name in enumerate("xyz"):
             length = self.upper[axis] - self.lower[axis]
-            if self.periodic[axis] and length < 3.0 * width:
+            if self.periodic[axis] and length < REACHES * width:
                 raise SceneError(
-                    f"domain: periodic length {length:g} m in {name}, at least {3.0 * width:.4g} m is needed "
+                    f"domain: periodic length {length:g} m in {name}, at least {REACHES * width:.4g} m is needed "
                     "(three largest diameters and skins)"
                 )
 

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.dem import gpu
+from contbed.dem import gpu, packing
 from contbed.dem.packing import pack
 from contbed.dem.particles import Material, Particles
 from contbed.dem.simulation import Simulation
-from contbed.dem.walls import Domain, box
+from contbed.dem.walls import SKIN, Domain, box
 from contbed.errors import ConvergenceError, EngineError
 from contbed.loading import loads
 from tests.dem import gpu_scenes
@@ -145,6 +145,29 @@ particles = 1.4
 LATTICE = SCENE.replace("[packing]\ncount = 70", '[lattice]\ntype = "sc"\ncontact_radius = "0.1 mm"').replace(
     'width = ["6 mm", "6 mm"]\n', ""
 )
+
+
+@pytest.mark.parametrize(
+    ("engine", "width", "periodic", "skin"),
+    [
+        ("cuda", 20.0, True, 0.6),
+        ("cuda", 7.0, True, 1.0 / 3.0),
+        ("cuda", 7.0, False, 0.6),
+        ("contbed", 20.0, True, 0.1),
+    ],
+)
+def test_lists_of_a_packing_reach_further_on_a_gpu(monkeypatch, engine, width, periodic, skin):
+    """In radii; periodic sides 7 radii apart leave a third of a radius beside three diameters."""
+    made = {}
+
+    def simulation(*_, **options):
+        made.update(options)
+        raise EngineError("no GPU")
+
+    monkeypatch.setattr(packing, "Simulation", simulation)
+    with pytest.raises(EngineError, match="no GPU"):
+        pack((width, width), radius=1.0, count=20, periodic=(periodic, periodic), engine=engine)
+    assert (made["skin"] or SKIN) == pytest.approx(skin, rel=1e-12)
 
 
 def test_without_a_gpu_it_is_said(monkeypatch):

@@ -217,6 +217,16 @@ def test_restart_of_another_simulation():
         alone.restore(state)
     with pytest.raises(SceneError, match="the checkpoint lacks row"):
         falling().restore({name: array for name, array in state.items() if name != "row"})
+    with pytest.raises(SceneError, match="of another version"):
+        falling().restore(state | {"numbers": state["numbers"][:-1]})
+
+
+def test_lists_of_a_checkpoint_reach_as_far_as_those_of_the_run():
+    """A wider skin takes longer to be passed: pairs that meet in the meantime have to be in the list."""
+    narrow, wide = falling(skin=0.1 * RADIUS), falling(skin=0.4 * RADIUS)
+    with pytest.raises(SceneError, match=r"the checkpoint has lists with a skin of 0.0001 m, expected 0.0004 m"):
+        wide.restore(narrow.state())
+    narrow.restore(wide.state())
 
 
 def test_history_keeps_first_touch_and_impact_speed():

@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 import numba.cuda
 
 cuda: Any = numba.cuda  # numba-cuda, where it is installed, takes its place at run time
+config: Any = numba.config
+config.CUDA_LOW_OCCUPANCY_WARNINGS = 0  # of kernels with few threads, such as sums over parts of a list
 DeviceArray = Any
 
 # columns of a row: position [m], radius [m], velocity [m/s], spin [rad/s], mass [kg], temperature [K]
