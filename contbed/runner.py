@@ -76,8 +76,9 @@ def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | P
     if folder is None:
         result, failure = _found(scene, None, quiet, restart, engine)
     else:
-        from contbed.output.folder import occupied
+        from contbed.output.folder import occupied, require_inputs_elsewhere
 
+        require_inputs_elsewhere(scene, scene.origin, folder)
         with occupied(folder) as place:
             result, failure = _found(scene, place, quiet, restart, engine)
     if failure is not None:
