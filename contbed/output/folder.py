@@ -14,7 +14,7 @@ import os
 import re
 import socket
 import time
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -22,8 +22,6 @@ from typing import Any
 from contbed.errors import ContbedError, SceneError
 from contbed.output import files
 from contbed.output.summary import write_json
-from contbed.scene.inputs import inputs_by_key
-from contbed.scene.toml_lines import Origin, dotted
 
 LOCK = ".contbed.lock"
 SUMMARY = "summary.json"
@@ -117,8 +115,10 @@ class RunFolder:
         write_json(self.path / SUMMARY, {**(self._running or {}), "files": sorted({*self.files, SUMMARY})})
 
 
-def require_inputs_elsewhere(parts: Any, origin: Origin, folder: Path) -> None:
-    """Refuse a folder for results in which a file that the scene reads has the name of a result.
+def require_inputs_elsewhere(folder: Path, inputs: Iterable[tuple[str, Path]]) -> None:
+    """Refuse a folder for results in which a file that a run reads has the name of a result.
+
+    `inputs` are these files, each with its place in the scene.
 
     Raises
     ------
@@ -126,9 +126,9 @@ def require_inputs_elsewhere(parts: Any, origin: Origin, folder: Path) -> None:
     """
     there = folder.resolve()
     problems = [
-        f"{origin.at(path)}: {dotted(path)}: {file.name} lies in {folder}, the folder for the results, which would "
-        "replace it; give another folder by --out, or copy the file out of this one"
-        for path, file in inputs_by_key(parts, origin.base)
+        f"{place}: {file.name} lies in {folder}, the folder for the results, which would replace it; give another "
+        "folder by --out, or copy the file out of this one"
+        for place, file in inputs
         for each in dict.fromkeys((file, file.resolve()))
         if each.parent.resolve() == there and RESULTS.fullmatch(each.name)
     ]
