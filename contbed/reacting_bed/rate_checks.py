@@ -130,8 +130,9 @@ def _takes_what_enters(problem: Problem, made: list[Array]) -> None:
     SceneError : they do
     """
     tolerance = allowed(problem.scene)
+    entering = problem.first_point()
     for amount in amounts(problem):
-        if problem.entering[problem.layout.names[amount.row]] == 0.0 and _taken(problem, amount, made, tolerance).any():
+        if entering[amount.row] == 0.0 and _taken(problem, amount, made, tolerance).any():
             raise SceneError(_sentence(problem, amount, made, 0, "does not enter"))
 
 
