@@ -66,6 +66,11 @@ class Plan:
         """Whether the run takes time steps that it could go on from."""
         return self.scene.time is not None
 
+    @property
+    def searches(self) -> bool:
+        """Whether a steady state is searched, whose length only a trial tells."""
+        return not self.steps
+
     def to_try(self) -> tuple[Plan, float]:
         """Return the plan of a trial, of a cycle that of one period, and the processor time that it took [s]."""
         time = self.scene.time
