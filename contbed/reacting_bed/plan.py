@@ -193,7 +193,7 @@ def _built(scene: s.ReactingScene) -> tuple[Schedule, Problem]:
 def _with_other_gases(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -> Iterator[Problem]:
     """Yield the problem with the streams of the first time at which other gases are there or not."""
     known = {_gases_there(problem)}
-    for moment in schedule.moments():
+    for moment in schedule.moments() if schedule.species else ():
         at = problem.within(schedule.frozen(scene, moment))
         if (there := _gases_there(at)) not in known:
             known.add(there)
