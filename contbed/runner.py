@@ -16,8 +16,9 @@ from contbed.errors import BalanceError, ClosureRangeError, ContbedError, Conver
 from contbed.fields import field, name_of
 from contbed.result import Result, outside
 from contbed.scene.identity import identity
-from contbed.scene.inputs import all_inputs
+from contbed.scene.inputs import all_inputs, inputs_by_key
 from contbed.scene.tables import SceneBase
+from contbed.scene.toml_lines import dotted
 from contbed.solvers.cost import expected_time
 from contbed.threads import using
 
@@ -76,8 +77,11 @@ def _run(scene: SceneBase, out: str | Path | None, quiet: bool, restart: str | P
     if folder is None:
         result, failure = _found(scene, None, quiet, restart, engine)
     else:
-        from contbed.output.folder import occupied
+        from contbed.output.folder import occupied, require_inputs_elsewhere
 
+        origin = scene.origin
+        named = ((f"{origin.at(path)}: {dotted(path)}", file) for path, file in inputs_by_key(scene, origin.base))
+        require_inputs_elsewhere(folder, named)
         with occupied(folder) as place:
             result, failure = _found(scene, place, quiet, restart, engine)
     if failure is not None:

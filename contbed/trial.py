@@ -4,9 +4,9 @@ Time steps: the trial runs the scene itself for `BUDGET` seconds of processor ti
 many steps are to come follows from the pace of its second half; in a packed bed, whose steps grow or shrink over the
 whole run, from a run on a coarse mesh instead, as the steps follow the temperatures and hardly the mesh; in a reacting
 bed from one with a larger error of a step, by the order of that error. Compiling, which the run finds done, does not
-count. Searches for a steady state: most end within
-`SEARCH_BUDGET`; the others tell which share of their way they have gone by then. Steady planes and volumes whose meshes
-are chosen by their errors: the first of these meshes tell the last one.
+count. Searches for a steady state, that of reacting beds included: most end within `SEARCH_BUDGET`; the others tell
+which share of their way they have gone by then. Steady planes and volumes whose meshes are chosen by their errors: the
+first of these meshes tell the last one.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def predicted_time(plan: Plan, before: float = 0.0) -> str:
 
     `before` is what a run takes as well to come this far: of a command the processor time since it began [s].
     """
-    if models.model_of(plan.scene).searches:
+    if getattr(plan, "searches", models.model_of(plan.scene).searches):
         return _text_of_search(plan, before)
     if getattr(plan, "balanced", False):
         return _text_of_last_mesh(plan, before)

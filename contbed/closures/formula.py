@@ -39,7 +39,7 @@ _OPERATORS: Mapping[type, Callable[[Any, Any], Any]] = {
 }
 
 
-def odd_power(x: Any, exponent: float, small: float = TINY) -> Any:
+def odd_power(x: Any, exponent: float, small: Any = TINY) -> Any:
     """Return |x|^n with the sign of x, a straight line below `small`."""
     return x * (x * x + small * small) ** (0.5 * (exponent - 1.0))
 
@@ -66,10 +66,18 @@ class Formula:
     names: frozenset[str]
     tree: Any
 
-    def __call__(self, values: Mapping[str, Any]) -> Any:
-        """Return the value of the formula, which is not finite where it divides by zero."""
+    def __call__(self, values: Mapping[str, Any], small: float = 0.0, sizes: Mapping[str, Any] | None = None) -> Any:
+        """Return the value of the formula, which is not finite where it divides by zero.
+
+        Powers between 0 and 1 are straight lines below a share `small` of what they are taken of at `sizes`.
+        """
         with np.errstate(all="ignore"):
-            return _value(self.tree, values)
+            return _value(self.tree, values) if sizes is None else _Smoothed(values, small, sizes)(self.tree)
+
+    @property
+    def has_roots(self) -> bool:
+        """Whether it has powers between 0 and 1, whose slopes are infinite at zero."""
+        return any(_root(node) is not None for node in ast.walk(self.tree))
 
 
 def parse_formula(text: str) -> Formula:
@@ -119,16 +127,46 @@ def _check(node: ast.AST, names: set[str]) -> None:
 
 
 def _value(node: Any, values: Mapping[str, Any]) -> Any:
+    return _combined(node, values, lambda part: _value(part, values))
+
+
+def _combined(node: Any, values: Mapping[str, Any], value: Callable[[Any], Any]) -> Any:
+    """Return the value of a node from those of its parts."""
     if isinstance(node, ast.Constant):
         return node.value
     if isinstance(node, ast.Name):
         return values[node.id]
     if isinstance(node, ast.BinOp):
-        return _OPERATORS[type(node.op)](_value(node.left, values), _value(node.right, values))
+        return _OPERATORS[type(node.op)](value(node.left), value(node.right))
     if isinstance(node, ast.UnaryOp):
-        value = _value(node.operand, values)
-        return -value if isinstance(node.op, ast.USub) else value
-    return FUNCTIONS[node.func.id](*(_value(argument, values) for argument in node.args))
+        return -value(node.operand) if isinstance(node.op, ast.USub) else value(node.operand)
+    return FUNCTIONS[node.func.id](*(value(argument) for argument in node.args))
+
+
+def _root(node: Any) -> tuple[Any, float] | None:
+    """Return what a power between 0 and 1 is taken of, and its exponent; None for all else."""
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "sqrt":
+        return node.args[0], 0.5
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+        try:
+            exponent = _value(node.right, {})
+        except KeyError:  # it has names
+            return None
+        return (node.left, float(exponent)) if 0.0 < exponent < 1.0 else None
+    return None
+
+
+class _Smoothed:
+    """Value of a formula whose powers between 0 and 1 are straight lines near zero; see `Formula`."""
+
+    def __init__(self, values: Mapping[str, Any], small: float, sizes: Mapping[str, Any]):
+        self.values, self.small, self.sizes = values, small, sizes
+
+    def __call__(self, node: Any) -> Any:
+        root = _root(node)
+        if root is not None and not isinstance(base := self(root[0]), int | float):
+            return odd_power(base, root[1], np.maximum(self.small * np.abs(_value(root[0], self.sizes)), TINY))
+        return _combined(node, self.values, self)
 
 
 def require_names(formula: Formula, known: Iterable[str]) -> None:

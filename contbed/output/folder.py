@@ -14,17 +14,20 @@ import os
 import re
 import socket
 import time
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from contbed.errors import ContbedError
+from contbed.errors import ContbedError, SceneError
 from contbed.output import files
 from contbed.output.summary import write_json
 
 LOCK = ".contbed.lock"
 SUMMARY = "summary.json"
+RESULTS = re.compile(  # names that runs give to results which a scene may read as well
+    r"(profiles|outlet|levels|continuation|states|branches)\.csv|((fields|particles)(_\d+)?|packing)\.vtu"
+)
 _LEFT = re.compile(rf".+\.[0-9a-f]{{{2 * files.TOKEN}}}\.part")
 _NO_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL}
 
@@ -37,6 +40,7 @@ class RunFolder:
         self.files: list[str] = []
         self._running: dict[str, Any] | None = None
         self._former: dict[str, Any] = {}
+        self._read: set[Path] = set()
 
     def begin(self, about: Mapping[str, Any], keep: bool, inputs: Collection[Path] = ()) -> None:
         """Remove what the former run wrote, unless its files are kept because it goes on, and say "running".
@@ -52,12 +56,12 @@ class RunFolder:
         names = [
             name for name in listed if isinstance(name, str) and Path(name).name == name and name not in ("", "..")
         ]
+        self._read = {path.resolve() for path in inputs}
         if keep:
             self.files = [name for name in names if name != SUMMARY]
         else:
-            read = {path.resolve() for path in inputs}
             for name in names:
-                if (self.path / name).resolve() not in read:
+                if (self.path / name).resolve() not in self._read:
                     with suppress(OSError):
                         (self.path / name).unlink()
         for left in self.path.iterdir():
@@ -95,13 +99,41 @@ class RunFolder:
         write_json(self.path / SUMMARY, {**former, "status": status, "warnings": [text, *warnings]})
 
     def note(self, name: str) -> None:
-        """Add a file to those of the run, before it is written."""
+        """Add a file to those of the run, before it is written.
+
+        Raises
+        ------
+        ContbedError : it is a file that the run reads
+        """
+        if (self.path / name).resolve() in self._read:
+            raise ContbedError(f"cannot write {self.path / name}: the run reads this file; give another folder")
         if self._running is not None and name not in (*self.files, SUMMARY):
             self.files.append(name)
             self._say()
 
     def _say(self) -> None:
         write_json(self.path / SUMMARY, {**(self._running or {}), "files": sorted({*self.files, SUMMARY})})
+
+
+def require_inputs_elsewhere(folder: Path, inputs: Iterable[tuple[str, Path]]) -> None:
+    """Refuse a folder for results in which a file that a run reads has the name of a result.
+
+    `inputs` are these files, each with its place in the scene.
+
+    Raises
+    ------
+    SceneError : the run would replace what it reads
+    """
+    there = folder.resolve()
+    problems = [
+        f"{place}: {file.name} lies in {folder}, the folder for the results, which would replace it; give another "
+        "folder by --out, or copy the file out of this one"
+        for place, file in inputs
+        for each in dict.fromkeys((file, file.resolve()))
+        if each.parent.resolve() == there and RESULTS.fullmatch(each.name)
+    ]
+    if problems:
+        raise SceneError(list(dict.fromkeys(problems)))
 
 
 @contextmanager

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from contbed.closures.binding import is_phase, named
+from contbed.closures.fluid_conducts import fluid_conducts_twice
 from contbed.errors import SceneError
 from contbed.packed_bed import scene as s
-from contbed.packed_bed.closures import bound, places
+from contbed.packed_bed.closures import GIVES, bound, places
 from contbed.packed_bed.corners import prescribed_temperatures_agree_in_corners
 from contbed.packed_bed.inlets import enters, role, velocity_vector
 from contbed.packed_bed.schedule import series_of
@@ -360,16 +361,9 @@ def the_balance_can_fail(solver: Solver) -> Mistakes:
 
 def the_fluid_conducts_once(heat: s.Heat | None, origin: Origin) -> Mistakes:
     """Look for a closure of the whole bed at rest beside the conductivity of its fluid."""
-    if heat is None or not named(heat.conductivity_solid) or is_phase(heat.conductivity_solid):
-        return
-    takes = bound(heat.conductivity_solid, "conductivity", origin.base).takes
-    if named(heat.conductivity_fluid) and "k_fluid" in takes:
-        what = "eps k_fluid" if is_phase(heat.conductivity_fluid) else "heat.conductivity_fluid"
-        yield (
-            ("heat", "conductivity_solid"),
-            f"is that of the whole bed at rest, its fluid included, and {what} is added: the fluid conducts twice; "
-            "give heat.conductivity_fluid = 0",
-        )
+    if heat is not None:
+        conductivities = heat.conductivity_solid, heat.conductivity_fluid
+        yield from fluid_conducts_twice("heat", *conductivities, GIVES["conductivity"], origin.base)
 
 
 WARNINGS: tuple[Check, ...] = (

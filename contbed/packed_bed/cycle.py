@@ -7,7 +7,7 @@ few periods the sequence of time steps is kept, so that Phi is smooth.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -36,13 +36,16 @@ class Cycle:
     levels: dict[int, list[int]] = field(default_factory=dict)
 
 
-def find_cycle(problems: Sequence[Any], state: Any, policy: Policy, tolerance: float) -> Cycle:
+def find_cycle(
+    problems: Sequence[Any], state: Any, policy: Policy, tolerance: float, keep: Callable[[Any], None]
+) -> Cycle:
     """Find the periodic state from a first guess.
 
     Parameters
     ----------
     problems : of the parts of a period, each with its piece
     tolerance : largest change over one period, over the span of temperatures
+    keep : is told the state from which each further period begins, and the state that is found
 
     Raises
     ------
@@ -58,9 +61,11 @@ def find_cycle(problems: Sequence[Any], state: Any, policy: Policy, tolerance: f
         found.residual, found.periods = float(np.abs(change).max()), count
         best = min(best, found.residual)
         # the steps of the last periods belong to the state that is reported
-        if found.residual <= tolerance * (high - low) and count > 1:
+        closed = found.residual <= tolerance * (high - low) and count > 1
+        found.state = found.state if closed else accelerate(found.state, after)
+        keep(found.state)
+        if closed:
             return found
-        found.state = accelerate(found.state, after)
     raise ConvergenceError(
         f"cycle: after {MOST} periods the bed still changes by {best:.3g} K over one, allowed are "
         f"{tolerance * (high - low):.3g} K; raise time.cycle.tolerance"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -44,14 +45,19 @@ def transient(
     scene = plan.scene
     assert scene.time is not None
     label = identity(scene)
-    history = None if start is None else History.unpack(*start).fitted(scene.time, scene.origin)
+    vertices = {"vertices": plan.line_vertices} if isinstance(plan.solved.mesh, MeshLine) else {}
+    history = None if start is None else History.unpack(*start)
+    cycle, whole = None, history is None
 
     def save(arrays: dict[str, Any], meta: dict[str, Any]) -> None:
         assert folder is not None
-        grid = {"vertices": plan.line_vertices} if isinstance(plan.solved.mesh, MeshLine) else {}
-        if local is not None and local.flow.local is not None:
-            grid |= local.pack()
-        checkpoint.save(folder, arrays | grid, meta | {"identity": label})
+        flows = local.pack() if local is not None and local.flow.local is not None else {}
+        checkpoint.save(folder, arrays | vertices | flows, meta | {"identity": label})
+
+    def keep(state: Any) -> None:
+        """Keep a state from which a cycle goes on, whose periods begin at 0."""
+        arrays, meta = History(state).pack()
+        keeper.offer(arrays | vertices, meta)
 
     local: FlowOverTime | None = None
     if flow is not None and not plan.medium.fluid.constant:
@@ -59,11 +65,12 @@ def transient(
 
         local = FlowOverTime(result, flow)
     pieces = plan.pieces()
-    cycle, whole = None, history is None
-    if scene.time.cycle is not None and history is None:
-        with result.timed("cycle"):
-            cycle = _cycle(plan, pieces, flow, result)
-        history = History(cycle.state)
+    if scene.time.cycle is not None:
+        with result.timed("cycle"), checkpoint.Keeper(folder, label, scene.time.checkpoint_every) as keeper:
+            cycle = _cycle(plan, pieces, flow, result, None if history is None else history.state, keep)
+        history, start, folder = History(cycle.state), None, None
+    elif history is not None:
+        history = history.fitted(scene.time, scene.origin)
     heats: list[float] = []
     taken: list[list[int]] = []
     renewed: list[list[int]] = []
@@ -141,8 +148,8 @@ def _outdated(local: FlowOverTime, plan: Plan, problem: Any, history: Any, steps
     return local.outdated(plan, problem, history.state, len(history.levels) - steps)
 
 
-def _cycle(plan: Plan, pieces: Any, flow: Any, result: Result) -> Any:
-    """Find the state that one run gives back."""
+def _cycle(plan: Plan, pieces: Any, flow: Any, result: Result, guess: Any, keep: Callable[[Any], None]) -> Any:
+    """Find the state that one run gives back, from a guess or, where it is None, from the state at the start."""
     from contbed.packed_bed.cycle import find_cycle
 
     time = plan.scene.time
@@ -151,8 +158,8 @@ def _cycle(plan: Plan, pieces: Any, flow: Any, result: Result) -> Any:
     for piece in pieces:
         plan = plan.within(piece)
         problems.append(heat_problem(plan, flow, result, piece))
-    start = problems[0].begin(plan.policy)
-    return find_cycle(problems, start, plan.policy, time.cycle.tolerance)
+    start = problems[0].begin(plan.policy) if guess is None else guess
+    return find_cycle(problems, start, plan.policy, time.cycle.tolerance, keep)
 
 
 def _most(plan: Plan, pieces: Any) -> list[float]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from contbed.closures.binding import is_phase, named
+from contbed.closures.fluid_conducts import fluid_conducts_twice
 from contbed.closures.formula import parse_formula, require_names
 from contbed.errors import SceneError
 from contbed.materials.composition import mole_fractions, names_in, require_sum
@@ -24,7 +25,7 @@ from contbed.reacting_bed.inside_checks import (
 from contbed.reacting_bed.kind_checks import in_each_kind, of_all_kinds, of_one_kind
 from contbed.reacting_bed.kinetics import SI_OF_BASIS
 from contbed.reacting_bed.laws import NEEDS, known_laws
-from contbed.reacting_bed.medium import bound, places_of
+from contbed.reacting_bed.medium import GIVES, bound, places_of
 from contbed.reacting_bed.schedule_checks import (
     a_cycle_changes_something,
     at_each_time,
@@ -386,4 +387,12 @@ CHECKS: tuple[Check, ...] = (
 )
 
 
-WARNINGS: tuple[Check, ...] = (initial_profiles_reach_both_ends,)
+def the_fluid_conducts_once(heat: s.Heat | None, section: s.Section | None, origin: Origin) -> Mistakes:
+    """Look for a closure of the whole bed at rest beside the conductivity of its gas, along and across the bed."""
+    for name, table in (("heat", heat), ("section", section)):
+        if table is not None:
+            conductivities = table.conductivity_solid, table.conductivity_fluid
+            yield from fluid_conducts_twice(name, *conductivities, GIVES["conductivity"], origin.base)
+
+
+WARNINGS: tuple[Check, ...] = (the_fluid_conducts_once, initial_profiles_reach_both_ends)

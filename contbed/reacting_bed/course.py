@@ -18,6 +18,7 @@ from contbed.reacting_bed import solve
 from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.history import SAME, output_times
 from contbed.reacting_bed.inlet_series import constant
+from contbed.reacting_bed.local import Smoothing
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.schedule import Schedule
 from contbed.reacting_bed.stages import GAMMA
@@ -59,7 +60,7 @@ class Course:
         """
         moments = [problem.within(schedule.frozen(scene, moment)) for moment in schedule.moments() or [0.0]]
         initial = initial_of(scene, problem)
-        problem = problem.with_small(SMOOTH).with_peaks(_peaks(scene, moments, initial))
+        problem = problem.with_small(Smoothing(SMOOTH)).with_peaks(_peaks(scene, moments, initial))
         course = cls(scene, problem, schedule, _temperatures(scene, moments, initial), initial)
         if not stores_gas:
             return course

@@ -1,7 +1,7 @@
 """Rates of the reactions of a scene at a point of the bed, in moles of reaction per volume of bed and time.
 
-`Local` is the state that they see. Laws with concentrations to a power, grains and shrinking cores take constants of
-the scene; others carry their own. K of a reversible reaction comes from the thermodynamics of its species.
+`local.Local` is the state that they see. Laws with concentrations to a power, grains and shrinking cores take constants
+of the scene; others carry their own. K of a reversible reaction comes from the thermodynamics of its species.
 """
 
 from __future__ import annotations
@@ -14,35 +14,18 @@ import numpy as np
 
 from contbed.closures import reactions as r
 from contbed.closures import reactions_reforming as reforming
-from contbed.closures.formula import Formula, odd_power, parse_formula, power
+from contbed.closures.formula import TINY, Formula, odd_power, parse_formula, power
 from contbed.closures.reactions import LAWS, R_GAS
 from contbed.materials.thermo import Equilibrium
 from contbed.particle import shrinking_core, three_interfaces
 from contbed.particle.effectiveness import effectiveness_of
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.laws import IRON, STAGED
+from contbed.reacting_bed.local import Local
 from contbed.reacting_bed.substances import Equation, Substances, equations_of
 
 BAR = 1e5
-FINEST = 1e-7  # share of a solid that is left, below which powers of it are straight lines
 SI_OF_BASIS = {"catalyst": "mol/kg/s", "gas": "mol/m**3/s", "particle": "mol/m**3/s", "bed": "mol/m**3/s"}
-
-
-@dataclass(frozen=True)
-class Local:
-    """State at points of the bed, as a reaction sees it."""
-
-    T: Any  # of the phase that reacts [K]
-    p: Any  # [Pa]
-    c: Mapping[str, Any]  # of gases [mol/m3]
-    x: Mapping[str, Any]  # mole fractions
-    n: Mapping[str, Any]  # of solids [mol/m3 bed]
-    eps: float
-    solids: float  # volume of the particles that react per volume of bed
-    radius: float  # of a particle [m]
-    catalyst: float  # mass of particles per volume of bed [kg/m3]
-    films: Mapping[str, Any]  # coefficient of each gas [m/s]; empty without films
-    small: float = FINEST  # share of a solid that is left, below which powers of it are straight lines
 
 
 Rate = Callable[[Local], Any]
@@ -65,6 +48,7 @@ class Reaction:
     kind: str | None = None  # of the particles in which it runs, where there are several
     alone: str | None = None  # name without the kind, where it runs in several
     gases: frozenset[str] = frozenset()  # of its equation and of its rate
+    has_roots: bool = False  # whether orders or a formula have powers between 0 and 1
 
     @property
     def key(self) -> str:
@@ -122,7 +106,9 @@ def _one(name: str, table: s.Reaction, equation: Equation, scene: s.ReactingScen
     if scene.particle.mass == "effectiveness" and table.diffusivity and not own_film and site == "particle":
         rate = _slowed(rate, table, equation, species, basis)
     scaled = _per_bed(rate, basis, table.factor)
-    return Reaction(name, equation, scaled, site, own_film, gases=_gases_of(table, used, gases))
+    roots = any(0.0 < n < 1.0 for n in (table.orders or {}).values())
+    roots = parse_formula(table.rate).has_roots if table.rate is not None else roots
+    return Reaction(name, equation, scaled, site, own_film, gases=_gases_of(table, used, gases), has_roots=roots)
 
 
 def _gases_of(table: s.Reaction, used: Mapping[str, float], gases: frozenset[str]) -> frozenset[str]:
@@ -164,7 +150,16 @@ def _amount(at: Local, name: str) -> Any:
 
 def _powers(at: Local, orders: Mapping[str, float]) -> Any:
     """Return the product of amounts to their orders, of which at most one factor may be negative."""
-    return r.product([odd_power(_amount(at, name), n) if n != 1.0 else _amount(at, name) for name, n in orders.items()])
+    small = {}
+    if at.small.amounts:
+        gas, solids = at.small.amounts * at.p / (R_GAS * at.T), at.small.amounts * sum(at.n.values())
+        small = {name: gas if name in at.c else solids for name, n in orders.items() if 0.0 < n < 1.0}
+    return r.product(
+        [
+            odd_power(_amount(at, name), n, small.get(name, TINY)) if n != 1.0 else _amount(at, name)
+            for name, n in orders.items()
+        ]
+    )
 
 
 def _power(table: s.Reaction, equation: Equation, equilibrium: Equilibrium, species: Substances) -> Rate:
@@ -252,7 +247,7 @@ def _grain(table: s.Reaction, equation: Equation, species: Substances) -> Rate:
         return (
             constant(table, at.T)
             * _powers(at, orders)
-            * odd_power(left, exponent, at.small)
+            * odd_power(left, exponent, at.small.solids)
             * total
             * (scale / at.solids)
         )
@@ -268,7 +263,7 @@ def _shrinking_core(table: s.Reaction, equation: Equation, equilibrium: Equilibr
     def rate(at: Local) -> Any:
         total = whole(at, equation, species)
         # not above 1, where the resistance of a product layer would be negative
-        q = np.minimum(shrinking_core.remaining_radius(at.n[name] / total, at.small), 1.0)
+        q = np.minimum(shrinking_core.remaining_radius(at.n[name] / total, at.small.solids), 1.0)
         k = constant(table, at.T)
         driving = at.c[gas]
         if equation.reversible:
@@ -296,9 +291,9 @@ def _stages(table: s.Reaction, equations: Mapping[str, Equation]) -> list[Reacti
 
     def rates(at: Local) -> Any:
         left = interface_volumes(at.n)
-        X = tuple(shrinking_core.remaining_radius(share, at.small) for share in left)
+        X = tuple(shrinking_core.remaining_radius(share, at.small.solids) for share in left)
         around = three_interfaces.Gas(at.c[data.reducing], at.c[data.oxidised], at.films.get(gas, np.inf))
-        guard = max(three_interfaces.GUARD, at.small)
+        guard = max(three_interfaces.GUARD, at.small.solids)
         taken = three_interfaces.interface_rates(X, at.radius, around, data.constants(at.T), guard)  # type: ignore[arg-type]
         scale = (3.0 / at.radius) * table.factor * at.solids
         return [w * x * x * scale for w, x in zip(taken, X, strict=True)]
@@ -346,6 +341,13 @@ def formula_values(at: Local, left: Any) -> dict[str, Any]:
     return values | {f"n_{name}": n for name, n in at.n.items()}
 
 
+def sizes_of(at: Local) -> dict[str, Any]:
+    """Return the largest values of what a formula may name: those of one gas alone, and of one solid."""
+    molar, solids = at.p / (R_GAS * at.T), sum(at.n.values())
+    of_gas = {f"{kind}_{name}": size for name in at.c for kind, size in (("c", molar), ("x", 1.0), ("p", at.p))}
+    return {"X": 0.0, **of_gas, **{f"n_{name}": solids for name in at.n}}
+
+
 def formula_of(table: s.Reaction, basis: str) -> tuple[Formula, dict[str, float], float]:
     """Return the formula of a rate, its parameters in SI and the factor of its unit."""
     from contbed.scene.units import base_value, factor_and_offset
@@ -368,6 +370,8 @@ def _formula(table: s.Reaction, equation: Equation, basis: str, species: Substan
         left: Any = 1.0
         if has_solid and "X" in formula.names:
             left = at.n[solids_of(equation, species)[0]] / whole(at, equation, species)
-        return formula({**formula_values(at, left), **parameters}) * factor
+        values = {**formula_values(at, left), **parameters}
+        sizes = {**values, **sizes_of(at)} if at.small.amounts else None
+        return formula(values, at.small.amounts, sizes) * factor
 
     return rate

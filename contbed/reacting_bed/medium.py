@@ -15,7 +15,7 @@ from contbed.errors import SceneError
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.equations.unknowns import LEAST_T, State
 from contbed.reacting_bed.inlet_series import constant
-from contbed.reacting_bed.kinetics import FINEST, Local
+from contbed.reacting_bed.local import SHARPEST, Local, Smoothing
 from contbed.reacting_bed.substances import Substances
 from contbed.scene.tables import Closure
 
@@ -228,7 +228,7 @@ class Medium:
         state: State,
         transport: Transport,
         reaction: Any,
-        small: float | None = None,
+        small: Smoothing | None = None,
         inner: Mapping[str, Any] | None = None,
     ) -> Local:
         """Return the state as a reaction sees it, with concentrations `inner` of gases inside of particles."""
@@ -253,7 +253,7 @@ class Medium:
             0.5 * bed.diameter,
             self.solids_density,
             transport.films,
-            small or FINEST,
+            small or SHARPEST,
         )
 
     def _dispersion(self, key: str, spec: Any, needs: Any) -> dict[str, Any]:

@@ -27,7 +27,8 @@ from contbed.errors import ConvergenceError
 from contbed.fem.dual import Dual
 from contbed.particle.shells import shells
 from contbed.reacting_bed import scene as s
-from contbed.reacting_bed.kinetics import Local, Reaction
+from contbed.reacting_bed.kinetics import Reaction
+from contbed.reacting_bed.local import Local
 
 Array = NDArray[np.float64]
 RAMP = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.4, 1.0)  # shares of the rates, from a pellet without gradients to its own

@@ -66,6 +66,11 @@ class Plan:
         """Whether the run takes time steps that it could go on from."""
         return self.scene.time is not None
 
+    @property
+    def searches(self) -> bool:
+        """Whether a steady state is searched, whose length only a trial tells."""
+        return not self.steps
+
     def to_try(self) -> tuple[Plan, float]:
         """Return the plan of a trial, of a cycle that of one period, and the processor time that it took [s]."""
         time = self.scene.time
@@ -181,8 +186,22 @@ def _built(scene: s.ReactingScene) -> tuple[Schedule, Problem]:
     problem = _at_start(scene, schedule)
     with np.errstate(all="ignore"):
         problem.bed(problem.first_point(), [0.0] * len(problem.layout.names), 0.0)
-    require_rates(problem)
+    require_rates(problem, _with_other_gases(scene, problem, schedule))
     return schedule, problem
+
+
+def _with_other_gases(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -> Iterator[Problem]:
+    """Yield the problem with the streams of the first time at which other gases are there or not."""
+    known = {_gases_there(problem)}
+    for moment in schedule.moments() if schedule.species else ():
+        at = problem.within(schedule.frozen(scene, moment))
+        if (there := _gases_there(at)) not in known:
+            known.add(there)
+            yield at
+
+
+def _gases_there(problem: Problem) -> frozenset[str]:
+    return frozenset(name for name, moles in problem.streams.gas.items() if moles)
 
 
 def _gas_storage(scene: s.ReactingScene, problem: Problem, schedule: Schedule) -> tuple[bool, str]:

@@ -24,6 +24,7 @@ from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.inside import Choice, with_inside
 from contbed.reacting_bed.kinds import species_of
 from contbed.reacting_bed.kinetics import Reaction, reactions_of
+from contbed.reacting_bed.local import Smoothing
 from contbed.reacting_bed.medium import Medium
 from contbed.reacting_bed.pellets import Pellets, in_pellets
 from contbed.reacting_bed.streams import Streams, gas_sign, inlet, streams
@@ -110,8 +111,8 @@ class Problem:
         """Return the problem whose gas is stored in time at a pressure [Pa], one number or one for each node."""
         return replace(self, bed=replace(self.bed, gas_pressure=pressure))
 
-    def with_small(self, small: float | None) -> Problem:
-        """Return the problem with powers of what is left of a solid made straight below another share."""
+    def with_small(self, small: Smoothing | None) -> Problem:
+        """Return the problem with powers between 0 and 1 made straight below other shares; None: those of the laws."""
         return replace(self, bed=replace(self.bed, small=small))
 
     def with_most_lost(self, most: Array) -> Problem:
@@ -124,6 +125,11 @@ class Problem:
     def layout(self) -> Layout:
         """The unknowns."""
         return self.bed.layout
+
+    @property
+    def has_roots(self) -> bool:
+        """Whether rates may have powers between 0 and 1, whose slopes are infinite where nothing is left."""
+        return bool(self.layout.solids) or any(reaction.has_roots for reaction in self.reactions)
 
     @property
     def pellets(self) -> dict[str | None, Pellets]:

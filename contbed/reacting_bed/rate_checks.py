@@ -11,6 +11,7 @@ Solids at rest have limits of their own, see `equations.losses`; laws that are n
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from contbed.closures.formula import parse_formula
 from contbed.closures.reactions import R_GAS
 from contbed.errors import SceneError
 from contbed.fem.dual import Dual
+from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed.amounts import allowed, along, at_rest
 from contbed.reacting_bed.equations.unknowns import State, conserved
 from contbed.reacting_bed.kinetics import Reaction
@@ -70,27 +72,65 @@ def amounts(problem: Problem) -> list[Amount]:
     return out
 
 
-def require_rates(problem: Problem) -> None:
-    """Check the rates of a steady bed where everything is as it enters, from where its solution is sought.
+ENTERS, FILLS = "as gas and solids enter", "in the gas that fills the bed at the start"
+
+
+def require_rates(problem: Problem, later: Iterable[Problem] = ()) -> None:
+    """Check the rates of a bed where everything is as it enters, and in time in the gas that fills the bed.
+
+    A steady bed has the temperature from which its solution is sought, one in time that of its start. A start from a
+    file is not looked at.
+
+    Parameters
+    ----------
+    problem : of a run in time with what enters at its start
+    later : with what enters later
 
     Raises
     ------
-    SceneError : a rate or its slope is not finite there, or rates take a species that does not enter
+    SceneError : a rate or its slope is not finite there, or rates of a steady bed take a species that does not enter
     """
-    if problem.scene.time is not None or not problem.reactions:
+    time = problem.scene.time
+    if not problem.reactions or (time is not None and time.initial is not None):
         return
-    T = problem.scene.guess.temperature or problem.mixing_temperature
+    if time is None:
+        T = problem.scene.guess.temperature or problem.mixing_temperature
+        _takes_what_enters(problem, _require_values(problem, problem.streams.gas, T, ENTERS))
+        return
+    for each in (problem, *later):
+        _require_values(each, each.streams.gas, time.initial_temperature or each.streams.T_gas, ENTERS)
+    if time.initial_composition is not None:
+        fills = mole_fractions(time.initial_composition)
+        _require_values(problem, fills, time.initial_temperature or problem.streams.T_gas, FILLS)
+
+
+def _require_values(problem: Problem, gas: Mapping[str, float], T: float, where: str) -> list[Array]:
+    """Return all rates in a gas of given moles at a temperature [K], with solids as they enter; they are finite."""
     entering = [part[:1, 0] for part in problem.start(T)[: len(problem.layout.names)]]
+    whole = sum(gas.values())
+    for row, name in enumerate(problem.layout.names):
+        if name.startswith("g_"):
+            entering[row] = np.array([gas.get(name[2:], 0.0) / whole * sum(problem.streams.gas.values())])
     with np.errstate(all="ignore"):
         state = problem.bed.state([Dual(value, {k: np.ones(1)}) for k, value in enumerate(entering)])
         rates = problem.bed.rates(state, problem.bed.medium.at(state))
     for reaction, rate in zip(problem.reactions, rates, strict=True):
         if not all(np.isfinite(part).all() for part in (_value(rate), *getattr(rate, "tangents", {}).values())):
-            raise SceneError(_without_value(problem, reaction, state, rate))
-        if (sentence := _infinite_order(problem, reaction, state)) is not None:
+            raise SceneError(_without_value(problem, reaction, state, rate, where))
+        if (sentence := _infinite_order(problem, reaction, state, where)) is not None:
             raise SceneError(sentence)
-    made = [np.broadcast_to(_value(rate), (1, 1)) for rate in rates]
+    return [np.broadcast_to(_value(rate), (1, 1)) for rate in rates]
+
+
+def _takes_what_enters(problem: Problem, made: list[Array]) -> None:
+    """Refuse rates of a bed as everything enters that take a species which does not.
+
+    Raises
+    ------
+    SceneError : they do
+    """
     tolerance = allowed(problem.scene)
+    entering = problem.first_point()
     for amount in amounts(problem):
         if entering[amount.row] == 0.0 and _taken(problem, amount, made, tolerance).any():
             raise SceneError(_sentence(problem, amount, made, 0, "does not enter"))
@@ -213,8 +253,8 @@ def _sentence(problem: Problem, amount: Amount, made: list[Array], at: int, what
     return f"{text}: multiply it by a factor such as {name}/(abs({name}) + {SWITCH * whole:.1g})"
 
 
-def _without_value(problem: Problem, reaction: Reaction, state: State, rate: Any) -> str:
-    """Return which rate has no value where everything is as it enters, and the remedy."""
+def _without_value(problem: Problem, reaction: Reaction, state: State, rate: Any, where: str) -> str:
+    """Return which rate has no value in a state, as everything enters or the bed is filled, and the remedy."""
     own = state.of(reaction.kind)
     T = float(_value(own.T_fluid if reaction.site == "gas" else own.T_solid).ravel()[0])
     value = float(_value(rate).ravel()[0])
@@ -225,18 +265,21 @@ def _without_value(problem: Problem, reaction: Reaction, state: State, rate: Any
     absent = sorted(name for name in names if name in amounts_there and not _value(amounts_there[name]).any())
     because = f", where there is no {', no '.join(absent)}" if absent else ""
     remedy = "; add a small amount to what it divides by, such as c_X + 1e-6" if absent else "; see its limits"
-    return f"{_place(problem, reaction)}: {what} as gas and solids enter, at {T:g} K{because}{remedy}"
+    return f"{_place(problem, reaction)}: {what} {where}, at {T:g} K{because}{remedy}"
 
 
-def _infinite_order(problem: Problem, reaction: Reaction, state: State) -> str | None:
-    """Return which negative order is one in a species that does not enter, where powers are straight lines to zero."""
+def _infinite_order(problem: Problem, reaction: Reaction, state: State, where: str) -> str | None:
+    """Return which negative order is one in a species that is not there, where powers are straight lines to zero."""
     table = problem.scene.reactions.get(reaction.key)
+    orders = (table.orders if table is not None else None) or {}
     there = {**state.g, **state.of(reaction.kind).n}
-    for name, order in ((table.orders if table is not None else None) or {}).items():
+    if any(order > 0.0 and name in there and not _value(there[name]).any() for name, order in orders.items()):
+        return None  # nothing reacts
+    for name, order in orders.items():
         if order < 0.0 and name in there and not _value(there[name]).any():
             formula = f"{'c' if name in state.g else 'n'}_{name} + 1e-6"
             return (
-                f"{_place(problem, reaction)}: is infinite as gas and solids enter, where there is no {name}, of which "
+                f"{_place(problem, reaction)}: is infinite {where}, where there is no {name}, of which "
                 f"the order is {order:g}: give a rate in place of A, E and orders, with ({formula})**({order:g})"
             )
     return None

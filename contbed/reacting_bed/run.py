@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from contbed.errors import ConvergenceError
+from contbed.output.progress import Progress
 from contbed.reacting_bed import limited, results, solve
 from contbed.reacting_bed.plan import Plan
 from contbed.reacting_bed.problem import Problem, isothermal_drop
 from contbed.reacting_bed.rate_checks import taken_though_absent
 from contbed.result import Result
 
-LARGE_SMOOTHING = 1e-5  # share of a solid above which a warning tells what was rounded
+LARGE_SMOOTHING = 1e-5  # share of a gas or solid above which a warning tells what was rounded
 RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "output")
 
 
@@ -40,7 +41,8 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
 
             run_transient(course, result, folder, quiet, start, periods)
         return
-    report = solve.Report()
+    progress = Progress(1.0, quiet=True)  # watched by the trial that tells the time
+    report = solve.Report(tell=progress.advance_to)
     problem = plan.problem
     with result.timed("bed"):
         try:
@@ -57,9 +59,9 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         result.warnings.append("the last better cells gave no state: the errors are those of `estimated_error`")
     if smoothed > plan.scene.solver.tolerance:
         result.warnings.append(
-            f"powers of what is left of a solid are straight lines below {report.small:g} of it, as sharper ones give "
-            f"no state on these cells; this changes what leaves by {smoothed:.2g} of what enters. A solver.tolerance "
-            "that differs, or mesh.cells, gives other cells"
+            f"powers of what is left of a gas or solid are straight lines below {report.small:g} of the whole, as "
+            f"sharper ones give no state on these cells; this changes what leaves by {smoothed:.2g} of what enters. A "
+            "solver.tolerance that differs, or mesh.cells, gives other cells"
         )
     if report.damping_changes > limited.LARGE_CHANGE * plan.scene.solver.tolerance:
         result.warnings.append(
@@ -78,7 +80,7 @@ def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tup
         from contbed.reacting_bed.branch import follow
 
         with result.timed("continuation"):
-            follow(*whole, result)
+            follow(*whole, result, lambda: progress.advance_to(solve.LAST_SHARE))
 
 
 def _sentence(problem: Problem, error: ConvergenceError) -> str:

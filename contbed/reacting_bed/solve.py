@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from contbed.errors import ConvergenceError
 from contbed.reacting_bed.cells import MOST_CELLS, halves, moved, next_cells
 from contbed.reacting_bed.equations.unknowns import conserved
-from contbed.reacting_bed.kinetics import FINEST
+from contbed.reacting_bed.local import FINEST, Smoothing
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import rate_without_value, taken_to_the_end
 from contbed.reacting_bed.storage import Storage
@@ -26,7 +27,7 @@ FIRST_CELLS = 24
 ROUNDS = 10
 FIRST_ITERATIONS = 60  # of Newton's method from a first guess
 FEW_ITERATIONS = 15  # where the guess is near
-SMOOTHEST = 0.1  # share of a solid below which its powers are straight lines, to begin with
+SMOOTHEST = 0.1  # share of a gas or solid below which its powers are straight lines, to begin with
 SHARPER, LEAST_SHARPER = 0.1, 0.7  # factor from one such share to the next, and beyond which no sharper is tried
 STEPS = 120  # of the march in time
 GROWTH, SHORTER = 1.6, 0.25  # of its steps
@@ -34,6 +35,10 @@ MOST_FAILURES = 15
 STEPS_PER_CELLS = 3
 STILL = 1e-7  # largest change in a step, over typical sizes, of a state that is steady
 EVEN_CELLS = 30  # that are put between the first ones for the march
+# iterations of a steady state, over those on its first cells, where Newton's method finds it from the first guess, and
+# where more help is needed: measured on tubes and shafts, with cells that follow the errors and with given ones
+EXPECTED = {(False, True): 20.0, (True, True): 550.0, (False, False): 12.0, (True, False): 130.0}
+LAST_SHARE = 0.95  # of what is expected, that is told where it takes longer
 START_OF_MARCH = 1e-2  # of the residence time of the solids
 END_OF_MARCH = 1e5
 
@@ -48,9 +53,20 @@ class Report:
     marched: bool = False
     stopped: bool = False  # whether no state was found on better cells
     sharpest: bool = False  # whether no sharper powers of what is left of solids are tried
-    small: float = 0.0  # share of a solid below which its powers are straight lines; 0 for that of the laws
+    small: float = 0.0  # share of a gas or solid below which its powers are straight lines; 0 for that of the laws
     damped: int = 0  # cells in which amounts would fall below zero, see `limited`
     damping_changes: float = 0.0  # what leaves, over what enters
+    tell: Callable[[float], None] | None = None  # is told which share of the way of a steady state has been gone
+    helped: bool = False  # whether Newton's method has failed from the first guess
+    work: float = 0.0  # iterations so far, each times its cells
+
+    def count(self, problem: Problem) -> None:
+        """Count an iteration, and tell the share of all that are expected."""
+        self.work += problem.line.cells
+        if self.tell is not None:
+            cells = problem.scene.mesh.cells
+            whole = EXPECTED[self.helped, cells is None] * (FIRST_CELLS if cells is None else problem.line.cells)
+            self.tell(min(self.work / whole, LAST_SHARE))
 
 
 def measure(problem: Problem, residual: Array) -> float:
@@ -93,6 +109,7 @@ def step(problem: Problem, u: Array, report: Report, storage: Storage | None = N
             what = rate_without_value(problem, u) or "a rate or property is not finite"
             raise failed(what, problem, u, report, storage)
         report.history.append(norm)
+        report.count(problem)
         du = slopes.factors(problem.flux_sizes, problem.sizes).solve(-residual)
         share = limited(problem, u, du)
     if not np.isfinite(du).all():
@@ -230,7 +247,7 @@ def on_better_cells(problem: Problem, u: Array, vertices: Array, report: Report)
             except ConvergenceError:
                 pass
             try:
-                if problem.layout.solids:
+                if problem.has_roots:
                     report.sharpest = True
                     return sharpened(other, at_start, report)
             except ConvergenceError:
@@ -255,8 +272,8 @@ def on_cells(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array
         try:
             return problem, newton(problem, u, report, most=FIRST_ITERATIONS)
         except ConvergenceError:
-            pass
-        if problem.layout.solids:
+            report.helped = True
+        if problem.has_roots:
             try:
                 return sharpened(problem, u, report)
             except ConvergenceError:
@@ -271,21 +288,23 @@ def on_cells(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array
 
 
 def sharpened(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
-    """Return the state reached with powers of what is left of solids made sharper step by step, on cells that follow.
+    """Return the state reached with powers of what is left made sharper step by step, on cells that follow.
 
-    Where reaction ends at a point, powers below one have infinite slopes there; the sharpest that converges is kept.
+    Where reaction ends at a point, powers below one have infinite slopes there, and Newton's method goes from one side
+    of zero to the other; the sharpest that converges is kept.
     """
     small, factor = SMOOTHEST, SHARPER
-    done, u = smooth(problem.with_small(small), u, report)
+    done, u = smooth(problem.with_small(Smoothing(small, small)), u, report)
     while small > FINEST and factor < LEAST_SHARPER:
-        cells = done.on(next_cells(done, u)[0])
-        trial = cells.with_small(max(factor * small, FINEST))
+        cells = done if problem.scene.mesh.cells is not None else done.on(next_cells(done, u)[0])
+        below = max(factor * small, FINEST)
+        trial = cells.with_small(Smoothing(below, below))
         try:
             found = newton(trial, moved(done, u, trial), report, most=2 * FEW_ITERATIONS)
         except ConvergenceError:
             factor **= 0.5
             continue
-        small, done, u = max(factor * small, FINEST), trial, found
+        small, done, u = below, trial, found
     report.small = small
     return done, u
 
@@ -312,11 +331,11 @@ def smooth(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
 
 
 def sharper(problem: Problem, u: Array, report: Report) -> tuple[Problem, Array]:
-    """Return the state with powers of what is left of solids one step sharper, where that converges."""
+    """Return the state with powers of what is left one step sharper, where that converges."""
     small = max(SHARPER * report.small, FINEST)
     if report.sharpest or not small < report.small:
         return problem, u
-    trial = problem.with_small(small)
+    trial = problem.with_small(Smoothing(small, small))
     try:
         u = newton(trial, u, report, most=FEW_ITERATIONS)
     except ConvergenceError:

@@ -30,7 +30,7 @@ GAMMA = 1.0 - 0.5**0.5
 SLOWEST = 0.2  # factor by which a correction with an older matrix has to fall
 CORRECTIONS = 12  # at most, with an older matrix
 ROUNDINGS = 1e3  # of the terms of a residual, below which no other matrix makes it smaller
-ROUNDING = 1e-14  # of typical sizes, below which what is left of an error does not open balances
+ROUNDING = 5e-16  # of typical sizes, below which what is left of an error does not open balances
 
 
 def stages(

@@ -60,7 +60,9 @@ def run_transient(
     """
     time, origin = course.time, course.scene.origin
     report = solve.Report()
-    history = begin(course, course.start()) if start is None else History.unpack(*start).fitted(time, origin)
+    history = begin(course, course.start()) if start is None else History.unpack(*start)
+    if start is not None and periods is None:  # of a cycle the state alone counts, from which periods begin anew
+        history = history.fitted(time, origin)
     label = identity(course.scene) if folder is not None else {}
 
     def save() -> None:

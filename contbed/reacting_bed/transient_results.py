@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.balance import Balance
+from contbed.balance import HELD_SHARE, Balance
 from contbed.reacting_bed import results
 from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.history import History
@@ -45,7 +45,8 @@ def contents(problem: Problem, u: Array) -> Array:
 
 def _balances(problem: Problem, history: History, result: Result) -> None:
     """Add what of every element, and of energy with heats of formation, has passed the ends and is stored."""
-    gain = contents(problem, history.u) - history.held
+    held = contents(problem, history.u)
+    gain = held - history.held
     names = problem.layout.names
     inward = history.passed * np.array([1.0, -1.0])
     solids = [k for k, name in enumerate(names) if name.startswith("n_")]
@@ -59,7 +60,7 @@ def _balances(problem: Problem, history: History, result: Result) -> None:
         stored = float(gain @ atoms)
         through = 0.5 * float(np.abs(history.both_ways * atoms[:, None]).sum())
         turned_over = float((history.reacted * atoms)[solids].max(initial=0.0))
-        scale = max(entering, through, float(np.abs(gain * atoms).max()), turned_over)
+        scale = max(entering, through, float(np.abs(gain * atoms).max()), turned_over, _blurring(held * atoms))
         if scale > 0.0:
             result.balances[element] = Balance(
                 float(entering), float(leaving), "mol/m2", stored=stored, scale=float(scale)
@@ -69,7 +70,12 @@ def _balances(problem: Problem, history: History, result: Result) -> None:
         wall = float(history.sources[heat].sum())
         parts = inward[heat].ravel()
         stored = float(gain[heat].sum())
-        scale = max(history.carried, abs(wall), abs(stored))
+        scale = max(history.carried, abs(wall), abs(stored), _blurring(held[heat]))
         result.balances["energy"] = Balance.of_fluxes(
             [float(part) for part in parts], "J/m2", wall, stored, floor=scale
         ).as_dict()
+
+
+def _blurring(held: Array) -> float:
+    """Return the least scale of a balance by what a bed holds: each step rounds it, whatever passes or reacts."""
+    return HELD_SHARE * float(np.abs(held).sum())

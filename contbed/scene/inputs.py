@@ -50,18 +50,21 @@ def file_of(path: KeyPath, name: str, base: Path) -> Path | None:
     return mechanism_file(name, base) if path[-1] == "mechanism" else base / name
 
 
-def all_inputs(part: Any, base: Path) -> list[Path]:
-    """Return all files that a run reads, with what a geometry includes; missing files are left out."""
-    found: dict[Path, None] = {}
+def inputs_by_key(part: Any, base: Path) -> Iterator[tuple[KeyPath, Path]]:
+    """Yield key and path of all files that a run reads, with what a geometry includes; missing files are left out."""
     for path, name in named_files(part):
         file = file_of(path, name, base)
         if file is None or "\0" in name or not file.is_file():
             continue
         if file.suffix.lower() == _GEOMETRY:
-            found.update(dict.fromkeys(scan(file, base).inputs))
+            yield from ((path, each) for each in scan(file, base).inputs)
         else:
-            found[file] = None
-    return list(found)
+            yield path, file
+
+
+def all_inputs(part: Any, base: Path) -> list[Path]:
+    """Return all files that a run reads, each once; see `inputs_by_key`."""
+    return list(dict.fromkeys(file for _, file in inputs_by_key(part, base)))
 
 
 def unusable_files(parts: Mapping[str, Any], origin: Origin) -> Iterator[tuple[KeyPath, str]]:

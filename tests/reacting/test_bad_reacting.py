@@ -187,3 +187,35 @@ def test_pressures_that_are_not_found_are_told(monkeypatch):
         ConvergenceError, match=r'bed\.toml: .* at x = .* are sought; give flow\.pressure_drop = "none"'
     ):
         contbed.run(loads(with_pressure(GOOD), "bed.toml"))
+
+
+SECTION = """
+[wall]
+diameter = 0.05
+coefficient = 100.0
+ambient = 600.0
+[section]
+dispersion = "vdi"
+"""
+
+
+@pytest.mark.parametrize("table", ["heat", "section"])
+@pytest.mark.parametrize(
+    ("fluid", "said"),
+    [
+        ('conductivity_fluid = "phase"', "eps k_fluid is added"),
+        ('conductivity_fluid = "zehner_schluender"', "conductivity_fluid is added"),
+        ("conductivity_fluid = 0.0", None),
+        ("", None),
+    ],
+)
+def test_a_conductivity_of_the_whole_bed_beside_that_of_the_gas_is_told(table, fluid, said):
+    whole = f'conductivity_solid = "zehner_schluender"\n{fluid}\n'
+    text = GOOD.replace('model = "ideal_gas"', 'model = "ideal_gas"\nconductivity = 0.04') + "[solid]\n"
+    text += "density = 2000.0\nconductivity = 1.0\nheat_capacity = 900.0\n" + SECTION
+    text += whole + "[heat]\n" if table == "section" else f"[heat]\n{whole}"
+    warnings = loads(text, "bed.toml").warnings
+    assert len(warnings) == (said is not None)
+    for warning in warnings:
+        assert f"{table}.conductivity_solid" in warning and said in warning
+        assert warning.endswith(f"twice; give {table}.conductivity_fluid = 0")

@@ -138,14 +138,59 @@ def test_a_negative_order_in_what_does_not_enter_is_infinite():
     assert 0.1 < advised.qoi["conversion_A"] < 1.0
 
 
-def test_a_rate_without_value_at_the_start_of_a_run_in_time_is_told():
-    """The gas that fills the bed has neither A nor B."""
+def in_time(reaction, fills=None, **more):
+    """Gas A and B that fills the bed or follows at once; `fills` is what is there before."""
     scene = isothermal("A:0.5, B:0.5", species(A=0.028, B=0.028, N=0.028))
     scene["mesh"]["cells"] = 8
-    scene["reactions"] = {"r": {"equation": "A -> B", "rate": "0.5*c_A/c_B"}}
-    scene["time"] = {"end": 1.0, "initial_composition": "N:1", "gas": "stored"}
+    scene["reactions"] = {"r": {"equation": "A -> B", **reaction}}
+    scene["time"] = {"end": 1.0, "gas": "stored"} | ({} if fills is None else {"initial_composition": fills})
+    return {**scene, **more}
+
+
+ORDERS = {"A": 0.1, "E": 0.0, "orders": {"A": 1.0, "B": -0.5}}
+INFINITE = r"reactions\.r: is infinite {}, where there is no B, of which the order is -0\.5: .*\(c_B \+ 1e-6\)"
+
+
+@pytest.mark.parametrize(
+    ("reaction", "fills", "enters", "said"),
+    [
+        (
+            {"rate": "0.5*c_A/c_B"},
+            "N:1",
+            None,
+            r"r\.rate: is nan in the gas that fills .* at 500 K, where .* no A, no B",
+        ),
+        (ORDERS, "A:1", None, INFINITE.format("in the gas that fills the bed at the start")),
+        (ORDERS, None, "A:1", INFINITE.format("as gas and solids enter")),
+        (ORDERS, None, {"times": [0.0, 0.5], "values": ["A:0.5, B:0.5", "A:1"], "form": "step"}, "is infinite as gas"),
+    ],
+    ids=["filled", "filled by A", "enters", "enters later"],
+)
+def test_rates_without_value_are_told_before_a_run_in_time(reaction, fills, enters, said):
+    scene = in_time(reaction, fills)
+    if enters is not None:
+        scene["fluid"]["composition"] = enters
+    with pytest.raises(SceneError, match=said):
+        require_buildable(from_dict(scene))
+
+
+def test_a_gas_without_what_reacts_is_no_mistake():
+    """A purge has neither A, of which the order is positive, nor B, of which it is negative."""
+    require_buildable(from_dict(in_time(ORDERS, "N:1")))
+
+
+def test_a_rate_without_value_at_the_start_of_a_file_is_told(tmp_path):
+    """The gas of the file has neither A nor B."""
+    (tmp_path / "start.csv").write_text("x [m],x_N [1]\n0,1\n1,1\n")
+    scene = in_time({"rate": "0.5*c_A/c_B"})
+    scene["time"]["initial"] = {"file": "start.csv"}
     with pytest.raises(ConvergenceError, match=r"at t = 0 s; the rate of r is nan at x = .*: add a small amount"):
-        contbed.run(from_dict(scene))
+        contbed.run(from_dict(scene, base=tmp_path))
+
+
+def test_a_rate_that_loses_its_value_in_time_is_told():
+    with pytest.raises(ConvergenceError, match=r"the rate of r is nan at x = .* at t = 0\.\d+ s"):
+        contbed.run(from_dict(in_time({"rate": "c_A*(1 + 0*log(x_A - 0.45))"})))
 
 
 def test_an_infinite_part_of_a_finite_rate_is_silent():

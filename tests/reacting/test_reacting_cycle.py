@@ -304,6 +304,17 @@ def test_a_bed_that_stores_nothing_closes_in_its_first_period():
     assert found.qoi["x_A_out"] == pytest.approx(np.exp(-0.4 / 0.5), abs=1e-6)  # plug flow, to the error of 8 cells
 
 
+def test_a_cycle_that_was_found_is_told_at_other_times(tmp_path):
+    scene = following("c_A")
+    contbed.run(from_dict(scene), out=tmp_path / "one")
+    scene["time"]["times"] = [0.5, 1.5]
+    again = contbed.run(from_dict(scene), out=tmp_path / "two", restart=tmp_path / "one")
+    assert again.qoi["cycle_periods"] == 1
+    wanted = solved(scene)
+    assert again.profiles["x_A [1]"] == pytest.approx(wanted.profiles["x_A [1]"], rel=1e-12)  # nothing is stored
+    assert sorted(set(again.profiles["t [s]"])) == [0.5, 1.5, 2.0]
+
+
 def test_rates_that_take_what_is_not_there_in_a_cycle_are_told():
     taking = 0.55 * 0.5 * MOLAR / 0.4  # 0.55 of the gas, of which half is A in the first half of the period
     with pytest.raises(ConvergenceError, match=r"r\.rate: takes .* of A where .*A falls to -0\.05 .* at t = 2e-05 s"):

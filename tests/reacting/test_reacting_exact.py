@@ -17,6 +17,7 @@ from reacting_bed_scenes import (
 from solving import solved
 
 from contbed.reacting_bed import solve
+from contbed.reacting_bed.local import Smoothing
 
 # of what enters: fluxes at the ends converge with order 7; cells follow a tolerance of 1e-6 and reach 1e-8 and better
 DIGITS = 1e-8
@@ -100,7 +101,7 @@ def test_inert_gases_have_no_conversion():
 def test_what_smooth_powers_change_is_estimated(shares, within):
     """Straight lines below 1e-3 of a core, by a step of Newton's method; half too much where it ends within the bed."""
     problem, sharp = solved(shrinking_core(*shares)).solved
-    smooth = problem.with_small(1e-3)
+    smooth = problem.with_small(Smoothing(1e-3))
     u = solve.newton(smooth, sharp, solve.Report())
     change = np.abs(solve.what_leaves(problem, sharp) - solve.what_leaves(smooth, u)).max()
     assert change > 1e-8

@@ -12,7 +12,7 @@ from small_scenes import STEADY
 
 import contbed as cb
 from contbed import cli
-from contbed.errors import ContbedError
+from contbed.errors import ContbedError, SceneError
 from contbed.loading import loads
 from contbed.output.files import atomic
 from contbed.output.folder import LOCK, occupied, read_summary
@@ -53,6 +53,49 @@ def test_an_input_that_an_earlier_run_has_written_stays(tmp_path):
         place.begin({}, keep=False, inputs=[tmp_path / "closure.toml"])
         assert names(tmp_path) == {"closure.toml", "summary.json", LOCK}
         assert status(tmp_path) == "running"
+
+
+REACTING = """
+mesh = { type = "line", length = 1.0 }
+fluid = { model = "ideal_gas", composition = "A:1", species.A = { elements.H = 28, molar_mass = 0.028 } }
+bed = { porosity = 0.4, particle_diameter = 3e-3 }
+flow = { molar_flux = 1.0, pressure_drop = "none" }
+boundary.left.fluid.inflow = 500
+time = { end = 1.0, initial = { file = "out/profiles.csv" } }
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        (TRANSIENT.replace("initial_solid = 400.0", 'initial_solid = { file = "out/profiles.csv" }'), "initial_solid"),
+        (REACTING, "initial"),
+    ],
+    ids=["packed", "reacting"],
+)
+def test_a_run_does_not_replace_what_it_reads(tmp_path, text, key):
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "profiles.csv").write_text("x [m],T_solid [K],x_A [1]\n0,400,1\n1,400,1\n")
+    (out / "summary.json").write_text('{"status": "ok", "files": ["profiles.csv", "summary.json"]}')
+    before = {path: path.read_text() for path in out.iterdir()}
+    (tmp_path / "linked").symlink_to(out)
+    scene = loads(text, base=tmp_path)
+    said = rf"scene\.toml:\d+: time\.{key}\.file: profiles\.csv lies in .* give another folder by --out"
+    for more in ({"out": out}, {"out": tmp_path / "linked"}, {"restart": out}):
+        with pytest.raises(SceneError, match=said):
+            cb.run(scene, **more)
+    assert before == {path: path.read_text() for path in out.iterdir()}
+
+
+def test_other_inputs_may_lie_among_results_and_are_not_replaced(tmp_path):
+    (tmp_path / "feed.csv").write_text("mine")
+    with occupied(tmp_path) as place:
+        place.begin({}, keep=False, inputs=[tmp_path / "feed.csv"])
+        said = r"cannot write .*feed\.csv: the run reads this file"
+        with pytest.raises(ContbedError, match=said), atomic(tmp_path / "feed.csv") as temporary:
+            temporary.write_text("a\n")
+        assert (tmp_path / "feed.csv").read_text() == "mine"
 
 
 def test_only_plain_names_of_the_folder_are_removed(tmp_path):

@@ -70,6 +70,34 @@ def test_the_end_of_the_period_is_its_start(tmp_path):
     assert found.qoi["cycle_change_K"] <= 1e-6 and found.qoi["storage_efficiency"] == pytest.approx(1.0, abs=1e-6)
 
 
+def test_an_interrupted_cycle_goes_on(tmp_path, monkeypatch):
+    """Ctrl-C in the fifth of some ten periods; those that are left begin with the state that was extrapolated."""
+    from contbed.packed_bed import cycle
+
+    path, before, count = regenerator(tmp_path / "s.toml", (10, 3), (10, 3), 1e-3, cells=20), cycle._period, []
+
+    def counted(*given, **more):
+        count.append(1)
+        if len(count) == 5:
+            raise KeyboardInterrupt
+        return before(*given, **more)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(cycle, "_period", counted)
+        with pytest.raises(KeyboardInterrupt):
+            run(load(path), out=tmp_path / "a")
+    whole = run(load(path))
+    again = run(load(path), out=tmp_path / "b", restart=tmp_path / "a")
+    assert again.qoi["cycle_change_K"] <= 1e-6 and again.qoi["cycle_periods"] < whole.qoi["cycle_periods"]
+    assert again.qoi["effectiveness_charge"] == pytest.approx(whole.qoi["effectiveness_charge"], abs=1e-3)  # of steps
+    # the cycle that was found, at another time as well
+    half = load(path).time.end / 2.0
+    path.write_text(f"time.times = [{half!r}]\noutput.positions = [0.5]\n{path.read_text()}")
+    both = run(load(path), out=tmp_path / "c", restart=tmp_path / "b")
+    assert both.qoi["cycle_periods"] <= 3 and len(both.profiles["x [m]"]) == 2
+    assert both.profiles["T_solid [K]"] == pytest.approx(run(load(path)).profiles["T_solid [K]"], abs=0.1)  # of steps
+
+
 def test_anderson_solves_a_linear_problem_in_as_many_steps_as_it_has_unknowns():
     rng = np.random.default_rng(1)
     matrix = np.diag(np.linspace(0.1, 0.995, 6)) + 0.01 * rng.standard_normal((6, 6))

@@ -61,7 +61,7 @@ class Bed:
     p_in: float
     T_in: float
     strength: float = 1.0  # factor of all rates
-    small: float | None = None  # share of a solid below which powers of it are straight lines; None: that of the laws
+    small: Any = None  # `local.Smoothing` of powers between 0 and 1; None: that of the laws
     gas_pressure: Any = None  # [Pa] at the nodes, at which the gas is stored in time; None: it follows at once
     inside: Inside | None = None  # particles that take up gas
     most_lost: Mapping[str, Any] = field(default_factory=dict)  # of solids at rest, see `losses` [mol/m3 bed/s]

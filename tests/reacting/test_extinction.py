@@ -1,0 +1,101 @@
+"""Gases that are used up within the bed at orders below 1: c^(1-n) falls by a straight line to zero, and stays there.
+
+u dc/dx = -eps k c^n,    c = (c0^(1-n) - (1-n) eps k x/u)^(1/(1-n)) before the point of extinction, 0 behind it
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from reacting_bed_scenes import MOLAR, P, isothermal, species
+from solving import CLOSED
+
+import contbed
+from contbed.closures.formula import parse_formula
+from contbed.loading import from_dict
+
+K, EPS, SPEED = 20.0, 0.4, 0.5  # [mol^(1-n)/m^(3-3n)/s], [-], [m/s]; for n = 1/2 it ends at 0.61 m
+X = np.linspace(0.0, 1.0, 81)
+
+
+def bed(cells=None, **law):
+    """A -> B in 1 m of gas."""
+    scene = isothermal("A:1", species(A=0.028, B=0.028))
+    scene["reactions"] = {"r": {"equation": "A -> B", **law}}
+    scene["output"]["positions"] = X.tolist()
+    if cells is not None:
+        scene["mesh"]["cells"] = cells
+    return scene
+
+
+def power(n, **more):
+    return bed(A=K, E=0.0, orders={"A": n}, **more)
+
+
+def solved(scene, n):
+    """The run, and the largest error of x_A outside of the cell in which the gas ends."""
+    found = contbed.run(from_dict(scene))
+    assert found.status == "ok" and not found.warnings
+    assert abs(found.balances["H"]["relative_residual"]) < CLOSED
+    left = MOLAR ** (1.0 - n) - (1.0 - n) * EPS * K * X / SPEED
+    wanted = np.maximum(left, 0.0) ** (1.0 / (1.0 - n)) / MOLAR
+    problem = found.solved[0]
+    end = MOLAR ** (1.0 - n) * SPEED / ((1.0 - n) * EPS * K)
+    vertices = problem.line.vertices
+    cell = np.searchsorted(vertices, end) - 1
+    outside = (vertices[cell] >= X) | (vertices[cell + 1] < X)
+    assert outside.sum() > len(X) - 20 and (X[outside] > end).any()
+    return found, float(np.abs(found.profiles["x_A [1]"] - wanted)[outside].max())
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        bed(rate=f"{K}*sqrt(c_A)"),
+        bed(rate="k*(p_A/p0)**0.5", parameters={"k": K * MOLAR**0.5, "p0": P}),
+        power(0.5),
+        power(0.5, cells=20),
+    ],
+    ids=["formula", "pressure", "order", "given cells"],
+)
+def test_a_square_root_ends_at_a_point(scene):
+    """A parabola, which the cells hold: what is left are powers below 1e-7 of the gas, and the cell where it ends."""
+    found, error = solved(scene, 0.5)
+    assert error < 1e-6  # solver.tolerance
+    assert found.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-10)
+    assert found.solved[0].bed.small.amounts <= 1e-7
+    assert "cells" not in scene["mesh"] or found.qoi["cells"] == scene["mesh"]["cells"]
+
+
+@pytest.mark.parametrize("n", [0.3, 0.7])
+def test_other_orders_end_at_a_point(n):
+    """Behind that of 0.7, which needs no help, polynomials of the cells around it reach further."""
+    found, error = solved(power(n), n)
+    assert error < 3e-5  # of cells, as solver.tolerance^0.7 is what they are held to
+    assert found.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-10)
+
+
+def test_two_gases_that_end_at_once_or_one_of_them():
+    scene = bed(rate="20*sqrt(c_A)*sqrt(c_C)")
+    scene["fluid"]["species"] |= species(C=0.028, D=0.028)
+    scene["reactions"]["r"]["equation"] = "A + C -> B + D"
+    scene["fluid"]["composition"] = "A:0.4, C:0.6"
+    found = contbed.run(from_dict(scene))
+    assert found.qoi["conversion_A"] == pytest.approx(1.0, abs=1e-10)
+    assert found.qoi["conversion_C"] == pytest.approx(2.0 / 3.0, abs=1e-10)
+
+
+def test_smooth_powers_of_a_formula():
+    """Straight below a share of what a power is taken of at the sizes; all else is as it is."""
+    formula = parse_formula("2*a**0.5 + sqrt(3*b)/a**1.5 - c**k")
+    assert formula.has_roots and not parse_formula("a**1.5 + b**k/a**(-0.5)").has_roots
+    values = {"a": np.array([4.0, 1e-6]), "b": np.array([9.0, 1e-7]), "c": np.array([2.0, 2.0]), "k": 0.5}
+    small, sizes = 0.01, {"a": 2.0, "b": 5.0, "c": 1.0, "k": 0.5}
+
+    def smooth(x, s):
+        return x * (x * x + s * s) ** -0.25
+
+    a, b = values["a"], values["b"]
+    wanted = 2.0 * smooth(a, 0.02) + smooth(3.0 * b, 0.15) / a**1.5 - 2.0**0.5
+    assert formula(values, small, sizes) == pytest.approx(wanted, rel=1e-9)  # of 1e-14 in a**1.5
+    assert formula(values) == pytest.approx(2.0 * a**0.5 + (3.0 * b) ** 0.5 / a**1.5 - 2.0**0.5, rel=1e-9)
