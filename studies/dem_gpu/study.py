@@ -29,7 +29,10 @@ TILES = (1, 4, 10, 32, 64)
 STEPS = {1: (1000, 1000), 4: (400, 400), 10: (200, 200), 32: (200, 40), 64: (200, 0)}  # on the GPU, on one core
 STATES = {"at rest": 0.0, "moving": 0.1}  # m/s, root mean square of each component of the velocity at the start
 HEATS = ("none", "contacts")
-NOT_COMPARED = ("gpu_ms_per_step", "gpu_ns", "core_ns", "times_faster", "apart", "wall_s", "times_cuda", "settling_s", "network_s", "balance")
+NOT_COMPARED = (
+    "gpu_ms_per_step", "gpu_ns", "core_ns", "times_faster", "apart", "wall_s", "times_cuda", "settling_s", "network_s",
+    "balance",
+)  # fmt: skip
 COLUMNS = {
     "particles": "d", "state": "", "heat": "", "gpu_ms_per_step": ".3g", "gpu_ns": ".3g", "core_ns": ".3g",
     "times_faster": ".0f", "apart": ".1e",
