@@ -87,8 +87,12 @@ class Problem:
         return replace(self, peaks={**self.peaks, **known})
 
     def on(self, vertices: Array) -> Problem:
-        """Return the problem on other cells."""
-        return replace(self, line=replace(self.line, vertices=vertices), damping=None)
+        """Return the problem on other cells; pressures at which gas is stored are the polynomials of these."""
+        line, pressure = replace(self.line, vertices=vertices), self.bed.gas_pressure
+        made = replace(self, line=line, damping=None)
+        if not np.ndim(pressure):
+            return made
+        return made.with_gas_stored(self.line.projected(pressure.reshape(-1, *self.line.points.shape), line).ravel())
 
     def within(self, scene: s.ReactingScene) -> Problem:
         """Return the problem with the streams and surroundings of a scene that differs in nothing else."""

@@ -24,11 +24,13 @@ from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
 from contbed.reacting_bed.amounts import least
 from contbed.reacting_bed.bounded import Bounded, bounded, of_next
+from contbed.reacting_bed.cells import following
 from contbed.reacting_bed.course import FIRST_STEP, SHORTEST_STEP, Course
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import rate_without_value, taken_though_absent
 from contbed.reacting_bed.stages import GAMMA
+from contbed.reacting_bed.transfer import transferred
 from contbed.reacting_bed.transient_results import contents, fill
 from contbed.result import Result
 from contbed.scene.identity import identity
@@ -60,7 +62,7 @@ def run_transient(
     """
     time, origin = course.time, course.scene.origin
     report = solve.Report()
-    history = begin(course, course.start()) if start is None else History.unpack(*start).fitted(time, origin)
+    history = begun(course) if start is None else History.unpack(*start).fitted(time, origin)
     label = identity(course.scene) if folder is not None else {}
 
     def save() -> None:
@@ -95,15 +97,16 @@ def run_transient(
     except _Infeasible:
         raise
     except ConvergenceError as error:
+        advice = _advice(course.on(history), history)
         raise ConvergenceError(
-            f"{origin.name}: {error} at t = {history.time:.4g} s; {_advice(course, history)}",
+            f"{origin.name}: {error} at t = {history.time:.4g} s; {advice}",
             report.history,
             history.u,
         ) from None
     finally:
         result.history += report.history[-50:]
         if history.steps:
-            fill(course.at, history, result)
+            fill(course, history, result)
         if found is not None:
             result.qoi |= found.qoi()
         save()
@@ -126,7 +129,7 @@ def taken_in(course: Course, before: History, after: History) -> str | None:
     """Return what rates take though there is none of it, after a step with amounts below zero; None if they do not."""
     if after.unbounded == before.unbounded:
         return None
-    sentence = taken_though_absent(course.at(after.time), after.u)
+    sentence = taken_though_absent(course.on(after).at(after.time), after.u)
     return None if sentence is None else f"{sentence}, at t = {after.time:.4g} s"
 
 
@@ -180,8 +183,49 @@ def begin(course: Course, u: Array) -> History:
     """Return the history at the start of a run from a state."""
     held = contents(course.problem, u)
     passed, none = np.zeros((len(held), 2)), np.zeros(u.shape[:2])
-    return History(
-        u, FIRST_STEP * course.time.end, held, passed, passed, passed[:, 0], passed[:, 0], none, none[0] > 0.0
+    first, vertices = FIRST_STEP * course.time.end, course.problem.line.vertices
+    return History(u, first, held, passed, passed, passed[:, 0], passed[:, 0], none, none[0] > 0.0, vertices)
+
+
+def begun(course: Course) -> History:
+    """Return the history at the start of a run, on cells that fit its state where they follow errors."""
+    u = course.start()
+    for _ in range(course.rounds):
+        better, _ = following(course.problem, [u], course.sizes(u))
+        if better is None:
+            break
+        course = replace(course, problem=course.problem.on(better))
+        u = course.start()
+    history = begin(course, u)
+    if not course.rounds:
+        return history
+    pressure = course.problem.bed.gas_pressure
+    stored = None if pressure is None else pressure * np.ones(u[0].size)
+    return replace(history, pressure=stored, most=course.problem.line.cells)
+
+
+def on_cells(course: Course, history: History, vertices: Array) -> tuple[Course, History]:
+    """Return the course and the history on other cells, which hold the same.
+
+    Raises
+    ------
+    ConvergenceError : no state there holds so much
+    """
+    old, damping = course.problem.line, history.damping
+    problem, u = transferred(course.problem, history.u, vertices)
+    for pellets in problem.pellets.values():
+        pellets.known.clear()  # of other points
+    first = np.searchsorted(old.vertices, vertices[:-1], side="right") - 1
+    last = np.searchsorted(old.vertices, vertices[1:], side="left")
+    spans = [slice(a, b) for a, b in zip(first, last, strict=True)]
+    return replace(course, problem=problem), replace(
+        history,
+        u=u,
+        vertices=vertices,
+        pressure=None if history.pressure is None else problem.bed.gas_pressure,
+        damping=np.array([damping[:, cells].max(axis=1) for cells in spans]).T,
+        damped=np.array([history.damped[cells].any() for cells in spans]),
+        changes=history.changes + 1,
     )
 
 
@@ -197,9 +241,10 @@ def march(course: Course, history: History, report: solve.Report) -> Iterator[Hi
     _guess_inside(course, history)
     for stop in course.stops():
         while history.time < stop * (1.0 - SAME):
+            course = course.on(history)
             history = advanced(course, history, stop, report)
             if history.time == stop and stop in outputs:
-                history = replace(history, kept={**history.kept, stop: history.u})
+                history = history.keeping(stop)
             yield history
 
 
@@ -237,8 +282,8 @@ def _guess_inside(course: Course, history: History) -> None:
 
 def _advanced(course: Course, history: History, stop: float, report: solve.Report, dt: float) -> History:
     """Return the history after a step no longer than dt that its error allows."""
-    time = course.time
-    shortest = SHORTEST_STEP * time.end
+    time, rounds = course.time, course.rounds
+    shortest, rough = SHORTEST_STEP * time.end, 0.0
     u = _guess(course, history)
     if u is not history.u:
         dt = min(dt, FIRST_STEP * time.end)
@@ -259,10 +304,16 @@ def _advanced(course: Course, history: History, stop: float, report: solve.Repor
         if found.error > time.tolerance and growth < 1.0:
             dt = with_few_digits(step * max(growth, LEAST_GROWTH))
             continue
+        if course.rounds:
+            better, rough = following(course.problem, (history.u, found.states[1]), course.sizes(u))
+            if better is not None and rounds:
+                course, history = on_cells(course, history, better)
+                u, rounds = _guess(course, history), rounds - 1
+                continue
         later = with_few_digits(dt * min(max(growth, LEAST_GROWTH), MOST_GROWTH)) if step == dt else dt
         end = history.time + step
         end = stop if end >= stop * (1.0 - SAME) else end
-        return _passed(history, found, step, end, later)
+        return _passed(history, found, step, end, later, rough)
 
 
 def _guess(course: Course, history: History) -> Array:
@@ -295,7 +346,7 @@ def repeated(
         found = bounded(problems, history.u, guess, step, report, sizes, history.damping, kept=True)
         history = _passed(history, found, step, end, history.dt)
         if end in outputs:
-            history = replace(history, kept={**history.kept, end: history.u})
+            history = history.keeping(end)
         yield history, found.error
 
 
@@ -305,7 +356,7 @@ def with_few_digits(dt: float) -> float:
     return math.ldexp(math.floor(mantissa * DIGITS), exponent) / DIGITS
 
 
-def _passed(history: History, found: Bounded, step: float, end: float, dt: float) -> History:
+def _passed(history: History, found: Bounded, step: float, end: float, dt: float, rough: float = 0.0) -> History:
     """Return the history after a step; its weights are those of the stages, so that totals close to rounding."""
     problems, states = found.problems, found.states
     passed, both_ways, sources, carried = history.passed, history.both_ways, history.sources, history.carried
@@ -341,6 +392,8 @@ def _passed(history: History, found: Bounded, step: float, end: float, dt: float
         steps_damped=history.steps_damped + bool(found.cells.any()),
         steps_limited=history.steps_limited + found.limited,
         unbounded=history.unbounded + (not found.within),
+        most=max(history.most, problems[1].line.cells),
+        rough=history.rough + step * rough,
         extents={(count, kind or ""): xi for kind, each in pellets for count, xi in each.known.items()},
     )
 
