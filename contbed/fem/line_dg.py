@@ -140,26 +140,6 @@ class Line:
         found: Array = np.einsum("...xj,xj->...x", values[..., cell, :], basis)
         return found
 
-    def projected(self, values: Array, onto: Line) -> Array:
-        """Return fields (..., N, p + 1) as their least-squares polynomials on other cells of the same ends and degree.
-
-        The integral over each of these cells is that of the fields; where a cell lies within one of this line, so are
-        the values.
-        """
-        ends = np.union1d(self.vertices, onto.vertices)
-        h, middle = np.diff(ends)[:, None], 0.5 * (ends[1:] + ends[:-1])
-        x = ends[:-1, None] + h * self.nodes  # of degree 2 p are the products with test functions
-        own, other = (np.searchsorted(line.vertices, middle) - 1 for line in (self, onto))
-        basis, test = (
-            line.basis(((x - line.vertices[cell, None]) / line.h[cell, None]).ravel()).reshape(*x.shape, -1)
-            for line, cell in ((self, own), (onto, other))
-        )
-        at = np.einsum("...cj,cqj->...cq", values[..., own, :], basis) * (h * self.weights)
-        parts = np.einsum("...cq,cqk->...ck", at, test)
-        total = np.add.reduceat(parts, np.searchsorted(other, np.arange(onto.cells)), axis=-2)
-        found: Array = total / (onto.weights * onto.h[:, None])
-        return found
-
     def top_mode(self, values: Array) -> Array:
         """Return the amplitude of the Legendre polynomial of degree p in each cell, (..., N)."""
         legendre = np.polynomial.legendre.Legendre.basis(self.degree)(2.0 * self.nodes - 1.0)

@@ -1,11 +1,6 @@
-"""Cells of a reacting bed that follow the errors of a state: of any lengths, and in time halves of first cells.
-
-In time cells that stay as they were keep their state to rounding, and only cells that are joined lose something of it.
-"""
+"""Cells of a reacting bed that follow the errors of a state."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +14,6 @@ COARSEST = 2.5  # ratio of the lengths of neighbouring cells
 ERROR_POWER = 0.7  # jumps are held to tolerance^ERROR_POWER: fluxes at vertices are of order 7, jumps of order 4
 LEAST_SPAN = 1e-4  # of the typical size of a field, the least span that errors refer to
 LEAST_RATIO = 1e-30  # of an error over what is aimed at, in a cell without any
-FEWEST = 8  # cells of a bed in time, a power of 2
-SHORTEST = 2.0**-10  # cell in time over the bed: steps of a front that has no width are as short
-ROOM = 3.0  # lengths of a short cell around it in which others are as short, so that a front can move
-FEWER = 0.7  # of the present cells, below which fewer are taken although none needs it
-SAME_LENGTH = 1.0 + 1e-6
 
 
 def halves(problem: Problem) -> Array:
@@ -67,45 +57,14 @@ def better_cells(problem: Problem, found: Array) -> Array:
     return regraded(problem.line.vertices, wanted_lengths(problem, found))
 
 
-def wanted_lengths(problem: Problem, found: Array) -> Array:
-    """Return the lengths of cells whose errors would be about what is aimed at, from those that were found (N,)."""
+def wanted_lengths(problem: Problem, found: Array, least: float = 0.1, most: float = 2.0) -> Array:
+    """Return the lengths of cells whose errors would be about what is aimed at, from those that were found (N,).
+
+    `least` and `most` are of the present lengths.
+    """
     ratio = found / aim(problem)
-    factor = np.clip((0.5 / np.maximum(ratio, LEAST_RATIO)) ** (1.0 / (problem.line.degree + 1)), 0.1, 2.0)
+    factor = np.clip((0.5 / np.maximum(ratio, LEAST_RATIO)) ** (1.0 / (problem.line.degree + 1)), least, most)
     return problem.line.h * factor
-
-
-def halved(vertices: Array, wanted: Array) -> Array:
-    """Return vertices of halves of halves of first cells, none longer than is wanted there (N,), with room beside it.
-
-    `vertices` are the present ones; away from a short cell lengths grow by no more than the distance.
-    """
-    start, length = vertices[0], vertices[-1] - vertices[0]
-    parts, size, done = np.arange(FEWEST) / FEWEST, 1.0 / FEWEST, []
-    while len(parts):
-        low = start + length * parts[:, None]
-        beyond = np.maximum(vertices[:-1] - (low + length * size), low - vertices[1:])
-        allowed = (wanted + (COARSEST - 1.0) * np.maximum(beyond - ROOM * wanted, 0.0)).min(axis=1)
-        long = (length * size > SAME_LENGTH * allowed) & (size > SHORTEST)
-        done.append(parts[~long])
-        size *= 0.5
-        parts = np.concatenate([parts[long], parts[long] + size])
-    found: Array = start + length * np.append(np.sort(np.concatenate(done)), 1.0)
-    return found
-
-
-def following(problem: Problem, states: Sequence[Array], sizes: Array) -> tuple[Array | None, float]:
-    """Return vertices of better cells for the states of a step, None where they are good, and the error of the last.
-
-    The error is over sizes of the unknowns (m,).
-    """
-    found = [errors(problem, u, sizes) for u in states]
-    wanted = wanted_lengths(problem, np.maximum.reduce(found))
-    vertices, worst = halved(problem.line.vertices, wanted), float(found[-1].max())
-    bad = (found[-1] > aim(problem)) & (problem.line.h > SAME_LENGTH * SHORTEST * problem.scene.mesh.length)
-    needless = len(vertices) - 1 < FEWER * problem.line.cells
-    if not (bad.any() or needless) or len(vertices) > MOST_CELLS or np.array_equal(vertices, problem.line.vertices):
-        return None, worst
-    return vertices, worst
 
 
 def regraded(vertices: Array, wanted: Array) -> Array:

@@ -167,8 +167,7 @@ class Course:
 
 def follows(scene: s.ReactingScene) -> int:
     """Return how often cells of a step in time may be others; 0 where they stay as they are."""
-    fixed = scene.time is None or scene.mesh.cells is not None or scene.time.cycle is not None
-    return 0 if fixed else scene.solver.adapt or 0
+    return 0 if scene.time is None else scene.solver.adapt or 0
 
 
 def initial_of(scene: s.ReactingScene, problem: Problem) -> Profile | None:

@@ -92,7 +92,7 @@ class History:
             **{name: meta[name] for name in NUMBERS},
             columns=tuple(meta["columns"]),
             outlet=tuple(tuple(row) for row in arrays["outlet"].tolist()),
-            pressure=arrays[PRESSURE] if PRESSURE in arrays else None,
+            pressure=arrays.get(PRESSURE),
             kept={t: (arrays[f"{KEPT}{k}_0"], arrays[f"{KEPT}{k}_1"]) for k, t in enumerate(arrays["times"].tolist())},
             extents=extents,
             least=Least(*arrays["least"].tolist()),

@@ -17,7 +17,7 @@ from contbed.models import FewerSteps, described
 from contbed.particle.effectiveness import effectiveness_of
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
-from contbed.reacting_bed.cells import FEWEST, SHORTEST, aim
+from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import follows
 from contbed.reacting_bed.kinds import described_kinds, species_of
 from contbed.reacting_bed.pellet_level import decided, undecided
@@ -25,6 +25,7 @@ from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import require_rates
 from contbed.reacting_bed.schedule import Schedule, tables_of
 from contbed.reacting_bed.solve import FIRST_CELLS
+from contbed.reacting_bed.time_cells import FEWEST, SHORTEST
 from contbed.scene.toml_lines import KeyPath, Origin
 
 TRANSIENT_CELLS = 60  # of one length, through which fronts move
@@ -257,7 +258,7 @@ def _followed(problem: Problem) -> str:
     if not follows(problem.scene):
         return ""
     shortest = SHORTEST * problem.scene.mesh.length
-    return f"; they follow the errors of the fields, {aim(problem):.1e} of their sizes, and are not below {shortest:.2g} m"
+    return f"; they follow errors of the fields, {aim(problem):.1e} of their sizes, down to {shortest:.2g} m"
 
 
 def _lists(
@@ -265,7 +266,10 @@ def _lists(
 ) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
     layout, species = problem.layout, problem.species
     built = [
-        ("cells", f"{problem.line.cells} to begin with, polynomials of degree {scene.solver.degree}{_followed(problem)}"),
+        (
+            "cells",
+            f"{problem.line.cells} to begin with, polynomials of degree {scene.solver.degree}{_followed(problem)}",
+        ),
         ("gas", f"{', '.join(layout.gases)}: mole fluxes"),
     ]
     skipped: list[tuple[str, str]] = []

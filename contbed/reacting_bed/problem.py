@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from contbed.closures.reactions import R_GAS
 from contbed.fem import line_system
 from contbed.fem.line_dg import Ends, Line, System
+from contbed.fem.line_projection import projected
 from contbed.reacting_bed import kinds
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.assembled import bed_of
@@ -92,7 +93,7 @@ class Problem:
         made = replace(self, line=line, damping=None)
         if not np.ndim(pressure):
             return made
-        return made.with_gas_stored(self.line.projected(pressure.reshape(-1, *self.line.points.shape), line).ravel())
+        return made.with_gas_stored(projected(self.line, pressure.reshape(-1, *self.line.points.shape), line).ravel())
 
     def within(self, scene: s.ReactingScene) -> Problem:
         """Return the problem with the streams and surroundings of a scene that differs in nothing else."""

@@ -2,8 +2,8 @@
 
 What the nodes of a cell hold, C(u), are values of a polynomial. Its least-squares polynomials on the new cells have the
 same integrals, and are the same where a cell is divided. Where they fall below zero all that is stored in a cell is
-brought nearer to its means by one share, which changes no integral (the limiter of Zhang and Shu). At each node Newton's
-method then finds the unknowns that hold so much; those that store nothing are projected, as a first guess.
+brought nearer to its means by one share, which changes no integral (the limiter of Zhang and Shu). At each node the
+method of Newton then finds the unknowns that hold so much; those that store nothing are projected, as a first guess.
 
 A gas that fills the pores is stored at a pressure that is constant in time. Moles and heat of all gases fix it at each
 new node together with the temperature: else one of both would not stay.
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from contbed.closures.reactions import R_GAS
 from contbed.errors import ConvergenceError
+from contbed.fem.line_projection import projected
 from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.unknowns import LEAST_T
 from contbed.reacting_bed.problem import Problem
@@ -29,7 +30,9 @@ Array = NDArray[np.float64]
 ITERATIONS = 40
 ROUNDED = 1e-14  # change of unknowns over their sizes, of which what is held changes by rounding
 ROUGH, SLOW = 1e-10, 0.1  # such a change where heats of formation round, and its fall that is none of Newton's method
-LARGEST_FALL = 0.9  # of a concentration inside of particles in one iteration: isotherms bend, and are for none below zero
+LARGEST_FALL = (
+    0.9  # of a concentration inside of particles in one iteration: isotherms bend, and are for none below zero
+)
 
 
 class _OfMoles(Storage):
@@ -57,8 +60,8 @@ def transferred(problem: Problem, u: Array, vertices: Array) -> tuple[Problem, A
     """
     other = problem.on(vertices)
     before = Storage(problem, np.zeros_like(u), 1.0).content(u, False)[0]
-    held = _above_zero(other, problem.line.projected(before, other.line), np.abs(before).max(axis=(1, 2)))
-    guess = problem.line.projected(u, other.line)
+    held = _above_zero(other, projected(problem.line, before, other.line), np.abs(before).max(axis=(1, 2)))
+    guess = projected(problem.line, u, other.line)
     rows, gas = stored_rows(other), None
     if other.bed.gas_pressure is not None:
         rings = gas_of_rings(other)

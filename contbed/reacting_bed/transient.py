@@ -24,13 +24,12 @@ from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
 from contbed.reacting_bed.amounts import least
 from contbed.reacting_bed.bounded import Bounded, bounded, of_next
-from contbed.reacting_bed.cells import following
 from contbed.reacting_bed.course import FIRST_STEP, SHORTEST_STEP, Course
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import rate_without_value, taken_though_absent
 from contbed.reacting_bed.stages import GAMMA
-from contbed.reacting_bed.transfer import transferred
+from contbed.reacting_bed.time_cells import fitted, following, on_cells
 from contbed.reacting_bed.transient_results import contents, fill
 from contbed.result import Result
 from contbed.scene.identity import identity
@@ -62,7 +61,11 @@ def run_transient(
     """
     time, origin = course.time, course.scene.origin
     report = solve.Report()
-    history = begun(course) if start is None else History.unpack(*start).fitted(time, origin)
+    if start is None:
+        fit = fitted(course)
+        history = begin(fit, fit.start())
+    else:
+        history = History.unpack(*start).fitted(time, origin)
     label = identity(course.scene) if folder is not None else {}
 
     def save() -> None:
@@ -184,49 +187,9 @@ def begin(course: Course, u: Array) -> History:
     held = contents(course.problem, u)
     passed, none = np.zeros((len(held), 2)), np.zeros(u.shape[:2])
     first, vertices = FIRST_STEP * course.time.end, course.problem.line.vertices
-    return History(u, first, held, passed, passed, passed[:, 0], passed[:, 0], none, none[0] > 0.0, vertices)
-
-
-def begun(course: Course) -> History:
-    """Return the history at the start of a run, on cells that fit its state where they follow errors."""
-    u = course.start()
-    for _ in range(course.rounds):
-        better, _ = following(course.problem, [u], course.sizes(u))
-        if better is None:
-            break
-        course = replace(course, problem=course.problem.on(better))
-        u = course.start()
-    history = begin(course, u)
-    if not course.rounds:
-        return history
+    history = History(u, first, held, passed, passed, passed[:, 0], passed[:, 0], none, none[0] > 0.0, vertices)
     pressure = course.problem.bed.gas_pressure
-    stored = None if pressure is None else pressure * np.ones(u[0].size)
-    return replace(history, pressure=stored, most=course.problem.line.cells)
-
-
-def on_cells(course: Course, history: History, vertices: Array) -> tuple[Course, History]:
-    """Return the course and the history on other cells, which hold the same.
-
-    Raises
-    ------
-    ConvergenceError : no state there holds so much
-    """
-    old, damping = course.problem.line, history.damping
-    problem, u = transferred(course.problem, history.u, vertices)
-    for pellets in problem.pellets.values():
-        pellets.known.clear()  # of other points
-    first = np.searchsorted(old.vertices, vertices[:-1], side="right") - 1
-    last = np.searchsorted(old.vertices, vertices[1:], side="left")
-    spans = [slice(a, b) for a, b in zip(first, last, strict=True)]
-    return replace(course, problem=problem), replace(
-        history,
-        u=u,
-        vertices=vertices,
-        pressure=None if history.pressure is None else problem.bed.gas_pressure,
-        damping=np.array([damping[:, cells].max(axis=1) for cells in spans]).T,
-        damped=np.array([history.damped[cells].any() for cells in spans]),
-        changes=history.changes + 1,
-    )
+    return replace(history, pressure=pressure) if course.rounds and np.ndim(pressure) else history
 
 
 def march(course: Course, history: History, report: solve.Report) -> Iterator[History]:
@@ -307,9 +270,12 @@ def _advanced(course: Course, history: History, stop: float, report: solve.Repor
         if course.rounds:
             better, rough = following(course.problem, (history.u, found.states[1]), course.sizes(u))
             if better is not None and rounds:
-                course, history = on_cells(course, history, better)
-                u, rounds = _guess(course, history), rounds - 1
-                continue
+                try:
+                    course, history = on_cells(course, history, better)
+                    u, rounds = _guess(course, history), rounds - 1
+                    continue
+                except ConvergenceError:  # cells that would hold more than particles can stay as they are
+                    rounds = 0
         later = with_few_digits(dt * min(max(growth, LEAST_GROWTH), MOST_GROWTH)) if step == dt else dt
         end = history.time + step
         end = stop if end >= stop * (1.0 - SAME) else end

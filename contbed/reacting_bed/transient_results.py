@@ -7,14 +7,17 @@ from numpy.typing import NDArray
 
 from contbed.balance import Balance
 from contbed.reacting_bed import results
-from contbed.reacting_bed.equations.unknowns import conserved
+from contbed.reacting_bed.cells import aim
 from contbed.reacting_bed.course import Course
+from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.history import History
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage
+from contbed.reacting_bed.time_cells import SHORTEST
 from contbed.result import Result
 
 Array = NDArray[np.float64]
+LARGE_ERROR = 3.0  # of cells over what is aimed at, above which it is told
 
 
 def fill(course: Course, history: History, result: Result) -> None:
@@ -32,7 +35,13 @@ def fill(course: Course, history: History, result: Result) -> None:
     if course.rounds:
         result.adaptations = history.changes
         result.qoi |= {"cells_most": history.most, "cells_changes": history.changes}
-        result.qoi["cells_error"] = history.rough / history.time
+        result.qoi["cells_error"] = error = history.rough / history.time
+        if error > LARGE_ERROR * aim(problem):
+            result.warnings.append(
+                f"fronts are shorter than the shortest cells, {SHORTEST * problem.scene.mesh.length:.2g} m: errors there "
+                f"are {error:.2g} of the sizes of the fields, {aim(problem):.2g} are aimed at by solver.tolerance; add "
+                "what makes fronts wider, conduction in [heat] or dispersion in [mass], or raise solver.tolerance"
+            )
     _balances(problem, history, result)
 
 
