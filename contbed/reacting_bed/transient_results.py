@@ -37,12 +37,18 @@ def fill(course: Course, history: History, result: Result) -> None:
         result.qoi |= {"cells_most": history.most, "cells_changes": history.changes}
         result.qoi["cells_error"] = error = history.rough / history.time
         if error > LARGE_ERROR * aim(problem):
-            result.warnings.append(
-                f"fronts are shorter than the shortest cells, {SHORTEST * problem.scene.mesh.length:.2g} m: errors there "
-                f"are {error:.2g} of the sizes of the fields, {aim(problem):.2g} are aimed at by solver.tolerance; add "
-                "what makes fronts wider, conduction in [heat] or dispersion in [mass], or raise solver.tolerance"
-            )
+            result.warnings.append(_short_fronts(problem, error))
     _balances(problem, history, result)
+
+
+def _short_fronts(problem: Problem, error: float) -> str:
+    """Return what a user is told of fronts that the shortest cells do not resolve."""
+    shortest = SHORTEST * problem.scene.mesh.length
+    return (
+        f"fronts are shorter than the shortest cells, {shortest:.2g} m: errors there are {error:.2g} of the sizes of the "
+        f"fields, {aim(problem):.2g} are aimed at; add conduction in [heat] or dispersion in [mass], or raise "
+        "solver.tolerance"
+    )
 
 
 def contents(problem: Problem, u: Array) -> Array:
