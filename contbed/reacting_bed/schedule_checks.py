@@ -139,12 +139,12 @@ def cells_can_follow(mesh: Any, solver: s.Solver, time: s.Time | None, see: See)
     if time is None or not solver.adapt:
         return
     if mesh.cells is not None:
+        yield ("solver", "adapt"), f"cells do not follow errors beside {see('mesh.cells')}; remove one of both"
+    elif time.cycle is not None:
         yield (
             ("solver", "adapt"),
-            f"cells of a given number stay as they are; remove one of both, see {see('mesh.cells')}",
+            f"cells do not follow errors in {see('time.cycle')}; give mesh.cells instead",
         )
-    elif time.cycle is not None:
-        yield ("solver", "adapt"), f"cells of a cycle stay as they are; remove one of both, see {see('time.cycle')}"
 
 
 def times_are_in_order(

@@ -1,9 +1,10 @@
 """States of a run in time on other cells, with the same moles of every species and the same heat.
 
 What the nodes of a cell hold, C(u), are values of a polynomial. Its least-squares polynomials on the new cells have the
-same integrals, and are the same where a cell is divided. Where they fall below zero all that is stored in a cell is
-brought nearer to its means by one share, which changes no integral (the limiter of Zhang and Shu). At each node the
-method of Newton then finds the unknowns that hold so much; those that store nothing are projected, as a first guess.
+same integrals, and are the same where a cell is divided. Where amounts are below zero, before or after, all that is
+stored in a cell is brought nearer to its means by one share, which changes no integral (limiter of Zhang and Shu). At
+each node the method of Newton then finds the unknowns that hold so much; those that store nothing are projected, as a
+first guess.
 
 A gas that fills the pores is stored at a pressure that is constant in time. Moles and heat of all gases fix it at each
 new node together with the temperature: else one of both would not stay.
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from contbed.closures.reactions import R_GAS
 from contbed.errors import ConvergenceError
 from contbed.fem.line_projection import projected
+from contbed.reacting_bed.amounts import FINE, MISSED
 from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.equations.unknowns import LEAST_T
 from contbed.reacting_bed.problem import Problem
@@ -60,7 +62,7 @@ def transferred(problem: Problem, u: Array, vertices: Array) -> tuple[Problem, A
     """
     other = problem.on(vertices)
     before = Storage(problem, np.zeros_like(u), 1.0).content(u, False)[0]
-    held = _above_zero(other, projected(problem.line, before, other.line), np.abs(before).max(axis=(1, 2)))
+    held = _above_zero(other, projected(problem.line, _above_zero(problem, before), other.line))
     guess = projected(problem.line, u, other.line)
     rows, gas = stored_rows(other), None
     if other.bed.gas_pressure is not None:
@@ -77,16 +79,22 @@ def transferred(problem: Problem, u: Array, vertices: Array) -> tuple[Problem, A
     return other, found
 
 
-def _above_zero(problem: Problem, held: Array, sizes: Array) -> Array:
-    """Return what is held with amounts that are not below zero but for the tolerance, with the same means in cells."""
-    rows = [k for k in stored_rows(problem) if not problem.names[k].startswith("T")]
-    mean = held @ problem.line.weights
-    low = held[rows].min(axis=2)
-    wrong = (low < -problem.scene.solver.newton_tolerance * sizes[rows, None]) & (mean[rows] > 0.0)
+def _above_zero(problem: Problem, held: Array) -> Array:
+    """Return what is held with gases and solids nowhere below zero but for the tolerance, with the means of cells.
+
+    Between nodes as well: a cell that is divided would else have parts with less than nothing. Particles that adsorb
+    keep what they hold, as their points are not bounded in steps either.
+    """
+    solids = [k for k, name in enumerate(problem.names) if name.startswith("n_")]
+    gases = [k for k in stored_rows(problem) if problem.names[k].startswith("g_")]
+    sizes = np.append(problem.sizes[solids], np.full(len(gases), np.abs(held[gases]).max(initial=0.0)))
+    rows, mean = [*solids, *gases], held @ problem.line.weights
+    low, middle = (held[rows] @ problem.line.basis(np.linspace(0.0, 1.0, FINE)).T).min(axis=2), mean[rows]
+    wrong = (low < -problem.scene.solver.newton_tolerance * sizes[:, None]) & (middle > 0.0)
     with np.errstate(all="ignore"):
-        share = np.where(wrong, mean[rows] / (mean[rows] - low), 1.0).min(axis=0, initial=1.0)
-    found: Array = mean[:, :, None] + share[:, None] * (held - mean[:, :, None])
-    return np.where(share[:, None] < 1.0, found, held)
+        share = np.where(wrong, middle / (MISSED * (middle - low)), 1.0).min(axis=0, initial=1.0)[:, None]
+    nearer = mean[:, :, None] + share * (held - mean[:, :, None])
+    return np.where(share < 1.0, nearer, held)
 
 
 def _regained(storage: Storage, u: Array, rows: NDArray[np.intp]) -> Array:

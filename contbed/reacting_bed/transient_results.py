@@ -45,8 +45,8 @@ def _short_fronts(problem: Problem, error: float) -> str:
     """Return what a user is told of fronts that the shortest cells do not resolve."""
     shortest = SHORTEST * problem.scene.mesh.length
     return (
-        f"fronts are shorter than the shortest cells, {shortest:.2g} m: errors there are {error:.2g} of the sizes of the "
-        f"fields, {aim(problem):.2g} are aimed at; add conduction in [heat] or dispersion in [mass], or raise "
+        f"fronts are shorter than the shortest cells, {shortest:.2g} m: errors there are {error:.2g} of the sizes of "
+        f"the fields, {aim(problem):.2g} are aimed at; add conduction in [heat] or dispersion in [mass], or raise "
         "solver.tolerance"
     )
 
