@@ -8,18 +8,20 @@ import numpy as np
 import pytest
 from reacting_bed_scenes import heated, isothermal, schumann, species
 from test_bounds_in_time import cores, course_of
-from test_reacting_restart import BEDS, interrupted, same
+from test_reacting_restart import BEDS, STOP, interrupted, same
 
 import contbed
 from contbed.errors import SceneError
 from contbed.fem.line_dg import Line
 from contbed.fem.line_projection import projected
 from contbed.loading import from_dict
+from contbed.models import plan
 from contbed.reacting_bed.solve import Report
 from contbed.reacting_bed.storage import Storage
-from contbed.reacting_bed.time_cells import FEWEST, SHORTEST, halved
+from contbed.reacting_bed.time_cells import FEWEST, SHORTEST, fitted, halved
 from contbed.reacting_bed.transfer import transferred
 from contbed.reacting_bed.transient import begin, march
+from studies.ignition_front import fronts
 
 CLOSED = 1e-12  # of what enters
 
@@ -39,7 +41,7 @@ def hot_gas(**heat):
     gases = species(A=0.028, B=0.028)
     for name, gas in gases.items():
         gas |= {"heat_capacity": 30.0, "enthalpy": 0.0 if name == "A" else -1e4}
-    scene = isothermal("A:1", gases) | {"heat": heat, "solid": {"density": 2000.0, "heat_capacity": 1000.0}}
+    scene = isothermal("A:1", gases) | {"heat": heat, "solid": {"density": 20.0, "heat_capacity": 1000.0}}
     scene["fluid"]["conductivity"] = 0.05
     scene["reactions"] = {"r": {"equation": "A -> B", "A": 400.0, "E": 3e4}}
     scene["mesh"]["cells"] = 6
@@ -152,21 +154,63 @@ def test_a_front_of_heat_has_its_closed_form():
     assert FEWEST <= result.qoi["cells"] <= result.qoi["cells_most"] < 50
 
 
-def test_restart_on_cells_that_follow_goes_on_bit_for_bit(tmp_path, monkeypatch):
-    given = following(cores(60.0), 1e-3, times=[2.0])
+FOLLOWING = [
+    pytest.param(following(hot_gas(nusselt=10.0), 1e-3, times=[1.0]), id="gas in the pores"),
+    pytest.param(following(cores(60.0), 1e-3, times=[2.0]), id="cores", marks=pytest.mark.slow),
+    pytest.param(following(BEDS["kinds of pellets"], 1e-3), id="pellets", marks=pytest.mark.slow),
+    pytest.param(following(BEDS["adsorbing section"], 1e-5), id="section that adsorbs", marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize("given", FOLLOWING)
+def test_restart_on_cells_that_follow_goes_on_bit_for_bit(tmp_path, monkeypatch, given):
     whole = contbed.run(from_dict(given))
-    assert whole.qoi["cells_changes"] > 1
+    assert whole.qoi["cells_changes"] > 1 and whole.qoi["time_steps"] > STOP
     interrupted(given, tmp_path / "a", monkeypatch)
     same(contbed.run(from_dict(given), out=tmp_path / "b", restart=tmp_path / "a"), whole)
     for name, balance in whole.balances.items():
         assert abs(balance["relative_residual"]) < CLOSED, name
 
 
+def test_a_run_begins_on_cells_that_fit_its_profiles(tmp_path):
+    """Profiles between two points of each cell are linear: cells are a little shorter than those they come from."""
+    given = following(thermal(), 1e-3)
+    given["output"] = {"plots": False}
+    before = contbed.run(from_dict(given), out=tmp_path)
+    del given["time"]["initial_temperature"]
+    given["time"] |= {"end": 1e-3 * given["time"]["end"], "initial": {"file": str(tmp_path / "profiles.csv")}}
+    course = fitted(course_of(given))
+    x, T = before.profiles["x [m]"], before.profiles["T_solid [K]"]
+    found = course.problem.line.at(course.start()[course.problem.names.index("T_solid")], x)
+    assert FEWEST < course.problem.line.cells <= 2 * before.qoi["cells"]
+    assert np.abs(found - T).max() < 1e-2 * 300.0
+
+
+@pytest.mark.slow
+def test_temperatures_at_a_front_of_heat_keep_their_bounds():
+    """Within the error of cells that a run tells, where they leave them by 7 % on 60 cells; means to 0.2 K of 539 K."""
+    scene = contbed.load(fronts.HERE / "oxygen_carrier.toml", {"output.positions": fronts.X.tolist()})
+    exact, left = fronts.reference(scene.time.end)
+    result = contbed.run(scene)
+    T, span = result.profiles["T_fluid [K]"], np.ptp(exact)
+    assert result.qoi["cells_error"] < 0.02
+    assert max(T.max() - exact.max(), exact.min() - T.min()) < result.qoi["cells_error"] * span
+    assert np.abs(T - exact).mean() < 0.2
+    assert np.abs(result.profiles["w_S [1]"] - left).max() < 1e-3  # that of steps
+    assert any("fronts are shorter than the shortest cells" in text for text in result.warnings)
+
+
+def test_a_plan_tells_that_cells_follow():
+    told = dict(plan(from_dict(following(thermal()))).built)["cells"]
+    assert told.startswith(f"{FEWEST} to begin with") and "follow errors" in told
+    assert "follow" not in dict(plan(from_dict(thermal(cells=10))).built)["cells"]
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [
         (lambda s: s["mesh"].update(cells=10), "solver.adapt = 8: cells do not follow errors beside mesh.cells"),
-        (lambda s: s["time"].update(cycle={}), "solver.adapt = 8: cells do not follow errors in a cycle"),
+        (lambda s: s["time"].update(cycle={}), "solver.adapt = 8: cells do not follow errors in time.cycle"),
     ],
 )
 def test_cells_that_cannot_follow_are_a_mistake(change, said):
