@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from contbed.errors import ConvergenceError
 from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
-from contbed.reacting_bed.amounts import least
+from contbed.reacting_bed.amounts import finer, least
 from contbed.reacting_bed.bounded import Bounded, bounded, of_next
 from contbed.reacting_bed.course import FIRST_STEP, SHORTEST_STEP, Course
 from contbed.reacting_bed.history import SAME, History, output_times
@@ -156,7 +156,7 @@ def _advice(course: Course, history: History) -> str:
             f"the particles cool the gas that fills the bed, which makes room for {cooled:.3g} mol/m2/s, and "
             f'{enters:.3g} enter: {stops}. Give time.gas = "quasi_steady"'
         )
-    return "use more mesh.cells, or smooth a rate whose slope is infinite where nothing is left"
+    return f"use {finer(course.scene)}, or smooth a rate whose slope is infinite where nothing is left"
 
 
 def _contraction(problem: Problem, u: Array) -> float:
