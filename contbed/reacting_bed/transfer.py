@@ -32,9 +32,7 @@ Array = NDArray[np.float64]
 ITERATIONS = 40
 ROUNDED = 1e-14  # change of unknowns over their sizes, of which what is held changes by rounding
 ROUGH, SLOW = 1e-10, 0.1  # such a change where heats of formation round, and its fall that is none of Newton's method
-LARGEST_FALL = (
-    0.9  # of a concentration inside of particles in one iteration: isotherms bend, and are for none below zero
-)
+LARGEST_FALL = 0.9  # of a concentration inside of particles in one iteration, as isotherms bend
 
 
 class _OfMoles(Storage):

@@ -198,6 +198,9 @@ def test_temperatures_at_a_front_of_heat_keep_their_bounds():
     assert np.abs(T - exact).mean() < 0.2
     assert np.abs(result.profiles["w_S [1]"] - left).max() < 1e-3  # that of steps
     assert any("fronts are shorter than the shortest cells" in text for text in result.warnings)
+    closed = {name: abs(balance["relative_residual"]) for name, balance in result.balances.items()}
+    assert closed.pop("energy") < 1e-11  # as on cells of one length
+    assert max(closed.values()) < 0.1 * CLOSED
 
 
 def test_a_plan_tells_that_cells_follow():
