@@ -181,6 +181,9 @@ _RESULTS = (
     Field("steps_damped", "N", "1", "steps in time in which cells are damped"),
     Field("steps_limited", "N", "1", "steps in time in which reactions take all that there is of a solid at rest"),
     Field("cells", "N", "1", "number of cells"),
+    Field("cells_most", "N", "1", "largest number of cells of a run in time whose cells follow its errors"),
+    Field("cells_changes", "n", "1", "how often a run in time went on with other cells"),
+    Field("cells_error", "e", "1", "mean over time of the largest error of a cell, over the sizes of the fields"),
     # radiation
     Field("optical_thickness", r"\tau", "1", "extinction times the extent of the medium"),
     Field("ordinates", "N", "1", "directions in each hemisphere that were needed"),

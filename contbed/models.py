@@ -188,6 +188,8 @@ MODELS: dict[str, Model] = {
             "several_solids": "equations.kinds",
             "amounts_above_zero": "limited",
             "amounts_above_zero_in_time": "bounded",
+            "cells_in_time": "time_cells",
+            "cells_in_time_hold_the_same": "transfer",
             "cyclic_steady_state": "cycle",
         },
         refuses_early=True,

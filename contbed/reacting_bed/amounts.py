@@ -90,6 +90,11 @@ def allowed(scene: ReactingScene) -> float:
     return scene.solver.tolerance if scene.time is None else scene.time.tolerance
 
 
+def finer(scene: ReactingScene) -> str:
+    """Return what gives shorter cells."""
+    return "a smaller solver.tolerance" if scene.time is not None and scene.solver.adapt else "more mesh.cells"
+
+
 def below_zero(problem: Problem, found: Least) -> str | None:
     """Return what a user is told of the least amount; None where it is within the errors that the scene allows."""
     time, limit = problem.scene.time, allowed(problem.scene)
@@ -101,5 +106,5 @@ def below_zero(problem: Problem, found: Least) -> str | None:
         when, key = f" at t = {found.time:.4g} s", "time.tolerance"
     return (
         f"{conserved(name)} falls to {found.value:.2g} of the {of} at x = {found.x:.4g} m{when}, further below zero "
-        f"than {key} = {limit:g}: use more mesh.cells, or a smaller {key}"
+        f"than {key} = {limit:g}: use {finer(problem.scene)}, or a smaller {key}"
     )

@@ -28,10 +28,10 @@ def moved(problem: Problem, u: Array, other: Problem) -> Array:
     return found
 
 
-def errors(problem: Problem, u: Array) -> Array:
-    """Return the jumps and highest modes of the fields in each cell over their spans (N,)."""
+def errors(problem: Problem, u: Array, sizes: Array | None = None) -> Array:
+    """Return the jumps and highest modes of the fields in each cell over sizes (m,), or their spans (N,)."""
     line = problem.line
-    span = np.maximum(np.ptp(u, axis=(1, 2)), LEAST_SPAN * problem.sizes)
+    span = np.maximum(np.ptp(u, axis=(1, 2)), LEAST_SPAN * problem.sizes) if sizes is None else sizes
     low, high = u @ line.left, u @ line.right
     jump = np.abs(low[:, 1:] - high[:, :-1])
     found = line.top_mode(u)
@@ -54,10 +54,17 @@ def aim(problem: Problem) -> float:
 
 def better_cells(problem: Problem, found: Array) -> Array:
     """Return vertices of cells whose errors are about what is aimed at, from those that were found (N,)."""
-    line = problem.line
+    return regraded(problem.line.vertices, wanted_lengths(problem, found))
+
+
+def wanted_lengths(problem: Problem, found: Array, least: float = 0.1, most: float = 2.0) -> Array:
+    """Return the lengths of cells whose errors would be about what is aimed at, from those that were found (N,).
+
+    `least` and `most` are of the present lengths.
+    """
     ratio = found / aim(problem)
-    factor = np.clip((0.5 / np.maximum(ratio, LEAST_RATIO)) ** (1.0 / (line.degree + 1)), 0.1, 2.0)
-    return regraded(line.vertices, line.h * factor)
+    factor = np.clip((0.5 / np.maximum(ratio, LEAST_RATIO)) ** (1.0 / (problem.line.degree + 1)), least, most)
+    return problem.line.h * factor
 
 
 def regraded(vertices: Array, wanted: Array) -> Array:

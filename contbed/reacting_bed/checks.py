@@ -29,6 +29,7 @@ from contbed.reacting_bed.medium import GIVES, bound, places_of
 from contbed.reacting_bed.schedule_checks import (
     a_cycle_changes_something,
     at_each_time,
+    cells_can_follow,
     initial_profiles_fit_the_bed,
     initial_profiles_reach_both_ends,
     series_are_usable,
@@ -356,6 +357,7 @@ CHECKS: tuple[Check, ...] = (
     series_are_usable,
     times_are_in_order,
     a_cycle_changes_something,
+    cells_can_follow,
     initial_profiles_fit_the_bed,
     in_each_kind(compositions_sum_to_one),
     *(

@@ -16,7 +16,7 @@ from contbed.materials.composition import mole_fractions
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed import solve
 from contbed.reacting_bed.equations.unknowns import conserved
-from contbed.reacting_bed.history import SAME, output_times
+from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.inlet_series import constant
 from contbed.reacting_bed.local import Smoothing
 from contbed.reacting_bed.problem import Problem
@@ -86,6 +86,18 @@ class Course:
         assert self.scene.time is not None
         return self.scene.time
 
+    @property
+    def rounds(self) -> int:
+        """How often cells of a step may be others, where they follow its errors."""
+        return follows(self.scene)
+
+    def on(self, history: History) -> Course:
+        """Return the course on the cells of a history."""
+        if history.vertices is self.problem.line.vertices:
+            return self
+        problem = self.problem.on(history.vertices)
+        return replace(self, problem=problem if history.pressure is None else problem.with_gas_stored(history.pressure))
+
     @cached_property
     def small(self) -> dict[KeyPath, float]:
         """Sizes of kinks of the series that a step may pass."""
@@ -152,6 +164,11 @@ class Course:
             if not found or stop - found[-1] > SAME * stop:
                 found.append(stop)
         return found
+
+
+def follows(scene: s.ReactingScene) -> int:
+    """Return how often cells of a step in time may be others; 0 where they stay as they are."""
+    return 0 if scene.time is None else scene.solver.adapt or 0
 
 
 def initial_of(scene: s.ReactingScene, problem: Problem) -> Profile | None:

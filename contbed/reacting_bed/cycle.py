@@ -33,6 +33,7 @@ from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.equations.unknowns import LEAST_T
 from contbed.reacting_bed.history import History
 from contbed.reacting_bed.problem import Problem
+from contbed.reacting_bed.storage import gas_of_rings, stored_rows
 from contbed.reacting_bed.transient import begin, march, repeated, taken_in, turned
 from contbed.solvers.anderson import Anderson
 
@@ -154,17 +155,9 @@ class Stored:
     @classmethod
     def of(cls, problem: Problem, sizes: Array) -> Stored:
         """Return what a problem stores."""
-        names, m = problem.names, len(problem.layout.names)
-        fills = problem.bed.gas_pressure is not None
-        warm = [name for name in problem.layout.temperatures if fills or name != "T_fluid"]
-        rows = [
-            k
-            for k, name in enumerate(names)
-            if name.startswith(("n_", "a_")) or name in warm or (fills and name.startswith("g_"))
-        ]
-        gases = np.array([k for k, name in enumerate(problem.layout.names) if name.startswith("g_")])
-        gas = tuple(first + gases for first in range(0, len(names), m)) if fills else ()
-        return cls(np.array(rows, dtype=np.intp), sizes, gas, np.array([names[k] in warm for k in rows]))
+        rows = stored_rows(problem)
+        gas = gas_of_rings(problem) if problem.bed.gas_pressure is not None else ()
+        return cls(rows, sizes, gas, np.array([problem.names[k].startswith("T") for k in rows]))
 
     def values(self, u: Array) -> Array:
         """Return what is stored of a state (m, N, p + 1) over sizes (rows, N, p + 1)."""

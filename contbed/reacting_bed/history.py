@@ -16,9 +16,10 @@ from contbed.scene.toml_lines import Origin
 
 Array = NDArray[np.float64]
 SAME = 1e-12  # relative distance below which two times are the same
-ARRAYS = ("u", "held", "passed", "both_ways", "sources", "reacted", "damping", "damped")
-NUMBERS = ("time", "dt", "steps", "steps_damped", "steps_limited", "unbounded", "carried")
-EXTENTS = "extents_"  # begins names of arrays of a checkpoint
+ARRAYS = ("u", "held", "passed", "both_ways", "sources", "reacted", "damping", "damped", "vertices")
+NUMBERS = ("time", "dt", "steps", "steps_damped", "steps_limited", "unbounded", "carried", "changes", "most", "rough")
+EXTENTS, KEPT = "extents_", "kept_"  # begin names of arrays of a checkpoint
+PRESSURE = "pressure"
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,10 @@ class History:
     sources : (m,) integrals of the sources; reacted : of their magnitudes, which a cycle does not cancel
     carried : integral of the heat of all streams above 298.15 K [J/m2]
     outlet : (steps, columns) of the outlet over time, `columns` their names
-    kept : states at output times
+    vertices : of the present cells (N + 1,) [m]; changes : how often they were others; most : the largest N
+    pressure : at which a gas is stored at all nodes, where cells follow errors [Pa]; None: that of the start
+    rough : integral of the largest error of a cell over its size, see `cells.errors` [s]
+    kept : vertices and states at output times
     least : amount of a gas or solid of all steps
     extents : of reactions inside of pellets, by their number and kind: first guesses, on which last digits depend
     """
@@ -49,6 +53,8 @@ class History:
     reacted: Array
     damping: Array
     damped: NDArray[np.bool_]
+    vertices: Array
+    pressure: Array | None = None
     carried: float = 0.0
     time: float = 0.0
     steps: int = 0
@@ -57,15 +63,19 @@ class History:
     unbounded: int = 0
     columns: tuple[str, ...] = ()
     outlet: tuple[tuple[float, ...], ...] = ()
-    kept: Mapping[float, Array] = field(default_factory=dict)
+    changes: int = 0
+    most: int = 0
+    rough: float = 0.0
+    kept: Mapping[float, tuple[Array, Array]] = field(default_factory=dict)
     extents: Mapping[tuple[int, str], Array] = field(default_factory=dict)
     least: Least = field(default_factory=Least)
 
     def pack(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the arrays and numbers of a checkpoint."""
         arrays = {name: getattr(self, name) for name in ARRAYS}
-        arrays |= {"outlet": np.array(self.outlet), "times": np.array([*self.kept])}
-        arrays |= {"kept": np.array([*self.kept.values()]), "least": np.array(self.least)}
+        arrays |= {"outlet": np.array(self.outlet), "times": np.array([*self.kept]), "least": np.array(self.least)}
+        arrays |= {f"{KEPT}{k}_{n}": part for k, pair in enumerate(self.kept.values()) for n, part in enumerate(pair)}
+        arrays |= {} if self.pressure is None else {PRESSURE: self.pressure}
         arrays |= {f"{EXTENTS}{count}_{kind}": extents for (count, kind), extents in self.extents.items()}
         return arrays, {name: getattr(self, name) for name in NUMBERS} | {"columns": list(self.columns)}
 
@@ -82,7 +92,8 @@ class History:
             **{name: meta[name] for name in NUMBERS},
             columns=tuple(meta["columns"]),
             outlet=tuple(tuple(row) for row in arrays["outlet"].tolist()),
-            kept=dict(zip(arrays["times"].tolist(), arrays["kept"], strict=True)),
+            pressure=arrays.get(PRESSURE),
+            kept={t: (arrays[f"{KEPT}{k}_0"], arrays[f"{KEPT}{k}_1"]) for k, t in enumerate(arrays["times"].tolist())},
             extents=extents,
             least=Least(*arrays["least"].tolist()),
         )
@@ -102,7 +113,11 @@ class History:
         if missing:
             text = f"{missing[0]:g} s lies before {self.time:g} s, which the checkpoint has reached, and was not kept"
             raise SceneError(f"{where.at(('time', 'times'))}: time.times: {text}")
-        return replace(self, kept={t: self.kept.get(t, self.u) for t in passed})
+        return replace(self, kept={t: self.kept.get(t, (self.vertices, self.u)) for t in passed})
+
+    def keeping(self, time: float) -> History:
+        """Return the history that keeps its state as that of an output time."""
+        return replace(self, kept={**self.kept, time: (self.vertices, self.u)})
 
     def table(self) -> dict[str, Array]:
         """Return the outlet over time by column."""

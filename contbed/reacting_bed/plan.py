@@ -17,12 +17,15 @@ from contbed.models import FewerSteps, described
 from contbed.particle.effectiveness import effectiveness_of
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.across import across
+from contbed.reacting_bed.cells import aim
+from contbed.reacting_bed.course import follows
 from contbed.reacting_bed.kinds import described_kinds, species_of
 from contbed.reacting_bed.pellet_level import decided, undecided
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import require_rates
 from contbed.reacting_bed.schedule import Schedule, tables_of
 from contbed.reacting_bed.solve import FIRST_CELLS
+from contbed.reacting_bed.time_cells import FEWEST, SHORTEST
 from contbed.scene.toml_lines import KeyPath, Origin
 
 TRANSIENT_CELLS = 60  # of one length, through which fronts move
@@ -120,7 +123,7 @@ def first_vertices(scene: s.ReactingScene) -> NDArray[np.float64]:
     if scene.mesh.cells is not None:
         return np.linspace(0.0, length, scene.mesh.cells * 2**scene.mesh.refine + 1)
     if scene.time is not None:
-        return np.linspace(0.0, length, TRANSIENT_CELLS + 1)
+        return np.linspace(0.0, length, (FEWEST if follows(scene) else TRANSIENT_CELLS) + 1)
     half = 0.5 * np.geomspace(2.0 * FIRST_LAYER, 1.0, FIRST_CELLS // 2)
     return length * np.concatenate([[0.0], half, 1.0 - half[-2::-1], [1.0]])
 
@@ -269,12 +272,23 @@ def _place(text: str) -> KeyPath:
     return ("solid",) if "solid" in text and "fluid" not in text else ("fluid",)
 
 
+def _followed(problem: Problem) -> str:
+    """Return what cells of a run in time that follow errors aim at."""
+    if not follows(problem.scene):
+        return ""
+    shortest = SHORTEST * problem.scene.mesh.length
+    return f"; they follow errors of the fields, {aim(problem):.1e} of their sizes, down to {shortest:.2g} m"
+
+
 def _lists(
     scene: s.ReactingScene, problem: Problem, schedule: Schedule
 ) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
     layout, species = problem.layout, problem.species
     built = [
-        ("cells", f"{problem.line.cells} to begin with, polynomials of degree {scene.solver.degree}"),
+        (
+            "cells",
+            f"{problem.line.cells} to begin with, polynomials of degree {scene.solver.degree}{_followed(problem)}",
+        ),
         ("gas", f"{', '.join(layout.gases)}: mole fluxes"),
     ]
     skipped: list[tuple[str, str]] = []

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from contbed.closures.reactions import R_GAS
 from contbed.fem import line_system
 from contbed.fem.line_dg import Ends, Line, System
+from contbed.fem.line_projection import projected
 from contbed.reacting_bed import kinds
 from contbed.reacting_bed import scene as s
 from contbed.reacting_bed.assembled import bed_of
@@ -88,8 +89,12 @@ class Problem:
         return replace(self, peaks={**self.peaks, **known})
 
     def on(self, vertices: Array) -> Problem:
-        """Return the problem on other cells."""
-        return replace(self, line=replace(self.line, vertices=vertices), damping=None)
+        """Return the problem on other cells; pressures at which gas is stored are the polynomials of these."""
+        line, pressure = replace(self.line, vertices=vertices), self.bed.gas_pressure
+        made = replace(self, line=line, damping=None)
+        if not np.ndim(pressure):
+            return made
+        return made.with_gas_stored(projected(self.line, pressure.reshape(-1, *self.line.points.shape), line).ravel())
 
     def within(self, scene: s.ReactingScene) -> Problem:
         """Return the problem with the streams and surroundings of a scene that differs in nothing else."""

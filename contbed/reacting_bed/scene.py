@@ -335,11 +335,17 @@ class Solver(Table):
     """Numerics; the defaults suit nearly all scenes."""
 
     degree: Annotated[Whole, Field(ge=1, le=5)] = Field(3, description="degree of the polynomials in a cell")
-    tolerance: Fraction = Field(1e-6, description="target error of all fields over their spans for automatic cells")
+    tolerance: Fraction = Field(
+        1e-6, description="target error of all fields for automatic cells, over their spans, in time over typical sizes"
+    )
     accuracy: Fraction = Field(
         5e-3, description="largest predicted error, over the step of what leaves, of a level that the plan takes"
     )
-    adapt: Annotated[Whole, Field(ge=0, le=20)] | None = Field(None, description="rounds of new cells; absent: 10")
+    adapt: Annotated[Whole, Field(ge=0, le=20)] | None = Field(
+        None,
+        description="rounds of new cells, absent: 10; in time of each step, so that cells follow its fronts, absent: "
+        "cells stay as they are",
+    )
     newton_tolerance: Annotated[Fraction, Field(le=1e-3)] = 1e-10
     newton_iterations: Whole = Field(40, ge=1, le=1000)
     balance_tolerance: Positive = 1e-10

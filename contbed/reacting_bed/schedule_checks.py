@@ -134,6 +134,19 @@ def initial_profiles_reach_both_ends(mesh: Any, time: s.Time | None, see: See, o
     yield from short_of_an_end(KEY, rows, mesh.length, "state", see)
 
 
+def cells_can_follow(mesh: Any, solver: s.Solver, time: s.Time | None, see: See) -> Mistakes:
+    """Check that nothing holds the cells that are to follow the errors of a run in time."""
+    if time is None or not solver.adapt:
+        return
+    if mesh.cells is not None:
+        yield ("solver", "adapt"), f"cells do not follow errors beside {see('mesh.cells')}; remove one of both"
+    elif time.cycle is not None:
+        yield (
+            ("solver", "adapt"),
+            f"cells do not follow errors in {see('time.cycle')}; give mesh.cells instead",
+        )
+
+
 def times_are_in_order(
     time: s.Time | None,
     continuation: s.Continuation | None,

@@ -8,10 +8,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contbed.fem.dual import Dual
+from contbed.reacting_bed.equations.bed import Bed
 from contbed.reacting_bed.problem import Problem
 
 Array = NDArray[np.float64]
 NO_DATA = 1e6  # [J/m3/K], heat capacity of a bed in marches whose particles have no data
+
+
+def stored_rows(problem: Problem) -> NDArray[np.intp]:
+    """Return the rows of the unknowns that store something in time; the others follow at once."""
+    fills = problem.bed.gas_pressure is not None
+    warm = [name for name in problem.layout.temperatures if fills or name != "T_fluid"]
+    return np.array(
+        [
+            k
+            for k, name in enumerate(problem.names)
+            if name.startswith(("n_", "a_")) or name in warm or (fills and name.startswith("g_"))
+        ],
+        dtype=np.intp,
+    )
+
+
+def gas_of_rings(problem: Problem) -> tuple[NDArray[np.intp], ...]:
+    """Return the rows of the gases of each ring, one ring in one dimension."""
+    gases = np.array([k for k, name in enumerate(problem.layout.names) if name.startswith("g_")])
+    return tuple(first + gases for first in range(0, len(problem.names), len(problem.layout.names)))
 
 
 class Storage:
@@ -38,12 +59,12 @@ class Storage:
 
     def _of_bed(self, values: list[Any]) -> list[Any]:
         """Return what is held by equation of the layout at points."""
-        problem, names = self.problem, self.problem.layout.names
-        state = problem.bed.state(values)
-        parts: list[Any] = [0.0] * len(names)
-        gas, heat = problem.bed.held_by_gas(state) if problem.bed.gas_pressure is not None else ({}, 0.0)
-        inside = iter(problem.bed.held_inside(state))
-        for k, name in enumerate(names):
+        bed = self.bed_at(values)
+        state = bed.state(values)
+        parts: list[Any] = [0.0] * len(bed.layout.names)
+        gas, heat = bed.held_by_gas(state) if bed.gas_pressure is not None else ({}, 0.0)
+        inside = iter(bed.held_inside(state))
+        for k, name in enumerate(bed.layout.names):
             if name.startswith("n_"):
                 parts[k] = values[k]
             elif name.startswith("g_") and gas:
@@ -53,10 +74,14 @@ class Storage:
             elif name == "T_fluid":
                 parts[k] = heat
             elif name == "T" or name.startswith("T_solid"):
-                parts[k] = problem.bed.heat_held(state, name) + (heat if name == "T" else 0.0)
-                if not problem.bed.knows_heat(name):
+                parts[k] = bed.heat_held(state, name) + (heat if name == "T" else 0.0)
+                if not bed.knows_heat(name):
                     parts[k] = NO_DATA * values[k]
         return parts
+
+    def bed_at(self, _: list[Any]) -> Bed:
+        """Return the bed whose gas is stored at the pressure of values of the unknowns."""
+        return self.problem.bed
 
     def residual(self, u: Array) -> Array:
         """Return what storage adds to the residuals."""

@@ -22,13 +22,14 @@ from numpy.typing import NDArray
 from contbed.errors import ConvergenceError
 from contbed.output.progress import Progress
 from contbed.reacting_bed import results, solve
-from contbed.reacting_bed.amounts import least
+from contbed.reacting_bed.amounts import finer, least
 from contbed.reacting_bed.bounded import Bounded, bounded, of_next
 from contbed.reacting_bed.course import FIRST_STEP, SHORTEST_STEP, Course
 from contbed.reacting_bed.history import SAME, History, output_times
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.rate_checks import rate_without_value, taken_though_absent
 from contbed.reacting_bed.stages import GAMMA
+from contbed.reacting_bed.time_cells import fitted, following, on_cells
 from contbed.reacting_bed.transient_results import contents, fill
 from contbed.result import Result
 from contbed.scene.identity import identity
@@ -60,9 +61,13 @@ def run_transient(
     """
     time, origin = course.time, course.scene.origin
     report = solve.Report()
-    history = begin(course, course.start()) if start is None else History.unpack(*start)
-    if start is not None and periods is None:  # of a cycle the state alone counts, from which periods begin anew
-        history = history.fitted(time, origin)
+    if start is None:
+        fit = fitted(course)
+        history = begin(fit, fit.start())
+    else:
+        history = History.unpack(*start)
+        if periods is None:  # of a cycle the state alone counts, from which periods begin anew
+            history = history.fitted(time, origin)
     label = identity(course.scene) if folder is not None else {}
 
     def save() -> None:
@@ -97,15 +102,16 @@ def run_transient(
     except _Infeasible:
         raise
     except ConvergenceError as error:
+        advice = _advice(course.on(history), history)
         raise ConvergenceError(
-            f"{origin.name}: {error} at t = {history.time:.4g} s; {_advice(course, history)}",
+            f"{origin.name}: {error} at t = {history.time:.4g} s; {advice}",
             report.history,
             history.u,
         ) from None
     finally:
         result.history += report.history[-50:]
         if history.steps:
-            fill(course.at, history, result)
+            fill(course, history, result)
         if found is not None:
             result.qoi |= found.qoi()
         save()
@@ -128,7 +134,7 @@ def taken_in(course: Course, before: History, after: History) -> str | None:
     """Return what rates take though there is none of it, after a step with amounts below zero; None if they do not."""
     if after.unbounded == before.unbounded:
         return None
-    sentence = taken_though_absent(course.at(after.time), after.u)
+    sentence = taken_though_absent(course.on(after).at(after.time), after.u)
     return None if sentence is None else f"{sentence}, at t = {after.time:.4g} s"
 
 
@@ -152,7 +158,7 @@ def _advice(course: Course, history: History) -> str:
             f"the particles cool the gas that fills the bed, which makes room for {cooled:.3g} mol/m2/s, and "
             f'{enters:.3g} enter: {stops}. Give time.gas = "quasi_steady"'
         )
-    return "use more mesh.cells, or smooth a rate whose slope is infinite where nothing is left"
+    return f"use {finer(course.scene)}, or smooth a rate whose slope is infinite where nothing is left"
 
 
 def _contraction(problem: Problem, u: Array) -> float:
@@ -182,9 +188,10 @@ def begin(course: Course, u: Array) -> History:
     """Return the history at the start of a run from a state."""
     held = contents(course.problem, u)
     passed, none = np.zeros((len(held), 2)), np.zeros(u.shape[:2])
-    return History(
-        u, FIRST_STEP * course.time.end, held, passed, passed, passed[:, 0], passed[:, 0], none, none[0] > 0.0
-    )
+    first, vertices = FIRST_STEP * course.time.end, course.problem.line.vertices
+    history = History(u, first, held, passed, passed, passed[:, 0], passed[:, 0], none, none[0] > 0.0, vertices)
+    pressure = course.problem.bed.gas_pressure
+    return replace(history, pressure=pressure) if course.rounds and np.ndim(pressure) else history
 
 
 def march(course: Course, history: History, report: solve.Report) -> Iterator[History]:
@@ -199,9 +206,10 @@ def march(course: Course, history: History, report: solve.Report) -> Iterator[Hi
     _guess_inside(course, history)
     for stop in course.stops():
         while history.time < stop * (1.0 - SAME):
+            course = course.on(history)
             history = advanced(course, history, stop, report)
             if history.time == stop and stop in outputs:
-                history = replace(history, kept={**history.kept, stop: history.u})
+                history = history.keeping(stop)
             yield history
 
 
@@ -239,8 +247,8 @@ def _guess_inside(course: Course, history: History) -> None:
 
 def _advanced(course: Course, history: History, stop: float, report: solve.Report, dt: float) -> History:
     """Return the history after a step no longer than dt that its error allows."""
-    time = course.time
-    shortest = SHORTEST_STEP * time.end
+    time, rounds = course.time, course.rounds
+    shortest, rough = SHORTEST_STEP * time.end, 0.0
     u = _guess(course, history)
     if u is not history.u:
         dt = min(dt, FIRST_STEP * time.end)
@@ -261,10 +269,19 @@ def _advanced(course: Course, history: History, stop: float, report: solve.Repor
         if found.error > time.tolerance and growth < 1.0:
             dt = with_few_digits(step * max(growth, LEAST_GROWTH))
             continue
+        if course.rounds:
+            better, rough = following(course.problem, (history.u, found.states[1]), course.sizes(u))
+            if better is not None and rounds:
+                try:
+                    course, history = on_cells(course, history, better)
+                    u, rounds = _guess(course, history), rounds - 1
+                    continue
+                except ConvergenceError:  # cells that would hold more than particles can stay as they are
+                    rounds = 0
         later = with_few_digits(dt * min(max(growth, LEAST_GROWTH), MOST_GROWTH)) if step == dt else dt
         end = history.time + step
         end = stop if end >= stop * (1.0 - SAME) else end
-        return _passed(history, found, step, end, later)
+        return _passed(history, found, step, end, later, rough)
 
 
 def _guess(course: Course, history: History) -> Array:
@@ -297,7 +314,7 @@ def repeated(
         found = bounded(problems, history.u, guess, step, report, sizes, history.damping, kept=True)
         history = _passed(history, found, step, end, history.dt)
         if end in outputs:
-            history = replace(history, kept={**history.kept, end: history.u})
+            history = history.keeping(end)
         yield history, found.error
 
 
@@ -307,7 +324,7 @@ def with_few_digits(dt: float) -> float:
     return math.ldexp(math.floor(mantissa * DIGITS), exponent) / DIGITS
 
 
-def _passed(history: History, found: Bounded, step: float, end: float, dt: float) -> History:
+def _passed(history: History, found: Bounded, step: float, end: float, dt: float, rough: float = 0.0) -> History:
     """Return the history after a step; its weights are those of the stages, so that totals close to rounding."""
     problems, states = found.problems, found.states
     passed, both_ways, sources, carried = history.passed, history.both_ways, history.sources, history.carried
@@ -343,6 +360,8 @@ def _passed(history: History, found: Bounded, step: float, end: float, dt: float
         steps_damped=history.steps_damped + bool(found.cells.any()),
         steps_limited=history.steps_limited + found.limited,
         unbounded=history.unbounded + (not found.within),
+        most=max(history.most, problems[1].line.cells),
+        rough=history.rough + step * rough,
         extents={(count, kind or ""): xi for kind, each in pellets for count, xi in each.known.items()},
     )
 

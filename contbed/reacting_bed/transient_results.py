@@ -2,38 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
 from contbed.balance import HELD_SHARE, Balance
 from contbed.reacting_bed import results
+from contbed.reacting_bed.cells import aim
+from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.equations.unknowns import conserved
 from contbed.reacting_bed.history import History
 from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage
+from contbed.reacting_bed.time_cells import SHORTEST
 from contbed.result import Result
 
 Array = NDArray[np.float64]
+LARGE_ERROR = 3.0  # of cells over what is aimed at, above which it is told
 
 
-def fill(at: Callable[[float], Problem], history: History, result: Result) -> None:
-    """Fill in results at the end, profiles at the output times, the outlet over time and totals of the run.
-
-    `at` gives the bed with the streams of a time.
-    """
-    problem = at(history.time)
+def fill(course: Course, history: History, result: Result) -> None:
+    """Fill in results at the end, profiles at the output times, the outlet over time and totals of the run."""
+    problem = course.on(history).at(history.time)
     results.fill(problem, history.u, result, history.least)
-    kept = history.kept or {history.time: history.u}
-    tables = [(t, results.profiles(at(t), u)) for t, u in kept.items()]
+    kept = history.kept or {history.time: (history.vertices, history.u)}
+    tables = [(t, results.profiles(course.at(t).on(vertices), u)) for t, (vertices, u) in kept.items()]
     result.profiles = {"t [s]": np.concatenate([np.full(len(c["x [m]"]), t) for t, c in tables])}
     result.profiles |= {key: np.concatenate([c[key] for _, c in tables]) for key in tables[0][1]}
     result.tables["outlet"] = history.table()
     result.qoi |= {"time_steps": history.steps, "time_reached_s": history.time, "cells": problem.line.cells}
     result.qoi |= {"cells_damped": int(history.damped.sum()), "steps_damped": history.steps_damped}
     result.qoi |= {"steps_limited": history.steps_limited}
+    if course.rounds:
+        result.adaptations = history.changes
+        result.qoi |= {"cells_most": history.most, "cells_changes": history.changes}
+        result.qoi["cells_error"] = error = history.rough / history.time
+        if error > LARGE_ERROR * aim(problem):
+            result.warnings.append(_short_fronts(problem, error))
     _balances(problem, history, result)
+
+
+def _short_fronts(problem: Problem, error: float) -> str:
+    """Return what a user is told of fronts that the shortest cells do not resolve."""
+    shortest = SHORTEST * problem.scene.mesh.length
+    return (
+        f"fronts are shorter than the shortest cells, {shortest:.2g} m: errors there are {error:.2g} of the sizes of "
+        f"the fields, {aim(problem):.2g} are aimed at; add conduction in [heat] or dispersion in [mass], or raise "
+        "solver.tolerance"
+    )
 
 
 def contents(problem: Problem, u: Array) -> Array:

@@ -138,6 +138,13 @@ def going_on() -> dict[str, Any]:
     return scene
 
 
+def following() -> dict[str, Any]:
+    """The same on cells that follow its errors, with a gas that is stored."""
+    scene = warming("stored")
+    del scene["mesh"]["cells"]
+    return scene | {"solver": {"adapt": 6, "tolerance": 1e-5}}
+
+
 def kinds_stored() -> dict[str, Any]:
     """Two sizes in rings whose wall cools, in a hot gas that is stored: its matrix is often computed anew."""
     scene = kinds_across()
@@ -164,6 +171,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "warming": warming("quasi_steady"),
     "warming_stored": warming_finely(),
     "going_on": going_on(),
+    "following": following(),
     "cycle": looping(),
     "kinds_stored": kinds_stored(),
     "reformer_tube": study("reformer_tube/tube_U300.toml"),
@@ -174,6 +182,7 @@ LONG = (
     "adsorption",
     "branch",
     "cycle",
+    "following",
     "going_on",
     "kinds_stored",
 )  # hundreds of linear systems: solved on one rank alone

@@ -91,7 +91,7 @@ def test_scene(name: str, ranks: int, results, expected) -> None:
     for key, values in one.items():
         assert values.shape == other[key].shape, key
         scale, floor = np.nanmax(np.abs(values)), 0.0
-        if key.startswith(("balance.", "qoi.cycle_change", "qoi.estimated_error")):
+        if key.startswith(("balance.", "qoi.cycle_change", "qoi.estimated_error", "qoi.cells_error")):
             scale, floor = 0.0, ROUNDING
         elif key.startswith(("qoi.conversion_", "qoi.w_", "qoi.x_")):
             floor = ROUNDING
