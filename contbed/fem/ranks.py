@@ -122,6 +122,17 @@ class RankGroup:
         self.comm.Scatterv(shares, mine)
         return mine
 
+    def range_of(self, size: int) -> Any:
+        """Return the numbers of the calling rank where `size` of them are shared out in equal ranges."""
+        return np.arange(*self._ends(size)[self.comm.rank :][:2])
+
+    def spread(self, values: Any, width: int, dtype: Any) -> Any:
+        """Distribute rows (n, width) of the root rank in equal ranges; only the root rank knows `values`."""
+        return self.scatter(values, None if values is None else np.diff(self._ends(len(values))), width, dtype)
+
+    def _ends(self, size: int) -> Any:
+        return np.linspace(0, size, self.comm.size + 1).astype(int)
+
     def gather(self, mine: Any, counts: Any) -> Any:
         """Return the entries of all ranks in rank order on the root rank; None elsewhere."""
         if not self.is_root:
