@@ -142,6 +142,27 @@ class RankGroup:
         self.comm.Gatherv(np.ascontiguousarray(mine), [out, np.asarray(counts)])
         return out
 
+    def take(self, whole: Any, places: Any) -> Any:
+        """Return rows (n, ...) at `places` (n,) of an array that only the root rank has."""
+        counts, everywhere = self.comm.gather(len(places)), None
+        asked = self.gather(places, counts)
+        shape = self.comm.bcast(None if whole is None else whole.shape[1:])
+        if whole is not None:
+            everywhere = whole[asked].reshape(len(asked), -1)
+        return self.scatter(everywhere, counts, int(np.prod(shape)), float).reshape(-1, *shape)
+
+    def put(self, mine: Any, places: Any) -> Any:
+        """Return on the root rank an array whose rows (n, ...) at `places` (n,) each rank has; None elsewhere."""
+        counts = self.comm.gather(len(places))
+        there = self.gather(places, counts)
+        width = int(np.prod(mine.shape[1:]))
+        rows = self.gather(mine.ravel(), counts and [width * count for count in counts])
+        if there is None:
+            return None
+        whole = np.empty((len(there), *mine.shape[1:]))
+        whole[there] = rows.reshape(whole.shape)
+        return whole
+
 
 _group: RankGroup | None = None
 
