@@ -245,7 +245,7 @@ def require_buildable(scene: Kind) -> None:
 
 
 def plan(scene: Any, shared: bool = False) -> Any:
-    """Decide what a scene needs and build its mesh; a grid that ranks make in parts, on the engine for them, is not built.
+    """Decide what a scene needs and build its mesh; `shared` leaves out a grid whose parts ranks make.
 
     Raises
     ------

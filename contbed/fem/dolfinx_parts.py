@@ -57,7 +57,7 @@ def make_mesh(
     counts = all_ranks.comm.gather(owned)
     order = all_ranks.gather(original, counts)
     if tensor is None:
-        given = all_ranks.scatter(None if root is None else whole[order], counts, len(corners), np.int64)
+        given = all_ranks.scatter(None if whole is None else whole[order], counts, len(corners), np.int64)
     else:
         given = tensor.corners(original)[:, corners]
     found = np.asarray(mesh.geometry.input_global_indices)[versions.geometry_list(mesh)[:owned]]

@@ -67,7 +67,8 @@ class Ops:
 
     def __init__(self, where: Domain, x: Any = None, h: Any = None):
         self._where = where
-        self.x, self.h = (where.x, where.h) if x is None else (x, h)
+        self.x: Any = where.x if x is None else x
+        self.h: Any = where.h if h is None else h
         self.n, self.dim = where.n, where.dim
         self.axisymmetric = where.axisymmetric
 

@@ -79,9 +79,10 @@ def cells(out: Path) -> None:
 
 
 def longest(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Length of the longest array that each rank has of a grid, and of a bed on it."""
+    """Length of the longest array that each rank has of a grid."""
     part = all_ranks.objects[key]
-    return all_ranks.comm.gather(max(len(x) for x in (*vars(part).values(), *part.geometry) if isinstance(x, np.ndarray)))
+    lists = (*vars(part).values(), *part.geometry)
+    return all_ranks.comm.gather(max(len(x) for x in lists if isinstance(x, np.ndarray)))
 
 
 def grids(out: Path) -> None:

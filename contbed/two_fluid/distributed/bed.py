@@ -58,9 +58,7 @@ class SharedSimulation(Simulation):
         floating = not (edge.gas.kind == OUTLET).any()
         about = parts.About(scene, model.materials, particles, model.options, bool(floating), model.closed)
         walls, heat = model.closures.wall_froude, model.heat
-        given = [
-            (parts.taken(edge, at), None if heat is None else parts.taken_heat(heat, at)) for at in grid.edges
-        ]
+        given = [(parts.taken(edge, at), None if heat is None else parts.taken_heat(heat, at)) for at in grid.edges]
         self.shared.run(parts.make, grid.key, about, root=(given, walls, model.timer))
         self._clock: Clock | None = None
         super().__init__(model)
@@ -100,7 +98,9 @@ class SharedSimulation(Simulation):
         """Forget the fields, which ranks have changed."""
         self._clock = clock
         flat = flatten(self._whole)
-        self._whole = rebuild(self._whole, {k: np.empty(0) if isinstance(v, np.ndarray) else v for k, v in flat.items()})
+        self._whole = rebuild(
+            self._whole, {k: np.empty(0) if isinstance(v, np.ndarray) else v for k, v in flat.items()}
+        )
 
     def impose(self, conditions: Mapping[str, Condition]) -> None:
         """Other boundary conditions from now on."""

@@ -18,27 +18,10 @@ from contbed.two_fluid.files import in_order_of_vtk
 
 @dataclass(frozen=True, eq=False)
 class Bricks:
-    """The cells of a lattice in `size` bricks, the numbers of cells in which differ by one along each axis at most."""
+    """The cells of a lattice in bricks, so many `along` each axis (dim,), with equally many cells or one more."""
 
     lattice: Lattice
-    size: int
-
-    @cached_property
-    def along(self) -> Indices:
-        """Number of bricks along each axis (dim,): the ones with the fewest faces between them."""
-        count = self.lattice.count
-
-        def faces(along: tuple[int, ...]) -> float:
-            return sum((n - 1) * self.lattice.tensor.bricks / cells for n, cells in zip(along, count, strict=True))
-
-        fitting = [along for along in _products(self.size, len(count)) if (np.array(along) <= count).all()]
-        if not fitting:
-            cells = " x ".join(map(str, count))
-            few = "each rank needs one; " if self.lattice.tensor.bricks < self.size else ""
-            raise EngineError(
-                f"{self.size} ranks for a mesh of {cells} cells: {few}start fewer ranks or refine the mesh"
-            )
-        return np.array(min(fitting, key=faces))
+    along: Indices
 
     @cached_property
     def starts(self) -> list[Indices]:
@@ -124,7 +107,22 @@ class Bricks:
         """Cells of a rank that are ghosts of another one, in its order."""
         cells, layer = self.cells(other)
         ghosts = cells[layer > 0]
-        return ghosts[self.owner(self.lattice.places(ghosts)) == rank]
+        return self._by_owner(ghosts)[rank]
+
+
+def bricks_of(lattice: Lattice, size: int) -> Bricks:
+    """Return so many bricks, with the fewest faces between them.
+
+    Raises
+    ------
+    EngineError : the cells along the axes cannot be shared among so many ranks
+    """
+    count = lattice.count
+    fitting = [along for along in _products(size, len(count)) if (np.array(along) <= count).all()]
+    if not fitting:
+        cells, few = " x ".join(map(str, count)), "each rank needs one; " if lattice.tensor.bricks < size else ""
+        raise EngineError(f"{size} ranks for a mesh of {cells} cells: {few}start fewer ranks or refine the mesh")
+    return Bricks(lattice, np.array(min(fitting, key=lambda along: float(np.sum((np.array(along) - 1) / count)))))
 
 
 def outline(lattice: Lattice, boundaries: Mapping[str, Indices]) -> Outline:

@@ -1,4 +1,4 @@
-"""The grid of a bed that ranks share: each has its part, the root rank an outline, and asks for numbers of the parts."""
+"""The grid of a bed that ranks share: each has its part, the root rank an outline of the whole."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import skfem
 
 from contbed.fem.ranks import RankGroup, rank_group
 from contbed.two_fluid.compiled import Indices
-from contbed.two_fluid.distributed.bricks import Bricks
+from contbed.two_fluid.distributed.bricks import Bricks, bricks_of
 from contbed.two_fluid.distributed.lattice import Lattice
 from contbed.two_fluid.distributed.partition import Part, outline, owners, split
 from contbed.two_fluid.fv.grid import Grid
@@ -45,9 +45,7 @@ class SharedGrid:
         EngineError : the cells cannot be shared among so many ranks
         """
         shared = cls(outline)
-        bricks = Bricks(lattice, shared.ranks.comm.size)
-        bricks.starts  # noqa: B018  # what cannot be shared is told before ranks begin
-        return shared._made(make_part, bricks)
+        return shared._made(make_part, bricks_of(lattice, shared.ranks.comm.size))
 
     def _made(self, function: Any, *arguments: Any, root: Iterator[Part] | None = None) -> SharedGrid:
         edges = len(self.outline.geometry.left) - self.outline.interior
