@@ -11,6 +11,7 @@ import numpy as np
 from contbed import threads
 from contbed.errors import SceneError
 from contbed.mesh.build import build
+from contbed.mesh.entities import renamed
 from contbed.mesh.mesh import Mesh
 from contbed.models import Unfactored, described
 from contbed.scene.mesh import MeshFile
@@ -266,7 +267,6 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
     """Return the mesh with pieces of boundaries under names of their own."""
     plain = mesh.skfem
     named = dict(plain.boundaries or {})
-    middles = plain.p[:, plain.facets].mean(axis=1)
     for name, part in scene.boundary.items():
         whole = getattr(part, "on", None)
         if whole is None:
@@ -277,7 +277,7 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
             continue
         if whole not in named:
             raise SceneError(f"{scene.origin.at(('boundary', name, 'on'))}: boundary.{name}.on: no boundary {whole!r}")
-        middle = middles[:, named[whole]]
+        middle = plain.p[:, plain.facets[:, named[whole]]].mean(axis=1)
         axis = 0 if np.ptp(middle[-1]) <= 1e-9 * np.ptp(plain.p[-1]) else -1
         inside = (middle[axis] > part.start) & (middle[axis] < part.end)  # type: ignore[union-attr]
         if not inside.any() or inside.all():
@@ -288,7 +288,7 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
         named[name], named[whole] = named[whole][inside], named[whole][~inside]
     if isinstance(scene.mesh, MeshFile) and not named:
         raise SceneError(f"{scene.origin.at(('mesh', 'file'))}: mesh.file: the mesh names no boundaries")
-    return replace(mesh, skfem=replace(plain, _boundaries=named))
+    return replace(mesh, skfem=renamed(plain, _boundaries=named))
 
 
 def _condition(part: Any) -> boundary.Condition:
