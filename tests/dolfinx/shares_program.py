@@ -15,6 +15,7 @@ from contbed.fem.dolfinx import Partition, on_dolfinx
 from contbed.fem.ranks import RankGroup, rank_group, run_on_root
 from contbed.loading import from_dict
 from contbed.mesh.build import build
+from contbed.runner import run
 from contbed.scene.mesh import MeshBox, MeshFile, MeshLine, MeshRectangle
 
 PLANE = {"type": "rectangle", "length": 0.3, "height": 0.2, "cells": (9, 8)}
@@ -111,7 +112,26 @@ def grids(out: Path) -> None:
     run_on_root(main)
 
 
-COMMANDS = {f.__name__: f for f in (cells, grids)}
+def points(out: Path) -> None:
+    """Whether the first rank has points of the integrals over cells after it has assembled, of a box that radiates."""
+    from contbed.fem.dolfinx import System
+
+    assemble, found = System.assemble, []
+
+    def watched(self: System, *arguments: Any) -> Any:
+        made = assemble(self, *arguments)
+        found.append(sorted(vars(self.cells).keys() & {"x", "h", "_map"}))
+        return made
+
+    System.assemble = watched  # type: ignore[method-assign]
+    ends = {side: {"radiation": {"temperature": T, "emissivity": 0.8}} for side, T in (("left", 900.0), ("top", 400.0))}
+    tables = {"radiation": {"level": "p1", "absorption": 3.0}, "boundary": ends}
+    run(from_dict(tables | {"mesh": SHAPES["bricks"].model_dump(), "output": {"plots": False}}), engine="dolfinx")
+    if found:
+        (out / "points.json").write_text(json.dumps(found))
+
+
+COMMANDS = {f.__name__: f for f in (cells, grids, points)}
 
 if __name__ == "__main__":
     COMMANDS[sys.argv[1]](Path(sys.argv[2]))

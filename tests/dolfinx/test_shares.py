@@ -55,3 +55,9 @@ def test_no_rank_lists_the_whole_of_a_rectangular_grid(ranks: int, written) -> N
     assert max(found["lists"]) <= 8140 / ranks + 2 * 3 * 2 * 40
     assert found["outline"] <= 7 * 2 * (40 + 100)  # faces along and across, in up to three rows at each side
     assert found["state"] == 0 and found["fields"] == 4000  # between rows the first rank has no fields
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_the_first_rank_assembles_without_points_of_cells(ranks: int, written) -> None:
+    found = json.loads((written("points", ranks) / "points.json").read_text())
+    assert len(found) > 1 and not any(found)

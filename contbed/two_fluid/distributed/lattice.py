@@ -149,11 +149,8 @@ class Lattice:
 
         Without `cells` they are those of all cells, but for `moment_inverse`.
         """
-        place, dim, ni = (
-            self.places(np.arange(self.tensor.bricks) if cells is None else cells),
-            len(self.count),
-            len(inner.axis),
-        )
+        dim, ni = len(self.count), len(inner.axis)
+        place = self.places(np.arange(self.tensor.bricks) if cells is None else cells)
         faces = joined((inner, edge))
         each, axis, n = np.arange(len(faces.axis)), faces.axis, len(faces.axis)
         behind = self.next(inner)
