@@ -99,6 +99,7 @@ def grids(out: Path) -> None:
     def main() -> None:
         plan = on_dolfinx(models.plan(from_dict(scene), shared=True))
         bed, _ = plan.bed()
+        assert len(bed.state.eps_s) == len(plan.grid.cells)  # put together, as for a row
         bed.step_towards(1e3)
         held = {name: len(value) for name, value in vars(bed._whole).items() if isinstance(value, np.ndarray)}
         found = {
