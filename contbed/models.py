@@ -84,6 +84,7 @@ class Model:
     scatters : whether its results scatter with the start of the particles, so that small changes cannot be told apart
     searches : whether a steady state is searched in ways whose length only a trial tells, which the run reports
     refuses_early : whether its plan can say what it would refuse, for `contbed check`
+    shares : whether ranks make the parts of its grid, so that its plan for them leaves it out
     """
 
     package: str
@@ -94,6 +95,7 @@ class Model:
     scatters: bool = False
     searches: bool = False
     refuses_early: bool = False
+    shares: bool = False
 
     def find(self, module: str, name: str) -> Any:
         """Import a module of the package and return its attribute `name`."""
@@ -145,7 +147,9 @@ def _reacts(values: Mapping[str, Any]) -> bool:
 
 # the first that a scene fits; the packed bed takes all others
 MODELS: dict[str, Model] = {
-    "two_fluid": Model("two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "equations"}, True, True),
+    "two_fluid": Model(
+        "two_fluid", "TwoFluidScene", _has("two_fluid"), {"two_fluid": "equations"}, True, True, shares=True
+    ),
     "fully_developed": Model(
         "developed_flow", "DevelopedScene", _has("fully_developed"), {"developed_flow": "equations"}, searches=True
     ),
@@ -242,14 +246,15 @@ def require_buildable(scene: Kind) -> None:
         model_of(scene).find("plan", "require_buildable")(scene)
 
 
-def plan(scene: Any) -> Any:
-    """Decide what a scene needs and build its mesh.
+def plan(scene: Any, shared: bool = False) -> Any:
+    """Decide what a scene needs and build its mesh; `shared` leaves out a grid whose parts ranks make.
 
     Raises
     ------
     SceneError : mesh, flow or closures of the scene cannot be used
     """
-    return model_of(scene).find("plan", "plan")(scene)
+    model = model_of(scene)
+    return model.find("plan", "plan")(scene, **({"shared": True} if shared and model.shares else {}))
 
 
 @dataclass(frozen=True)

@@ -96,7 +96,7 @@ def _found(
     start = clock.perf_counter()
     goes_on = place is not None and restart is not None and place.path.resolve() == Path(restart).resolve()
     try:
-        plan: Any = models.plan(scene)
+        plan: Any = models.plan(scene, shared=engine == "dolfinx")
         if engine == "dolfinx":
             from contbed.fem.dolfinx import on_dolfinx
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from types import SimpleNamespace
 from typing import Any
 
@@ -27,6 +28,7 @@ from contbed.fem.elements import GlobalUnknown, Space, lagrange
 from contbed.fem.petsc import Layout, Matrix
 from contbed.fem.ranks import RankGroup, rank_group
 from contbed.fem.tape import Recording, Tape, integrand
+from contbed.mesh.tensor import tensor_of
 from contbed.solvers.linear import Policy
 
 CELLS = {RefLine: "interval", RefTri: "triangle", RefQuad: "quadrilateral", RefTet: "tetrahedron", RefHex: "hexahedron"}
@@ -67,7 +69,10 @@ def engine_usage() -> dict[str, Any]:
 
 @dataclass(eq=False)
 class Partition:
-    """Distribution of the cells of a mesh: `order` lists them rank after rank, `counts` of them on each rank."""
+    """Distribution of the cells of a mesh: `order` lists them rank after rank, `counts` of them on each rank.
+
+    Each rank makes its share of a built-in mesh from the coordinates along the axes, and gets that of another one.
+    """
 
     mesh: Any
     key: int
@@ -90,10 +95,10 @@ class Partition:
                     f"{all_ranks.comm.size} ranks for a mesh of {mesh.nelements} cells: each rank needs one; "
                     "start fewer ranks or refine the mesh"
                 )
-            key = all_ranks.new_key()
-            cells = mesh.t[_order(refdom, 1)].T.astype(np.int64)
+            key, corners, tensor = all_ranks.new_key(), _order(refdom, 1), tensor_of(mesh)
+            whole = None if tensor else (mesh.t[corners].T, mesh.p.T)
             order, counts = all_ranks.run_on_all(
-                parts.make_mesh, key, CELLS[refdom], mesh.dim(), shared, root=(cells, mesh.p.T.astype(float))
+                parts.make_mesh, key, CELLS[refdom], corners, mesh.dim(), shared, tensor, root=whole
             )
             all_ranks.partition = kept = cls(mesh, key, order, counts)
         return kept
@@ -120,11 +125,11 @@ class System(skfem.System):
 
     def _distribute(self) -> Layout:
         """Distribute the unknowns: each belongs to the rank that owns its node."""
-        numbers = [
+        numbers = (
             self.partition.split(_by_cell(self.fields[name][0]) + start)
             for (name, _), start in self.offset.items()
             if name in self.nodal_fields
-        ]
+        )
         degrees = [(space.degree, count) for space, count in self.nodal_fields.values()]
         order, counts = self.ranks.run_on_all(parts.make_space, self.key, self.partition.key, degrees, root=numbers)
         return Layout(order, counts, self.size)
@@ -178,7 +183,7 @@ class _Compiled:
     def __init__(self, system: System, recording: Recording, forms: Any):
         self.ranks, self.recording, self.forms, self.key = system.ranks, recording, forms, system.ranks.new_key()
         partition = system.partition
-        known = [(partition.split(field.values[_by_cell(field.space)])) for field in recording.known]
+        known = (partition.split(field.values[_by_cell(field.space)]) for field in recording.known)
         self.ranks.run_on_all(
             parts.make_form,
             self.key,
@@ -187,7 +192,7 @@ class _Compiled:
             [array.shape[1] for array in recording.arrays],
             [field.space.degree for field in recording.known],
             measure_of(system),
-            root=([partition.split(array) for array in recording.arrays], known),
+            root=chain((partition.split(array) for array in recording.arrays), known),
         )
 
     def __del__(self) -> None:

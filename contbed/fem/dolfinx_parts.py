@@ -16,8 +16,7 @@ from contbed.errors import EngineError
 from contbed.fem import dolfinx_versions as versions
 from contbed.fem.petsc import Layout, LocalMatrix
 from contbed.fem.ranks import RankGroup
-
-CUBES = ("quadrilateral", "hexahedron")
+from contbed.mesh.tensor import Tensor
 
 
 def usage(all_ranks: RankGroup, root: Any) -> Any:
@@ -29,15 +28,38 @@ def usage(all_ranks: RankGroup, root: Any) -> Any:
     return all_ranks.gather(mine, [2] * all_ranks.comm.size)
 
 
-def make_mesh(all_ranks: RankGroup, root: Any, key: int, cell: str, dim: int, shared: bool) -> Any:
-    """Distribute a mesh, with the cells behind `shared` facets; return those of each rank in turn and their number."""
-    cells, points = root or (np.empty((0, 2**dim if cell in CUBES else dim + 1), np.int64), np.empty((0, dim)))
+def make_mesh(
+    all_ranks: RankGroup,
+    root: Any,
+    key: int,
+    cell: str,
+    corners: Any,
+    dim: int,
+    shared: bool,
+    tensor: Tensor | None,
+) -> Any:
+    """Distribute a mesh, with the cells behind `shared` facets; return those of each rank in turn and their number.
+
+    Each rank begins with an equal range of cells and nodes: its own of a `tensor`, or what the root rank sends of
+    `root`, (ncells, nv) and (n, dim). Then DOLFINx moves cells to where their neighbours are. `corners` is the order
+    of the nodes of a cell of the `tensor` in DOLFINx.
+    """
+    whole, nodes = root or (None, None)
+    if tensor is None:
+        cells = all_ranks.spread(whole, len(corners), np.int64)
+        points = all_ranks.spread(nodes, dim, float)
+    else:
+        cells = tensor.corners(all_ranks.range_of(tensor.cells))[:, corners]
+        points = tensor.points(all_ranks.range_of(tensor.nodes))
     mesh = versions.create_mesh(all_ranks.comm, cell, cells, points, shared)
     owned = mesh.topology.index_map(dim).size_local
     original = np.asarray(mesh.topology.original_cell_index[:owned], dtype=np.int64)
     counts = all_ranks.comm.gather(owned)
     order = all_ranks.gather(original, counts)
-    given = all_ranks.scatter(None if order is None else cells[order], counts, cells.shape[1], np.int64)
+    if tensor is None:
+        given = all_ranks.scatter(None if whole is None else whole[order], counts, len(corners), np.int64)
+    else:
+        given = tensor.corners(original)[:, corners]
     found = np.asarray(mesh.geometry.input_global_indices)[versions.geometry_list(mesh)[:owned]]
     if not np.array_equal(given, found):
         raise EngineError("this version of DOLFINx renumbers the vertices of cells")
@@ -81,8 +103,8 @@ def make_space(all_ranks: RankGroup, root: Any, key: int, mesh: int, layout: lis
     block = W.dofmap.index_map_bs
     owned, ghosts = (block * n for n in (W.dofmap.index_map.size_local, W.dofmap.index_map.num_ghosts))
     numbers = np.full(owned + ghosts, -1, dtype=np.int64)
-    for k, unknowns in enumerate(lists):
-        values, counts = root[k] if root else (None, None)
+    for unknowns in lists:
+        values, counts = next(root) if root else (None, None)
         numbers[unknowns] = all_ranks.scatter(values, counts, unknowns.shape[1], np.int64)
     fields, first = [], 0
     for _, count in layout:
@@ -142,7 +164,7 @@ def make_form(
     all_ranks.objects[key] = stored = SimpleNamespace(unknowns=unknowns, arrays=arrays, known=known, residual=None)
     for which in ("arrays", "known"):
         for k in range(len(getattr(stored, which))):
-            set_array(all_ranks, root[which == "known"][k] if root else None, key, k, which)
+            set_array(all_ranks, next(root) if root else None, key, k, which)
     stored.form = integral(replay(entries, stored), part, measure)
     stored.slopes = [ufl.derivative(stored.form, unknowns.state, ufl.TrialFunction(unknowns.W))]
     if any(entry[0] == "unknown" and entry[2] == "low" for entry in entries) and unknowns.low is not None:

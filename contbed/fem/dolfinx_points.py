@@ -44,7 +44,7 @@ class System(dolfinx.System):
         edge = [form for form in forms if form[1] is not self.cells]
         residual, outer = skfem.System.assemble(self, edge, state, jacobian and bool(edge)) if edge else (0.0, None)
         terms = self._terms(inside, state, jacobian)
-        shape = self.cells.weight.shape
+        shape = self.cells.shape
         values = [np.broadcast_to(array, shape) for *_, slots in terms for array in slots.values()]
         todo = [(row, column, tuple(slots)) for row, column, slots in terms]
         key = self.ranks.new_key() if jacobian else None

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,7 +23,8 @@ class Domain:
     """Quadrature points of one integral: all cells, or the cells behind facets that share a local number.
 
     `x` (dim entries of (ncells, nq)), `weight` (ncells, nq) with the measure (times 2 pi r when axisymmetric),
-    `inverse[a][k]` = dX_a/dx_k, `h` the longest edge (ncells, 1), `n` the outward normal on facets.
+    `inverse[a][k]` = dX_a/dx_k, `h` the longest edge (ncells, 1), `n` the outward normal on facets. They are made when
+    first asked for: the root rank of several asks for those of facets only.
     """
 
     def __init__(
@@ -34,52 +37,93 @@ class Domain:
         cells: NDArray[np.int64] | None = None,
         facet: int | None = None,
     ):
-        refdom = mesh.elem.refdom
-        self.refdom, self.dim, self.axisymmetric = refdom, mesh.dim(), axisymmetric
+        self.mesh, self.section, self.facet = mesh, section, facet
+        self.refdom, self.dim, self.axisymmetric = mesh.elem.refdom, mesh.dim(), axisymmetric
         self.cells = slice(None) if cells is None else cells
         if facet is None:
-            self.X, W = get_quadrature(refdom, order)
+            self.X, self._W = get_quadrature(self.refdom, order)
         else:
-            self.X, W = _facet_quadrature(refdom, facet, order)
-        corners = mesh.p[:, mesh.t[:, self.cells]]
-        geometry = lagrange(refdom, 1)
-        simplex = refdom.nnodes == self.dim + 1
-        X = self.X[:, :1] if simplex else self.X
+            self.X, self._W = _facet_quadrature(self.refdom, facet, order)
+        self._tables: dict[Any, Array] = {}
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of cells and of points in each."""
+        return self.mesh.t[0, self.cells].size, self.X.shape[1]
+
+    @property
+    def _corners(self) -> Array:
+        corners: Array = self.mesh.p[:, self.mesh.t[:, self.cells]]
+        return corners
+
+    @property
+    def _simplex(self) -> bool:
+        return bool(self.refdom.nnodes == self.dim + 1)
+
+    @cached_property
+    def x(self) -> Components:
+        """Coordinates of the points."""
+        table, corners = lagrange(self.refdom, 1).table(self.X), self._corners
+        return Components(np.einsum("kc,kq->cq", corners[i], table) for i in range(self.dim))
+
+    @cached_property
+    def h(self) -> Array:
+        """Longest edge of each cell."""
+        refdom, corners = self.refdom, self._corners
+        edges = [(a, b) for a in range(refdom.nnodes) for b in range(a)] if self._simplex else _edges(refdom)
+        lengths = [np.linalg.norm(corners[:, a] - corners[:, b], axis=0) for a, b in edges]
+        longest: Array = np.max(lengths, axis=0)[:, None]
+        return longest
+
+    @property
+    def inverse(self) -> Any:
+        """Derivatives of the reference coordinates."""
+        return self._map.inverse
+
+    @property
+    def weight(self) -> Array:
+        """Weights of the points."""
+        weight: Array = self._map.weight
+        return weight
+
+    @property
+    def n(self) -> Any:
+        """Outward normal; None on cells."""
+        return None if self.facet is None else self._map.n
+
+    @cached_property
+    def _map(self) -> SimpleNamespace:
+        """The map of each cell from the reference one at the points, and what follows from it."""
+        corners, geometry = self._corners, lagrange(self.refdom, 1)
+        X = self.X[:, :1] if self._simplex else self.X
         slopes = np.array([geometry.table(X, a) for a in range(self.dim)])
         jacobian = np.einsum("ikc,akq->iacq", corners, slopes)
         rounding = ROUNDING * np.abs(corners).max()
-        affine = simplex or bool(np.ptp(jacobian, axis=-1).max() <= rounding)
+        affine = self._simplex or bool(np.ptp(jacobian, axis=-1).max() <= rounding)
         if affine:
             jacobian = jacobian[..., :1]
         jacobian[np.abs(jacobian).max(axis=(2, 3)) <= rounding] = 0.0
-        inverse, determinant = _invert(jacobian)
-        self.inverse = [[inverse[a, k] for k in range(self.dim)] for a in range(self.dim)]
-        self._acts = [[bool(np.any(self.inverse[a][k])) for k in range(self.dim)] for a in range(self.dim)]
-        self.x = Components(np.einsum("kc,kq->cq", corners[i], geometry.table(self.X)) for i in range(self.dim))
-        weight = np.abs(determinant) * W
-        self.n: Any = None
-        if facet is not None:
-            outward = np.asarray(refdom.normals[facet], dtype=float)
+        each, determinant = _invert(jacobian)
+        inverse = [[each[a, k] for k in range(self.dim)] for a in range(self.dim)]
+        acts = [[bool(np.any(inverse[a][k])) for k in range(self.dim)] for a in range(self.dim)]
+        weight, n = np.abs(determinant) * self._W, None
+        if self.facet is not None:
+            outward = np.asarray(self.refdom.normals[self.facet], dtype=float)
             outward = outward / np.linalg.norm(outward)
-            normal = np.einsum("akcq,a->kcq", inverse, outward)
+            normal = np.einsum("akcq,a->kcq", each, outward)
             length = np.sqrt((normal**2).sum(axis=0))
             weight = weight * length
-            self.n = Components(normal / length)
-        if axisymmetric:
+            n = Components(normal / length)
+        if self.axisymmetric:
             weight = weight * 2.0 * np.pi * self.x[0]
-        self.weight = np.broadcast_to(section * weight, self.x[0].shape)
-        edges = [(a, b) for a in range(refdom.nnodes) for b in range(a)] if simplex else _edges(refdom)
-        lengths = [np.linalg.norm(corners[:, a] - corners[:, b], axis=0) for a, b in edges]
-        self.h = np.max(lengths, axis=0)[:, None]
-        self._curvature = (
-            None
-            if affine
-            else [
+        curvature = None
+        if not affine:
+            curvature = [
                 [np.einsum("ikc,kq->icq", corners, geometry.table(self.X, a, b)) for b in range(self.dim)]
                 for a in range(self.dim)
             ]
-        )
-        self._tables: dict[Any, Array] = {}
+        weight = np.broadcast_to(self.section * weight, self.shape)
+        return SimpleNamespace(inverse=inverse, acts=acts, weight=weight, n=n, curvature=curvature)
 
     def length_along(self, direction: Components) -> Array:
         """Return the length of each cell along a unit vector (ncells, nq): 2 / sum |slope of vertex function|."""
@@ -124,19 +168,19 @@ class Domain:
                 add(kind, c)
             elif kind[0] == "g":
                 for a in range(self.dim):
-                    if self._acts[a][kind[1]]:
+                    if self._map.acts[a][kind[1]]:
                         add(("g", a), c * self.inverse[a][kind[1]])
             else:
                 for a in range(self.dim):
                     for b in range(self.dim):
-                        if not (self._acts[a][kind[1]] and self._acts[b][kind[2]]):
+                        if not (self._map.acts[a][kind[1]] and self._map.acts[b][kind[2]]):
                             continue
                         term = c * self.inverse[a][kind[1]] * self.inverse[b][kind[2]]
                         add(("h", a, b), term)
-                        if self._curvature is not None:
+                        if self._map.curvature is not None:
                             for k in range(self.dim):
                                 for m in range(self.dim):
-                                    add(("g", m), -term * self._curvature[a][b][k] * self.inverse[m][k])
+                                    add(("g", m), -term * self._map.curvature[a][b][k] * self.inverse[m][k])
         return out
 
 

@@ -122,6 +122,17 @@ class RankGroup:
         self.comm.Scatterv(shares, mine)
         return mine
 
+    def range_of(self, size: int) -> Any:
+        """Return the numbers of the calling rank where `size` of them are shared out in equal ranges."""
+        return np.arange(*self._ends(size)[self.comm.rank :][:2])
+
+    def spread(self, values: Any, width: int, dtype: Any) -> Any:
+        """Distribute rows (n, width) of the root rank in equal ranges; only the root rank knows `values`."""
+        return self.scatter(values, None if values is None else np.diff(self._ends(len(values))), width, dtype)
+
+    def _ends(self, size: int) -> Any:
+        return np.linspace(0, size, self.comm.size + 1).astype(int)
+
     def gather(self, mine: Any, counts: Any) -> Any:
         """Return the entries of all ranks in rank order on the root rank; None elsewhere."""
         if not self.is_root:
@@ -130,6 +141,27 @@ class RankGroup:
         out = np.empty(int(np.sum(counts)), dtype=mine.dtype)
         self.comm.Gatherv(np.ascontiguousarray(mine), [out, np.asarray(counts)])
         return out
+
+    def take(self, whole: Any, places: Any) -> Any:
+        """Return rows (n, ...) at `places` (n,) of an array that only the root rank has."""
+        counts, everywhere = self.comm.gather(len(places)), None
+        asked = self.gather(places, counts)
+        shape = self.comm.bcast(None if whole is None else whole.shape[1:])
+        if whole is not None:
+            everywhere = whole[asked].reshape(len(asked), -1)
+        return self.scatter(everywhere, counts, int(np.prod(shape)), float).reshape(-1, *shape)
+
+    def put(self, mine: Any, places: Any) -> Any:
+        """Return on the root rank an array whose rows (n, ...) at `places` (n,) each rank has; None elsewhere."""
+        counts = self.comm.gather(len(places))
+        there = self.gather(places, counts)
+        width = int(np.prod(mine.shape[1:]))
+        rows = self.gather(mine.ravel(), counts and [width * count for count in counts])
+        if there is None:
+            return None
+        whole = np.empty((len(there), *mine.shape[1:]))
+        whole[there] = rows.reshape(whole.shape)
+        return whole
 
 
 _group: RankGroup | None = None

@@ -65,9 +65,11 @@ class _Test(Linear):
 class Ops:
     """The operators that a form may use on one domain; pointwise mathematics is numpy's."""
 
-    def __init__(self, where: Domain):
+    def __init__(self, where: Domain, x: Any = None, h: Any = None):
         self._where = where
-        self.x, self.h, self.n, self.dim = where.x, where.h, where.n, where.dim
+        self.x: Any = where.x if x is None else x
+        self.h: Any = where.h if h is None else h
+        self.n, self.dim = where.n, where.dim
         self.axisymmetric = where.axisymmetric
 
     def grad(self, field: Any) -> Components:

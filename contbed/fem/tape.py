@@ -198,7 +198,7 @@ class Tape:
                 below = numbers[id(argument)]
                 first = len(out.arrays)
                 out.tables.append((first, f, derivative, argument))
-                shape = self.where.weight.shape
+                shape = self.where.shape
                 parts = [array(np.zeros(shape)) for _ in range(3)]
                 step = add("subtract", below, parts[2])
                 return add("add", parts[0], add("multiply", parts[1], step))
@@ -222,9 +222,8 @@ class TapeOps(Ops):
     """The operators of forms on recorded values."""
 
     def __init__(self, tape: Tape):
-        super().__init__(tape.where)
-        self.x = Components(Recorded(tape, "x", k) for k in range(self.dim))
-        self.h = Recorded(tape, "h")
+        x = Components(Recorded(tape, "x", k) for k in range(tape.where.dim))
+        super().__init__(tape.where, x, Recorded(tape, "h"))
 
 
 def _in_order(root: Recorded) -> list[Recorded]:

@@ -14,6 +14,7 @@ import skfem
 from numpy.typing import NDArray
 
 from contbed.errors import SceneError
+from contbed.mesh.entities import renamed, with_lists
 from contbed.mesh.grading import CELLS_ALONG
 from contbed.mesh.mesh import Mesh, refine
 from contbed.scene import mesh as settings_mesh
@@ -75,7 +76,7 @@ def _tensor(settings: MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox, nod
         cells[axis] = CELLS_ALONG
     if nodes is None:
         nodes = [np.linspace(0.0, size, int(n) + 1) for size, n in zip(extent, cells, strict=True)]
-    mesh = make(*nodes)
+    mesh = with_lists(make(*nodes))
     exterior = mesh.boundary_facets()
     points = mesh.p[:, mesh.facets[:, exterior]]
     named = {
@@ -83,7 +84,7 @@ def _tensor(settings: MeshLine | MeshRectangle | MeshAxisymmetric | MeshBox, nod
         for d, pair in enumerate(sides)
         for name, end in zip(pair, (nodes[d][0], nodes[d][-1]), strict=True)
     }
-    return Mesh(replace(mesh, _boundaries=named, _subdomains={REGION: np.arange(mesh.nelements)}), axisymmetric, axis)
+    return Mesh(renamed(mesh, _boundaries=named, _subdomains={REGION: np.arange(mesh.nelements)}), axisymmetric, axis)
 
 
 def _triangles(x: Array, y: Array) -> skfem.MeshTri:

@@ -37,8 +37,12 @@ def fields_of(bed: Simulation, averages: Averages | None) -> dict[str, np.ndarra
 
 def corners_of(mesh: skfem.Mesh) -> tuple[str, np.ndarray]:
     """Return the name of the cells of a mesh and their nodes (ncells, corners), as VTK has them."""
-    kind, corners = _NAMES[mesh.elem.refdom.__name__], mesh.t.T
-    return kind, corners[:, _HEXAHEDRON] if kind == "hexahedron" else corners
+    return _NAMES[mesh.elem.refdom.__name__], in_order_of_vtk(mesh.t.T)
+
+
+def in_order_of_vtk(corners: np.ndarray) -> np.ndarray:
+    """Return the nodes (ncells, corners) of cells of scikit-fem as VTK has them."""
+    return corners[:, _HEXAHEDRON] if corners.shape[1] == len(_HEXAHEDRON) else corners
 
 
 def write_cells(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from contbed import threads
 from contbed.errors import SceneError
 from contbed.mesh.build import build
+from contbed.mesh.entities import renamed
 from contbed.mesh.mesh import Mesh
 from contbed.models import Unfactored, described
 from contbed.scene.mesh import MeshFile
@@ -23,6 +25,7 @@ from contbed.two_fluid.simulation import Simulation
 
 if TYPE_CHECKING:
     from contbed.two_fluid.distributed.grid import SharedGrid
+    from contbed.two_fluid.distributed.lattice import Lattice
 
 MEMORY = Unfactored(400.0)  # bytes for each unknown: 200 in 800 000 of a plane, up to 600 in 140 000 of a volume
 # s of CPU per cell and step in 1-D, 2-D and 3-D, of beds of some 10 000 cells, on rectangular grids and on any mesh
@@ -43,6 +46,7 @@ class TwoFluidPlan:
     steps: bool = True
     policy: Unfactored = MEMORY
     without_weak_form: str = ""
+    lattice: Lattice | None = None  # from which ranks make their parts of the grid; `grid` is its outline
     shared_grid: SharedGrid | None = None  # of ranks, which then have the grid; `grid` is its outline
 
     def unknowns(self) -> dict[str, int]:
@@ -61,7 +65,10 @@ class TwoFluidPlan:
         """
         from contbed.two_fluid.distributed.grid import SharedGrid
 
-        shared = SharedGrid(self.grid, self.mesh.skfem)
+        if self.lattice is None:
+            shared = SharedGrid.of_grid(self.grid, self.mesh.skfem)
+        else:
+            shared = SharedGrid.of_lattice(self.lattice, self.grid)
         # a copy of the mesh leaves behind the lists of faces that the grid was built from
         mesh = replace(self.mesh, engine=engine, skfem=replace(self.mesh.skfem))
         return replace(self, mesh=mesh, grid=shared.outline, shared_grid=shared)
@@ -105,8 +112,8 @@ class TwoFluidPlan:
         return described(self, *(f"WARNING {text}" for text in self.warnings))
 
 
-def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
-    """Build mesh and grid.
+def plan(scene: t.TwoFluidScene, shared: bool = False) -> TwoFluidPlan:
+    """Build mesh and grid; of a rectangular grid that is `shared` the outline only, as ranks make its parts.
 
     Raises
     ------
@@ -114,7 +121,9 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
     """
     mesh = _cut(build(scene.mesh, base=str(scene.origin.base)), scene)
     pairs = [(name, part.partner) for name, part in scene.boundary.items() if isinstance(part, t.Periodic)]
-    cells = grid.build(mesh, pairs)
+    cells, lattice = _shared(scene, mesh, pairs) if shared else (None, None)
+    if cells is None:
+        cells = grid.build(mesh, pairs)
     _require_resolved(scene, mesh, cells)
     known = conditions(scene, cells)
     for name in cells.boundaries:
@@ -124,9 +133,13 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
     table = scene.two_fluid
     cost = (STEP_COST_IN_ROWS if cells.rectangular else STEP_COST)[cells.dimension - 1] * len(cells.cells)
     built = [("cells", f"{len(cells.cells)}, about {cost * 1e3:.2g} ms a step")]
-    how = "elimination" if uses_elimination(cells) else "conjugate gradients with multigrid"
-    built.append(("pressure", f"{how}, band of {cells.bandwidth} cells"))
-    built.append(("threads", _threads(cells)))
+    if shared:
+        built.append(("pressure", "conjugate gradients with algebraic multigrid of PETSc"))
+        built.append(("threads", "1 on each rank"))
+    else:
+        how = "elimination" if uses_elimination(cells) else "conjugate gradients with multigrid"
+        built.append(("pressure", f"{how}, band of {cells.bandwidth} cells"))
+        built.append(("threads", _threads(cells)))
     skipped: list[tuple[str, str]] = []
     for there, what, how, why in (
         (table.drag != ABSENT, "drag", str(table.drag), 'drag = "none"'),
@@ -149,7 +162,22 @@ def plan(scene: t.TwoFluidScene) -> TwoFluidPlan:
         skipped.append(("fully developed flow", "[fully_developed] gives profiles far from the inlet in a second"))
     points = probes.cells(mesh, cells, scene.output.probes)
     seldom_meant = warnings.of_the_mesh(scene, mesh, cells)
-    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, seldom_meant)
+    return TwoFluidPlan(scene, mesh, cells, tuple(built), tuple(skipped), points, seldom_meant, lattice=lattice)
+
+
+def _shared(
+    scene: t.TwoFluidScene, mesh: Mesh, pairs: Sequence[tuple[str, str]]
+) -> tuple[grid.Grid, Lattice] | tuple[None, None]:
+    """Return the outline of a rectangular grid of a built-in mesh, and its lattice; None where it is none."""
+    from contbed.two_fluid.distributed.bricks import outline
+    from contbed.two_fluid.distributed.lattice import lattice_of, numbers_of_facets
+
+    if isinstance(scene.mesh, MeshFile):
+        return None, None
+    lattice = lattice_of(mesh, scene.mesh.sides, pairs)
+    if lattice is None:
+        return None, None
+    return outline(lattice, numbers_of_facets(lattice, mesh, pairs)), lattice
 
 
 def _threads(cells: grid.Grid) -> str:
@@ -239,7 +267,6 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
     """Return the mesh with pieces of boundaries under names of their own."""
     plain = mesh.skfem
     named = dict(plain.boundaries or {})
-    middles = plain.p[:, plain.facets].mean(axis=1)
     for name, part in scene.boundary.items():
         whole = getattr(part, "on", None)
         if whole is None:
@@ -250,7 +277,7 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
             continue
         if whole not in named:
             raise SceneError(f"{scene.origin.at(('boundary', name, 'on'))}: boundary.{name}.on: no boundary {whole!r}")
-        middle = middles[:, named[whole]]
+        middle = plain.p[:, plain.facets[:, named[whole]]].mean(axis=1)
         axis = 0 if np.ptp(middle[-1]) <= 1e-9 * np.ptp(plain.p[-1]) else -1
         inside = (middle[axis] > part.start) & (middle[axis] < part.end)  # type: ignore[union-attr]
         if not inside.any() or inside.all():
@@ -261,7 +288,7 @@ def _cut(mesh: Mesh, scene: t.TwoFluidScene) -> Mesh:
         named[name], named[whole] = named[whole][inside], named[whole][~inside]
     if isinstance(scene.mesh, MeshFile) and not named:
         raise SceneError(f"{scene.origin.at(('mesh', 'file'))}: mesh.file: the mesh names no boundaries")
-    return replace(mesh, skfem=replace(plain, _boundaries=named))
+    return replace(mesh, skfem=renamed(plain, _boundaries=named))
 
 
 def _condition(part: Any) -> boundary.Condition:

@@ -245,7 +245,7 @@ def rebuild(like: Value, saved: Mapping[str, Any], name: str = "state") -> Value
         return type(like)(**{key: rebuild(part, saved, f"{name}.{key}") for key, part in parts.items()})
     if like is None:
         return like
-    return np.array(saved[name]) if isinstance(like, np.ndarray) else type(like)(saved[name])  # type: ignore[return-value,call-arg]
+    return np.asarray(saved[name]) if isinstance(like, np.ndarray) else type(like)(saved[name])  # type: ignore[return-value,call-arg]
 
 
 def _parts(value: Any) -> dict[str, Any]:

@@ -71,8 +71,8 @@ def of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> tuple[str, ..
 
 
 def _of_the_mesh(scene: t.TwoFluidScene, mesh: Mesh, grid: Grid) -> Iterator[tuple[KeyPath, str]]:
-    extents = np.ptp(mesh.skfem.p[:, mesh.skfem.t], axis=1)  # (dim, nc)
-    if (smallest := float(extents.min())) < scene.solid.particle_diameter:
+    smallest = min(float(np.ptp(x[mesh.skfem.t], axis=0).min()) for x in mesh.skfem.p)
+    if smallest < scene.solid.particle_diameter:
         text = f"larger than the smallest cell, {smallest:.3g} m; averages over a cell need many particles in it"
         yield ("solid", "particle_diameter"), text
     low, high = float(mesh.skfem.p[-1].min()), float(mesh.skfem.p[-1].max())

@@ -34,7 +34,7 @@ def states(out: Path, *names: str) -> None:
     for name in names or (*BEDS, *CHECK_CASES):
 
         def main(name: str = name) -> None:
-            bed, compiled = on_dolfinx(models.plan(loaded(name))).bed()
+            bed, compiled = on_dolfinx(models.plan(loaded(name), shared=True)).bed()
             start = contents(bed)
             for _ in range(STEPS):
                 bed.step_towards(1e3)
@@ -49,7 +49,7 @@ def averages(out: Path, *names: str) -> None:
     for name in names:
 
         def main(name: str = name) -> None:
-            bed, _ = on_dolfinx(models.plan(loaded(name))).bed()
+            bed, _ = on_dolfinx(models.plan(loaded(name), shared=True)).bed()
             for _ in range(STEPS // 2):
                 bed.step_towards(1e3)
             window = bed.clock.time * (1.0 + 1e-9), 4.0 * bed.clock.time
@@ -75,7 +75,7 @@ def files(out: Path, *names: str) -> None:
     for name in names:
 
         def main(name: str = name) -> None:
-            plan = on_dolfinx(models.plan(loaded(name)))
+            plan = on_dolfinx(models.plan(loaded(name), shared=True))
             bed, _ = plan.bed()
             taken = SharedAverages(bed, 0.0, 1.0)
             for _ in range(3):

@@ -39,13 +39,13 @@ class SharedAverages(Averages):
         """Back to what `arrays` gave, on all ranks."""
         super().resume(arrays)
         mine = self.arrays()
-        self.shared.run(resume, root=[_of_cells(mine, cells) for cells, _ in self.shared.own])
+        self.shared.run(resume, root=[_of_cells(mine, cells) for cells in self.shared.own_cells()])
         self._behind = False
 
     def _gather(self) -> None:
         gathered = self.shared.run(own_arrays)
         first = gathered[0]
-        places = [cells for cells, _ in self.shared.own]
+        places = self.shared.own_cells()
         whole = dict(first)
         for name in first.keys() - set(OF_BED):
             shape = first[name].shape

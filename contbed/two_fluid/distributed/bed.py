@@ -26,11 +26,15 @@ if TYPE_CHECKING:
 
 
 class Shared:
-    """The object of all ranks, released with the last bed that uses it; which cells and faces each rank has."""
+    """The object of all ranks, released with the last bed that uses it."""
 
     def __init__(self, grid: SharedGrid):
         self.ranks, self.grid = grid.ranks, grid  # kept: beds of ranks are on its parts
-        self.key, self.all, self.own, self.edges = self.ranks.new_key(), grid.all, grid.own, grid.edges
+        self.key, self.edges = self.ranks.new_key(), grid.edges
+
+    def own_cells(self) -> Any:
+        """Return the own cells of each rank."""
+        return self.run(parts.own_cells)
 
     def run(self, function: Callable[..., Any], *arguments: Any, root: Any = None) -> Any:
         """Run a function of `parts` on all ranks."""
@@ -54,15 +58,8 @@ class SharedSimulation(Simulation):
         floating = not (edge.gas.kind == OUTLET).any()
         about = parts.About(scene, model.materials, particles, model.options, bool(floating), model.closed)
         walls, heat = model.closures.wall_froude, model.heat
-        given = [
-            (
-                parts.taken(edge, at),
-                None if heat is None else parts.taken_heat(heat, at),
-                None if walls is None else walls[cells],
-            )
-            for (cells, _), at in zip(grid.all, grid.edges, strict=True)
-        ]
-        self.shared.run(parts.make, grid.key, about, root=(given, model.timer))
+        given = [(parts.taken(edge, at), None if heat is None else parts.taken_heat(heat, at)) for at in grid.edges]
+        self.shared.run(parts.make, grid.key, about, root=(given, walls, model.timer))
         self._clock: Clock | None = None
         super().__init__(model)
 
@@ -87,14 +84,23 @@ class SharedSimulation(Simulation):
         self.tell()
         if error := self.shared.run(parts.find_fluxes, dt):
             raise error
-        self._clock = self.clock
+        self._moved(self.clock)
 
     def step_towards(self, end: float) -> None:
         """One of the equal steps to `end` [s], on all ranks."""
         self.tell()
-        error, self._clock = self.shared.run(parts.step_towards, end)
+        error, clock = self.shared.run(parts.step_towards, end)
+        self._moved(clock)
         if error:
             raise error
+
+    def _moved(self, clock: Clock) -> None:
+        """Forget the fields, which ranks have changed."""
+        self._clock = clock
+        flat = flatten(self._whole)
+        self._whole = rebuild(
+            self._whole, {k: np.empty(0) if isinstance(v, np.ndarray) else v for k, v in flat.items()}
+        )
 
     def impose(self, conditions: Mapping[str, Condition]) -> None:
         """Other boundary conditions from now on."""
@@ -112,7 +118,7 @@ class SharedSimulation(Simulation):
         """Return the shear rate (nc,) [1/s] of the particles, put together from the ranks."""
         self.tell()
         found = np.empty(len(self.model.grid.cells))
-        for rates, (cells, _) in zip(self.shared.run(parts.own_shear_rate), self.shared.own, strict=True):
+        for rates, cells in zip(self.shared.run(parts.own_shear_rate), self.shared.own_cells(), strict=True):
             found[cells] = rates
         return found
 
@@ -124,32 +130,14 @@ class SharedSimulation(Simulation):
 
     def tell(self) -> None:
         """Give all ranks their parts of a state that was set here."""
-        if self._told:
-            return
-        flat = flatten(self._whole)
-
-        def of_rank(cells: Any, faces: Any) -> dict[str, Any]:
-            arrays = {name: value for name, value in flat.items() if isinstance(value, np.ndarray)}
-            return flat | {
-                name: np.ascontiguousarray(value[faces if name in parts.OF_FACES else cells])
-                for name, value in arrays.items()
-            }
-
-        self.shared.run(parts.set_state, root=[of_rank(*places) for places in self.shared.all])
-        self._told = True
+        if not self._told:
+            self.shared.run(parts.set_state, root=flatten(self._whole))
+            self._told = True
 
     def _gather(self) -> None:
         """Put the parts of all ranks together, and add what their closures counted."""
-        gathered = self.shared.run(parts.own_state)
-        whole = flatten(self._whole)
-        for name, value in whole.items():
-            if not isinstance(value, np.ndarray):
-                whole[name] = gathered[0][0][name]
-                continue
-            whole[name] = np.empty_like(value)
-            for (flat, _), places in zip(gathered, self.shared.own, strict=True):
-                whole[name][places[name in parts.OF_FACES]] = flat[name]
-        for _, counted in gathered:
+        whole, counts = self.shared.run(parts.own_state)
+        for counted in counts:
             for number, more in zip(self.counts, counted, strict=True):
                 number += more
         self._whole, self._clock = rebuild(self._whole, whole), None

@@ -1,4 +1,4 @@
-"""The grid of a bed that ranks share: each has its part, the root rank an outline and who has which cells and faces."""
+"""The grid of a bed that ranks share: each has its part, the root rank an outline of the whole."""
 
 from __future__ import annotations
 
@@ -9,47 +9,75 @@ import skfem
 
 from contbed.fem.ranks import RankGroup, rank_group
 from contbed.two_fluid.compiled import Indices
+from contbed.two_fluid.distributed.bricks import Bricks, bricks_of
+from contbed.two_fluid.distributed.lattice import Lattice
 from contbed.two_fluid.distributed.partition import Part, outline, owners, split
 from contbed.two_fluid.fv.grid import Grid
 
 
 class SharedGrid:
-    """The parts of all ranks, released with the last bed on them; nothing here refers to the grid that was shared out.
+    """The parts of all ranks, released with the last bed on them; nothing here refers to a grid that was shared out.
 
     Attributes
     ----------
     outline : the root rank's grid from now on
-    all, own : cells and faces of each rank, with ghosts and without; edges : its boundary faces
+    edges : boundary faces of each rank
     """
 
-    def __init__(self, grid: Grid, mesh: skfem.Mesh):
+    def __init__(self, outline: Grid):
         self.ranks = rank_group()
-        self.key, self.outline = self.ranks.new_key(), outline(grid)
-        owner = owners(grid, self.ranks.comm.size)
-        self.all: list[tuple[Indices, Indices]] = []
-        self.own: list[tuple[Indices, Indices]] = []
+        self.key, self.outline = self.ranks.new_key(), outline
         self.edges: list[Indices] = []
-        self.ranks.run_on_all(take_part, self.key, root=self._noted(grid, mesh, owner))
 
-    def _noted(self, grid: Grid, mesh: skfem.Mesh, owner: Indices) -> Iterator[Part]:
-        for part in split(grid, mesh, owner, self.ranks.comm.size):
-            faces = part.faces
-            self.all.append((part.cells, faces))
-            self.own.append((part.cells[: part.owned], faces[part.own_faces]))
-            self.edges.append(part.edge - grid.interior)
-            yield part
+    @classmethod
+    def of_grid(cls, grid: Grid, mesh: skfem.Mesh) -> SharedGrid:
+        """Share out a grid that the root rank has."""
+        shared = cls(outline(grid))
+        owner = owners(grid, shared.ranks.comm.size)
+        return shared._made(take_part, root=split(grid, mesh, owner, shared.ranks.comm.size))
+
+    @classmethod
+    def of_lattice(cls, lattice: Lattice, outline: Grid) -> SharedGrid:
+        """Have each rank make its part of a rectangular grid.
+
+        Raises
+        ------
+        EngineError : the cells cannot be shared among so many ranks
+        """
+        shared = cls(outline)
+        return shared._made(make_part, bricks_of(lattice, shared.ranks.comm.size))
+
+    def _made(self, function: Any, *arguments: Any, root: Iterator[Part] | None = None) -> SharedGrid:
+        edges = len(self.outline.geometry.left) - self.outline.interior
+        numbers = self.ranks.run_on_all(function, self.key, *arguments, root=root)
+        self.edges = [mine - (self.outline.face_count - edges) for mine in numbers]
+        return self
 
     def __del__(self) -> None:
         self.ranks.released.append(self.key)
 
 
-def take_part(all_ranks: RankGroup, root: Any, key: int) -> None:
-    """Keep the part of this rank as object `key`; root yields those of all ranks, each sent before the next is made."""
+def take_part(all_ranks: RankGroup, root: Any, key: int) -> Any:
+    """Keep the part of this rank as object `key`; root yields those of all ranks, each sent before the next is made.
+
+    The root rank gets the boundary faces of each.
+    """
     if not all_ranks.is_root:
-        all_ranks.objects[key] = all_ranks.comm.recv(source=0)
-        return
+        return _kept(all_ranks, key, all_ranks.comm.recv(source=0))
+    mine = None
     for part in root:
         if part.rank == 0:
-            all_ranks.objects[key] = part
+            mine = part
         else:
             all_ranks.comm.send(part, part.rank)
+    return _kept(all_ranks, key, mine)
+
+
+def make_part(all_ranks: RankGroup, root: Any, key: int, bricks: Bricks) -> Any:
+    """Make the part of this rank as object `key`; the root rank gets the boundary faces of each."""
+    return _kept(all_ranks, key, bricks.part(all_ranks.comm.rank))
+
+
+def _kept(all_ranks: RankGroup, key: int, part: Any) -> Any:
+    all_ranks.objects[key] = part
+    return all_ranks.comm.gather(part.edge)

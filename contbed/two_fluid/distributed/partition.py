@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import skfem
@@ -183,13 +183,18 @@ def _of_faces(g: Geometry, faces: Indices, interior: Indices) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False)
 class Outline(Grid):
-    """What the root rank keeps of a grid that it has shared out.
+    """What the root rank has of a grid that ranks share; it takes no steps, which would need rows.
 
     It has places and volumes of all cells, the boundary faces, and those beside and behind boundary cells, from which
     the pressure reaches floor and roof; for each axis the outermost faces, so that the bed has its extent.
     """
 
     all_faces: int = 0
+
+    @property
+    def order(self) -> Literal["C", "F"]:
+        """Order in memory of vectors (nc, dim): that of the parts."""
+        return "C"
 
     @property
     def face_count(self) -> int:
@@ -226,7 +231,7 @@ def outline(grid: Grid) -> Outline:
         grid.regions,
         grid.axisymmetric,
         grid.bandwidth,
-        False,
+        grid.rectangular,
         None,
         all_faces=count,
     )

@@ -91,11 +91,13 @@ def taken_heat(heat: HeatModel, faces: Any) -> tuple[Array, ...]:
 def make(all_ranks: RankGroup, root: Any, key: int, shared_grid: int, about: About) -> None:
     """Build the bed of each rank from its part of the grid, object `shared_grid`, as object `key`.
 
-    The root rank has conditions, those of heat and distances from walls for all ranks, and a timer.
+    The root rank has conditions and those of heat for each rank, distances from walls of all cells, and a timer.
     """
-    given, timer = root or (None, Timer())
+    given, walls, timer = root or (None, None, Timer())
     part: Part = all_ranks.objects[shared_grid]
-    edge, outside_heat, wall_froude = all_ranks.comm.scatter(given)
+    edge, outside_heat = all_ranks.comm.scatter(given)
+    near_walls = all_ranks.comm.bcast(walls is not None)
+    wall_froude = all_ranks.take(walls, part.cells) if near_walls else None
     sent, received = part.sent, part.received
     others = [Neighbour(rank, sent[rank], received[rank]) for rank in sorted(sent)]
     halo = RankHalo(all_ranks.comm, part.owned, part.near, part.own_faces, part.own_edges, others)
@@ -183,10 +185,23 @@ def impose_heat(all_ranks: RankGroup, root: Any, key: int) -> None:
     bed.model = replace(bed.model, heat=replace(heat, T_gas=T_gas, T_solid=T_solid, wall=wall, flux=flux))
 
 
+def own_cells(all_ranks: RankGroup, root: Any, key: int) -> Any:
+    """Return on the root rank the own cells of each rank."""
+    part = all_ranks.objects[key].part
+    return all_ranks.comm.gather(part.cells[: part.owned])
+
+
 def set_state(all_ranks: RankGroup, root: Any, key: int) -> None:
-    """Set the state of all parts; root has the flattened one of each."""
-    bed = all_ranks.objects[key].simulation
-    bed.state = rebuild(bed.state, all_ranks.comm.scatter(root))
+    """Set the state of all parts, array by array; root has the flattened one of the bed."""
+    here = all_ranks.objects[key]
+    flat = flatten(here.simulation.state)
+    arrays = [name for name, value in flat.items() if isinstance(value, np.ndarray)]
+    plain = {name: value for name, value in (root or {}).items() if name not in arrays}
+    flat |= all_ranks.comm.bcast(plain)
+    for name in arrays:
+        places = here.part.faces if name in OF_FACES else here.part.cells
+        flat[name] = all_ranks.take(root and root[name], places)
+    here.simulation.state = rebuild(here.simulation.state, flat)
 
 
 def own_shear_rate(all_ranks: RankGroup, root: Any, key: int) -> Any:
@@ -197,16 +212,18 @@ def own_shear_rate(all_ranks: RankGroup, root: Any, key: int) -> Any:
 
 
 def own_state(all_ranks: RankGroup, root: Any, key: int) -> Any:
-    """Return on the root rank the flattened states of all ranks, with own cells and faces alone, and their counts."""
+    """Return on the root rank the flattened state of the bed, put together array by array, and the counts of ranks."""
     here = all_ranks.objects[key]
-    flat = flatten(here.simulation.state)
+    flat, part = flatten(here.simulation.state), here.part
     for name, value in flat.items():
         if isinstance(value, np.ndarray):
-            flat[name] = value[here.part.own_faces] if name in OF_FACES else value[: here.part.owned]
+            of_faces = name in OF_FACES
+            places = part.faces[part.own_faces] if of_faces else part.cells[: part.owned]
+            flat[name] = all_ranks.put(value[part.own_faces] if of_faces else value[: part.owned], places)
     counts = [int(number[0]) for number in here.counts]
     for number in here.counts:
         number[:] = 0
-    return all_ranks.comm.gather((flat, counts))
+    return flat, all_ranks.comm.gather(counts)
 
 
 def traffic(all_ranks: RankGroup, root: Any, key: int) -> Any:
