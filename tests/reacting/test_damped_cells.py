@@ -144,9 +144,13 @@ STORED = {
     "plug flow": (of_all_masses(), -0.1),
     "reaction": (meeting(), -0.01),
 }
+LONG = ("steep front", "plug flow")
 
 
-@pytest.mark.parametrize(("scene", "falls"), STORED.values(), ids=STORED)
+@pytest.mark.parametrize(
+    ("scene", "falls"),
+    [pytest.param(*case, id=name, marks=[pytest.mark.slow] * (name in LONG)) for name, case in STORED.items()],
+)
 def test_no_stored_gas_falls_below_zero(monkeypatch, scene, falls):
     assert unbounded(monkeypatch, scene) < falls
     assert least_of(scene) > -LEFT

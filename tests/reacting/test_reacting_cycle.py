@@ -50,6 +50,7 @@ def test_a_regenerator():
     assert found.qoi["cycle_change"] <= TOLERANCE
 
 
+@pytest.mark.slow
 def test_solids_that_are_reduced_and_oxidised_against_plain_repetition(monkeypatch):
     found = solved(looping())
     monkeypatch.setattr(Anderson, "__call__", lambda self, state, image: image)
