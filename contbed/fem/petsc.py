@@ -16,6 +16,7 @@ import numpy as np
 
 from contbed.errors import ConvergenceError
 from contbed.fem.ranks import RankGroup, rank_group
+from contbed.solvers.cost import RATES
 from contbed.solvers.linear import Policy
 
 DIRECT_3D = 60_000
@@ -52,6 +53,10 @@ class PetscPolicy(Policy):
     def direct(self, size: int) -> bool:
         """Return whether systems of this size are factored by MUMPS."""
         return self.dimension < 3 or size <= DIRECT_3D
+
+    def predicted_GB(self, size: int) -> float:
+        """Predict the memory of all ranks [GB]: of factors as elsewhere, of multigrid as `solvers.cost` has it."""
+        return super().predicted_GB(size) if self.direct(size) else RATES["dolfinx", self.dimension].memory_GB(size)
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,7 +39,7 @@ class Plan:
         """Choice of the linear solver."""
         from contbed.fem import policy
 
-        return policy(self.mesh, self.scene.solver.memory_GB)
+        return replace(policy(self.mesh, self.scene.solver.memory_GB), multigrid=True)
 
     def unknowns(self) -> dict[str, int]:
         """Return the number of unknowns: G or the intensities, and the temperature where the medium conducts."""
