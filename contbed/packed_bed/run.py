@@ -12,7 +12,14 @@ from contbed.packed_bed.scene import Time
 from contbed.packed_bed.shared import Solved, check_state, heat_balance, heat_problem, report_flow, solved_flow
 from contbed.result import Result
 
-RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "output", "solver.memory_GB")
+RESTART_MAY_CHANGE = (
+    "time.end",
+    "time.times",
+    "time.checkpoint_every",
+    "time.cycle.tolerance",
+    "output",
+    "solver.memory_GB",
+)
 
 
 def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:

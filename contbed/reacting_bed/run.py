@@ -14,7 +14,7 @@ from contbed.reacting_bed.rate_checks import taken_though_absent
 from contbed.result import Result
 
 LARGE_SMOOTHING = 1e-5  # share of a gas or solid above which a warning tells what was rounded
-RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "output")
+RESTART_MAY_CHANGE = ("time.end", "time.times", "time.checkpoint_every", "time.cycle.tolerance", "output")
 
 
 def run(plan: Plan, result: Result, folder: Path | None, quiet: bool, start: tuple[Any, Any] | None) -> None:
