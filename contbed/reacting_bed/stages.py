@@ -124,12 +124,20 @@ def _by_newton(problem: Problem, guess: Array, report: solve.Report, storage: St
     except ConvergenceError:
         if problem.bed.gas_pressure is not None or not any(each.has_roots for each in problem.reactions):
             raise
-    share, least = solve.SMOOTHEST, problem.bed.small.amounts
-    while share > least:
-        smooth = problem.with_small(Smoothing(share, share))
-        guess = solve.newton(smooth, guess, report, storage, most=solve.FIRST_ITERATIONS)
-        share *= solve.SHARPER
-    return solve.newton(problem, guess, report, storage, most=solve.FIRST_ITERATIONS)
+    own, share, factor = problem.bed.small, solve.SMOOTHEST, solve.SHARPER
+    smooth = problem.with_small(Smoothing(max(share, own.solids), share))
+    guess = solve.newton(smooth, guess, report, storage, most=solve.FIRST_ITERATIONS)
+    while share > own.amounts:
+        below = max(factor * share, own.amounts)
+        trial = problem.with_small(Smoothing(max(below, own.solids), below))
+        try:
+            guess = solve.newton(trial, guess, report, storage, most=solve.FIRST_ITERATIONS)
+            share = below
+        except ConvergenceError:
+            factor **= 0.5
+            if factor > solve.LEAST_SHARPER:
+                raise
+    return guess
 
 
 def _corrected(problem: Problem, u: Array, report: solve.Report, storage: Storage, factors: Any) -> Array | None:
