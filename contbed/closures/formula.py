@@ -74,10 +74,9 @@ class Formula:
         with np.errstate(all="ignore"):
             return _value(self.tree, values) if sizes is None else _Smoothed(values, small, sizes)(self.tree)
 
-    @property
-    def has_roots(self) -> bool:
-        """Whether it has powers between 0 and 1, whose slopes are infinite at zero."""
-        return any(_root(node) is not None for node in ast.walk(self.tree))
+    def has_roots(self, parameters: Mapping[str, float]) -> bool:
+        """Return whether it has powers between 0 and 1, numbers or parameters, whose slopes are infinite at zero."""
+        return any(_root(node, parameters) is not None for node in ast.walk(self.tree))
 
 
 def parse_formula(text: str) -> Formula:
@@ -143,16 +142,16 @@ def _combined(node: Any, values: Mapping[str, Any], value: Callable[[Any], Any])
     return FUNCTIONS[node.func.id](*(value(argument) for argument in node.args))
 
 
-def _root(node: Any) -> tuple[Any, float] | None:
-    """Return what a power between 0 and 1 is taken of, and its exponent; None for all else."""
+def _root(node: Any, values: Mapping[str, Any]) -> tuple[Any, float] | None:
+    """Return what a power between 0 and 1 is taken of, and its exponent, a number; None for all else."""
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "sqrt":
         return node.args[0], 0.5
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
         try:
-            exponent = _value(node.right, {})
-        except KeyError:  # it has names
+            exponent = _value(node.right, values)
+        except KeyError:  # of a name that is no parameter
             return None
-        return (node.left, float(exponent)) if 0.0 < exponent < 1.0 else None
+        return (node.left, float(exponent)) if isinstance(exponent, int | float) and 0.0 < exponent < 1.0 else None
     return None
 
 
@@ -163,7 +162,7 @@ class _Smoothed:
         self.values, self.small, self.sizes = values, small, sizes
 
     def __call__(self, node: Any) -> Any:
-        root = _root(node)
+        root = _root(node, self.values)
         if root is not None and not isinstance(base := self(root[0]), int | float):
             return odd_power(base, root[1], np.maximum(self.small * np.abs(_value(root[0], self.sizes)), TINY))
         return _combined(node, self.values, self)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -29,7 +30,8 @@ if TYPE_CHECKING:
     from contbed.reacting_bed.initial import Profile
 
 Array = NDArray[np.float64]
-SMOOTH = 1e-5  # share of a solid that is left, below which its powers are straight lines
+SMOOTH = 1e-5  # share of a gas or solid that is left, below which its powers are straight lines
+TRACE = 1e-9  # mole fraction below which a gas or solid is taken as not there when smoothing is chosen
 FIRST_STEP = 1e-5  # of the whole time, at the start and after a jump
 SHORTEST_STEP = 1e-12  # of the whole time, below which a run is given up
 STAGES = (GAMMA, 1.0)  # times of the stages of a step over its size
@@ -60,7 +62,8 @@ class Course:
         """
         moments = [problem.within(schedule.frozen(scene, moment)) for moment in schedule.moments() or [0.0]]
         initial = initial_of(scene, problem)
-        problem = problem.with_small(Smoothing(SMOOTH)).with_peaks(_peaks(scene, moments, initial))
+        peaks = _peaks(scene, moments, initial)
+        problem = problem.with_small(Smoothing(SMOOTH, SMOOTH * _scarcest(problem, peaks))).with_peaks(peaks)
         course = cls(scene, problem, schedule, _temperatures(scene, moments, initial), initial)
         if not stores_gas:
             return course
@@ -194,6 +197,15 @@ def _peaks(scene: s.ReactingScene, moments: list[Problem], initial: Profile | No
     if initial is not None:
         parts.append({name: float(x.max()) for name, x in initial.fractions.items()})
     return {name: max(part.get(name, 0.0) for part in parts) for part in parts for name in part}
+
+
+def _scarcest(problem: Problem, peaks: Mapping[str, float]) -> float:
+    """Return the least share of a gas or solid that reacts and enters or fills the bed: its powers are to stay."""
+    gases = {name for reaction in problem.reactions for name in reaction.gases}
+    solids = {name: n for name, n in problem.streams.solid.items() if name in problem.layout.solids}
+    shares = [x for name, x in peaks.items() if name in gases]
+    shares += [n / sum(solids.values()) for n in solids.values() if n > 0.0]
+    return min((share for share in shares if share > TRACE), default=1.0)
 
 
 def _temperatures(scene: s.ReactingScene, moments: list[Problem], initial: Profile | None) -> tuple[float, float]:

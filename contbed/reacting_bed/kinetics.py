@@ -107,7 +107,9 @@ def _one(name: str, table: s.Reaction, equation: Equation, scene: s.ReactingScen
         rate = _slowed(rate, table, equation, species, basis)
     scaled = _per_bed(rate, basis, table.factor)
     roots = any(0.0 < n < 1.0 for n in (table.orders or {}).values())
-    roots = parse_formula(table.rate).has_roots if table.rate is not None else roots
+    if table.rate is not None:
+        formula, parameters, _ = formula_of(table, basis)
+        roots = formula.has_roots(parameters)
     return Reaction(name, equation, scaled, site, own_film, gases=_gases_of(table, used, gases), has_roots=roots)
 
 

@@ -30,7 +30,6 @@ from contbed.scene.toml_lines import KeyPath
 
 Array = NDArray[np.float64]
 SWITCH = 5e-3  # share of the concentration of all over which the rate of the remedy ends: shorter, no state is found
-
 HARDLY = 1e-2  # share of the whole of which a failed iteration leaves no more where it is used up
 
 

@@ -135,7 +135,9 @@ def initial_profiles_reach_both_ends(mesh: Any, time: s.Time | None, see: See, o
 
 
 def cells_can_follow(mesh: Any, solver: s.Solver, time: s.Time | None, see: See) -> Mistakes:
-    """Check that nothing holds the cells that are to follow the errors of a run in time."""
+    """Check that cells which follow errors are not refined by hand, and in time that nothing holds them."""
+    if mesh.refine and mesh.cells is None:
+        yield ("mesh", "refine"), "has no effect on cells that the run chooses; give mesh.cells, which it divides"
     if time is None or not solver.adapt:
         return
     if mesh.cells is not None:

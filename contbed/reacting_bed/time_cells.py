@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from contbed.reacting_bed.cells import COARSEST, MOST_CELLS, aim, errors, wanted_lengths
+from contbed.reacting_bed.cells import COARSEST, aim, errors, wanted_lengths
 from contbed.reacting_bed.course import Course
 from contbed.reacting_bed.history import History
 from contbed.reacting_bed.problem import Problem
@@ -58,7 +58,7 @@ def following(problem: Problem, states: Sequence[Array], sizes: Array) -> tuple[
     vertices, worst = halved(problem.line.vertices, wanted), float(found[-1].max())
     bad = (found[-1] > aim(problem)) & (problem.line.h > SAME_LENGTH * SHORTEST * problem.scene.mesh.length)
     needless = len(vertices) - 1 < FEWER * problem.line.cells
-    if not (bad.any() or needless) or len(vertices) > MOST_CELLS or np.array_equal(vertices, problem.line.vertices):
+    if not (bad.any() or needless) or np.array_equal(vertices, problem.line.vertices):
         return None, worst
     return vertices, worst
 

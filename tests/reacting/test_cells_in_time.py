@@ -223,3 +223,14 @@ def test_cells_that_cannot_follow_are_a_mistake(change, said):
     with pytest.raises(SceneError) as error:
         from_dict(scene)
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize("time", [{"end": 1.0}, None], ids=["in time", "steady"])
+def test_refinement_of_cells_that_are_not_given_is_a_mistake(time):
+    scene = thermal()
+    scene["time"] = time
+    scene["mesh"]["refine"] = 1
+    with pytest.raises(SceneError, match="has no effect on cells that the run chooses; give mesh"):
+        from_dict(scene)
+    scene["mesh"]["cells"] = 3
+    assert plan(from_dict(scene)).problem.line.cells == 6
