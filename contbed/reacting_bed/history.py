@@ -16,7 +16,7 @@ from contbed.scene.toml_lines import Origin
 
 Array = NDArray[np.float64]
 SAME = 1e-12  # relative distance below which two times are the same
-ARRAYS = ("u", "held", "passed", "both_ways", "sources", "reacted", "damping", "damped", "vertices")
+ARRAYS = ("u", "held", "passed", "both_ways", "sources", "damping", "damped", "vertices")
 NUMBERS = ("time", "dt", "steps", "steps_damped", "steps_limited", "unbounded", "carried", "changes", "most", "rough")
 EXTENTS, KEPT = "extents_", "kept_"  # begin names of arrays of a checkpoint
 PRESSURE = "pressure"
@@ -33,7 +33,7 @@ class History:
     damping : (unknowns, N) with which the next step begins, see `bounded`; damped : (N,) cells that were damped
     steps_damped, steps_limited : steps in which cells were damped, and in which rates took all there was of a solid
     unbounded : steps with amounts below zero
-    sources : (m,) integrals of the sources; reacted : of their magnitudes, which a cycle does not cancel
+    sources : (m,) integrals of the sources
     carried : integral of the heat of all streams above 298.15 K [J/m2]
     outlet : (steps, columns) of the outlet over time, `columns` their names
     vertices : of the present cells (N + 1,) [m]; changes : how often they were others; most : the largest N
@@ -50,7 +50,6 @@ class History:
     passed: Array
     both_ways: Array
     sources: Array
-    reacted: Array
     damping: Array
     damped: NDArray[np.bool_]
     vertices: Array

@@ -189,7 +189,7 @@ def begin(course: Course, u: Array) -> History:
     held = contents(course.problem, u)
     passed, none = np.zeros((len(held), 2)), np.zeros(u.shape[:2])
     first, vertices = FIRST_STEP * course.time.end, course.problem.line.vertices
-    history = History(u, first, held, passed, passed, passed[:, 0], passed[:, 0], none, none[0] > 0.0, vertices)
+    history = History(u, first, held, passed, passed, passed[:, 0], none, none[0] > 0.0, vertices)
     pressure = course.problem.bed.gas_pressure
     return replace(history, pressure=pressure) if course.rounds and np.ndim(pressure) else history
 
@@ -328,14 +328,12 @@ def _passed(history: History, found: Bounded, step: float, end: float, dt: float
     """Return the history after a step; its weights are those of the stages, so that totals close to rounding."""
     problems, states = found.problems, found.states
     passed, both_ways, sources, carried = history.passed, history.both_ways, history.sources, history.carried
-    reacted = history.reacted
     fluxes = passed
     for problem, u, weight in zip(problems, states, (1.0 - GAMMA, GAMMA), strict=True):
         fluxes = problem.mean(problem.system.fluxes(u)[:, [0, -1]])
         passed = passed + step * weight * fluxes
         both_ways = both_ways + step * weight * np.abs(fluxes)
-        source = problem.mean(problem.system.sources(u))
-        sources, reacted = sources + step * weight * source, reacted + step * weight * np.abs(source)
+        sources = sources + step * weight * problem.mean(problem.system.sources(u))
         if problem.layout.temperatures:
             carried += step * weight * results.heat_carried(problem, u)
     row = outlet(problems[1], states[1], fluxes, end)
@@ -350,7 +348,6 @@ def _passed(history: History, found: Bounded, step: float, end: float, dt: float
         passed=passed,
         both_ways=both_ways,
         sources=sources,
-        reacted=reacted,
         carried=carried,
         columns=tuple(row),
         outlet=(*history.outlet, tuple(row.values())),

@@ -64,7 +64,6 @@ def _balances(problem: Problem, history: History, result: Result) -> None:
     gain = held - history.held
     names = problem.layout.names
     inward = history.passed * np.array([1.0, -1.0])
-    solids = [k for k, name in enumerate(names) if name.startswith("n_")]
     for element in dict.fromkeys(e for item in problem.species.all.values() for e in item.composition):
         atoms = np.zeros(len(names))
         for k, name in enumerate(names):
@@ -74,8 +73,7 @@ def _balances(problem: Problem, history: History, result: Result) -> None:
         entering, leaving = parts[parts > 0].sum(), -parts[parts < 0].sum()
         stored = float(gain @ atoms)
         through = 0.5 * float(np.abs(history.both_ways * atoms[:, None]).sum())
-        turned_over = float((history.reacted * atoms)[solids].max(initial=0.0))
-        scale = max(entering, through, float(np.abs(gain * atoms).max()), turned_over, _blurring(held * atoms))
+        scale = max(entering, through, float(np.abs(gain * atoms).max()), _blurring(held * atoms))
         if scale > 0.0:
             result.balances[element] = Balance(
                 float(entering), float(leaving), "mol/m2", stored=stored, scale=float(scale)
