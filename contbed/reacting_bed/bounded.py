@@ -25,7 +25,9 @@ Source: Zhang, Shu 2010, J. Comput. Phys. 229, 3091-3120, doi:10.1016/j.jcp.2009
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -107,27 +109,52 @@ def bounded(
     """
     scene = problems[1].scene
     assert scene.time is not None
-    below = -scene.solver.newton_tolerance
-    flat, rest = flattening(problems[1], dt), at_rest(problems[1])[:, None, None]
-    ended, before = np.zeros(u.shape, dtype=bool), np.zeros_like(damping)
-    stored, least = problems[1].bed.gas_pressure is not None, 0.0
+    below, flat = -scene.solver.newton_tolerance, flattening(problems[1], dt)
+    rest, least = at_rest(problems[1])[:, None, None], 0.0
     trial = _damped(problems, damping)
     first, last, error = stages(trial, u, guess, dt, report, sizes)
     look = _Look.at(trial, (first, last))
     if rest.any():
         beyond = np.minimum(along(trial[1], u), 0.0) - look.nodes
         least = float(np.where(rest, beyond, 0.0).max()) ** 2
-    found = Bounded(trial, (first, last), max(error, least), damping, False, False)
+    start = Bounded(trial, (first, last), max(error, least), damping, False, False)
+    stored = problems[1].bed.gas_pressure is not None
     falls = stored and bool(((look.low < below) & (flat > 0.0)).any())
-    if not kept and (least if falls else found.error) > scene.time.tolerance:
-        return found
+    if not kept and (least if falls else start.error) > scene.time.tolerance:
+        return start
+    take = partial(stages, u=u, guess=guess, dt=dt, report=report, sizes=sizes)
+    found = _within(problems, take, start, look, flat, least, True)
+    if rest.any() and not found.within:
+        other = _within(problems, take, start, look, flat, least, False)
+        return other if other.within else found
+    return found
+
+
+def _within(
+    problems: Problems,
+    take: Callable[..., tuple[Array, Array, float]],
+    found: Bounded,
+    look: _Look,
+    flat: Array,
+    least: float,
+    solids_first: bool,
+) -> Bounded:
+    """Return the step with bounds, or the last one tried; `take` takes it with a damping and ended reactions.
+
+    A solid below zero makes the gas that it reacts with, and a gas below zero takes the solid that it makes: which of
+    both comes first is tried where the other way does not help. `least` is the least error.
+    """
+    below = -problems[1].scene.solver.newton_tolerance
+    rest, stored = at_rest(problems[1])[:, None, None], problems[1].bed.gas_pressure is not None
+    damping, without = found.damping, found.error
+    ended, before = np.zeros(found.states[1].shape, dtype=bool), np.zeros_like(damping)
     for _ in range(TRIALS):
         wrong = (look.low < below) & (flat > 0.0)
         empty = rest & (look.nodes < below)
         if not (wrong.any() or empty.any()):
             return found._replace(damping=_later(problems[1], damping, look, flat), within=True)
         wrong &= (damping < FLAT * flat) | (look.mean > 0.0)
-        if (empty & ~ended).any():  # first, as a solid below zero makes the gas that it reacts with
+        if (empty & ~ended).any() and (solids_first or not wrong.any()):
             ended = ended | empty
         elif wrong.any():
             damping = np.where(wrong, _grown(damping, look, before, flat), damping)
@@ -136,10 +163,10 @@ def bounded(
             break
         trial = _damped(problems, damping)
         try:
-            first, last, again = stages(trial, u, guess, dt, report, sizes, ended if ended.any() else None)
+            first, last, again = take(trial, ended=ended if ended.any() else None)
         except ConvergenceError:
             break
-        error = again if stored else error
+        error = again if stored else without
         found = Bounded(trial, (first, last), max(error, least), damping, bool(ended.any()), False)
         look = _Look.at(trial, found.states)
     return found

@@ -68,6 +68,14 @@ def cores(end):
     return scene | {"reactions": {"r": table}, "time": {"end": end, "tolerance": 1e-3}}
 
 
+def fast_cores():
+    """Cores so fast that A below zero takes P in the first step, before there is any: P ended alone makes it worse."""
+    scene = cores(1.0)
+    scene["reactions"]["r"]["A"] = 1.0
+    scene["time"]["gas"] = "quasi_steady"
+    return scene
+
+
 def in_series():
     """A -> B -> C: C begins at zero where the gas enters."""
     scene = isothermal("A:1", species(A=0.028, B=0.028, C=0.028))
@@ -88,6 +96,7 @@ def moving():
     ("scene", "falls"),
     [
         pytest.param(cores(60.0), -5e-4, id="cores-at-rest"),
+        pytest.param(fast_cores(), -1e-3, id="fast-cores"),
         pytest.param(in_series(), -1e-3, id="in-series"),
         pytest.param(moving(), -5e-3, id="moving-cores"),
     ],
