@@ -123,9 +123,9 @@ def bounded(
     if not kept and (least if falls else start.error) > scene.time.tolerance:
         return start
     take = partial(stages, u=u, guess=guess, dt=dt, report=report, sizes=sizes)
-    found = _within(problems, take, start, look, flat, least, True)
-    if rest.any() and not found.within:
-        other = _within(problems, take, start, look, flat, least, False)
+    found, chosen = _within(problems, take, start, look, flat, least, True)
+    if chosen and not found.within:
+        other, _ = _within(problems, take, start, look, flat, least, False)
         return other if other.within else found
     return found
 
@@ -138,23 +138,26 @@ def _within(
     flat: Array,
     least: float,
     solids_first: bool,
-) -> Bounded:
-    """Return the step with bounds, or the last one tried; `take` takes it with a damping and ended reactions.
+) -> tuple[Bounded, bool]:
+    """Return the step with bounds, or the last one tried, and whether another order would have tried other ones.
 
     A solid below zero makes the gas that it reacts with, and a gas below zero takes the solid that it makes: which of
-    both comes first is tried where the other way does not help. `least` is the least error.
+    both comes first is tried where the other way does not help. `take` takes the step with a damping and ended
+    reactions, `least` is the least error.
     """
     below = -problems[1].scene.solver.newton_tolerance
     rest, stored = at_rest(problems[1])[:, None, None], problems[1].bed.gas_pressure is not None
     damping, without = found.damping, found.error
-    ended, before = np.zeros(found.states[1].shape, dtype=bool), np.zeros_like(damping)
+    ended, before, chosen = np.zeros(found.states[1].shape, dtype=bool), np.zeros_like(damping), False
     for _ in range(TRIALS):
         wrong = (look.low < below) & (flat > 0.0)
         empty = rest & (look.nodes < below)
         if not (wrong.any() or empty.any()):
-            return found._replace(damping=_later(problems[1], damping, look, flat), within=True)
+            return found._replace(damping=_later(problems[1], damping, look, flat), within=True), chosen
         wrong &= (damping < FLAT * flat) | (look.mean > 0.0)
-        if (empty & ~ended).any() and (solids_first or not wrong.any()):
+        both = bool((empty & ~ended).any() and wrong.any())
+        chosen = chosen or both
+        if (empty & ~ended).any() and (solids_first or not both):
             ended = ended | empty
         elif wrong.any():
             damping = np.where(wrong, _grown(damping, look, before, flat), damping)
@@ -169,7 +172,7 @@ def _within(
         error = again if stored else without
         found = Bounded(trial, (first, last), max(error, least), damping, bool(ended.any()), False)
         look = _Look.at(trial, found.states)
-    return found
+    return found, chosen
 
 
 def flattening(problem: Problem, dt: float) -> Array:

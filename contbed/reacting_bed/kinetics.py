@@ -150,12 +150,18 @@ def _amount(at: Local, name: str) -> Any:
     return at.c[name] if name in at.c else at.n[name]
 
 
+def _wholes(at: Local) -> tuple[Any, Any]:
+    """Return the concentration of all gases [mol/m3] and the moles of all solids [mol/m3 bed]."""
+    return at.p / (R_GAS * at.T), sum(at.n.values())
+
+
 def _powers(at: Local, orders: Mapping[str, float]) -> Any:
     """Return the product of amounts to their orders, of which at most one factor may be negative."""
     small = {}
     if at.small.amounts:
-        gas, solids = at.small.amounts * at.p / (R_GAS * at.T), at.small.amounts * sum(at.n.values())
-        small = {name: gas if name in at.c else solids for name, n in orders.items() if 0.0 < n < 1.0}
+        gas, solids = _wholes(at)
+        whole = {name: gas if name in at.c else solids for name, n in orders.items() if 0.0 < n < 1.0}
+        small = {name: at.small.amounts * amount for name, amount in whole.items()}
     return r.product(
         [
             odd_power(_amount(at, name), n, small.get(name, TINY)) if n != 1.0 else _amount(at, name)
@@ -345,7 +351,7 @@ def formula_values(at: Local, left: Any) -> dict[str, Any]:
 
 def sizes_of(at: Local) -> dict[str, Any]:
     """Return the largest values of what a formula may name: those of one gas alone, and of one solid."""
-    molar, solids = at.p / (R_GAS * at.T), sum(at.n.values())
+    molar, solids = _wholes(at)
     of_gas = {f"{kind}_{name}": size for name in at.c for kind, size in (("c", molar), ("x", 1.0), ("p", at.p))}
     return {"X": 0.0, **of_gas, **{f"n_{name}": solids for name in at.n}}
 
