@@ -34,9 +34,12 @@ def _command() -> int:
     signal.signal(signal.SIGINT, _end)
     from contbed.cli import main as command
 
+    from contbed.interrupts import no_interrupt_lost
+
     signal.signal(signal.SIGINT, default)
     try:
-        return command()
+        with no_interrupt_lost():
+            return command()
     finally:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done, only Python ends
 
