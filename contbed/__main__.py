@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+import warnings
 from types import FrameType
 
 from contbed import quick_start
@@ -32,6 +33,8 @@ def _command() -> int:
 
         return command()
     signal.signal(signal.SIGINT, _end)
+    if not sys.warnoptions:  # of numpy, for numbers that are told where they are no result
+        warnings.simplefilter("ignore", RuntimeWarning)
     from contbed.cli import main as command
 
     from contbed.interrupts import no_interrupt_lost

@@ -14,7 +14,7 @@ import typer
 from typer import Argument, Option
 
 from contbed import __version__, lookup, many_runs
-from contbed.errors import ContbedError, SceneError, interrupt_in
+from contbed.errors import ContbedError, ConvergenceError, SceneError, interrupt_in
 from contbed.terminal import (
     AllowLarge,
     OutFolder,
@@ -65,6 +65,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if interrupt_in(error) is not None:
             complain(interrupted())
             return 130
+        if isinstance(error, OverflowError):
+            complain(f"contbed: numbers too large for a computer, {error.args[-1]}: values are far from those of any bed")
+            return ConvergenceError.exit_code
         # The base of typer's usage errors is private; they alone can describe themselves.
         if not hasattr(error, "format_message"):
             raise

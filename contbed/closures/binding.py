@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from contbed.closures import ranges, registry
 from contbed.closures.sheet import Sheet
 from contbed.errors import SceneError
-from contbed.scene.quantities import ClosureFile
+from contbed.scene.quantities import ClosureFile, computable
 from contbed.scene.tables import Closure
 
 PHASE = "conductivity_phase"
@@ -185,6 +185,11 @@ def _check(name: str, parameters: Mapping[str, Any], functions: list[Function], 
             raise SceneError(f"parameter {key!r} of closure {name!r} is a finite number in SI, found {value!r}")
         elif key in bounds and value not in bounds[key]:
             raise SceneError(f"parameter {key!r} of closure {name!r} is in {bounds[key].text}, found {value!r}")
+        else:
+            try:
+                computable(value)
+            except ValueError as error:
+                raise SceneError(f"parameter {key!r} of closure {name!r}: {error}") from None
     given = set(gives)
     if missing := [key for key in arguments if key not in given and key not in parameters]:
         example = ", ".join(f"{key} = ..." for key in missing)

@@ -13,6 +13,7 @@ from typing import Any
 
 from contbed.closures.transferred import ARGUMENTS, FORMAT, UNITS, Transferred
 from contbed.errors import SceneError
+from contbed.scene.quantities import LARGEST
 from contbed.scene.toml_lines import KeyPath, dotted, read
 
 _SCALES = ("log", "linear")
@@ -85,7 +86,7 @@ def _value_mistakes(content: Mapping[str, Any]) -> list[tuple[KeyPath, str]]:
     place = "parameters" if content["form"] == "power" else "terms"
     for corner in product(*(content["range"][name] for name in variables)):
         value = _value(content, corner)
-        if not 0.0 <= value < math.inf:
+        if not 0.0 <= value <= LARGEST:
             at = ", ".join(f"{name} = {x:g}" for name, x in zip(variables, corner, strict=True))
             return [((place,), f"give {value:g} at {at}, which is no transport coefficient")]
     return []

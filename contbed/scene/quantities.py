@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, Tag
 
-LARGEST = 1e100  # beyond it, and below its inverse, squares and fourth powers leave a computer's numbers
+LARGEST = 1e50  # beyond it, and below its inverse, fourth powers and squares of products leave a computer's numbers
 
 
 def computable(value: float) -> float:

@@ -85,6 +85,7 @@ def test_what_cannot_be_given_is_listed():
         ("conductivity", Closure(name="zehner_bauer_schluender", emissivity=1.5), r"'emissivity' .* is in \(0, 1\]"),
         ("nusselt", Closure(name="gunn", eps=1.5), r"'eps' of closure 'gunn' is in \(0, 1\]"),
         ("nusselt", Closure(name="gunn", Pr=-0.7), r"'Pr' of closure 'gunn' is in \(0, inf\)"),
+        ("nusselt", Closure(name="power", a=1e155, b=0.5), r"'a' of closure 'power': 1e\+155 is no size"),
         ("bubble_start", Closure(name="darton", area=-1.0), r"'area' of closure 'darton' is in \(0, inf\)"),
     ],
 )

@@ -117,7 +117,7 @@ CASES = [
     ("cells for each direction", "radius", "cells = [4]\nradius", [":6: mesh.cells[1]: missing"]),
     ("polynomial without terms", "[1.0, 1e-3]", "[]", [":17: solid.conductivity = []: empty; allowed: a list"]),
     ("no computer squares it", "[1.0, 1e-3]", "[1.0, 1e200]", [":17: solid.conductivity[1] = 1e+200:", "no size"]),
-    ("nothing is that small", "[1.0, 1e-3]", '"1e-200 W/m/K"', [":17: solid.conductivity", "0, or from 1e-100"]),
+    ("nothing is that small", "[1.0, 1e-3]", '"1e-200 W/m/K"', [":17: solid.conductivity", "0, or from 1e-50"]),
     # units
     ("wrong dimension", '"3 mm"', '"3 kg"', [":21: bed.particle_diameter", "expected a length like 'm', found '3 kg'"]),
     ("no unit", '"3 mm"', '"3"', [":21: bed.particle_diameter", "without a unit; write 3 for SI, or '3 m'"]),

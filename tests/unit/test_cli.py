@@ -109,6 +109,7 @@ def test_run(scene, runner, capsys):
         (ClosureRangeError("Re"), 4),
         (BalanceError("mass"), 5),
         (KeyboardInterrupt(), 130),
+        (OverflowError(34, "Numerical result out of range"), 3),
         (PermissionError(13, "Permission denied", "/there"), 1),
     ],
 )
