@@ -28,6 +28,7 @@ from contbed.radiation.checks import (
     two_flux_scatters_evenly,
 )
 from contbed.radiation.scene import Radiation
+from contbed.radiation.thickness import rosseland_is_thick, rosseland_rests
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh, MeshAxisymmetric, MeshFile, MeshLine
 from contbed.scene.mesh_checks import (
@@ -370,6 +371,8 @@ WARNINGS: tuple[Check, ...] = (
     the_fluid_conducts_once,
     species_fill_the_solids,
     two_flux_scatters_evenly,
+    rosseland_is_thick,
+    rosseland_rests,
     initial_profiles_reach_both_ends,
     the_bed_has_more_than_one_cell,
     the_balance_can_fail,

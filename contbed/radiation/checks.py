@@ -8,6 +8,7 @@ from typing import Any
 from contbed.closures.sizes import SizeDistribution
 from contbed.errors import SceneError
 from contbed.radiation.scene import Radiation
+from contbed.radiation.thickness import rosseland_is_thick
 from contbed.scene.checking import Check, Mistakes, See
 from contbed.scene.mesh import Mesh
 from contbed.scene.mesh_checks import (
@@ -170,4 +171,4 @@ CHECKS: tuple[Check, ...] = (
     positions_lie_in_the_bed,
     the_line_of_profiles_fits_the_mesh,
 )
-WARNINGS: tuple[Check, ...] = (species_fill_the_solids, two_flux_scatters_evenly)
+WARNINGS: tuple[Check, ...] = (species_fill_the_solids, two_flux_scatters_evenly, rosseland_is_thick)

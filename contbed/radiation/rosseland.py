@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from contbed.closures.optics import conductivity, error_rosseland
+from contbed.closures.optics import conductivity
 from contbed.fem import system as make_system
 from contbed.mesh.mesh import Mesh
 from contbed.radiation.checks import walls_without_solid_temperature
@@ -19,10 +19,10 @@ from contbed.radiation.equations import p1 as radiation
 from contbed.radiation.optics import optics
 from contbed.radiation.problem import RadiationProblem, surfaces
 from contbed.radiation.scene import Radiating
-from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine, MeshRectangle
+from contbed.radiation.thickness import MOVES, allowed, estimate
+from contbed.scene.mesh import MeshFile
 
 Scene = TypeVar("Scene", bound=Any)
-TOLERANCE = 0.01  # estimated error up to which plan may choose the Rosseland conductivity, without solver.accuracy
 
 
 def choose(scene: Scene) -> tuple[Scene, str]:
@@ -38,38 +38,12 @@ def choose(scene: Scene) -> tuple[Scene, str]:
     if isinstance(scene.mesh, MeshFile):
         return scene, "Rosseland is not estimated on a mesh from a file"
     if scene.heat is not None and np.any(scene.flow.velocity_solid):
-        return scene, "Rosseland is not estimated where the solids move: layers at walls may be thinner than the bed"
+        return scene, f"Rosseland {MOVES}"
     thick = scene.model_copy(update={"radiation": table.model_copy(update={"level": "rosseland"})})
     error = estimate(thick, scene.mesh)
-    allowed = scene.solver.accuracy or TOLERANCE
-    text = f"Rosseland errs by about {100.0 * error:.2g} %, allowed are {100.0 * allowed:g} %"
-    return (thick if error <= allowed else scene), text
-
-
-def estimate(scene: Radiating, mesh: Any) -> float:
-    """Estimate the relative error of the Rosseland flux between the walls of a built-in bed, by `error_rosseland`.
-
-    The direction with the largest error counts among those with a radiating wall, or the length of a bed without any.
-    A side that does not radiate counts as black.
-    """
-    c = optics(scene)
-    if isinstance(mesh, MeshLine):
-        extents = [mesh.length]
-    elif isinstance(mesh, MeshRectangle):
-        extents = [mesh.length, mesh.height]
-    elif isinstance(mesh, MeshAxisymmetric):
-        extents = [2.0 * mesh.radius, mesh.length]
-    else:
-        extents = [mesh.length, mesh.width, mesh.height]
-    errors = []
-    for extent, names in zip(extents, mesh.sides, strict=True):
-        walls = [scene.boundary[name].radiation for name in names if name in scene.boundary]
-        emissivities = [wall.emissivity for wall in walls if wall is not None]
-        if emissivities:
-            opposite = emissivities[0] if names[0] == "axis" else 1.0
-            both = (*emissivities, opposite)[:2]
-            errors.append(float(error_rosseland(extent / (3.0 * c.diffusion), *both)))
-    return max(errors) if errors else float(error_rosseland(mesh.length / (3.0 * c.diffusion)))
+    most = allowed(scene.solver)
+    text = f"Rosseland errs by about {100.0 * error:.2g} %, allowed are {100.0 * most:g} %"
+    return (thick if error <= most else scene), text
 
 
 class RosselandProblem(RadiationProblem):

@@ -14,7 +14,7 @@ from contbed.errors import SceneError
 from contbed.loading import from_dict
 from contbed.radiation.equations.ordinates import Wall, solve_ordinates
 from contbed.radiation.ordinates import OrdinatesProblem
-from contbed.radiation.rosseland import estimate
+from contbed.radiation.thickness import estimate
 from contbed.verify.exact_conduction_radiation import conduction_diffusion
 from contbed.verify.exact_radiation import P1, TWO_FLUX, equilibrium_flux, isothermal_body
 
@@ -232,6 +232,23 @@ def test_every_level_tends_to_rosseland():
     assert np.log2(errors[1] / errors[2]) / 2 == pytest.approx(1.0, abs=0.15)
 
 
+@pytest.mark.parametrize("heated", [False, True], ids=["alone", "with heat"])
+def test_thin_beds_by_rosseland_are_told(heated):
+    """The warning gives the error against P1 in a medium that hardly conducts, to 5 % of it for what conducts."""
+    for tau, told in ((3.0, True), (300.0, False)):
+        values = {level: bed(tau, level, heated) for level in ("rosseland", "p1")}
+        if not heated:
+            for each in values.values():
+                each["radiation"]["conductivity"] = conductivity(1e-4, tau)
+        found = {level: run(each) for level, each in values.items()}
+        warnings = [text for text in found["rosseland"].warnings if "too thin; use p1" in text]
+        assert len(warnings) == told and not any("thin" in text for text in found["p1"].warnings)
+        if told and not heated:
+            stated = 0.01 * float(warnings[0].split("about ")[1].split(" %")[0])
+            error = found["rosseland"].qoi["heat_left_W"] / found["p1"].qoi["heat_left_W"] - 1.0
+            assert stated == pytest.approx(error, rel=0.05)
+
+
 @pytest.mark.parametrize("level", ["p1", "two_flux"])
 @pytest.mark.parametrize("heated", [False, True], ids=["alone", "with heat"])
 def test_plan_chooses_rosseland(level, heated):
@@ -317,6 +334,10 @@ def test_rosseland_is_not_chosen_where_solids_move(velocity):
     plan = cb.plan(from_dict(values))
     assert plan.solved.radiation.level == "p1"
     assert "not estimated where the solids move" in str(plan)
+    values["radiation"]["level"] = "rosseland"
+    for name in values["boundary"]:
+        values["boundary"][name]["solid"] = {"fixed": values["boundary"][name]["radiation"]["temperature"]}
+    assert any("its error is not estimated where the solids move" in text for text in from_dict(values).warnings)
 
 
 @pytest.mark.parametrize(
