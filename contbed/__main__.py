@@ -36,7 +36,6 @@ def _command() -> int:
     if not sys.warnoptions:  # of numpy, for numbers that are told where they are no result
         warnings.simplefilter("ignore", RuntimeWarning)
     from contbed.cli import main as command
-
     from contbed.interrupts import no_interrupt_lost
 
     signal.signal(signal.SIGINT, default)

@@ -66,7 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             complain(interrupted())
             return 130
         if isinstance(error, OverflowError):
-            complain(f"contbed: numbers too large for a computer, {error.args[-1]}: values are far from those of any bed")
+            complain(f"contbed: too large for a computer, {error.args[-1]}: values are far from any bed")
             return ConvergenceError.exit_code
         # The base of typer's usage errors is private; they alone can describe themselves.
         if not hasattr(error, "format_message"):
