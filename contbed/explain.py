@@ -206,9 +206,11 @@ def _meaning(key: str) -> str:
 
 
 def _result_sheets(name: str) -> Iterator[str]:
+    """Yield results and columns; "k_eff" is that of "k_eff [W/m/K]"."""
     for what, table in (("column or field", fields.FIELDS), ("named result", fields.RESULTS)):
-        if name in table:
-            yield _quantity(what, name, table[name])
+        for whole in table:
+            if name in (whole, whole.partition(" [")[0]):
+                yield _quantity(what, whole, table[whole])
 
 
 def _argument_sheets(name: str) -> Iterator[str]:

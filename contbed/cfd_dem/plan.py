@@ -35,6 +35,7 @@ IMPACT_SPEED = 0.3  # m/s, of which the time step of the particles resolves impa
 MEMORY = Unfactored(400.0)  # bytes for each unknown; six of a particle, with its neighbours: 300 in a bed of 175 800
 MOST_HALVINGS = 2  # of that step, where a stray particle is too fast for it: four times the speed, and the work
 MOST_TRIED = 5000  # particles that a trial settles, in half a minute
+LONGEST_TRIED = 60.0  # s of processor time that settling may be expected to take in a trial: stiff ones take longer
 APART = 1.001  # diameters between particles of a lattice
 SPEED_OF_FILES = 1.0  # m/s, at which particles of a bubbling bed may meet when their file is written
 
@@ -72,14 +73,15 @@ class GasPlan:
         if self.particles is not None:
             return self, 0.0
         table = self.scene.particles
-        if self.number <= MOST_TRIED:
-            start = clock.process_time()
-            with compile_clock() as compiling:
-                return settled(self, quiet=True), clock.process_time() - start - compiling()
         lattice = _lattice(table)
         height = loose_height(lattice.radius, table.width[0] * table.width[1])
         stages = stages_of(lattice, Material.of(table), AT_REST, GRAVITY)
-        return replace(self, particles=lattice), settling_time(stages, self.number, height, GRAVITY)
+        expected = settling_time(stages, self.number, height, GRAVITY)
+        if self.number <= MOST_TRIED and expected <= LONGEST_TRIED:
+            start = clock.process_time()
+            with compile_clock() as compiling:
+                return settled(self, quiet=True), clock.process_time() - start - compiling()
+        return replace(self, particles=lattice), expected
 
     def unknowns(self) -> dict[str, int]:
         """Count the unknowns: coordinates of particles, velocities and pressures of the gas, temperatures."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contbed as cb
-from contbed.cfd_dem.plan import APART, MOST_TRIED
+from contbed.cfd_dem.plan import APART, LONGEST_TRIED, MOST_TRIED
 from contbed.errors import SceneError
 from contbed.loading import loads
 from contbed.trial import _predict
@@ -61,6 +61,12 @@ def test_time_of_a_large_bed_is_predicted_without_settling_it(never):
     plan = cb.plan(loads(LARGE.split("output")[0]))
     seconds, settling = _predict(plan, plan.scene.time.end)[0], plan.to_try()[1]
     assert settling < seconds < settling + 60.0
+
+
+def test_a_trial_of_few_stiff_particles_starts_from_a_lattice(never):
+    """60 particles of 1e15 Pa take 24,000 times the steps of those of 1 MPa to settle."""
+    found, settling = cb.plan(loads(SCENE.replace("1 MPa", "1e15 Pa"))).to_try()
+    assert len(found.particles) == 60 and settling > LONGEST_TRIED
 
 
 def test_stiffer_particles_settle_in_more_and_shorter_steps():

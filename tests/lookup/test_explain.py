@@ -78,6 +78,7 @@ def test_every_key_is_found_by_its_last_part():
         (["rate", "laws"], "xu_froment_shift"),
         (["no_slip"], "boundary.NAME.type"),
         (["minimum", "fluidization"], "minimum fluidization - "),
+        (["k_eff"], "k_eff [W/m/K] - named result, [W/m/K]: effective thermal conductivity"),
         (["cascade"], "contbed cascade - command: Packings of particles give closures"),
     ],
 )
