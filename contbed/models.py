@@ -83,7 +83,7 @@ class Model:
     compiles : whether its loops are compiled at their first use, which takes a while
     scatters : whether its results scatter with the start of the particles, so that small changes cannot be told apart
     searches : whether a steady state is searched in ways whose length only a trial tells, which the run reports
-    refuses_early : whether its plan can say what it would refuse, for `contbed check`
+    refuses_early : module and name of a function that refuses what a plan would, for `contbed check`; empty: none
     shares : whether ranks make the parts of its grid, so that its plan for them leaves it out
     """
 
@@ -94,7 +94,7 @@ class Model:
     compiles: bool = False
     scatters: bool = False
     searches: bool = False
-    refuses_early: bool = False
+    refuses_early: str = ""
     shares: bool = False
 
     def find(self, module: str, name: str) -> Any:
@@ -165,6 +165,7 @@ MODELS: dict[str, Model] = {
             "steam": "equations.steam",
         },
         searches=True,
+        refuses_early="plan.coefficients",
     ),
     "particles_gas": Model(
         "cfd_dem",
@@ -196,7 +197,7 @@ MODELS: dict[str, Model] = {
             "cells_in_time_hold_the_same": "transfer",
             "cyclic_steady_state": "cycle",
         },
-        refuses_early=True,
+        refuses_early="plan.require_buildable",
     ),
     "packed_bed": Model(
         "packed_bed",
@@ -207,6 +208,7 @@ MODELS: dict[str, Model] = {
             "porous_flow": "equations.porous_flow",
             "fronts": "equations.fronts",
         },
+        refuses_early="schedule_checks.require_flow",
     ),
 }
 
@@ -242,8 +244,10 @@ def require_buildable(scene: Kind) -> None:
     ------
     SceneError : data that the scene needs are missing or cannot be used
     """
-    if model_of(scene).refuses_early:
-        model_of(scene).find("plan", "require_buildable")(scene)
+    model = model_of(scene)
+    if model.refuses_early:
+        module, _, name = model.refuses_early.partition(".")
+        model.find(module, name)(scene)
 
 
 def plan(scene: Any, shared: bool = False) -> Any:

@@ -37,6 +37,7 @@ from contbed.packed_bed.recognition import (
     velocities,
 )
 from contbed.packed_bed.schedule import Piece, Schedule
+from contbed.packed_bed.schedule_checks import require_flow
 from contbed.packed_bed.sides import lines_of, on_a_line
 from contbed.scene.mesh import MeshAxisymmetric, MeshFile, MeshLine
 from contbed.scene.values import with_value
@@ -289,6 +290,7 @@ def plan(scene: s.Scene) -> Plan:
     ------
     SceneError : the mesh or the flow cannot be used
     """
+    require_flow(scene)
     schedule = Schedule({})
     written = scene
     if scene.time is not None:
@@ -321,17 +323,6 @@ def plan(scene: s.Scene) -> Plan:
         )
     conditions = {name: role_in_flow(target, mesh, name, velocity) for name in mesh.boundaries}
     plug = "no_slip" not in conditions.values()
-    if schedule.flows and not plug:
-        raise SceneError(
-            f"{written.origin.at(('flow',))}: flow: velocities that change with time are for plug flow, and a wall has "
-            'type = "no_slip"; make it "slip", or run one scene for each velocity, each with initial_fluid and '
-            "initial_solid from the profiles.csv of the one before"
-        )
-    if plug and scene.heat is None:
-        raise SceneError(
-            scene.origin.at(("flow",)) + ': flow: nothing to solve: no wall has type = "no_slip" and '
-            "there is no [heat] table"
-        )
     round_bed = isinstance(scene.mesh, MeshAxisymmetric) or getattr(scene.mesh, "axisymmetric", False)
     coordinate = "z" if round_bed else "x"
     cells = f"{mesh.skfem.nelements} cells, boundaries {', '.join(mesh.boundaries)}"

@@ -29,6 +29,26 @@ def series_are_usable(
         yield from series_is_usable(path, series, time, see, origin)
 
 
+def require_flow(scene: s.Scene) -> None:
+    """Refuse plug flow without [heat], and a flow that changes with time where no-slip walls shape it.
+
+    Raises
+    ------
+    SceneError : with file, line and remedy
+    """
+    text = ""
+    plug = all(conditions.type != "no_slip" for conditions in scene.boundary.values())
+    if plug and scene.heat is None:
+        text = 'nothing to solve: no wall has type = "no_slip" and there is no [heat] table'
+    if not plug and any(path[0] == "flow" for path, _ in series_of(scene.flow, scene.boundary)):
+        text = (
+            'velocities that change with time are for plug flow, and a wall has type = "no_slip"; make it "slip", or run '
+            "one scene for each velocity, each with initial_fluid and initial_solid from the profiles.csv of the one before"
+        )
+    if text:
+        raise SceneError(f"{scene.origin.at(('flow',))}: flow: {text}")
+
+
 def initial_profiles_fit_the_bed(time: s.Time | None, mesh: Mesh, see: See, origin: Origin) -> Mistakes:
     """Check that the files of initial temperatures can be read and lie within the bed."""
     for phase in PHASES:

@@ -11,6 +11,7 @@ from contbed.bubbling_bed.problem import BubblingProblem
 from contbed.errors import ConvergenceError, SceneError
 from contbed.loading import from_dict
 from contbed.materials import gas_mixture
+from contbed.models import require_buildable
 from contbed.solvers.linear import Policy
 from contbed.solvers.newton import newton
 from contbed.verify.mms import Manufactured, observed_order
@@ -164,6 +165,8 @@ def test_bad_scenes_are_explained(text):
 def test_gas_below_minimum_fluidization_is_refused():
     with pytest.raises(SceneError, match=r"gas.mass_flow = 0.05: below minimum fluidization, 0\.0\d+ kg/s at 1100 K"):
         cb.run(hot(gas__mass_flow=0.05))
+    with pytest.raises(SceneError, match="below minimum fluidization"):  # `contbed check`
+        require_buildable(hot(gas__mass_flow=0.05))
 
 
 def test_gas_that_flows_down_through_the_emulsion_is_refused_where_it_does():

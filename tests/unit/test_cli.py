@@ -79,6 +79,11 @@ def test_the_command_itself(scene):
 
 
 def test_check(scene, capsys):
+    assert cli.main(["check", "scene.toml"]) == 2
+    assert capsys.readouterr().err == (
+        'scene.toml:10: flow: nothing to solve: no wall has type = "no_slip" and there is no [heat] table\n'
+    )
+    scene.write_text(STEADY)
     assert cli.main(["check", "scene.toml"]) == 0
     assert capsys.readouterr().out == "scene.toml: ok\n"
     assert cli.main(["check", "scene.toml", "no.toml", "--set", "bed.porosity=2", "--set", "flow.velocity=1 kg"]) == 2
