@@ -42,8 +42,9 @@ def require_flow(scene: s.Scene) -> None:
         text = 'nothing to solve: no wall has type = "no_slip" and there is no [heat] table'
     if not plug and any(path[0] == "flow" for path, _ in series_of(scene.flow, scene.boundary)):
         text = (
-            'velocities that change with time are for plug flow, and a wall has type = "no_slip"; make it "slip", or run '
-            "one scene for each velocity, each with initial_fluid and initial_solid from the profiles.csv of the one before"
+            'velocities that change with time are for plug flow, and a wall has type = "no_slip"; make it "slip", or '
+            "run one scene for each velocity, each with initial_fluid and initial_solid from the profiles.csv of the "
+            "one before"
         )
     if text:
         raise SceneError(f"{scene.origin.at(('flow',))}: flow: {text}")
