@@ -22,6 +22,16 @@ from contbed.scene.tables import SceneBase
 from contbed.scene.toml_lines import KeyPath, Origin, dotted, one_line, parse, parse_key, read
 
 _Table = TypeVar("_Table", bound=BaseModel)
+_STUDY = "a study; run it with `contbed {} FILE`, which checks it first"
+_NO_SCENE = {  # keys of other files, and what these are
+    "packings": _STUDY.format("cascade"),
+    "minimise": _STUDY.format("optimise"),
+    "maximise": _STUDY.format("optimise"),
+    "experiment": _STUDY.format("calibrate"),
+    "parameters": _STUDY.format("sweep"),
+    "sample": _STUDY.format("sweep"),
+    "format": "a closure; name it in one, such as heat.nusselt = { file = ... }",
+}
 _LIMITS = {"greater_than", "greater_than_equal", "less_than", "less_than_equal"}
 
 
@@ -101,6 +111,7 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
         fluid.setdefault("model", "constant")
     if not values:
         raise SceneError(f"{origin.name}:1: the scene is empty; it needs [mesh], [fluid], [bed] and [flow]")
+    _require_a_scene(values, origin)
     kind = kind_of(values)
     model, checks = MODELS[kind].scene, MODELS[kind].find("checks", "CHECKS")
     parts, broken = _validate(model, values, problems)
@@ -117,6 +128,13 @@ def _build(values: dict[str, Any], origin: Origin, overrides: Mapping[str, Any])
     remarks.sort(key=lambda remark: origin.line(remark[0]))
     scene._warnings = tuple(_line(origin, values, path, text) for path, text in remarks)
     return scene
+
+
+def _require_a_scene(values: Mapping[str, Any], origin: Origin) -> None:
+    """Refuse a file that is meant for another place or command."""
+    meant = [key for key in _NO_SCENE if key in values]
+    if meant and not any(values.keys() & (model.scene.model_fields.keys() - {"title"}) for model in MODELS.values()):
+        raise SceneError(f"{origin.at((meant[0],))}: {meant[0]}: this is no scene but {_NO_SCENE[meant[0]]}")
 
 
 def _override(

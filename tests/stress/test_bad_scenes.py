@@ -458,6 +458,20 @@ def test_files_that_hold_no_scene(tmp_path, content, part):
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('scene = "bed.toml"\n[parameters]\nflow.velocity = [1, 2]', ":2: parameters: .* a study; run it with `contbed sweep"),
+        ('scene = "bed.toml"\nminimise = "duty_W"', ":2: minimise: .* a study; run it with `contbed optimise FILE`"),
+        ('format = 1\nkind = "nusselt"', ":1: format: this is no scene but a closure; name it in one"),
+    ],
+)
+def test_files_of_other_commands_are_known(tmp_path, text, told):
+    (tmp_path / "study.toml").write_text(text)
+    with pytest.raises(SceneError, match=told):
+        load(tmp_path / "study.toml")
+
+
 def test_paths_that_are_no_file(tmp_path):
     for path, part in [
         (tmp_path / "no.toml", "no such file"),
