@@ -178,4 +178,4 @@ def _with_fewer_steps(plan: Plan) -> FewerSteps | None:
 def _text(seconds: float) -> str:
     if seconds >= 3600.0:
         return f"{seconds / 3600.0:.2g} h"
-    return f"{seconds / 60.0:.2g} min" if seconds >= 120.0 else f"{seconds:.2g} s"
+    return f"{seconds / 60.0:.2g} min" if seconds >= 99.5 else f"{seconds:.2g} s"

@@ -57,7 +57,7 @@ def rosseland_is_thick(
     """Look for beds that are too thin for the Rosseland conductivity that the scene asks for."""
     if radiation is None or radiation.level != "rosseland" or isinstance(mesh, MeshFile):
         return
-    error = estimate(SimpleNamespace(radiation=radiation, bed=bed, boundary=boundary), mesh)  # type: ignore[arg-type]
+    error = estimate(SimpleNamespace(radiation=radiation, bed=bed, boundary=boundary), mesh)
     if error > allowed(solver):
         yield (
             ("radiation", "level"),
