@@ -158,6 +158,17 @@ def cells_lie_inside_of_the_bed(particles: g.GasParticles, gas: g.GasFlow, origi
             )
 
 
+def cells_are_larger_than_particles(gas: g.GasFlow) -> Mistakes:
+    """Look for cells of the gas in which a particle counts as a whole though it is larger than they are."""
+    for axis, cell in enumerate(gas.cell):
+        if cell < 1.0 - ROUNDING:
+            yield (
+                ("gas", "cell", axis),
+                f"{'width' if axis == 0 else 'height'} of {cell:g} particle diameters: drag and porosity are averages "
+                "over a cell, which needs several particles; 3 and 1 are usual",
+            )
+
+
 def spheres_bear_the_bed(particles: g.GasParticles, gas: g.GasFlow) -> Mistakes:
     """Look for spheres so soft that the bed packs denser under its weight, and lets less gas through."""
     radius, count = particles.radius, particles.count
@@ -197,4 +208,9 @@ CHECKS = (
     probes_are_in_the_box,
     levels_are_in_the_box,
 )
-WARNINGS = (poisson_ratio_is_of_a_solid, cells_lie_inside_of_the_bed, spheres_bear_the_bed)
+WARNINGS = (
+    poisson_ratio_is_of_a_solid,
+    cells_lie_inside_of_the_bed,
+    cells_are_larger_than_particles,
+    spheres_bear_the_bed,
+)

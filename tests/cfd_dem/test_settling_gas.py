@@ -73,3 +73,11 @@ def test_stiffer_particles_settle_in_more_and_shorter_steps():
     soft, stiff = (cb.plan(loads(LARGE.replace('"1 MPa"', f'"{text}"'))).to_try()[1] for text in ("1 MPa", "10 MPa"))
     # a tenth more modulus to the power of 2.5 is one more stage, of steps 10^0.4 shorter
     assert stiff / soft == pytest.approx(1.0 + 0.13 / 0.6 * 10**0.4, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("cell", "axes"), [("[0.1, 0.1]", ["width", "height"]), ("[3, 0.5]", ["height"]), ("[1, 1]", [])]
+)
+def test_cells_smaller_than_particles_are_told(cell, axes):
+    told = loads(SCENE.replace('"60 mm"', f'"60 mm", cell = {cell}')).warnings
+    assert [text.partition(": ")[2].split()[3] for text in told if "needs several particles" in text] == axes

@@ -461,7 +461,10 @@ def test_files_that_hold_no_scene(tmp_path, content, part):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ('scene = "bed.toml"\n[parameters]\nflow.velocity = [1, 2]', ":2: parameters: .* a study; run it with `contbed sweep"),
+        (
+            'scene = "bed.toml"\n[parameters]\nflow.velocity = [1, 2]',
+            ":2: parameters: .* a study; run it with `contbed sweep",
+        ),
         ('scene = "bed.toml"\nminimise = "duty_W"', ":2: minimise: .* a study; run it with `contbed optimise FILE`"),
         ('format = 1\nkind = "nusselt"', ":1: format: this is no scene but a closure; name it in one"),
     ],
