@@ -6,8 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import contbed as cb
 from contbed.closures import bed_tube_molerus_wirth, bed_tube_zabrodsky
+from contbed.dem.packing import pack
+from contbed.dem.particles import Material
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 from studies._gallery.raw import raw, resumed
@@ -29,9 +33,22 @@ OVERALL = {
 COLOURS = dict(zip(EXCESS, (gallery.BLUE, gallery.GREEN, gallery.ORANGE, gallery.VERMILION), strict=True))
 
 
-def scene_of(excess: str) -> cb.Scene:
-    """Scene at a velocity above that of minimum fluidization [m/s]."""
-    return cb.load(SCENE, {"gas.velocity": U_MF + float(excess)})
+def settled() -> Path:
+    """File of the bed before it is fluidized, settled once for all velocities."""
+    file, table = raw(HERE.name) / "packing.csv", cb.load(SCENE).particles
+    if not file.is_file():
+        sides = (table.periodic, table.periodic)
+        material = Material.of(table)
+        bed = pack(table.width, radius=table.radius, count=table.count, periodic=sides, material=material)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        np.savetxt(file, bed.position, delimiter=",", header="x,y,z", comments="")
+    return file.absolute()
+
+
+def scene_of(excess: str, file: Path | None = None) -> cb.Scene:
+    """Scene at a velocity above that of minimum fluidization [m/s]; it settles its bed, or takes that of a file."""
+    start = {} if file is None else {"particles.file": str(file), "particles.count": None}
+    return cb.load(SCENE, {"gas.velocity": U_MF + float(excess), **start})
 
 
 def reference(excess: str) -> tuple[float, float]:
@@ -58,14 +75,14 @@ def compute(cases: Sequence[str] = EXCESS) -> Tables:
     """Means by sector and around the tube for each velocity; a run that was cut off goes on, others are kept."""
     sectors, overall = [], []
     for excess in cases:
-        result = resumed(scene_of(excess), raw(HERE.name) / excess)
+        result = resumed(scene_of(excess, settled()), raw(HERE.name) / excess)
         table = result.tables["tube_tube"]
         sectors += [(float(excess), *row) for row in zip(*(table[name] for name in list(SECTORS)[1:]), strict=True)]
         means = [table[name].sum() if name.startswith("contacts") else table[name].mean() for name in PARTS]
         overall.append((float(excess), *means, result.qoi["height [m]"], *reference(excess)))
     tables = {"sectors": Table(SECTORS, sectors), "overall": Table(OVERALL, overall)}
     keys = {"sectors": ["excess velocity [m/s]", "angle [deg]"], "overall": ["excess velocity [m/s]"]}
-    return {name: Table.read(HERE / f"{name}.csv").updated(table, keys[name]) for name, table in tables.items()}
+    return gallery.updated(HERE, tables, keys)
 
 
 def plot(tables: Tables) -> dict[str, Any]:

@@ -62,7 +62,7 @@ def compute(cases: Sequence[str] = tuple(RUNS)) -> Tables:
         "slab_profiles": Table({"run": "", "height [m]": ".4g", "eps_s [1]": ".4g"}, profiles),
     }
     keys = {"slab": ["run"], "slab_profiles": ["run", "height [m]"]}
-    return {name: Table.read(HERE / f"{name}.csv").updated(table, keys[name]) for name, table in tables.items()}
+    return gallery.updated(HERE, tables, keys)
 
 
 def plot(tables: Tables) -> dict[str, Any]:
