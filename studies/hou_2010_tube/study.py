@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -34,12 +35,12 @@ COLOURS = dict(zip(EXCESS, (gallery.BLUE, gallery.GREEN, gallery.ORANGE, gallery
 
 
 def settled() -> Path:
-    """File of the bed before it is fluidized, settled once for all velocities."""
+    """File of the bed before it is fluidized, settled once for all velocities, with strong damping as it is stirred soon."""
     file, table = raw(HERE.name) / "packing.csv", cb.load(SCENE).particles
     if not file.is_file():
         sides = (table.periodic, table.periodic)
-        material = Material.of(table)
-        bed = pack(table.width, radius=table.radius, count=table.count, periodic=sides, material=material)
+        damped = replace(Material.of(table), restitution=0.3)
+        bed = pack(table.width, radius=table.radius, count=table.count, periodic=sides, material=damped, at_rest=1e-3)
         file.parent.mkdir(parents=True, exist_ok=True)
         np.savetxt(file, bed.position, delimiter=",", header="x,y,z", comments="")
     return file.absolute()
