@@ -35,7 +35,7 @@ COLOURS = dict(zip(EXCESS, (gallery.BLUE, gallery.GREEN, gallery.ORANGE, gallery
 
 
 def settled() -> Path:
-    """File of the bed before it is fluidized, settled once for all velocities, with strong damping as it is stirred soon."""
+    """File of the bed before it is fluidized, settled once for all velocities and with strong damping."""
     file, table = raw(HERE.name) / "packing.csv", cb.load(SCENE).particles
     if not file.is_file():
         sides = (table.periodic, table.periodic)
