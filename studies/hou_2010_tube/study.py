@@ -89,8 +89,8 @@ def compute(cases: Sequence[str] = EXCESS) -> Tables:
 def plot(tables: Tables) -> dict[str, Any]:
     """Local coefficient, its parts at one velocity, and porosity over the angle."""
     figure, (left, middle, right) = gallery.figure(1, 3, size=(14.0, 4.3))
-    for excess in EXCESS:
-        found = tables["sectors"].where({"excess velocity [m/s]": float(excess)})
+    for excess in tables["sectors"].values("excess velocity [m/s]"):
+        found = tables["sectors"].where({"excess velocity [m/s]": excess})
         angle, h, colour = found["angle [deg]"], found["h [W/m2/K]"], COLOURS[excess]
         left.plot(angle, h, "o-", color=colour, label=f"{excess} m/s: mean {h.mean():.0f}")
         right.plot(angle, found["eps [1]"], "o-", color=colour, label=f"{excess} m/s")

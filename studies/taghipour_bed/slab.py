@@ -68,7 +68,7 @@ def compute(cases: Sequence[str] = tuple(RUNS)) -> Tables:
 def plot(tables: Tables) -> dict[str, Any]:
     """Solids volume fraction over the height, mean over the section."""
     figure, axes = gallery.figure(size=(6.4, 4.4))
-    for run in RUNS:
+    for run in tables["slab_profiles"].values("run"):
         found = tables["slab_profiles"].where({"run": run})
         axes.plot(found["height [m]"], found["eps_s [1]"], color=COLOURS[run], label=run)
     axes.set(xlabel="height [m]", ylabel="solids volume fraction", xlim=(0.0, 0.9), ylim=(0.0, None))
