@@ -79,6 +79,7 @@ _FIELDS = (
     Field("h_convection", "h", "W/m2/K", "part of it by the gas that flows beside the tube"),
     Field("contacts", "n", "1", "number of particles that touch a sector of a tube"),
     Field("eps", r"\varepsilon", "1", "porosity within a particle's diameter of a sector of a tube"),
+    Field("q", "q", "W/m2", "heat flux from a sector of a tube to particles and gas as warm as they are beside it"),
     Field("heat_tube", "Q", "W", "heat from a tube to gas and particles, since the last row"),
     Field("q_radiation", r"q_\mathrm{r}", "W/m2", "radiative heat flux along the bed"),
     # two fluids

@@ -183,37 +183,50 @@ class TubeHeat:
 
     def heat(self, simulation: Simulation, gas: Gas, motion: Motion, T: Array) -> tuple[Array, Array]:
         """Find the heat from the tube [W] to each particle (n,), of temperatures `T` [K], and to each cell (c,)."""
-        hot = self.tube.T
-        assert hot is not None
         found = self.around(simulation, gas, motion)
         to_particles, to_cells = np.zeros(len(T)), np.zeros(self.grid.cells)
-        to_particles[found.near] = (found.contact + found.gap) * (hot - T[found.near])
-        to_cells[self.ring] = (found.h * self.tube.area * (hot - self.weight @ gas.T[self.ring])) @ self.weight
+        to_particles[found.near], to_sectors = self._given(found, gas, T)
+        to_cells[self.ring] = to_sectors @ self.weight
         return to_particles, to_cells
+
+    def flux(self, found: Around, gas: Gas, T: Array) -> Array:
+        """Find the heat flux from each sector [W/m2] to particles of temperatures `T` (n,) and gas."""
+        to_particles, to_gas = self._given(found, gas, T)
+        return (np.bincount(found.sector, to_particles, SECTORS) + to_gas) / self.tube.area
+
+    def _given(self, found: Around, gas: Gas, T: Array) -> tuple[Array, Array]:
+        """Find the heat to the spheres near the tube (k,) and to the gas beside each sector [W]."""
+        hot = self.tube.T
+        assert hot is not None
+        to_particles = (found.contact + found.gap) * (hot - T[found.near])
+        return to_particles, found.h * self.tube.area * (hot - self.weight @ gas.T[self.ring])
 
 
 class TubeAverage:
     """Time average of what is around a tube: call it with a bed at even intervals.
 
-    `sums` (5, SECTORS): coefficients of contacts, gaps and gas [W/m2/K], number of contacts, porosity.
+    `sums` (6, SECTORS): coefficients of contacts, gaps and gas [W/m2/K], number of contacts, porosity, flux [W/m2].
     """
 
     def __init__(self, heat: TubeHeat):
         self.heat, self.count = heat, 0
-        self.sums: Array = np.zeros((5, SECTORS))
+        self.sums: Array = np.zeros((6, SECTORS))
 
     def __call__(self, simulation: Simulation, gas: Gas, motion: Motion) -> None:
         """Take the bed as it is now into the average."""
         found = self.heat.around(simulation, gas, motion)
         self.heat.tube.nusselt.record()
         by_sector = (np.bincount(found.sector, G, SECTORS) / self.heat.tube.area for G in (found.contact, found.gap))
-        self.sums += np.array([*by_sector, found.h, found.touching, found.eps])
+        flux = np.zeros(SECTORS)
+        if self.heat.tube.T is not None and motion.T is not None:
+            flux = self.heat.flux(found, gas, motion.T)
+        self.sums += np.array([*by_sector, found.h, found.touching, found.eps, flux])
         self.count += 1
 
     def table(self) -> dict[str, Array]:
         """Return the columns of the table of the tube, a row for each sector."""
-        contact, gap, gas, touching, eps = self.sums / self.count
-        return {
+        contact, gap, gas, touching, eps, flux = self.sums / self.count
+        columns = {
             "angle [deg]": angles(),
             "h [W/m2/K]": contact + gap + gas,
             "h_contact [W/m2/K]": contact,
@@ -222,6 +235,7 @@ class TubeAverage:
             "contacts [1]": touching,
             "eps [1]": eps,
         }
+        return columns if self.heat.tube.T is None else columns | {"q [W/m2]": flux}
 
     def state(self) -> dict[str, Array]:
         """Return the sums for a checkpoint."""

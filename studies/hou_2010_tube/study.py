@@ -25,6 +25,7 @@ EXCESS = ("0.08", "0.3", "0.5", "0.8")  # velocity over minimum fluidization [m/
 SECTORS = {
     "excess velocity [m/s]": "g", "angle [deg]": "g", "h [W/m2/K]": ".4g", "h_contact [W/m2/K]": ".3g",
     "h_gap [W/m2/K]": ".4g", "h_convection [W/m2/K]": ".3g", "contacts [1]": ".3g", "eps [1]": ".3f",
+    "h of the bed [W/m2/K]": ".4g",
 }  # fmt: skip
 PARTS = list(SECTORS)[2:]
 OVERALL = {
@@ -76,8 +77,11 @@ def compute(cases: Sequence[str] = EXCESS) -> Tables:
     """Means by sector and around the tube for each velocity; a run that was cut off goes on, others are kept."""
     sectors, overall = [], []
     for excess in cases:
-        result = resumed(scene_of(excess, settled()), raw(HERE.name) / excess)
-        table = result.tables["tube_tube"]
+        scene = scene_of(excess, settled())
+        result = resumed(scene, raw(HERE.name) / excess)
+        # as measured: heat flux over the difference of tube and bed, whose particles beside the tube have warmed up
+        colder = scene.tubes["tube"].T - result.qoi["T_solid_mean_K"]
+        table = result.tables["tube_tube"] | {"h of the bed [W/m2/K]": result.tables["tube_tube"]["q [W/m2]"] / colder}
         sectors += [(float(excess), *row) for row in zip(*(table[name] for name in list(SECTORS)[1:]), strict=True)]
         means = [table[name].sum() if name.startswith("contacts") else table[name].mean() for name in PARTS]
         overall.append((float(excess), *means, result.qoi["height [m]"], *reference(excess)))
@@ -91,13 +95,15 @@ def plot(tables: Tables) -> dict[str, Any]:
     figure, (left, middle, right) = gallery.figure(1, 3, size=(14.0, 4.3))
     for excess in tables["sectors"].values("excess velocity [m/s]"):
         found = tables["sectors"].where({"excess velocity [m/s]": excess})
-        angle, h, colour = found["angle [deg]"], found["h [W/m2/K]"], COLOURS[excess]
+        angle, h, colour = found["angle [deg]"], found["h of the bed [W/m2/K]"], COLOURS[excess]
         left.plot(angle, h, "o-", color=colour, label=f"{excess} m/s: mean {h.mean():.0f}")
+        left.plot(angle, found["h [W/m2/K]"], ":", color=colour)
         right.plot(angle, found["eps [1]"], "o-", color=colour, label=f"{excess} m/s")
         for name, style in (("h_gap", "o-"), ("h_convection", "s--")):
             middle.plot(angle, found[f"{name} [W/m2/K]"], style, color=colour)
     middle.plot([], [], "o-", color=gallery.BLACK, label="gas between particles and tube")
     middle.plot([], [], "s--", color=gallery.BLACK, label="convection")
+    left.plot([], [], ":", color=gallery.BLACK, label="if nothing warmed up")
     left.set(ylabel="local coefficient [W/m2/K]", ylim=(0, None))
     middle.set(ylabel="its parts [W/m2/K]", ylim=(0, None))
     right.set(ylabel="porosity within one diameter")
