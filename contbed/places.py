@@ -21,6 +21,7 @@ KINDS = {
     ("PhaseCondition", "coefficient"): "wall",
     ("Wall", "coefficient"): "wall",
     ("Surface", "coefficient"): "bed_tube",
+    ("GasTube", "nusselt"): "nusselt_cylinder",
     ("Species", "gas_coefficient"): "nusselt",
     ("Species", "conductivity"): "solids_mixing",
     ("Species", "exchange"): "solid_exchange",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from math import pi
+import re
+from collections.abc import Mapping
+from itertools import combinations
+from math import hypot, pi
 
 from contbed.cfd_dem import scene as g
-from contbed.cfd_dem.closures import GIVES
+from contbed.cfd_dem.closures import GIVES, bound_tube
 from contbed.closures.binding import bind
 from contbed.dem.particle_files import read_particles, tells_radii
 from contbed.dem.particles import Material
@@ -102,19 +105,67 @@ def closure_is_of_a_fixed_bed(closure: g.NusseltClosure | None, particles: g.Gas
         yield ("closure",), f"a Nusselt number is fitted to a bed at rest; set {see('particles.fixed')} = true"
 
 
-def file_can_be_used(particles: g.GasParticles, gas: g.GasFlow, origin: Origin) -> Mistakes:
+def tubes_are_in_the_box(
+    tubes: Mapping[str, g.GasTube], particles: g.GasParticles, gas: g.GasFlow, heat: g.GasHeat | None, see: See
+) -> Mistakes:
+    """Require tubes that lie in the box side by side, with known closures, and with [heat] where they have a T."""
+    for name, tube in tubes.items():
+        radius, (x, z) = 0.5 * tube.diameter, tube.centre
+        if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
+            yield ("tubes", name), "names a file; letters, digits, - and _ may stand in it"
+        if not (radius <= x <= particles.width[0] - radius and radius <= z <= gas.height - radius):
+            yield (
+                ("tubes", name, "centre"),
+                f"the tube of {tube.diameter:.4g} m reaches out of the box of {particles.width[0]:g} m by "
+                f"{gas.height:g} m; see {see('particles.width')} and {see('gas.height')}",
+            )
+        if tube.T is not None and heat is None:
+            yield ("tubes", name, "T"), "needs a [heat] table; without one a tube has coefficients alone"
+        try:
+            bound_tube(tube)
+        except SceneError as error:
+            yield ("tubes", name, "nusselt"), str(error)
+            return
+    for (first, one), (second, other) in combinations(tubes.items(), 2):
+        if hypot(*(a - b for a, b in zip(one.centre, other.centre, strict=True))) < 0.5 * (
+            one.diameter + other.diameter
+        ):
+            yield ("tubes", second, "centre"), f"overlaps {first}; see {see(f'tubes.{first}.centre')}"
+            return
+    if particles.file is None and particles.radius is not None:
+        from contbed.cfd_dem.plan import grid_of, tubes_of
+
+        try:
+            grid_of(particles, gas, tubes=tubes_of(tubes, particles))
+        except SceneError as error:
+            yield ("gas", "cell"), str(error)
+
+
+def probes_are_outside_of_tubes(output: g.GasOutput, tubes: Mapping[str, g.GasTube], see: See) -> Mistakes:
+    """Require that probes lie in the gas."""
+    for name, (x, _, z) in output.probes.items():
+        for tube, table in tubes.items():
+            if hypot(x - table.centre[0], z - table.centre[1]) < 0.5 * table.diameter:
+                yield ("output", "probes", name), f"lies in the tube {tube}; see {see(f'tubes.{tube}.centre')}"
+
+
+def file_can_be_used(
+    particles: g.GasParticles, gas: g.GasFlow, tubes: Mapping[str, g.GasTube], origin: Origin
+) -> Mistakes:
     """Read the file and set up its particles as for a run, so that both say the same."""
     if particles.file is None or particles.count is not None or "\0" in particles.file:
         return
     path = origin.base / particles.file
     if not path.is_file() or (particles.radius is None and not tells_radii(path)):
         return
-    from contbed.cfd_dem.plan import read, require_room, simulation_of
+    from contbed.cfd_dem.plan import at_start, grid_of, require_room, simulation_of, tubes_of
 
-    found = read(particles, origin.base)
+    there = tubes_of(tubes, particles)
+    found, _ = at_start(particles, there, origin.base)
     require_room(particles, gas, found, origin)
     try:
-        simulation_of(particles, gas, found)
+        grid_of(particles, gas, found, there)
+        simulation_of(particles, gas, found, tubes=there)
     except SceneError as error:
         yield ("particles", "file"), str(error)
 
@@ -207,6 +258,8 @@ CHECKS = (
     file_can_be_used,
     probes_are_in_the_box,
     levels_are_in_the_box,
+    tubes_are_in_the_box,
+    probes_are_outside_of_tubes,
 )
 WARNINGS = (
     poisson_ratio_is_of_a_solid,

@@ -11,7 +11,15 @@ GIVES: dict[str, frozenset[str]] = {
 }
 """The arguments that closures of each kind can have."""
 
+AT_TUBE = frozenset({"Re", "Pr"})
+"""Those of a tube."""
+
 
 def bound(scene: g.GasScene) -> dict[str, BoundClosure]:
     """Bind the closures of a scene; return them by kind."""
     return {kind: bind(getattr(scene.gas, kind), kind, gives, scene.origin.base) for kind, gives in GIVES.items()}
+
+
+def bound_tube(tube: g.GasTube) -> BoundClosure:
+    """Bind the Nusselt number of a tube."""
+    return bind(tube.nusselt, "nusselt_cylinder", AT_TUBE)

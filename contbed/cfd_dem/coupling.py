@@ -6,8 +6,9 @@ the room that they leave, and gives the next force; the gas feels exactly its op
 
     m_i c dT_i/dt = h_i A_i (T - T_i) + sum over j of G_ij (T_j - T_i) + Q_i
 
-with the conductances G_ij of `conduction.Solid`, found anew every `heat_interval`, and radiation Q_i to the
-surroundings (`heat.radiation`), which does not keep the energy of the assembly: what it adds is counted in `balance`.
+with the conductances G_ij of `conduction.Solid`, found anew every `heat_interval`, and in Q_i radiation to the
+surroundings (`heat.radiation`), which does not keep the energy of the assembly, and heat from tubes: what both add is
+counted in `balance`.
 
     gas = Gas(grid, air, drag_di_felice, nusselt_gunn)
     gas.inlet(1.45, 300.0, slot=(0.098, 0.112), slot_velocity=17.55 / air.density(700.0), slot_T=700.0)
@@ -19,7 +20,7 @@ surroundings (`heat.radiation`), which does not keep the energy of the assembly:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from numpy.typing import NDArray
 from contbed.cfd_dem.conduction import Solid
 from contbed.cfd_dem.gas import Gas
 from contbed.cfd_dem.gas_quantities import Motion
+from contbed.cfd_dem.tubes import TubeHeat
 from contbed.dem import heat
 from contbed.dem.simulation import Simulation
 from contbed.errors import SceneError
@@ -52,9 +54,11 @@ class Bed:
     emissivity : of the particles, 0 without radiation
     heat_interval [s] : after which conductances are found anew
     moving : False keeps the particles where they are
+    tubes : surfaces in the bed; those with a temperature heat gas and particles
 
     Attributes: `T` (n,) [K]; `force` [N] and `received` [W] of the last step; `above` number of particles that were
-    above the grid, counted at every step of the gas; `radiated` heat [J] that radiation did not balance.
+    above the grid, counted at every step of the gas; `radiated` heat [J] that radiation did not balance; `from_tubes`
+    heat [J] that each tube has given.
     """
 
     def __init__(
@@ -68,11 +72,13 @@ class Bed:
         emissivity: float = 0.0,
         heat_interval: float = 5e-3,
         moving: bool = True,
+        tubes: Sequence[TubeHeat] = (),
     ):
         n = len(simulation.position)
         if (T is None) == gas.energy:
             raise SceneError("gas: temperatures of the particles and an energy equation of the gas go together")
         self.simulation, self.gas, self.solid, self.moving = simulation, gas, solid, moving
+        self.tubes, self.from_tubes = tuple(tubes), np.zeros(len(tubes))
         self.gas_step, self.heat_interval, self.emissivity = float(gas_step), float(heat_interval), float(emissivity)
         self.T = None if T is None else np.array(np.broadcast_to(np.asarray(T, dtype=float), (n,)))
         self.capacity = simulation.mass * heat_capacity
@@ -126,14 +132,15 @@ class Bed:
         if self.T is None or self._start is None:
             return {}
         sums = self.gas.sums
+        given = float(self.from_tubes.sum())
         stored = float(self.capacity @ self.T) - self._start[0] + float(self.gas.heat.sum()) - self._start[1]
-        return {"stored": stored, "in": sums["heat_in"], "out": sums["heat_out"], "source": self.radiated}
+        return {"stored": stored, "in": sums["heat_in"], "out": sums["heat_out"], "source": self.radiated + given}
 
     def state(self) -> dict[str, Array]:
         """Return all that changes as arrays for a checkpoint."""
         arrays = {f"particles_{name}": value for name, value in self.simulation.state().items()}
         arrays |= {f"gas_{name}": value for name, value in self.gas.state().items()}
-        arrays |= {"force": self.force.copy(), "received": self.received.copy()}
+        arrays |= {"force": self.force.copy(), "received": self.received.copy(), "from_tubes": self.from_tubes.copy()}
         if self.T is not None:
             arrays["T"] = self.T.copy()
         if self._network is not None:
@@ -148,6 +155,7 @@ class Bed:
             found = {name.removeprefix(prefix): value for name, value in state.items() if name.startswith(prefix)}
             part.restore(found)
         self.force, self.received = np.array(state["force"]), np.array(state["received"])
+        self.from_tubes = np.array(state["from_tubes"])
         self.time, above, self.radiated, self._next, *start = state["bed"].tolist()
         self.above, self._start = int(above), None if np.isnan(start[0]) else (start[0], start[1], start[2])
         if self.T is not None:
@@ -174,13 +182,25 @@ class Bed:
             simulation.advance(steps)
         self.time += dt
         self.above += int((simulation.position[:, 2] > self._top).sum())
-        self.force, self.received = gas.step(dt, self.motion)
+        to_particles, to_cells = self._heat_of_tubes(dt)
+        self.force, self.received = gas.step(dt, self.motion, to_cells)
         if self.T is not None:
-            self._heat_up(dt)
+            self._heat_up(dt, to_particles)
 
-    def _heat_up(self, dt: float) -> None:
-        """Advance the temperatures of the particles by dt [s]."""
-        T, heat_rate = self.T, self.received
+    def _heat_of_tubes(self, dt: float) -> tuple[Any, Array | None]:
+        """Find the heat from tubes to each particle and cell in a step of dt [s], in watts, and count it."""
+        to_particles: Any = 0.0
+        to_cells: Array | None = None
+        for k, tube in enumerate(self.tubes):
+            if self.T is not None and tube.tube.T is not None:
+                particles, cells = tube.heat(self.simulation, self.gas, self.motion, self.T)
+                self.from_tubes[k] += dt * float(particles.sum() + cells.sum())
+                to_particles, to_cells = to_particles + particles, cells if to_cells is None else to_cells + cells
+        return to_particles, to_cells
+
+    def _heat_up(self, dt: float, to_particles: Any) -> None:
+        """Advance the temperatures of the particles by dt [s] with the heat `to_particles` [W] of tubes."""
+        T, heat_rate = self.T, self.received + to_particles
         assert T is not None
         if self.solid is not None or self.emissivity > 0.0:
             if self._network is None or self.time >= self._next * (1.0 - 1e-12):

@@ -156,8 +156,10 @@ class Gas:
         self.u = self.q / kernels.face_means(self.eps, grid.face_cell)
         self.started = True
 
-    def step(self, dt: float, bed: Motion) -> tuple[Array, Array]:
+    def step(self, dt: float, bed: Motion, heat: Array | None = None) -> tuple[Array, Array]:
         """Advance by dt [s]: force of the gas on the particles [N] (n, 3), heat that they receive from it [W] (n,).
+
+        `heat` (c,) [W] is what cells get from other surfaces.
 
         Raises
         ------
@@ -169,6 +171,8 @@ class Gas:
         rho = self._set_inlet_velocity(places.eps_face)
         local, drag = self._find_drag(bed, places)
         gained, received = self._exchange(dt, bed, places, local)
+        if heat is not None:
+            gained = gained + heat
         predicted = self._predict(dt, rho, places, drag)
         slope = self._project(dt, places, predicted, gained)
         self._transport(dt, gained)

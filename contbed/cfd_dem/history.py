@@ -13,6 +13,7 @@ from contbed.cfd_dem.coupling import Bed
 from contbed.cfd_dem.heat_transfer import Average
 from contbed.cfd_dem.levels import Levels
 from contbed.cfd_dem.probes import Probes
+from contbed.cfd_dem.tubes import TubeAverage
 from contbed.dem.particle_files import write_particles
 from contbed.dem.statistics import surface
 from contbed.fields import header
@@ -25,18 +26,25 @@ WITH_HEAT = (*ISOTHERMAL, "T_fluid", "T_solid")
 
 @dataclass
 class History:
-    """Rows of profiles.csv, averages, probed points, and the times [s] at which files of particles were written."""
+    """Rows of profiles.csv, averages, probed points, and the times [s] at which files of particles were written.
+
+    `given` heat [J] of each tube at the last row.
+    """
 
     average: Average
     probes: Probes
     levels: Levels
+    tubes: tuple[TubeAverage, ...] = ()
     rows: list[list[float]] = field(default_factory=list)
     file_times: list[float] = field(default_factory=list)
+    given: Array = field(default_factory=lambda: np.zeros(0))
 
     def take(self, bed: Bed) -> None:
         """Take the bed as it is now into the averages."""
         self.average(bed)
         self.levels(bed.simulation)
+        for tube in self.tubes:
+            tube(bed.simulation, bed.gas, bed.motion)
 
     def record(self, bed: Bed) -> None:
         """Add a row for the bed as it is now."""
@@ -47,16 +55,32 @@ class History:
         if bed.T is not None:
             held = bed.gas.mass.sum()
             row += [float(bed.gas.mass @ bed.gas.T / held), float(bed.T.mean())]
-        self.rows.append(row + self.probes.row(bed.gas))
+        self.rows.append(row + self._heat_of_tubes(bed) + self.probes.row(bed.gas))
+
+    def _heat_of_tubes(self, bed: Bed) -> list[float]:
+        """Mean heat from each tube since the last row [W]."""
+        since = self.rows[-1][0] if self.rows else 0.0
+        given = self.given if len(self.given) else np.zeros(len(bed.from_tubes))
+        self.given = bed.from_tubes.copy()
+        return [
+            float(now - before) / (bed.time - since)
+            for tube, now, before in zip(bed.tubes, self.given, given, strict=True)
+            if tube.tube.T is not None
+        ]
+
+    @property
+    def heating(self) -> list[str]:
+        """Names of the tubes that heat the bed."""
+        return [average.heat.tube.name for average in self.tubes if average.heat.tube.T is not None]
 
     @property
     def columns(self) -> dict[str, Array]:
         """Columns of profiles.csv by header; none before the first row."""
         if not self.rows:
             return {}
-        probed = self.probes.columns
-        names = WITH_HEAT if len(self.rows[0]) == len(WITH_HEAT) + len(probed) else ISOTHERMAL
-        headers = [*(header(name) for name in names), *probed]
+        more = [*(f"{name} {header('heat_tube')}" for name in self.heating), *self.probes.columns]
+        names = WITH_HEAT if len(self.rows[0]) == len(WITH_HEAT) + len(more) else ISOTHERMAL
+        headers = [*(header(name) for name in names), *more]
         return dict(zip(headers, np.array(self.rows).T.copy(), strict=True))
 
     def write_particles(self, folder: Path, bed: Bed) -> None:
@@ -76,13 +100,18 @@ class History:
 
     def state(self) -> dict[str, Array]:
         """Return all of it as arrays for a checkpoint."""
-        kept = self.average.state() | self.levels.state()
+        kept = self.average.state() | self.levels.state() | {"given": self.given}
+        for tube in self.tubes:
+            kept |= tube.state()
         return kept | {"rows": np.array(self.rows), "file_times": np.array(self.file_times)}
 
     def restore(self, state: Mapping[str, Array]) -> None:
         """Continue from the arrays of `state`."""
         self.average.restore(state)
         self.levels.restore(state)
+        self.given = np.array(state["given"])
+        for tube in self.tubes:
+            tube.restore(state)
         self.rows, self.file_times = state["rows"].tolist(), state["file_times"].tolist()
 
 

@@ -7,15 +7,17 @@ a lattice, whose steps cost about as much, and adds what settling takes.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
+from contbed.cfd_dem.closures import bound_tube
 from contbed.cfd_dem.grid import Grid
-from contbed.cfd_dem.scene import GasFlow, GasParticles, GasScene
+from contbed.cfd_dem.scene import GasFlow, GasParticles, GasScene, GasTube
+from contbed.cfd_dem.tubes import BedTube, beside, blocked
 from contbed.compiled_cache import compile_clock
 from contbed.dem.contact import hertz_impact
 from contbed.dem.packing import AT_REST, SETTLED_OVERLAP, loose_height, pack
@@ -42,7 +44,7 @@ SPEED_OF_FILES = 1.0  # m/s, at which particles of a bubbling bed may meet when 
 
 @dataclass(frozen=True)
 class GasPlan:
-    """The particles at the start, None before they have settled, their box and the grid of the gas."""
+    """The particles at the start, None before they have settled, their box, tubes in it and the grid of the gas."""
 
     scene: GasScene
     particles: Particles | None
@@ -53,6 +55,7 @@ class GasPlan:
     policy: Unfactored = MEMORY
     without_weak_form: str = "scenes of kind particles_gas"
     steps: bool = True
+    tubes: tuple[BedTube, ...] = ()
     engine: Literal["contbed", "cuda"] = "contbed"
 
     @property
@@ -73,7 +76,7 @@ class GasPlan:
         if self.particles is not None:
             return self, 0.0
         table = self.scene.particles
-        lattice = _lattice(table)
+        lattice, _ = _beside(_lattice(table), self.tubes, LARGEST_OVERLAP)
         height = loose_height(lattice.radius, table.width[0] * table.width[1])
         stages = stages_of(lattice, Material.of(table), AT_REST, GRAVITY)
         expected = settling_time(stages, self.number, height, GRAVITY)
@@ -104,12 +107,17 @@ def plan(scene: GasScene) -> GasPlan:
     ------
     SceneError : the file of particles cannot be used, or particles are outside of the box
     """
-    table, particles = scene.particles, None
+    table, particles, inside = scene.particles, None, 0
+    tubes = tubes_of(scene.tubes, table)
     if table.file is not None:
-        particles = read(table, scene.origin.base)
+        particles, inside = at_start(table, tubes, scene.origin.base)
         require_room(table, scene.gas, particles, scene.origin)
-    grid = _grid(scene, particles)
+    grid = grid_of(table, scene.gas, particles, tubes)
     number = f"{table.count}, settled from a random start" if particles is None else f"{len(particles)}"
+    if tubes and particles is None:
+        number += " before those in tubes are taken out"
+    elif inside:
+        number += f", {inside} in tubes are left out"
     built = [
         ("particles", f"{number}, {'fixed' if table.fixed else 'moving'}"),
         ("gas", " x ".join(str(n) for n in grid.count) + " cells"),
@@ -119,9 +127,10 @@ def plan(scene: GasScene) -> GasPlan:
         (scene.heat is not None, "energy", "gas and particles", "no [heat] table: one temperature"),
         (table.emissivity > 0.0, "radiation", "to the neighbours", "particles.emissivity is 0"),
         (scene.closure is not None, "closure file", "power of Re", "no [closure] table"),
+        (bool(tubes), "tubes", ", ".join(scene.tubes), "no [tubes] table"),
     ):
         (built if there else skipped).append((what, how if there else why))
-    return GasPlan(scene, particles, grid, tuple(built), tuple(skipped))
+    return GasPlan(scene, particles, grid, tuple(built), tuple(skipped), tubes=tubes)
 
 
 def settled(plan: GasPlan, quiet: bool, start: Mapping[str, Any] | None = None) -> GasPlan:
@@ -146,11 +155,34 @@ def settled(plan: GasPlan, quiet: bool, start: Mapping[str, Any] | None = None) 
         return replace(plan, particles=Particles(start["particles_position"], table.radius))
     particles = _settle(table, quiet, plan.engine)
     require_room(table, plan.scene.gas, particles, plan.scene.origin)
-    return replace(plan, particles=particles)
+    return replace(plan, particles=_beside(particles, plan.tubes, LARGEST_OVERLAP)[0])
+
+
+def tubes_of(tables: Mapping[str, GasTube], particles: GasParticles) -> tuple[BedTube, ...]:
+    """Build the tubes of a scene, which cross the whole depth of the bed."""
+    return tuple(
+        BedTube(name, *tube.centre, 0.5 * tube.diameter, particles.width[1], bound_tube(tube), tube.T)
+        for name, tube in tables.items()
+    )
+
+
+def _beside(particles: Particles, tubes: Sequence[BedTube], overlap: float) -> tuple[Particles, int]:
+    """Leave out particles that overlap a tube by more than `overlap` radii; return the others and their number."""
+    x, kept = particles.position, np.ones(len(particles), bool)
+    for tube in tubes:
+        kept &= tube.distance(x) > tube.radius + (1.0 - overlap) * particles.radius
+    if kept.all():
+        return particles, 0
+    chosen = (getattr(particles, name)[kept] for name in ("position", "radius", "material", "velocity", "spin"))
+    return Particles(*chosen), int((~kept).sum())
 
 
 def simulation_of(
-    table: GasParticles, gas: GasFlow, particles: Particles, engine: Literal["contbed", "cuda"] = "contbed"
+    table: GasParticles,
+    gas: GasFlow,
+    particles: Particles,
+    engine: Literal["contbed", "cuda"] = "contbed",
+    tubes: Sequence[BedTube] = (),
 ) -> Simulation:
     """Set up the simulation of the particles in their box.
 
@@ -163,7 +195,7 @@ def simulation_of(
     return Simulation(
         particles,
         [Material.of(table)],
-        box(domain),
+        [*box(domain), *(tube.wall for tube in tubes)],
         domain,
         impact_speed=IMPACT_SPEED,
         skin=SKIN * float(particles.radius.min()),
@@ -190,15 +222,28 @@ def _domain(table: GasParticles) -> Domain:
     return Domain((0.0, 0.0, 0.0), (*table.width, INFINITE), (table.periodic, table.periodic, False))
 
 
-def _grid(scene: GasScene, particles: Particles | None) -> Grid:
-    """Lay cells of about the asked size that fill the box."""
-    largest = scene.particles.radius if particles is None else float(particles.radius.max())
-    assert largest is not None
-    diameter = 2.0 * largest
-    wide, high = (scale * diameter for scale in scene.gas.cell)
-    lengths = (*scene.particles.width, scene.gas.height)
+def grid_of(
+    table: GasParticles, gas: GasFlow, particles: Particles | None = None, tubes: Sequence[BedTube] = ()
+) -> Grid:
+    """Lay cells of about the asked size that fill the box; those in tubes are blocked.
+
+    Raises
+    ------
+    SceneError : cells are too coarse for a tube
+    """
+    radius = table.radius
+    smallest, largest = (radius, radius) if particles is None else (particles.radius.min(), particles.radius.max())
+    assert smallest is not None and largest is not None
+    diameter = 2.0 * float(largest)
+    wide, high = (scale * diameter for scale in gas.cell)
+    lengths = (*table.width, gas.height)
     nx, ny, nz = (max(1, round(length / size)) for length, size in zip(lengths, (wide, wide, high), strict=True))
-    return Grid(np.zeros(3), np.array(lengths) / (nx, ny, nz), (nx, ny, nz), (scene.particles.periodic,) * 2)
+    size, count = np.array(lengths) / (nx, ny, nz), (nx, ny, nz)
+    shut = blocked(size, count, tubes, 2.0 * float(smallest))
+    grid = Grid(np.zeros(3), size, count, (table.periodic,) * 2, shut)
+    for tube in tubes:
+        beside(grid, tube)
+    return grid
 
 
 def _lattice(table: GasParticles) -> Particles:
@@ -235,6 +280,12 @@ def read(table: GasParticles, base: Path) -> Particles:
     found = read_particles(base / table.file, table.radius)
     velocity = 0.0 if table.fixed or found.velocity is None else found.velocity
     return Particles(found.x - (0.0 if found.low is None else found.low), found.radius, velocity=velocity)
+
+
+def at_start(table: GasParticles, tubes: Sequence[BedTube], base: Path) -> tuple[Particles, int]:
+    """Read the particles of the file, and leave out those that lie in tubes, whose number follows."""
+    found = read(table, base)
+    return _beside(found, tubes, _largest_overlap(table, found))
 
 
 def require_room(table: GasParticles, gas: GasFlow, particles: Particles, origin: Origin) -> None:

@@ -17,6 +17,7 @@ from contbed.dem.simulation import Simulation
 from contbed.dem.softness import GRAVITY
 from contbed.result import Result
 
+ROUNDING = 0.01  # K; heat that warms the particles by less is not known to the ten digits that balances are held to
 PERCENTILES = (5, 50, 95)  # of the coefficients of single particles
 
 
@@ -25,7 +26,8 @@ def fill(result: Result, plan: GasPlan, bed: Bed, history: History) -> None:
     result.profiles |= history.columns
     result.balances["gas"] = _balance(bed.mass_balance(), "kg", float(bed.gas.mass.sum()))
     if bed.T is not None and (heat := bed.balance()):
-        result.balances["energy"] = _balance(heat, "J", abs(bed.gas.sums["gained"]))
+        floor = max(abs(bed.gas.sums["gained"]), ROUNDING * float(bed.capacity.sum()))
+        result.balances["energy"] = _balance(heat, "J", floor)
         result.qoi |= {
             "T_solid_mean_K": float(bed.T.mean()),
             "T_fluid_max_K": float(bed.gas.T.max()),
@@ -77,6 +79,15 @@ def _fill_averages(result: Result, plan: GasPlan, bed: Bed, history: History) ->
         result.qoi[name] = float(columns[name][late].mean())
     if history.levels.heights:
         result.tables["levels"] = history.levels.table()
+    for tube in history.tubes:
+        name = tube.heat.tube.name
+        result.tables[f"tube_{name}"] = columns_of = tube.table()
+        for part in ("h", "h_contact", "h_gap", "h_convection"):
+            key = f"{part.replace('h', f'h_tube_{name}', 1)} [W/m2/K]"
+            result.qoi[key] = float(columns_of[f"{part} [W/m2/K]"].mean())
+        result.closures.append(tube.heat.tube.nusselt.use().to_dict())
+    for name in history.heating:
+        result.qoi[f"heat_tube_{name} [W]"] = float(columns[f"{name} heat_tube [W]"][late].mean())
     _fill_ranges(result, plan, bed, history)
 
 

@@ -20,6 +20,7 @@ from contbed.cfd_dem.plan import GasPlan, settled, simulation_of
 from contbed.cfd_dem.probes import probes_of
 from contbed.cfd_dem.results import fill
 from contbed.cfd_dem.scene import GasScene
+from contbed.cfd_dem.tubes import TubeAverage, TubeHeat
 from contbed.dem import extract
 from contbed.output.progress import Progress
 from contbed.result import Result, timed
@@ -60,6 +61,7 @@ def run(
         Average(solid, scene.particles.emissivity, scene.gas.T),
         probes_of(plan.grid, scene.output.probes),
         Levels(plan.grid, scene.output.levels),
+        tuple(TubeAverage(tube) for tube in bed.tubes),
     )
     if start is not None:
         bed.restore(start[0])
@@ -83,7 +85,7 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
     scene = plan.scene
     assert plan.particles is not None
     table, gas = scene.particles, scene.gas
-    simulation = simulation_of(table, gas, plan.particles, plan.engine)
+    simulation = simulation_of(table, gas, plan.particles, plan.engine, plan.tubes)
     solid = Solid(table.conductivity, table.heat_capacity, table.modulus_real, table.exponents)
     T = None if scene.heat is None else scene.heat.T
     closures = bound(scene)
@@ -107,6 +109,7 @@ def build(plan: GasPlan) -> tuple[Bed, Solid]:
         solid=solid,
         emissivity=table.emissivity,
         moving=not table.fixed,
+        tubes=[TubeHeat(tube, plan.grid, solid) for tube in plan.tubes],
         **heat,
     )
     _open_inlet(scene, bed)

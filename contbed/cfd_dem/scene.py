@@ -3,6 +3,7 @@
 [particles]     spheres, settled at the start or from a file, and their material
 [fluid]         constant properties, or a gas mixture of Cantera
 [gas]           inlet, closures of drag and heat transfer, grid
+[tubes.NAME]    horizontal tubes across the bed; absent: none
 [heat]          energy equations of gas and particles; absent: all at one temperature, coefficients are still found
 [time]          how long, and from when on averages are taken
 [closure]       velocities for which a Nusselt number is fitted, written as closure.toml; absent: none
@@ -100,6 +101,19 @@ class GasFlow(Table):
     jet: Jet | None = None
 
 
+class GasTube(Table):
+    """A horizontal tube along y, through the whole depth of the bed; h by angle and mechanism in tube_NAME.csv."""
+
+    diameter: Length
+    centre: tuple[Position, Position] = Field(description="of its axis, in x and z")
+    nusselt: Annotated[Named, Discriminator(form)] = Field(
+        "churchill_bernstein", description="of the gas beside it, on its diameter"
+    )
+    T: Temperature | None = Field(
+        None, description="at which it heats or cools the bed, with [heat]; absent: coefficients alone"
+    )
+
+
 class GasHeat(Table):
     """Temperatures that change."""
 
@@ -151,6 +165,7 @@ class GasScene(SceneBase):
     particles: GasParticles
     fluid: FluidConstant | FluidCantera = Field(discriminator="model")
     gas: GasFlow
+    tubes: dict[str, GasTube] = Field(default_factory=dict)
     heat: GasHeat | None = None
     time: GasTime
     closure: NusseltClosure | None = None

@@ -16,7 +16,7 @@ Or by name, as a scene does, and ask what was used outside of the declared range
     ArgumentUse(declared=(0.35, 1.0), used=(0.3, 0.4), share_outside=0.5)
 
 `closures.names(kind)` lists them and `print(closures.data_sheet(name))` shows one. Kinds: nusselt [-],
-conductivity [W/m/K], tortuosity [-], dispersion [W/m/K], permeability [m2], forchheimer [-],
+nusselt_cylinder [-], conductivity [W/m/K], tortuosity [-], dispersion [W/m/K], permeability [m2], forchheimer [-],
 pressure_gradient [Pa/m], radiation [W/m/K or -], wall [W/m2/K]; of rough solids that touch
 contact [W/m2/K], contact_separation [m], temperature_jump [m]; of fluidized beds
 minimum_fluidization [-], drag [kg/m3/s], bubble_size [m], bubble_rise [m/s], gas_exchange [1/s],

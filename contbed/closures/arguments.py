@@ -101,6 +101,7 @@ ARGUMENTS: dict[str, Argument] = {
 
 OF_KIND: dict[str, dict[str, Argument]] = {
     "drag": {"Re": Argument("-", "superficial Reynolds number eps rho |u_gas - u_solid| d_p/mu", "[0, inf)")},
+    "nusselt_cylinder": {"Re": Argument("-", "Reynolds number of the free stream on the diameter", "[0, inf)")},
 }
 """Arguments that mean something else in one kind of closure."""
 
@@ -138,6 +139,7 @@ RESULTS: dict[str, str] = {
     "mass_dispersion": "axial dispersion coefficient",
     "minimum_fluidization": "Reynolds number of u_mf and the particle diameter",
     "nusselt": "Nusselt number on d_p and k_fluid",
+    "nusselt_cylinder": "Nusselt number on the diameter of the cylinder",
     "permeability": "permeability",
     "pressure_gradient": "-dp/dx, of the sign of u",
     "radial_distribution": "radial distribution",

@@ -42,7 +42,7 @@ from contbed.reacting_bed.stages import GAMMA, stages
 
 Array = NDArray[np.float64]
 Problems = tuple[Problem, Problem]
-TRIALS = 12
+TRIALS = 12  # of a step, in each of which dampings grow by up to a factor of ten
 ROOM = 0.05  # of the mean of a cell, least amounts above which its damping falls
 ROOM_STORED = 0.5  # the same of a gas in the pores: less and damping comes and goes, each a jump that takes short steps
 FALL = 0.9  # from one step to the next: jumps of the damping are errors of a step

@@ -9,7 +9,7 @@ from contbed.mesh.grading import of_density
 from contbed.reacting_bed.problem import Problem
 
 Array = NDArray[np.float64]
-MOST_CELLS = 3000
+MOST_CELLS = 3000  # of a mesh: ten species have some 100,000 unknowns there
 COARSEST = 2.5  # ratio of the lengths of neighbouring cells
 ERROR_POWER = 0.7  # jumps are held to tolerance^ERROR_POWER: fluxes at vertices are of order 7, jumps of order 4
 LEAST_SPAN = 1e-4  # of the typical size of a field, the least span that errors refer to

@@ -32,9 +32,9 @@ FIRST = 0.4  # of the share by which a polynomial has to become flat, the dampin
 LEAST, MOST = 1.1, 10.0  # growth from one trial to the next
 ENOUGH = 1.05  # of what two trials tell is needed
 FLAT = 1e2  # of it, from which on a mean below zero is not the polynomial's but that of rates
-TRIALS = 16
+TRIALS = 16  # of dampings on one mesh
 LARGE_CHANGE = 3.0  # of what leaves by damping, over the tolerance, to which estimates keep by such a factor
-HALVINGS = 2
+HALVINGS = 2  # of cells that are damped, before the damping is accepted
 
 
 def damped(problem: Problem, u: Array, report: solve.Report) -> tuple[Problem, Array]:

@@ -23,16 +23,16 @@ LEAST_SHARE = 1e-3  # of the typical size, below which a fall is not held up
 SHORTEST = 1e-3  # step of Newton's method at which it is given up
 PROGRESS, PATIENCE = 0.8, 14  # iterations in which the least residual has to fall by this factor
 LOOSE = 1e-5  # residual at which a step of a march in time, which need not be exact, is taken
-FIRST_CELLS = 24
-ROUNDS = 10
+FIRST_CELLS = 24  # of the first mesh, which only has to show where the fronts are
+ROUNDS = 10  # of better cells at most, each from the estimate on the last ones
 FIRST_ITERATIONS = 60  # of Newton's method from a first guess
 FEW_ITERATIONS = 15  # where the guess is near
 SMOOTHEST = 0.1  # share of a gas or solid below which its powers are straight lines, to begin with
 SHARPER, LEAST_SHARPER = 0.1, 0.7  # factor from one such share to the next, and beyond which no sharper is tried
 STEPS = 120  # of the march in time
 GROWTH, SHORTER = 1.6, 0.25  # of its steps
-MOST_FAILURES = 15
-STEPS_PER_CELLS = 3
+MOST_FAILURES = 15  # in a row, after which steps are 1e-9 of the first
+STEPS_PER_CELLS = 3  # of the march on the same cells, before these are put where the fronts have gone
 STILL = 1e-7  # largest change in a step, over typical sizes, of a state that is steady
 EVEN_CELLS = 30  # that are put between the first ones for the march
 # iterations of a steady state, over those on its first cells, where Newton's method finds it from the first guess, and
@@ -40,7 +40,7 @@ EVEN_CELLS = 30  # that are put between the first ones for the march
 EXPECTED = {(False, True): 20.0, (True, True): 550.0, (False, False): 12.0, (True, False): 130.0}
 LAST_SHARE = 0.95  # of what is expected, that is told where it takes longer
 START_OF_MARCH = 1e-2  # of the residence time of the solids
-END_OF_MARCH = 1e5
+END_OF_MARCH = 1e5  # of it: what has not come to rest by then does not
 
 
 @dataclass

@@ -29,7 +29,7 @@ from contbed.reacting_bed.problem import Problem
 from contbed.reacting_bed.storage import Storage, gas_of_rings, stored_rows
 
 Array = NDArray[np.float64]
-ITERATIONS = 40
+ITERATIONS = 40  # of Newton's method at a node
 ROUNDED = 1e-14  # change of unknowns over their sizes, of which what is held changes by rounding
 ROUGH, SLOW = 1e-10, 0.1  # such a change where heats of formation round, and its fall that is none of Newton's method
 LARGEST_FALL = 0.9  # of a concentration inside of particles in one iteration, as isotherms bend

@@ -3,136 +3,111 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contbed.cfd_dem.coupling import Bed
-from contbed.cfd_dem.gas import Gas
-from contbed.cfd_dem.grid import Grid
-from contbed.closures import drag_gidaspow
-from contbed.dem import heat_pair
+import contbed as cb
+from contbed.closures import bed_tube_molerus_wirth, bed_tube_zabrodsky
 from contbed.dem.packing import pack
-from contbed.dem.particles import Material, Particles
-from contbed.dem.simulation import Simulation
-from contbed.dem.walls import Domain, Tube, box
-from contbed.materials.constant import ConstantFluid
+from contbed.dem.particles import Material
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
+from studies._gallery.raw import raw, resumed
 
-D, WIDTH, DEPTH, COUNT = 1.5e-3, 45e-3, 6e-3, 4000
-TUBE, HEIGHT = 7.7e-3, 22.5e-3  # radius of the tube, height of its axis [m]
-GLASS = Material(density=2600.0, youngs_modulus=2e6, restitution=0.9, sliding_friction=0.3)
-AIR = ConstantFluid(1.2, 1005.0, 1.8e-5, 0.026)
-K_PARTICLE, E_REAL = 1.1, 5e10  # W/m/K, Pa
-SECTORS = 12
-START, END, EVERY = 0.1, 0.9, 2e-3  # s
-EXCESS = ("0.1", "0.4", "0.8")  # velocity over minimum fluidization [m/s]
-ANGLE = (np.arange(SECTORS) + 0.5) * 360.0 / SECTORS
-MECHANISMS = ("h [W/m2/K]", "contact", "gas in gaps", "convection", "contacts", "porosity")
-
-
-def minimum_velocity() -> float:
-    """Superficial velocity at which Ergun's pressure drop carries the bed at a porosity of 0.42 [m/s]."""
-    eps, mu, rho = 0.42, 1.8e-5, 1.2
-    a, b = 1.75 * rho * (1 - eps) / (eps**3 * D), 150 * mu * (1 - eps) ** 2 / (eps**3 * D**2)
-    return (-b + np.sqrt(b**2 + 4 * a * (1 - eps) * (GLASS.density - rho) * 9.81)) / (2 * a)
-
-
-def bed(velocity: float) -> Bed:
-    """Bed with the tube: spheres that overlap it are left out of a settled packing."""
-    packing = pack((WIDTH, DEPTH), radius=D / 2, count=COUNT, periodic=(False, True), material=GLASS, at_rest=1e-3)
-    x = packing.position
-    x = x[np.hypot(x[:, 0] - WIDTH / 2, x[:, 2] - HEIGHT) > TUBE + D / 2]
-    domain = Domain((0, 0, 0), (WIDTH, DEPTH, np.inf), (False, True, False))
-    walls = [*box(domain), Tube((WIDTH / 2, 0, HEIGHT), (0, 1, 0), TUBE)]
-    simulation = Simulation(Particles(x, D / 2), [GLASS], walls, domain, impact_speed=0.5, largest_overlap=0.1)
-    count = (12, 2, 40)
-    size = np.array([WIDTH / 12, DEPTH / 2, WIDTH / 12])
-    # cells with all their corners so near to the axis that the centre of a sphere is never in them
-    middle = np.array([WIDTH / 2, 0.0, HEIGHT])[:, None, None, None]
-    at = np.abs((np.indices(count) + 0.5) * size[:, None, None, None] - middle)
-    blocked = np.hypot(at[0] + 0.5 * size[0], at[2] + 0.5 * size[2]) < TUBE + 0.49 * D
-    gas = Gas(Grid(np.zeros(3), size, count, (False, True), blocked), AIR, drag_gidaspow, tolerance=1e-6)
-    gas.inlet(velocity, 300.0)
-    return Bed(simulation, gas, gas_step=2e-4)
+HERE = Path(__file__).parent
+SCENE = HERE / "tube.toml"
+U_MF = 0.27  # m/s, of the paper; Ergun's of these particles at a porosity of 0.405
+EPS_MF = 0.405
+EXCESS = ("0.08", "0.3", "0.5", "0.8")  # velocity over minimum fluidization [m/s]; the paper has 0.08, 0.5, 0.8
+SECTORS = {
+    "excess velocity [m/s]": "g", "angle [deg]": "g", "h [W/m2/K]": ".4g", "h_contact [W/m2/K]": ".3g",
+    "h_gap [W/m2/K]": ".4g", "h_convection [W/m2/K]": ".3g", "contacts [1]": ".3g", "eps [1]": ".3f",
+    "h of the bed [W/m2/K]": ".4g",
+}  # fmt: skip
+PARTS = list(SECTORS)[2:]
+OVERALL = {
+    "excess velocity [m/s]": "g", **{name: SECTORS[name] for name in PARTS}, "height [m]": ".3f",
+    "Molerus and Wirth [W/m2/K]": ".3g", "Zabrodsky, largest [W/m2/K]": ".3g",
+}  # fmt: skip
+COLOURS = dict(zip(EXCESS, (gallery.BLUE, gallery.GREEN, gallery.ORANGE, gallery.VERMILION), strict=True))
 
 
-def reference(speed: Any) -> Any:
-    """The paper's coefficient of convection [W/m2/K], Nu = 0.023 Re^0.8 Pr^0.4 with the diameter of the tube."""
-    rho, mu, c_p, k = 1.2, 1.8e-5, 1005, 0.026
-    return 0.023 * (rho * speed * 2 * TUBE / mu) ** 0.8 * (mu * c_p / k) ** 0.4 * k / (2 * TUBE)
+def settled() -> Path:
+    """File of the bed before it is fluidized, settled once for all velocities and with strong damping."""
+    file, table = raw(HERE.name) / "packing.csv", cb.load(SCENE).particles
+    if not file.is_file():
+        sides = (table.periodic, table.periodic)
+        damped = replace(Material.of(table), restitution=0.3)
+        bed = pack(table.width, radius=table.radius, count=table.count, periodic=sides, material=damped, at_rest=1e-3)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        np.savetxt(file, bed.position, delimiter=",", header="x,y,z", comments="")
+    return file.absolute()
 
 
-def around_tube(now: Bed) -> Any:
-    """By sector from below (0 deg) counterclockwise: conductances [W/K] by contact, through the gas and by convection,
-    number of contacts, share of the ring of one diameter that is solid."""
-    simulation, gas = now.simulation, now.gas
-    dx, dz = simulation.position[:, 0] - WIDTH / 2, simulation.position[:, 2] - HEIGHT
-    off = np.hypot(dx, dz)
-    gap = off - TUBE - D / 2
-    sector = (np.degrees(np.arctan2(dx, -dz)) % 360.0 / (360.0 / SECTORS)).astype(int) % SECTORS
-    near = gap < 0.5 * D / 2  # as for two spheres, half of the gap between a sphere and its mirror image
-    # an isothermal plane is the middle between a sphere and its mirror image: twice the conductance of that pair
-    apart, R = D + 2.0 * gap[near], D / 2
-    c = heat_pair.correction(GLASS.youngs_modulus, E_REAL, heat_pair.STATIC)
-    r_c = heat_pair.contact_radius(R, R, apart, c)
-    local = gas.around(now.motion)
-    contact = 2.0 * heat_pair.contact_conductance(r_c, K_PARTICLE, K_PARTICLE)
-    eps = np.clip(local.eps[near], 0.0, 0.9)
-    fluid = 2.0 * heat_pair.gap_conductance(R, R, apart, K_PARTICLE, K_PARTICLE, 0.026, eps, r_c)
-    sums = [np.bincount(sector[near], w, SECTORS) for w in (contact, fluid, 1.0 * (gap[near] < 0.0))]
-    # the paper's Nu_D = 0.023 Re^0.8 Pr^0.4 with the diameter of the tube and the gas beside it
-    grid = gas.grid
-    centre = grid.centres
-    ring = grid.open_cells & (np.hypot(centre[:, 0] - WIDTH / 2, centre[:, 2] - HEIGHT) < TUBE + 2.5 * D)
-    faces = gas.q[grid.cell_face[ring]]
-    speed = np.sqrt(((0.5 * (faces[:, ::2] + faces[:, 1::2])) ** 2).sum(axis=1))
-    way = np.degrees(np.arctan2(centre[ring, 0] - WIDTH / 2, HEIGHT - centre[ring, 2])) % 360.0
-    close = np.abs((way[None] - ANGLE[:, None] + 180.0) % 360.0 - 180.0) < 30.0
-    mean = (close * speed).sum(axis=1) / close.sum(axis=1)
-    inside = (gap > -D / 2) & (gap < D / 2)
-    solid = np.bincount(sector[inside], np.full(inside.sum(), np.pi * D**3 / 6), SECTORS)
-    return np.array([*sums[:2], reference(mean), sums[2], solid])
+def scene_of(excess: str, file: Path | None = None) -> cb.Scene:
+    """Scene at a velocity above that of minimum fluidization [m/s]; it settles its bed, or takes that of a file."""
+    start = {} if file is None else {"particles.file": str(file), "particles.count": None}
+    return cb.load(SCENE, {"gas.velocity": U_MF + float(excess), **start})
 
 
-def means(excess: str) -> Any:
-    """Mean coefficients [W/m2/K] of contact, gas in gaps and convection, contacts, porosity: (5, SECTORS)."""
-    now, samples = bed(minimum_velocity() + float(excess)), []
-    now.run(START)
-    now.run(END - START, EVERY, lambda each: samples.append(around_tube(each)))
-    found = np.mean(samples, axis=0)
-    area = 2.0 * np.pi * TUBE * DEPTH / SECTORS
-    ring = np.pi * ((TUBE + D) ** 2 - TUBE**2) * DEPTH / SECTORS
-    return np.array([found[0] / area, found[1] / area, found[2], found[3], 1.0 - found[4] / ring])
+def reference(excess: str) -> tuple[float, float]:
+    """Coefficients of the bed by correlations for fluidized beds [W/m2/K]: at this velocity, and the largest at any."""
+    scene = scene_of(excess)
+    fluid, d_p, rho_s = scene.fluid, 2.0 * scene.particles.radius, scene.particles.density
+    Ar = d_p**3 * fluid.density * (rho_s - fluid.density) * 9.81 / fluid.viscosity**2
+    at_velocity = bed_tube_molerus_wirth(
+        Ar=Ar,
+        u_excess=float(excess),
+        u_mf=U_MF,
+        eps_mf=EPS_MF,
+        rho_gas=fluid.density,
+        mu=fluid.viscosity,
+        cp_gas=fluid.heat_capacity,
+        k_gas=fluid.conductivity,
+        rho_solid=rho_s,
+        cp_solid=scene.particles.heat_capacity,
+    )
+    return float(at_velocity), float(bed_tube_zabrodsky(d_p=d_p, rho_solid=rho_s, k_gas=fluid.conductivity))
 
 
 def compute(cases: Sequence[str] = EXCESS) -> Tables:
-    """Means by sector and around the tube for each excess velocity."""
+    """Means by sector and around the tube for each velocity; a run that was cut off goes on, others are kept."""
     sectors, overall = [], []
     for excess in cases:
-        contact, fluid, convection, contacts, eps = means(excess)
-        columns = contact + fluid + convection, contact, fluid, convection
-        sectors += [(float(excess), *row) for row in zip(ANGLE, *columns, contacts, eps, strict=True)]
-        overall.append((float(excess), *(values.mean() for values in columns), contacts.sum(), eps.mean()))
-    head = ["excess velocity [m/s]"]
-    return {
-        "sectors": Table(dict.fromkeys([*head, "angle [deg]", *MECHANISMS], ".4g"), sectors),
-        "overall": Table(dict.fromkeys([*head, *MECHANISMS], ".4g"), overall),
-    }
+        scene = scene_of(excess, settled())
+        result = resumed(scene, raw(HERE.name) / excess)
+        # as measured: heat flux over the difference of tube and bed, whose particles beside the tube have warmed up
+        colder = scene.tubes["tube"].T - result.qoi["T_solid_mean_K"]
+        table = result.tables["tube_tube"] | {"h of the bed [W/m2/K]": result.tables["tube_tube"]["q [W/m2]"] / colder}
+        sectors += [(float(excess), *row) for row in zip(*(table[name] for name in list(SECTORS)[1:]), strict=True)]
+        means = [table[name].sum() if name.startswith("contacts") else table[name].mean() for name in PARTS]
+        overall.append((float(excess), *means, result.qoi["height [m]"], *reference(excess)))
+    tables = {"sectors": Table(SECTORS, sectors), "overall": Table(OVERALL, overall)}
+    keys = {"sectors": ["excess velocity [m/s]", "angle [deg]"], "overall": ["excess velocity [m/s]"]}
+    return gallery.updated(HERE, tables, keys)
 
 
 def plot(tables: Tables) -> dict[str, Any]:
-    """Local coefficient and porosity over the angle."""
-    figure, (left, right) = gallery.figure(1, 2, size=(11, 4.3))
+    """Local coefficient, its parts at one velocity, and porosity over the angle."""
+    figure, (left, middle, right) = gallery.figure(1, 3, size=(14.0, 4.3))
     for excess in tables["sectors"].values("excess velocity [m/s]"):
         found = tables["sectors"].where({"excess velocity [m/s]": excess})
-        h, eps = found["h [W/m2/K]"], found["porosity"]
-        left.plot(found["angle [deg]"], h, "o-", label=f"{excess} m/s: mean {h.mean():.0f}")
-        right.plot(found["angle [deg]"], eps, "o-", label=f"{excess} m/s")
+        angle, h, colour = found["angle [deg]"], found["h of the bed [W/m2/K]"], COLOURS[excess]
+        left.plot(angle, h, "o-", color=colour, label=f"{excess} m/s: mean {h.mean():.0f}")
+        left.plot(angle, found["h [W/m2/K]"], ":", color=colour)
+        right.plot(angle, found["eps [1]"], "o-", color=colour, label=f"{excess} m/s")
+        for name, style in (("h_gap", "o-"), ("h_convection", "s--")):
+            middle.plot(angle, found[f"{name} [W/m2/K]"], style, color=colour)
+    middle.plot([], [], "o-", color=gallery.BLACK, label="gas between particles and tube")
+    middle.plot([], [], "s--", color=gallery.BLACK, label="convection")
+    left.plot([], [], ":", color=gallery.BLACK, label="if nothing warmed up")
     left.set(ylabel="local coefficient [W/m2/K]", ylim=(0, None))
+    middle.set(ylabel="its parts [W/m2/K]", ylim=(0, None))
     right.set(ylabel="porosity within one diameter")
-    for axes in (left, right):
+    for axes in (left, middle, right):
         axes.set(xlabel="angle from the bottom of the tube [deg]", xticks=range(0, 361, 60))
-        axes.legend(title="excess velocity")
+        axes.legend(title=None if axes is middle else "above minimum fluidization")
     return {"tube": figure}

@@ -22,6 +22,7 @@ HERE = Path(__file__).parent
 REST, FROM = 0.4, 2.0  # height at rest [m], start of the averages [s]
 COLUMNS = ("program", "case", "cells", "walls", "pressure_over_weight", "walls_over_weight", "missing",
            "H_0.3", "H_0.2", "H_centre", "mass_drift", "cpu_s")  # fmt: skip
+SHARES = ("pressure", "walls", "missing")  # of the weight: by the gas, on the walls, by nothing
 NOT_COMPARED = ("walls_over_weight", "missing", "mass_drift", "cpu_s")
 SCENES = ("bed_0.38", "bed_0.46", "bed_0.46_fine", "bed_0.46_slip")
 FRAMES = "bed_0.46"  # scene that is drawn second by second
@@ -44,7 +45,7 @@ def own(name: str) -> list[Any]:
     scene = cb.load(HERE / f"{name}.toml")
     cpu, result = gallery.cpu(lambda: cb.run(scene), samples=1)
     axial = result.tables["axial"]
-    shares = [result.qoi[f"weight_{name}"] for name in ("pressure", "walls", "missing")]
+    shares = [result.qoi[f"weight_{name}"] for name in SHARES]
     cells = "x".join(str(n) for n in scene.mesh.cells)
     return [
         "contbed",

@@ -16,6 +16,7 @@ from contbed.output import stored
 from contbed.two_fluid.averages import along
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
+from studies._gallery.raw import resumed
 
 HERE = Path(__file__).parent
 SCENE = HERE / "ff_wenyu_duct.toml"
@@ -63,11 +64,6 @@ def folder_of(run: str) -> Path:
     return KEPT / run.replace(" ", "_").replace(",", "").replace(".", "")
 
 
-def run(scene: Any, folder: Path) -> Any:
-    """Run a scene, or go on with what the folder holds of it."""
-    return cb.run(scene, folder, restart=folder if (folder / "checkpoint.npz").is_file() else None)
-
-
 def profile(folder: Path, window: Any) -> tuple[Table, dict[str, float]]:
     """Profile across the middle of the depth, and means of the core, from the averages in the last file of fields."""
     mesh = stored.read_fields(stored.read_series(folder / "fields.pvd")[-1][1])
@@ -99,7 +95,7 @@ def compute(cases: Sequence[str] = tuple(MODELS)) -> Tables:
     rows, profiles = [], []
     for name in cases:
         scene, folder = scene_of(name), folder_of(name)
-        result = run(scene, folder)
+        result = resumed(scene, folder)
         across, core = profile(folder, scene.output.window)
         q, u = result.qoi, across["u_solid [m/s]"]
         found = q["averaged [s]"], q["pressure_drop_mean [Pa]"], core["eps_s [1]"], core["u_solid [m/s]"]

@@ -16,6 +16,7 @@ import contbed as cb
 from contbed.validation import signal
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
+from studies._gallery.raw import resumed
 from studies.vaishali_2007 import duct
 
 HERE = Path(__file__).parent
@@ -44,7 +45,7 @@ def series(run: str) -> tuple[list[dict[str, Any]], int]:
         scene, folder = cb.load(HERE / "ff_wenyu.toml", PROBED), duct.KEPT / run
     else:
         scene, folder = duct.scene_of(run), duct.folder_of(run)
-    result = duct.run(scene, folder)
+    result = resumed(scene, folder)
     rows = Table.read(folder / "profiles.csv")
     counted = rows["t [s]"] >= scene.time.average_from
     found = [

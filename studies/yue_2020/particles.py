@@ -14,6 +14,7 @@ import contbed as cb
 from contbed.validation import levels
 from studies import _gallery as gallery
 from studies._gallery import Table, Tables
+from studies._gallery.raw import resumed
 from studies.yue_2020 import study
 
 HERE = Path(__file__).parent
@@ -31,8 +32,7 @@ def reference() -> Any:
 
 def compute() -> Tables:
     """Run the bed, or go on with it; deviations, and profiles at the measured places."""
-    there = (KEPT / "checkpoint.npz").is_file()
-    return tables_of(cb.run(cb.load(SCENE), KEPT, restart=KEPT if there else None))
+    return tables_of(resumed(cb.load(SCENE), KEPT))
 
 
 def tables_of(result: Any) -> Tables:

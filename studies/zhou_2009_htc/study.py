@@ -23,6 +23,7 @@ from studies import _gallery as gallery
 from studies._gallery import Table, Tables
 
 D, WIDTH, COUNT = 2e-3, 26e-3, 2500
+CELL = WIDTH / 4  # width of the cells of the gas [m]
 GLASS = Material(
     density=2500.0,
     youngs_modulus=1e7,
@@ -57,26 +58,36 @@ CORRECTIONS = {
 SHOWN = (0.42, 1.0, 1.4, 2.0)  # velocities of the distributions
 
 
-def settled() -> Any:
-    return pack((WIDTH, WIDTH), radius=D / 2, count=COUNT, seed=1, material=GLASS)
+def settled(count: int = COUNT) -> Any:
+    """Settle beads on a square floor that grows with their number, so that the bed keeps its height."""
+    width = WIDTH * (count / COUNT) ** 0.5
+    return pack((width, width), radius=D / 2, count=count, seed=1, material=GLASS)
+
+
+def weight(packing: Any) -> float:
+    """Weight of a bed over its area [Pa]."""
+    width = packing.domain.upper[0]
+    return len(packing) * np.pi / 6 * D**3 * GLASS.density * 9.81 / width**2
 
 
 def bed(packing: Any, U: float, drag: Any = drag_di_felice, energy: bool = False, gas_step: float = 2e-4) -> Bed:
     simulation = Simulation(Particles(packing.position, packing.radius), [GLASS], packing.walls, packing.domain)
-    size = np.array([WIDTH / 4, WIDTH / 4, 1.5 * D])
-    gas = Gas(Grid(np.zeros(3), size, (4, 4, 60)), AIR, drag, NUSSELT, T=300.0, isothermal=not energy)
+    width = packing.domain.upper[0]
+    across = round(width / CELL)
+    size = np.array([width / across, width / across, 1.5 * D])
+    gas = Gas(Grid(np.zeros(3), size, (across, across, 60)), AIR, drag, NUSSELT, T=300.0, isothermal=not energy)
     gas.inlet(U, 300.0)
     T = None
     if energy:
-        T = np.full(COUNT, 300.0)
+        T = np.full(len(packing), 300.0)
         T[hot_ones(packing)] = 400.0
     return Bed(simulation, gas, gas_step, T, solid=CASES["0.84"] if energy else None, heat_interval=SAMPLE)
 
 
 def hot_ones(packing: Any) -> list[int]:
     """Nine spheres at three heights on three verticals."""
-    top = packing.statistics["surface"]
-    spots = [(a * WIDTH, a * WIDTH, b * top) for a in (0.25, 0.5, 0.75) for b in (0.25, 0.5, 0.75)]
+    top, width = packing.statistics["surface"], packing.domain.upper[0]
+    spots = [(a * width, a * width, b * top) for a in (0.25, 0.5, 0.75) for b in (0.25, 0.5, 0.75)]
     return [int(np.argmin(((packing.position - spot) ** 2).sum(axis=1))) for spot in spots]
 
 
@@ -105,7 +116,7 @@ def one_velocity(packing: Any, U: float) -> dict[str, Any]:
         "U": U,
         "coordination": glass.coordination,
         "porosity": float(glass.eps.mean()),
-        "pressure_drop": float(np.mean(drops)),
+        "pressure_drop/weight": float(np.mean(drops)) / weight(packing),
         "height": float(np.mean(heights)),
         "cases": {name: average.bed_means() for name, average in averages.items()},
         "radiation": {f"{T:g}": average.bed_means()["radiation"] for T, average in radiation.items()},
@@ -131,7 +142,6 @@ def minimum_fluidization(packing: Any, drag: Any) -> tuple[list[Any], float, flo
     The velocity by Ergun [m/s] and the porosity of the bed that has come to rest follow.
     """
     run = bed(packing, 1.6, drag, gas_step=2e-4)
-    weight = COUNT * np.pi / 6 * D**3 * 2500.0 * 9.81 / WIDTH**2
     run.run(0.3)
     rows = []
     for U in np.arange(1.5, 0.55, -0.1):
@@ -139,12 +149,13 @@ def minimum_fluidization(packing: Any, drag: Any) -> tuple[list[Any], float, flo
         run.run(0.06)
         drops = []
         run.run(0.06, 2e-3, lambda now, drops=drops: drops.append(now.gas.pressure_drop))
-        rows.append((float(U), float(np.mean(drops)) / weight))
+        rows.append((float(U), float(np.mean(drops)) / weight(packing)))
     U, ratio = np.array(rows).T
     packed = ratio < 0.8
     power, level = np.polyfit(np.log(U[packed]), np.log(ratio[packed]), 1)
     # of the bed as it lies when it has come to rest again
-    eps = 1 - COUNT * np.pi / 6 * D**3 / (WIDTH**2 * surface(run.simulation.position, run.simulation.radius))
+    height = surface(run.simulation.position, run.simulation.radius)
+    eps = 1 - weight(packing) / (GLASS.density * 9.81 * height)
     return rows, float(np.exp(-level / power)), reference(eps), eps
 
 
@@ -196,12 +207,11 @@ def table(velocities: list[dict[str, Any]]) -> Table:
         "total 30 E=10 MPa c=1": "30 at 10 MPa, no correction",
         "total 30 exponents 1/3 1/5": "30, exponents 1/3 and 1/5",
     }
-    weight = COUNT * np.pi / 6 * D**3 * 2500.0 * 9.81 / WIDTH**2
     out = []
     for row in velocities:
         cases = row["cases"]
         values = {"U [m/s]": f"{row['U']:g}", "porosity": row["porosity"], "coordination": row["coordination"]}
-        values |= {"pressure drop/weight": row["pressure_drop"] / weight, "h_convection": cases["0.84"]["convection"]}
+        values |= {"pressure drop/weight": row["pressure_drop/weight"], "h_convection": cases["0.84"]["convection"]}
         for k in COLOURS:
             parts = ("fluid_touching", "fluid_apart", "contact", "impact")
             values |= {f"{name} {k}": cases[k][name] for name in parts} | {f"total {k}": sum(cases[k].values())}
