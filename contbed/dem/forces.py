@@ -84,7 +84,7 @@ def pair_forces(block: int, side: Side, sums: Sums, laws: Laws, step: float, dt:
             sums.gained[i] = 0.0
     if equal:
         for k in range(BATCH):
-            _set_constants(b, k, 0, 0, side.spheres, laws.pairs)
+            _set_constants(b, k, np.uint64(0), np.uint64(0), side.spheres, laws.pairs)
     touch2 = 4.0 * radius[0] * radius[0]
     for zone in range(2):
         base = block * (pairs.room[0] + pairs.room[1]) + zone * pairs.room[0]
