@@ -14,8 +14,9 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+from numba import njit
+
 from contbed.closures.binding import BoundClosure, Function
-from contbed.compiling import entry
 
 
 @cache
@@ -24,7 +25,7 @@ def compiled(function: Function) -> Function:
     known = function.__globals__
     called = {name: compiled(known[name]) for name in function.__code__.co_names if hasattr(known.get(name), "sheet")}
     plain = FunctionType(function.__code__, known | called, function.__name__, function.__defaults__)
-    return entry(error_model="numpy")(plain)
+    return njit(plain, error_model="numpy")
 
 
 def own_values(closure: BoundClosure | None) -> tuple[float, ...]:
@@ -87,7 +88,7 @@ def _kernel(template: Function, key: str, uses: Any, constants: Any) -> Function
         functions = {name: use.compile() if isinstance(use, Face) else compiled(use) for name, use in uses}
         plain = FunctionType(template.__code__, template.__globals__ | functions | dict(constants), template.__name__)
         plain.__qualname__ = f"{template.__qualname__}_{key}"  # names the entry on disk
-        _kernels[template, key] = entry(cache=True, nogil=True)(plain)
+        _kernels[template, key] = njit(plain, cache=True, nogil=True)
     return _kernels[template, key]
 
 
@@ -103,7 +104,7 @@ def _compiled_face(function: Function | None, source: str) -> Function:
     if function is not None:
         known["closure"] = compiled(function)
     exec(source, known)
-    return entry(error_model="numpy")(known["face"])
+    return njit(known["face"], error_model="numpy")  # type: ignore[no-any-return]
 
 
 @cache

@@ -119,7 +119,7 @@ def pair_forces(block: int, side: Side, sums: Sums, laws: Laws, step: float, dt:
 
 
 @inner(error_model="numpy", fastmath=set(FAST), forceinline=True)
-def _set_constants(b: Array, k: int, i: int, j: int, spheres: Spheres, pairs: Table) -> None:
+def _set_constants(b: Array, k: int, i: int | np.uint64, j: int | np.uint64, spheres: Spheres, pairs: Table) -> None:
     radius, mass = spheres.radius, spheres.mass
     pair = pairs[spheres.material[i], spheres.material[j]]
     b[TOUCH + k] = radius[i] + radius[j]

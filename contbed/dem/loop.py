@@ -46,7 +46,7 @@ class Outcome(NamedTuple):
 
 
 @inner(error_model="numpy", nogil=True)
-def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int, blocks: Blocks) -> None:
+def _advance(block: int, side: Side, sums: Sums, interval: Interval, phase: int | np.int64, blocks: Blocks) -> None:
     """Take both half kicks of velocity Verlet, and move: after the second half of a step comes the first of the next.
 
     First what other blocks and external forces give is added to the sums, and the heat to the temperatures. `largest`

@@ -35,7 +35,7 @@ class Cells(NamedTuple):
     inner: Indices
     cube: Indices
     cubes: Indices
-    bits: int
+    bits: int | np.int64
 
 
 @inner(nogil=True)
@@ -74,7 +74,7 @@ def _bits(count: int) -> int:
 
 
 @inner(nogil=True)
-def _numbered(origin: Array, size: Array, count: Indices, bits: int) -> Cells:
+def _numbered(origin: Array, size: Array, count: Indices, bits: int | np.int64) -> Cells:
     """Give numbers to the cells of a cube, and to the cubes, along Morton curves."""
     inner, cubes = np.zeros((3, 1 << CUBE), np.int64), np.empty(3, np.int64)
     place = 0
